@@ -390,7 +390,7 @@ static int compare_names(const void *a, const void *b)
     return strcmp((*one)->name, (*other)->name);
 }
 
-/* What tells objects of one name apart. */
+/* The words that tell objects of one name apart. */
 static void set_prefixes(const char **out, const conus_atlas *atlas, const conus_object *const *named, size_t count)
 {
     static const char *const words[2][3] = {{"", "left", "right"}, {"area", "left area", "right area"}};

@@ -47,8 +47,8 @@ struct conus_atlas {
     size_t object_count;
     struct name_set taken; /**< Names of the first objects after the areas, as far as bundles searched them. */
     size_t area_count;     /**< The first so many objects are areas.                                   */
-    uint32_t first_pair;   /**< Areas from this number on stand for pairs of a left and a right area, whose parents they
-                                are (atlas/areas/hemispheres.c); 0 = there are none. */
+    uint32_t first_pair;   /**< Areas from this number on are pairs: each is the parent of a left and a right area
+                              (atlas/areas/hemispheres.c). 0 = there are none. */
     conus_hemispheres hemispheres; /**< As conus_atlas_set_hemispheres() left them.                   */
     uint32_t half_step; /**< Labels of left halves are the area's label plus this, those of right ones plus twice this;
                              0 = no area is cut in halves. */
@@ -86,7 +86,7 @@ struct labelled_volume {
     bool is_joined;              /**< The labels come from several files, of which info->path is the first. */
 };
 
-/** The same from @p count volumes of which no two have a label in common. Areas are numbered volume by volume, those
+/** Likewise from @p count volumes, no two of which have a label in common. Areas are numbered volume by volume, those
  * without voxels with the first. Of equally near areas the earlier volume's comes first. */
 conus_status atlas_create_of(conus_atlas **out, struct labelled_volume *volumes, size_t count,
                              const struct label_table *table, const char *label_source, struct notes *notes);

@@ -35,7 +35,7 @@ static conus_status find_rest(struct tract_group *out, const struct tractogram *
     return CONUS_OK;
 }
 
-/* Appends them as the last group, which has no name yet, unless there are none. */
+/* Appends these streamlines as the last group, which has no name yet, unless there are none. */
 static conus_status group_rest(struct tractogram *tractogram)
 {
     struct tract_group rest = {0};

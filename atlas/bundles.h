@@ -8,8 +8,8 @@
 /** object_place.group of a bundle of all streamlines of its tractogram. */
 #define BUNDLE_OF_ALL SIZE_MAX
 
-/** Grows the tree of the checked @p tractogram. If it has groups, appends one of the streamlines that are in none,
- * without a name, unless there are none. On failure it may have its tree. */
+/** Grows the tree of the checked @p tractogram. If it has groups, and some streamlines are in none, appends a group of
+ * these, without a name. On failure it may have its tree. */
 conus_status bundles_ready(struct tractogram *tractogram);
 
 /** Makes the checked @p tractogram ready, unless it is, and appends it to @p atlas, with one bundle called @p name for

@@ -12,9 +12,9 @@
 
 /* The parts of an atlas in its new place, made before anything is changed. */
 struct moved {
-    struct volume *volumes; /* of which only info and voxel_from_world count */
+    struct volume *volumes; /* only info and voxel_from_world count */
     struct mesh *meshes;
-    struct tractogram *tractograms; /* of which only points and trees count */
+    struct tractogram *tractograms; /* only points and trees count */
 };
 
 static conus_status move_mesh(struct mesh *out, const struct mesh *mesh, const double world_from_atlas[16])

@@ -94,7 +94,7 @@ conus_status conus_sites_create(conus_sites **out, const double *points, size_t 
     return CONUS_OK;
 }
 
-/* Whether a voxel of the region has one that is not of it at a face. */
+/* Whether one of a voxel's faces leads out of the region. */
 static bool is_at_border(const conus_roi *roi, const size_t at[3], size_t voxel)
 {
     const size_t *dim = roi->volume.info.dim;

@@ -40,10 +40,10 @@ void site_cubes_finish(struct site_cubes *cubes);
 /** Adds the next site, which is at @p point. */
 void site_cubes_add(struct site_cubes *cubes, const double point[3]);
 
-/** Index of the nearest of them that is nearer than the edge, of equal ones of the first; SIZE_MAX = there is none. */
+/** Index of the nearest site that is nearer than the edge, the first of equally near ones; SIZE_MAX = there is none. */
 size_t site_cubes_nearest(const struct site_cubes *cubes, const conus_sites *sites, const double point[3]);
 
-/** Keeps those that @p is_kept says. */
+/** Keeps the sites for which @p is_kept is true. */
 void sites_filter(conus_sites *sites, bool (*is_kept)(const conus_sites *sites, size_t index, void *user), void *user);
 
 #endif

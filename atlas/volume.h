@@ -146,7 +146,7 @@ static inline uint32_t volume_object(const struct volume *volume, size_t voxel)
                                : volume_object_of(volume, value_map_at(&volume->map, voxel));
 }
 
-/** The object of a voxel that is known to have one. */
+/** The object of a voxel that has one. */
 static inline uint32_t volume_occupant(const struct volume *volume, size_t voxel)
 {
     return volume->step_count == 1 ? volume->steps->number : volume_object(volume, voxel);

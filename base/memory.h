@@ -16,7 +16,7 @@ void *memory_zeroed(size_t count, size_t size);
 /** The same, not zeroed: for big arrays that are written whole. */
 void *memory_raw(size_t count, size_t size);
 
-/** @p size bytes of zeros of which only the parts that are written to take memory: by the system's smallest pages. */
+/** @p size bytes of zeros. Only the parts that are written to take memory: by the system's smallest pages. */
 void *memory_sparse(size_t size);
 
 /** Resizes @p block to @p count elements of @p size bytes; NULL (and @p block as it was) on failure. */

@@ -40,7 +40,7 @@ conus_status name_set_add(struct name_set *set, const char *name, size_t value)
         return CONUS_ERROR_MEMORY;
     }
     set->items[set->count++] = (struct known_name){name, value};
-    size_t length = lowest_bit(set->count); /* the new one, and all runs that are as long as what is behind them */
+    size_t length = lowest_bit(set->count); /* the new name, and all runs as long as those behind them */
     qsort(set->items + set->count - length, length, sizeof *set->items, compare_known);
     return CONUS_OK;
 }

@@ -56,7 +56,7 @@ bool text_field(struct text *rest, char separator, bool *more, struct text *fiel
     return true;
 }
 
-/* Bytes before the mark that closes a text behind its opening one; text.size if there is none. */
+/* Bytes before the closing mark of a text, behind its opening one; text.size if there is none. */
 static size_t quoted_length(struct text text)
 {
     size_t end = 0;

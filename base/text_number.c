@@ -87,7 +87,7 @@ static size_t write_fixed(char *out, double value)
     if (digits >= LIMIT && decimals > 0) {
         digits = scale_exactly(value, --decimals);
     }
-    char text[2 * DIGITS] = {0}; /* all that is copied is of one size, so that it takes no call */
+    char text[2 * DIGITS] = {0}; /* all copies have one size, so that they take no call */
     int length = DIGITS;
     write_digits(text, digits);
     for (; decimals > 0 && text[length - 1] == '0'; decimals--) {

@@ -18,12 +18,12 @@ static bool is_relative(const char *path)
     return path && path[0] != '/';
 }
 
-/* Ahead of the strings of a note. Sizes count a final NUL; a path of 0 is none. */
+/* The head of a note; its strings follow. Sizes count a final NUL; a path of size 0 is NULL. */
 struct heard_head {
     uint64_t severity, path_size, text_size;
 };
 
-static void keep_note(void *user, const conus_note *note)
+static void hear_note(void *user, const conus_note *note)
 {
     struct atlas_cache *cache = user;
     const struct heard_head head = {note->severity, note->path ? strlen(note->path) + 1 : 0, strlen(note->line) + 1};
@@ -99,16 +99,16 @@ static bool is_used(const struct atlas_cache *cache)
     return cache->store.path.size;
 }
 
-void atlas_cache_watch(struct atlas_cache *cache)
+void atlas_cache_begin_reading(struct atlas_cache *cache)
 {
     if (is_used(cache)) {
-        cache->options.log = keep_note;
+        cache->options.log = hear_note;
         cache->options.log_user = cache;
         file_trace_begin(&cache->trace);
     }
 }
 
-void atlas_cache_watched(struct atlas_cache *cache)
+void atlas_cache_end_reading(struct atlas_cache *cache)
 {
     if (is_used(cache)) {
         file_trace_end(&cache->trace);
@@ -137,7 +137,8 @@ static bool map_points(conus_atlas *atlas, const struct cache_part *bytes)
     return fits;
 }
 
-conus_atlas *atlas_cache_find(struct atlas_cache *cache)
+/* The atlas, mapped from its entry; `log`, unless NULL, hears its notes. NULL where no entry may be believed. */
+static conus_atlas *find_entry(struct atlas_cache *cache, conus_log log, void *user)
 {
     struct cache_mapping mapping = {0};
     conus_atlas *atlas = NULL;
@@ -158,8 +159,13 @@ conus_atlas *atlas_cache_find(struct atlas_cache *cache)
     }
     atlas->mapped = mapping.memory;
     atlas->mapped_size = mapping.size;
-    atlas_cache_tell(notes->data, notes->size, cache->given->log, cache->given->log_user);
+    atlas_cache_tell(notes->data, notes->size, log, user);
     return atlas;
+}
+
+conus_atlas *atlas_cache_find(struct atlas_cache *cache)
+{
+    return find_entry(cache, cache->given->log, cache->given->log_user);
 }
 
 /* A folder that stands for a manifest has no bytes of its own. */
@@ -168,9 +174,9 @@ static bool was_watched(const struct file_trace *trace, const char *path)
     return !path || !*path || path[strlen(path) - 1] == '/' || file_trace_find(trace, path);
 }
 
-/* Whether the trace has all files that the atlas says it was read from: a reader that asks behind the trace's back is
- * found out. Volumes that were resampled, and surfaces around the areas, have something that packing leaves out. */
-static bool may_be_kept(const conus_atlas *atlas, const struct file_trace *trace)
+/* Whether the trace has all files that the atlas says it was read from, so that no reader went past the trace.
+ * Resampled volumes and surfaces around the areas have parts that packing leaves out. */
+static bool can_be_kept(const conus_atlas *atlas, const struct file_trace *trace)
 {
     bool may = file_trace_is_settled(trace) && trace->count && !atlas->context_surface_count;
     for (size_t i = 0; i < atlas->files.count && may; i++) {
@@ -203,7 +209,7 @@ static bool write_atlas(void *user, int file, size_t at)
 void atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas)
 {
     struct buffer trace = {0};
-    if (!is_used(cache) || !may_be_kept(*atlas, &cache->trace)) {
+    if (!is_used(cache) || !can_be_kept(*atlas, &cache->trace)) {
         return;
     }
     enum { LARGE = 4 }; /* an entry that takes such a part of the cache leaves points in their files */
@@ -216,12 +222,8 @@ void atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas)
     if (!buffer_status(&trace) && !cache->heard.failed &&
         cache_store_keep(&cache->store, &entry, write_atlas, &writing)) {
         /* maps what was just written: then the atlas is in memory once, and answers as it will the next time */
-        const struct conus_load_options *given = cache->given;
-        const struct conus_load_options silent = {0};
         cache->store.written = entry.trace;
-        cache->given = &silent; /* who listens has heard the notes */
-        conus_atlas *mapped = atlas_cache_find(cache);
-        cache->given = given;
+        conus_atlas *mapped = find_entry(cache, NULL, NULL); /* the notes were heard while the files were read */
         cache->store.written = (struct cache_part){0};
         if (mapped) {
             conus_atlas_destroy(*atlas);

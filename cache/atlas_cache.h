@@ -31,13 +31,14 @@ void atlas_cache_finish(struct atlas_cache *cache);
 conus_atlas *atlas_cache_find(struct atlas_cache *cache);
 
 /** Begins and ends the part of the load that reads files. */
-void atlas_cache_watch(struct atlas_cache *cache);
-void atlas_cache_watched(struct atlas_cache *cache);
+void atlas_cache_begin_reading(struct atlas_cache *cache);
+void atlas_cache_end_reading(struct atlas_cache *cache);
 
 /** Keeps the atlas that was loaded between the two, and maps it in the place of the loaded one. */
 void atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas);
 
-/** Whether all @p size bytes are the notes of an entry; @p log, unless NULL, hears those ahead of what is none. */
+/** Whether all @p size bytes are the notes of an entry; @p log, unless NULL, hears the notes before the first damaged
+ * one. */
 bool atlas_cache_tell(const uint8_t *notes, size_t size, conus_log log, void *user);
 
 #endif

@@ -18,7 +18,7 @@
 
 struct conus_cache {
     struct buffer folder;
-    struct conus_cache_entry *entries; /* whose strings are owned, but for the kind */
+    struct conus_cache_entry *entries; /* its strings are owned, except the kind */
     size_t count, capacity;
     const char *problem; /* why nothing is kept; NULL = there is none */
     bool theirs;         /* the problem is that others own the folder or can write to it */

@@ -20,9 +20,9 @@ static conus_status find_or_load(conus_atlas **out, const char *path, const char
     atlas_cache_init(&cache, path, kind, options);
     conus_atlas *atlas = atlas_cache_find(&cache);
     if (!atlas) {
-        atlas_cache_watch(&cache);
+        atlas_cache_begin_reading(&cache);
         status = load(&atlas, path, &cache.options);
-        atlas_cache_watched(&cache);
+        atlas_cache_end_reading(&cache);
         if (!status) {
             atlas_cache_keep(&cache, &atlas);
         }

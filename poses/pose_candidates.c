@@ -144,7 +144,7 @@ static conus_status tilt_pose(conus_pose *pose, const struct pose_candidates *ca
     return conus_pose_along(pose, m + 12, direction, NULL);
 }
 
-/* "e412-t77": parts of which there is one are left out, but not all of them. */
+/* Writes "e412-t77": leaves out parts that can only be 1, but not all of them. */
 static void write_id(char out[POSE_CANDIDATE_ID], const struct pose_candidates *candidates, const uint64_t numbers[4])
 {
     const uint64_t counts[4] = {candidates->asked.entry_count, candidates->asked.target_count,

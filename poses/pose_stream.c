@@ -87,7 +87,7 @@ static conus_pose_format guess_format(struct text text, bool all, size_t *used)
     const char *end = text.data + text.size;
     struct text line;
     bool is_hdf5 = hdf5_is((const uint8_t *)text.data, text.size);
-    if (matlab_is(text) || is_hdf5) { /* which program's MATLAB is found when all of it is read */
+    if (matlab_is(text) || is_hdf5) { /* which program wrote it is known when all of it is read */
         *used = 0;
         return matlab_is(text) ? CONUS_POSE_FORMAT_SIMNIBS : CONUS_POSE_FORMAT_NWB;
     }

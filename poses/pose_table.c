@@ -206,7 +206,7 @@ static const char *column_meant(const struct pose_table *table, struct text fiel
     return meant;
 }
 
-/* Which columns there are, and what might have been meant by those that are not known; or these only. */
+/* Lists the columns, with suggestions for unknown ones; or the unknown ones only. */
 static conus_status list_columns(struct buffer *out, const struct pose_table *table, struct text line, bool known)
 {
     enum { SHOWN = 20 };

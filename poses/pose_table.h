@@ -10,7 +10,7 @@
 enum {
     POSE_COLUMNS = 41,
     POSE_COLUMN_LIMIT = 1000,
-    POSE_NAME_SIZE = POSE_ID_LIMIT + 1 /**< One byte more than is allowed, so that more is seen. */
+    POSE_NAME_SIZE = POSE_ID_LIMIT + 1 /**< A byte more than allowed, to notice longer names. */
 };
 
 /** The columns that a table's header names. */

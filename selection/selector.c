@@ -57,7 +57,7 @@ static bool holds_middle(const struct mesh *outer, const struct mesh *inner)
     return true;
 }
 
-/* Whether it is a mesh within that of an area above it that is reported as the same. */
+/* Whether the mesh lies in the mesh of an area above it that is reported as the same one. */
 static bool lies_in_mesh(const conus_selector *selector, uint32_t number)
 {
     const conus_atlas *atlas = selector->atlas;
@@ -82,7 +82,7 @@ static conus_status measure_objects(conus_selector *selector)
     }
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
         const conus_object *object = &atlas->objects[number - 1];
-        bool unknown = object->triangles && object->volume_mm3 == 0; /* and so is that of what it is a part of */
+        bool unknown = object->triangles && object->volume_mm3 == 0; /* so is the volume of an area above it */
         if (!atlas->places[number - 1].is_hidden && !lies_in_mesh(selector, number)) {
             selector->whole[level_group(selector->level)[number]] += unknown ? NAN : object->volume_mm3;
         }

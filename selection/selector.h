@@ -27,7 +27,7 @@ struct conus_selector {
     struct aperture aperture;
     struct tally tally;           /**< Prepared for the atlas's objects. */
     size_t volume_count;          /**< The atlas's, which may be gone before the selector. */
-    struct census_labels *labels; /**< [volume_count], those of all that share them. */
+    struct census_labels *labels; /**< [volume_count], shared by all selectors that share the atlas's labels. */
     struct census census;
     struct near near;
     struct tract_index *tract_index; /**< NULL until selector_prepare_tracts(), and without bundles. */

@@ -54,7 +54,7 @@ static int answer_table(const struct batch_settings *settings, const struct argu
     return is_signal(last) ? last : code;
 }
 
-/* A file of rows of one batch, and what is in it: answers where that is NULL. */
+/* An output file of one batch, and the kind of its rows; NULL = answers. */
 struct batch_output {
     const char *path;
     const struct rows_kind *kind;
@@ -86,7 +86,7 @@ static bool outputs_differ_from(const struct batch_output *one, const struct bat
     return !shared;
 }
 
-/* Several are of as many runs over the same poses. */
+/* Checks several outputs: each one is a run of its own over the same poses. */
 static bool check_outputs_differ(const struct batch_output *outputs, size_t count, const char *poses)
 {
     for (size_t i = 1; i < count; i++) {

@@ -16,8 +16,8 @@ struct batch_jobs {
     size_t count;
 };
 
-/** Parses a table, @p size bytes at @p text and a NUL behind them, which are taken over in any case; @p path is for
- * messages. Returns the exit code and prints an error unless it is 0; then there is nothing to finish. */
+/** Parses a table of @p size bytes at @p text, with a NUL behind them. It takes @p text over in any case; @p path is
+ * for messages. Returns the exit code and prints an error unless it is 0; then there is nothing to finish. */
 int batch_jobs_parse(struct batch_jobs *out, const char *path, char *text, size_t size);
 void batch_jobs_finish(struct batch_jobs *jobs);
 

@@ -19,7 +19,7 @@ struct batch_record {
     uint32_t crc;                  /**< CRC-32 of the file's bytes. */
     const char *pose_file;         /**< As given; NULL = as the sidecar says already, */
     const char *pose_hash;         /**< its SHA-256, "" of standard input, */
-    const char *coordsystem;       /**< The file that says what its positions are in; "" = none, */
+    const char *coordsystem;       /**< The file that gives units and space of its positions; "" = none, */
     const char *coordsystem_hash;  /**< its SHA-256, */
     const char *level_file;        /**< The list of areas, "--level @FILE"; NULL = none. */
     double angle;                  /**< and the angle of poses without one, degrees; */

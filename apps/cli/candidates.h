@@ -41,8 +41,8 @@ int candidates_parse(struct candidates *out, const struct candidate_settings *se
                      const struct arguments *arguments);
 void candidates_finish(struct candidates *candidates);
 
-/** Opens the stream request->stream, once there is a selector; targets are of the first reach, if they name no other
- * structure. Likewise. */
+/** Opens request->stream, once there is a selector. Targets lie in the structure of the first --reach, if they name no
+ * other one. Returns the exit code likewise. */
 int candidates_open(struct candidates *candidates, struct request *request, const struct constraints *constraints);
 
 /** The files that the candidates come from, as inputs of the answer. */

@@ -64,16 +64,6 @@ static int answer_poses(struct batch_task *task)
     return delivery.code ? delivery.code : signal ? batch_task_interrupted(task, signal) : EXIT_DONE;
 }
 
-static int finish_output(struct batch_task *task)
-{
-    int code = batch_task_check_poses(task);
-    if (code) {
-        batch_file_disown(&task->file);
-        return code;
-    }
-    return batch_task_finish_output(task);
-}
-
 static int answer_batch(void *user, const struct batch_settings *settings, const struct arguments *arguments)
 {
     (void)user;
@@ -86,7 +76,13 @@ static int answer_batch(void *user, const struct batch_settings *settings, const
         batch_task_say_errors(&task);
     } else if (!code) {
         code = answer_poses(&task);
-        code = code || !task.output ? code : finish_output(&task);
+        if (!code && task.output) {
+            code = batch_task_check_poses(&task);
+            if (code) {
+                batch_file_disown(&task.file);
+            }
+            code = code ? code : batch_task_finish_output(&task);
+        }
     }
     code = code || !task.file.errors ? code : EXIT_DIFFERENT;
     batch_task_finish(&task);

@@ -94,7 +94,7 @@ static void compare_rows(struct comparison *diff, size_t row, size_t other)
             continue;
         }
         if (conus_column_is_number(name) && number_parse(one, &x) && number_parse(two, &y) &&
-            fabs(x - y) <= diff->tolerance) { /* names that look like numbers are none: "1e1" is not "10" */
+            fabs(x - y) <= diff->tolerance) { /* a name is no number, even if it looks like one: "1e1" is not "10" */
             continue;
         }
         if (!changed) {

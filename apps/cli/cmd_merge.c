@@ -211,7 +211,7 @@ static int check_set(const struct merge *merge)
     return merge->count == first->record.shard.count ? EXIT_DONE : print_missing_shard(merge->count, first);
 }
 
-/* Checks that each shard has the poses that are its own. */
+/* Checks that each shard has its own poses. */
 static int check_poses(struct merge *merge)
 {
     for (size_t i = 0; i < merge->count; i++) {
@@ -299,7 +299,7 @@ static int write_whole(struct merge *merge)
     return code;
 }
 
-/* Whether what is written at `path` would be a shard, or what describes it. */
+/* Whether `path` is this shard or its sidecar: the output must replace neither. */
 static bool is_of(const struct part *part, const char *path)
 {
     return paths_equal(path, part->path) || paths_equal(path, part->sidecar);

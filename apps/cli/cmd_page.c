@@ -110,7 +110,7 @@ static const struct option_group groups[] = {
 struct page {
     const struct page_settings *settings;
     conus_atlas *atlas;
-    char *files[FILE_LIMIT]; /* of the atlas, that which is opened first */
+    char *files[FILE_LIMIT]; /* files of the atlas, the one to open first */
     size_t count;
     size_t folder; /* bytes of the path, with its slash, that all files begin with */
     FILE *out;
@@ -189,7 +189,7 @@ static int list_files(struct page *page, const char *path)
     return EXIT_DONE;
 }
 
-/* Text where < would begin or end what it must not; of an attribute, " and & are none of its own either. */
+/* Writes text into the page. It escapes <, which could end a script or a tag, and in HTML also " and &. */
 static void put_text(FILE *out, const char *text, bool is_json)
 {
     for (; *text; text++) {

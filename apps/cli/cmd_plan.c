@@ -581,7 +581,7 @@ static const struct {
                      {"feasible", offsetof(conus_plan_best, feasible), true},
                      {"candidate", offsetof(conus_plan_best, candidate), false}};
 
-/* The column of what the first reach measures; "reach1" where there is none. */
+/* The column that the first --reach fills; "reach1" without one. */
 static const char *reach_name(const struct constraints *constraints)
 {
     static const char *const names[] = {

@@ -170,7 +170,7 @@ static bool check_format(const struct request *request, const struct query_setti
     return true;
 }
 
-/* Some outputs are of one pose, and --angle is of poses without their own. */
+/* Some outputs need exactly one pose, and --angle needs a pose without an angle of its own. */
 static int check_poses(const struct query_run *run)
 {
     const struct aim_settings *aim = &run->request.settings->aim;
@@ -239,7 +239,7 @@ static conus_status add_axes(const struct query_run *run, size_t index, const st
     return status;
 }
 
-/* Adds a row to each of them that says why there is no answer. */
+/* Adds a row to each file about axes that says why there is no answer. */
 static int refuse_axes(struct query_run *run, const char *id, size_t line, const char *why)
 {
     int code = EXIT_DONE;
@@ -272,8 +272,7 @@ static int add_answer(struct query_run *run, size_t index, const struct query *q
     return status ? print_status(status) : code;
 }
 
-/* Asks all atlases. Where the query itself is at fault, nothing is printed or reported: that is for the caller, and
- * *fault is set. */
+/* Asks all atlases. Where the query itself is wrong, it sets *fault and prints nothing: the caller says so. */
 static int ask_atlases(struct query_run *run, const struct query *query, bool *fault)
 {
     int code = EXIT_DONE;
@@ -435,31 +434,34 @@ static bool is_on_stdout(const char *path)
 }
 
 /* Whether rows about axes take the place of the answer on stdout. */
-static bool is_replaced(const struct query_settings *settings)
+static bool answer_is_replaced(const struct query_settings *settings)
 {
     const char *const *files = settings->axis.files;
     return (is_on_stdout(files[0]) || is_on_stdout(files[1])) && output_is_stdout(settings->request.answer.output);
 }
 
-/* The answer comes last: where it is, all that belongs to it is there, too. */
+/* Writes one of the report's further tables, unless `path` is NULL. */
+static int write_table(const char *path, conus_report *report,
+                       conus_status (*table)(const char **text, size_t *size, conus_report *report))
+{
+    const char *text = NULL;
+    size_t size = 0;
+    conus_status status = path ? table(&text, &size, report) : CONUS_OK;
+    return status || !text ? print_status(status) : output_write(path, text, size);
+}
+
+/* The answer is written last: where it is, all other files are there, too. */
 static int write_all(struct query_run *run)
 {
     const struct query_settings *settings = run->settings;
     const struct request *request = &run->request;
     conus_report *report = request->answerers[0].report;
     struct provenance provenance = {0};
-    const char *text = NULL;
-    size_t size = 0;
-    conus_status status = settings->voxels ? conus_report_voxels(&text, &size, report) : CONUS_OK;
-    int code = text ? output_write(settings->voxels, text, size) : EXIT_DONE;
-    text = NULL;
-    status = status || code || !settings->probes ? status : conus_report_probes(&text, &size, report);
-    code = code || status || !text ? code : output_write(settings->probes, text, size);
-    text = NULL;
-    status = status || code || !settings->coordsystem ? status : conus_report_coordsystem(&text, &size, report);
-    code = code || status || !text ? code : output_write(settings->coordsystem, text, size);
-    if (code || status) {
-        return code ? code : print_status(status);
+    int code = write_table(settings->voxels, report, conus_report_voxels);
+    code = code ? code : write_table(settings->probes, report, conus_report_probes);
+    code = code ? code : write_table(settings->coordsystem, report, conus_report_coordsystem);
+    if (code) {
+        return code;
     }
     request_list_inputs(&provenance, request);
     provenance_add_input(&provenance, settings->probe);
@@ -476,7 +478,7 @@ static int write_all(struct query_run *run)
     }
     code = code ? code : selection_files_write(&run->files, report, &provenance);
     provenance_add_outputs(&provenance, request->arguments);
-    return code || is_replaced(settings)
+    return code || answer_is_replaced(settings)
                ? code
                : answer_write(report, settings->request.answer.output, request->sidecar, &provenance);
 }
@@ -623,7 +625,7 @@ static int answer_query(struct query_run *run)
     return request_code(request, write_all(run));
 }
 
-/* On stdout they have the format of the answer, whose place they take unless -o names it another. */
+/* Starts the files about axes. On stdout they replace the answer and have its format, unless -o names a file for it. */
 static int start_axes(struct query_run *run)
 {
     const struct query_settings *settings = run->settings;
@@ -632,10 +634,10 @@ static int start_axes(struct query_run *run)
     if (is_on_stdout(files[0]) && is_on_stdout(files[1])) {
         return print_usage_error("--segments and --clearance cannot both be on standard output");
     }
-    if (is_replaced(settings) && settings->axis.order) {
+    if (answer_is_replaced(settings) && settings->axis.order) {
         return print_usage_error("--order has no effect without the answer: other rows have but one order");
     }
-    if (is_replaced(settings) && settings->request.answer.sidecar) {
+    if (answer_is_replaced(settings) && settings->request.answer.sidecar) {
         return print_usage_error("--sidecar has no effect without the answer");
     }
     bool answer_has_format = !output_is_stdout(settings->request.answer.output);

@@ -66,7 +66,7 @@ static bool render_pattern_check(const char *pattern)
     return true;
 }
 
-/* Whether there is any such word in it. */
+/* Whether the pattern has any such word. */
 static bool render_pattern_varies(const char *pattern)
 {
     return strstr(pattern, QUERY) || strstr(pattern, ROW);
@@ -372,7 +372,7 @@ static int translucent_find(struct translucent *out, const conus_atlas *atlas,
         code = find_pathway(&out->pathways[i], atlas, texts->items[i]);
         out->pathway_count++;
     }
-    /* An opacity of what has no surface would have no effect. */
+    /* Refuses an opacity where no surface is drawn: it would have no effect. */
     for (size_t i = 0; i < out->pathway_count && !code; i++) {
         uint32_t pathway = out->pathways[i].pathway;
         if (pathway && out->opacity && !isnan(out->opacity[pathway])) {
@@ -563,7 +563,7 @@ static bool has_file(const struct arguments *arguments)
     return option_given(arguments, "pose") || option_given(arguments, "poses");
 }
 
-/* Refuses options about the cone where there is none. */
+/* Refuses options about the cone where no cone is drawn. */
 static bool check_cone(const struct render_settings *settings, const struct arguments *arguments)
 {
     static const char *const more[] = {"angle", "space", "range", "level", "radius", "unselected"};
@@ -828,7 +828,7 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
         view.pale = FAINT;
     }
     if (!view.legend_rows &&
-        option_given(picture->arguments, "legend")) { /* who asks for one gets one without a cone, too */
+        option_given(picture->arguments, "legend")) { /* a legend that was asked for is drawn without a cone, too */
         view.legend_rows = UINT32_MAX;
     }
     if (settings->turn.frames && selection && !option_given(picture->arguments, "legend")) {

@@ -130,7 +130,7 @@ static bool check_kind(const struct sweep *sweep, const struct arguments *argume
     if (sweep->rows != CONUS_ROWS_CHANCES && settings->request.engine.radius > 0) {
         return refuse("--radius makes a cylinder, which has no angle to sweep; it goes with --jitter");
     }
-    /* Which angle admits what depends on no ray: round cones hold what is in them, hidden or not. */
+    /* No ray decides which angle admits an object: a round cone holds what lies in it, hidden or not. */
     const struct option *of_rays = option_with(arguments, OPTION_OF_RAYS);
     if (sweep->rows == CONUS_ROWS_ADMISSIONS && of_rays) {
         return refuse("--%s has no effect without --angles or --jitter", of_rays->name);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The window is a program of its own, so that no other command loads what draws it. */
+/* Starts the window: a program of its own, so that other commands need not load its libraries. */
 #include "cli/commands.h"
 #include "options/messages.h"
 

@@ -141,7 +141,8 @@ static void *run_call(void *user)
     return NULL;
 }
 
-/* Runs the program in a thread with a stack of its own, which hears all signals. False where there can be none. */
+/* Runs the program in a thread with a stack of its own, which receives all signals. False where no thread can be
+ * started. */
 static bool run_on_own_stack(struct call *call)
 {
     pthread_t thread;

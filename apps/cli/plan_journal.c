@@ -16,7 +16,7 @@
 #define FIELD(member) OPTION_AT(struct journal_settings, member)
 
 static const char mark[] = "conus-plan 1 ";
-static const double PAUSE = 1000; /* ms between two times of writing, of which writing takes a twentieth at most */
+static const double PAUSE = 1000; /* ms between two writes; writing takes a twentieth of the time at most */
 
 const struct option journal_options[] = {
     {.name = "shard",
@@ -56,7 +56,7 @@ static char *path_beside(const char *list)
     return asprintf(&path, "%s.journal", list) < 0 ? NULL : path;
 }
 
-/* Behind the first line, of which the last word is their SHA-256, stand the command line and the state. */
+/* The first line ends in the SHA-256 of all that follows: the command line and the state. */
 static bool take_apart(struct journal *out, size_t size)
 {
     char sum[SHA256_TEXT];
@@ -93,7 +93,7 @@ static int load(struct journal *out, const char *list)
     return code;
 }
 
-/* Whether there is a file that begins as journals do, or another one. */
+/* Whether there is a file; *is_other: it does not begin as journals do. */
 static bool is_there(bool *is_other, const char *path)
 {
     char begin[sizeof mark] = "";
@@ -199,7 +199,7 @@ static int identify(struct plan_journal *out, const struct request *request, con
     return code;
 }
 
-/* Has the plan take over what a journal knows, if it is of the same plan; `end` is the row behind. */
+/* Gives the plan the state in a journal, if it is of the same plan; `end` is the row behind the last one tried. */
 static int take_over(uint64_t *end, conus_plan *plan, const struct journal *journal, const struct plan_journal *own,
                      const char *list)
 {

@@ -42,7 +42,7 @@ int plan_journal_open(struct plan_journal *journal, conus_plan *plan, const stru
 /** Writes it, if it is time or @p now. */
 int plan_journal_write(struct plan_journal *journal, conus_plan *plan, bool now);
 
-/** After the list is written: removes it, unless it is of a shard or to be resumed again. */
+/** To be called after the list is written. Removes the journal, unless a shard or a later --resume needs it. */
 void plan_journal_end(const struct plan_journal *journal);
 void plan_journal_finish(struct plan_journal *journal);
 

@@ -119,7 +119,7 @@ static bool read_word(struct cut_word *out, const char *word, const struct cut_w
                   word);
 }
 
-/* Fills [CUT_LIMIT + 1] words. How many there are; 0 with a message for what is none. */
+/* Fills [CUT_LIMIT + 1] words and gives their number; 0, with a message, where one is unknown. */
 static size_t read_words(struct cut_word *out, const char *text)
 {
     size_t count = 0;

@@ -96,8 +96,8 @@ void request_finish(struct request *request);
  * among them, and none is there already, unless --force is given. */
 int request_check_outputs(const struct request *request, const char *matrix);
 
-/** Adds what was asked, answers about a cone or cylinder, and what was read besides the atlases: the poses, their
- * coordinate system, the areas of --level. */
+/** Adds the question (answers about a cone or cylinder) and the inputs besides the atlases: the poses, their coordinate
+ * system, the areas of --level. */
 void request_list_inputs(struct provenance *out, const struct request *request);
 
 /** The options of the library for the file of poses. */
@@ -126,7 +126,7 @@ int request_start_without_rays(struct request *request, const conus_report_optio
 /** Counts a pose for each atlas, among those whose notes request_say_aims() prints. */
 void request_count_pose(struct request *request, size_t line, const conus_pose *pose, double angle);
 
-/** Counts a point for each atlas, among the same. */
+/** Counts a point for each atlas, likewise. */
 void request_count_point(struct request *request, size_t line, const double point[3], double radius);
 
 /** The row's angle, radians; without one that of --angle. */

@@ -17,15 +17,6 @@ struct walk {
     size_t depth;
 };
 
-static H5O_info_t info_of(const char *path, hid_t object)
-{
-    H5O_info_t info;
-    if (H5Oget_info2(object, &info, H5O_INFO_BASIC) < 0) {
-        refuse_damaged(path, "read it");
-    }
-    return info;
-}
-
 static void write_object(const struct walk *walk, hid_t object, const H5O_info_t *info);
 static void visit(struct walk *walk, hid_t object, const char *pattern);
 static hid_t open_path(const struct walk *walk, hid_t group, const char *path, int *soft);
@@ -57,7 +48,7 @@ static hid_t open_link(const struct walk *walk, hid_t group, const char *name, i
     return open_path(walk, target[0] == '/' ? walk->file : group, target, soft);
 }
 
-/* Takes the next name off a path; false where there is none. "." and empty names say nothing. */
+/* Takes the next name off a path; false at its end. "." and empty names are passed over. */
 static bool take_name(char name[HDF5_NAME_LIMIT + 1], const char **path)
 {
     size_t length;
@@ -153,7 +144,10 @@ static void visit_group(struct walk *walk, hid_t group, const H5O_info_t *info, 
 /* Writes the object if the pattern ends here, and goes on into groups where it does not. */
 static void visit(struct walk *walk, hid_t object, const char *pattern)
 {
-    H5O_info_t info = info_of(walk->path, object);
+    H5O_info_t info;
+    if (H5Oget_info2(object, &info, H5O_INFO_BASIC) < 0) {
+        refuse_damaged(walk->path, "read it");
+    }
     if (!*pattern || strcmp(pattern, "/**") == 0) {
         write_object(walk, object, &info);
     }

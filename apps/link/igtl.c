@@ -96,8 +96,8 @@ static void add_columns(struct igtl_reader *reader, struct igtl_poses *poses, co
     add_pose(reader, poses, name, conus_pose_from_matrix(&pose, matrix) ? NULL : &pose);
 }
 
-/* Senders differ in how well they normalise (the protocol's own example sends lengths of 0.88); far from a unit it is
- * no rotation any more. @p q is x, y, z, w. */
+/* Senders differ in how well they normalise: the protocol's own example has lengths of 0.88. A quaternion far from unit
+ * length is refused. @p q is x, y, z, w. */
 static void add_quaternion(struct igtl_reader *reader, struct igtl_poses *poses, const char *name,
                            const uint8_t *position, const double q[4])
 {
@@ -189,7 +189,7 @@ static size_t type_of(const uint8_t *header)
     return i;
 }
 
-/* Leaves the content: without the extended header before it, and the metadata behind it. */
+/* Leaves only the content: cuts the extended header off its front, and the metadata off its end. */
 static bool strip_extended(struct body *body)
 {
     if (body->size < EXTENDED) {

@@ -35,7 +35,7 @@ struct igtl_poses {
     double time_s; /**< The sender's clock, s since 1970; 0 if it has none. */
 };
 
-/** Counts of what was wrong. */
+/** Counts of messages that were refused, by reason. */
 struct igtl_counts {
     uint64_t messages; /**< Whole ones, of any kind.                            */
     uint64_t poses;
@@ -55,8 +55,8 @@ struct igtl_reader {
 /** Hears of each message with poses. */
 typedef void (*igtl_listener)(void *user, const struct igtl_poses *poses);
 
-/** Takes in @p size bytes. False: the stream makes no sense any more (a version that is not 1 or 2, a body beyond
- * IGTL_SKIP_LIMIT), and the connection should be closed. */
+/** Reads @p size bytes. False where the stream is damaged (a version that is not 1 or 2, a body beyond
+ * IGTL_SKIP_LIMIT); close the connection then. */
 bool igtl_read(struct igtl_reader *reader, const uint8_t *bytes, size_t size, igtl_listener listener, void *user);
 
 /** Writes messages of version 1 to @p out; gives their size, or 0 where they do not fit into @p capacity. */

@@ -246,7 +246,7 @@ static void transmit(struct station *station, struct peer *peer)
     }
 }
 
-/* Takes the newest of what is to be sent, unless something is still being sent. */
+/* Prepares the newest message, unless one is still being sent. */
 static void prepare(struct station *station, struct peer *peer)
 {
     pthread_mutex_lock(&station->lock);

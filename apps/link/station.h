@@ -80,7 +80,7 @@ void station_ask(struct station *station, struct station_update *out);
 bool station_wait(struct station *station, uint64_t after, double seconds, struct station_update *out);
 /** Sends what was selected to all: a STRING of JSON and a POINT per contact. A later one replaces one not yet sent. */
 void station_send(struct station *station, const char *json, const struct igtl_point *points, size_t count);
-/** The port that is waited on, once there is one. */
+/** The port on which the station listens, once it does. */
 uint16_t station_port(struct station *station);
 
 #endif

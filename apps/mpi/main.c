@@ -111,8 +111,8 @@ static int share_atlases(struct run *run)
     return code;
 }
 
-/* The poses and the atlases: rank 0 first, so that what is wrong on all ranks is said once; then the first rank of each
- * node; then those that need no atlas of their own. */
+/* Loads poses and atlases in three steps, so that what is wrong on all ranks is said once: rank 0 first, then the first
+ * rank of each other node, then the ranks that map their node's atlas. */
 static int open_batch(struct run *run, const struct batch_settings *settings, const struct arguments *arguments)
 {
     const struct cluster *cluster = run->cluster;
@@ -257,7 +257,7 @@ static int answer_all(struct run *run)
     return code;
 }
 
-/* On all ranks; the exit code is rank 0's, but for what goes wrong elsewhere. */
+/* Runs on all ranks. The exit code is rank 0's, unless another rank fails. */
 static int answer_batch(const struct cluster *cluster, const struct batch_settings *settings,
                         const struct arguments *arguments)
 {

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * One atlas for all ranks of a node. Its first rank packs the atlas that it has loaded into a file that only memory
- * holds (memfd_create); the others map it, and nobody can write to it any more. It is gone with the last process that
- * maps it, however that ends. */
+ * One atlas for all ranks of a node. The first rank packs its atlas into a file in memory (memfd_create); the others
+ * map it. Nobody can write to it then. It is gone with the last process that maps it, however that process ends. */
 #ifndef CONUS_MPI_NODE_ATLAS_H
 #define CONUS_MPI_NODE_ATLAS_H
 

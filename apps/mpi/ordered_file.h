@@ -39,11 +39,12 @@ void ordered_file_stop(struct ordered_file *file, int code);
  * @p is_last this rank takes no more. */
 void ordered_file_write(struct ordered_file *file, uint64_t number, const conus_batch_block *part, bool is_last);
 
-/** On rank 0, which has no part any more: waits until the others have none and all are in the journal, or until all
- * are to stop. */
+/** To be called on rank 0 once it has no part left. Waits until the other ranks have none and the journal has all, or
+ * until all are to stop. */
 void ordered_file_wait(struct ordered_file *file);
 
-/** Closes it; all ranks at once. Gives why all were to stop, or the exit code of what went wrong. */
+/** Closes the file; all ranks call it together. Gives the reason why all were to stop, or the exit code of what failed.
+ */
 int ordered_file_close(struct ordered_file *file);
 
 #endif

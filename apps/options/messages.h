@@ -24,7 +24,8 @@ void messages_unfinished(bool is);
 /** While lines are held, this thread prints none; error_line() has the last one. */
 void messages_hold(bool held);
 
-/** The line that this thread wrote last, without "conus: "; "" if there is none. Until it writes the next. */
+/** The line that this thread wrote last, without "conus: "; "" before the first. It lasts until the thread writes
+ * another. */
 const char *error_line(void);
 
 /** Makes a text harmless for whatever shows it, in place: one line, without control characters. */
@@ -58,7 +59,7 @@ void log_line(void *user, const conus_note *note);
 /** A conus_log that writes notes to stderr. */
 void log_note(void *user, const conus_note *note);
 
-/** The same, of those alone that tell of what looks wrong. */
+/** Likewise, but only of notes that warn that something looks wrong. */
 void log_warning(void *user, const conus_note *note);
 
 /** The name, among those that @p name_at lists up to its NULL, that @p word was most likely meant to be; NULL if none

@@ -59,7 +59,7 @@ enum option_role {
              size_t *: OPTION_CHOICE,                                                                                  \
              const char **: OPTION_TEXT,                                                                               \
              struct option_list *: OPTION_LIST)
-/** The two members of a row that say which field it fills, and so what kind of value it has. */
+/** The two members of a row that say which field it fills, and so the type of its value. */
 #define OPTION_AT(settings, member)                                                                                    \
     .type = OPTION_TYPE(((settings *)NULL)->member), .offset = offsetof(settings, member)
 
@@ -74,7 +74,7 @@ enum option_flags {
     OPTION_OF_RAYS = 1 << 1,      /**< Likewise, nor where no rays are traced. */
     OPTION_OF_ONE_ATLAS = 1 << 2, /**< Excludes --atlas. */
     OPTION_OF_ONE_POSE = 1 << 3,
-    OPTION_IS_PICTURE = 1 << 4, /**< A file that has the command line in it, so that its bytes are not compared. */
+    OPTION_IS_PICTURE = 1 << 4, /**< A file that holds the command line, so its bytes are not compared. */
 };
 
 struct option {
@@ -144,7 +144,7 @@ struct command {
     bool repeats;                        /**< The last operand may stand any number of times. */
     const char *form;                    /**< Text that must follow the operands; may be NULL. */
     const char *description;             /**< Paragraphs for --help. */
-    const char *examples;                /**< Lines for --help, of which -h has the first two. */
+    const char *examples;                /**< Lines for --help; -h shows the first two. */
     const char *see_also;                /**< Lines for --help about other commands; may be NULL. */
     const struct option_group *groups;   /**< Ends with a NULL title. */
     size_t settings_size;                /**< Bytes of the settings that @p run gets, zeroed before parsing. */

@@ -44,7 +44,7 @@ bool output_format(conus_format *out, const char *path);
 /** Whether a format is another program's. */
 bool format_is_foreign(conus_format format);
 
-/** Whether a format is of a probe: the areas along its shanks or at its channels. */
+/** Whether a format is for probes: it lists the areas along their shanks or at their channels. */
 bool format_is_of_probe(conus_format format);
 
 /** The part of @p path behind its last slash; all of it where nothing follows that slash. */
@@ -62,7 +62,7 @@ struct path_place {
     const char *name;       /**< "" of a file, else its name in that folder, else all of the path; within the path. */
 };
 
-/** False where @p path leads to what is no regular file: a device, a pipe, a folder; its place is the path then. */
+/** False where @p path leads to a device, a pipe or a folder; its place is the path then. */
 bool path_find_place(struct path_place *out, const char *path);
 
 /** As strcmp(): an order in which equal places are neighbours. */

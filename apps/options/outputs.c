@@ -58,7 +58,7 @@ bool outputs_differ(const struct outputs *outputs)
     return true;
 }
 
-/* A file that is replaced, where it is written: what is open already is not. */
+/* Whether there is a regular file that would be replaced. One behind an open descriptor would not. */
 static bool is_there(const char *path)
 {
     struct stat info;

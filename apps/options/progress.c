@@ -35,7 +35,7 @@ void progress_start(struct progress *out, enum progress_kind kind, bool quiet, c
                              .started = start,
                              .shown = start};
     if (out->kind == PROGRESS_JSON) {
-        out->shown -= 2 * interval_ms; /* a program hears of the first block at once */
+        out->shown -= 2 * interval_ms; /* a program that reads along gets the first block at once */
     }
     out->on_terminal = is_for_people && isatty(out->to);
     out->in_log = is_for_people && !out->on_terminal && !is_redirected;

@@ -26,11 +26,11 @@ struct progress {
 /** @p quiet: no lines for people. @p what is counted: "poses"; @p total of them, 0 = not known. */
 void progress_start(struct progress *out, enum progress_kind kind, bool quiet, const char *what, uint64_t total);
 
-/** From here on, progress that begins goes to the terminal at @p descriptor, whatever it was asked for, and nowhere
- * where that is none: of a process that answers for another one. */
+/** For a process that answers on behalf of another: from here on, progress goes to the terminal at @p descriptor,
+ * whatever was asked for, and nowhere if that is no terminal. */
 void progress_redirect(int descriptor);
 
-/** Whether anything will be shown, so that it is worth counting what there is to do. */
+/** Whether progress will be shown, so that it is worth counting the work. */
 bool progress_is_shown(const struct progress *progress);
 
 void progress_update(struct progress *progress, uint64_t done, uint64_t errors);

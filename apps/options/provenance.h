@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The facts in a sidecar by which `conus verify` can tell whether a result, its sources and the sidecar itself are as
- * they were: bytes and SHA-256 of the files that were read and written, and a checksum of it all (docs/formats.md). */
+ * The facts in a sidecar by which `conus verify` can tell whether a result, its sources and the sidecar itself are
+ * unchanged: sizes and SHA-256 of the files that were read and written, and a checksum of it all (docs/formats.md). */
 #ifndef CONUS_OPTIONS_PROVENANCE_H
 #define CONUS_OPTIONS_PROVENANCE_H
 
@@ -21,7 +21,7 @@ enum { PROVENANCE_FILES = 12, SHA256_TEXT = 65 };
 struct provenance_output {
     const char *option; /**< "output", "voxels", ... */
     const char *path;   /**< NULL = standard output. */
-    const char *text;   /**< Its future content; NULL = it is there and is read. */
+    const char *text;   /**< Its future content; NULL = the file is there and is read. */
     size_t size;        /**< Bytes of the text. */
 };
 
@@ -47,7 +47,7 @@ struct provenance {
  * memory; the caller frees it. */
 char *provenance_path(const char *output);
 
-/** Adds a file that was read; NULL is none. What is no regular file is listed without a checksum. */
+/** Adds a file that was read, unless it is NULL. Anything but a regular file is listed without a checksum. */
 void provenance_add_input(struct provenance *provenance, const char *path);
 /** Adds a file that was written; without @p text, a NULL path is none. */
 void provenance_add_output(struct provenance *provenance, const char *option, const char *path, const char *text,
@@ -82,7 +82,7 @@ bool provenance_seal(json_t *root);
  */
 bool provenance_checksum(char out[SHA256_TEXT], const json_t *root);
 
-/** Whether the checksum is of this key, to which only conus adds. */
+/** Whether the checksum covers this key, to which only conus adds. */
 bool provenance_is_sealed(const char *key);
 
 /** SHA-256 of bytes and of a file, in hexadecimal. */
@@ -91,8 +91,8 @@ int provenance_hash_file(char out[SHA256_TEXT], const char *path);
 /** The end of a SHA-256 that was begun with sha256_init(). */
 void provenance_hash_finish(char out[SHA256_TEXT], struct sha256_ctx *context);
 
-/** The object that @p text is, of a report in JSON without its rows; NULL where it is none, with *error, which stays as
- * it was without memory. The caller ends it with json_decref(). */
+/** Parses a report in JSON without its rows. Gives the object, which the caller ends with json_decref(). NULL where @p
+ * text is none, with *error; without memory *error stays as it was. */
 json_t *provenance_parse(const char *text, size_t size, json_error_t *error);
 /** The same of a file of at most @p limit bytes; NULL, without a message, where it is none. */
 json_t *provenance_load(const char *path, uint64_t limit);

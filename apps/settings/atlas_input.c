@@ -185,7 +185,7 @@ struct transform_option {
     conus_transform_options options;
 };
 
-/* Takes a key, the text after a comma. False where it is none; then it is a part of the file's name. */
+/* Takes a key, the text after a comma. False where it is no key: then it is a part of the file's name. */
 static bool transform_take_key(struct transform_option *out, const char *key)
 {
     if (strcmp(key, "inverse") == 0 && !out->options.inverse) {
@@ -449,7 +449,7 @@ const char *atlas_name_labels(const struct atlas_name *name, const char *given)
 static int choose_hemispheres(conus_atlas *atlas, const char *path, const struct atlas_settings *settings)
 {
     conus_status status = conus_atlas_set_hemispheres(atlas, (conus_hemispheres)settings->hemispheres);
-    if (status && settings->more.count) { /* which of several atlases has no such hemispheres */
+    if (status && settings->more.count) { /* names the atlas without such hemispheres */
         print_error_line("%s: %s", path, conus_message());
         return exit_code_of(status);
     }

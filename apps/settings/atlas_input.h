@@ -14,8 +14,8 @@ struct atlas_name {
     const char *path;             /**< For conus_atlas_load(). */
 };
 
-/** Finds out what @p text, which must outlive @p out, means: what is there under that path, or else the installed atlas
- * of that name. Returns the exit code and prints an error unless it is 0; @p out is the caller's to finish in every
+/** Finds out what @p text means: a file or folder of that path, or else the installed atlas of that name. @p text must
+ * outlive @p out. Returns the exit code and prints an error unless it is 0; @p out is the caller's to finish in every
  * case. */
 int atlas_name_find(struct atlas_name *out, const char *text);
 void atlas_name_finish(struct atlas_name *name);
@@ -27,15 +27,14 @@ const char *atlas_name_labels(const struct atlas_name *name, const char *given);
  * code and prints an error unless it is 0, or the settings' progress cancelled. */
 int atlas_input_load(conus_atlas **out, const char *path, const struct atlas_settings *settings);
 
-/** Whether @p why is the library's word for what is no atlas, but can be around one. */
+/** Whether @p why is the library's message about an image that is no atlas but may be drawn around one. */
 bool atlas_input_is_image(const char *why);
 
 /** Sets the context, unless @p path is NULL; @p blocks 0 = it does not block. Gives the exit code likewise. */
 int atlas_input_load_context(conus_atlas *atlas, const char *path, double blocks,
                              const struct atlas_settings *settings);
 
-/** Sets each of the files as what is around the areas: a volume in the place of another one, surfaces beside each
- * other. Gives the exit code likewise. */
+/** Sets each file as a context: a volume replaces the one before, surfaces add up. Gives the exit code likewise. */
 int context_choice_load(conus_atlas *atlas, const struct context_choice *choice, const struct atlas_settings *settings);
 
 /** Whether one of the files is no surface. */
@@ -47,8 +46,8 @@ struct input {
     const char *path; /**< NULL = not given. */
 };
 
-/** Names the file @p path, "the label table", if it is one of @p inputs or a file that @p atlas was read from, so that
- * no output overwrites it. NULL if it is none of them. */
+/** Says what the file @p path is to @p atlas, "the label table", if it is one of @p inputs or was read with the atlas:
+ * no output may overwrite it. NULL otherwise. */
 const char *atlas_input_find(const conus_atlas *atlas, const struct input *inputs, const char *path);
 
 #endif

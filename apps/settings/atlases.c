@@ -62,8 +62,8 @@ static bool is_taken(const struct atlases *atlases, size_t end, const char *name
     return taken;
 }
 
-/* Takes `name`, which may be NULL without memory, for atlas `index`; where another has it, with "-2" behind it, and so
- * on. */
+/* Gives atlas `index` the name, or, where another one has it, the name with "-2" behind it, and so on. Takes `name`
+ * over, which is NULL without memory. */
 static bool set_name(struct atlases *atlases, size_t index, char *name)
 {
     char *distinct = name;
@@ -196,7 +196,7 @@ int atlases_check_names(const struct atlases *atlases)
     return code;
 }
 
-/* Whether a header names its space. 0 is unknown, and 2, "aligned to another", says not to what. */
+/* Whether a header names its space. Code 0 is unknown, and code 2, "aligned to another", does not say to which. */
 static bool is_named(const conus_volume_info *info)
 {
     return info && info->space_code != 0 && info->space_code != 2;

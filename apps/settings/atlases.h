@@ -17,7 +17,7 @@ struct named_atlas {
 struct atlases {
     struct named_atlas *items; /**< [count] ATLAS, then those of --atlas. */
     size_t count;
-    bool shares_streamlines;   /**< Those of --streamlines are of every atlas, and in memory once. */
+    bool shares_streamlines;   /**< Every atlas has the bundles of --streamlines; they are in memory once. */
     conus_tractogram **shared; /**< [shared_count] These. */
     size_t shared_count;
 };
@@ -32,16 +32,16 @@ const char *atlases_prefix(char out[ATLAS_PREFIX_SIZE], const struct named_atlas
  * in any case. */
 int atlases_load(struct atlases *out, const char *path, const struct atlas_settings *settings,
                  const struct context_settings *context);
-/** Only finds out what they are called; then each is to be loaded, or put there. Gives the exit code likewise. */
+/** Only finds their names; each atlas is then to be loaded, or put there. Gives the exit code likewise. */
 int atlases_name(struct atlases *out, const char *path, const struct atlas_settings *settings);
 /** Loads those that are not there yet, each with its @p context (NULL = none). --labels, --pathway, --only and --hide
- * are only of the first, and --streamlines, unless they are shared. Gives the exit code likewise. */
+ * apply to the first atlas only; so does --streamlines, unless shared. Gives the exit code likewise. */
 int atlases_load_all(struct atlases *atlases, const struct atlas_settings *settings,
                      const struct context_settings *context);
 void atlases_finish(struct atlases *atlases);
 
-/** Names the file @p path, "the label table", if it is an atlas as given, one of @p inputs, or a file that the atlases
- * were read from, so that no output overwrites it. NULL if it is none of them. */
+/** Likewise as atlas_input_find(), for all atlases: says what the file @p path is to them, "the label table"; NULL if
+ * nothing. */
 const char *atlases_find_input(const struct atlases *atlases, const struct input *inputs, const char *path);
 
 /** Whether a sidecar can hold the names of all files that were read. Returns the exit code and prints an error unless

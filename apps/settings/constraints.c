@@ -90,7 +90,7 @@ static const struct key {
     conus_constraint_kind kind;
     const char *name;
     conus_measure measure;
-    double high; /* of its number, from 0; 0 = it has none */
+    double high; /* highest number allowed, from 0; 0 = the key has none */
     enum { KEY_MEASURE = 0, KEY_PART, KEY_SHANK } sort;
 } keys[] = {
     {CONUS_CONSTRAINT_REACH, "length", CONUS_MEASURE_LENGTH, 1e9, KEY_MEASURE},

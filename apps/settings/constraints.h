@@ -27,8 +27,8 @@ struct constraint_settings {
     const char *shanks;
 };
 
-/** Reads the options, of which there may be none; @p out is the caller's to constraints_finish() in any case. Returns
- * the exit code and prints an error unless it is 0. */
+/** Reads the options about constraints, if there are any. @p out is the caller's to constraints_finish() in any case.
+ * Returns the exit code and prints an error unless it is 0. */
 int constraints_parse(struct constraints *out, const struct arguments *arguments);
 /** Gives the contacts of --contacts, NULL = not given, to the constraints that count them. Likewise. */
 int constraints_take_contacts(struct constraints *constraints, const char *text);

@@ -38,7 +38,7 @@ static const char *threshold_in(const char *words)
     return mark ? mark + strlen(threshold_mark) : words + strlen(words);
 }
 
-/* Whether both say the same, but for the threshold. */
+/* Whether both notes are equal apart from their thresholds. */
 static bool is_same(const char *a, const char *b)
 {
     size_t length = (size_t)(threshold_in(a) - a);

@@ -18,10 +18,9 @@ struct aimed {
     bool is_of_probes;        /**< `found.away` are probes that pass nothing. */
 };
 
-/** Says on stderr, a line for each kind, unless --quiet, what is odd about the poses; and what one of them would hit
- * in another space or unit, if the selector finds that it would. What is the same for all of @p count atlases is said
- * once, what is not ends with the names of those for which it is so. @p file is the poses', NULL = there is one pose.
- */
+/** Prints notes about odd poses on stderr, a line for each kind, unless --quiet; and what one such pose would hit in
+ * another space or unit, if it would hit anything. A note about all @p count atlases is printed once; any other one
+ * ends with the names of its atlases. @p file has the poses, NULL = there is one pose. */
 void aim_notes_say(const struct aimed *aimed, size_t count, const char *file, const struct common_settings *settings);
 
 /** Says the atlas's notes on stderr, unless --quiet. */

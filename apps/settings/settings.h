@@ -101,7 +101,7 @@ int settings_pose_toward(conus_pose *out, const double origin[3], const double t
 int settings_pose(conus_pose *out, const struct aim_settings *settings, const conus_frame *frame,
                   const struct arguments *arguments);
 
-/** The file of areas that --level consists of; NULL if it is none. */
+/** The file of areas that --level names; NULL if it names none. */
 const char *settings_level_file(const struct engine_settings *settings);
 
 /** A number of degrees in radians. */
@@ -153,8 +153,8 @@ int settings_within(double *out, const struct arguments *arguments);
  * 0. */
 int settings_contacts(conus_contacts *out, const char *text);
 
-/** Reads --jitter, DEGREES,MM or, where @p has_needles, the errors of both ends, and checks --samples; prints an error
- * where they are none. */
+/** Reads --jitter (DEGREES,MM or, with @p has_needles, the errors of both ends) and checks --samples; prints an error
+ * where one is wrong. */
 bool settings_jitter(conus_jitter_options *out, const char *text, uint32_t samples, bool has_needles);
 
 extern const struct option space_options[]; /**< space_settings */

@@ -223,7 +223,7 @@ static int read_matrix(double out[16], const char *path)
     return code;
 }
 
-/* Starts the station of an end, if there is one. `options` has its tool, and what else is of this one alone. */
+/* Starts the station of one end, if it has any. `options` has its tool and what only this station needs. */
 static int start_at(struct station **out, const struct end *end, const struct station_settings *settings,
                     const char *world_from_tracker, struct station_options options)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Options of programs that hear from a tracker by OpenIGTLink. */
+/** @file Options of programs that receive poses from a tracker by OpenIGTLink. */
 #ifndef CONUS_SETTINGS_STATION_SETTINGS_H
 #define CONUS_SETTINGS_STATION_SETTINGS_H
 

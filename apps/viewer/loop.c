@@ -34,13 +34,10 @@ void loop_wake(void)
     }
 }
 
-/* Tracker and other devices. */
+/* Lets trackers and other devices move the tools. */
 static void hear_devices(struct window *window)
 {
     uint64_t before = window->inputs.update.number;
-    if (window->inputs.station) {
-        inputs_hear(window->inputs.station, window->viewer, &window->inputs.update);
-    }
     bool aimed = inputs_step(&window->inputs, window->viewer, 1e-3 * clock_ms());
     if (aimed && window->viewer->tools[FIRST_TOOL].pointer == POINT_BY_TRACKER &&
         window->inputs.update.number != before) {
@@ -247,7 +244,7 @@ static bool go_round(struct window *window, struct script *script, int *code)
         return true;
     }
     draw_frame(window);
-    if (window_has_request(window)) { /* what the script says next is of the atlas that was dropped in this round */
+    if (window_has_request(window)) { /* the script's next command is about the atlas that was dropped in this round */
         return true;
     }
     if (acts && script_step(script, window, code)) {

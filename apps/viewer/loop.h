@@ -11,7 +11,7 @@
  * another atlas is wanted: true. */
 bool loop_run(struct window *window, struct script *script, int *code);
 
-/** Makes the loop look again, from any thread. Costs nothing while it has not looked since the last time. */
+/** Wakes the loop, from any thread. Costs nothing while it is awake. */
 void loop_wake(void);
 
 #endif

@@ -118,14 +118,14 @@ static int start_sources(struct window *window, const struct view_settings *sett
     inputs->asked = &settings->station;
     snprintf(inputs->address, sizeof inputs->address, "%s", settings->station.connect ? settings->station.connect : "");
     int code = station_settings_start(&inputs->station, &settings->station);
-    if (window->inputs.station) {
-        station_on_pose(window->inputs.station, loop_wake);
+    if (inputs->station) {
+        station_on_pose(inputs->station, loop_wake);
     }
-    code = code ? code : station_settings_start_second(&window->inputs.second_station, &settings->station);
-    if (window->inputs.second_station) {
-        station_on_pose(window->inputs.second_station, loop_wake);
+    code = code ? code : station_settings_start_second(&inputs->second_station, &settings->station);
+    if (inputs->second_station) {
+        station_on_pose(inputs->second_station, loop_wake);
     }
-    window->inputs.has_second_tool = settings->station.second_tool;
+    inputs->has_second_tool = settings->station.second_tool;
     if (code || !settings->poses || constraints_are_given(settings->arguments) ||
         space_settings_needs_atlas(&settings->space)) {
         return code; /* open.c loads the poses, once it knows the atlas */

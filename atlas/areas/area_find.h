@@ -18,8 +18,8 @@ struct object_index {
 conus_status object_index_init(struct object_index *out, const conus_atlas *atlas);
 void object_index_finish(struct object_index *index);
 
-/** The number of the one object with exactly this name; 0 if there are none or several, or where only the functions
- * below know (another case, an area cut in two). */
+/** The number of the one object with exactly this name. 0 if none or several have it, or if only the functions below
+ * find it (another case, an area cut in two). */
 uint32_t object_index_find(const struct object_index *index, struct text text);
 
 /** The number of the one area whose name, abbreviation or label is @p text (not empty), or else differs from it in case

@@ -29,8 +29,8 @@ void level_destroy(struct level *level);
 /** [object_count + 1] the object as which each is reported; 0 for 0. NULL without a level. */
 const uint32_t *level_group(const struct level *level);
 
-/** The areas of a level that is a list, by number; @p count is 0 for another level. For records of what was asked: a
- * file of areas may change. */
+/** The areas of a level that is a list, by number; @p count is 0 for another level. For records of the question, since
+ * a file of areas may change. */
 const uint32_t *level_areas(const struct level *level, size_t *count);
 
 /** Whether every object is reported as itself, as without a level. */

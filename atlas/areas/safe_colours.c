@@ -183,7 +183,7 @@ static conus_status add_surfaces(struct map *map)
     return status;
 }
 
-/* An area without a shape stands for those below it: it touches what they touch, and what stands for that. */
+/* An area without a shape stands for the areas below it in the tree: it touches what they touch. */
 static bool is_group(const conus_atlas *atlas, size_t number)
 {
     return !atlas->places[number - 1].is_mesh && !atlas_object_volume(atlas, (uint32_t)number);
@@ -260,7 +260,7 @@ static int by_contacts(const void *a, const void *b)
     return one->node < other->node ? -1 : 1;
 }
 
-/* The colour that no area has that is touched: rather a plain one, and of those the one that fewest have. */
+/* Chooses a colour that no touching area has: a plain one first, and among those the one that fewest areas have. */
 static size_t choose(const struct palette *palette, const size_t *near, const size_t *used)
 {
     size_t best = 0;

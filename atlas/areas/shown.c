@@ -197,7 +197,7 @@ static conus_status note_list(void *user, const char *path, const struct bytes *
     return atlas_add_file(naming->atlas, path, content);
 }
 
-/* Hides what @p list names, or everything else, among what is not hidden yet. */
+/* Hides the objects that @p list names, or all others, among those that are not hidden yet. */
 static conus_status hide_list(bool *hidden, conus_atlas *atlas, const char *list, bool others, const char *what)
 {
     struct naming naming = {.atlas = atlas, .named = memory_zeroed(atlas->object_count + 1, sizeof *naming.named)};

@@ -83,7 +83,7 @@ void side_word_drop(struct buffer *out, struct text name, const struct side_word
     while (next < name.size && is_joining(name.data[next])) {
         next++;
     }
-    while (next == end && start && is_joining(name.data[start - 1])) { /* nothing connects it to what follows */
+    while (next == end && start && is_joining(name.data[start - 1])) { /* no separator connects it to the next part */
         start--;
     }
     buffer_append(out, name.data, start);

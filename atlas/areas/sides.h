@@ -19,7 +19,7 @@ struct side_word {
 /** Finds the first such word of @p name that starts at @p from or later. */
 bool side_word_find(struct side_word *out, struct text name, size_t from);
 
-/** Whether it has more than one letter, so that it hardly means anything else. */
+/** Whether the word has more than one letter, so that it hardly means anything else. */
 bool side_word_is_long(const struct side_word *word);
 
 /** Appends @p name with the word's opposite in its place. */
@@ -39,8 +39,8 @@ conus_status hemispheres_pair(uint32_t **out, const conus_atlas *atlas);
  * if they are equal. Nothing if they differ otherwise. */
 void hemispheres_common_name(struct buffer *out, const char *left, const char *right);
 
-/** The power of ten above all labels of areas, with room for three before it; CONUS_ERROR_UNSUPPORTED if there is none.
- */
+/** Finds the power of ten above all labels of areas, with room for three more digits; CONUS_ERROR_UNSUPPORTED if there
+ * is none. */
 conus_status hemispheres_label_step(uint32_t *out, const conus_atlas *atlas);
 
 /** Finds the side of each area by itself: writes 'L', 'R', 'B' or 0, by number, to @p out of [area_count + 1], which is

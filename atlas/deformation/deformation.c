@@ -287,7 +287,7 @@ static void find_image(double out[3], double q[3], const struct deformation *fie
     }
 }
 
-/* Where two layers of the lattice go, of which `far` is the second. */
+/* Finds where two layers of the lattice go; `far` is the second. */
 struct layers {
     struct lattice lattice;
     double (*near)[3]; /* [dim[0] dim[1]] */

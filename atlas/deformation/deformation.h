@@ -73,7 +73,7 @@ enum deformation_found {
     DEFORMATION_LOST,    /**< The search ended inside of the grid: the field folds there, or has no values. */
 };
 
-/** Affines that points go through before the field, and behind it, become parts of the field. */
+/** Makes affines before and after the field a part of the field. */
 void deformation_fold(struct deformation *field, const double before[16], const double after[16]);
 
 /** Finds the world point whose image is @p target: Newton's steps, halved until they come nearer, from the affine near

@@ -100,22 +100,17 @@ static uint32_t place_at(const struct label_voxels *voxels, size_t voxel)
     return voxels->narrow ? voxels->narrow[voxel] : voxels->wide[voxel];
 }
 
-static void set_place(struct label_voxels *voxels, size_t voxel, uint32_t place)
-{
-    if (voxels->narrow) {
-        voxels->narrow[voxel] = (uint16_t)place;
-    } else {
-        voxels->wide[voxel] = place;
-    }
-}
-
 /* The voxel moves from one place to another. */
 static void move_voxel(struct label_voxels *voxels, size_t voxel, uint32_t place)
 {
     voxels->counts[place_at(voxels, voxel)]--;
     voxels->counts[place]++;
     voxels->filled[voxel / LABEL_BLOCK] |= place != 0;
-    set_place(voxels, voxel, place);
+    if (voxels->narrow) {
+        voxels->narrow[voxel] = (uint16_t)place;
+    } else {
+        voxels->wide[voxel] = place;
+    }
 }
 
 void label_voxels_get(uint32_t *out, const struct label_voxels *voxels, size_t first, size_t count)
@@ -334,7 +329,7 @@ conus_status label_coder_init(struct label_coder *coder, size_t count, uint64_t 
     return status ? status : append_label(coder, 0);
 }
 
-/* Places of 2 bytes are not enough any more. */
+/* Changes to wider places: 2 bytes are too few now. */
 static conus_status widen_coder(struct label_coder *coder)
 {
     bool in_place = coder->size / WIDE >= coder->voxels.count;

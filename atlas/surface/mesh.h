@@ -60,8 +60,8 @@ conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh);
  * it, or misses it by less than rounding. In units of @p direction's length. */
 double mesh_distance(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3]);
 
-/** mesh_distance(), and in @p side from which side the ray comes: 1 from that which the triangle faces, -1 from the
- * other, 0 where it runs in the triangle's plane. */
+/** mesh_distance(), and in @p side where the ray comes from: 1 from the side that the triangle faces, -1 from the
+ * other, 0 in the triangle's plane. */
 double mesh_crossing(int *side, const struct mesh *mesh, size_t triangle, const double origin[3],
                      const double direction[3]);
 

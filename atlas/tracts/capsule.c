@@ -19,7 +19,7 @@ static double foot_of(double out[3], const double point[3], const double origin[
     return along;
 }
 
-/* Extends the interval by that of a ball, from whose centre the foot is. */
+/* Extends the interval by that of a ball; `foot` is measured from its centre. */
 static void add_ball(double interval[2], const double foot[3], double along, double radius)
 {
     double away = vec3_length(foot);
@@ -42,10 +42,10 @@ static void cut_by_slab(double interval[2], double height, double slope, double 
     }
 }
 
-/* Extends the interval by that of the cylinder of the unit @p axis, @p length mm long, from whose beginning the foot
- * is. Everything is relative to the foot, where the line is within a radius and a length of the cylinder if it hits it.
- * A direction that is nearly along the axis has few digits across it, but they are the same ones in every term. So the
- * interval is that of a line which differs by rounding. */
+/* Extends the interval by that of a cylinder along the unit @p axis, @p length mm long; `foot` is measured from its
+ * beginning. Everything is relative to the foot: where the line hits the cylinder, it is within a radius and a length
+ * of the foot. A direction nearly along the axis has few digits across it, but every term has the same ones. So the
+ * interval is exact for a line that differs only by rounding. */
 static void add_cylinder(double interval[2], const double foot[3], double along, const double direction[3],
                          const double axis[3], double length, double radius)
 {

@@ -15,8 +15,8 @@
 /** Segments of a run at most, and points from one mark to the next. */
 enum { TRACT_RUN = 7, TRACT_MARK = 64 };
 
-/** Neighbouring segments of a streamline: of the points `point` to `point + segments`. Both ends of a run are points,
- * of which runs that follow each other share one. A streamline of one point is a run of no segment. */
+/** Neighbouring segments of a streamline, between the points `point` and `point + segments`. Runs that follow each
+ * other share a point. A streamline of one point is a run of no segment. */
 struct tract_run {
     uint64_t point;
     uint32_t streamline;

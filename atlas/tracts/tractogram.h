@@ -15,7 +15,7 @@
 #define TRACT_RADIUS 0.5
 #define TRACT_RADIUS_LIMIT 100.0
 
-/** Numbers that a file has of its points or streamlines, by name: FA, say. */
+/** Named numbers in a file, for each point or streamline: FA, say. */
 struct tract_scalar {
     char *name;          /**< Owned; UTF-8, one line.                                                              */
     bool per_point;      /**< Else per streamline.                                                                 */
@@ -51,7 +51,7 @@ struct tractogram {
     double low[3], high[3];   /**< Bounds of all points, world mm; tractogram_grow_tree() fills them in. */
     bool is_ready;            /**< bundles_ready() was there. */
     bool has_borrowed_points; /**< Points (or halves) and the tree's arrays are borrowed and read-only. */
-    bool is_borrowed;         /**< So are the other arrays of numbers. */
+    bool is_borrowed;         /**< The other arrays are borrowed, too. */
     const void *mapped;       /**< The file mapping that has what is borrowed, to be unmapped with it; NULL = none. */
     size_t mapped_size;
     uint64_t file_offset; /**< Where the file `path` has the points as `points` would, but that three more numbers

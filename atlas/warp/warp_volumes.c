@@ -129,7 +129,7 @@ static conus_status init_volume(struct volume *out, const struct volume *old, co
     return CONUS_OK;
 }
 
-/* Fills the voxels from `first` on, of which `nearest` says where in the source they are. */
+/* Fills the voxels from `first` on; `nearest` has their source voxels. */
 static void fill_row(struct volume *volume, const struct volume *old, const struct volume_source *source,
                      uint64_t *counts, const size_t *nearest, size_t first)
 {
@@ -387,7 +387,7 @@ static void exchange(struct volume *volume, struct volume *with)
         memory_free(with->source);
         with->source = old.source;
         old.source = NULL;
-    } else { /* it is a copy of what these arrays are */
+    } else { /* it is a copy of these arrays */
         old.objects16 = NULL;
         old.objects32 = NULL;
         old.values = NULL;

@@ -30,8 +30,8 @@ struct cache_entry {
 /** Where the stamp stands in a file. */
 size_t cache_entry_stamp_at(void);
 
-/** Finds the parts of an entry of @p size bytes. False where the head is none, says another size, or the checksum of
- * all that stands ahead of the packed atlas is another. @p memory is 8-aligned. */
+/** Finds the parts of an entry of @p size bytes. False where the head is damaged or gives another size, or the checksum
+ * of the bytes before the packed atlas differs. @p memory is 8-aligned. */
 bool cache_entry_parse(struct cache_entry *out, const uint8_t *memory, size_t size);
 
 /** Whether the checksum of the packed atlas holds. It is read from one end to the other. */

@@ -58,7 +58,7 @@ conus_status cache_check_limit(void)
                : fail(CONUS_ERROR_ARGUMENT, "$CONUS_CACHE: \"%s\"; allowed is " CACHE_LIMITS, getenv("CONUS_CACHE"));
 }
 
-/* A string and its end, with a mark that tells none from an empty one. */
+/* Appends a string and its end; a mark tells NULL from an empty one. */
 void cache_key_append(struct buffer *key, const char *text)
 {
     buffer_append(key, text ? "=" : "-", 1);
@@ -102,7 +102,7 @@ void cache_store_finish(struct cache_store *store)
     buffer_finish(&store->path);
 }
 
-/* The string of a key that has `before` others ahead of it, NULL where there is none. */
+/* The string of a key behind `before` others, NULL where there is none. */
 static const char *key_string(const uint8_t *key, size_t size, int before)
 {
     for (const uint8_t *end; (end = memchr(key, 0, size)) && end != key; before--) {
@@ -245,7 +245,7 @@ bool cache_store_map(struct cache_mapping *out, const struct cache_store *store)
     return believed;
 }
 
-/* The checksum of what was written, as it is read back. */
+/* The checksum of the written bytes, as they are read back. */
 static bool sum_file(uint32_t *out, int file, size_t at, size_t size)
 {
     enum { CHUNK = 1 << 20 };

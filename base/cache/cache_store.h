@@ -11,8 +11,8 @@
 /** The most that the entries of atlases may have together, in bytes, unless $CONUS_CACHE says otherwise. */
 #define CACHE_LIMIT (UINT64_C(4) << 30)
 
-/** Bytes that may be kept: $CONUS_CACHE, a number with K, M, G or T behind it or none; 0 of "off". False, and 0, where
- * it is neither. */
+/** Bytes that may be kept: $CONUS_CACHE, a number, perhaps with K, M, G or T behind it; "off" is 0. False, and 0, for
+ * any other text. */
 bool cache_limit(uint64_t *out);
 
 /** The values that $CONUS_CACHE may have, for messages. */
@@ -23,7 +23,7 @@ conus_status cache_check_limit(void);
 
 /** An entry that may be there. */
 struct cache_store {
-    struct buffer key;         /**< All that the entry follows from, but for the files. */
+    struct buffer key;         /**< All that decides the entry, except the files. */
     struct buffer path;        /**< The entry's; empty where there is no cache. */
     const char *ending;        /**< The ending of its name, by its kind. */
     uint64_t limit;            /**< Bytes that all entries of its kind may have. */
@@ -31,7 +31,7 @@ struct cache_store {
     struct cache_part written; /**< The trace of an entry that was kept just now: who maps that asks no file again. */
 };
 
-/** Begins the key of what is made of @p path, with this build and machine, and if @p relative with the folder that
+/** Begins the key of an entry made from @p path by this build on this machine; with @p relative it has the folder that
  * paths are relative to. False where nothing may be kept. End it with cache_store_finish() in either case. */
 bool cache_store_begin(struct cache_store *store, const char *ending, const char *path, bool relative);
 
@@ -61,8 +61,8 @@ void cache_mapping_finish(struct cache_mapping *mapping);
 /** Writes the packed part of an entry to @p file, from @p at on. */
 typedef bool cache_writer(void *user, int file, size_t at);
 
-/** Writes @p entry, of which notes, trace and packed.size are set; others of its kind leave if that takes space. False
- * where it was not kept. */
+/** Writes @p entry, whose notes, trace and packed.size are set; removes other entries of its kind if it needs their
+ * space. False where it was not kept. */
 bool cache_store_keep(struct cache_store *store, struct cache_entry *entry, cache_writer *write, void *user);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * Runs a program that links a large library, with limits on memory, processor time and waiting, so that a library that
- * crashes or never ends costs an error line and nothing else. The program has an empty stdin, its input as descriptor
- * 3, no other descriptors, cannot write to files, gains no rights by what it runs, and ends with who asked. */
+ * Runs a program that links a large library, with limits on memory, processor time and waiting. If the library crashes
+ * or never ends, that costs an error line and nothing else. The program has an empty stdin, its input as descriptor 3
+ * and no other descriptors. It cannot write to files, gains no rights, and ends when its parent does. */
 #ifndef CONUS_BASE_CHILD_CHILD_H
 #define CONUS_BASE_CHILD_CHILD_H
 
@@ -42,9 +42,9 @@ conus_status child_find(char **path, const struct child_program *program);
 /** An empty file in memory for a program's input, which shows up as @p name; -1 and errno where there is none. */
 int child_create_input(const char *name);
 
-/** Runs the program to its end. @p rest is what it wrote and `take` did not use, the caller's to finish. Fails with
- * what `take` returns, or with one line about what became of the program: a crash, too much memory or time, what it
- * said on stderr. Whatever it returns, no process is left. */
+/** Runs the program to its end. @p rest gets the output that `take` did not use; the caller's to finish. Fails with the
+ * status of `take`, or with one line about how the program failed: a crash, too much memory or time, its message on
+ * stderr. Whatever it returns, no process is left. */
 conus_status child_run(struct bytes *rest, const struct child_task *task);
 
 #endif

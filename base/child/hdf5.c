@@ -151,7 +151,7 @@ static bool is_name_of(enum hdf5_frame_kind kind, struct text name)
                                       : name.size > 0);
 }
 
-/* The frame at byte `at` of the stream, of which `left` bytes are there. */
+/* Parses the frame at byte `at` of the stream, which has `left` more bytes. */
 static conus_status parse_frame(struct frame *out, const uint8_t *data, size_t at, size_t left)
 {
     if (left < HDF5_FRAME_HEADER_SIZE) {

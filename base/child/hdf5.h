@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * Parts of an HDF5 file, read by the program conus-hdf5 (base/child/child.h): libhdf5 has open errors of memory, so it
- * never sees the memory of who asks. What the program answers is parsed as strictly as a file of a stranger. */
+ * Parts of an HDF5 file, read by the program conus-hdf5 (base/child/child.h). libhdf5 has open errors of memory, so it
+ * runs in a process of its own. Its output is parsed as strictly as a stranger's file. */
 #ifndef CONUS_BASE_CHILD_HDF5_H
 #define CONUS_BASE_CHILD_HDF5_H
 

@@ -43,7 +43,7 @@ static bool read_fully(int descriptor, uint8_t *data, uint64_t from, size_t size
     return true;
 }
 
-/* stat(), which a trace hears of. */
+/* stat(), recorded by a trace. */
 static bool stat_traced(struct stat *info, const char *path)
 {
     bool found = stat(path, info) == 0;
@@ -230,8 +230,8 @@ static int open_temporary(char *temporary, size_t length, const char *path)
     return descriptor;
 }
 
-/* A new file in the folder of `path` without a name: nothing is left of it when the process is killed. -1 where there
- * are none such. */
+/* Opens a new file without a name in the folder of `path`: nothing is left of it when the process is killed. -1 where
+ * the file system has no such files. */
 static int open_nameless(char *folder, const char *path)
 {
     const char *slash = strrchr(path, '/');

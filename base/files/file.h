@@ -56,7 +56,8 @@ void file_close(const struct open_file *file);
 conus_status file_read_open(struct bytes *out, const struct open_file *file, size_t most, uint64_t limit,
                             const char *option);
 
-/** Reads @p size bytes from byte @p from on, all of which the file had when it was opened. Errors as of file_read(). */
+/** Reads @p size bytes from byte @p from on, all within the size that the file had when it was opened. Errors as of
+ * file_read(). */
 conus_status file_read_part(uint8_t *out, const struct open_file *file, uint64_t from, size_t size);
 
 /** Reads the regular file @p path, which may not be larger than @p limit bytes. @p out is the caller's to finish.
@@ -104,7 +105,7 @@ void file_sha256(char out[65], const struct bytes *bytes);
 
 struct sha256_ctx;
 
-/** The same of what was given to @p context, which is as new afterwards. */
+/** The same of all bytes given to @p context, which is as new afterwards. */
 void file_sha256_end(char out[65], struct sha256_ctx *context);
 
 #endif

@@ -29,7 +29,7 @@ conus_status file_sums_add_open(struct file_sums *sums, const struct open_file *
 /** Adds @p path with its sum, unless it is there. */
 conus_status file_sums_put(struct file_sums *sums, const char *path, const char sha256[65]);
 
-/** Appends those of @p from, which is left empty, that are not there. */
+/** Moves the sums of @p from, which is left empty, behind its own, except those it has. */
 conus_status file_sums_move(struct file_sums *sums, struct file_sums *from);
 
 /** Forgets all but the first @p count. */

@@ -24,7 +24,8 @@ void file_trace_finish(struct file_trace *trace)
     *trace = (struct file_trace){0};
 }
 
-/* Takes the strings of `item`, of which NULL stands for want of memory where `given` has one. */
+/* Takes over the strings of `item`. Without memory its path is NULL, or `more` where there was one; then the trace is
+ * broken. */
 static void append_item(struct file_trace *trace, struct traced item, const char *given)
 {
     bool whole = item.path && (item.more || !given) &&
@@ -193,8 +194,8 @@ const struct traced *file_trace_find(const struct file_trace *trace, const char 
 }
 
 /* Whether the file system takes its times from this machine's clock (linux/magic.h, and ZFS and bcachefs). Size, inode,
- * mtime and ctime do not tell a change from none within one step of the clock, so a file must have rested; and how long
- * it has is not known from a server's clock, which may be wrong. */
+ * mtime and ctime do not show a second change within one step of the clock, so a file must have rested for a while. A
+ * server's clock may be wrong, and does not say for how long. */
 static bool has_own_clock(const char *path)
 {
     static const uint64_t magics[] = {0xef53 /* ext2 to ext4 */,
@@ -289,7 +290,7 @@ bool file_trace_holds(const struct file_trace *trace)
 {
     struct file_trace *own = open_trace;
     bool same = !trace->broken;
-    open_trace = NULL; /* what is asked here is nobody's question */
+    open_trace = NULL; /* these questions are not recorded */
     for (size_t i = 0; i < trace->count && same; i++) {
         same = holds(&trace->items[i]);
     }

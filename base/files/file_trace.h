@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A thread's questions to the file system and their answers, so that somebody can find out later whether the
- * answers are still the same: which files were read, which were looked for and are missing, what folders list.
- *
- * A file's answer is its identity: device, inode, size, and the times of its last change. These differ after every
- * change but one: the clock of a file system goes in steps, and what is changed twice within one step looks unchanged.
- * So a trace is settled only if all its files were at rest for a while before it began. */
+/** @file
+ * A thread's questions to the file system and their answers: which files were read, which were looked for and are
+ * missing, what folders list. So it can be found out later whether the answers are still the same. * A file's answer is
+ * its identity: device, inode, size, and the times of its last change. Every change alters one of them, with one
+ * exception: the clock of a file system goes in steps, and a second change within one step goes unnoticed. So a trace
+ * is settled only if all its files were at rest for a while before it began. */
 #ifndef CONUS_BASE_FILE_TRACE_H
 #define CONUS_BASE_FILE_TRACE_H
 
@@ -64,8 +64,7 @@ void file_trace_write(struct buffer *out, const struct file_trace *trace);
 /** The trace of all @p size bytes; false, and nothing to finish, where they are none or there is no memory. */
 bool file_trace_parse(struct file_trace *out, const uint8_t *data, size_t size);
 
-/** @name What those tell who ask; nothing happens on a thread without a trace.
- * @{ */
+/** @name Functions for those who ask the file system; they do nothing on a thread without a trace. @{ */
 struct stat;
 /** @p info is what stat() says of @p path; NULL = it found nothing. */
 void file_trace_path(const char *path, const struct stat *info);

@@ -59,7 +59,7 @@ static uint32_t append_window(struct gzip_indexer *indexer, z_stream *z)
     enum { PACKED = GZIP_INDEX_WINDOW + GZIP_INDEX_WINDOW / 8 };
     uInt size = 0;
     size_t used = 0;
-    uint8_t *window = memory_raw(GZIP_INDEX_WINDOW + PACKED, 1); /* and behind it what it is packed to */
+    uint8_t *window = memory_raw(GZIP_INDEX_WINDOW + PACKED, 1); /* and the packed window behind it */
     indexer->failed = indexer->failed || !window || inflateGetDictionary(z, window, &size) != Z_OK;
     if (!indexer->failed && size) {
         used = libdeflate_deflate_compress(indexer->compressor, window, size, window + GZIP_INDEX_WINDOW, PACKED);
@@ -168,7 +168,7 @@ struct follower {
     uint64_t position; /* in the unpacked file */
     uint64_t packed;   /* of the next byte to read */
     uint32_t sum;      /* of the span so far */
-    bool raw;          /* before the end of the member in which it began, which zlib does not verify */
+    bool raw;          /* before the end of the member in which it began: zlib does not verify such a part */
     z_stream z;
     uint8_t stored[STORED_BLOCK], scratch[SCRATCH];
 };
@@ -178,7 +178,7 @@ static conus_status fail_mismatch(void)
     return fail(CONUS_ERROR_DATA, "gzip: the index does not fit the file");
 }
 
-/* Reads the next packed bytes, of which there are some. */
+/* Reads the next packed bytes, which are there. */
 static conus_status feed(struct follower *follower)
 {
     ssize_t got;

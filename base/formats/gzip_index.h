@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * Places from which a gzip file can be unpacked without what stands before them. A point is where a block of deflate
+ * Points from which a gzip file can be unpacked without the bytes before them. A point is where a block of deflate
  * begins: to go on there takes the position in bits and the window, the 32 KiB that were unpacked before it. The span
- * of a point reaches to the next one, or to the end. A CRC-32 of each span says whether what an index led to is what
- * was unpacked when it was made: then the file had its own checksums verified. */
+ * of a point reaches to the next one, or to the end. A CRC-32 of each span shows whether the bytes that an index leads
+ * to are those that were unpacked when it was made; at that time the file's own checksums were verified. */
 #ifndef CONUS_BASE_FORMATS_GZIP_INDEX_H
 #define CONUS_BASE_FORMATS_GZIP_INDEX_H
 
@@ -11,7 +11,7 @@
 #include "base/formats/gzip.h"
 
 enum {
-    GZIP_INDEX_SPAN = 1 << 20,   /**< Unpacked bytes of a span, at least, but for the last one. */
+    GZIP_INDEX_SPAN = 1 << 20,   /**< Least number of unpacked bytes in a span, except the last. */
     GZIP_INDEX_POINTS = 512,     /**< Spans are longer if there would be more points, but for two. */
     GZIP_INDEX_WINDOW = 1 << 15, /**< Bytes of an unpacked window, at most.                     */
     GZIP_INDEX_LIMIT = 1 << 25   /**< Bytes of an index.                                        */

@@ -15,7 +15,7 @@ enum { JSON_TEXT_MEMORY = 1 << 28 }; /**< Bytes that a text may become. */
  * json_decref(). */
 conus_status json_text_load(json_t **out, struct text text);
 
-/** The text that @p value is; "" where it is none, or NULL. */
+/** The text of @p value; "" where it is no text, or NULL. */
 struct text json_text_of(const json_t *value);
 
 #endif

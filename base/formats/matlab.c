@@ -60,8 +60,8 @@ bool matlab_is(struct text text)
     return text_starts(text, "MATLAB 5.0 MAT-file") || is_level_7(text);
 }
 
-/* Takes an element off: a tag of eight bytes and what it announces, up to the next multiple of eight but for packed
- * ones; or four bytes of both. */
+/* Takes an element off: a tag of eight bytes and its data, padded to a multiple of eight unless they are packed; or
+ * both in eight bytes. */
 static conus_status take_element(struct element *out, struct text *rest, bool swapped)
 {
     if (rest->size < TAG) {
@@ -186,8 +186,8 @@ static conus_status take_values(struct matlab_array *array, struct text *rest)
     return CONUS_OK;
 }
 
-/* Each part is an element of its own, in which at least its tag is. What is in it is parsed in its turn. `names` are
- * those of the fields of a structure. */
+/* Parses each part, an element of its own with at least a tag, in turn. `names` are the names of a structure's fields.
+ */
 static conus_status take_parts(struct matlab *matlab, size_t index, struct text *rest, struct text names)
 {
     struct matlab_array array = matlab->arrays[index];
@@ -546,7 +546,7 @@ static conus_status fill_array(struct matlab *matlab, size_t index)
     return status ? status : array->kind == MATLAB_CELL ? take_cells(matlab, index) : take_numbers(array, object);
 }
 
-/* The variables of the file: what lies in its root, but for MATLAB's own, "#refs#" and "#subsystem#". */
+/* Lists the variables of the file: the members of its root, except MATLAB's own "#refs#" and "#subsystem#". */
 static conus_status add_variables(struct matlab *matlab)
 {
     const struct hdf5_object *object;

@@ -31,7 +31,7 @@ struct matlab_array {
     bool swapped;
     size_t rows, columns;
     size_t count;      /**< rows * columns * ... */
-    struct text name;  /**< Name of a variable, or of the field that it is. */
+    struct text name;  /**< Name of the variable, or of the field. */
     struct text bytes; /**< Values; of an object its class, where that is known. */
     size_t fields;     /**< Fields of a structure. */
     size_t parts; /**< Index in matlab.arrays of the first part: [count] of a cell, [count][fields] of a structure. */
@@ -44,7 +44,7 @@ struct matlab {
     size_t variables;
     struct bytes *unpacked; /**< [variables] of level 5; else NULL. */
     struct hdf5 *hdf5;      /**< The file of level 7.3; else NULL. */
-    size_t most;            /**< Level 7.3: as many arrays there may be, so that none is a part of itself. */
+    size_t most;            /**< Level 7.3: the most arrays there may be, so that none contains itself. */
     uint64_t used, limit;   /**< Bytes of memory. */
 };
 

@@ -160,7 +160,8 @@ static bool widen(struct record *record)
     return true;
 }
 
-/* One that leads somewhere else when a program unpacks it, or that a terminal would not show as it is, is none. */
+/* Refuses names that would lead somewhere else when a program unpacks them, or that a terminal would not show as they
+ * are. */
 static bool is_good_name(struct text name)
 {
     struct text part;
@@ -232,7 +233,7 @@ static conus_status zip_check_header(size_t *at, const uint8_t *data, const stru
     return CONUS_OK;
 }
 
-/* One entry of the directory, of which `rest` is left; *place is where its header begins. */
+/* Reads one entry of the directory, which has `rest` left; *place is where the entry's header begins. */
 static conus_status read_entry(struct zip_entry *out, uint64_t *place, const uint8_t *data, struct text *rest,
                                uint64_t end)
 {

@@ -177,7 +177,7 @@ bool convex_move(struct convex *out, struct convex_stack *stack, const struct co
 struct cut {
     int axis;
     double at;
-    double side; /* 1 keeps what is above, -1 what is below */
+    double side; /* 1 keeps the part above, -1 the part below */
     uint32_t face;
     bool is_crossed; /* The face: here first. */
     double crossing[3];

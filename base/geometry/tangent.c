@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/*
- * The series of the tangent at x / 1024, then ten times tan(2 x) = 2 tan(x) / (1 - tan(x)^2), with numbers of two
- * doubles each (T. J. Dekker, Numerische Mathematik 18, 1971): about 30 digits, of which 16 are left when all is done.
- */
+/* The series of the tangent at x / 1024, then ten times tan(2 x) = 2 tan(x) / (1 - tan(x)^2). Numbers are sums of two
+ * doubles (T. J. Dekker, Numerische Mathematik 18, 1971): about 30 digits, 16 of which are left in the end. */
 #include "base/geometry/tangent.h"
 
 #include <math.h>

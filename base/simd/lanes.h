@@ -385,7 +385,7 @@ static INLINE double least_of_doubles(doubles x)
     return least;
 }
 
-/* The square root, of what is not negative. */
+/* The square root; numbers must not be negative. */
 static INLINE singles root(singles x)
 {
 #if defined(__AVX512F__) && LANES == 16
@@ -562,7 +562,7 @@ static INLINE doubles load_as_doubles(const float *in)
 #endif
 }
 
-/* Writes those of `which` side by side, and anything behind them: LANES numbers in all. Gives how many they are. */
+/* Writes the lanes of `which` side by side, then anything: LANES numbers in all. Gives how many are valid. */
 static INLINE size_t keep_singles(float *out, truths which, singles x)
 {
 #if defined(__AVX512F__) && LANES == 16
@@ -570,7 +570,7 @@ static INLINE size_t keep_singles(float *out, truths which, singles x)
     return (size_t)__builtin_popcount(which);
 #elif defined(__AVX__) && LANES == 8
     static const int32_t order[16][4] = {
-        /* of four, those of which a bit is set come first */
+        /* of four lanes, those whose bit is set come first */
         {0, 0, 0, 0}, {0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {2, 0, 0, 0}, {0, 2, 0, 0}, {1, 2, 0, 0}, {0, 1, 2, 0},
         {3, 0, 0, 0}, {0, 3, 0, 0}, {1, 3, 0, 0}, {0, 1, 3, 0}, {2, 3, 0, 0}, {0, 2, 3, 0}, {1, 2, 3, 0}, {0, 1, 2, 3}};
     const unsigned bits = bits_of(which);

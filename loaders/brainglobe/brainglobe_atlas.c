@@ -32,7 +32,7 @@ conus_status brainglobe_atlas_is(bool *out, const char *folder)
     }
     bytes_finish(&bytes);
     memory_free(path);
-    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* one that cannot be read is nobody's */
+    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* an unreadable one is passed over */
 }
 
 /* "/annotation-sets/NAME/1_2" without its slash, if every part of it goes down. */

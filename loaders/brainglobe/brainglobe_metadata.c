@@ -53,7 +53,7 @@ conus_status brainglobe_metadata_parse(struct brainglobe_metadata *out, struct t
     if (!status && shape && !good) {
         status = fail(CONUS_ERROR_DATA, "shape: three whole numbers above 0 are needed");
     }
-    /* "allen_mouse", in old files with the resolution behind it. A name of another kind is nobody's loss. */
+    /* "allen_mouse"; old files have the resolution behind it. Other names do no harm. */
     const json_t *name = json_object_get(root, "name");
     metadata.is_allen_mouse = json_is_string(name) && text_starts(text_from(json_string_value(name)), "allen_mouse");
     json_decref(root);

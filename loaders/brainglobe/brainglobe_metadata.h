@@ -22,8 +22,8 @@ struct brainglobe_metadata {
  * and a value of another kind than these have, is CONUS_ERROR_DATA: things would lie anywhere. */
 conus_status brainglobe_metadata_parse(struct brainglobe_metadata *out, struct text text);
 
-/** The same of the file metadata.json beside @p path (in it, where it ends in '/'), which joins @p read; *found is
- * false where there is none. */
+/** Likewise for the file metadata.json beside @p path (in it, where it ends in '/'), which joins @p read; *found is
+ * false where there is no such file. */
 conus_status brainglobe_metadata_read(struct brainglobe_metadata *out, bool *found, const char *path,
                                       struct file_sums *read);
 

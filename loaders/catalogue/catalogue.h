@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 
 enum {
-    CATALOGUE_ATLASES = 4096, /**< Atlases of one source; what is behind them is left out, with a note. */
+    CATALOGUE_ATLASES = 4096, /**< At most so many atlases of one source; the others are left out, with a note. */
     CATALOGUE_ENTRIES = 20000 /**< Files and folders that are looked at for one source. */
 };
 
@@ -57,8 +57,9 @@ conus_status catalogue_add(conus_catalogue *catalogue, const struct catalogue_fo
 
 struct catalogue_id catalogue_id_of(const struct stat *info);
 
-/** Lists what is in the folder, sorted, without what is hidden. Nothing of a folder that was listed before, that is
- * none, that cannot be read (a note) or behind a limit (a note). @p out is the caller's to finish, also on failure. */
+/** Lists the entries of the folder, sorted, without hidden ones. The list is empty for a folder that was listed before
+ * or is not there; it is empty, with a note, for one that cannot be read or is beyond a limit. @p out is the caller's
+ * to finish, also on failure. */
 conus_status catalogue_list(struct names *out, conus_catalogue *catalogue, const char *folder);
 
 /** "folder/name", the caller's to memory_free(); NULL without memory. */

@@ -14,8 +14,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/** A rule begins with a variable, which may hold several folders with ':' between them, with "(program)", which is the
- * folder of a program of $PATH, or with "(bg_config.conf)", the folder that BrainGlobe's settings name. */
+/** A rule begins with a variable, whose folders have ':' between them; with "(program)", the folder of a program in
+ * $PATH; or with "(bg_config.conf)", the folder in BrainGlobe's settings. */
 struct place {
     const char *source, *rule;
     struct folder_rule how;

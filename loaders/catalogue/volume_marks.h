@@ -10,9 +10,9 @@
 /** Whether the ending of @p name is that of a volume (of a pair, of the header). */
 bool volume_marks_is_volume(const char *name);
 
-/** Sets @p labels to whether the one volume in the file @p path is taken for labels, and @p spacing to its voxels' edge
- * lengths in mm. A volume of a @p known name is, others need a mark: NIfTI's intent "label", a label table inside, one
- * beside that bears its name, or a name as label volumes have. No failure but for memory: what cannot be read is no
+/** Decides whether the one volume in the file @p path counts as labels, and sets @p spacing to its voxels' edge lengths
+ * in mm. A volume of a @p known name does. Others need a mark: NIfTI's intent "label", a label table inside, one beside
+ * it that bears its name, or a name as label volumes have. Only memory can fail: a file that cannot be read is no
  * atlas. */
 conus_status volume_marks_find(bool *labels, double spacing[3], const char *path, bool known);
 

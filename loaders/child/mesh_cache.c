@@ -63,7 +63,7 @@ static conus_status note_others(struct notes *notes, const char *path)
     return notes_warn(notes, "%s: not used, since others can write to it or own it", path);
 }
 
-/* The folder, -1 if there is none or if it is not ours alone, which is noted. */
+/* Opens the folder; -1 if there is none or, with a note, if it is not ours alone. */
 static conus_status open_folder(int *out, const char *path, struct notes *notes)
 {
     bool theirs;

@@ -18,8 +18,8 @@ enum { MESH_CACHE_KEY_SIZE = 65 };
 /** The name of an entry that follows from the bytes of @p recipe. */
 void mesh_cache_key(char key[MESH_CACHE_KEY_SIZE], const struct buffer *recipe);
 
-/** The content of entry @p key; out->data stays NULL if there is none, or a damaged one. A folder or an entry that
- * others can write to, or own, is as if it were not there, and @p notes says so. */
+/** The content of entry @p key. out->data stays NULL if there is no such entry or it is damaged. A folder or an entry
+ * that others own or can write to counts as missing, and @p notes says so. */
 conus_status mesh_cache_find(struct bytes *out, const char *key, struct notes *notes);
 
 /** Keeps @p content as entry @p key. Whoever reads meanwhile sees the old content or the new, whole. */

@@ -16,9 +16,9 @@ struct mesh_child_request {
 /** The path of conus-mesh, as child_find() has it; the environment's variable is CONUS_MESH. */
 conus_status mesh_child_find(char **path);
 
-/** Runs conus-mesh on @p request and gives every frame of what it writes to @p take as it comes, the end excepted.
- * Fails with what @p take returns, or with one line about what became of the program: a crash, too much memory or time,
- * what it said on stderr, a stream that is none. Whatever it returns, no process is left. */
+/** Runs conus-mesh on @p request and gives each frame that it writes to @p take at once, except the end. Fails with the
+ * status of @p take, or with one line about how the program failed: a crash, too much memory or time, its message on
+ * stderr, a damaged stream. Whatever it returns, no process is left. */
 conus_status mesh_child_run(const struct mesh_child_request *request, const struct child_limits *limits,
                             mesh_frame_take take, void *user);
 

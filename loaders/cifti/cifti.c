@@ -50,7 +50,7 @@ static const struct cifti_structure structures[] = {
     SIDES("THALAMUS", "Thalamus"),
 };
 
-/* The element that is open, of those that have a meaning. */
+/* The open element, if it has a meaning. */
 enum inside { AT_ROOT, IN_CIFTI, IN_MATRIX, IN_LABELS, IN_NAMED, IN_MODELS, IN_VOLUME, IN_MODEL };
 
 struct parsing {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The table of formats: what a file is, what reads it, and what to say where it is not what is needed. */
+/* The table of formats: how a file is known, what reads it, and what a message advises where it is not the needed one.
+ */
 #include "loaders/formats/formats.h"
 
 #include "base/child/hdf5.h"
@@ -81,7 +82,7 @@ static const struct format {
     } magic;              /* with which the file begins */
     int intent;           /* of a CIFTI-2 matrix */
     const char *root;     /* the outermost element of XML */
-    const char *begins;   /* one of these characters is the first of the text */
+    const char *begins;   /* the text begins with one of these */
     const char *mentions; /* words in it */
     bool (*has)(const uint8_t *data, size_t size);
     bool (*is)(const struct head *head);

@@ -9,7 +9,7 @@ enum { FILE_KIND_HEAD = 1 << 16 }; /**< Bytes that format_find() wants to see, i
 
 /** The reader of a file that is given as ATLAS. */
 enum format_reader {
-    READER_VOLUME,    /**< Also of what is no format that an atlas may have: it says so. */
+    READER_VOLUME,    /**< Also the reader of files that no atlas can be: its message says so. */
     READER_MANIFEST,  /**< JSON with the key "conus_atlas". */
     READER_ATLAS_XML, /**< FSL's or SPM's. */
     READER_CIFTI,     /**< A .dlabel.nii. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The marks of the formats that more than a few fixed bytes tell apart. */
+/* Tells apart the formats that need more than a few fixed bytes. */
 #include "loaders/formats/signatures.h"
 
 #include "base/byte_order.h"

@@ -12,10 +12,10 @@ enum { NIFTI1_SIZE = 348, NIFTI2_SIZE = 540, MGH_HEADER_SIZE = 284 };
 /** True where @p data begins with the size of a NIfTI (or ANALYZE) header in either byte order. */
 bool nifti_is(const uint8_t *data, size_t size);
 
-/** Whether a header, of which nifti_is(), is one of NIfTI-1. */
+/** Whether a header for which nifti_is() is true is NIfTI-1. */
 bool nifti_is_version_1(const uint8_t *data);
 
-/** Whether a header, of which nifti_is(), has the magic bytes @p name, "n+" or "ni", of its version. */
+/** Whether a header for which nifti_is() is true has the magic bytes @p name, "n+" or "ni", of its version. */
 bool nifti_magic_is(const uint8_t *data, size_t size, const char *name);
 
 /** True where @p data is a NIfTI header with its magic bytes. */

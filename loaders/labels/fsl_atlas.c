@@ -16,7 +16,7 @@ struct parsing {
     struct fsl_atlas atlas;
     size_t capacity; /* of atlas.points */
     bool in_label;
-    bool indexed; /* index is that of the label that is open */
+    bool indexed; /* `index` belongs to the open label */
     uint32_t index;
     struct fsl_point point;
     struct label label; /* SPM's name and short_name of it */
@@ -120,7 +120,7 @@ static conus_status end_in_label(struct parsing *parsing, const struct xml_event
     return field && !*field ? label_set_text(field, event->text) : CONUS_OK;
 }
 
-/* The labels keep their index plus one, so that none is 0. */
+/* Labels keep their index plus one: 0 stays free. */
 static conus_status end_label(struct parsing *parsing, const struct xml_event *event)
 {
     struct fsl_atlas *atlas = &parsing->atlas;

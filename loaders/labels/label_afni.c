@@ -175,7 +175,7 @@ static conus_status parse_point(struct label_table *out, const struct tag *tag, 
     return label_keep(out, &label, status, notes);
 }
 
-/* The tables themselves, in an element of their own or behind each other. */
+/* Reads the tables themselves: in an element of their own, or one after the other. */
 static conus_status parse_tables(struct label_table *out, struct text text, struct notes *notes)
 {
     struct tag tag;

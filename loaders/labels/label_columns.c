@@ -94,7 +94,7 @@ static char separator_of(struct text line)
     return memchr(line.data, '\t', line.size) ? '\t' : memchr(line.data, ',', line.size) ? ',' : ';';
 }
 
-/* Reads the header row; false if `line` is none, which takes a number and a name. */
+/* Reads the header row; false if `line` is none: it must name a number and a name. */
 static bool read_header_row(struct header *header, struct text line, char separator)
 {
     int ranks[COLUMN_COUNT];

@@ -244,8 +244,8 @@ static conus_status label_fit_find(struct label_fit *out, const struct label_tab
     return status;
 }
 
-/* Whether it is good enough for a table that only its name connects with the volume: every number of a voxel has a
- * name, but for one in 100,000 voxels, nine in ten names have a voxel, and 0 is no area's. */
+/* Whether the table may be taken although only its name connects it with the volume. Then every label has a name, but
+ * for one voxel in 100,000; nine of ten names have a voxel; and 0 is no area's. */
 static bool label_fit_is_good(const struct label_fit *fit, const struct label_table *table)
 {
     bool background = !table->zero || label_is_background(text_from(table->zero));
@@ -277,7 +277,7 @@ struct folder {
     struct label_words volume;
 };
 
-/* Whether another volume, of other words, could be the one that `table` is of. */
+/* Whether the table could belong to another volume, with other words in its name. */
 static bool is_of_another(const struct folder *folder, const struct label_words *table)
 {
     bool exact = label_words_equal(&folder->volume, table);
@@ -293,7 +293,7 @@ static bool is_of_another(const struct folder *folder, const struct label_words 
         bool same = label_words_equal(&words, &folder->volume);
         bool could = words.overflow || label_words_contain(&words, table);
         if (table->count ? could && !same && !exact : same || !exact) {
-            return true; /* a table without words is of the only volume, or the only one without words */
+            return true; /* a table without such words belongs to the only volume, or to the only one without words */
         }
     }
     return false;

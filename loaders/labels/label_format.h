@@ -54,7 +54,7 @@ conus_status label_fsl_parse(struct label_table *out, struct text text, const st
 /** The format of @p text, which text_from_bytes() gave, or NULL. */
 const struct label_format *label_format_of(struct text text);
 
-/** A table of whatever separator, of which label_use.columns says what number and name are. */
+/** A table with any separator, whose columns of number and name label_use.columns gives. */
 extern const struct label_format label_format_chosen;
 
 enum { LABEL_LUT_SIZE = 768 }; /**< MRIcron's .lut: 256 red, 256 green, 256 blue bytes. */

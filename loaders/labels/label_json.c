@@ -217,7 +217,7 @@ static conus_status parse_lists(struct label_table *out, struct text text, struc
         char where[32];
         struct label label = {0};
         const json_t *number = json_array_get(lists.numbers, i);
-        if (json_is_integer(number) && json_integer_value(number) < 0) { /* NiiVue has entries that no voxel has */
+        if (json_is_integer(number) && json_integer_value(number) < 0) { /* NiiVue lists entries without voxels */
             continue;
         }
         snprintf(where, sizeof where, "labels[%zu]", i);
@@ -320,7 +320,7 @@ static conus_status parse_objects(struct label_table *out, struct text text, str
     return status;
 }
 
-/* A colour of OME's, or properties of which one may be the name. */
+/* A colour of OME's, or properties, one of which may be the name. */
 static conus_status fill_ome(struct label *label, const json_t *object, const char *where)
 {
     static const char *const names[] = {"name", "class", "label"};

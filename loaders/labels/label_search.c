@@ -22,7 +22,7 @@ struct key {
 /* Two tables side by side. */
 struct comparison {
     size_t shared, clashes; /* names that are in both once, and those of them with two numbers           */
-    size_t common, agreed;  /* numbers that are named in both, and those of them with one name           */
+    size_t common, agreed;  /* numbers named in both tables, and those with equal names */
     const struct label *clash[2], *other[2]; /* the first such name, and number, in either; NULL if none */
 };
 
@@ -256,7 +256,7 @@ conus_status label_search_offer(struct label_search *search, struct label_offer 
     bool first = !search->found;
     bool proved = search->proved;
     status = status ? status : first ? take_offer(search, offer) : reconcile_offer(search, offer);
-    if (!status && (first || proved != search->proved)) { /* now it is this one that is used */
+    if (!status && (first || proved != search->proved)) { /* this table is used from now on */
         status = notes_move(search->notes, &offer->notes);
     }
     label_table_finish(&offer->table);

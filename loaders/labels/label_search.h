@@ -20,10 +20,10 @@ struct label_search {
     struct label_table table;
     bool found;            /**< table is filled; later ones are only compared with it. */
     bool proved;           /**< ... and its numbers are those of the volume.           */
-    struct file_sums read; /**< The files that table is of.                            */
+    struct file_sums read; /**< The files that the table was read from. */
     struct buffer source;  /**< "MRIcron text in aal.nii.txt".                         */
-    label_judge judge;     /**< Asked before a table is offered, of which only the name says that it is the volume's:
-                                what is no table, or damaged, is passed over. NULL: none is asked. */
+    label_judge judge; /**< Called before a table is offered that only its name connects with the volume: a file that is
+                          no table, or damaged, is passed over. NULL: not called. */
     struct buffer first_error; /**< The first candidate that was damaged: an error only if nothing else is found. */
 };
 
@@ -43,8 +43,8 @@ struct label_offer {
  * contradicts the table in use is CONUS_ERROR_DATA, one that differs a note. Finishes @p offer. */
 conus_status label_search_offer(struct label_search *search, struct label_offer *offer);
 
-/** Says in a note where @p other, from @p other_source, calls labels otherwise than @p used, from @p source, does; both
- * are of one volume. */
+/** Notes the labels that @p other, from @p other_source, names differently than @p used, from @p source, does; both
+ * belong to one volume. */
 conus_status label_tables_note(bool *differ, const struct label_table *used, const char *source,
                                const struct label_table *other, const char *other_source, struct notes *notes);
 

@@ -22,7 +22,7 @@ struct label_use {
     uint64_t max_memory;       /**< For the table's file and what it becomes; 0 = 8 GiB. */
     struct text columns[2];    /**< A header row's names for number and name; empty: the
                                   usual words.                                              */
-    struct file_sums *read;    /**< Gets the files that the table is of; may be NULL. */
+    struct file_sums *read;    /**< Gets the files that the table was read from; */
 };
 
 #endif

@@ -8,16 +8,16 @@
 #include "base/notes.h"
 #include "loaders/labels/label_use.h"
 
-/** The labels of all volumes of the file that @p use is about (info, max_memory, read), numbered by the volumes from 1,
- * all with names: of the table @p path or, where that is NULL, of the one beside the file. Empty where no table says
- * for certain which name is which volume's, which is a note. @p from gets the file of the table appended. A table that
- * was given and is damaged is CONUS_ERROR_DATA. */
+/** The labels of all volumes of the file in @p use (info, max_memory, read), numbered by the volumes from 1, all with
+ * names. The names come from the table @p path or, where that is NULL, from the table beside the file. Empty, with a
+ * note, where no table says for certain which volume each name belongs to. @p from gets the table's file appended. A
+ * damaged table that was given is CONUS_ERROR_DATA. */
 conus_status label_volume_table(struct label_table *out, struct buffer *from, const char *path,
                                 const struct label_use *use, struct notes *notes);
 
-/** Appends the name that the table beside the volume's file, X.txt or another, gives to the volume to @p name, and the
- * table's file to @p from; nothing where there is no such table, or where it does not say for certain which name is
- * which volume's, which is a note. A file of one volume has no such table. */
+/** Appends to @p name the name that the table beside the volume's file, X.txt or another, gives to the volume, and the
+ * table's file to @p from. Appends nothing where there is no such table; nor, with a note, where it does not say for
+ * certain which volume each name belongs to. A file of one volume has no such table. */
 conus_status label_volume_name(struct buffer *name, struct buffer *from, const conus_volume_info *info,
                                struct notes *notes);
 

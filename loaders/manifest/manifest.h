@@ -10,7 +10,8 @@
 
 enum {
     MANIFEST_VERSION = 1,
-    MANIFEST_FEW = 64,   /**< Entries of a list of which each is compared with all: parcellations, transforms. */
+    MANIFEST_FEW = 64,   /**< The most entries of a list whose entries are all compared with each other: parcellations,
+                            transforms. */
     MANIFEST_MANY = 4096 /**< Entries of a list of files: pathways, probabilities, streamlines, contexts. */
 };
 

@@ -15,9 +15,9 @@ struct volume_guess {
     const char *words; /**< The reason of the guess; static. */
 };
 
-/** Reads the volume @p path and guesses: several volumes are pathways; what grey_judge_file() takes for labels is
- * labels, if a table names it or if there are several values in pieces; else what is mostly zero is a pathway, and what
- * is not is the context. All values 0 are CONUS_ERROR_DATA. */
+/** Reads the volume @p path and guesses its role. Several volumes are pathways. Values that grey_judge_file() takes for
+ * labels are labels, if a table names them or several values lie in pieces. Of other volumes those that are mostly zero
+ * are pathways, all others the context. All values 0 are CONUS_ERROR_DATA. */
 conus_status volume_guess_make(struct volume_guess *out, const char *path, uint64_t max_memory);
 
 /** Whether the names of volumes @p left and @p right differ only in the word for their side: x_LH.nii.gz and

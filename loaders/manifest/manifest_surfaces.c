@@ -96,7 +96,7 @@ static conus_status take_annotated(bool *taken, struct manifest_draft *draft, co
     return status;
 }
 
-/* Whether `name` is the only one of its hemisphere: an annotation is of one surface. */
+/* Whether `name` is the only surface of its hemisphere: an annotation belongs to one surface. */
 static bool is_only_of_side(const struct names *names, const char *name)
 {
     size_t count = 0;
@@ -211,7 +211,7 @@ static conus_status look_for_surfaces(struct manifest_draft *draft, const char *
     bool any = false;
     for (size_t i = 0; !status && i < sizeof endings / sizeof endings[0]; i++) {
         struct names names = {0};
-        bool skip = i == 1 && surf; /* what else is GIFTI there, is no surface */
+        bool skip = i == 1 && surf; /* other GIFTI files there are no surfaces */
         status = skip ? CONUS_OK : names_list(&names, path, endings[i]);
         if (!folder[0]) {
             drop_streamlines(&names, draft->streamlines);

@@ -23,7 +23,7 @@ static double voxel_mm3(const struct volume_file *file)
     return s[0] * s[1] * s[2];
 }
 
-/* Takes the image `path` if its voxels are smaller than those of the one that is there. */
+/* Takes the image `path` if its voxels are smaller than those of the present one. */
 static conus_status take_if_finer(struct fsl_maps *maps, conus_atlas *atlas, const char *path,
                                   const conus_load_options *options)
 {

@@ -134,8 +134,8 @@ static bool ends_at_the_largest(const conus_atlas *atlas, const conus_object *ba
     return (float)band->high == largest && !is_taken;
 }
 
-/* Notes what looks wrong with bands that have just become the last pathways of atlas: those without voxels, and
- * those that end at the largest value, so that no band has it. */
+/* Notes bands that look wrong, among those that have just become the last pathways of atlas: bands without voxels, and
+ * bands that end at the largest value, so that no band has it. */
 static conus_status bands_note(struct notes *notes, const conus_atlas *atlas, size_t count)
 {
     conus_status status = CONUS_OK;
@@ -412,8 +412,8 @@ static conus_status roi_of_mesh(conus_roi **out, const struct hdf5 *hdf5, const 
     return status;
 }
 
-/* The same of a file; nothing where it is none of them. MINC is told by the name of its group, which stands in front:
- * the program that reads HDF5 is then started only once. */
+/* Likewise for a file; nothing where it is none of them. MINC is known by the name of its group, which is asked first:
+ * so the program that reads HDF5 is started only once. */
 static conus_status load_mesh_region(conus_roi **out, const struct volume_selector *selector,
                                      const conus_roi_options *options, struct notes *notes)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Volumes that a table names are probabilities if nothing speaks against it: not their values, which would be a scan's,
- * not that they are all above 0 at the same places, as images of one thing are, and not that they look like labels. */
+/* Volumes that a table names are probabilities, unless something speaks against it: values as in a scan, volumes that
+ * are all above 0 at the same places, as images of one thing are, or values that look like labels. */
 #include "loaders/maps/named_maps.h"
 
 #include "base/buffer.h"
@@ -58,7 +58,7 @@ conus_status named_maps_find(struct named_maps *out, const struct probe *probe, 
     bool labels = options->labels_anyway; /* each volume is one of labels */
     bool several = !status && !selector.chosen && !labels && probe->is_open &&
                    !volume_bytes_header(&info, path, &probe->stored) && info.volume_count > 1;
-    status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* what is wrong is said where it is read */
+    status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* its reader says what is wrong with it */
     if (several) {
         info.path = selector.path;
         status = find_names(&maps, &info, options);
@@ -117,7 +117,7 @@ static conus_status add_findings(struct findings *findings, const struct volume_
     return status;
 }
 
-/* The mean share of the other volumes that are above 0 where one is. */
+/* The mean share of the other volumes above 0, over the voxels where one is above 0. */
 static double overlap(const struct findings *findings, const conus_volume_info *info)
 {
     double places = 0;

@@ -15,11 +15,10 @@ struct named_maps {
     struct notes notes;
 };
 
-/** Finds out whether all volumes of @p path, which @p probe has open, are named: it has several, none is chosen by
- * ",volume=K", and the table of
- * @p options, or one beside it, says for certain which name is which volume's. @p out has an empty table where not, or
- * where it is no volume, or labels_anyway is set. CONUS_ERROR_ARGUMENT where the table of @p options does not name
- * them. */
+/** Finds out whether all volumes of @p path, which @p probe has open, are named: the file has several, ",volume=K"
+ * chooses none, and the table of @p options, or one beside the file, says for certain which volume each name belongs
+ * to. Otherwise, and with labels_anyway, the table of @p out is empty. CONUS_ERROR_ARGUMENT where the table of @p
+ * options does not name the volumes. */
 conus_status named_maps_find(struct named_maps *out, const struct probe *probe, const char *path,
                              const conus_load_options *options);
 

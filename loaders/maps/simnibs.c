@@ -213,7 +213,7 @@ static conus_status take_tetrahedron(struct roi_mesh *out, const struct found *m
     return CONUS_OK;
 }
 
-/* The tissues that tetrahedra have, as far as there is space: "1, 2, 5". Returns how many. */
+/* Lists the tissues of the tetrahedra, as far as there is space: "1, 2, 5". Returns how many there are. */
 static size_t list_tissues(char *out, size_t size, const struct found *mesh)
 {
     int64_t seen[TISSUE_LIMIT];

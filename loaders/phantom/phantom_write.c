@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_phantom_write(): a drawing as the files that any other program reads, and the truth behind it. */
+/* conus_phantom_write(): writes a phantom as files that any other program reads, and its truth. */
 #include "atlas/labels/labels.h"
 #include "atlas/phantom/phantom.h"
 #include "atlas/phantom/phantom_brain.h"

@@ -64,7 +64,7 @@ static conus_status take_whole(struct surface *surface)
     return label->name ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-/* Reads a file of which each object is an area. */
+/* Reads a file in which each object is an area. */
 static conus_status read_objects(struct surface *out, const char *path, const conus_load_options *options)
 {
     const struct mesh_foreign_options foreign = {.max_memory = options->max_memory};
@@ -258,8 +258,8 @@ static conus_status note_hemispheres(conus_atlas *atlas, const char *folder)
     return status;
 }
 
-/* The folder of BrainGlobe's third release that `path` means: it, the newest version in it, or that of the
- * manifest.json that it is; NULL where it is none. The caller's to memory_free(); ends in '/'. */
+/* Finds the folder of BrainGlobe's third release that `path` means: the folder itself, the newest version in it, or the
+ * folder of the manifest.json. NULL where there is none. It ends in '/'; the caller's to memory_free(). */
 static conus_status find_brainglobe(char **out, const char *path)
 {
     static const char manifest[] = "manifest.json";
@@ -316,7 +316,7 @@ static conus_status load_folder(conus_atlas **out, const char *path, struct load
     struct buffer folder = {0};
     struct buffer text = {0};
     conus_atlas *atlas = NULL;
-    char *whole = NULL; /* the folder of which this one is the meshes */
+    char *whole = NULL; /* the folder whose meshes these are */
     size_t length = strlen(path);
     conus_status status = brainglobe_of_meshes(&whole, path);
     buffer_format(&folder, "%s%s", whole ? whole : path, whole || path[length - 1] == '/' ? "" : "/");
@@ -338,7 +338,7 @@ static conus_status is_probabilistic(bool *out, const struct open_file *file)
     struct fsl_atlas atlas = {0};
     *out = false;
     if (file_read_open(&bytes, file, SIZE_MAX, FSL_ATLAS_LIMIT, "")) {
-        return CONUS_OK; /* why it cannot be read is said where that is wanted */
+        return CONUS_OK; /* its reader says why it cannot be read */
     }
     conus_status status = fsl_atlas_parse(&atlas, text_from_bytes(bytes.data, bytes.size));
     *out = !status && atlas.type && !atlas.is_label;

@@ -273,7 +273,7 @@ static conus_status add_gathered(struct notes *to, const struct said *said, size
     return status;
 }
 
-/* Moves the notes to `to`; what several surfaces have in common is said once, where the first of them says it. */
+/* Moves the notes to `to`. A note that several surfaces share is kept once, at the first of them. */
 static conus_status gather_notes(struct notes *to, const struct area_plan *plan, struct notes *from,
                                  struct load_progress *progress)
 {
@@ -317,7 +317,7 @@ static conus_status add_surfaces(struct area_plan *plan, struct surfaces *surfac
     return status;
 }
 
-/* Warns if the surfaces are of another size than the areas of voxels. */
+/* Warns if the sizes of the surfaces and of the areas of voxels differ too much. */
 static conus_status note_size(conus_atlas *atlas)
 {
     bool said;

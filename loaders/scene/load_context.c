@@ -94,7 +94,7 @@ conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const
     return status;
 }
 
-/* The one surface whose vertices the numbers are of. */
+/* Finds the one surface to whose vertices the numbers belong. */
 static conus_status find_surface(struct context_surface **out, conus_atlas *atlas, const struct vertex_map *map)
 {
     size_t found = 0;

@@ -27,7 +27,7 @@ struct loading {
     const char *names;        /* where the names of areas without a parcellation come from */
     const conus_load_options *options;
     conus_atlas *atlas;
-    struct volume_file series; /* kept for the pathways that follow, if any of them is of it */
+    struct volume_file series; /* kept for the pathways that follow, if any is in the same file */
     const char *series_name;   /* as the manifest writes it; NULL without one */
     struct load_progress *progress;
     struct named_maps *maps; /* whose table names the volumes of a file that is ATLAS; NULL without one */
@@ -337,7 +337,7 @@ static conus_status add_fsl_areas(struct loading *loading, const struct manifest
     return status;
 }
 
-/* The labels of the volumes that the entry means: those that it names, the one that it chooses, or the only one. */
+/* The labels of the volumes that the entry means: those it names, the one it chooses, or the only one. */
 static conus_status label_volumes(struct label_table *out, const struct manifest_pathway *entry,
                                   const struct volume_file *file)
 {
@@ -406,7 +406,7 @@ static void close_series(struct loading *loading)
     loading->series_name = NULL;
 }
 
-/* Adds a pathway whose neighbours in the manifest are of the same file. */
+/* Adds a pathway that is in the same file as its neighbours in the manifest. */
 static conus_status add_of_series(struct loading *loading, const struct manifest_pathway *pathway)
 {
     struct notes notes = {.sink = &loading->progress->sink};
@@ -521,7 +521,7 @@ static conus_status set_contexts(struct loading *loading, bool moves)
     return status;
 }
 
-/* Adds what lies around the areas: what moves with them, or what does not. */
+/* Adds the contexts: those that move with the areas, or those that do not. */
 static conus_status add_others(struct loading *loading, bool moves)
 {
     conus_status status = add_pathways(loading, moves);

@@ -48,8 +48,8 @@ static conus_status cifti_describe(struct volume_file *out, const struct cifti_f
     return out->path ? space_describe(info, cifti->world_from_voxel, "the CIFTI file's volume") : CONUS_ERROR_MEMORY;
 }
 
-/* Reads the voxels of path, which may choose a map, into file (without voxels), labels, table and source of out,
- * which is the caller's to finish, also on failure. CONUS_ERROR_DATA where the file has none. */
+/* Reads the voxels of path, which may choose a map, into the members file (without voxels), labels, table and source of
+ * out. `out` is the caller's to finish, also on failure. CONUS_ERROR_DATA where the file has no voxels. */
 static conus_status cifti_parcellation_read(struct parcellation *out, const char *path, uint64_t max_memory)
 {
     struct cifti_file file = {0};
@@ -126,7 +126,7 @@ static conus_status read_override(struct parcellation *parts, const char *path)
     return CONUS_OK;
 }
 
-/* Opens `image` of the atlas and keeps it if its voxels are smaller than those of what is there. */
+/* Opens `image` of the atlas and keeps it if its voxels are smaller than those of the image kept so far. */
 static conus_status consider_image(struct parcellation *parts, const char *xml_path, const char *image,
                                    uint64_t max_memory)
 {

@@ -26,8 +26,8 @@ static bool has_volume(const conus_atlas *atlas, const char *path)
     return is;
 }
 
-/* Adds the images that the options name to the files that were read, but for those that are a volume of atlas,
- * which has their sums. */
+/* Adds the images that the options name to the files that were read, except volumes of the atlas, whose sums it already
+ * has. */
 static conus_status transform_images_sum(struct file_sums *out, const conus_atlas *atlas,
                                          const conus_transform_options *options)
 {
@@ -44,8 +44,8 @@ static conus_status transform_images_sum(struct file_sums *out, const conus_atla
     return status;
 }
 
-/* Warns where less than half of atlas, which has not been moved yet, is in the grid of the image that the matrix
- * has in its space: that of `to`, or with `inverse` that of `from`. Both are given. Errors of reading its header. */
+/* Warns where less than half of the atlas, not moved yet, lies in the grid of the matrix's image on the atlas's side:
+ * that of `to`, or with `inverse` that of `from`. Both are given. Errors of reading its header. */
 static conus_status transform_images_note(conus_atlas *atlas, const conus_transform_options *options)
 {
     const char *path = options->inverse ? options->from : options->to;
@@ -70,8 +70,8 @@ static conus_status transform_images_note(conus_atlas *atlas, const conus_transf
     return status;
 }
 
-/* Voxels for what a field moves: its nodes; for a spline, whose nodes are far apart, as small as the atlas's smallest,
- * from one end of its grid to the other. */
+/* Makes the grid for an atlas that a field moves: the field's nodes. A spline's nodes are far apart; there the voxels
+ * are as small as the atlas's smallest, from one end of the spline's grid to the other. */
 static conus_status find_grid(conus_volume_info *out, const conus_atlas *atlas, const struct deformation *field)
 {
     enum { MOST = 100000 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_manifest_write(): a first manifest from what lies in a folder. What a volume is, is guessed from its values,
- * and every guess is said. */
+/* conus_manifest_write(): writes a first manifest for the files in a folder. It guesses the role of a volume from its
+ * values, and reports every guess. */
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/files/folder.h"
@@ -478,7 +478,7 @@ static bool is_volume_file(const char *name)
     return name[0] != '.' && !image && name[volume_stem_length(name)];
 }
 
-/* Lets the labels of what follows begin at a step above `largest`. */
+/* Lets the labels of the next entry begin at a step above `largest`. */
 static void raise_offset(struct manifest_draft *draft, uint64_t largest)
 {
     uint64_t next = (largest / MANIFEST_LABEL_STEP + 1) * MANIFEST_LABEL_STEP;

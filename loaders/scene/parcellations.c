@@ -257,7 +257,7 @@ static conus_status take_claimed(struct label_map *lost, struct parcellation *pa
 struct loss {
     struct label_map voxels; /* by label */
     uint64_t sum;
-    uint32_t *gone; /* labels of which nothing is left, sorted */
+    uint32_t *gone; /* labels without any voxel left, sorted */
     size_t gone_count;
 };
 
@@ -373,7 +373,7 @@ static conus_status note_spaces(struct parcellations *all)
     return status;
 }
 
-/* Merges two parts on one grid; no voxel is an area's in both any more. */
+/* Merges two parts on one grid. Afterwards no voxel belongs to areas of both. */
 static conus_status merge_into(struct parcellation *to, struct parcellation *from, struct file_sums *read)
 {
     conus_status status = label_voxels_merge(&to->labels, &from->labels);

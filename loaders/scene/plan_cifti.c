@@ -15,7 +15,7 @@ struct planning {
     struct surface_list surfaces;
     struct manifest manifest;
     struct notes *notes;
-    uint32_t *taken; /* labels of what is planned, sorted */
+    uint32_t *taken; /* labels of the areas planned so far, sorted */
     size_t taken_count;
 };
 
@@ -91,7 +91,7 @@ static conus_status plan_surface(struct planning *planning, const struct cifti_m
     if (status) {
         return status == CONUS_ERROR_MEMORY ? status : fail_in(status, path);
     }
-    /* the map is said since results of two maps with the same labels differ in nothing else that a sidecar keeps */
+    /* names the map: sidecars of two maps with the same labels differ in nothing else */
     status = notes_add(planning->notes, "%s: map %zu: labels of %s are on %s (%s)", path, planning->file->choice.map,
                        model->structure->name, surface->name, kind);
     if (!status && offset) {

@@ -19,8 +19,8 @@ conus_status freesurfer_annot_parse(uint32_t **labels, size_t *count, struct lab
 /** Whether @p text begins as FreeSurfer's labels do. */
 bool freesurfer_label_is(struct text text);
 
-/** Parses a label: *labels has 1 for each vertex of the list and 0 for the others up to the last of it, the caller's to
- * memory_free(). CONUS_ERROR_DATA where it is cut off, or is of voxels. */
+/** Parses a label: *labels has 1 for each vertex of the list and 0 for the others up to the last of it; the caller's to
+ * memory_free(). CONUS_ERROR_DATA where the file is cut off, or lists voxels. */
 conus_status freesurfer_label_parse(uint32_t **labels, size_t *count, struct text text);
 
 #endif

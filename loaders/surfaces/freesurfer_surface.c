@@ -117,7 +117,7 @@ static conus_status read_geometry(struct geometry *out, struct text text)
     return CONUS_OK;
 }
 
-/* The footer has tags after the triangles, of which two matter. */
+/* Reads the footer: tags after the triangles, two of which matter. */
 static conus_status place_in_world(struct mesh *mesh, struct cursor footer, struct notes *notes)
 {
     struct geometry geometry = {0};

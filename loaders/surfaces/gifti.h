@@ -73,9 +73,9 @@ conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_sto
  */
 conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *gifti, size_t map, struct notes *notes);
 
-/** The LABEL array that @p wanted, a number from 0 or a name, is of @p gifti. The first if it is empty; a note names
- * the others then, if there are any. CONUS_ERROR_ARGUMENT for a name that none or several have; a number is checked by
- * gifti_labels(). */
+/** Finds the LABEL array of @p gifti that @p wanted, a number from 0 or a name, means. An empty @p wanted means the
+ * first; a note then names the others. CONUS_ERROR_ARGUMENT for a name that no array or several have; a number is
+ * checked by gifti_labels(). */
 conus_status gifti_map_find(size_t *out, const struct gifti *gifti, struct text wanted, struct notes *notes);
 
 #endif

@@ -53,7 +53,8 @@ static bool gifti_is_identity(const double m[16])
     return largest <= 1e-6;
 }
 
-/* The space in which all matrices say that the vertices are stored. That of one that changes nothing is as good. */
+/* Finds the space in which all matrices say that the vertices are stored. A matrix that changes nothing says it, too.
+ */
 static conus_status find_space(int *out, const struct gifti_array *points)
 {
     *out = SPACE_UNKNOWN;

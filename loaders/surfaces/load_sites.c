@@ -12,7 +12,7 @@
 static double add_areas(double (*areas)[3], const uint32_t *first, const struct mesh *mesh)
 {
     double volume = 0;
-    double from[3]; /* so that it is measured from near by */
+    double from[3]; /* measured from a near point, for precision */
     for (int a = 0; a < 3; a++) {
         from[a] = (double)mesh->positions[a];
     }
@@ -65,7 +65,7 @@ conus_status conus_sites_load(conus_sites **out, const char *path, bool flip)
     uint32_t *first = NULL;
     conus_status status =
         mesh_file_read(&mesh, NULL, path, &(const struct mesh_file_options){.external = true}, &notes);
-    notes_finish(&notes); /* about the shape, of which normals are all that counts here */
+    notes_finish(&notes); /* about the shape: only the normals count here */
     status = status ? status : sites_create(&sites, mesh.vertex_count, true);
     if (!status) {
         areas = memory_zeroed(mesh.vertex_count, sizeof *areas);

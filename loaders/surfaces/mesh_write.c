@@ -33,7 +33,7 @@ static const char *space_of_volume(const conus_volume_info *info)
     return index < sizeof words / sizeof words[0] ? words[index] : unknown_space;
 }
 
-/* The one of all volumes of labels, if there is one. */
+/* The common space of all volumes of labels, if they have one. */
 static const char *space_of(const conus_atlas *atlas)
 {
     size_t count = atlas_parcellation_count(atlas);

@@ -38,9 +38,9 @@ void surface_list_finish(struct surface_list *list);
 /** Lists those in @p folder, which ends in '/'. A file that cannot be read is none. */
 conus_status surface_list_make(struct surface_list *out, const char *folder, uint64_t max_memory);
 
-/** The surface of @p structure ("CortexLeft") with @p vertices vertices, of the best kind that is there: midthickness,
- * pial, white, smoothwm, any other that is no inflated, spherical or flat one; *kind says which, in words (static).
- * CONUS_ERROR_DATA, with what is there instead, where there is none, or several are as good. */
+/** Finds the surface of @p structure ("CortexLeft") with @p vertices vertices, of the best kind that is there:
+ * midthickness, pial, white, smoothwm, then any other that is not inflated, spherical or flat. *kind says which, in
+ * words (static). CONUS_ERROR_DATA, with what is there instead, where there is none, or several are as good. */
 conus_status surface_list_find(const struct surface_item **out, const char **kind, const struct surface_list *list,
                                const char *structure, size_t vertices);
 

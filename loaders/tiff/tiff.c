@@ -581,7 +581,7 @@ static conus_status imagej_number(uint64_t *out, struct text text, const char *k
     return CONUS_OK;
 }
 
-/* ImageJ describes stacks in its own words; those above 4 GB have one directory, and the pages behind each other. */
+/* Reads ImageJ's own description of stacks; those above 4 GB have one directory, with all pages after it. */
 static conus_status read_imagej(struct tiff *tiff)
 {
     static const char *const keys[] = {"slices", "channels", "frames"};
@@ -598,7 +598,7 @@ static conus_status read_imagej(struct tiff *tiff)
     for (size_t i = 0; !status && i < 3; i++) {
         status = imagej_number(&counts[i], text, keys[i], 1);
     }
-    if (!status && (counts[0] > 1) + (counts[1] > 1) + (counts[2] > 1) > 1) { /* one of them: other words for a stack */
+    if (!status && (counts[0] > 1) + (counts[1] > 1) + (counts[2] > 1) > 1) { /* one at most: other words for a stack */
         status =
             fail(CONUS_ERROR_UNSUPPORTED,
                  "ImageDescription: found %llu slices, %llu channels and %llu frames, allowed is one of them above 1",

@@ -206,7 +206,7 @@ static conus_status take_block(struct tck *tck)
         return status;
     }
     size_t taken = 0;
-    if (tck->wide) { /* constants, of which the compiler makes loops of their own */
+    if (tck->wide) { /* constants: the compiler makes a loop for each */
         status =
             tck->swapped ? take_triples(tck, count, &taken, true, true) : take_triples(tck, count, &taken, true, false);
     } else {

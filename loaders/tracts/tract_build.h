@@ -8,10 +8,10 @@
 #include "atlas/tracts/tractogram.h"
 #include "base/text.h"
 
-/** Zero but for max_memory is an empty one. The reader writes points, and the values of scalars, where there is room
+/** An empty one is zero, except max_memory. The reader writes points, and the values of scalars, where there is room
  * for them, and counts them in tractogram.point_count. */
 struct tract_build {
-    struct tractogram tractogram; /**< Its counts are of what is there; points 3 point_count and so on. */
+    struct tractogram tractogram; /**< Its counts are those so far; points 3 point_count and so on. */
     uint64_t point_capacity;      /**< Points for which there is room; of all scalars of points, too. */
     uint64_t streamline_capacity;
     uint64_t max_memory; /**< Bytes that all arrays may take together. */

@@ -74,7 +74,7 @@ static conus_status check(struct tractogram *tractogram, struct notes *notes)
     return notes_warn(notes, "streamlines: the file has none");
 }
 
-/* The whole of a stream, in one of the formats that are one. */
+/* Reads a whole stream, in one of the formats that are streams. */
 static conus_status read_stream(struct tractogram *out, const struct tract_format *format, struct byte_stream *stream,
                                 uint64_t max_memory, struct notes *notes)
 {

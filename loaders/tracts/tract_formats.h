@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The formats of tract_file_read(). Each has a function that tells from the first bytes of a file, @p head,
- * unpacked, whether it has this format (@p path may be NULL), and one that reads it. */
+/** @file
+ * The formats of tract_file_read(). Each has two functions. One says whether a file whose first unpacked bytes are @p
+ * head has this format (@p path may be NULL); the other reads the file. */
 #ifndef CONUS_LOADERS_TRACTS_TRACT_FORMATS_H
 #define CONUS_LOADERS_TRACTS_TRACT_FORMATS_H
 

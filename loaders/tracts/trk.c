@@ -105,7 +105,8 @@ static bool nearest_rotation(double m[16])
     return true;
 }
 
-/* Along which axis of the world each axis of voxels runs: that of its largest part which no axis before has. */
+/* Finds the axis of the world along which each axis of voxels runs: that of its largest part, among those not taken
+ * yet. */
 static bool order_of_matrix(struct order *out, const double matrix[16])
 {
     static const char letters[] = "LRPAIS";
@@ -345,7 +346,7 @@ static conus_status add_names(struct trk *trk, const struct trk_names *names, bo
     return tract_build_scalar(&trk->build, others, per_point, (uint32_t)left);
 }
 
-/* Brings @p size bytes to hand, or says of which streamline the file lacks them. */
+/* Brings @p size bytes to hand; where the file lacks them, the message names the streamline. */
 static conus_status trk_need(struct trk *trk, size_t size, const char *what)
 {
     conus_status status = byte_stream_need(trk->stream, size);
@@ -457,7 +458,7 @@ static conus_status trk_take_all(struct trk *trk)
     bool ends = false;
     while (!status && !ends && (!stated || tractogram->streamline_count < stated)) {
         status = byte_stream_need(trk->stream, 1);
-        ends = !status && !stated && !trk->stream->size; /* 0 is no count: as many as there are */
+        ends = !status && !stated && !trk->stream->size; /* 0 means unknown: the stream's end ends it */
         status = status || ends ? status : trk_take_streamline(trk);
     }
     status = status ? status : byte_stream_need(trk->stream, 1);

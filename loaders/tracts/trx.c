@@ -181,7 +181,7 @@ static bool cut_part(struct text *name, struct text *part)
     return true;
 }
 
-/* "weight.3.float32", without a folder. False where the number of components is none. */
+/* Parses "weight.3.float32", without a folder. False where the number of components is not valid. */
 static bool read_name(struct array *out, struct text name)
 {
     struct text part;

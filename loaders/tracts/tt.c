@@ -46,7 +46,7 @@ static conus_status tt_need(struct tt *tt, size_t size, const char *what)
     return status || tt->stream->size >= size ? status : fail(CONUS_ERROR_DATA, "%s: the file is cut off", what);
 }
 
-/* Bytes of a number; 0 of a type that is none. */
+/* Bytes of a number; 0 for an unknown type. */
 static size_t size_of_type(uint32_t type)
 {
     static const size_t sizes[] = {8, 4, 4, 2, 2, 1}; /* double, float, int, short, unsigned short, byte */
@@ -188,7 +188,7 @@ static conus_status take_steps(struct tt *tt, int64_t at[3], size_t count)
     return status;
 }
 
-/* One streamline, of which `left` bytes of the variable are left. */
+/* Reads one streamline, whose variable has `left` more bytes. */
 static conus_status tt_take_streamline(struct tt *tt, uint64_t *left)
 {
     int64_t at[3];

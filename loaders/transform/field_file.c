@@ -159,7 +159,7 @@ static conus_status read_head(struct bytes *out, const char *path)
     }
     bytes_finish(&head);
     *out = (struct bytes){0};
-    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* what is damaged is nothing that is known here */
+    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* a damaged header is of no known kind */
 }
 
 conus_status field_file_is(bool *out, const char *path)
@@ -308,7 +308,7 @@ static conus_status note_looks(bool positions, bool look, struct notes *notes)
                                           look ? "displacements" : "positions", look ? "positions" : "displacements");
 }
 
-/* ITK's or SPM's: that of which the header says nothing must not look like the other. */
+/* Decides between ITK's and SPM's: a field whose header does not say must not look like the other kind. */
 static conus_status set_vectors(struct deformation *field, enum field_kind kind, struct notes *notes)
 {
     static const double flip[16] = {-1, [5] = -1, [10] = 1, [15] = 1};

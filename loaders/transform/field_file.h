@@ -47,9 +47,9 @@ conus_status field_header_parse(struct field_header *out, const uint8_t *data, s
  * nothing of the kind, as 4-D fields do that FSL's tools but fnirt's write. */
 const char *field_header_words(bool *usable, const struct field_header *header);
 
-/** Says what the vectors are, by the header and by what is stated: @p has_images, FSL's two. CONUS_ERROR_DATA for what
- * is no field, CONUS_ERROR_UNSUPPORTED for coefficients of splines, CONUS_ERROR_ARGUMENT where header and statement
- * contradict each other. */
+/** Finds what the vectors are, by the header and by what is stated: @p has_images, FSL's two. CONUS_ERROR_DATA for a
+ * file that is no field, CONUS_ERROR_UNSUPPORTED for coefficients of splines, CONUS_ERROR_ARGUMENT where header and
+ * statement contradict each other. */
 conus_status field_header_kind(enum field_kind *out, const struct field_header *header, bool has_images,
                                conus_vectors vectors);
 

@@ -11,7 +11,7 @@
 
 /** The result of all steps: one affine, or fields of which all affines are parts. Points are RAS mm. */
 struct transform_chain {
-    double matrix[16];          /**< The affine; that which is before the fields is a part of them when it is whole. */
+    double matrix[16];          /**< The affine. One before the fields becomes a part of them at the end. */
     struct deformation *fields; /**< [count] Points go through the last one first. Measured when it is whole. */
     size_t count;
 };

@@ -8,7 +8,7 @@
 #include "conus/atlas_info.h"
 #include "loaders/transform/transform_chain.h"
 
-/** One transform of a file of ITK, as the file has it: points are LPS. */
+/** One transform in a file of ITK, as stored: points are LPS. */
 struct itk_entry {
     struct text type; /**< "AffineTransform_double_3_3"; points into the file. */
     double *parameters, *fixed;
@@ -20,11 +20,10 @@ struct itk_entry {
  * type, CONUS_ERROR_UNSUPPORTED for other types. */
 conus_status itk_chain_add(struct transform_chain *chain, const struct itk_entry *entry);
 
-/** @name ITK (ANTs, 3D Slicer, elastix): text, and MATLAB's level 4. Makes @p chain, which was begun, whole: of the
- * only entry, of those of a composite, where points go through the last one first, or of entry @p chosen - 1; 0 = none
- * is chosen. Errors as itk_chain_add(), CONUS_ERROR_UNSUPPORTED for several entries of which none is chosen, and
- * CONUS_ERROR_ARGUMENT. Finish the chain also after a failure.
- * @{ */
+/** @name ITK (ANTs, 3D Slicer, elastix): text, and MATLAB's level 4. Fills @p chain, which was begun: from the only
+ * entry, from the entries of a composite, where points go through the last one first, or from entry @p chosen - 1; 0 =
+ * none is chosen. Errors as itk_chain_add(), CONUS_ERROR_UNSUPPORTED for several entries where none is chosen, and
+ * CONUS_ERROR_ARGUMENT. Finish the chain also after a failure. @{ */
 bool itk_text_is(struct text text);
 conus_status itk_text_parse(struct transform_chain *chain, struct text text, size_t chosen);
 bool itk_matlab_is(const uint8_t *data, size_t size);

@@ -7,10 +7,10 @@
 
 #include "base/text.h"
 
-/** The spaces from which and to which @p path moves points, by its name; false where that does not say so. */
+/** Finds from the name @p path between which spaces it moves points; false where the name does not say. */
 bool transform_name_points(struct text *from, struct text *to, const char *path);
 
-/** Whether a space is called like one of the MNI's. */
+/** Whether the name of a space is one of the MNI's. */
 bool transform_name_is_mni(struct text space);
 
 #endif

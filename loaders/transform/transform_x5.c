@@ -139,7 +139,7 @@ conus_status x5_parse(struct transform_chain *chain, const struct hdf5 *hdf5, ui
     conus_status status = check_version(hdf5);
     status = status ? status : chain_groups(&groups, &count, hdf5);
     status = status ? status : take_order(order, &steps, hdf5, count);
-    for (size_t i = steps; !status && i-- > 0;) { /* a step is before those that are there */
+    for (size_t i = steps; !status && i-- > 0;) { /* a step goes before those added so far */
         status = add_group(chain, hdf5, groups[order[i]], max_memory);
     }
     buffer_text(words, "of X5, points of the reference go to the moving image through");

@@ -198,7 +198,7 @@ static conus_status find_values(struct values *out, const struct scan *scan)
     return CONUS_OK;
 }
 
-/* Whether the table is about these values: it names nine of ten, and they are half of what it names. */
+/* Whether the table belongs to these values: it names nine of ten, and they are half of what it names. */
 static bool names_values(const struct label_table *table, const struct values *values)
 {
     size_t named = 0;

@@ -13,7 +13,7 @@ struct minc {
     const struct hdf5_value *image;
     double *scales;  /**< [slices][2], slope and intercept of stored values; NULL: they are the real ones. */
     size_t slices;   /**< Along the slowest dimensions. */
-    double range[2]; /**< Stored values beyond it are none. */
+    double range[2]; /**< Stored values beyond it are no data. */
 };
 
 /** Reads the MINC volume @p file, in at most @p limit bytes, and its header. Its voxels are as minc_read() gives them:
@@ -21,7 +21,7 @@ struct minc {
  * what is no single volume of regular voxels, and without conus-hdf5. */
 conus_status minc_open(struct minc *out, struct volume_header *header, const struct bytes *file, uint64_t limit);
 
-/** The same of what lies in @p hdf5, which is taken over, on success and on failure. */
+/** Likewise from @p hdf5, which is taken over, on success and on failure. */
 conus_status minc_from_hdf5(struct minc *out, struct volume_header *header, struct hdf5 *hdf5);
 void minc_finish(struct minc *minc);
 

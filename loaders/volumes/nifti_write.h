@@ -20,9 +20,9 @@ conus_status nifti_format_values(struct bytes *out, const conus_volume_info *inf
 /** The numbers of @p grid in their own type; otherwise the same, with the grid's code and description. */
 conus_status nifti_format_grid(struct bytes *out, const conus_grid *grid);
 
-/** Maps of sites that are voxels of @p grid as float32, a volume for each along the fourth axis, NaN in all other
- * voxels; otherwise the same, and a comment behind the header (ecode 6) has their names, a line each. @p voxels is
- * [site_count], what the values of @p maps, [count], are of. */
+/** Writes maps of sites that are voxels of @p grid as float32: a volume for each along the fourth axis, NaN in all
+ * other voxels. A comment behind the header (ecode 6) has their names, one a line. @p voxels, [site_count], has the
+ * voxels of the values of @p maps, [count]. Otherwise the same. */
 conus_status nifti_format_maps(struct bytes *out, const conus_grid_view *grid, const conus_vertex_map *maps,
                                size_t count, const uint64_t *voxels, size_t site_count);
 

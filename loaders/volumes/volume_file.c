@@ -125,7 +125,7 @@ static conus_status tiff_volume_header(struct volume_header *out, const struct t
 static const char default_needed[] = "a volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC or OME-Zarr)";
 enum {
     HEAD_LIMIT = 1 << 26, /* of the header file of a pair */
-    HEADER_READ = 1 << 16 /* of a file of which the header alone is wanted; packed, it takes less */
+    HEADER_READ = 1 << 16 /* bytes that are read where only the header is needed; packed, it takes less */
 };
 
 static conus_status read_other_half(struct stored *out, const char *path, size_t at, const char *ext, uint64_t limit,
@@ -481,8 +481,7 @@ static conus_status take_slabs(struct bytes *out, char sha256[65], const struct 
     return CONUS_OK;
 }
 
-/* Moves the voxels out of what is stored, whose packed bytes are gone afterwards. The reader of labels gets them where
- * they go in slabs. */
+/* Unpacks the voxels from the stored bytes, which are freed. Slabs of labels go straight to their reader. */
 static conus_status take_voxels(struct volume_file *file, struct opening *o)
 {
     const struct volume_header *header = &o->header;

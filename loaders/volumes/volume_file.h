@@ -46,8 +46,8 @@ struct volume_file {
  * @p notes. Errors carry path, field, value found and what is allowed. */
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes);
 
-/** The same. If @p cache, one of many volumes of a packed file is found by an index of it in the user's cache folder,
- * which is put there when there is none. */
+/** Likewise. With @p cache, one of many volumes of a packed file is found by an index in the user's cache folder, which
+ * is made where there is none. */
 conus_status volume_file_open_cached(struct volume_file *out, const char *path, uint64_t max_memory, bool cache,
                                      struct notes *notes);
 

@@ -23,8 +23,8 @@ conus_status volume_text_parse_stored(struct volume_header *out, const struct st
 /** Finishes and frees *text, which may be NULL. */
 void volume_text_finish(struct text_volume **text);
 
-/** The header of the AFNI data set whose voxels are @p path, by its name: the caller's to memory_free(). NULL if it is
- * none. */
+/** The header file of the AFNI data set whose voxels are @p path, by its name; the caller's to memory_free(). NULL for
+ * another kind of file. */
 conus_status volume_text_head_path(char **out, const char *path);
 
 /** The file of the voxels of the header @p path, the caller's to memory_free(); NULL where they lie behind the header.
@@ -40,12 +40,12 @@ bool volume_text_is_packed(const struct volume_header *header, bool packed);
 /** ", gzip", ", text" or "": how the voxels are stored. */
 const char *volume_text_encoding(const struct volume_header *header);
 
-/** Reads the chosen volume, or @p all, out of their file; @p range has the sink, if any, and gets what is behind them.
- * @p sha256 as for stored_range(), but where volumes are interleaved it makes no index. */
+/** Reads the chosen volume, or @p all, from their file; @p range has the sink, if any, and gets the bytes behind them.
+ * @p sha256 as for stored_range(), but interleaved volumes get no index. */
 conus_status volume_text_voxels(struct bytes *out, struct gzip_range *range, const struct volume_header *header,
                                 struct stored *stored, bool all, const char *sha256);
 
-/** SHA-256 of @p header, unless NULL, and @p voxels behind it. */
+/** SHA-256 of @p header, unless it is NULL, and @p voxels after it. */
 void volume_text_sha256(char out[65], const struct bytes *header, const struct bytes *voxels);
 
 /** Sets title and slope of the chosen volume. */

@@ -26,8 +26,8 @@ static bool is_scaled(const struct volume_file *file)
 
 /* Block decoders: `count` voxels from `in`, unscaled. */
 
-/* Defines one function per type for doubles, and one for labels that returns false if some voxel is none. Doubles hold
- * every 32-bit type exactly; labels never pass through them. */
+/* Defines two functions per type: one for doubles, which hold every 32-bit type exactly; and one for labels, which
+ * never pass through doubles, and which returns false if a voxel is no label. */
 #define DEFINE_DECODERS(name, type, read, is_label)                                                                    \
     static void name##_doubles(double *out, const uint8_t *in, size_t count, bool swapped)                             \
     {                                                                                                                  \
@@ -124,7 +124,7 @@ static void keep_bad(struct label_reader *reader, size_t voxel, const uint8_t *b
     }
 }
 
-/* Decodes voxels, of which `from` is the first. */
+/* Decodes voxels, the first of which is `from`. */
 static conus_status code_labels(struct label_reader *reader, const uint8_t *voxels, size_t from, size_t count)
 {
     const struct volume_file *file = reader->file;
@@ -342,7 +342,7 @@ static void code_run(void *user, void *codes, const uint8_t *stored, size_t coun
 /* The value of each code up to the highest. */
 static conus_status make_table(struct value_map *map, const struct mapping *mapping)
 {
-    conus_volume_info info = mapping->file->info; /* its range is that of the voxels, not of the table */
+    conus_volume_info info = mapping->file->info; /* its range comes from the voxels, not from the table */
     map->table_count = mapping->most + 1;
     map->table = memory_raw(map->table_count, sizeof *map->table);
     for (size_t code = 0; map->table && code < map->table_count; code++) {

@@ -34,7 +34,7 @@ conus_status label_reader_add(void *user, const uint8_t *voxels, size_t size);
 /** A zarr_sink: the voxels from @p first on, in any order, where init got no memory. */
 conus_status label_reader_put(void *user, size_t first, const uint8_t *voxels, size_t count);
 
-/** Gives the labels of all voxels, and @p file their range. A voxel that is none is CONUS_ERROR_DATA, as of
+/** Gives the labels of all voxels, and @p file their range. A voxel that is no label is CONUS_ERROR_DATA, as in
  * volume_file_labels(). */
 conus_status label_reader_end(struct label_voxels *out, struct label_reader *reader, struct volume_file *file);
 void label_reader_finish(struct label_reader *reader);

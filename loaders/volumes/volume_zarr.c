@@ -66,7 +66,7 @@ static bool is_array(const struct bytes *bytes)
     return text_mentions(text, "\"data_type\"") || text_mentions(text, "\"dtype\"");
 }
 
-/* The level whose voxels are as large as those that are wanted, or none. */
+/* Finds the level with voxels of this size. */
 static size_t find_size(const struct ome *ome, const double micrometres[SPACE])
 {
     for (size_t i = 0; i < ome->count; i++) {

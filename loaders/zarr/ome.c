@@ -17,7 +17,7 @@ static const char *text_of(const json_t *value)
     return text ? text : "";
 }
 
-/* Millimetres of a unit, 0 of one that is not known. */
+/* Millimetres of a unit, 0 for an unknown one. */
 static double find_unit(const char *name)
 {
     static const struct {

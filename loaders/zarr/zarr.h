@@ -30,12 +30,12 @@ struct zarr_array {
     int format;                                       /**< 2 or 3. */
     size_t rank;                                      /**< Axes, 3 to ZARR_AXES; the last three are space. */
     uint64_t shape[ZARR_AXES], file_chunk[ZARR_AXES]; /**< Voxels, 1 to 2^31 - 1: of all, and in a file. */
-    uint64_t chunk[ZARR_AXES];                        /**< In what is packed; a shard's file has several of these. */
+    uint64_t chunk[ZARR_AXES];                        /**< Size of the packed unit; a shard's file has several. */
     size_t chunk_bytes;                               /**< Unpacked; one at the edge is stored whole. */
     char kind;                                        /**< 'u' unsigned, 'i' signed, 'f' floating point. */
     size_t size;                                      /**< Bytes of a number: 1, 2, 4 or 8. */
     bool has_fill;
-    uint8_t fill[8]; /**< The number of chunks that are not there, as it would be stored. */
+    uint8_t fill[8]; /**< The value of missing chunks, in its stored form. */
     bool prefixed;   /**< Keys begin with "c". */
     char separator;
     struct zarr_chain chain;
@@ -59,7 +59,7 @@ conus_status zarr_unpack(uint8_t *out, struct zarr_unpacker *unpacker, const str
 
 /** Facts about an array that was read. */
 struct zarr_found {
-    uint64_t files, wanted; /**< Files of chunks that are there, and that there can be. */
+    uint64_t files, wanted; /**< Files of chunks: those there are, and all possible ones. */
     char sha256[65];        /**< Sum of sha256sum's lines about the files of chunks, in the order of space. */
 };
 

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The text of a value, "" of one of another kind. */
+/* The text of a value, "" for a value of another kind. */
 static const char *text_of(const json_t *value)
 {
     const char *text = json_string_value(value);

@@ -210,7 +210,7 @@ static conus_status take_chunk(const struct reading *reading, const size_t at[SP
     return status ? fail_in(status, reading->path.data) : give_chunk(reading, at, true);
 }
 
-/* The chunk of a file that has one. */
+/* Reads a chunk that has a file. */
 static conus_status read_chunk(struct reading *reading, const struct open_file *file, const size_t at[SPACE])
 {
     char hex[65];

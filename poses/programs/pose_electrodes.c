@@ -22,7 +22,7 @@ struct contact {
     struct text shaft; /* the column group, or the name without the number at its end */
     uint64_t number;   /* at the end of the name, or else of the row */
     double position[3];
-    char *error; /* why it is no pose; owned, NULL = it is one */
+    char *error; /* why it is no pose; owned, NULL = it is a pose */
     size_t line;
     size_t next; /* on the same shaft; itself if it is the last */
     size_t previous;
@@ -125,7 +125,7 @@ static int compare_contacts(const void *left, const void *right)
     return order ? order : compare_unsigned(a->line, b->line);
 }
 
-/* Each contact's neighbours on its shaft, of those that have positions. */
+/* Finds each contact's neighbours on its shaft, among contacts with positions. */
 static conus_status find_neighbours(struct reading *reading)
 {
     struct contact **sorted = memory_raw(reading->count, sizeof(struct contact *));

@@ -11,7 +11,7 @@
 /* A marker, a child of the list, while it is read. */
 struct marker {
     bool is_other;                /* not called a marker: <ResponseParameters> of trigger lists */
-    char name[POSE_ID_LIMIT + 2]; /* one byte more than is allowed, so that more is seen */
+    char name[POSE_ID_LIMIT + 2]; /* a byte more than allowed, to notice longer names */
     bool unset;
     bool is_trigger;
     size_t matrices;

@@ -213,7 +213,7 @@ static conus_status find_point(double world[AXES], const struct table *table, co
 static conus_status add_electrode(conus_pose_list *list, const struct table *table, const conus_frame *frame,
                                   size_t index)
 {
-    char name[POSE_ID_LIMIT + 2]; /* one byte more than is allowed, so that more is seen */
+    char name[POSE_ID_LIMIT + 2]; /* a byte more than allowed, to notice longer names */
     double p[AXES];
     double world[AXES] = {0};
     size_t electrode = table->rows ? (size_t)hdf5_whole(table->rows, index) : index;

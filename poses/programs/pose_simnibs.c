@@ -63,7 +63,7 @@ static conus_status add_structures(struct reading *reading)
             if (!found) {
                 break;
             }
-            char name[POSE_ID_LIMIT + 2]; /* one byte more than is allowed, so that more is seen */
+            char name[POSE_ID_LIMIT + 2]; /* a byte more than allowed, to notice longer names */
             struct text id = matlab_text(name, sizeof name, matlab_field(reading->matlab, array, k, "name"));
             status = add_array(reading, found, id);
         }

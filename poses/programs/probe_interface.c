@@ -17,8 +17,8 @@
 enum { PROBE_LIMIT = 1024, NAME_SIZE = 32, CHANNEL_LIMIT = INT32_MAX };
 
 static const double FARTHEST_UM = 1e6;   /* a probe is shorter than 1 m: another unit was meant */
-static const double LEVEL = 1e-6;        /* heights that differ by so little of the contour's are one */
-static const double PARALLEL = 1 - 1e-6; /* cosine between axes that are one */
+static const double LEVEL = 1e-6;        /* heights that differ by less, in heights of the contour, are equal */
+static const double PARALLEL = 1 - 1e-6; /* cosine between equal axes */
 
 struct one_probe {
     char name[NAME_SIZE];
@@ -166,7 +166,7 @@ static conus_status read_text(const char **out, const struct reading *reading, c
                              POSE_ID_LIMIT - NAME_SIZE);
 }
 
-/* Texts that are all empty are as good as none. */
+/* NULL for a list whose texts are all empty. */
 static const json_t *unless_empty(const json_t *list)
 {
     bool is_empty = true;

@@ -25,8 +25,8 @@ struct pose_space {
 
 struct pose_space pose_space_named(struct text name, enum pose_brain brain);
 
-/** CONUS_ERROR_DATA where file and atlas say of different brains; a note where one of them does not say. To an atlas
- * that was moved somebody's own scan fits; a note tells of another space. */
+/** CONUS_ERROR_DATA where file and atlas name different brains; a note where one of them names none. A subject's own
+ * scan fits an atlas that was moved; a note names another space. */
 conus_status pose_space_match(struct notes *notes, const struct pose_space *space, const conus_atlas *atlas);
 
 struct conus_pose_list {
@@ -46,7 +46,7 @@ struct conus_pose_list {
  * UTF-8, too, and then the row has an error. @p error NULL: none. */
 conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, struct text id, const char *error);
 
-/** Lets the sink hear the notes of the list, which keeps a copy of it and of its path. */
+/** Gives the sink the notes of the list, which keeps a copy of the sink and of its path. */
 conus_status pose_list_hear(conus_pose_list *list, const struct note_sink *sink);
 
 /** Takes all rows out, and keeps their memory for the next ones. */

@@ -72,8 +72,8 @@ void bricks_spread(struct bricks *bricks)
 /* A trilinear sample reaches half a voxel outside its brick; one and a half more forgive a float's rounding. */
 enum { BORDER = 2, MARGIN = 3 };
 
-/* Voxels around those that can show, so that the picture is as with a field of the whole volume: samples up to
- * a voxel away, whose gradients are of their neighbours; and blurring twice, two voxels each, ends in flat zeros. */
+/* Margin around the voxels that can show, so that the picture is as with a field of the whole volume. Samples lie up to
+ * a voxel away, and their gradients use neighbours; blurring twice, two voxels each, ends in flat zeros. */
 enum { VALUES_MARGIN = 2, OBJECTS_MARGIN = 3 };
 
 void field_finish(struct field *field)

@@ -19,10 +19,10 @@ const struct volume *pathways_first(const conus_atlas *atlas);
 /** Whether there is a pathway or bundle that is not hidden: opaque areas would occlude it. */
 bool pathways_shown(const conus_atlas *atlas);
 
-/** A volume without values of all pathways but those in @p hazy, and of the areas that @p drawn [object_count + 1] of
- * enum pathways_area names (NULL = none), or of all areas where no pathway or bundle is shown, on the grid of
- * pathways_first(), extended; where there is none, on that of one of the parcellations. Where several are, it is of the
- * first parcellation's area, the most probable area, or the first pathway, in this order. */
+/** Makes a volume without values, on the grid of pathways_first(), extended; where there is none, on that of one of the
+ * parcellations. It holds all pathways but those in @p hazy, and the areas that @p drawn [object_count + 1] of enum
+ * pathways_area names (NULL = none), or all areas where no pathway or bundle is shown. A voxel of several belongs to
+ * the first parcellation's area, the most probable area, or the first pathway, in this order. */
 conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const uint8_t *drawn,
                            const struct haze_choice *hazy);
 

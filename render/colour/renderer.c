@@ -29,8 +29,8 @@ static size_t tiles_along(size_t pixels)
     return (pixels + TILE - 1) / TILE;
 }
 
-/* Marks the tiles of which a pixel differs from its right or upper neighbour, which may lie in the next tile.
- * Returns whether there are any. */
+/* Marks the tiles with a pixel that differs from its right or upper neighbour, which may lie in the next tile. Returns
+ * whether there are any. */
 static bool find_edge_tiles(uint32_t *tiles, const float *rgba, const struct target *target)
 {
     const size_t width = target->width;

@@ -127,7 +127,7 @@ static void find_in_row(uint32_t *to, const struct cut *cut, const struct volume
 {
     const size_t *dim = volume->info.dim;
     const size_t steps[3] = {1, dim[0], dim[0] * dim[1]};
-    size_t row = 0; /* the voxel's number, but for the indices that change along the row: mostly one does */
+    size_t row = 0; /* the voxel's number, without the indices that change along the row: mostly one does */
     int changing[3];
     int count = 0;
     for (int a = 0; a < 3; a++) {

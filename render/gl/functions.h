@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * OpenGL's and EGL's functions, by libepoxy, which gl_load_functions() loads when it is needed: glClear() calls a
- * variable epoxy_glClear, which is our own here, and has another name for the linker than libepoxy's. */
+ * OpenGL's and EGL's functions, by libepoxy. gl_load_functions() loads it when it is needed. glClear() calls a variable
+ * epoxy_glClear, which is our own and which the linker knows by another name than libepoxy's. */
 #ifndef CONUS_RENDER_GL_FUNCTIONS_H
 #define CONUS_RENDER_GL_FUNCTIONS_H
 

@@ -244,7 +244,7 @@ static size_t pixel_count(const struct mesh_pass *pass)
     return (size_t)pass->target.width * pass->target.height;
 }
 
-/* A pixel of the slot that is number `place` of those that are drawn at once. */
+/* A pixel of slot number `place` among those drawn at once. */
 static uint32_t *pixel_at(const struct mesh_pass *pass, size_t place, size_t pixel)
 {
     return pass->pixels + (place * pixel_count(pass) + pixel) * (2 + (size_t)pass->capacity);

@@ -24,8 +24,8 @@ struct tract_source {
     const bool *shown;                   /**< [streamline_count] Which are searched; NULL = all. */
 };
 
-/** Clusters of the leaves with a streamline that is shown: `first` is the leaf, `count` its runs; their balls have the
- * capsules round the segments in them. Triangles there are none. End them with clusters_finish(). */
+/** Clusters of the leaves that hold a streamline that is shown: `first` is the leaf, `count` its runs; their balls hold
+ * the capsules round the segments. There are no triangles. End them with clusters_finish(). */
 conus_status tract_clusters_init(struct clusters *out, const struct tract_source *source);
 
 /** Bytes of the leaves' texels. */

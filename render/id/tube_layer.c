@@ -233,8 +233,9 @@ static conus_status keep_streamline(struct tube_layer *layer, size_t *capacity, 
     return CONUS_OK;
 }
 
-/* Keeps points of every step-th streamline, each turn of every TURNS-th of these: however many come first, they are of
- * streamlines from everywhere in the file. A draft has the same fraction of each tractogram. CONUS_ERROR_MEMORY. */
+/* Keeps points of every step-th streamline, in TURNS rounds that take every TURNS-th of them. So the first points,
+ * however many, come from everywhere in the file. A draft has the same fraction of each tractogram. CONUS_ERROR_MEMORY.
+ */
 static conus_status keep_points(struct tube_layer *layer)
 {
     size_t capacity = 0;

@@ -10,7 +10,7 @@
 #include "render/gl/context.h"
 
 enum tube_colour_by {
-    TUBE_BY_BUNDLE = 0, /**< The colour of its object: the first one that is shown. */
+    TUBE_BY_BUNDLE = 0, /**< The colour of the first of its objects that is shown. */
     TUBE_BY_DIRECTION,  /**< Red from left to right, green from back to front, blue upwards. */
     TUBE_BY_SCALAR      /**< A number of its points or of itself. */
 };
@@ -34,7 +34,7 @@ void tube_colouring_finish(struct tube_colouring *colouring);
 
 enum {
     TUBE_RAMP_STEPS = 4, /**< Between the colours of a number; between two of them they are mixed in sRGB. */
-    TUBE_UNKNOWN = 128   /**< The grey of what has no number or direction: red, green and blue. */
+    TUBE_UNKNOWN = 128   /**< Grey for points without a number or direction: red, green and blue. */
 };
 
 /** sRGB of @p part, 0 to 1, of the range of a number; grey where it is NaN. */

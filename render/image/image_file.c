@@ -31,7 +31,7 @@ conus_status conus_image_load(conus_image **out, const char *path)
 /* The formats that are written. */
 static const struct {
     const char *ending; /* without its dot */
-    bool shapes;        /* It has those that are kept beside the pixels, and others have them in the pixels. */
+    bool shapes;        /* lines and texts stay shapes; other formats have them in the pixels */
     conus_status (*format)(struct bytes *out, const conus_image *image);
 } formats[] = {{"exr", false, image_format_exr},
                {"png", false, image_format_png},

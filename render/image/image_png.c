@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* PNG through libpng, between an image and bytes in memory. libpng reports by longjmp: variables that a jump may cross
- * are in struct job, and functions that set the jump have no locals that change. */
+/* PNG through libpng, between an image and bytes in memory. libpng reports errors by longjmp. So variables that must
+ * outlive a jump are in struct job, and functions that set the jump have no locals that change. */
 #include "render/image/image_codecs.h"
 
 #include "base/buffer.h"

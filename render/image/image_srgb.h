@@ -12,7 +12,7 @@ double linear_from_srgb(double srgb);
 /** sRGB bytes of a linear colour. */
 void srgb_bytes(uint8_t rgb[3], const float linear[3]);
 
-/** R, G, B, A as sRGB bytes, A (1 where there is none) not premultiplied; values are clipped to 0..1.
+/** Converts R, G, B, A to sRGB bytes; A (1 where there is none) is not premultiplied, values are clipped to 0..1.
  * [width * height * 4], the caller's to memory_free(). CONUS_ERROR_ARGUMENT without R, G, B. */
 conus_status image_srgb_bytes(uint8_t **out, const conus_image *image);
 

@@ -17,7 +17,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
-enum { PACK_LINE = 64, PACK_BEHIND = 64 }; /* where arrays begin, and bytes behind each that may be read */
+enum { PACK_LINE = 64, PACK_BEHIND = 64 }; /* alignment of arrays; readable bytes behind each */
 
 enum pack_mode { PACK_MEASURE, PACK_COPY, PACK_WRITE, PACK_ATTACH };
 
@@ -31,7 +31,7 @@ struct pack_walk {
     size_t small, small_end;
     size_t large, size;
     bool is_verified; /* when attaching: the large arrays have their checksum */
-    bool is_lean;     /* points that a file has are left there */
+    bool is_lean;     /* leaves out points that a file has */
     conus_status status;
 };
 
@@ -609,7 +609,7 @@ static void pass_atlas(struct pack_walk *walk, conus_atlas *atlas)
 /* Must be the same for a block to be read. */
 struct head {
     char magic[24];
-    uint64_t crc;    /* of what follows, up to the end of what is small */
+    uint64_t crc;    /* checksum of the bytes that follow, up to the end of the small arrays */
     uint64_t layout; /* of this build's structures */
     uint64_t small_end, size;
 };

@@ -5,10 +5,10 @@
 
 #include "atlas/atlas.h"
 
-/** Writes what conus_atlas_pack() packs to an open file, from @p at on, array by array: of all that is large, only a
- * distance map that the atlas does not have yet, and points that are mapped from a tractogram's file, are in memory
- * twice. Gaps are left as they are. A lean one lacks points that a tractogram's file has (file_offset): who attaches it
- * maps them. CONUS_ERROR_IO, CONUS_ERROR_MEMORY. */
+/** Writes what conus_atlas_pack() packs to an open file, from @p at on, array by array. Of the large arrays only two
+ * are in memory twice: a distance map that the atlas does not have yet, and points that are mapped from a tractogram's
+ * file. Gaps are left as they are. A lean pack leaves out points that a tractogram's file has (file_offset); whoever
+ * attaches the atlas maps them. CONUS_ERROR_IO, CONUS_ERROR_MEMORY. */
 conus_status atlas_pack_write(int descriptor, size_t at, const conus_atlas *atlas, bool is_lean);
 
 /** How many bytes it writes. */

@@ -18,7 +18,7 @@ struct block {
     struct batch_pose *poses; /* [capacity] */
     struct pose_words {
         size_t id;    /* where in the block's strings the pose's id begins, */
-        size_t error; /* and why it is no pose, if it is none */
+        size_t error; /* and the reason, if it is no pose */
     } * words;        /* [capacity] */
     size_t count, capacity;
     uint64_t first;        /* number of the first one in the stream, from 0 */
@@ -57,7 +57,7 @@ static void finish_atlas(struct batch_atlas *atlas, size_t threads)
     memory_free(atlas->workers);
 }
 
-/* Adds an atlas behind those that are there. */
+/* Appends an atlas. */
 static conus_status add_atlas(conus_batch *batch, conus_selector *selector, const conus_report_options *report)
 {
     const conus_batch_options *options = &batch->options;
@@ -96,7 +96,7 @@ conus_status conus_batch_create(conus_batch **out, conus_selector *selector, con
     if (filled.report.probe) {
         return fail(CONUS_ERROR_ARGUMENT, "probe: its contacts are asked one by one, no batch");
     }
-    conus_status status = batch_fill_in(&filled.threads, &filled.block, &filled.angle, selector);
+    conus_status status = batch_check_options(&filled.threads, &filled.block, &filled.angle, selector);
     if (report_is_of_probe(filled.report.format)) {
         filled.threads = 1;
         filled.block = BATCH_BLOCK_LIMIT;
@@ -138,7 +138,7 @@ conus_status conus_batch_create(conus_batch **out, conus_selector *selector, con
 conus_status conus_batch_add(conus_batch *batch, conus_selector *selector, const char *atlas)
 {
     conus_batch_options own = batch->options;
-    conus_status status = batch_fill_in(&own.threads, &own.block, &own.angle, selector);
+    conus_status status = batch_check_options(&own.threads, &own.block, &own.angle, selector);
     if (!status && own.threads != batch->options.threads) {
         status = fail(CONUS_ERROR_ARGUMENT, "threads: %s answers on one, the batch has %u", selector->engine->name,
                       batch->options.threads);
@@ -332,9 +332,9 @@ static conus_status answer_block(void *user, size_t slot, size_t worker, const a
         const struct batch_atlas *atlas = &batch->atlases[i];
         struct writing writing = {block, atlas->reports[worker], i == 0};
         struct batch_worker *asked = &atlas->workers[worker];
-        status =
-            of_axes ? batch_worker_follow(asked, block->poses, block->count, stop, within, add_axis_to_report, &writing)
-                    : batch_worker_answer(asked, block->poses, block->count, stop, add_to_report, &writing);
+        status = of_axes ? batch_worker_answer_axes(asked, block->poses, block->count, stop, within, add_axis_to_report,
+                                                    &writing)
+                         : batch_worker_answer(asked, block->poses, block->count, stop, add_to_report, &writing);
     }
     if (!status) {
         first->taken = (size_t)block->first;

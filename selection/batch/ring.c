@@ -22,7 +22,7 @@ struct slot {
 struct pool {
     const struct ring *ring;
     pthread_mutex_t reading; /* held by the one thread that reads */
-    pthread_mutex_t lock;    /* of what follows */
+    pthread_mutex_t lock;    /* guards the members below */
     pthread_cond_t answered, freed;
     struct slot *slots; /* [ring->slots] */
     uint64_t taken, delivered;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * Blocks that are read in their order, answered in any by several threads, and delivered in their order. So what is
- * delivered depends on nothing but what was read, whoever answers it and when. */
+ * Blocks are read in their order, answered in any order by several threads, and delivered in their order. So the result
+ * depends only on what was read, not on which thread answers when. */
 #ifndef CONUS_SELECTION_BATCH_RING_H
 #define CONUS_SELECTION_BATCH_RING_H
 

@@ -131,7 +131,7 @@ conus_status conus_select_many(conus_astray *astray, conus_selector *selector, c
     if (!is_whole && run.poses.count) {
         return fail(CONUS_ERROR_ARGUMENT, "poses: either matrix or both origin and direction");
     }
-    conus_status status = batch_fill_in(&run.options.threads, &run.options.block, &run.options.angle, selector);
+    conus_status status = batch_check_options(&run.options.threads, &run.options.block, &run.options.angle, selector);
     if (status) {
         return status;
     }

@@ -13,7 +13,7 @@
 
 enum { THREAD_LIMIT = 1024, DEFAULT_BLOCK = 256, DEFAULT_ANGLE_DEG = 10 };
 
-conus_status batch_fill_in(uint32_t *threads, uint32_t *block, double *angle, const conus_selector *selector)
+conus_status batch_check_options(uint32_t *threads, uint32_t *block, double *angle, const conus_selector *selector)
 {
     if (*threads > THREAD_LIMIT) {
         return fail(CONUS_ERROR_ARGUMENT, "threads: %u, allowed is 1 to %d", *threads, THREAD_LIMIT);
@@ -163,8 +163,8 @@ conus_status batch_worker_answer(struct batch_worker *worker, const struct batch
     return status;
 }
 
-conus_status batch_worker_follow(struct batch_worker *worker, const struct batch_pose *poses, size_t count,
-                                 const atomic_bool *stop, const double *within, batch_take_axis *take, void *user)
+conus_status batch_worker_answer_axes(struct batch_worker *worker, const struct batch_pose *poses, size_t count,
+                                      const atomic_bool *stop, const double *within, batch_take_axis *take, void *user)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < count && !status && !atomic_load_explicit(stop, memory_order_relaxed); i++) {

@@ -15,16 +15,17 @@ struct batch_pose {
     conus_pose pose;
     double angle;    /**< 0 = the worker's. */
     double range[2]; /**< mm; NaN = that of the worker's selector. */
-    size_t line;     /**< Its number for whoever asks: a line of a file, say. */
+    size_t line;     /**< Its number for the caller: a line of a file, say. */
     bool is_no_pose;
     bool is_point;
 };
 
 enum { BATCH_BLOCK_LIMIT = 65536 };
 
-/** Checks how poses are to be answered, and fills in what is 0: @p threads by the processors that the process may use,
+/** Checks how poses are to be answered, and sets defaults where a value is 0: @p threads by the processors that the
+ * process may use,
  * @p block, and @p angle. */
-conus_status batch_fill_in(uint32_t *threads, uint32_t *block, double *angle, const conus_selector *selector);
+conus_status batch_check_options(uint32_t *threads, uint32_t *block, double *angle, const conus_selector *selector);
 
 struct batch_worker {
     conus_selector *selector; /**< Shares its engine with the other workers'. */
@@ -38,8 +39,8 @@ struct batch_worker {
 conus_status batch_worker_init(struct batch_worker *out, conus_selector *selector, size_t block, double angle);
 void batch_worker_finish(struct batch_worker *worker);
 
-/** Takes the answer to pose @p index: a selection, which the caller ends, or NULL where the pose is at fault; the
- * message says why, unless it is no pose at all. */
+/** Takes the answer to pose @p index: a selection, which the caller destroys. NULL where the pose is wrong; then
+ * conus_message() says why, unless the row is no pose at all. */
 typedef conus_status batch_take(void *user, size_t index, const conus_selection *selection);
 
 /** Answers the poses in their order, and counts how they aim. Gives up once @p stop. A pose at fault is an answer, not
@@ -47,13 +48,14 @@ typedef conus_status batch_take(void *user, size_t index, const conus_selection 
 conus_status batch_worker_answer(struct batch_worker *worker, const struct batch_pose *poses, size_t count,
                                  const atomic_bool *stop, batch_take *take, void *user);
 
-/** Takes the answer about the axis of pose @p index, which the caller ends: one of the two, or neither where the pose
- * is at fault, or has no axis; the message says why, unless it is no pose at all. */
+/** Takes the answer about the axis of pose @p index, which the caller destroys: one of the two. Both are NULL where the
+ * pose is wrong or has no axis; then conus_message() says why, unless the row is no pose at all. */
 typedef conus_status batch_take_axis(void *user, size_t index, const conus_segments *segments,
                                      const conus_clearances *clearances);
 
-/** batch_worker_answer() for the axes of the poses: what they pass, or their clearances up to @p within unless NULL. */
-conus_status batch_worker_follow(struct batch_worker *worker, const struct batch_pose *poses, size_t count,
-                                 const atomic_bool *stop, const double *within, batch_take_axis *take, void *user);
+/** batch_worker_answer() for the axes of the poses: their segments or, unless @p within is NULL, their clearances up
+ * to *within mm. */
+conus_status batch_worker_answer_axes(struct batch_worker *worker, const struct batch_pose *poses, size_t count,
+                                      const atomic_bool *stop, const double *within, batch_take_axis *take, void *user);
 
 #endif

@@ -38,7 +38,7 @@ struct aperture {
     double total_weight;     /**< Sum over the pixels in the cone, in the pixels' order. */
 };
 
-/** Makes it that of @p cone, which takes time only where it was that of another shape. A zeroed one is ready. */
+/** Makes it the aperture of @p cone. That takes time only where it had another shape. A zeroed one is ready. */
 conus_status aperture_prepare(struct aperture *aperture, const struct cone *cone);
 void aperture_finish(struct aperture *aperture);
 

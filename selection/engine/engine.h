@@ -20,8 +20,8 @@ struct engine_functions {
     conus_status (*trace_many)(struct engine *engine, struct evidence *const *out, const struct cone *const *cones,
                                size_t count);
     /** Appends every interval of every pixel's ray inside an object to @p out, whatever hides it (Eq. 10), and inside
-     * what blocks, as VOLUME_BLOCKER. Exact sampling only. Neither heeds the cone's range, but that an interval which
-     * begins beyond its far end may be missing, and that one which goes on beyond it may end anywhere there. */
+     * what blocks, as VOLUME_BLOCKER. Exact sampling only. The range of the cone does not matter, except that intervals
+     * beyond its far end may be missing, and one that crosses it may end anywhere beyond. */
     conus_status (*pierce)(struct engine *engine, struct layers *out, const struct cone *cone);
     void (*destroy)(struct engine *engine);
 };
@@ -43,6 +43,10 @@ struct engine_options {
 /* The engines that there are: engine_rays.c and engine_gl.c. */
 conus_status engine_rays_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options);
 conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options);
+
+/** How many runs of streamlines the driver has proposed so far to a gl engine, for pixels one by one; 0 where it draws
+ * none. For tests. */
+uint64_t engine_gl_proposals(const struct engine *engine);
 
 /** NULL is fine. */
 static inline void engine_destroy(struct engine *engine)

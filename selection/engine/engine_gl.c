@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The gl engine: the GPU finds hits and crossings, which become evidence and layers here. */
-#include "selection/engine/engine_gl.h"
+#include "selection/engine/engine.h"
 
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
@@ -396,7 +396,8 @@ static conus_status pierce(struct engine *engine, struct layers *out, const stru
     return status;
 }
 
-/* Identifiers are the objects' numbers: dense, from 1, integers all the way; behind them that of what blocks. */
+/* Identifiers are the objects' numbers: dense, from 1, integers all the way. The one behind them stands for what
+ * blocks. */
 static conus_status create_pass(struct gl_engine *gl)
 {
     size_t count = gl->atlas->object_count + 2;

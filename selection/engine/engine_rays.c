@@ -17,10 +17,10 @@
 
 enum { BLOCK = APERTURE_BLOCK };
 
-/* Uniform maps are made when so many rays have listed their intervals without: AAL's takes about as long as these. */
+/* After so many rays that listed their intervals, uniform maps are made: AAL's takes about as long as these rays. */
 enum { RAYS_WITHOUT_UNIFORM = 1 << 13 };
 
-/* Labelled ones are when so many have been traced: AAL's takes about as long as half of these. */
+/* After so many traced rays, labelled maps are made: AAL's takes about as long as half of these rays. */
 enum { RAYS_WITHOUT_LABELS = 1 << 19 };
 
 struct target {
@@ -40,13 +40,13 @@ struct rays_engine {
     struct mesh_intervals intervals; /* empty: what a query begins with */
     atomic_size_t pierced;           /* rays that have listed their intervals */
     atomic_bool has_uniform;         /* the targets' uniform maps are there: several threads may be here */
-    atomic_size_t traced;            /* rays that have found what is first */
+    atomic_size_t traced;            /* rays traced for their first hit */
     atomic_bool has_labelled;        /* the labelled maps are there */
     size_t target_count;
     struct target targets[];
 };
 
-/* One block of pixels on its way. */
+/* A block of pixels while it is traced. */
 struct block {
     size_t pixel[TRAVERSE_BUNDLE];
     struct traverse_bundle bundle;
@@ -194,8 +194,8 @@ static void find_near(double from[TRAVERSE_BUNDLE], const struct cone *cone, con
     }
 }
 
-/* A ray that is in a voxel at the near end hits that which is found there, if it is of the same object. Else it keeps a
- * distance before that end. */
+/* A ray that is inside an object at the near end of the range hits the voxel that holds its point there, if that voxel
+ * is of the same object. Else its hit counts as one before the range, and its intervals tell what is first. */
 static void settle_near(struct traverse_bundle *bundle, size_t ray, const struct volume *volume)
 {
     double point[3] = {bundle->origin[0], bundle->origin[1], bundle->origin[2]};
@@ -327,7 +327,7 @@ static conus_status for_blocks(const struct rays_engine *engine, void *out, cons
     return status;
 }
 
-/* Bundles of meshes and streamlines have one origin, so every ray of a cylinder is one. */
+/* Rays in a bundle for meshes and streamlines share one origin, so each ray of a cylinder is a bundle. */
 static uint32_t shapes_edge(const struct cone *cone)
 {
     return cone->radius > 0 ? 1 : BLOCK;

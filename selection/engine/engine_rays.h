@@ -21,7 +21,7 @@ conus_status engine_rays_create_for_bundles(struct engine **out, const conus_atl
 /** The tracer of a rays engine's bundles; NULL if the atlas has none. */
 const struct tract_rays *engine_rays_tracts(const struct engine *engine);
 
-/** trace() of a rays engine, but behind what @p out has already: it keeps what is nearer. */
+/** trace() of a rays engine that adds to @p out: hits that @p out already has stay where they are nearer. */
 conus_status engine_rays_trace_on(struct engine *engine, struct evidence *out, const struct cone *cone);
 
 #endif

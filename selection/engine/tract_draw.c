@@ -4,8 +4,8 @@
 
 #include "base/memory.h"
 
-/* Intervals are joined when there are this many, and twice as many as after the last time: what they take is no more
- * than about twice what they take in the end. */
+/* Intervals are joined when there are this many, and then whenever their number has doubled since: so they take at most
+ * about twice their final memory. */
 enum { JOIN_AT = 1 << 16 };
 
 struct tract_draw {
@@ -14,7 +14,7 @@ struct tract_draw {
     uint64_t proposals;
 };
 
-/* Which streamlines of a scene are of an object; NULL if all are. */
+/* Finds which streamlines of a scene belong to an object; NULL if all do. */
 static conus_status find_shown(const bool **out, const struct tract_rays *rays, size_t scene)
 {
     size_t count = tract_rays_tractogram(rays, scene)->streamline_count;

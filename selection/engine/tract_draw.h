@@ -10,7 +10,7 @@
 
 struct tract_draw;
 
-/** A cone that is no wide one, and what its rays have hit. */
+/** A cone that is not wide, and the hits of its rays. */
 struct tract_picture {
     struct tract_query query; /**< Its distances are those of `out`, or NULL where layers are asked for. */
     struct evidence *out;

@@ -187,7 +187,7 @@ void layers_drop_blockers(struct layers *layers)
 {
     size_t kept = 0;
     while (kept < layers->count && layers->intervals[kept].object != VOLUME_BLOCKER) {
-        kept++; /* mostly all of them, which stay where they are */
+        kept++; /* mostly all stay, where they are */
     }
     for (size_t i = kept; i < layers->count; i++) {
         if (layers->intervals[i].object != VOLUME_BLOCKER) {

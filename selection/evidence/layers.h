@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * All layers of the evidence (Eq. 10): every interval of every pixel's ray inside an object. Engines append intervals
- * in any order; what is behind them gets them sorted. There is no limit on their number but memory's. */
+ * in any order; later steps get them sorted. Only memory limits their number. */
 #ifndef CONUS_SELECTION_EVIDENCE_LAYERS_H
 #define CONUS_SELECTION_EVIDENCE_LAYERS_H
 
@@ -40,12 +40,12 @@ void layers_clip(struct layers *layers, const struct cone *cone);
  * pixel do several intervals begin where the first does. */
 bool layers_first(struct evidence *out, const struct layers *layers);
 
-/** Gives every interval the object as which its own is reported, by @p group [@p object_count + 1]; intervals of a
- * pixel that then have one object and touch or overlap become one. Needs sorted layers without blockers and leaves them
+/** Replaces each interval's object by the one as which @p group [@p object_count + 1] reports it. Intervals of a pixel
+ * that then have one object and touch or overlap become one. Needs sorted layers without blockers and leaves them
  * sorted. */
 conus_status layers_regroup(struct layers *layers, const uint32_t *group, size_t object_count);
 
-/** Drops the intervals of what blocks and is no object (VOLUME_BLOCKER). */
+/** Drops the intervals of voxels that block but are no object (VOLUME_BLOCKER). */
 void layers_drop_blockers(struct layers *layers);
 
 #endif

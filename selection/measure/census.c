@@ -112,7 +112,7 @@ struct stretches {
     } of[REGION_ROWS + 1];
 };
 
-/* Lists the voxels that are surely in the region, and asks for those of which it is not sure. */
+/* Lists the voxels that are surely in the region, and checks those that may be. */
 static void list_stretches(struct stretches *out, const struct walk *walk, const struct piece *piece)
 {
     const struct region_cut *cut = &piece->cut;

@@ -36,7 +36,8 @@ struct census_labels {
     struct label_runs runs[3]; /**< Along each axis; some may have none. */
 };
 
-/** Counts of all objects, kept between regions, so that a query costs what it holds and not what the atlas has. */
+/** Counts of all objects, kept between regions: so the cost of a query depends on what is in its region, not on the
+ * size of the atlas. */
 struct census {
     struct census_count *counts; /**< [object_count + 1]; [0]: voxels of the parcellation that are no object's. */
     uint32_t *touched;           /**< Objects with voxels, in ascending order; 0 is not among them.         */

@@ -287,7 +287,7 @@ static bool is_less(const struct clearance_found *a, const struct clearance_foun
     return a->source < b->source || (a->source == b->source && a->part < b->part);
 }
 
-/* Whether it is the group's least so far. What is as near as rounding can make it is touched. */
+/* Keeps a candidate that is the group's least so far. A distance no larger than rounding counts as touching. */
 static bool note(const struct search *search, uint32_t group, const struct clearance_found *candidate)
 {
     struct clearance *clearance = search->clearance;
@@ -390,7 +390,7 @@ static void measure_edges(struct clearance_found *out, struct cells *cells, cons
     }
 }
 
-/* Looks at the cell of a voxel; false where it is none to be looked beyond. */
+/* Looks at the cell of a voxel; false where the search need not look beyond it. */
 static bool search_cell(struct cells *cells, const struct volume *volume, uint32_t group, const double voxel[3])
 {
     const struct search *search = &cells->search;

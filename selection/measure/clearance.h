@@ -37,8 +37,8 @@ enum { CLEARANCE_BRICK = 4 };
 struct clearance_index {
     struct clearance_brick *bricks; /**< [brick_count] By object. */
     size_t brick_count;
-    struct bvh *trees; /**< [object_count + 1] Of its triangles in the world, or of its bricks in indices; empty of a
-                            bundle, and of what has no shape or is hidden. */
+    struct bvh *trees; /**< [object_count + 1] The box of the object's triangles in the world, or of its bricks in
+                          indices; empty for a bundle, and for an object that has no shape or is hidden. */
     size_t object_count;
     double low[3], high[3]; /**< Round all that can be near, world mm; low above high where that is nothing. */
 };

@@ -66,7 +66,7 @@ conus_status history_reserve(struct history *history, const struct history_sampl
  * each once. After more than the window without a step everything starts afresh. */
 void history_step(struct history *history, double time, const struct history_sample *samples, size_t count);
 
-/** Notes that the object ranked first until now; 0 is none. */
+/** Notes which object ranked first until now; 0 = none. */
 void history_choose(struct history *history, uint32_t object);
 
 /** The memory of @p object; NULL = none. */

@@ -78,8 +78,8 @@ static struct line line_at(const struct label_runs *runs, const struct volume *v
                          .next = is_row};
 }
 
-/* The first voxel from number i on that is of another object than the one before it in its row; the line's count where
- * there is none. */
+/* Finds the first voxel, from number i on, whose object differs from that of the voxel before it in its row; the line's
+ * count where there is none. */
 static size_t next_start(const struct line *line, size_t i)
 {
     const uint16_t *here = line->objects;
@@ -95,7 +95,7 @@ static size_t next_start(const struct line *line, size_t i)
     return i;
 }
 
-/* Counts the line's runs in the row behind each's own. */
+/* Counts the runs of each row of the line, into the next row's place. */
 static void count_runs_of(struct label_runs *runs, const struct line *line)
 {
     for (size_t i = next_start(line, 0); i < line->count; i = next_start(line, i + 1)) {
@@ -137,7 +137,7 @@ void label_runs_init(struct label_runs *out, const struct volume *volume, int ax
         return;
     }
     for_lines(out, volume, count_runs_of);
-    /* With the number of each row's runs in the place behind it; gives that of all. */
+    /* Each place behind a row has the row's number of runs; from here on, the index where the next row's runs begin. */
     size_t count = 0;
     for (size_t row = 1; row <= row_count; row++) {
         count += out->rows[row];
@@ -178,7 +178,7 @@ static unsigned later_starts(const uint16_t *starts, size_t i)
 static size_t count_starts(const uint16_t *starts, size_t count, size_t i)
 {
     size_t before = (size_t)__builtin_ctz(later_starts(starts, i) | 1U << LABELS);
-    return smaller(before, count); /* those past the end are of other rows */
+    return smaller(before, count); /* voxels past the end belong to other rows */
 }
 #endif
 

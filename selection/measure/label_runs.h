@@ -16,13 +16,13 @@ struct label_runs {
     uint16_t *objects; /**< [runs] */
 };
 
-/** Finds the runs of @p volume along @p axis; it must not change from now on. There are none where they would take more
- * than half a byte a voxel or 64 MB, beside 4 bytes a row, where indices or objects have more than 16 bits, or for want
- * of memory. */
+/** Finds the runs of @p volume along @p axis; the volume must not change from now on. There are no runs where they
+ * would take more than half a byte a voxel or 64 MB, beside 4 bytes a row, where indices or objects have more than 16
+ * bits, or without memory. */
 void label_runs_init(struct label_runs *out, const struct volume *volume, int axis);
 void label_runs_finish(struct label_runs *runs);
 
-/** How many of @p count voxels in a row, from the linear index @p first on, are of the object of the first. */
+/** How many voxels hold the object of the first, among @p count in a row from the linear index @p first on. */
 size_t label_run_length(const struct volume *volume, size_t first, size_t count);
 
 /** Tells the processor that a row will be asked for. */

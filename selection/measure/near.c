@@ -123,7 +123,7 @@ static double dot_rounded(const double a[3], const double b[3])
 void near_cells_init(struct near_cells *out, const struct volume *volume)
 {
     const double *m = volume->info.world_from_voxel;
-    for (int a = 0; a < 9; a++) { /* columns of float matrices are perpendicular but for rounding */
+    for (int a = 0; a < 9; a++) { /* columns of float matrices are perpendicular up to rounding */
         out->gram[a / 3][a % 3] = dot_rounded(m + 4 * (a / 3), m + 4 * (a % 3));
     }
     out->reach = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Rankings of what a cone hit (Eq. 12): a table of scores, and formulas over them. */
+/** @file Ranks the objects that a cone hit (Eq. 12): a table of scores, and formulas over them. */
 #ifndef CONUS_SELECTION_MEASURE_SCORE_H
 #define CONUS_SELECTION_MEASURE_SCORE_H
 
@@ -30,7 +30,7 @@ struct ranking {
     struct formula formula;
     conus_score_info info; /**< Its needs; without name and description. */
     uint32_t uses;         /**< Bit n: the table's n-th score.         */
-    unsigned history;      /**< Parts of it that those scores live on. */
+    unsigned history;      /**< The parts of a history that the scores use. */
     bool needs_border, needs_box;
 };
 

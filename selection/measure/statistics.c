@@ -21,11 +21,11 @@ struct tallied {
     double contact_distance; /* and its distance */
     double nearest;
     uint32_t pierced;
-    uint32_t last_pixel; /* the one that pierced it last, and */
-    double run_entry;    /* where its last intervals there begin, without a gap between them, */
-    double last_exit;    /* and how far they reach */
+    uint32_t last_pixel; /* the last pixel that pierced it, */
+    double run_entry;    /* entry of its last run of intervals there without a gap, */
+    double last_exit;    /* and the exit of that run */
     double entry, exit;
-    double length; /* of all its intervals' union, over all rays, but for the last run */
+    double length; /* union of all its intervals, over all rays, without the last run */
     double volume; /* of its meshes, by rays                 */
     double solid;  /* of its surfaces in the region,         */
     bool is_solid; /* where that was counted                 */
@@ -96,7 +96,7 @@ static uint32_t group_of(const struct gathering *gathering, uint32_t object)
     return gathering->group ? gathering->group[object] : object;
 }
 
-/* Adds the pixels in the cone from number `first` on, as far as they hit the same; gives the number behind them. The
+/* Adds the pixels in the cone from number `first` on, while they hit the same object; gives the number behind them. The
  * contact is at the smallest r, of equal ones at the nearest (Eq. 11). */
 static size_t add_run(struct tallied *object, const struct aperture *aperture, const struct evidence *evidence,
                       size_t first)
@@ -147,9 +147,9 @@ static double volume_between(const struct cone *cone, double from, double to)
     return cone->radius > 0 ? to - from : (to * to * to - from * from * from) / 3;
 }
 
-/* Intervals of a pixel come by entry, so what they add to their union is what reaches beyond the last exit. A run that
- * has come to its end is added in one piece: however it is cut into objects that are reported as one, its length has
- * the same bits. There is no branch where rays go in and out of an object as they like. */
+/* Intervals of a pixel come by entry, so each adds to their union what reaches beyond the last exit. A run is added in
+ * one piece when it ends: so its length has the same bits however it is cut into objects that are reported as one.
+ * There is no branch where rays go in and out of an object unpredictably. */
 static void add_interval(struct tallied *object, const conus_interval *interval, const struct cone *cone, double weight)
 {
     bool is_next_pixel = object->last_pixel != interval->pixel;
@@ -261,8 +261,8 @@ static void add_solids(struct tally *tally, const struct gathering *gathering)
     }
 }
 
-/* mm^3 in the cone: of voxels by count, of surfaces by their triangles or, where these enclose no known volume, from
- * the rays, for each of which `total` is the whole cone. */
+/* mm^3 in the cone: voxels are counted, surfaces measured by their triangles. Where these enclose no known volume, it
+ * comes from the rays; `total` is the weight of all of them. */
 static double volume_of(const struct tallied *object, const struct gathering *gathering, double total)
 {
     double from_rays = object->volume > 0 ? object->volume / total * cone_cross_section(gathering->cone) : 0;
@@ -309,8 +309,8 @@ conus_result statistics_empty_result(uint32_t number)
     return result;
 }
 
-/* Where the object, or what is reported as it, is hit first: of the voxel that the engine found there, not of the one
- * that holds the contact, which lies between two. */
+/* The value where the object is hit first. It is that of the voxel that the engine found: the contact lies between two
+ * voxels, so its position does not say which. */
 static double value_at_contact(const struct tallied *object, const struct gathering *gathering)
 {
     const struct evidence *evidence = gathering->evidence;

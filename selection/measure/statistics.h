@@ -18,8 +18,8 @@ struct statistics {
 
 void statistics_finish(struct statistics *statistics);
 
-/** Sums per object over pixels and rays; with a place for all objects, so that a query costs what it hits and
- * not what the atlas has. A zeroed one is ready for statistics_gather(). */
+/** Sums per object over pixels and rays, with a place for all objects: so the cost of a query depends on what it hits,
+ * not on the size of the atlas. A zeroed one is ready for statistics_gather(). */
 struct tally {
     struct tallied *objects; /**< [object_count + 1]; number 0 is what hit nothing.        */
     uint32_t *touched;       /**< [object_count + 1] Numbers of those that are not zeroed, */
@@ -48,14 +48,14 @@ struct gathering {
     const uint32_t *group;       /**< [object_count + 1] As what each object is reported; NULL = itself. */
 };
 
-/** Gathers pixels, share (Eq. 4), nearest distance, smallest offset and contact (Eq. 11) of each object that an
- * in-cone pixel hit first, and with layers pierced pixels, entry, exit and path length, and what lies in the cone,
- * by the census, of surfaces by their triangles (Eq. 10): objects with a voxel or some of their inside there have a
- * result even if no ray hits them. So have bundles with a streamline there (Eq. 19). Of a ball, which has no pixels,
- * distance and contact are those of what is near. @p tally is prepared for the atlas's objects. */
+/** Gathers the results. For each object that an in-cone pixel hit first: pixels, share (Eq. 4), nearest distance,
+ * smallest offset and contact (Eq. 11). With layers also pierced pixels, entry, exit and path length; and by census or
+ * triangles (Eq. 10) what lies in the cone. An object with a voxel or some of its inside there has a result even if no
+ * ray hits it; so has a bundle with a streamline there (Eq. 19). A ball has no pixels: its distance and contact are
+ * those of the nearest points. @p tally is prepared for the atlas's objects. */
 conus_status statistics_gather(struct statistics *out, const struct gathering *gathering, struct tally *tally);
 
-/** The result of an object of which nothing is known. */
+/** The result of an object about which nothing is known. */
 conus_result statistics_empty_result(uint32_t number);
 
 #endif

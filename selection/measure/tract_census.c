@@ -20,7 +20,7 @@ static void carry(struct tract_part *part)
 
 static void add_length(struct tract_part *part, double mm)
 {
-    int64_t whole = (int64_t)mm; /* of what is not negative; conversions with a sign are the fast ones */
+    int64_t whole = (int64_t)mm; /* only for numbers that are not negative; conversions with a sign are the fast ones */
     part->whole_mm += (uint64_t)whole;
     part->parts += (uint64_t)(int64_t)((mm - (double)whole) * PARTS + 0.5);
     carry(part);

@@ -22,7 +22,7 @@ struct tract_part {
 /** Length, mm. */
 double tract_part_length(const struct tract_part *part);
 
-/** A run of which some lies in the region, and what. */
+/** A run that lies partly in the region, and its part there. */
 typedef void (*tract_run_inside)(void *user, const struct tract_run *run, const struct tract_part *part);
 
 /** Calls @p visit for all runs of @p tractogram with a part in @p region, in the order of its tree. */

@@ -29,7 +29,7 @@ struct picture {
     struct picture_legend *legend; /**< NULL = none.                                                   */
     struct picture_probes *probes; /**< Strips; NULL = none. */
     double em, line;               /**< Size of letters, and of the thinnest line, pixels.             */
-    float ink[4];                  /**< Colour of letters, as draw.h has it.                           */
+    float ink[4];                  /**< Colour of letters, in the form of draw.h. */
     float dim;                     /**< Opacity of letters that say less.                              */
     struct camera camera;
     struct camera_frame frame;
@@ -100,7 +100,7 @@ conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory,
  * listed, or else that is given an opacity. */
 bool picture_stands_out(const struct picture *picture, size_t number);
 
-/** The number by which the picture and its legend name a pathway that is haze by values, so that it looks like another
+/** The number that the picture and its legend give to a pathway drawn as haze by values, since it may look like another
  * one; 0 where it has none. */
 size_t picture_tag(const struct picture *picture, uint32_t number);
 
@@ -149,7 +149,7 @@ conus_status picture_legend_draw(conus_image *image, const struct picture *pictu
 /** The part of the drawing that a legend inside it takes; empty without one. */
 struct draw_box picture_legend_box(const struct picture *picture);
 
-/** Whether a legend of what is hit first lists @p result. */
+/** Whether a legend of first hits lists @p result. */
 static inline bool picture_lists(const conus_result *result)
 {
     return !result->object || result->pixels > 0;

@@ -211,7 +211,8 @@ conus_status picture_draw_bar(conus_image *image, const struct picture *picture,
     return draw_bar(image, picture, &bar);
 }
 
-/* The scale, for the depth of the middle of what shows, and the cross of directions, in a corner of the drawing. */
+/* Draws the scale bar, for the depth of the middle of the scene, and the cross of directions, in a corner of the
+ * drawing. */
 struct key {
     bool has_bar, has_cross;
     struct bar bar;

@@ -114,7 +114,7 @@ static conus_status include_context(double low[3], double high[3], const conus_a
     return CONUS_OK;
 }
 
-/* A cut is centred on the box, but for its depth. */
+/* Centres a cut on the box; its depth stays. */
 static void measure_panels(struct sheet *sheet, const double low[3], const double high[3])
 {
     double largest = 1;
@@ -373,7 +373,8 @@ static void lay_cut(const struct sheet *sheet, const struct panel *panel)
     }
 }
 
-/* The outlines that are not in the pixels: of areas, but for surfaces, then of surfaces, and of the cone over them. */
+/* Draws the outlines that are not in the pixels: of areas that are no surfaces, then of surfaces, and of the cone over
+ * them. */
 static conus_status trace(const struct sheet *sheet, const struct cut *cut, struct cut_lines *lines)
 {
     const conus_atlas *atlas = sheet->picture.atlas;

@@ -98,7 +98,7 @@ static int by_label(const void *a, const void *b)
     return (x->number > y->number) - (x->number < y->number);
 }
 
-/* Room for the tables of a manifest: of objects, and of labels, of which there are no more. */
+/* Room for the tables of a manifest: of objects, and of labels, which are no more. */
 struct names {
     uint32_t *numbers, *labels; /* [count] */
     const char **of_numbers;    /* [3 * count] name, label, kind */

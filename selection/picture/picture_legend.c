@@ -44,7 +44,7 @@ struct picture_legend {
     struct legend_row *rows;
     struct cells *cells;
     const char **prefixes; /* of conus_atlas_prefixes() */
-    struct buffer *names;  /* [name_count] of what shares its name */
+    struct buffer *names;  /* [name_count] names with a prefix, of objects that share theirs */
     size_t name_count;
     char subtitle[TEXT_SIZE], words[TEXT_SIZE], more[TEXT_SIZE], colours[KEYS * COLOUR_ROWS][TEXT_SIZE];
     uint8_t bars[2][MARKS - 1][LEGEND_BAR][3]; /* of the ramp of numbers, and of haze */
@@ -57,7 +57,7 @@ static bool colours_streamlines(const struct picture *picture)
     return picture->streamlines && picture->streamlines->by != TUBE_BY_BUNDLE;
 }
 
-/* Whether the pathway is haze whose colours are of its values, not its own. */
+/* Whether the pathway is haze coloured by its values, not by a colour of its own. */
 static bool is_by_value(const struct picture *picture, size_t number)
 {
     bool is_hazy = haze_is(picture->hazy, number) && !conus_atlas_is_hidden(picture->atlas, number);
@@ -142,8 +142,8 @@ static bool is_hidden(const struct picture *picture, uint32_t number)
     return hidden;
 }
 
-/* With its kind or side where another object has that name, behind its number in the picture, and saying so where it is
- * hidden; without memory, too, the name alone. */
+/* Writes an object's name: behind its number in the picture, with its kind or side where another object has that name,
+ * and saying so where it is hidden. Without memory the name alone. */
 static const char *name_of(struct picture_legend *legend, const struct picture *picture, uint32_t number, bool hidden)
 {
     const char *name = picture->atlas->objects[number - 1].name;
@@ -198,8 +198,8 @@ static bool leaves_out(const struct picture *picture)
     return false;
 }
 
-/* Adds what the picture shows beside what is hit: the pathways and bundles that are not hit, each while they
- * are few, and that the other areas are left out. */
+/* Adds rows for pathways and bundles that are shown but not hit, while they are few, and a row that says that other
+ * areas are left out. */
 static size_t add_pathways(struct picture_legend *out, struct legend_row rows[PATHWAY_ROWS],
                            const struct picture *picture)
 {
@@ -474,7 +474,7 @@ static void leave_out(struct picture_legend *out, size_t kept, bool only_behind)
     out->legend.count = count;
 }
 
-/* Fills the rows: what the cone hits, and what else is in the picture. CONUS_ERROR_MEMORY. */
+/* Fills the rows: the hits of the cone, then what else the picture shows. CONUS_ERROR_MEMORY. */
 static conus_status fill_rows(struct picture_legend *out, const struct picture *picture)
 {
     const conus_selection *selection = picture->options.selection;
@@ -516,8 +516,8 @@ static conus_status fill_rows(struct picture_legend *out, const struct picture *
     return CONUS_OK;
 }
 
-/* Makes `capacity` rows of more: the last of what is only behind others leave, and one row says how many they are.
- * Where those are too few, all stay, and legend_draw() counts what it leaves out. */
+/* Shortens the list to `capacity` rows: the last objects that are only behind others leave, and one row says how many
+ * they are. Where that is not enough, all stay, and legend_draw() counts what it leaves out. */
 static void leave_out_behind(struct picture_legend *out, size_t capacity)
 {
     size_t behind = 0;
@@ -542,11 +542,6 @@ static void fit(struct picture_legend *legend, const struct picture *picture, co
         leave_out_behind(legend, capacity);
         drawn->size = legend_fit(legend->size, picture->font, drawn, limit, drawn->size, drawn->size);
     }
-}
-
-static void place_inside(struct picture_legend *legend, const struct picture *picture)
-{
-    fit(legend, picture, (const double[]){INSIDE * picture->options.width, picture->options.height});
 }
 
 /* Takes place for it from the drawing on the right, or adds some below. */
@@ -617,7 +612,7 @@ conus_status picture_legend_init(struct picture *picture)
         return status;
     }
     if (picture->options.legend == CONUS_LEGEND_INSIDE) {
-        place_inside(legend, picture);
+        fit(legend, picture, (const double[]){INSIDE * picture->options.width, picture->options.height});
     } else {
         place_outside(legend, picture);
     }

@@ -85,7 +85,7 @@ conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atla
     return refuse();
 }
 
-/* There is no renderer, so none of these is called with one. */
+/* These are never called: without OpenGL there is no renderer. */
 void conus_renderer_destroy(conus_renderer *renderer)
 {
     (void)renderer;

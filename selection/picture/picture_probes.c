@@ -185,7 +185,7 @@ conus_status picture_probes_init(struct picture *picture)
     }
     out->from = INFINITY;
     out->to = -INFINITY;
-    for (int pass = 0; pass < 2 && out->to < out->from; pass++) { /* of those that pass something, else of all */
+    for (int pass = 0; pass < 2 && out->to < out->from; pass++) { /* first those that pass something, else all */
         for (size_t i = 0; i < count; i++) {
             double span[2];
             if (span_of(span, picture->options.probes[i].segments) || pass) {
@@ -229,7 +229,7 @@ static void draw_in_drawing(conus_image *image, const struct picture *picture, d
     }
 }
 
-/* In the colours of what it passes, over all that lies before it. */
+/* Draws a probe in the colours of what it passes, over all that lies before it. */
 static void draw_line_of(conus_image *image, const struct picture *picture, size_t index)
 {
     const conus_segments *segments = picture->options.probes[index].segments;

@@ -26,7 +26,7 @@ enum {
 
 static const uint8_t NOTHING[3] = {52, 53, 58};
 static const uint8_t BACKGROUND[3] = {24, 25, 28};
-static const float HIDDEN_SHADE = 0.15F; /* of what the aperture hides: linear light */
+static const float HIDDEN_SHADE = 0.15F; /* for pixels that the aperture hides: linear light */
 static const float LINE_SHADE = 0.72F;
 
 /* Row of the evidence that row `y` of the image shows: the image begins at the top. */
@@ -77,7 +77,7 @@ static conus_status add_channels(conus_image *image, const conus_selection *sele
     return status;
 }
 
-/* A volume as "conus:NAME" with its SHA-256; without its path, if that is said already. */
+/* Adds a volume as "conus:NAME" with its SHA-256; without its path, if that is there already. */
 static conus_status add_volume(conus_image *image, const conus_volume_info *info, const char *name, bool said)
 {
     char sum_name[64];
@@ -92,7 +92,7 @@ static const char *end_text(char out[TEXT_NUMBER_SIZE], double end)
     return isfinite(end) ? text_number(out, end) : "n/a";
 }
 
-/* From which values on, and up to which, the objects of the volume are. */
+/* Adds the limits of the values that make voxels belong to the objects of the volume. */
 static conus_status add_ends(conus_image *image, const conus_atlas *atlas, size_t index)
 {
     char name[48];

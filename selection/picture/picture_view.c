@@ -242,9 +242,9 @@ static void frame_all(struct picture *picture, const struct shown_points *points
                         &picture->frame);
 }
 
-/* From where all points are in the frame and none under the scale and the directions: these get room below, on the
- * right or both, whatever leaves the points largest. `legend`: the size of what lies in the upper left corner, where
- * `room` is left for it; false if points lie there. */
+/* Finds a place for the camera from which all points are in the frame and none under the scale and the directions.
+ * These get room below, on the right or both, whatever leaves the points largest. `legend`: its size in the upper left
+ * corner, where `room` is left for it; false if points lie there. */
 static bool frame_in_room(struct picture *picture, const struct shown_points *points, const double room[2],
                           const double legend[2])
 {
@@ -302,7 +302,7 @@ static void frame_points(struct picture *picture, const struct shown_points *poi
     picture_legend_room(room, picture);
     picture_legend_size(legend, picture);
     set_frame(picture, false, room);
-    frame_all(picture, points); /* which tells whether there are letters at the edges */
+    frame_all(picture, points); /* which decides whether there are letters at the edges */
     frame_in_room(picture, points, room, none);
     struct camera camera = picture->camera;
     struct camera_frame frame = picture->frame;
@@ -555,7 +555,7 @@ static conus_status make_image(conus_image **out, const struct picture *picture,
     return CONUS_OK;
 }
 
-/* How wide a pixel is at the depth of the middle of what shows, at least 1 mm away; mm. */
+/* The width of a pixel at the depth of the middle of the scene, at least 1 mm away; mm. */
 static double pixel_mm(const struct picture *picture)
 {
     double offset[3];
@@ -592,7 +592,8 @@ static double opacity_of(const struct picture *picture, size_t number)
     return !isnan(given) ? given : pale && options->no_pale ? 0 : pale && options->pale > 0 ? options->pale : 1;
 }
 
-/* Beside pathways are drawn: areas that stand out, those that are given an opacity, and all that do not hide them. */
+/* Chooses the areas that are drawn beside pathways: those that stand out, those with an opacity, and all that do not
+ * hide pathways. */
 static uint8_t area_of(const struct picture *picture, size_t number)
 {
     const conus_view *options = &picture->options;

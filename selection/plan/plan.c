@@ -23,7 +23,7 @@
 enum { SHANK_LIMIT = 1000, BLOCK = 32, DEFAULT_TOP = 20, SPARE = 16 };
 enum { MAPS_AFTER = 2048 }; /* poses, which take as long as making the maps does */
 
-/* A pose that is kept; its verdicts, keys and id stand behind it. */
+/* A pose that is kept; its verdicts, keys and id follow it in memory. */
 struct entry {
     conus_planned planned;
     const double *keys; /* [key_count] Of the rank, as they are compared. */
@@ -182,9 +182,9 @@ static conus_status init_options(conus_plan *plan, const conus_jitter_options *a
                               ? fail(CONUS_ERROR_ARGUMENT, "far: %g mm, allowed is 0 or more", far)
                           : plan->asked.options.angle != 0 ? pose_check_angle(plan->asked.options.angle)
                                                            : CONUS_OK;
-    status =
-        status ? status
-               : batch_fill_in(&plan->asked.options.threads, &block, &plan->asked.options.angle, plan->asked.selector);
+    status = status ? status
+                    : batch_check_options(&plan->asked.options.threads, &block, &plan->asked.options.angle,
+                                          plan->asked.selector);
     plan->asked.options.rank = plan->asked.options.score = plan->asked.options.pareto = NULL;
     plan->asked.options.jitter = NULL;
     return status ? status : plan_jitter_init(&plan->asked.jitter, asked);
@@ -580,7 +580,7 @@ static void stop_reading(void *user)
     conus_pose_stream_stop(((conus_plan *)user)->poses);
 }
 
-/* From what was kept to what is listed. */
+/* Makes the list from the poses that were kept. */
 static conus_status complete(conus_plan *plan)
 {
     uint64_t *front = plan->asked.order.pareto_count ? memory_zeroed(plan->feasible, sizeof *front) : NULL;
@@ -626,7 +626,7 @@ static conus_status ask_chances(void *user, size_t slot, size_t worker, const at
         plan_jitter_ask(&entry->planned, (conus_verdict *)(entry + 1), &plan->workers[worker].judge, plan->asked.count,
                         &plan->asked.jitter, true, 0, !plan->asked.options.no_pruning);
     (void)stop;
-    plan_order_keys(NULL, NULL, &entry->planned, &plan->asked.order); /* the score, of those that are infeasible, too */
+    plan_order_keys(NULL, NULL, &entry->planned, &plan->asked.order); /* the score of infeasible poses, too */
     return status;
 }
 

@@ -14,13 +14,13 @@
 static const double SHIFT_LIMIT = 20;          /* mm */
 static const double TURN_LIMIT = MATH3_PI / 6; /* radians */
 static const double TOUCH = 1e-8;              /* mm of a leeway that are left, for rounding */
-static const double CLOSE = 0.99;              /* of what breaks: so much is enough to be proven */
+static const double CLOSE = 0.99;              /* part of the refuted deviation: proving so much is enough */
 enum { SHIFTS = 3, WAYS = 5, PART_LIMIT = 20000, HALVINGS = 20 };
 
 /* Deviations: shifts along the axes, mm, then pitch and yaw, radians. */
 struct part {
     double middle[WAYS], half[WAYS];
-    double least; /* factor of the one that is nearest to none */
+    double least; /* factor of the deviation nearest to none */
 };
 
 struct parts {

@@ -159,7 +159,8 @@ static conus_status check_measure(const conus_selector *selector, const conus_co
     return is_part && asked->limit > 1 ? fail(CONUS_ERROR_ARGUMENT, "%g, allowed is 0 to 1", asked->limit) : CONUS_OK;
 }
 
-/* Whether the structure has streamlines, or all of it is of maps of probabilities, where these are measured. */
+/* Checks that the structure has streamlines, or lies wholly in maps of probabilities, where the constraint measures
+ * these. */
 static conus_status check_parts(const struct plan_constraint *constraint, conus_measure measure)
 {
     bool has_streamlines = false;
@@ -233,7 +234,7 @@ static conus_status check_numbers(const conus_constraint *asked)
     }
 }
 
-/* Which shanks it is about; what all have in common is asked of the first. */
+/* Finds the shanks that the constraint is about. What all shanks share is asked of the first. */
 static conus_status find_shanks(struct plan_constraint *out, const conus_constraint *asked, size_t shank_count)
 {
     bool is_same = asked->kind == CONUS_CONSTRAINT_LENGTH || asked->kind == CONUS_CONSTRAINT_LEAN ||
@@ -343,7 +344,7 @@ static bool is_same(const struct plan_constraint *a, const struct plan_constrain
                         (a->has && is_within(a->has, b->has, atlas) && is_within(b->has, a->has, atlas)));
 }
 
-/* Whether a shank of which a constraint holds would have to be one of which the other holds, too. */
+/* Whether some shank must satisfy both constraints. */
 static bool share_shank(const struct plan_constraint *a, const struct plan_constraint *b)
 {
     size_t first = a->shanks[0] > b->shanks[0] ? a->shanks[0] : b->shanks[0];

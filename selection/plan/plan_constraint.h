@@ -21,7 +21,7 @@ struct plan_constraint {
     char *name;             /**< The names that were asked for, as the atlas has them; NULL without a structure. */
     conus_constraint asked; /**< Without names; needles are owned, the direction has length 1. */
     uint32_t *has;  /**< [object_count + 1] Each object of the structure at its number, else 0; NULL without one. */
-    bool *reported; /**< [object_count + 1] As what they are reported; NULL but for measures of a cone. */
+    bool *reported; /**< [object_count + 1] The object as which each is reported; NULL except for measures of a cone. */
     struct plan_part *parts;
     size_t part_count;
     bool has_leeway;
@@ -43,7 +43,7 @@ conus_status plan_structure_find(struct plan_constraint *out, const conus_atlas 
 /** Refuses constraints that repeat or exclude each other. */
 conus_status plan_constraints_check(const struct plan_constraint *constraints, size_t count, const conus_atlas *atlas);
 
-/** Whether a measure is of the pose's cone or cylinder, and not of its axis. */
+/** Whether a measure concerns the pose's cone or cylinder, not its axis. */
 static inline bool plan_is_of_cone(conus_measure measure)
 {
     return measure >= CONUS_MEASURE_SHARE;

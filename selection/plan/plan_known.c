@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How far plans have come, as text: a line for each kind of numbers, and why the first row is none. */
+/* The progress of plans as text: a line for each kind of numbers, and the reason why the first row is no pose. */
 #include "selection/plan/plan_known.h"
 
 #include "base/memory.h"
@@ -23,7 +23,7 @@ void plan_known_format(struct buffer *out, const struct plan_known *known)
     buffer_format(out, "why %s\n", known->why);
 }
 
-/* Takes the next line, of which the first word is `name`. */
+/* Takes the next line, whose first word is `name`. */
 static bool take_line(struct text *line, struct text *rest, const char *name)
 {
     struct text word;
@@ -48,7 +48,7 @@ static conus_status take_numbers(struct plan_numbers *out, struct text line)
     return CONUS_OK;
 }
 
-/* Whether the numbers are of one plan. */
+/* Whether the numbers belong to one plan. */
 static bool is_sound(const struct plan_known *known)
 {
     const struct plan_numbers *lines = known->lines;

@@ -10,7 +10,7 @@
 
 enum { PLAN_CONSTRAINTS = 100, PLAN_WHY = 256 }; /**< Constraints of a plan, at most; bytes of a reason. */
 
-/** Its lines, of which each has numbers. */
+/** Its lines, each with numbers. */
 enum plan_line {
     PLAN_ROWS,    /**< [2] Rows from this number, from 0, to before that one. */
     PLAN_LEFT,    /**< [constraints + 1] The funnel. */
@@ -28,13 +28,13 @@ struct plan_numbers {
 
 struct plan_known {
     struct plan_numbers lines[PLAN_LINES];
-    char why[PLAN_WHY]; /**< the first row of PLAN_NONE is none; "" = there is none. */
+    char why[PLAN_WHY]; /**< why the first row of PLAN_NONE is no pose; "" = there is no such row. */
 };
 
 /** Appends it as text. */
 void plan_known_format(struct buffer *out, const struct plan_known *known);
 
-/** Reads it back; CONUS_ERROR_DATA where a text is none. @p out is the caller's to plan_known_finish() in any case. */
+/** Reads it back; CONUS_ERROR_DATA for any other text. @p out is the caller's to plan_known_finish() in any case. */
 conus_status plan_known_parse(struct plan_known *out, const char *text, size_t size);
 void plan_known_finish(struct plan_known *known);
 

@@ -45,7 +45,7 @@ struct plan_side {
     double start[3], step[3];    /* the axis in its voxels, */
     double edges[4][3];          /* half of a voxel's, mm; the first once more, so that any two are side by side */
     double toward[3];            /* and what an offset of a voxel is along the axis, mm */
-    size_t first_body, body_end; /* bodies are of one side after the other */
+    size_t first_body, body_end; /* bodies come one side after the other */
     size_t first_inside, inside_end;
     size_t first_taken, taken_end;
     size_t first_sure, sure_end;
@@ -160,8 +160,8 @@ struct body_search {
     conus_status status;
 };
 
-/* Adds a body, unless it is surely farther than the radius from the needle. `edge`: the half edges of a rectangle,
- * which tell how far it comes towards the needle; NULL of another body. */
+/* Adds a body, unless it is surely farther than the radius from the needle. `edge` has the half edges of a rectangle,
+ * which limit how far it reaches towards the needle; NULL for another body. */
 static conus_status add_body(const struct body_search *search, const struct plan_body *body, const double centre[3],
                              const double (*edge)[3])
 {
@@ -402,7 +402,8 @@ static bool is_within(const struct plan_span *inner, const struct plan_span *out
     return outer->entry <= inner->entry && inner->exit <= outer->exit;
 }
 
-/* Adds where the axis is nearer than delta to a body, unless it is so already; `cover` is a long span of what is. */
+/* Adds the span of the axis that is nearer than delta to a body, unless it is covered already; `cover` is a long span
+ * that is. */
 static conus_status take(struct plan_leeway *leeway, const struct plan_side *side, struct plan_body *body, double delta,
                          struct plan_span *cover)
 {
@@ -508,8 +509,9 @@ static conus_status measure_rest(double *out, struct plan_leeway *leeway, double
     return status;
 }
 
-/* mm that are delta or more from both ends of each stretch in the structure, which are at its border but where the
- * needle ends; as far as a map tells, also from the rest of the border. No more is left. */
+/* An upper bound of the mm that can be left: those that are delta or more from both ends of each stretch in the
+ * structure, which are its border except where the needle ends; and, as far as a map shows it, from the rest of the
+ * border. */
 static double most_left(const struct plan_leeway *leeway, double delta, bool uses_maps)
 {
     double sum = 0;

@@ -21,7 +21,7 @@ struct plan_spans {
 struct plan_leeway {
     struct needle needle;    /**< The part of the axis that counts. */
     const uint32_t *has;     /**< The structure's objects. */
-    conus_contacts contacts; /**< Points of it, where there are some: of them `least` are to stay in the structure, */
+    conus_contacts contacts; /**< Its points, where there are some: `least` of them are to stay in the structure, */
     double least;            /**< else so many mm. */
     bool uses_maps;          /**< The parts' maps, where they have some, may be looked at. */
     struct plan_side *sides;

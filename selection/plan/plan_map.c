@@ -209,7 +209,7 @@ int plan_map_is_farther(const struct plan_map *map, const struct needle *needle,
     return is_certain;
 }
 
-/* The part of the needle that is in the map; false where there is none. */
+/* Finds the part of the needle inside the map; false where there is none. */
 static bool clip(double part[2], const struct plan_map *map, const struct line *line)
 {
     for (int a = 0; a < 3; a++) {

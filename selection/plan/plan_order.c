@@ -196,7 +196,7 @@ static double value_of(const struct plan_name *name, const conus_planned *pose)
     }
 }
 
-/* As it is printed, so that nobody sees an order that the text does not have. */
+/* As printed, so that the order agrees with the text. */
 static double compared(const struct plan_key *key, double value)
 {
     char text[TEXT_NUMBER_SIZE];
@@ -263,8 +263,8 @@ static bool dominates(const double *a, const double *b, size_t count)
     return is_better;
 }
 
-/* In order of their keys, only a pose before another may dominate it. Fronts are chains of those in them, newest first;
- * the first front of which none dominates a pose is found by halves, since a pose that one of a front dominates is
+/* In order of their keys, only an earlier pose can dominate a pose. Each front is a chain of its poses, newest first.
+ * The first front without a pose that dominates is found by bisection: a pose that is dominated by one of a front is
  * dominated by one of each front before. */
 conus_status plan_fronts(uint64_t *front, const double *keys, size_t count, size_t key_count)
 {

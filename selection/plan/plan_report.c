@@ -16,8 +16,8 @@ static const struct {
 } kinds[] = {{.word = "reach"},      {.word = "avoid"},   {"length", "_mm", "mm"},    {"lean", "_deg", "degree"},
              {"apart", "_mm", "mm"}, {"first", "", NULL}, {"angle", "_deg", "degree"}};
 
-/* In the order of conus_measure, the last one of what is avoided by clearance. The limit stands before `of`, and the
- * name of the structure behind it; where any will do, it is `any` of the structure. */
+/* In the order of conus_measure; the last one is that of an avoided structure, by clearance. The limit stands before
+ * `of`, and the structure's name behind it; `any` stands where any structure will do. */
 static const struct {
     const char *word, *ending, *units, *of, *any;
 } measures[] = {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Points of a structure, to which needles may point, and which points are in one. */
+/* Finds points of a structure that needles may point to, and whether a point is in a structure. */
 #include "atlas/sites.h"
 #include "atlas/space.h"
 #include "atlas/surface/mesh_near.h"

@@ -82,7 +82,7 @@ static conus_status follow(struct plan_judge *judge)
     return status;
 }
 
-/* The depths between which a constraint counts: far is no more than near where there are none. */
+/* Finds the depths between which a constraint counts; far is no more than near where there are none. */
 static void find_window(double out[2], const struct plan_judge *judge, const struct plan_constraint *constraint)
 {
     const double *part = constraint->asked.part;
@@ -238,7 +238,7 @@ static void measure_crossing(conus_verdict *out, const struct plan_judge *judge,
     }
 }
 
-/* Whether the axis is farther than `distance` from the structure: 1; or nearer: -1; 0 where no map tells. */
+/* 1 if the axis is farther than `distance` from the structure, -1 if it is nearer, 0 where no map can say. */
 static int look_farther(const struct plan_judge *judge, const struct plan_constraint *constraint, double distance)
 {
     int farther = 1;
@@ -250,7 +250,7 @@ static int look_farther(const struct plan_judge *judge, const struct plan_constr
     return farther;
 }
 
-/* Whether so much of the axis is surely in the structure: 1; or less: -1; 0 where no map tells. */
+/* 1 if so much of the axis is surely in the structure, -1 if less is, 0 where no map can say. */
 static int look_longer(const struct plan_judge *judge, const struct plan_constraint *constraint)
 {
     double range[2];
@@ -263,7 +263,7 @@ static int look_longer(const struct plan_judge *judge, const struct plan_constra
     return more > LOOK ? 1 : more < -LOOK ? -1 : 0;
 }
 
-/* Whether the constraint holds, as maps tell: 1 or -1; else 0. */
+/* 1 if the constraint holds by the maps, -1 if it breaks, else 0. */
 static int look(const struct plan_judge *judge, const struct plan_constraint *constraint)
 {
     const conus_constraint *asked = &constraint->asked;

@@ -45,7 +45,7 @@ void region_bounds_init(struct region_bounds *out, const struct region *region, 
 /** Cuts @p depth to where the plane of index @p index along @p axis meets the region; false where nothing is left. */
 bool region_bounds_plane(double depth[2], const struct region_bounds *bounds, int axis, double index);
 
-/** First and last index along @p axis of voxels at the depths @p depth, of @p dim; false where there is none. The
+/** The first and last index along @p axis, of @p dim, of voxels at the depths @p depth; false where there is none. The
  * bounds are not tight, but hold whatever is rounded. */
 bool region_bounds_range(size_t out[2], const struct region_bounds *bounds, int axis, const double depth[2],
                          size_t dim);

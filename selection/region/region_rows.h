@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * Rows of a volume's voxels against a region, several side by side: which voxels are in it beyond doubt, and which may
- * be. What is between is for region_has(). */
+ * Several rows of a volume's voxels against a region, side by side: which voxels are in it beyond doubt, and which may
+ * be. region_has() decides about those between. */
 #ifndef CONUS_SELECTION_MEASURE_REGION_ROWS_H
 #define CONUS_SELECTION_MEASURE_REGION_ROWS_H
 

@@ -29,7 +29,7 @@ void region_solid_init(struct region_solid *out, const struct region *region)
     memcpy(out->side.right, own.right, sizeof own.right);
     memcpy(out->side.up, own.up, sizeof own.up);
     memcpy(out->side.axis, own.axis, sizeof own.axis);
-    out->side.near = region->shape == REGION_CONE ? 0 : -INFINITY; /* polygons are cut already, but for rounding */
+    out->side.near = region->shape == REGION_CONE ? 0 : -INFINITY; /* the polygons are already cut, up to rounding */
     out->side.far = INFINITY;
 }
 
@@ -83,7 +83,7 @@ static void find_on_side(double out[3], const struct facet *facet, double angle)
     out[2] = depth;
 }
 
-/* Whether the depth changes too much along an arc for a few points to tell. */
+/* Whether the depth changes along an arc so much that a few points do not show it. */
 static bool is_long(const struct facet *facet, double angle, double sweep)
 {
     static const double longest = 0.125;
@@ -261,8 +261,9 @@ static double solid_angle(const double p[3], const double q[3], const double r[3
            arc_tangent(determinant(p, q, r), a * b * c + vec3_dot(p, q) * c + vec3_dot(q, r) * a + vec3_dot(r, p) * b);
 }
 
-/* The field is p / 3 in the ball and falls with the square of the distance beyond: what a triangle has in the ball
- * counts as in a cone, what is beyond with its solid angle. In its plane the ball is a disk about the foot. */
+/* The field is p / 3 in the ball, and beyond falls with the square of the distance. So the part of a triangle in the
+ * ball counts as in a cone, and the part beyond with its solid angle. In the triangle's plane the ball is a disk about
+ * the foot. */
 static double flux_of_ball(const struct region_solid *solid, double p[3][3])
 {
     double radius = solid->region->radius;

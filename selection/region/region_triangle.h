@@ -16,10 +16,10 @@ struct region_solid {
 
 void region_solid_init(struct region_solid *out, const struct region *region);
 
-/** The contribution of a triangle of world mm, mm^3. Summed over the triangles of a closed surface it is the integral
- * over the region of how often the surface winds around a point: the enclosed volume where that is 1 inside. Triangles
- * count that lie in the region or cross a plane that bounds its range; of a ball all do. In closed form but for arcs on
- * a cone's side, which are met within 1e-10 of themselves. */
+/** The contribution of a triangle, in world mm, to a volume, mm^3. Its sum over the triangles of a closed surface is
+ * the integral, over the region, of how often the surface winds around a point: the enclosed volume where that is 1
+ * inside. Only triangles count that lie in the region or cross a plane that bounds its range; in a ball all do. Closed
+ * forms, except arcs on a cone's side, which are met within 1e-10 of themselves. */
 double region_triangle(const struct region_solid *solid, double corners[3][3]);
 
 #endif

@@ -29,7 +29,7 @@ struct report_connection {
 
 /** A listed pose of a plan; in other rows one of its constraints, perhaps at a depth. */
 struct report_planned {
-    conus_kind kind; /**< With the object what all rows begin with; there is none. */
+    conus_kind kind; /**< Kind and object begin every row; this one has none. */
     uint32_t object;
     size_t constraint;         /**< Index in the plan. */
     const conus_planned *pose; /**< The plan's. */
@@ -47,7 +47,7 @@ struct report_constraint {
     const char *name;           /**< Name of its structure, or NULL. */
     size_t index;               /**< From 1 among those of its kind. */
     uint64_t left;              /**< How many candidates hold it and those before it. */
-    const conus_planned *miss;  /**< The one that breaks it alone; NULL = none. */
+    const conus_planned *miss;  /**< The pose that breaks only this constraint; NULL = none. */
     const char *words;          /**< The constraint in words. */
 };
 
@@ -74,7 +74,7 @@ static inline bool report_is_angle(const struct report_constraint *constraint)
     return constraint->asked->kind == CONUS_CONSTRAINT_LEAN || constraint->asked->kind == CONUS_CONSTRAINT_ENTRY_ANGLE;
 }
 
-/** One result of one query: which of them, options.rows says; kind and object begin all of them. */
+/** One result of one query. options.rows says which member it has; kind and object begin all of them. */
 struct report_row {
     size_t query; /**< Index into conus_report.queries. */
     union {
@@ -95,7 +95,7 @@ struct report_query {
     struct cone cone;
     uint32_t cone_pixels;        /**< Pixels of the aperture.                              */
     double ball;                 /**< Radius of a ball around the cone's origin; 0 of a cone. */
-    bool is_axis;                /**< Its rows are of the cone's axis: segments, clearances. */
+    bool is_axis;                /**< Its rows describe the cone's axis: segments, clearances. */
     conus_step step;             /**< In a report on a track. */
     conus_jitter_options jitter; /**< For chances. */
     struct report_roi roi;       /**< For coverages. */
@@ -110,7 +110,7 @@ struct conus_report {
     const char **prefixes; /**< Of conus_atlas_prefixes(), for CONUS_FORMAT_TABLE; else NULL. */
     char *name;            /**< The value of the column `atlas`; NULL = there is none. */
     conus_report *next;    /**< Joined: its rows come behind these, query by query. NULL = none. */
-    bool is_joined;        /**< It is the next of another one. */
+    bool is_joined;        /**< Another report has it as its next. */
     conus_selector_options selector;
     char score[FORMULA_LENGTH_LIMIT + 1]; /**< Name or formula of the ranking. */
     char *level;                          /**< NULL = none. */

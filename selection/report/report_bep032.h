@@ -17,7 +17,7 @@ uint32_t report_area(const conus_report *report, size_t query);
 /** "L" or "R": what the area's name or the label table says, else by the middle of the atlas; NULL = it is not known.
  */
 const char *report_side(const conus_report *report, size_t query);
-/** Name and id of an area; NULL of 0, and where there is none that is known. */
+/** Name and id of an area; NULL for 0, and where none is known. */
 const char *report_location(const conus_report *report, uint32_t area);
 const char *report_location_id(const conus_report *report, uint32_t area);
 /** By what program and atlas areas were found. */

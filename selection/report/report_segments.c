@@ -9,7 +9,7 @@
 
 static const char NO_OBJECT[] = "(in no area)";
 
-/* Nothing of a depth that there is not. */
+/* Writes nothing for a depth that is not known. */
 static void write_depth(struct buffer *out, double depth)
 {
     if (isfinite(depth)) {

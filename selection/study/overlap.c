@@ -26,7 +26,7 @@ struct tally_of_pieces {
     double volume;    /* of which a voxel of the region has 1, a tetrahedron its mm³ */
     uint64_t last;    /* piece, from 1, that was counted last: an object that is met twice there counts once */
     size_t peak;      /* voxel or tetrahedron, where volume > 0 */
-    uint32_t members; /* objects of the atlas that are reported as this one */
+    uint32_t members; /* objects of the atlas that this one stands for */
     bool is_measured; /* of one surface, measured by itself: its pieces say only what is in no object */
 };
 

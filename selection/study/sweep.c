@@ -129,7 +129,8 @@ static void admit_point(struct admission *admission, const struct region *region
     }
 }
 
-/* The ends of an edge, and where between them the tangent is stationary: that is one place, as it is linear there. */
+/* Tries the ends of an edge, and the place between them where the tangent is stationary: there is one, since it is
+ * linear there. */
 static void admit_edge(struct admission *admission, const struct region *region, const double a[3], const double b[3])
 {
     const double e[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
@@ -242,7 +243,7 @@ static void admission_of_bundle(struct admission *admission, const struct region
 /* The angle of the cone that is searched, so that the next object beyond the widest is found. */
 static const double WIDEST = MATH3_PI * (1 - 1e-9);
 
-/* Finds the admission of every object, as which it is reported. */
+/* Finds the admission of every object, under the object that it is reported as. */
 static void search(struct admission *admissions, const conus_selector *selector, const struct cone *cone)
 {
     const conus_atlas *atlas = selector->atlas;

@@ -193,9 +193,6 @@ static void send_pose(int peer, const char *tool, double y)
 static void step(struct window *window)
 {
     usleep(2000);
-    if (window->inputs.station) {
-        inputs_hear(window->inputs.station, window->viewer, &window->inputs.update);
-    }
     inputs_step(&window->inputs, window->viewer, 0);
 }
 

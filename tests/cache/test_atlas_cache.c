@@ -186,9 +186,9 @@ static void parts_from_unrecorded_files_are_not_kept(void **state)
         struct atlas_cache cache;
         conus_atlas *atlas = NULL;
         atlas_cache_init(&cache, path, "atlas", &options);
-        atlas_cache_watch(&cache);
+        atlas_cache_begin_reading(&cache);
         assert_ok(atlas_load_files(&atlas, path, &cache.options));
-        atlas_cache_watched(&cache);
+        atlas_cache_end_reading(&cache);
         cache.trace.begun.tv_sec += 3600; /* the files have been at rest */
         add_stranger(atlas, (enum stranger)stranger);
         atlas_cache_keep(&cache, &atlas);

@@ -9,8 +9,8 @@
 
 enum { ALIGNED_COLUMNS = 16 }; /**< At most. */
 
-/** Has @p put write what it knows of @p what, a header and lines of @p columns cells with tabs between them, and sets
- * that out in columns; those without any value but "n/a" are left out. right[c]: column c ends in line. False without
+/** Calls @p put, which writes a header and lines of @p columns cells with tabs between them, and sets these out in
+ * columns. Columns whose only value is "n/a" are left out. right[c]: column c is aligned to the right. False without
  * memory. */
 bool aligned_put(FILE *out, void put(FILE *out, const void *what), const void *what, size_t columns,
                  const bool right[]);

@@ -25,9 +25,9 @@ extern const struct option answer_output_options[]; /**< answer_settings: --outp
  * pipe, which have no ending. False, after an error message, for a file whose ending says nothing. */
 bool answer_format(conus_format *out, const struct arguments *arguments, const struct answer_settings *settings);
 
-/** The path of the sidecar: that of --sidecar, else beside --output "a.json" of "a.tsv" or "a.csv", or with ".json"
- * behind it; *out is the caller's to free(), or NULL where there is none to write: a report in JSON says everything
- * itself. Returns the exit code and prints an error unless it is 0. */
+/** Finds the path of the sidecar: that of --sidecar; else that of --output with ".json" in place of ".tsv" or ".csv",
+ * or behind it. *out is the caller's to free(). It is NULL where no sidecar is written: a report in JSON says
+ * everything itself. Returns the exit code and prints an error unless it is 0. */
 int answer_sidecar(char **out, conus_format format, const struct answer_settings *settings);
 
 /** Checks the names of the atlases' files and the words of the command line, where they are recorded: in a sidecar or

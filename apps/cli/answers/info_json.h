@@ -24,7 +24,7 @@ json_t *info_json_bytes(const char *bytes);
  * That is rounding, as of files with single precision. */
 void info_drop_rounding(double *numbers, size_t count, double scale);
 
-/** The line "reaches" of what has these corners, mm, without what is rounding. */
+/** Prints the line "reaches" for the box with these corners, mm, without digits that are only rounding. */
 void info_put_reach(FILE *out, const double low[3], const double high[3]);
 
 /** A paragraph for people, with an empty line before it; nothing of an atlas that is not moved or has no areas. */

@@ -104,12 +104,12 @@ static size_t tidy_lines(char *text, size_t size)
     return kept;
 }
 
-/* Takes the marks off a quoted cell, RFC 4180; gives what is behind it, NULL if it is not closed. */
+/* Takes the quotation marks off a cell (RFC 4180). Gives what follows the cell; NULL if it is not closed. */
 static char *unquote(char *cell)
 {
     char *to = cell;
     for (char *from = cell + 1; *from; from++) {
-        if (*from == '"' && *++from != '"') { /* one that is not doubled is the last */
+        if (*from == '"' && *++from != '"') { /* a mark that is not doubled is the last */
             *to = '\0';
             return from;
         }

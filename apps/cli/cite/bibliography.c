@@ -36,7 +36,7 @@ void citation_list(FILE *out, const struct citation *citation)
                                  : "its files are not here as they were, to look for a reference",
                   out);
         }
-        /* Without a reference, this at least tells which file it was. */
+        /* Where no reference is known, a file name at least says which atlas it was. */
         fprintf(out, " (file %s%s%s)\n", atlas->file, atlas->sha256 ? ", SHA-256 " : "",
                 atlas->sha256 ? atlas->sha256 : "");
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Words a paragraph of methods from what a sidecar says was asked. Every sentence is of something that was. */
+/* Writes a methods paragraph from a sidecar. Each sentence states something that was asked. */
 #include "cli/cite/citation.h"
 
 #include "conus/selection.h"

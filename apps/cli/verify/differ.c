@@ -78,7 +78,7 @@ static void put_cell(FILE *out, struct piece header, struct piece line, char sep
     }
 }
 
-/* Names the row and the first cell that differs. False where there is none of its own. */
+/* Names the row and the first cell that differs. False where no cell of this table does. */
 static bool find_cell(struct difference *out, struct piece header, struct piece a, struct piece b, char separator)
 {
     size_t size = 0;
@@ -282,7 +282,7 @@ static bool engines_equal(const char *name, const json_t *a, const json_t *b)
            memcmp(one, other, length) == 0;
 }
 
-/* Values that are no objects or lists, or of which one is. */
+/* Compares values where at least one is neither an object nor a list. */
 static void compare_values(struct comparing *out, const char *name, const json_t *a, const json_t *b)
 {
     if (out->said || is_free(out, name, a) || numbers_equal(a, b) || engines_equal(name, a, b)) {

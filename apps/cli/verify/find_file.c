@@ -126,7 +126,7 @@ static bool try_path(struct found_file *out, const struct recorded_file *file, c
     return same || (is && state == FILE_SAME && !known);
 }
 
-/* Tries files of its name first: among many of one size, it is most likely one of those. */
+/* Tries files of its name first: among many of one size, one of these is most likely. */
 static void search(struct found_file *out, const struct recorded_file *file, const struct places *places)
 {
     for (int named = 1; named >= 0; named--) {

@@ -11,7 +11,8 @@ enum file_state {
     FILE_SAME,     /**< Where it was, with its checksum. */
     FILE_MOVED,    /**< Elsewhere, with its checksum. */
     FILE_UNKNOWN,  /**< Where it was; its checksum is not recorded. */
-    FILE_UNSUMMED, /**< A folder, of which an answer that is not identical may have had other chunks. */
+    FILE_UNSUMMED, /**< A folder. Its checksum is that of the chunks that were read: a different answer may have read
+                      others. */
     FILE_CHANGED,  /**< A file of its name is there, with another checksum. */
     FILE_MISSING,
 };
@@ -21,7 +22,7 @@ extern const char *const file_state_names[]; /**< By file_state. */
 struct found_file {
     char *path; /**< Absolute; NULL where it is missing. */
     enum file_state state;
-    bool is_folder; /**< A store of Zarr, whose checksum is that of its chunks: only the new answer tells it. */
+    bool is_folder; /**< A Zarr store, whose checksum is that of the chunks read: only the new answer can tell it. */
 };
 
 /** Where to look. Zeroed, only where the files were. */
@@ -43,7 +44,7 @@ struct place {
 int places_add(struct places *places, const char *folder);
 void places_finish(struct places *places);
 
-/** The folder from which @p actual is reached as @p recorded, a relative path: "" is this one; NULL where there is
+/** Finds the folder in which @p actual has the relative path @p recorded; "" is the current one. NULL where there is
  * none, or without memory. The caller frees it. */
 char *base_folder(const char *recorded, const char *actual);
 

@@ -44,8 +44,8 @@ struct record {
     int64_t shard[2]; /**< I of N of a batch. */
 };
 
-/** Reads a sidecar of @p size bytes. Returns NULL, or why it is none, a text that lasts until the thread's next call.
- * @p out is then the caller's to record_finish(). */
+/** Reads a sidecar of @p size bytes. Returns NULL, or says why this is no sidecar; that text lasts until the thread's
+ * next call. @p out is the caller's to record_finish() in both cases. */
 const char *record_parse(struct record *out, const char *text, size_t size);
 void record_finish(struct record *record);
 

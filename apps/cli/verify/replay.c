@@ -66,7 +66,8 @@ static bool is_in_link(char *path, size_t from)
     return is;
 }
 
-/* A ".." of an absolute path could lead out of the folder, and none of ours has one behind its first folder. */
+/* Refuses ".." behind the first folder of a path: it could lead out of the replay's folder. Paths that conus writes
+ * have none there. */
 static bool link_file(const struct stage *stage, const char *path, const char *target)
 {
     bool absolute = *path == '/';
@@ -547,7 +548,7 @@ bool replay_run(struct replay *replay)
     fflush(NULL);
     pid_t child = fork();
     if (child == 0) {
-        setenv("CONUS_CACHE", "off", 1); /* what is verified is what the files hold now */
+        setenv("CONUS_CACHE", "off", 1); /* verify asks about what the files hold now */
         _exit(answer_in_child(replay, &stage));
     }
     bool answered = child > 0 ? wait_for(replay, child, stage.messages) : fail_replay(replay, "no process for it");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * Answers again what a sidecar records: in a child process, in a new folder in which there is nothing but links to the
- * files that were found, and which gets all outputs. */
+ * Answers again what a sidecar records: in a child process and a new folder. The folder holds links to the files that
+ * were found, and gets all outputs. */
 #ifndef CONUS_CLI_VERIFY_REPLAY_H
 #define CONUS_CLI_VERIFY_REPLAY_H
 
@@ -40,7 +40,7 @@ void replay_finish(struct replay *replay);
 struct stage {
     char *folder;   /**< In $TMPDIR or /tmp; nobody else can read it. */
     char *cwd;      /**< Where relative paths begin; deep enough for every "..". */
-    char *messages; /**< Path of a file for what is said. */
+    char *messages; /**< Path of the file that takes the child's messages. */
     bool is_moved;  /**< An absolute path is no longer where it was: all of them are links. */
 };
 

@@ -201,8 +201,8 @@ static void say_file(struct verdict *verdict, const struct recorded_file *file, 
     }
 }
 
-/* Says which other files of the same command are no longer what it wrote. In JSON the recorded sum is of the rows.
- * False without memory. */
+/* Lists the other files of the same command that have changed since it wrote them. In JSON the recorded sum is that of
+ * the rows. False without memory. */
 static bool say_other_outputs(struct checking *checking, const struct places *places)
 {
     struct verdict *verdict = checking->verdict;
@@ -312,8 +312,7 @@ static bool is_other_version(const struct record *record)
     return strcmp(record->version, conus_version()) != 0;
 }
 
-/* The sidecar that was made again, of the option whose file it is beside, which conus lists last; NULL where there is
- * none. */
+/* The sidecar of the new answer, beside the output that conus lists last; NULL where there is none. */
 static json_t *load_again(const struct checking *checking, const struct replay *replay)
 {
     const struct record *record = &checking->verdict->record;

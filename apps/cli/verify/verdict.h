@@ -31,7 +31,7 @@ struct lines {
 struct verdict {
     enum verdict_kind kind;
     const char *result; /**< As given. */
-    char *sidecar;      /**< Its path; that of the result where it has all in it. */
+    char *sidecar;      /**< Its path; the result's own path where the result has it inside. */
     bool compared;      /**< There are rows, or pixels, to compare, */
     bool same;          /**< and they are the same. */
     struct lines why;   /**< Differences from the record. */

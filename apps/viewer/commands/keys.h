@@ -7,7 +7,7 @@
 
 struct key {
     const char *key;                    /**< As window->press gets it. */
-    const char *help;                   /**< Tells its effect; NULL: another row tells it. */
+    const char *help;                   /**< What it does, for the help; NULL: another row says it. */
     void (*act)(struct window *window); /**< Without any of these it sets the next value of a property. */
     void (*view)(struct viewer *viewer);
     void (*tool)(struct viewer *viewer, enum tool_number number); /**< The tool is by[0]. */

@@ -43,7 +43,7 @@ struct script {
 
 /* A command that is being run. */
 struct call {
-    struct script *script; /* NULL = it is none of a script's */
+    struct script *script; /* NULL = not from a script */
     struct window *window;
     struct viewer *viewer; /* of the window */
     char *const *words;    /* the command's name, then its arguments */
@@ -190,7 +190,8 @@ static bool do_take_out(struct call *call)
     return fine;
 }
 
-/* The command has the name of what is added. What cannot be added is said by the window, as with the mouse. */
+/* Adds a file: the command's name is that of the option. The window says why a file cannot be added, as with the mouse.
+ */
 static bool do_add(struct call *call)
 {
     window_change(call->window, SIZE_MAX, (enum addition)find_name(call->words[0], addition_names, ADDITION_COUNT),

@@ -14,8 +14,8 @@ void script_destroy(struct script *script); /**< NULL is fine. */
 
 /** Whether it waits for something that takes no frames: a file, a time, pictures being drawn. */
 bool script_waits(struct script *script, const struct window *window);
-/** To be called after a frame was drawn, before it is shown, unless it waits. Does the next command; true when there is
- * none left or one failed (then *code is set, and it was said why). */
+/** Does the next command, unless the script waits. To be called after a frame was drawn and before it is shown. True
+ * when none is left or one failed; then *code is set, and a failure has been printed. */
 bool script_step(struct script *script, struct window *window, int *code);
 
 /** Does one command that waits for nothing; @p words, [count], are its name and arguments. False: it is not done. */

@@ -7,7 +7,7 @@
 #include "conus/pose.h"
 
 enum source_state {
-    SOURCE_NONE = 0, /**< There is none: it was not asked for, or the program was built without it. */
+    SOURCE_NONE = 0, /**< No such device: it was not asked for, or this build has no support for it. */
     SOURCE_ABSENT,   /**< Not there, or unplugged. */
     SOURCE_SILENT,   /**< There, but it has said nothing yet. */
     SOURCE_LOST,     /**< The tracker does not see the tool. */
@@ -17,7 +17,7 @@ enum source_state {
     SOURCE_WELL
 };
 
-/** Bits of what was pressed. */
+/** Bits of the buttons that were pressed. */
 enum source_press { SOURCE_HOLD = 1, SOURCE_RESET = 2, SOURCE_CONFIRM = 4 };
 
 enum { SOURCE_FROZEN_S = 5, SOURCE_VALUES = 16 };

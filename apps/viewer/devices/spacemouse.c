@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 static const double retry_s = 2;
-static const double full = 350;       /* what a cap says that is pushed as far as it goes */
+static const double full = 350;       /* value of a cap pushed as far as it goes */
 static const double let_go_s = 0.25;  /* a cap that is held sends more often; so an unplugged one does not drive on */
 static const double longest_s = 0.05; /* between two questions, as far as moves count */
 

@@ -15,14 +15,14 @@ enum addition { ADD_CONTEXT = 0, ADD_PATHWAY, ADD_STREAMLINES, ADD_ATLAS, ADDITI
 /** Their options, without dashes: "context". */
 extern const char *const addition_names[ADDITION_COUNT];
 
-/** The value of a word such as "--space=lps"; NULL = it is of another option than @p name, or NULL. */
+/** The value of a word such as "--space=lps"; NULL for a word of another option than @p name, or for NULL. */
 const char *word_value(const char *word, const char *name);
 /** Returns @p made where all is fine; else it ends, and NULL is returned. */
 json_t *words_or_none(json_t *made, bool fine);
 /** The place of a word among others, from 1; 0 = it is not there. */
 size_t words_place(const json_t *words, const json_t *word);
 
-/** Which of them @p word is, ADDITION_COUNT = none; *value is what stands behind its '=', or "". */
+/** Which kind @p word is, ADDITION_COUNT = none; *value is the text behind its '=', or "". */
 enum addition addition_of(const char **value, const char *word);
 /** The file in a value, without the keys behind it, as the command line finds it; false where it is too long. */
 bool addition_path(char path[PATH_MAX], enum addition kind, const char *value);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Changes of atlases while they are shown: which objects are hidden, thresholds, colours, the context's
- * transfer function, and which of them is drawn. */
+/* Changes atlases while they are shown: hidden objects, thresholds, colours, the context's transfer function; and
+ * chooses the one that is drawn. */
 #include "viewer/model/viewer.h"
 
 #include <math.h>
@@ -31,7 +31,7 @@ static void pass_transfer(struct viewer *viewer)
     }
 }
 
-/* In place of the one that there is. */
+/* Replaces the painter. */
 static void start_painter(struct viewer *viewer)
 {
     painter_destroy(viewer->painter);
@@ -234,7 +234,7 @@ static conus_status swap_some(struct view_atlas *view, double *thresholds, uint3
     return status;
 }
 
-/* All of an atlas, or none of them. */
+/* Swaps all thresholds of an atlas, or none. */
 static conus_status swap_thresholds(struct viewer *viewer, struct view_atlas *view, double *thresholds)
 {
     uint32_t end = (uint32_t)view->object_count + 1;

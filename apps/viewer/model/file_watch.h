@@ -17,7 +17,7 @@ void file_watch_destroy(struct file_watch *watch);
 
 /** Looks again. True: one changed, went away or came back since the last look, as @p text says in a line. */
 bool file_watch_check(struct file_watch *watch, char text[FILE_WATCH_TEXT]);
-/** The name of a file that @p now has, too, and that is another one than when the watch began; NULL = there is none. */
+/** The name of a file that has changed since the watch began, and that @p now was read from, too; NULL = none has. */
 const char *file_watch_find_other(const struct file_watch *watch, const conus_atlas *now);
 
 #endif

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The outline of what is chosen, in pictures of sRGB and opacity, [height width 4], top row first. */
+/** @file
+ * Draws an outline around the chosen object, in pictures of sRGB and opacity, [height width 4], top row first. */
 #ifndef CONUS_VIEWER_MODEL_OUTLINE_H
 #define CONUS_VIEWER_MODEL_OUTLINE_H
 
 #include "viewer/model/viewer.h"
 
-/** Where its name stands well: the middle of the upper edge of what was outlined. */
+/** A good place for the object's name: the middle of the upper edge of its outline. */
 struct outline_top {
     bool is_there; /**< Something was outlined. */
     uint32_t x, y;

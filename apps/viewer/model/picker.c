@@ -93,7 +93,7 @@ static bool is_hit(const struct view_atlas *view, uint32_t number)
     return false;
 }
 
-/* How far it is to the first that is drawn; INFINITY and 0 where there is none. */
+/* The distance to the first object that is drawn; INFINITY and 0 where there is none. */
 static double find_first(uint32_t *object, struct view_atlas *view, const conus_pose *pose)
 {
     conus_selection *selection = NULL;
@@ -135,7 +135,7 @@ double view_atlas_depth(struct view_atlas *view, const double origin[3], const d
         return INFINITY;
     }
     const conus_interval *intervals = conus_selection_intervals(&count, selection);
-    double depth = count ? intervals[0].entry : INFINITY; /* of one pixel they are ordered by it */
+    double depth = count ? intervals[0].entry : INFINITY; /* the intervals of a pixel are sorted by entry */
     conus_selection_destroy(selection);
     return depth;
 }

@@ -13,7 +13,7 @@ bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, con
 /** The first hit of such a ray in what a 3-D picture of one atlas would show, whatever its context hides, and how many
  * mm it is away; 0 and INFINITY = no hit. */
 uint32_t view_atlas_pick(double *depth, struct view_atlas *view, const double origin[3], const double direction[3]);
-/** How far it is along such a ray to the first object that is not hidden, mm; INFINITY = there is none. */
+/** The distance along such a ray to the first object that is not hidden, mm; INFINITY = there is none. */
 double view_atlas_depth(struct view_atlas *view, const double origin[3], const double direction[3]);
 /** The object whose voxel or closed surface holds a place in one atlas, as its cuts would name it; 0 = none. */
 uint32_t view_atlas_at(struct view_atlas *view, const double place[3]);

@@ -23,7 +23,7 @@ static void take_row(struct plan_row *out, const conus_plan *plan, const conus_a
                              .leeway = planned->leeway,
                              .clearance = planned->clearance};
     snprintf(out->id, sizeof out->id, "%s", planned->id);
-    if (!planned->feasible) { /* the clearance that is missed, if it is one */
+    if (!planned->feasible) { /* the broken constraint, if it is a clearance */
         const conus_constraint *asked = conus_plan_constraint(plan, planned->broken);
         bool is_clearance = asked->kind == CONUS_CONSTRAINT_AVOID && !asked->measure;
         out->clearance = is_clearance ? planned->verdicts[planned->broken].slack + asked->limit : NAN;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lets go of what a plan reads of its atlas. */
+/* Ends what a plan reads from its atlas. */
 #include "viewer/model/plan_state.h"
 
 #include <stdlib.h>

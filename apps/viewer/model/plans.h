@@ -8,8 +8,8 @@
 
 #include <jansson.h>
 
-/** Takes the constraints of @p arguments, of which there may be none; then the tool begins with this radius, and ends
- * so deep, mm, 0 = not said. @p poses has the candidates; NULL = none. The viewer's frame is set. Returns the exit code
+/** Takes the constraints of @p arguments, if there are any. The tool then begins with this radius and ends at this
+ * depth, mm; 0 = not given. @p poses has the candidates; NULL = none. The viewer's frame is set. Returns the exit code
  * and prints an error unless it is 0. */
 int plans_open(struct viewer *viewer, const struct arguments *arguments, const char *poses, double depth,
                double radius);

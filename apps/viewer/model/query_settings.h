@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Changes of the query settings, as a whole or in one thing. Settings that the atlas refuses are said in the
- * status line, and all stays as it was. */
+/** @file
+ * Changes the query settings, all at once or one. If the atlas refuses a value, the status line says so and nothing
+ * changes. */
 #ifndef CONUS_VIEWER_MODEL_QUERY_SETTINGS_H
 #define CONUS_VIEWER_MODEL_QUERY_SETTINGS_H
 
@@ -15,7 +16,7 @@ bool query_move_range(struct viewer *viewer, double nearest, double farthest);
 bool query_set_level(struct viewer *viewer, const char *level);
 /** The deepest level of the first atlas; 0 where none of its areas is part of another. */
 unsigned query_deepest(const struct viewer *viewer);
-/** The depth that the level is; 0 = there is none, or it is a list of areas. */
+/** The level as a depth; 0 = there is none, or it is a list of areas. */
 unsigned query_depth(const struct viewer *viewer);
 /** One level deeper, from none to 1, and from the deepest to none. */
 void query_next_level(struct viewer *viewer);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads what a session is of, and finds that again. */
+/* Reads which atlas a session belongs to, and finds that atlas again. */
 #include "viewer/model/session_file.h"
 
 #include "options/output.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Reads from a session's file which atlas it is of, and finds that atlas again. */
+/** @file Reads from a session's file which atlas it belongs to, and finds that atlas again. */
 #ifndef CONUS_VIEWER_MODEL_SESSION_FILE_H
 #define CONUS_VIEWER_MODEL_SESSION_FILE_H
 
@@ -20,7 +20,7 @@ struct session_file {
     const json_t *options; /**< An array of texts; NULL = unknown. */
 };
 
-/** Whether @p path is a session's file, then to be ended by session_file_finish(). A damaged one is none. */
+/** Whether @p path is a session's file; then end @p out with session_file_finish(). A damaged file does not count. */
 bool session_file_read(struct session_file *out, const char *path);
 void session_file_finish(struct session_file *file);
 

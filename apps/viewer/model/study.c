@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The question of a study, and its answer as conus sweep computes it: plots and text are of the same selections. */
+/* The question of a study and its answer, as conus sweep computes it. Plots and text come from the same selections. */
 #include "viewer/model/study.h"
 
 #include "options/angles.h"

@@ -13,7 +13,7 @@ static const char *const ordinals[TOOL_COUNT] = {"first", "second"};
 
 const char *const pointer_names[POINTER_COUNT] = {"mouse", "wand", "replay", "tracker", "spacemouse", "gamepad"};
 
-/* Asks all atlases; one that cannot answer has no answer any more. */
+/* Asks all atlases. One that cannot answer loses its answer. */
 static void ask_atlases(struct viewer *viewer, enum tool_number number)
 {
     struct tool *tool = &viewer->tools[number];

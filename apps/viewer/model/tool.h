@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The two tools of the window: what moves, holds and confirms them is the same. All atlases of the viewer are asked
- * what each one's cone hits, with the same question but for the angle. World RAS+, mm. */
+ * The two tools of the window. The same functions move, hold and confirm both. All atlases of the viewer are asked what
+ * a tool's cone hits; the questions about the two tools differ only in pose and angle. World RAS+, mm. */
 #ifndef CONUS_VIEWER_MODEL_TOOL_H
 #define CONUS_VIEWER_MODEL_TOOL_H
 
@@ -36,9 +36,9 @@ struct tool {
     double select_ms;       /**< For all atlases. */
     /* of the second tool, which is asked when its answer is needed: */
     unsigned version;     /**< Grows with every change that shows; the viewer's does not: its cuts stay as they are. */
-    unsigned asked_after; /**< The first one's answer_number when it was asked: whatever changes the question gives that
-                               another one. */
-    bool is_asked;        /**< Its answers are to the pose and angle that are now. */
+    unsigned asked_after; /**< The first tool's answer_number when the second was asked: each change of the question
+                             gives the first one a new number. */
+    bool is_asked;        /**< Its answers belong to the present pose and angle. */
 };
 
 /** Asks again for the first tool. To be called after options, score, its angle, or whether it has a pose changed:
@@ -70,7 +70,7 @@ void tool_choose_next(struct viewer *viewer, enum tool_number number);
 void tool_use_second(struct viewer *viewer, bool on);
 /** Whether the first tool has the device that shall move the second one. */
 bool tool_second_is_taken(const struct viewer *viewer);
-/** Has the atlases asked about the second tool, if it is on and its answers are not those to what is set now. */
+/** Asks the atlases about the second tool, if it is on and its answers are out of date. */
 void tool_update_second(struct viewer *viewer);
 
 /** Whether its pointer moves it: the second one only while it is on and the first has another pointer. */

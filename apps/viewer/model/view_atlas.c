@@ -117,7 +117,7 @@ const char *view_atlas_title_of(char out[VIEW_ATLAS_TITLE], const struct view_at
     if (!view->prefixes[number][0]) {
         return name;
     }
-    snprintf(out, VIEW_ATLAS_TITLE, "%s %s", view->prefixes[number], name); /* so that where it is cut, they differ */
+    snprintf(out, VIEW_ATLAS_TITLE, "%s %s", view->prefixes[number], name); /* cut texts differ */
     return out;
 }
 

@@ -51,7 +51,7 @@ void view_atlas_finish(struct view_atlas *view);
 /** Asks for what is in the cone of a tool, of full opening @p angle, radians. Where that fails, there is no answer. */
 conus_status view_atlas_select(struct view_atlas *view, enum tool_number tool, const conus_selector_options *options,
                                const conus_pose *pose, double angle);
-/** Makes the selector, unless there is one of these options. */
+/** Makes the selector, unless there is one with these options. */
 conus_status view_atlas_prepare(struct view_atlas *view, const conus_selector_options *options);
 /** Ends what was made for the atlas and would have to be made anew after a change; the answer stays. */
 void view_atlas_invalidate(struct view_atlas *view);
@@ -67,7 +67,8 @@ const double *view_atlas_grey(const struct view_atlas *view);
 /** Whether the same file is the context of both, or none is. */
 bool view_atlas_shares_context(const struct view_atlas *a, const struct view_atlas *b);
 enum { VIEW_ATLAS_TITLE = 256 };
-/** How lists and pictures call object @p number: its name, behind its kind where another kind has that name. */
+/** The name of object @p number in lists and pictures; its kind stands before the name where another kind has the same
+ * name. */
 const char *view_atlas_title(char out[VIEW_ATLAS_TITLE], const struct view_atlas *view, size_t number);
 /** The title of object @p number under a @p name that it had before. */
 const char *view_atlas_title_of(char out[VIEW_ATLAS_TITLE], const struct view_atlas *view, size_t number,

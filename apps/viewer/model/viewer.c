@@ -360,7 +360,7 @@ const char *viewer_find_score(const char *name)
     return NULL;
 }
 
-/* It looks at the atlas's middle, but for the depth, which is the crosshair's. */
+/* The camera looks at the atlas's middle, at the depth of the crosshair. */
 void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane, const double size[2])
 {
     static const double axes[PLANE_COUNT][2][3] = {

@@ -82,11 +82,10 @@ struct result_list {
 struct viewer {
     struct view_atlas *atlases; /**< [atlas_count] As they were given. */
     size_t atlas_count;
-    const char **names; /**< [atlas_count] Theirs. */
-    struct view_atlas
-        *drawn;         /**< The one of them that pictures show, that is searched, hidden, picked and confirmed. */
-    char *transfer;     /**< As it was given; NULL = the context's own. */
-    const char *preset; /**< Name of a transfer function in its place, static; NULL = none. */
+    const char **names;       /**< [atlas_count] Theirs. */
+    struct view_atlas *drawn; /**< The atlas that is drawn, searched, hidden in, picked and confirmed. */
+    char *transfer;           /**< As it was given; NULL = the context's own. */
+    const char *preset;       /**< Name of a transfer function in its place, static; NULL = none. */
     double centre[3], radius; /**< A ball around all atlases, world mm. */
     conus_frame frame;        /**< The space in which positions are typed, shown and written. */
 
@@ -207,14 +206,14 @@ void viewer_use_preset(struct viewer *viewer, const char *preset);
 void viewer_set_grey(struct viewer *viewer, double black, double white);
 /** Moves them (appearance_move_grey()); false where the drawn atlas has no context, or one of a single value. */
 bool viewer_move_grey(struct viewer *viewer, double right, double up);
-/** Opacity in 3-D, 0 to 1, of an object of the drawn atlas and all below it, NaN = as if none was set; of object 0: of
- * what the cone does not hit, more than 0. */
+/** Sets the opacity in 3-D, 0 to 1, of an object of the drawn atlas and all below it; NaN = as if none was set. Object
+ * 0: of everything that the cone does not hit, more than 0. */
 void viewer_set_opacity(struct viewer *viewer, uint32_t object, double opacity);
 /** Draws a pathway of the drawn atlas so (appearance.h). */
 void viewer_set_haze(struct viewer *viewer, uint32_t pathway, size_t haze);
 /** Colours the streamlines of the drawn atlas by this (tract_colour_name() in pictures/appearance.h). */
 void viewer_colour_streamlines(struct viewer *viewer, size_t colour);
-/** Takes over how @p view, one of the viewer's atlases, looks; @p look is of as many objects. */
+/** Gives @p view, one of the viewer's atlases, the look @p look, which is for as many objects. */
 void viewer_set_look(struct viewer *viewer, struct view_atlas *view, struct appearance *appearance);
 
 /** Draws with the editor's points from now on. */

@@ -31,10 +31,10 @@ bool loader_start(struct loader **out, const struct loading *request);
 void loader_ask(struct loader *loader, struct loader_progress *out);
 bool loader_done(struct loader *loader);
 const char *loader_path(const struct loader *loader);
-/** Nobody wants the atlases any more: the file that is being read is the last one. */
+/** Cancels the loader: it ends after the file that it is reading. */
 void loader_cancel(struct loader *loader);
-/** Waits, and ends the loader. @p out is the caller's. False: there is none, and unless it was cancelled it was said
- * why on stderr, which @p why repeats. True where it looked at files and was not cancelled. */
+/** Waits, and ends the loader. @p out is the caller's. False where there is no atlas: unless the loader was cancelled,
+ * stderr says why, and @p why repeats it. True where it looked at files and was not cancelled. */
 bool loader_finish(struct loader *loader, struct atlases *out, char why[LOADER_WHY]);
 
 #endif

@@ -56,7 +56,7 @@ enum kind { IS_OTHER = 0, IS_TRACTOGRAM, IS_SESSION };
 
 struct looking {
     const struct open_request *request;
-    const char *session; /* that surely is one, so that it is said why it cannot be read; NULL = none */
+    const char *session; /* certainly a session, so a failure to read it has its own message; NULL = none */
     struct file_set *set;
     bool fine;
     char why[LOADER_WHY];
@@ -108,7 +108,7 @@ static bool use_atlas(struct file_set *set, const char *path, bool is_session, c
     return true;
 }
 
-/* Runs on another thread: tells the files apart. */
+/* Runs on another thread: finds out what each file is. */
 static void look_at_files(void *user)
 {
     struct looking *looking = user;
@@ -149,8 +149,8 @@ static bool find_atlas(struct file_set *set, struct window *window, const struct
     return fine;
 }
 
-/* Tells the files of `request` apart, which are read on another thread. False: nobody wants them any more, or `why`
- * has the reason. The lists of `out` are the caller's to free in any case. */
+/* Finds out what each file of `request` is, on another thread. False: the user cancelled, or `why` has the reason. The
+ * lists of `out` are the caller's to free in any case. */
 static bool file_set_find(struct file_set *out, struct window *window, const struct open_request *request,
                           const struct view_settings *settings, char why[LOADER_WHY])
 {
@@ -485,7 +485,8 @@ static bool open_session(struct window *window, const char *session, const char 
     return fine;
 }
 
-/* The number now of an atlas that had `number` then, both from 1; 0 = it is gone. The lists are of further atlases. */
+/* The present number of the atlas that had `number` then, both from 1; 0 = it is gone. The lists are of further
+ * atlases. */
 static size_t find_number(json_int_t number, const json_t *then, const json_t *now)
 {
     size_t place = number > 1 ? words_place(now, json_array_get(then, (size_t)number - 2)) : 0;
@@ -627,8 +628,8 @@ static bool open_sorted(struct window *window, struct file_set *set, enum openin
     return fine && (!adds || add_all(window, set, &later, why));
 }
 
-/* Whether the user is to be asked how the files open: an atlas may be added to what is open or take its place, and a
- * session ends what was confirmed. An image is added. False, too, where there is no such atlas, as `why` says. */
+/* Whether to ask the user how the files open: an atlas may join the open one or replace it, and a session ends what was
+ * confirmed. An image is added without asking. False, too, where there is no such atlas, as `why` says. */
 static bool has_question(struct window *window, struct file_set *set, struct open_request *request,
                          const struct view_settings *settings, char why[LOADER_WHY])
 {

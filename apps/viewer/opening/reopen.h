@@ -8,9 +8,9 @@
 #include "viewer/window/window.h"
 #include <jansson.h>
 
-/** Opens them with the options @p words in place of their own, by which undo goes @p step (0 = it does not); @p
- * settings are those of conus-view. All that the user set stays (replace.h). False: the window stays as it was, and @p
- * why says why, on stderr, too, unless nobody wants it any more; else @p why says what is other than before. */
+/** Opens the same atlases with the options @p words in place of their own; undo goes @p step (0 = not at all). @p
+ * settings are those of conus-view. All that the user set stays (replace.h). False: the window stays as it was; @p why
+ * and stderr say why, unless the user cancelled. True: @p why says what is different now. */
 bool reopen(struct window *window, const json_t *words, int step, const struct view_settings *settings,
             char why[LOADER_WHY]);
 

@@ -116,7 +116,7 @@ static bool add_word(json_t *words, const struct option *option, const char *val
     }
     bool is_text = (option->type == OPTION_TEXT || option->type == OPTION_LIST) && option->role != OPTION_ASKS;
     bool is_transfer =
-        strcmp(option->name, "transfer") == 0; /* whose names are no files, even where one is called so */
+        strcmp(option->name, "transfer") == 0; /* a name here is never a file, even if one is called so */
     fprintf(out, "--%s%s", option->name, value ? "=" : "");
     if (value && is_text && (!is_transfer || strchr(value, '.') || strchr(value, '/'))) {
         put_absolute(out, value);

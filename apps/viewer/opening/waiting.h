@@ -8,8 +8,8 @@
 
 /** Ends what open_begin() began and wait_load() did not wait for. */
 void wait_leave(struct window *window);
-/** Loads, or goes on with what was begun, while the window says how far that is, unless it is quick. False: nobody
- * wants them any more, or @p why has the reason. */
+/** Loads, or continues what was begun, while the window shows the progress, unless it is quick. False: the user
+ * cancelled, or @p why has the reason. */
 bool wait_load(struct window *window, const struct loading *request, struct atlases *out, char why[LOADER_WHY]);
 /** Calls @p look on the loader's thread, which looks at the file @p path and others, and waits likewise. */
 bool wait_look(struct window *window, const char *path, void (*look)(void *user), void *user, char why[LOADER_WHY]);

@@ -98,7 +98,7 @@ static void ask_painter(struct window *window, bool moving)
 static void take_picture(struct window *window)
 {
     struct painted picture;
-    if (window->pictures.painted_of != window->viewer->drawn) { /* a picture of another atlas is none of this one */
+    if (window->pictures.painted_of != window->viewer->drawn) { /* a picture of another atlas is not shown */
         texture_drop(&window->pictures.painted);
         window->pictures.painted_of = window->viewer->drawn;
         window->pictures.painted_fine = false;
@@ -307,8 +307,8 @@ static void find_hovered(struct window *window)
     }
 }
 
-/* A click that turned nothing sets the crosshair to what is under it; it holds the mouse's cone, or lets it go. A press
- * on a panel is none: the pane is not asked then. */
+/* A click that did not turn the view sets the crosshair to the place under it, and holds the mouse's cone or lets it
+ * go. Presses on a panel do not come here. */
 static void use_click(struct window *window, const struct ui_mouse *mouse)
 {
     struct viewer *viewer = window->viewer;
@@ -375,16 +375,17 @@ static void note_moves(struct window *window, bool by_mouse)
 {
     const struct viewer *viewer = window->viewer;
     double now = clock_ms();
-    bool carried = viewer->tools[FIRST_TOOL].pointer >= POINT_BY_REPLAY; /* or a tracker, a SpaceMouse, a gamepad */
+    bool is_by_device =
+        viewer->tools[FIRST_TOOL].pointer >= POINT_BY_REPLAY; /* or a tracker, a SpaceMouse, a gamepad */
     if (by_mouse) {
         window->pictures.moving_until = now + view_rest_ms;
     }
-    if ((carried && window->pictures.carried_answer != viewer->tools[FIRST_TOOL].answer_number) ||
-        (viewer->head.on && window->pictures.carried_head != viewer->head.number)) {
+    if ((is_by_device && window->pictures.noted_answer != viewer->tools[FIRST_TOOL].answer_number) ||
+        (viewer->head.on && window->pictures.noted_head != viewer->head.number)) {
         window->pictures.moving_until = now + others_rest_ms;
     }
-    window->pictures.carried_answer = viewer->tools[FIRST_TOOL].answer_number;
-    window->pictures.carried_head = viewer->head.number;
+    window->pictures.noted_answer = viewer->tools[FIRST_TOOL].answer_number;
+    window->pictures.noted_head = viewer->head.number;
     window->pictures.moving = now < window->pictures.moving_until;
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The card of the chosen area: what is known of it, and what can be done with it. */
+/* The card of the chosen area: facts about it, and buttons that act on it. */
 #include "options/output.h"
 #include "viewer/model/plans.h"
 #include "viewer/panes/panels.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The panel of the cone: what moves it, its pose, shape and score, and what of its hits counts. */
+/* The panel of the cone: what moves it, its pose, shape and score, and which hits count. */
 #include "conus/score.h"
 #include "settings/station_settings.h"
 #include "viewer/model/query_settings.h"
@@ -175,7 +175,7 @@ static bool choose_shape(struct viewer *viewer)
     return changed;
 }
 
-/* Exact sampling has none, so it has no part of them. */
+/* Exact sampling has no slices, and no fraction of them. */
 static bool choose_slices(conus_selector_options *options)
 {
     double part = options->slice_fraction > 0 ? options->slice_fraction : 0.2; /* the default, Eq. 7 */
@@ -312,7 +312,7 @@ void panel_question(struct window *window)
     search_area(window);
 }
 
-/* All else that decides what the cone is and which of its hits count. */
+/* All other settings of the cone and of the hits that count. */
 static void choose_details(struct window *window)
 {
     struct viewer *viewer = window->viewer;

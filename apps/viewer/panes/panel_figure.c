@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The form that asks what is to be saved as a figure. */
+/* The form that asks which pane to save as a figure. */
 #include "viewer/panes/panels.h"
 
 #include "viewer/window/figure_form.h"

@@ -70,14 +70,6 @@ static void choose_preset(struct viewer *viewer)
     ui_tip("colours and opacities of the context in 3-D by its values: a preset of conus render --transfer");
 }
 
-static void choose_look_of_context(struct viewer *viewer)
-{
-    if (viewer->drawn->found_grey[1] > viewer->drawn->found_grey[0]) {
-        edit_grey(viewer);
-    }
-    choose_preset(viewer);
-}
-
 static void choose_look_of_pathway(struct viewer *viewer, uint32_t pathway)
 {
     const char *names[HAZE_LIMIT];
@@ -335,7 +327,10 @@ void panel_transfer(struct window *window)
     bool has_context = view_atlas_context(viewer->drawn) < conus_atlas_volume_count(viewer->drawn->atlas);
     bool is_ready = make_ready(viewer);
     if (has_context && ui_section("Context", false)) {
-        choose_look_of_context(viewer);
+        if (viewer->drawn->found_grey[1] > viewer->drawn->found_grey[0]) {
+            edit_grey(viewer);
+        }
+        choose_preset(viewer);
         if (is_ready) {
             edit_transfer(viewer);
         }

@@ -16,7 +16,7 @@ void backdrop_set(conus_view *view, enum backdrop backdrop);
 enum { HAZE_NONE = 0, HAZE_OWN, HAZE_LIMIT = 32 };
 /** "solid" and, as conus render --pathway-transfer has them, "own", "brain", ...; NULL past the last. Static. */
 const char *haze_name(size_t haze);
-/** The one of that name; HAZE_LIMIT = none. */
+/** The preset of that name; HAZE_LIMIT = none. */
 size_t haze_find(const char *name);
 
 struct appearance {
@@ -50,7 +50,7 @@ enum { TRACT_BY_BUNDLE = 0, TRACT_BY_DIRECTION, TRACT_BY_NUMBER /**< and above *
 
 /** "bundle", "direction", a number's name, which is the atlas's; NULL past the last, and without streamlines. */
 const char *tract_colour_name(const conus_atlas *atlas, size_t colour);
-/** The one of that name; TRACT_COLOUR_LIMIT = none. */
+/** The colouring of that name; TRACT_COLOUR_LIMIT = none. */
 size_t tract_colour_find(const conus_atlas *atlas, const char *name);
 /** How many there are; 0 where there are no streamlines. */
 size_t tract_colour_count(const conus_atlas *atlas);
@@ -68,7 +68,7 @@ struct sheet {
     bool no_text; /**< No legend, and no letters. */
 };
 
-/** As conus render has it by itself. */
+/** The default of conus render. */
 void sheet_init(struct sheet *out);
 bool sheet_is_same(const struct sheet *a, const struct sheet *b);
 

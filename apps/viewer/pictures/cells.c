@@ -13,7 +13,7 @@ static const double near_mm = 0.1; /* what is not so far before the eye casts no
 static const double overlap = 1.5; /* cells are drawn so many times as large: seen over edges and corners they lie
                                        up to the root of 2 of an edge apart */
 
-/* Cells of a box, and which of them are inside of the shape. */
+/* Cells of a box, and which are inside the shape. */
 struct lattice {
     double low[3], edge;
     uint32_t dim[3];

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 struct numbers {
-    uint32_t *now; /* [then + 1] 0 = it is not there any more */
+    uint32_t *now; /* [then + 1] 0 = it is gone */
     size_t then, count;
 };
 

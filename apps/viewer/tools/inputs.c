@@ -127,6 +127,21 @@ static bool take_update(struct viewer *viewer, enum tool_number number, const st
     return moves;
 }
 
+/* Asks the station what is new. The tracked head moves along. */
+static void hear_station(struct inputs *inputs, struct viewer *viewer)
+{
+    struct station_update *update = &inputs->update;
+    const char *trouble = update->trouble;
+    station_ask(inputs->station, update);
+    viewer->said += update->trouble != trouble; /* a frame that says so */
+    if (viewer->head.named) {
+        head_set_state(&viewer->head, update->head.state);
+        if (update->head.state == STATION_SEEN) {
+            head_move(&viewer->head, update->head.eye, &update->head.screen);
+        }
+    }
+}
+
 static void hear_trackers(struct inputs *inputs)
 {
     struct tracker *trackers = inputs->devices.trackers;
@@ -165,20 +180,23 @@ static struct source *source_of(struct inputs *inputs, const struct viewer *view
 }
 
 /* Asks the source of a tool and applies what it says. Returns whether there was a pose, or a move. */
-static bool serve(struct inputs *inputs, struct viewer *viewer, enum tool_number number, double now_s)
+static bool move_by_source(struct inputs *inputs, struct viewer *viewer, enum tool_number number, double now_s)
 {
     struct source_update *heard = &inputs->devices.heard[number];
     enum source_state was = heard->state;
     source_ask(source_of(inputs, viewer, number), now_s, heard);
-    viewer->version += heard->state != was; /* what is said of the tool is another now */
+    viewer->version += heard->state != was; /* the notice about the tool changes */
     return take_update(viewer, number, heard);
 }
 
 bool inputs_step(struct inputs *inputs, struct viewer *viewer, double now_s)
 {
+    if (inputs->station) {
+        hear_station(inputs, viewer);
+    }
     hear_trackers(inputs);
-    bool moved = serve(inputs, viewer, FIRST_TOOL, now_s);
-    serve(inputs, viewer, SECOND_TOOL, now_s);
+    bool moved = move_by_source(inputs, viewer, FIRST_TOOL, now_s);
+    move_by_source(inputs, viewer, SECOND_TOOL, now_s);
     tool_update_second(viewer);
     return moved;
 }
@@ -204,7 +222,7 @@ void inputs_point(struct inputs *inputs, struct viewer *viewer, const double eye
     conus_pose pose;
     if (number < TOOL_COUNT && !viewer->tools[number].held && point_find(&pose, viewer, eye, direction)) {
         pushed_put(&inputs->devices.mouse, &pose);
-        serve(inputs, viewer, number, 1e-3 * clock_ms());
+        move_by_source(inputs, viewer, number, 1e-3 * clock_ms());
         tool_update_second(viewer);
     }
 }
@@ -379,17 +397,4 @@ bool replay_step(struct replay *replay, struct viewer *viewer, double clock)
     }
     replay->playing = at + 1 < count;
     return true;
-}
-
-void inputs_hear(struct station *station, struct viewer *viewer, struct station_update *update)
-{
-    const char *trouble = update->trouble;
-    station_ask(station, update);
-    viewer->said += update->trouble != trouble; /* a frame that says so */
-    if (viewer->head.named) {
-        head_set_state(&viewer->head, update->head.state);
-        if (update->head.state == STATION_SEEN) {
-            head_move(&viewer->head, update->head.eye, &update->head.screen);
-        }
-    }
 }

@@ -28,9 +28,6 @@ bool replay_step(struct replay *replay, struct viewer *viewer, double clock);
 /** Seconds until the replay shows another row; INFINITY while it does not play. */
 double replay_idle_s(const struct replay *replay, const struct viewer *viewer, double clock);
 
-/** Asks @p station what happened; the head moves along, if one is named. */
-void inputs_hear(struct station *station, struct viewer *viewer, struct station_update *update);
-
 enum { TRACKER_ADDRESS = 256 };
 
 struct inputs {
@@ -53,8 +50,8 @@ void inputs_disconnect(struct inputs *inputs, struct viewer *viewer);
 /** Whether a tool's cone is one from before: its device does not say where it is. */
 bool inputs_is_old(const struct inputs *inputs, const struct viewer *viewer, enum tool_number number);
 
-/** Has the newest pose of each tracked tool, and every other device that moves a tool, heard, and the second tool's
- * answers up to date. Returns whether the first one got a pose. */
+/** Asks the stations and every device that moves a tool what is new, moves the tools and the tracked head, and brings
+ * the second tool's answers up to date. Returns whether the first tool got a pose. */
 bool inputs_step(struct inputs *inputs, struct viewer *viewer, double now_s);
 /** Seconds until devices that cannot wake the window are to be asked again; INFINITY where none moves a tool. */
 double inputs_idle_s(const struct inputs *inputs, const struct viewer *viewer);
@@ -64,7 +61,7 @@ void inputs_point(struct inputs *inputs, struct viewer *viewer, const double eye
 /** Moves and turns a tool along its own axes; a tool without a pose is placed instead. */
 void inputs_steer(struct viewer *viewer, enum tool_number number, const double move[3], const double turn[3]);
 
-/** A message about a tool: that it is held, that it is not there yet, that its tracker is gone. */
+/** A message about a tool: it is held, it is not there yet, or its tracker is gone. */
 struct notice {
     const char *text; /**< One line; NULL = there is nothing to say. */
     bool is_trouble;  /**< The cone is not, or no longer, where its tool is. */

@@ -9,7 +9,7 @@ enum { SHELL_POINTS = 64 };
 
 struct shell {
     double near[SHELL_POINTS][3],
-        far[SHELL_POINTS][3];    /**< Each near one and its far one are on one line of the wall. */
+        far[SHELL_POINTS][3];    /**< Each near point and its far point are on one line of the wall. */
     double out[SHELL_POINTS][3]; /**< Unit normals of the wall there. */
 };
 

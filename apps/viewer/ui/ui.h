@@ -87,7 +87,7 @@ int ui_arrow(void);
 bool ui_edited(void);  /**< Whether the widget before was let go after a change. */
 bool ui_hovered(void); /**< Whether the mouse is on the widget before. */
 
-/* Tips (NULL = none) are as of ui_tip(). */
+/* Tips (NULL = none) work as in ui_tip(). */
 bool ui_button(const char *label, const char *tip);
 bool ui_small_button(const char *label, const char *tip);
 bool ui_check(const char *label, bool *value, const char *tip);

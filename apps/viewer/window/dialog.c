@@ -266,7 +266,7 @@ bool dialog_enter(char path[PATH_MAX], struct dialog *dialog)
     dialog_look(dialog);
     if (dialog->purpose == DIALOG_OPEN && typed_path(path, dialog->text) && !may_be_opened(path)) {
         size_t fitting = 0;
-        for (size_t i = 0; i < dialog->folder.count; i++) { /* a part of a name that one entry has means that one */
+        for (size_t i = 0; i < dialog->folder.count; i++) { /* a part of a name means the one entry that has it */
             if (dialog_fits(dialog, i)) {
                 dialog->marked = fitting++ ? SIZE_MAX : i;
             }

@@ -18,7 +18,7 @@ struct folder_entry {
     bool is_folder;
 };
 
-/** All 0 is one that was not read. */
+/** All 0 = not read. */
 struct folder {
     char path[PATH_MAX]; /**< As it was read; "" = none. */
     enum folder_filter filter;
@@ -39,7 +39,7 @@ bool folder_fits(const char *name, const char *text);
 enum { DIALOG_PLACES = 10, DIALOG_WHY = 512 };
 enum dialog_purpose { DIALOG_OPEN, DIALOG_SAVE };
 
-/** All 0 is one that was never shown. */
+/** All 0 = never shown. */
 struct dialog {
     bool on;
     enum dialog_purpose purpose;

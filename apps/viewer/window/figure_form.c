@@ -123,7 +123,7 @@ bool figure_write(const struct window *window, size_t pane, const struct figure_
 
 const char *const figure_panes[PANE_COUNT] = {"axial", "coronal", "sagittal", "3d"};
 
-/* The frame in which it is asked, and one more that says so and is shown. */
+/* The frame in which the figure is asked for, and one more that shows a word about it. */
 enum { FRAMES_BEFORE = 4, FREE_NAMES = 10000 };
 
 void figure_form_open(struct window *window)

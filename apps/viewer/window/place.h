@@ -29,7 +29,7 @@ float place_scale(float content, int pixels, int millimetres);
 
 /** Reads what was written; false, and @p out stays as it is, where that makes no sense. */
 bool place_parse(struct place *out, const char *text, size_t size);
-/** Reads it into @p out, which stays as it is where there is none, or none that makes sense. */
+/** Reads the place into @p out, which stays as it is where no valid place is stored. */
 void place_load(struct place *out);
 /** Writes it; where that cannot be done the next window is as large as the first one. */
 void place_save(const struct place *place);

@@ -17,7 +17,7 @@ struct recent {
 
 /** Reads what was written, and nothing else; false, and @p out stays as it is, where it is not that. */
 bool recent_parse(struct recent *out, const char *text, size_t size);
-/** Reads it into @p out, which is empty where there is none, or none that makes sense. */
+/** Reads the list into @p out, which is empty where no valid list is stored. */
 void recent_load(struct recent *out);
 /** Puts an atlas first and writes the file. Nothing happens where its absolute path is too long or no UTF-8. */
 void recent_add(const char *path);

@@ -24,7 +24,7 @@ bool installed_words(char out[PATH_MAX], const conus_catalogue *catalogue, const
 enum { START_WHY = 512 };
 
 struct start {
-    bool on;         /**< The window shows it, as it does as long as there is no atlas. */
+    bool on;         /**< The window shows the page: always, while there is no atlas. */
     bool takes_keys; /**< From the next frame on what is typed goes into the path. */
     bool is_set;     /**< The line has to take over what is typed below, which a letter began. */
     char typed[PATH_MAX];

@@ -41,7 +41,8 @@ void texture_drop(struct texture *texture)
     *texture = (struct texture){0};
 }
 
-/* The screen that a place is on, else the first one, and its area, or what is free of it. NULL: there is none. */
+/* Finds the screen that a place is on, else the first one, and its area, or the free part of it. NULL: there is none.
+ */
 static GLFWmonitor *find_screen(int area[4], const int middle[2], bool free)
 {
     int count;

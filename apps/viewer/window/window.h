@@ -71,7 +71,7 @@ struct figure_form {
     char replaced[FIGURE_NAME]; /**< The file that is there already, and may be replaced. */
     char saved[FIGURE_NAME];    /**< Path of the newest figure; "" = none. */
     char update[FIGURE_NAME + 32];
-    unsigned frames; /**< Until it is written; 0 = none is to be. */
+    unsigned frames; /**< Frames until the file is written; 0 = none will be. */
 };
 
 enum { ADDED_TEXT = PATH_MAX };
@@ -93,7 +93,7 @@ struct open_request {
     char **paths; /**< [count] Atlases, sessions, and what is to be added; 0 = none. */
     size_t count;
     enum opening how;
-    const char *asked_of; /**< The one of them that the user is asked of, */
+    const char *asked_of; /**< The file that the user is asked about, */
     bool may_be_added;    /**< and whether it can be added. */
     bool by_dialog;       /**< It is the dialog that asked, and says so where they cannot be opened. */
     struct json_t *words; /**< Options with which the atlas that is open is to be opened again; NULL = none. */
@@ -146,11 +146,11 @@ struct pictures {
     struct eye eye;                      /**< The eye of the 3-D pane in this frame. */
     struct painting asked;               /**< The last request to the painter. */
     double painted_ms;
-    bool painted_fine;       /**< The picture is what was asked last, as fine as it gets. */
-    unsigned carried_answer; /**< The newest answer that was looked at for moves of the cone. */
-    unsigned carried_head;   /**< Likewise of the head's changes. */
-    double moving_until;     /**< By clock_ms(): until then pictures shall be quick. */
-    bool moving;             /**< The newest was asked for as one of these. */
+    bool painted_fine;     /**< The picture is what was asked last, as fine as it gets. */
+    unsigned noted_answer; /**< The newest answer that was looked at for moves of the cone. */
+    unsigned noted_head;   /**< Likewise of the head's changes. */
+    double moving_until;   /**< By clock_ms(): until then pictures shall be quick. */
+    bool moving;           /**< The newest was asked for as one of these. */
 };
 
 /** The state of the newest frame: versions that it shows, mouse and keys in it. */
@@ -192,7 +192,7 @@ struct forms {
 };
 
 struct window {
-    /* as long as the window is there */
+    /* for the life of the window */
     void *handle;                                          /**< GLFWwindow */
     bool (*press)(struct window *window, const char *key); /**< Does what a key does; NULL while an atlas is loaded. */
     void (*wake)(void);                                    /**< Makes the window's loop look again, from any thread. */

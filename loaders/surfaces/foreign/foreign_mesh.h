@@ -21,7 +21,7 @@ struct corners {
     size_t count, capacity;
 };
 
-/** Numbers by name, of all points or of all lines. */
+/** A named array of numbers, for all points or all lines. */
 struct foreign_array {
     char *name; /**< UTF-8; owned. */
     bool per_point;
@@ -30,7 +30,7 @@ struct foreign_array {
     size_t count, capacity;
 };
 
-/** Zero but for max_memory is an empty one. */
+/** An empty one is zero, except max_memory. */
 struct foreign_lines {
     struct corners corners; /**< Vertex indices of all lines, line after line. */
     size_t *ends;           /**< [count] Index after the last corner of each line; owned. */
@@ -82,7 +82,7 @@ conus_status foreign_end_strip(struct foreign_mesh *mesh);
 /** Ends the face as a line; passes it over where nobody wants lines. */
 conus_status foreign_end_line(struct foreign_mesh *mesh);
 
-/** Appends a triangle of vertices that there are. */
+/** Appends a triangle; its vertices must be there. */
 conus_status foreign_add_triangle(struct foreign_mesh *mesh, uint32_t a, uint32_t b, uint32_t c);
 
 /** Gives vertices and triangles to @p out, which is then the caller's to finish; not yet checked (mesh_check()). */
@@ -124,8 +124,8 @@ struct obj_objects {
 void obj_objects_finish(struct obj_objects *objects);
 
 /* Each parser takes the whole file, unpacked, and fills @p out, which is empty and the caller's to finish, also after a
- * failure. CONUS_ERROR_DATA for what contradicts itself or is cut off, CONUS_ERROR_UNSUPPORTED for what is fine but not
- * read. All vertices come in the file's order, triangles in that of the faces; positions as stored. */
+ * failure. CONUS_ERROR_DATA for a file that contradicts itself or is cut off, CONUS_ERROR_UNSUPPORTED for a valid one
+ * that is not read. All vertices come in the file's order, triangles in that of the faces; positions as stored. */
 
 /** Wavefront OBJ. @p objects may be NULL; statements "o" of the same name are one object. */
 conus_status obj_parse(struct foreign_mesh *out, struct obj_objects *objects, const uint8_t *data, size_t size);

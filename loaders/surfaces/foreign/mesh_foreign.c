@@ -285,7 +285,7 @@ static conus_status cut_objects(struct mesh_parts *parts, struct label_table *na
     return status;
 }
 
-/* Objects have what is wrong with them in common, mostly: it is said once. */
+/* Reports a problem once: mostly all objects share it. */
 static void drop_repeated(struct notes *notes)
 {
     size_t kept = 0;

@@ -4,7 +4,7 @@
 
 #include "loaders/surfaces/foreign/words.h"
 
-/* The layout of a vertex. Colours, normals and texture coordinates are numbers behind its place, and are skipped. */
+/* The layout of a vertex. Colours, normals and texture coordinates are numbers behind its position, and are skipped. */
 struct off {
     size_t numbers;   /* behind the first three; any number of them for colours */
     bool has_colours; /* of vertices: to the end of the line */

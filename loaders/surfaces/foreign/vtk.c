@@ -245,7 +245,7 @@ static conus_status vtk_skip_metadata(struct vtk *vtk)
     return CONUS_OK;
 }
 
-/* Reads a field, behind its word: its arrays are kept where they are of points or cells, else passed over. */
+/* Reads a field, behind its word. Arrays of points or cells are kept, others passed over. */
 static conus_status vtk_take_field(struct vtk *vtk)
 {
     struct text name;
@@ -285,7 +285,7 @@ static bool vtk_is_named(const struct attribute *attribute, const char *word)
     return strcmp(attribute->word, word) == 0;
 }
 
-/* The line behind the word: name, type, and in some the number of parts, before or behind it. */
+/* The line behind the word: name, type, and in some files the number of parts, before or behind the type. */
 static conus_status read_attribute_line(const struct vtk_type **type, size_t *parts, struct vtk *vtk,
                                         const struct attribute *attribute)
 {

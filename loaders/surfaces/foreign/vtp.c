@@ -340,7 +340,7 @@ enum use {
     USE_STRIPS,
     USE_STRIP_OFFSETS,
     USE_SPACE,
-    USE_POINT_DATA, /* this and the next are of any number of arrays */
+    USE_POINT_DATA, /* this and the next stand for any number of arrays */
     USE_CELL_DATA,
     USE_NOTHING,
     USES = USE_POINT_DATA
@@ -677,8 +677,8 @@ static conus_status add_cells(struct vtp *vtp, size_t first, enum use use, uint6
     return status ? fail_in(status, use == USE_LINES ? "Lines" : use == USE_POLYS ? "Polys" : "Strips") : CONUS_OK;
 }
 
-/* The numbers of the piece follow those of the pieces before it, which `before` points or lines are of. Of cells only
- * those of lines are kept. */
+/* Appends the arrays of the piece to those of the pieces before it, which have `before` points or lines. Of cells it
+ * keeps only the arrays of lines. */
 static conus_status add_column_values(struct vtp *vtp, const struct column *column, size_t before)
 {
     float *numbers = NULL;

@@ -37,7 +37,7 @@ conus_status words_any_float(float *out, struct words *words, const char *what);
 /** A whole number that is not below @p least. */
 conus_status words_whole(int64_t *out, struct words *words, int64_t least, const char *what);
 
-/** A number of things of which each takes @p least bytes or more: never more than are left. */
+/** A count of things that take @p least bytes or more each: never more than fit in the bytes left. */
 conus_status words_count(size_t *out, struct words *words, size_t least, const char *what);
 
 /** Takes @p size bytes; NULL where fewer are left. */

@@ -243,7 +243,7 @@ void stored_finish(struct stored *stored)
     *stored = (struct stored){0};
 }
 
-/* An index follows from what the path leads to at this time: `file`, open before, is not read for it. */
+/* An index belongs to the file that the path leads to now: `file`, opened before, is not read for it. */
 static conus_status stored_read_whole(struct stored *stored, const struct open_file *file, uint64_t limit,
                                       enum stored_use use, const struct bytes *header)
 {
@@ -331,7 +331,7 @@ conus_status stored_open_slabs(struct stored *out, const char *path, const struc
 conus_status stored_head(struct bytes *out, const struct stored *stored, size_t limit)
 {
     const struct kept_index *kept = stored->index;
-    if (kept && !stored->packed) { /* what is ahead of the stream that the index is of, as it is stored */
+    if (kept && !stored->packed) { /* the bytes before the stream that has the index, as stored */
         const struct plain_file plain = {.descriptor = kept->descriptor, .before = kept->before};
         return plain_file_head(out, &plain, kept->index.begin < limit ? (size_t)kept->index.begin : limit);
     }

@@ -18,7 +18,7 @@
 
 enum { STORED_LARGE = 1 << 24 }; /**< Bytes; a larger file or volume is not held in memory twice. */
 
-/** An index that is there, and the file that it is of. */
+/** An index, and the file that it belongs to. */
 struct kept_index {
     struct cache_mapping mapping; /**< memory NULL = there is none */
     struct gzip_index index;
@@ -26,8 +26,8 @@ struct kept_index {
     struct file_state before; /**< Its state when it was opened. */
 };
 
-/** Opens the packed file @p path with the index that was kept of it, as the voxels of @p header: the bytes of the file
- * that says how they are packed, NULL = none but @p path. False where there is none that may be believed. */
+/** Opens the packed file @p path with the index that was kept of it. @p header has the bytes of the file that says how
+ * the voxels are packed; NULL = @p path itself. False where no index may be believed. */
 bool kept_index_open(struct kept_index *out, const char *path, const struct bytes *header);
 void kept_index_finish(struct kept_index *kept);
 
@@ -56,7 +56,7 @@ struct stored {
 enum stored_use {
     STORED_PLAIN, /**< Nothing.                                         */
     STORED_KEEP,  /**< One is to be made.                               */
-    STORED_INDEX  /**< One is to be used, and where there is none, made. */
+    STORED_INDEX  /**< Use an index, and make one where there is none. */
 };
 
 /** Opens @p path, a file of at most @p limit bytes: reads it as a whole, unless its index is used. @p header: the bytes
@@ -81,8 +81,8 @@ conus_status stored_head(struct bytes *out, const struct stored *stored, size_t 
  * False where it is that of `bytes`. */
 bool stored_known_sum(char out[65], const struct stored *stored);
 
-/** Moves a range out of what is stored, unpacked, as gzip_unpack() and gzip_keep() do. With the file's @p sha256, in
- * hexadecimal, the index that is to be made is made and kept; NULL = it would not be worth it. */
+/** Unpacks a range, as gzip_unpack() and gzip_keep() do. With @p sha256, the file's in hexadecimal, it also makes and
+ * keeps the index where one is to be made; NULL = it is not worth it. */
 conus_status stored_range(struct bytes *out, struct gzip_range *range, struct stored *stored, const char *sha256);
 
 /** The same, from a gzip or zlib (range->zlib) stream inside a file: @p size bytes from @p begin. An index, where there

@@ -194,7 +194,7 @@ static conus_status read_origin(void *header, struct text value)
                : fail(CONUS_ERROR_DATA, "space origin: found \"%.*s\", a point (x,y,z) is needed", HEADER_SHOW(value));
 }
 
-/* One file; a list or pattern of files is of slices. */
+/* One file; lists and patterns of files are for slices. */
 static conus_status nrrd_read_file(void *header, struct text value)
 {
     return value.data
@@ -346,7 +346,7 @@ static conus_status set_name(char **out, struct text value)
     return status;
 }
 
-/* One segment. `legacy`: it is label 1 of a volume of its own. */
+/* Reads one segment. `legacy`: it is label 1 in a volume of its own. */
 static conus_status take_segment(struct text_segment *out, const struct text fields[SEGMENT_FIELDS], size_t number,
                                  int64_t volumes, bool legacy)
 {

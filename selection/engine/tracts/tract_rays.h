@@ -66,14 +66,14 @@ void tract_rays_join(struct layers *layers, size_t first);
 size_t tract_rays_scenes(const struct tract_rays *rays);
 const struct tractogram *tract_rays_tractogram(const struct tract_rays *rays, size_t scene);
 
-/** Whether the streamline is of an object. */
+/** Whether the streamline belongs to an object. */
 bool tract_rays_has(const struct tract_rays *rays, size_t scene, uint32_t streamline);
 
 /** Settles what a ray hits of a run that somebody has found: as tract_rays_trace() does. */
 void tract_rays_offer(const struct tract_rays *rays, const struct tract_hit *hit, size_t scene, size_t run,
                       const double origin[3], const double direction[3]);
 
-/** As tract_rays_pierce() does, but for what tract_rays_join() makes of it. CONUS_ERROR_MEMORY. */
+/** As tract_rays_pierce() does, without joining (tract_rays_join()). CONUS_ERROR_MEMORY. */
 conus_status tract_rays_add(const struct tract_rays *rays, struct layers *out, size_t pixel, size_t scene, size_t run,
                             const double origin[3], const double direction[3]);
 

@@ -41,8 +41,8 @@ struct tract_search {
 void tract_search_init(struct tract_search *out, const struct tractogram *tractogram, const double origin[3],
                        const double direction[3]);
 
-/** The next run, about from near to far, of which the ray may hit segments at @p limit mm from its origin or before;
- * false after the last. The limit may shrink from call to call. */
+/** The next run, roughly from near to far, that may have a segment which the ray hits at @p limit mm from its origin or
+ * before; false after the last. The limit may shrink from call to call. */
 typedef bool tract_search_next(struct tract_found *out, struct tract_search *search, double limit);
 
 /** The fastest one that this machine supports. */

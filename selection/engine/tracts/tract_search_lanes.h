@@ -99,7 +99,7 @@ static INLINE singles within_0_1(singles x)
 struct seen {
     singles a[2], e[2];
     singles depth, deeper; /* along the ray: of a, and from there to b */
-    singles square;        /* |e|^2; of what is shorter than the slack as if it were as long */
+    singles square;        /* |e|^2, at least the square of the slack */
     singles nearest;       /* h of the line's nearest point to the ray */
 };
 

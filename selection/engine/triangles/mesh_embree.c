@@ -43,7 +43,7 @@ static conus_status status_of(const struct embree *embree)
     }
 }
 
-/* Embree wants a few bytes more behind the last vertex: where there are none, it gets a copy. */
+/* Embree reads a few bytes behind the last vertex: where there are none, it gets a copy. */
 static bool set_positions(RTCGeometry geometry, const struct mesh *mesh)
 {
     const size_t size = 3 * sizeof *mesh->positions;

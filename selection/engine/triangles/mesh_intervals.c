@@ -14,7 +14,7 @@
 
 enum { FIRST_CAPACITY = 4096, FEW = 64 };
 
-/* The exit of an interval that has none yet. */
+/* The exit of an interval that has not ended yet. */
 #define OPEN (-1.0)
 
 /* The crossings of one ray with one object, in order. */
@@ -294,7 +294,7 @@ static conus_status find_brackets(struct chain *chain)
     return status;
 }
 
-/* Intervals that never ended have no length, and those that meet are one. */
+/* Drops intervals that never ended, and joins those that meet. */
 static void tidy(struct chain *chain)
 {
     conus_interval *intervals = chain->out->intervals + chain->first;

@@ -43,8 +43,8 @@ conus_status mesh_rays_load_embree(void);
 /** NULL is fine. */
 void mesh_rays_destroy(struct mesh_rays *rays);
 
-/** Looks for nearer contacts than those that @p bundle has, @p width rays at once: 1, 4, 8 or 16; one is as good as
- * another, but for time. */
+/** Looks for nearer contacts than those that @p bundle has, @p width rays at once: 1, 4, 8 or 16. All give the same
+ * answer and differ in speed. */
 conus_status mesh_rays_trace(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width);
 
 /** Appends all crossings of all of the bundle's rays with all surfaces to @p out (Eq. 10), whatever the rays have hit;

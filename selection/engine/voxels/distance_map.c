@@ -24,7 +24,7 @@ struct bits {
 struct scratch {
     struct bits *layers;
     size_t bricks[3];
-    size_t grown, other;  /* which of a layer's parts is which */
+    size_t grown, other;  /* roles of a layer's parts */
     struct bits *nothing; /* [bricks[0]]: an empty row, outside the grid */
     uint8_t *distance;    /* to the nearest occupied brick, with a border of one brick all around, so that every ... */
     ptrdiff_t stride[3];  /* ... brick has its neighbours */
@@ -187,15 +187,6 @@ static void find_box(struct distance_map *map, const struct scratch *scratch)
 
 /* Marks what is looked for in one row of voxels along i, which starts at linear index `voxel`. */
 typedef void row_mark(struct scratch *scratch, const struct volume *volume, size_t j, size_t k, size_t voxel);
-
-static void mark_rows(struct scratch *scratch, const struct volume *volume, row_mark *mark)
-{
-    for (size_t k = 0; k < volume->info.dim[2]; k++) {
-        for (size_t j = 0; j < volume->info.dim[1]; j++) {
-            mark(scratch, volume, j, k, volume->info.dim[0] * (j + volume->info.dim[1] * k));
-        }
-    }
-}
 
 /* Calls step for every row of bricks along i. */
 typedef void row_step(struct scratch *scratch, size_t j, size_t k);
@@ -362,20 +353,16 @@ static void relax_row(struct scratch *scratch, size_t j, size_t k)
     }
 }
 
-static void relax_row_backwards(struct scratch *scratch, size_t j, size_t k)
-{
-    for (size_t b = scratch->bricks[0]; b-- > 0;) {
-        relax_brick(scratch, distance_of(scratch, j, k) + b, -1);
-    }
-}
-
+/* In bricks: one sweep forwards, one backwards. */
 static void count_brick_distances(struct scratch *scratch)
 {
     for_rows(scratch, mark_distance_row);
     for_rows(scratch, relax_row);
     for (size_t k = scratch->bricks[2]; k-- > 0;) {
         for (size_t j = scratch->bricks[1]; j-- > 0;) {
-            relax_row_backwards(scratch, j, k);
+            for (size_t b = scratch->bricks[0]; b-- > 0;) {
+                relax_brick(scratch, distance_of(scratch, j, k) + b, -1);
+            }
         }
     }
 }
@@ -487,7 +474,7 @@ static size_t set_dimensions(struct distance_map *map, const struct volume *volu
     return distance_map_codes(map); /* not much more than the number of voxels, which was checked */
 }
 
-/* Fills the codes of a map whose dimensions are set, as distances to what is marked, and the box of that. */
+/* Fills the codes of a map whose dimensions are set with distances to the marked voxels, and sets the box of these. */
 static conus_status fill_dense(struct distance_map *map, const struct volume *volume, row_mark *mark)
 {
     struct scratch scratch;
@@ -495,7 +482,11 @@ static conus_status fill_dense(struct distance_map *map, const struct volume *vo
     struct bits *planes = status ? NULL : memory_raw(scratch.bricks[0] * scratch.bricks[1], PLANES * sizeof *planes);
     status = planes ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
-        mark_rows(&scratch, volume, mark);
+        for (size_t k = 0; k < volume->info.dim[2]; k++) {
+            for (size_t j = 0; j < volume->info.dim[1]; j++) {
+                mark(&scratch, volume, j, k, volume->info.dim[0] * (j + volume->info.dim[1] * k));
+            }
+        }
         find_box(map, &scratch);
         count_brick_distances(&scratch);
         count_fine_distances(&scratch);
@@ -610,7 +601,7 @@ static void look_beside(uint8_t *beside, const struct volume *volume, size_t j, 
     }
 }
 
-/* Marks the voxels of which one of the 26 around them holds something else; beside the grid there is nothing. */
+/* Marks the voxels with another content among the 26 around them; beside the grid there is nothing. */
 static void mark_borders(struct scratch *scratch, const struct volume *volume, size_t j, size_t k, size_t voxel)
 {
     size_t dim = volume->info.dim[0];
@@ -633,7 +624,8 @@ static void mark_borders(struct scratch *scratch, const struct volume *volume, s
     }
 }
 
-/* A border is 1 + 0; beyond r voxels that are none, the voxels r + 1 away hold the same, too. */
+/* The code of a border is 1. All voxels up to the nearest border have the same content, that border among them: so the
+ * code is 1 + its distance, up to a limit. */
 static uint8_t uniform_code(uint8_t distance, uint32_t object, const struct object_colours *colours)
 {
     int most = object ? UNIFORM_RADIUS : UNIFORM_EMPTY_RADIUS;

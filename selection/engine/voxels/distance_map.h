@@ -17,8 +17,8 @@
 enum { DISTANCE_MARGIN = 1, DISTANCE_EDGE = 4, DISTANCE_LINE = 64 };
 
 struct distance_map {
-    size_t dim[3];  /**< Voxels of the volume along i, j, k.            */
-    size_t base[3]; /**< The first voxel with codes, but for the margin: all is empty before it, and behind the last. */
+    size_t dim[3];   /**< Voxels of the volume along i, j, k.            */
+    size_t base[3];  /**< The first voxel with codes, after the margin. All is empty before it. */
     size_t lines[3]; /**< Lines along i, j, k; the last may be padded.   */
     double first[3]; /**< The box of the voxels with objects: lowest     */
     double last[3];  /**< and highest index; below the lowest if none.   */
@@ -52,7 +52,7 @@ enum {
 conus_status distance_map_init_uniform(struct distance_map *out, const struct volume *volume,
                                        const struct distance_map *map);
 
-/** Bytes of what distance_map_write() writes. */
+/** The bytes that distance_map_write() writes. */
 size_t distance_map_size(const struct volume *volume);
 /** Makes the distance map of a volume (volume->distances) at @p memory, which is aligned as malloc's is, better as a
  * line. */

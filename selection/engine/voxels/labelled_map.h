@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * A distance map whose codes say what object a voxel holds, so that a ray that hits something need not look for it in
- * the volume, in memory that is far away. The objects of AAL have codes 0 to 115, and a code of 116 + r is an empty
- * voxel with r empty ones around it. */
+ * A distance map whose codes also say which object a voxel holds. So a ray that hits something need not read the
+ * volume, which is far away in memory. The objects of AAL have codes 0 to 115, and a code of 116 + r is an empty voxel
+ * with r empty ones around it. */
 #ifndef CONUS_SELECTION_ENGINE_VOXELS_LABELLED_MAP_H
 #define CONUS_SELECTION_ENGINE_VOXELS_LABELLED_MAP_H
 
 #include "selection/engine/voxels/distance_map.h"
 
-/** So many codes, or fewer, are of objects; the others tell distances, of which larger ones are cut. */
+/** At most so many codes are objects; the others are distances, and larger distances are cut. */
 enum { LABELLED_OBJECTS = 192 };
 
 /** The largest grid, in codes, of which a labelled map is made: each process of a batch has one for itself. */

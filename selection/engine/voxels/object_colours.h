@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * Colours of a volume's objects, as of countries on a map: two objects of which a voxel of the one has a face in common
- * with a voxel of the other have different ones. So a ray that goes from voxel to voxel sees by colours alone where it
- * comes into another object. */
+ * Colours of a volume's objects, as of countries on a map: two objects have different colours if a voxel of one shares
+ * a face with a voxel of the other. So a ray that goes from voxel to voxel sees by colours alone where it enters
+ * another object. */
 #ifndef CONUS_SELECTION_ENGINE_VOXELS_OBJECT_COLOURS_H
 #define CONUS_SELECTION_ENGINE_VOXELS_OBJECT_COLOURS_H
 

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The walk of traverse_pierce() for LANES rays at a time, beside that of traverse_lanes.h: its source defines PIERCE
- * (the function's name), too.
- *
- * Rays go from box to box of one object. Where the colour changes, or where there is none, the lane's entry into the
- * voxel is put down as an event. The objects are looked up when many events are dealt to their rays, so that memory is
- * not waited for. */
+ * The walk of traverse_pierce() for LANES rays at a time, beside that of traverse_lanes.h. Its source also defines
+ * PIERCE, the function's name. * Rays go from box to box of one object. Where the colour changes, or where there is
+ * none, the lane's entry into the voxel is noted as an event. Objects are looked up later, when many events are dealt
+ * to their rays, so that nothing waits for memory. */
 #include "selection/engine/voxels/traverse_lanes.h"
 
 enum { EVENTS = 1024, FETCHED_AHEAD = 24, NO_VOXEL = -1 };
@@ -29,8 +27,8 @@ struct piercing {
     struct events events;
 };
 
-/* The ray comes into a voxel of `object`: ends the interval that it has begun and begins that one's. There is memory.
- * The exit goes there only: a copy of what was just written in pieces would have to wait for it. */
+/* The ray enters a voxel of `object`: ends the interval that it has begun, and begins the next. There is memory for
+ * both. The exit is written there only: copying what was just written in pieces would stall. */
 static INLINE void change_object(struct piercing *piercing, size_t slot, double t, uint32_t object, int32_t voxel)
 {
     struct layers *out = piercing->all->out;
@@ -56,7 +54,7 @@ static INLINE doubles entry_into_cell(const doubles start[3], const doubles cell
     return t;
 }
 
-/* When rays come into the cells of the events: side by side, whatever ray they are of. */
+/* Computes when rays enter the cells of the events, side by side for any rays. */
 static void find_times(struct piercing *piercing, const struct walk *walk)
 {
     struct events *events = &piercing->events;

@@ -122,7 +122,7 @@ struct traverse_kernel {
     bool (*is_supported)(void);
     /** Sets the objects only by a labelled map. */
     void (*trace)(const struct distance_map *map, struct traverse_bundle *bundle);
-    /** NULL where there is none: then rays are pierced one by one. */
+    /** May be NULL; then rays are pierced one by one. */
     conus_status (*pierce)(struct traverse_piercing *piercing, struct traverse_bundle *bundle);
 };
 

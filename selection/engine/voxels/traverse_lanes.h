@@ -2,22 +2,20 @@
 /** @file
  * The walk of traverse_one() for LANES rays at a time: the body of one instruction set's kernel. pierce_lanes.h
  * includes it. The source of the instruction set defines LANES, KERNEL and PIERCE (the functions' names), includes
- * pierce_lanes.h once, and is compiled with that set's flags.
- *
- * Positions are single precision, which holds twice as many rays, and only have to tell cells: where a ray is nearer to
- * a face than its error (model.md, Eq. 5), it is said to be unclear and goes to traverse_one() as a whole. They are
- * counted from where the first ray may come into the box, which is found in double. The contact's t follows from its
- * cell alone, in double, with the same expressions as there. All packets of LANES rays take a turn after each other, so
- * that one's waiting for memory is another's time. */
+ * pierce_lanes.h once, and is compiled with that set's flags. * Positions are single precision, which holds twice as
+ * many rays. They only decide which cell a ray is in. A ray that is nearer to a face than its error (model.md, Eq. 5)
+ * is unclear, and goes to traverse_one() as a whole. Positions count from where the first ray may enter the box, which
+ * is found in double. The contact's t follows from its cell alone, in double, by the same expressions as in
+ * traverse_one(). Packets of LANES rays take turns, so that one works while another waits for memory. */
 #include "base/simd/lanes.h"
 #include "selection/engine/voxels/traverse.h"
 
 #include <math.h>
 #include <stdalign.h>
 
-/* Error of the position from which a ray is counted, which is double, in cells. */
+/* Error of the position where a ray's count begins, which is double, in cells. */
 #define DOUBLE_ERROR 1e-6
-/* Error of the positions behind it, in units of the largest one; 17 roundings. */
+/* Error of the positions after it, in units of the largest one; 17 roundings. */
 #define SINGLE_ERROR 0x1.1p-20
 /* Rays are counted from where the first of them is so many cells before the box. One that starts closer to it, and
  * outside, may not come in at all. */
@@ -25,10 +23,10 @@
 /* A ray is out when it is past the middle of a cell beside the box. Where that is does not matter, as long as it is
  * within that cell and not near its faces: it is empty, and the map has a code for it. */
 #define PAST_BOX 0.75F
-/* A ray is beyond its limit so many cells, along its fastest axis, behind it: farther than the error. What counts is
- * the exact t in deliver(). */
+/* A ray ends so many cells behind its limit, along its fastest axis: farther than the error. The exact t decides in
+ * deliver(). */
 #define PAST_LIMIT 0.25F
-/* The largest error with which what is out and what is not can be told apart, cells. */
+/* The largest error that still tells inside from outside, cells. */
 #define SLOW 0.125F
 /* Rays at more cells per mm, or at fewer than one by as many, are for double. */
 #define FASTEST 0x1p60F
@@ -367,8 +365,8 @@ static INLINE void enter(struct walk *walk, size_t number)
     settle(walk, slot, cell);
 }
 
-/* Live lanes leave the boxes around them; `codes` are 1 + the radii of these. Sets what goes on, and what is unclear.
- */
+/* Moves live lanes out of the boxes around them; `codes` are 1 + the boxes' radii. Sets the lanes that go on and those
+ * that are unclear. */
 static INLINE void leave(struct walk *walk, size_t packet, wholes codes, truths live)
 {
     size_t slot = packet * LANES;

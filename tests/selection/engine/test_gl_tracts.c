@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "gl_pair.h"
 #include "mesh_scene.h"
-#include "selection/engine/engine_gl.h"
+#include "selection/engine/engine.h"
 #include "test.h"
 #include "tract_scene.h"
 

@@ -43,9 +43,9 @@ conus_atlas *load_and_keep_rested(const char *path, const conus_load_options *op
     struct atlas_cache cache;
     conus_atlas *atlas = NULL;
     atlas_cache_init(&cache, path, "atlas", options ? options : &caching);
-    atlas_cache_watch(&cache);
+    atlas_cache_begin_reading(&cache);
     conus_status status = atlas_load_files(&atlas, path, &cache.options);
-    atlas_cache_watched(&cache);
+    atlas_cache_end_reading(&cache);
     cache.trace.begun.tv_sec += 2 * TRACE_REST_ELSEWHERE_SECONDS;
     if (!status) {
         atlas_cache_keep(&cache, &atlas);
