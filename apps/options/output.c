@@ -201,3 +201,15 @@ bool paths_equal(const char *a, const char *b)
     struct path_place other;
     return path_find_place(&one, a) && path_find_place(&other, b) && path_place_order(&one, &other) == 0;
 }
+
+int output_check_folder(const char *path, int mode)
+{
+    const char *slash = strrchr(path, '/');
+    char *folder = slash ? strndup(path, (size_t)(slash + 1 - path)) : strdup(".");
+    if (!folder) {
+        return print_no_memory();
+    }
+    int code = access(folder, mode) ? print_system_error(path, "write") : EXIT_DONE;
+    free(folder);
+    return code;
+}

@@ -13,6 +13,10 @@
 /** Whether @p path means stdout: NULL or "-". */
 bool output_is_stdout(const char *path);
 
+/** Whether the folder of @p path is there (@p mode F_OK) or can be written to (W_OK). Returns the exit code and prints
+ * an error unless it is 0. */
+int output_check_folder(const char *path, int mode);
+
 /** Writes to the file @p path, or to stdout. Returns the exit code and prints an error unless it is 0. */
 int output_write(const char *path, const char *text, size_t size);
 

@@ -88,18 +88,6 @@ int outputs_check_sidecar(const char *path)
                : print_usage_error("%s: there is a file that is no sidecar, which a sidecar does not replace", path);
 }
 
-int output_check_folder(const char *path, int mode)
-{
-    const char *slash = strrchr(path, '/');
-    char *folder = slash ? strndup(path, (size_t)(slash + 1 - path)) : strdup(".");
-    if (!folder) {
-        return print_no_memory();
-    }
-    int code = access(folder, mode) ? print_system_error(path, "write") : EXIT_DONE;
-    free(folder);
-    return code;
-}
-
 int outputs_check(const struct outputs *outputs, bool force)
 {
     for (size_t i = 0; i < outputs->count; i++) {

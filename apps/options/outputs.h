@@ -38,8 +38,6 @@ bool outputs_differ(const struct outputs *outputs);
  * (/dev/stdout) are written to, not replaced. Returns the exit code and prints an error unless it is 0. */
 int outputs_check(const struct outputs *outputs, bool force);
 
-/** Whether the folder of @p path is there (F_OK) or can be written to (W_OK). Likewise. */
-int output_check_folder(const char *path, int mode);
 /** Whether a sidecar may be written to @p path, with --force: nothing is there, or a sidecar. Likewise. */
 int outputs_check_sidecar(const char *path);
 

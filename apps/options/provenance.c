@@ -361,7 +361,7 @@ int answer_write(conus_report *report, const char *path, const char *sidecar, co
     }
     memcpy(kept, text, size);
     /* The sidecar is written first, but it is the answer that was asked for, and that a message names. */
-    int code = access(path, F_OK) ? output_check_folder(path, W_OK) : EXIT_DONE;
+    int code = output_is_stdout(path) || !access(path, F_OK) ? EXIT_DONE : output_check_folder(path, W_OK);
     code = code ? code : answer_write_sidecar(report, path, sidecar, provenance, kept, size);
     code = code ? code : output_write_table(path, kept, size);
     free(kept);
