@@ -5,7 +5,6 @@
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
-#include "options/outputs.h"
 
 #include <assert.h>
 #include <stdlib.h>
