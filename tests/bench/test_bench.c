@@ -147,7 +147,7 @@ static void ratios_are_compared_with_their_bounds(void **state)
     (void)state;
     struct bench bench = make_bench();
     json_t *settings = json_object();
-    assert_ok(bench_value(&bench, "naive_over_gl", 25.5, true));
+    assert_ok(bench_value(&bench, "naive_over_gl", 48.7, true));
     assert_ok(bench_value(&bench, "id_over_colour_gl", 0.01, true));
     assert_ok(bench_value(&bench, "naive_over_rays", 1000, false));
     json_t *root = report_create(&bench, settings, 0.5);
