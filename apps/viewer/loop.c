@@ -106,7 +106,7 @@ static void note_changes(struct window *window)
 }
 
 /* A click on anything gives the keys back to the panes. */
-static void move_keyboard_focus(struct window *window)
+static void navigate(struct window *window)
 {
     static const char *const panels[] = {NULL, "Areas", "Hits of the cone"};
     const struct ui_mouse mouse = ui_mouse_now();
@@ -182,7 +182,7 @@ static void draw_window(struct window *window)
     hold_tapped_key(window, true);
     ui_navigate_lists(window->frame.navigated);
     ui_begin();
-    move_keyboard_focus(window);
+    navigate(window);
     draw_panels(window);
     if (window->forms.show_help) {
         keys_draw_help(window);

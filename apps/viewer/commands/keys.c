@@ -385,7 +385,7 @@ static const struct key keys[] = {
     {"ctrl+m", "measure: two clicks, in 3-D or in a cut, give a distance; or no more", .sets = PROPERTY_MEASURES},
     {"/", "search an area", .act = go_to_search},
     {"ctrl+r", "neurological or radiological", .sets = PROPERTY_RADIOLOGICAL, .ends_column = true},
-    {"t", "what a tracked head sees, or what the mouse turns", .act = toggle_head},
+    {"t", "the view of a tracked head, or the one that the mouse turns", .act = toggle_head},
     {"n", "draw the next of several atlases", .act = draw_next},
     {"c", "colours for any colour vision, or the atlas's own", .sets = PROPERTY_SAFE_COLOURS, .group = "How it looks"},
     {"]", "brighter cuts; [ darker, } more contrast, { less: grey values of the context", .move = move_grey,
