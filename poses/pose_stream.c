@@ -349,7 +349,7 @@ static conus_status begin_text(conus_pose_stream *stream)
         return status;
     }
     if (stream->options.along_shafts && stream->format != CONUS_POSE_FORMAT_ELECTRODES) {
-        return fail(CONUS_ERROR_DATA, "shafts are of electrodes (BIDS), not of %s",
+        return fail(CONUS_ERROR_DATA, "shafts are for electrodes (BIDS), not for %s",
                     conus_pose_format_name(stream->format));
     }
     if (is_read_whole(stream)) {
@@ -715,9 +715,9 @@ const char *conus_pose_stream_coordsystem_sha256(const conus_pose_stream *stream
 
 conus_status conus_pose_stream_sha256(char out[65], conus_pose_stream *stream)
 {
-    return fail_of(stream, stream->lines.seekable ? pose_lines_sha256(out, &stream->lines)
-                                                  : fail(CONUS_ERROR_UNSUPPORTED,
-                                                         "only a file has a SHA-256, what comes from a pipe none"));
+    return fail_of(stream, stream->lines.seekable
+                               ? pose_lines_sha256(out, &stream->lines)
+                               : fail(CONUS_ERROR_UNSUPPORTED, "only a file has a SHA-256, a pipe has none"));
 }
 
 conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atlas *atlas)

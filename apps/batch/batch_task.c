@@ -140,12 +140,12 @@ static int check_files(const struct batch_task *task)
 int batch_task_open(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
-    bool late = space_settings_needs_atlas(&settings->aim.space);
-    int code = late ? atlases_load_all(&task->atlases, &settings->atlas, &settings->context) : EXIT_DONE;
+    bool atlas_first = space_settings_needs_atlas(&settings->aim.space);
+    int code = atlas_first ? atlases_load_all(&task->atlases, &settings->atlas, &settings->context) : EXIT_DONE;
     code =
         code ? code : space_settings_frame(&task->frame, &task->atlases, &settings->aim.space, settings->common.quiet);
     code = code ? code : open_poses(task);
-    code = code || late ? code : atlases_load_all(&task->atlases, &settings->atlas, &settings->context);
+    code = code || atlas_first ? code : atlases_load_all(&task->atlases, &settings->atlas, &settings->context);
     code = code ? code : check_files(task);
     return code ? code
                 : pose_settings_match_stream(task->poses, settings->poses, &task->atlases, &settings->file,

@@ -289,7 +289,7 @@ static int load_entries(struct place *place, const struct request *request)
         conus_status status = conus_sites_load(&place->sites, place->path, place->flip);
         code = print_status(status);
     } else if (place->flip) {
-        code = print_usage_error("--from: flip is of surfaces, which alone have normals");
+        code = print_usage_error("--from: flip is for surfaces, since only they have normals");
     } else {
         code = load_points(place, request, true);
     }
@@ -338,7 +338,7 @@ static int load_targets(struct place *place, const struct request *request, cons
             place->path);
     }
     if (kind == 3) {
-        int code = place->of ? print_usage_error("--toward: of=%s is of centroid, deepest and voxels", place->of)
+        int code = place->of ? print_usage_error("--toward: of=%s is for centroid, deepest and voxels", place->of)
                              : load_points(place, request, false);
         code = code ? code : thin_out(place, "toward", request);
         return code ? code : check_targets(place, request);

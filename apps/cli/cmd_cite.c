@@ -54,7 +54,7 @@ static const struct option own_options[] = {
      .help = "largest file of ATLAS to read, like 512M or 2G (default 8G)"},
     {.name = "unverified",
      FIELD(unverified),
-     .help = "say what the sidecar says without answering RESULT again, even if it was changed"},
+     .help = "go by the sidecar, without answering RESULT again, even if it was changed"},
     {0},
 };
 
@@ -353,9 +353,9 @@ const struct command cmd_cite = {
     .summary = "write the methods paragraph of a result, and its references",
     .operands = {"RESULT|ATLAS"},
     .description =
-        "Of a RESULT with its .json beside it: a paragraph that says what was asked, as the settings say, and the\n"
-        "references: conus, the method where rays were traced, and the atlas, as its own files ask. RESULT is first\n"
-        "answered again, as by conus verify: what was changed is not cited. Of an ATLAS: how to cite it. Read it\n"
+        "For a RESULT with its .json beside it: writes a paragraph that says what was asked, and the references:\n"
+        "conus, the method where rays were traced, and the atlas, as its own files ask. RESULT is first answered\n"
+        "again, as by conus verify; one that was changed is not cited. For an ATLAS: writes how to cite it. Read it\n"
         "before you publish it: conus knows nothing of your study.",
     .examples = "  conus cite answers.tsv\n"
                 "  conus cite answers.tsv --format bibtex >>paper.bib\n"

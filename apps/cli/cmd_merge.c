@@ -309,7 +309,7 @@ static int check_paths(const struct merge *merge)
 {
     const char *output = merge->settings->output;
     if (output_is_stdout(output)) {
-        return print_usage_error("--output: a file is needed, \"-\" is none");
+        return print_usage_error("--output: a file is needed, not \"-\"");
     }
     int code = output_check_file(output);
     code = code ? code : output_check_file(merge->sidecar);

@@ -659,7 +659,7 @@ static int check_maps(const struct planning *planning)
                                               : "surface");
     }
     if (is_volume && fill) {
-        return print_usage_error("--map: fill is of surfaces");
+        return print_usage_error("--map: fill is for surfaces");
     }
     return !planning->settings->target_map || conus_sites_have_voxels(planning->candidates.toward.sites)
                ? EXIT_DONE

@@ -126,13 +126,13 @@ int request_load_atlases(struct request *request)
 int request_load(struct request *request, int (*load_poses)(void *user), void *user)
 {
     const struct request_settings *settings = request->settings;
-    bool late = space_settings_needs_atlas(&settings->aim.space);
-    int code = late ? request_load_atlases(request) : EXIT_DONE;
+    bool atlas_first = space_settings_needs_atlas(&settings->aim.space);
+    int code = atlas_first ? request_load_atlases(request) : EXIT_DONE;
     code = code
                ? code
                : space_settings_frame(&request->frame, &request->atlases, &settings->aim.space, settings->common.quiet);
     code = code ? code : load_poses ? load_poses(user) : request_load_poses(request);
-    return code || late ? code : request_load_atlases(request);
+    return code || atlas_first ? code : request_load_atlases(request);
 }
 
 int request_match(struct request *request)

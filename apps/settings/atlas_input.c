@@ -538,7 +538,7 @@ static int check_choice(const struct context_choice *choice)
     }
     return choice->opacity == 0 || surfaces
                ? EXIT_DONE
-               : print_usage_error("--context-opacity has no effect: %s is no surface (--transfer is of volumes)",
+               : print_usage_error("--context-opacity has no effect: %s is no surface (--transfer is for volumes)",
                                    volume);
 }
 

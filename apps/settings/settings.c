@@ -141,8 +141,8 @@ const struct option more_atlas_options[] = {
      FIELD(atlas_settings, more),
      .value = "ATLAS",
      .help = "another atlas in the same space, a file or a name, that gets the same question; --labels, --pathway, "
-             "--streamlines (but for conus connect), --only, --hide and --level are of the first atlas only; may be "
-             "repeated",
+             "--streamlines (except in conus connect), --only, --hide and --level apply to the first atlas only; may "
+             "be repeated",
      .role = OPTION_READS_ATLAS},
     {0},
 };
@@ -331,8 +331,8 @@ const struct option slices_options[] = {
     {.name = "slices",
      FIELD(engine_settings, slices),
      .value = "N",
-     .help = "with --sampling slices: slices of the picture, of which the selection takes --slice-fraction "
-             "(default sqrt(2) times the longest edge of the volume)",
+     .help = "with --sampling slices: slices of the picture; the selection takes --slice-fraction of them (default "
+             "sqrt(2) times the longest edge of the volume)",
      OPTION_FROM_TO(1, 65536),
      .flags = OPTION_OF_RAYS,
      .needs = "sampling=slices"},
@@ -431,7 +431,7 @@ bool settings_check_score(const struct engine_settings *settings, bool has_histo
         return refuse("--%s", conus_message());
     }
     if (score.needs_history && !has_history) {
-        return refuse("--score: %s needs a history, which single poses have not; conus track has one", score.name);
+        return refuse("--score: %s needs a history, which single poses do not have; conus track has one", score.name);
     }
     if (score.needs_layers && settings->layers != CONUS_LAYERS_ALL) {
         return refuse("--score: %s needs --layers all", score.name);

@@ -119,7 +119,7 @@ static void navigate(struct window *window)
 }
 
 /* A key that was tapped is down for one frame. */
-static void tap(struct window *window, bool down)
+static void hold_tapped_key(struct window *window, bool down)
 {
     if (window->frame.tapped && (down || glfwGetKey(window->handle, window->frame.tapped) != GLFW_PRESS)) {
         ui_hold_key(window->frame.tapped, down);
@@ -179,7 +179,7 @@ static void draw_window(struct window *window)
     }
     window->screen.next_scale = 0;
     window_clear(window);
-    tap(window, true);
+    hold_tapped_key(window, true);
     ui_navigate_lists(window->frame.navigated);
     ui_begin();
     navigate(window);
@@ -199,7 +199,7 @@ static void draw_window(struct window *window)
         panel_ask(window);
     }
     ui_end();
-    tap(window, false);
+    hold_tapped_key(window, false);
     window->frame.ms = 1e3 * (glfwGetTime() - begun);
     times_add(&window->times, TIMED_FRAME, window->frame.ms);
 }

@@ -136,12 +136,6 @@ static conus_status fail_frame(size_t at, const char *what)
     return fail(CONUS_ERROR_DATA, "HDF5 stream: byte %zu: %s", at, what);
 }
 
-/* A failure is what conus-hdf5 says of the file. */
-static conus_status take_failure(struct text words, uint32_t kind)
-{
-    return fail(kind ? CONUS_ERROR_MEMORY : CONUS_ERROR_DATA, "%.*s", (int)words.size, words.data);
-}
-
 static bool is_name_of(enum hdf5_frame_kind kind, struct text name)
 {
     bool plain = !memchr(name.data, '\0', name.size);
@@ -222,8 +216,10 @@ static conus_status take_frames(struct hdf5 *hdf5)
         if (status) {
             return status;
         }
-        if (frame.kind == HDF5_FRAME_FAILURE) {
-            return take_failure(frame.value.name, order_u32(stream->data + at + 12, SWAPPED));
+        if (frame.kind == HDF5_FRAME_FAILURE) { /* the name says what is wrong with the file */
+            uint32_t kind = order_u32(stream->data + at + 12, SWAPPED);
+            return fail(kind ? CONUS_ERROR_MEMORY : CONUS_ERROR_DATA, "%.*s", (int)frame.value.name.size,
+                        frame.value.name.data);
         }
         if (frame.kind == HDF5_FRAME_END) {
             bool whole = frame.address == count && at + frame.size == stream->size;

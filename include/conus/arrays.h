@@ -30,7 +30,7 @@ typedef enum conus_scalar {
     CONUS_SCALAR_FLOAT64    /**< double */
 } conus_scalar;
 
-/** A volume in memory. What is not said to be optional must be given. */
+/** A volume in memory. Everything is needed that is not called optional. */
 typedef struct conus_voxels {
     size_t struct_size;          /**< Its size, as #CONUS_VOXELS_INIT sets it; 0 = that of this version. */
     const void *data;            /**< Voxel (0, 0, 0). Only read, and only during the call. */

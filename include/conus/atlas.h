@@ -45,7 +45,7 @@ typedef struct conus_load_options {
     double probability; /**< From which probability on a voxel belongs to an area of probabilities, above 0 to 1, in
                            place of 0.25 and of a manifest's; 0 = those. */
     bool cache; /**< Keeps the atlas in the user's cache folder, and takes it from there the next time: see conus_cache.
-                   Of one volume of a packed 4-D file, where its volumes lie is kept, too. */
+                   For one volume of a packed 4-D file, the places of its volumes are kept, too. */
 } conus_load_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -147,8 +147,9 @@ typedef struct conus_context_options {
     uint64_t max_memory;    /**< As conus_load_options.max_memory. */
     conus_log log;          /**< As conus_load_options.log. */
     void *log_user;         /**< Passed to @p log. */
-    double opacity; /**< Opacity of a surface, above 0 to 1; 0 = 0.25. That of a volume is in its transfer function. */
-    bool cache;     /**< As conus_pathway_options.cache. */
+    double opacity;         /**< Opacity of a surface, above 0 to 1; 0 = 0.25. A volume has its opacity in its transfer
+                               function. */
+    bool cache;             /**< As conus_pathway_options.cache. */
 } conus_context_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -241,14 +242,14 @@ typedef struct conus_transform_options {
  * B-spline, or a composite of these, which in HDF5 (of ITK or X5) needs the program conus-hdf5. By an affine (ITK's
  * text or .mat, FreeSurfer's .lta or register.dat, the MNI's .xfm, FSL's matrix, or 4 x 4 numbers of RAS mm) matrices
  * of voxels are composed, exactly, and vertices and streamlines are moved. By a deformation field (of ITK, SPM or FSL,
- * as NIfTI) or a B-spline (of ITK, as its affines) voxels are resampled: one of the new grid is what the atlas's own
- * voxel nearest to where its centre goes is, by one search through all that moves the atlas. Vertices and points of
- * streamlines go where the field leads back to them, to 1e-6 mm before rounding to float; triangles with one for which
- * there is no such place are left out, and so are whole streamlines with such a point; a note tells. All that the atlas
- * has moves with it, its context too; what is added later does not. Lengths and volumes are then those where poses are.
- * Before a selector or renderer is made, and before something is hidden; conus_atlas_set_hemispheres() comes before a
- * field. Of several transforms, which points go through one after the other, the last one is given first.
- * docs/spaces.md has the formats.
+ * as NIfTI) or a B-spline (of ITK, as its affines) voxels are resampled: a voxel of the new grid gets the value of the
+ * atlas's own voxel that is nearest to where its centre goes, by one search through all that moves the atlas. Vertices
+ * and points of streamlines go where the field leads back to them, to 1e-6 mm before rounding to float; triangles with
+ * a vertex that has no such place are left out, and so are whole streamlines with such a point; a note says so.
+ * Everything in the atlas moves with it, its context too; what is added later does not. Lengths and volumes are then
+ * measured where poses are. Before a selector or renderer is made, and before something is hidden;
+ * conus_atlas_set_hemispheres() comes before a field. If points go through several transforms one after the other, call
+ * this for the last one first. docs/spaces.md has the formats.
  * @param atlas The atlas; unchanged on failure.
  * @param path The file.
  * @param options NULL = defaults.
@@ -284,7 +285,8 @@ typedef enum conus_hemispheres {
 /**
  * Changes how the atlas has left and right areas, once, before a selector or renderer is made. A note says what was
  * done. Splitting takes the plane x = 0 of the atlas's own space for the midline (conus_atlas_own_point()) and changes
- * the numbers of objects. Merging adds the areas as which the pairs are reported. docs/model.md, Eq. 10, has the rules.
+ * the numbers of objects. Merging adds the common areas that pairs are reported as. docs/model.md, Eq. 10, has the
+ * rules.
  * @param atlas The atlas; unchanged on failure.
  * @param hemispheres What to do.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where something is hidden; #CONUS_ERROR_DATA where nothing can be split or
@@ -295,9 +297,9 @@ typedef enum conus_hemispheres {
 CONUS_CHECKED conus_status conus_atlas_set_hemispheres(conus_atlas *atlas, conus_hemispheres hemispheres);
 
 /**
- * Finds out which areas are left and which are right ones. An area has the side that the label table gives it, or that
- * it has in a pair as #CONUS_HEMISPHERES_MERGED makes one, or that a word in its name says, such as "left" or "rh"; one
- * that has none is of the side of the nearest area above it in the tree that has one. Where it lies does not count.
+ * Finds out which areas are left and which right. The side of an area is that of the label table, or that in a pair as
+ * #CONUS_HEMISPHERES_MERGED makes one, or that of a word in its name, such as "left" or "rh". An area without any of
+ * these has the side of the nearest area above it in the tree that has one. Where it lies does not count.
  * @param[out] sides [conus_atlas_object_count() + 1] By number: 'L', 'R', or 0 of areas of both sides or of none that
  * is known, and of pathways and bundles; entry 0 is 0.
  * @param atlas The atlas.
@@ -350,9 +352,8 @@ CONUS_API bool conus_atlas_is_hidden(const conus_atlas *atlas, size_t number);
 
 /**
  * Gives all areas, pathways and bundles colours that people with any colour vision can tell apart as well as possible:
- * different ones to areas that touch, the same to the left and the right one of a pair. Of more than 8191 areas, or
- * without memory, colours follow the atlas's order.
- * Renderers that were made before keep the old ones.
+ * different ones to areas that touch, the same to the left and the right one of a pair. With more than 8191 areas, or
+ * without memory, colours follow the atlas's order. Renderers that were made before keep the old ones.
  * @param atlas The atlas.
  * @threads One at a time, while no other thread uses the atlas.
  * @since 0.1
@@ -397,7 +398,7 @@ CONUS_API void conus_atlas_use_own_colours(conus_atlas *atlas);
 CONUS_API size_t conus_atlas_packed_size(const conus_atlas *atlas);
 
 /**
- * Packs the atlas as it is, but for surfaces around the areas, which no ray hits. The packed bytes hold no pointers and
+ * Packs the atlas as it is, without surfaces around the areas, which no ray hits. The packed bytes hold no pointers and
  * may be mapped at another address in each process, but they are for this version of conus on this kind of machine:
  * they are no file format.
  * @param[out] memory [size], at a multiple of 64 bytes. On failure its content has no meaning.

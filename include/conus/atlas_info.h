@@ -81,9 +81,9 @@ CONUS_API const conus_object *conus_atlas_object(const conus_atlas *atlas, size_
 CONUS_API uint32_t conus_atlas_depth(const conus_atlas *atlas, size_t number);
 
 /**
- * Gives what tells each object from others of its name: no two pathways and bundles share a name, but an area and one
- * of them may, and so may a left and a right area whose table says which is which. Tables, legends and lists say it
- * where it is needed: "bundle Arc", "left insula".
+ * Gives the word that tells an object from others of the same name. No two pathways and bundles share a name, but an
+ * area may share one with them, and so may a left and a right area whose table says which is which. Tables, legends and
+ * lists say it where it is needed: "bundle Arc", "left insula".
  * @param[out] prefixes [number of objects + 1], by number: "area", "pathway", "bundle", "left", "right", "left area" or
  *             "right area", and "" where no name is shared, and for 0. The texts are static. Untouched on failure.
  * @param atlas The atlas.
@@ -230,8 +230,8 @@ typedef struct conus_placement {
     double centre[3];            /**< The mean of its voxels' centres, or of its vertices; world mm. */
     double distance_mm;          /**< How far that is from where it is in its own space. */
     double head_threshold; /**< Values of the context from this one on are the head's, with what they enclose along two
-                              axes of its grid; by Otsu's method. INFINITY where all are alike. Of surfaces
-                              it is between 0, outside, and 1, inside. */
+                              axes of its grid; by Otsu's method. INFINITY where all are alike. For surfaces it is
+                              between 0, outside, and 1, inside. */
     double in_grid;        /**< Part of the voxels whose centre is in the grid of the context, or in the box around its
                               surfaces, 0 to 1. */
     double in_head;        /**< The same, in the head. */

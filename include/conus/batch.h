@@ -25,8 +25,8 @@ typedef struct conus_batch conus_batch; /**< Threads made ready to answer poses 
 /** How a batch answers. */
 typedef struct conus_batch_options {
     size_t struct_size; /**< Its size, as #CONUS_BATCH_OPTIONS_INIT sets it; 0 = that of this version. */
-    uint32_t threads;   /**< That answer poses, up to 1024; 0 = as many as processors that the process may use. With the
-                           gl engine there is one, the caller's. */
+    uint32_t threads;   /**< Threads that answer poses, up to 1024; 0 = as many as processors that the process may use.
+                           With the gl engine there is one, the caller's. */
     uint32_t block;     /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block. */
     double angle;       /**< For poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0. */
     conus_report_options report; /**< Its format is neither #CONUS_FORMAT_TABLE nor #CONUS_FORMAT_JSON. A probe,
@@ -191,9 +191,9 @@ typedef struct conus_answers {
     size_t poses;                /**< How many. */
     const size_t *starts;        /**< [poses + 1] The results of pose first + i are starts[i] to starts[i + 1] - 1. */
     const conus_result *results; /**< [starts[poses]] In the order of conus_selection_result(). */
-    const conus_status *status;  /**< [poses] #CONUS_ERROR_ARGUMENT of a pose that has no answer: a number that is not
-                                    finite, say. conus_pose_along(), conus_pose_from_matrix() or conus_select() of that
-                                    pose tells why. */
+    const conus_status *status;  /**< [poses] #CONUS_ERROR_ARGUMENT for a pose without an answer: a number that is not
+                                    finite, say. conus_pose_along(), conus_pose_from_matrix() or conus_select() with
+                                    that pose says why. */
 } conus_answers;
 
 /**

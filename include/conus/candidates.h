@@ -39,7 +39,7 @@ CONUS_CHECKED conus_status conus_sites_create(conus_sites **out, const double *p
  * Makes sites of the vertices of a surface, in the order of the file, with normals: the mean of the triangles around a
  * vertex, weighted by their areas, those at its other numbers too. Of a closed surface they point outwards, by its
  * signed volume; else as its triangles are wound, with a note. Vertices without a triangle, and those whose normals
- * cancel out, are none.
+ * cancel out, are left out.
  * @param[out] out The sites; end them with conus_sites_destroy().
  * @param path A surface in any format that conus_atlas_load() reads.
  * @param flip Normals point to the other side.
@@ -169,8 +169,8 @@ CONUS_API uint64_t conus_sites_source(const conus_sites *sites, size_t index);
 /**
  * Says whether sites are voxels of one volume, on whose grid conus_sites_write_maps() writes.
  * @param sites NULL has none.
- * @return True for those of conus_sites_of_roi(), and of conus_sites_find() but for centroids and structures of several
- * volumes.
+ * @return True for sites from conus_sites_of_roi(), and from conus_sites_find() except centroids and structures of
+ * several volumes.
  * @threads Any: the object does not change.
  * @since 0.1
  */
@@ -244,8 +244,8 @@ typedef struct conus_candidates {
  * tilts: the direction itself, then rings at tilt_step, 2 tilt_step and so on up to tilt_most; a ring at the angle t
  * has ceil(2 pi sin(t) / tilt_step) directions, from the device's +y on towards its +x (Eq. 2); of one tilt in that of
  * turns, which move the device's +y towards its +x. No memory grows with their number. A row's id is "eI-tJ-kK-rR" with
- * the numbers of entry, target, tilt and turn, from 1, without those of which there is one; its line is its own number.
- * An entry that is the target itself is a row with an error.
+ * the numbers of entry, target, tilt and turn, from 1, without those that can only be 1; its line is its own number. An
+ * entry that is the target itself is a row with an error.
  * @param[out] out The stream; end it with conus_pose_stream_destroy(). Its format is #CONUS_POSE_FORMAT_TABLE.
  * @param candidates Its arrays must outlive the stream.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for no entry or target, for one that is not finite, for a normal without

@@ -40,8 +40,8 @@ typedef struct conus_chance {
     conus_kind kind; /**< Its kind. */
     uint32_t object; /**< Number in the atlas; 0 for #CONUS_KIND_UNASSIGNED. */
     uint32_t rank;   /**< From 1, by hit; 0 for #CONUS_KIND_UNASSIGNED. */
-    double hit; /**< Probability that it is the one hit: of the objects that pixels hit first, the one that the selector
-                   ranks best; #CONUS_KIND_UNASSIGNED where no pixel hits any. They sum to 1. */
+    double hit; /**< Probability that it is the answer: the object that the selector ranks best among those that pixels
+                   hit first; #CONUS_KIND_UNASSIGNED where no pixel hits any. They sum to 1. */
     double hit_error;       /**< Standard error of that number, from 16 independent sets of samples. */
     double seen;            /**< Probability that some pixel hits it first. */
     double in_cone;         /**< Probability that it is in the cone at all, a bundle with one of its streamlines (Eq.

@@ -21,7 +21,7 @@ typedef struct conus_grid conus_grid; /**< Numbers on an atlas's voxel grid, to 
 typedef enum conus_grid_content {
     CONUS_GRID_MASK_OF_AREAS = 0, /**< 1 in every area's voxels in the region. */
     CONUS_GRID_MASK_OF_REGION,    /**< 1 in all voxels in the region, background too. */
-    CONUS_GRID_MAP_OF_LABELS,     /**< The labels of the areas as which these voxels are reported. */
+    CONUS_GRID_MAP_OF_LABELS,     /**< The labels of the areas that these voxels are reported as. */
     CONUS_GRID_MAP_OF_VALUES      /**< A pathway's values in the region, on the pathway's grid. */
 } conus_grid_content;
 

@@ -36,8 +36,8 @@ typedef struct conus_roi_options {
 /**
  * Reads a region of interest. Values that are not finite belong to nothing.
  * @param[out] out The region; end it with conus_roi_destroy().
- * @param path The volume, as for conus_atlas_load(); or a mesh with fields of SimNIBS (.hdf5), of which the field |E|
- * or that behind ",field=NAME" counts, and with ",tissue=A:B" only tetrahedra of these tissues.
+ * @param path The volume, as for conus_atlas_load(); or a mesh with fields of SimNIBS (.hdf5), where the field |E| or
+ * that behind ",field=NAME" counts, and with ",tissue=A:B" only tetrahedra of these tissues.
  * @param options NULL = defaults.
  * @return #CONUS_OK; the errors of conus_atlas_load() about volumes; #CONUS_ERROR_ARGUMENT for a threshold that is not
  * finite or that no voxel reaches, and where there is none though the volume is no mask; #CONUS_ERROR_DATA for a mask
@@ -86,8 +86,9 @@ CONUS_API const conus_volume_info *conus_roi_volume(const conus_roi *roi);
 CONUS_API uint64_t conus_roi_voxels(const conus_roi *roi);
 
 /** How much of an object a region of interest covers (Eq. 16): exact for voxels and closed surfaces as they are, and
- * for tetrahedra in voxels. What is in no surface, or in one of several that are reported as one area, is measured
- * round 4 x 4 lines through each voxel; what tetrahedra have of surfaces, round lines 0.5 mm from each other. */
+ * for tetrahedra in voxels. Volumes outside of all surfaces, and in several surfaces that are reported as one area, are
+ * measured round 4 x 4 lines through each voxel; the parts of tetrahedra in surfaces, round lines 0.5 mm from each
+ * other. */
 typedef struct conus_coverage {
     conus_kind kind;     /**< Its kind; #CONUS_KIND_UNASSIGNED: the part of the region in no object. */
     uint32_t object;     /**< Number in the atlas, as it is reported (level); 0 for #CONUS_KIND_UNASSIGNED. */

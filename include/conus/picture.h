@@ -143,8 +143,7 @@ typedef enum conus_legend {
     CONUS_LEGEND_INSIDE = 0, /**< In a corner of the drawing, which leaves a margin for it: of its width or height at
                                 most 0.6. Where rows do not fit, the last ones behind others are counted in one. Where
                                 all is opaque, first hits that the camera does not see are "(behind)". */
-    CONUS_LEGEND_RIGHT, /**< Beside the drawing, of which it takes at most half the width; the picture is as large as
-                           asked for. */
+    CONUS_LEGEND_RIGHT, /**< Beside the drawing, in at most half the width; the picture is as large as asked for. */
     CONUS_LEGEND_BELOW, /**< Below the drawing: the picture becomes higher by it, at most by half. */
     CONUS_LEGEND_NONE   /**< Nowhere; letters of directions and the scale stay. */
 } conus_legend;
@@ -311,8 +310,8 @@ typedef struct conus_cut_plane {
 /**
  * Draws cuts side by side on one sheet, all at the largest scale at which the box around the atlas and its context fits
  * in each: with the letters of directions outside of the cuts, below each one where its plane is, one scale bar, and
- * with a selection its cone in each cut and one legend. What is black at the edges of a cut and nothing else is the
- * background.
+ * with a selection its cone in each cut and one legend. Black at the edges of a cut is the background, if nothing else
+ * is there.
  * @param[out] out Channels R, G, B, A, as of conus_render(). End it with conus_image_destroy().
  * @param atlas The atlas.
  * @param planes [count] Where the cuts are, in the order of reading.

@@ -55,7 +55,7 @@ typedef struct conus_constraint {
     conus_measure measure;      /**< REACH, AVOID: what is measured. */
     const char *names;          /**< REACH, AVOID, FIRST: the structure, a list of names, abbreviations or labels as of
                                    conus_atlas_find(), separated by commas; one with a comma stands in double quotes. It is the
-                                   union of these objects and of the areas below them in the area tree, but for hidden ones. */
+                                   union of these objects and of the areas below them in the area tree, without hidden ones. */
     double limit;   /**< In the measure's unit. 0 of REACH: more than 1e-9 mm, or any at all. AVOID by clearance: the
                        margin, 0 to 100 mm. */
     double most;    /**< LENGTH: the upper end, mm. */
@@ -99,7 +99,7 @@ typedef struct conus_plan_options {
                            Only measures of the cone need it. */
     double far;         /**< Far end of poses that have none of their own, mm from the apex; 0 = that of the selector's
                            range. */
-    conus_progress progress; /**< Hears how many poses were tried, of how many 0: nobody knows; false ends the run.
+    conus_progress progress; /**< Is told how many poses were tried, and of how many, 0 = not known; false ends the run.
                                 NULL = no callback. */
     void *progress_user;     /**< Passed to @p progress. */
     uint64_t entries;        /**< The best pose of each entry up to this number is kept, for conus_plan_entry(): 56
@@ -165,7 +165,7 @@ typedef struct conus_planned {
 typedef struct conus_plan_faults {
     uint64_t count;  /**< How many: no pose, a point without direction, no far end, or one before the near end. */
     size_t line;     /**< Line of the first in its file; 0 = there is none. */
-    const char *why; /**< Why it is none; "" = there is none. Borrowed from the plan. */
+    const char *why; /**< Why that row is no pose; "" = there is no such row. Borrowed from the plan. */
 } conus_plan_faults;
 
 /**
@@ -179,7 +179,7 @@ typedef struct conus_plan_faults {
  * @param options NULL = defaults. Its strings are copied.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a name that is unknown or means several, with the closest one in the
  * message, a structure without a shape, one both reached and avoided, a constraint given twice, a number out of its
- * range, a measure that the kind or the selector has not, and an unknown key.
+ * range, a measure that the kind or the selector does not have, and an unknown key.
  * @threads One at a time for each @p selector.
  * @since 0.1
  */
@@ -360,7 +360,7 @@ CONUS_API bool conus_plan_has_leeway(const conus_plan *plan, size_t index);
  * @param constraint Index of a REACH, AVOID or FIRST.
  * @param depth mm from the apex. Of several shanks it is the nearest one's, but the farthest one's for a REACH or FIRST
  * of all and an AVOID of any.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an index or a depth that is none.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a wrong index or depth.
  * @threads One at a time for each @p plan.
  * @since 0.1
  */
@@ -368,9 +368,9 @@ CONUS_CHECKED conus_status conus_plan_distance(double *out, conus_plan *plan, si
                                                double depth);
 
 /**
- * Writes how far a run has come: which rows were read, how many candidates hold the first constraints, and the numbers
- * of those from which all else that is kept can be found again. conus_plan_options.progress may ask for it, during the
- * run.
+ * Writes the progress of a run: the rows that were read, how many candidates hold the first constraints, and the
+ * numbers of candidates from which all other results can be found again. conus_plan_options.progress may ask for it,
+ * during the run.
  * @param[out] text Lines of words and numbers. Borrowed from the plan until the next call.
  * @param[out] size Its bytes.
  * @param plan A plan that is run, or was.
@@ -381,9 +381,9 @@ CONUS_CHECKED conus_status conus_plan_distance(double *out, conus_plan *plan, si
 CONUS_CHECKED conus_status conus_plan_state(const char **text, size_t *size, conus_plan *plan);
 
 /**
- * Takes over what another plan, of the same atlas, selector, constraints and options, knows of rows of the same poses.
- * conus_plan_run() passes them over, but for the candidates that are kept, and all is as if it had tried them. Of these
- * options only the threads and the pruning may differ, and entries and targets may be 0.
+ * Takes over the results of another plan, with the same atlas, selector, constraints and options, for rows of the same
+ * poses. conus_plan_run() then passes over these rows, except candidates that are kept; the result is as if it had
+ * tried them all. Of these options only the threads and the pruning may differ, and entries and targets may be 0.
  * @param[out] end Number of the row behind those that are known, from 0.
  * @param plan Not run before. The stream that it will run is at the first row of its first state.
  * @param text [size] From conus_plan_state(). Its rows follow those of the state added before.
@@ -452,7 +452,8 @@ typedef struct conus_tolerance_options {
 #define CONUS_TOLERANCE_OPTIONS_INIT CONUS_INIT_(conus_tolerance_options)
 
 /**
- * Finds how far a pose may be off along each degree of freedom. Of a pose that breaks a constraint as it is, all are 0.
+ * Finds how far a pose may be off along each degree of freedom. For a pose that breaks a constraint as it is, all are
+ * 0.
  * @param[out] out [#CONUS_TOLERANCE_COUNT] By degree of freedom, of each first the positive side.
  * @param plan The plan.
  * @param pose From conus_plan_pose() or conus_plan_try() of this plan.
@@ -465,10 +466,10 @@ CONUS_CHECKED conus_status conus_plan_tolerance(conus_tolerance *out, conus_plan
                                                 const conus_tolerance_options *options);
 
 /**
- * Finds by which factor a box of deviations may grow: holds_to is one for which no deviation in the box breaks a
- * constraint, and at fails_at times the box one is known that does, where the rest of @p out says what breaks. Both are
- * up to 1 % apart, or farther where 20,000 parts of the box do not prove more. fails_at is NaN where none breaks up to
- * 20 mm or 30 degrees. Constraints without a leeway are asked in the middle of each part only: method sampled.
+ * Finds the factor by which a box of deviations may grow. With holds_to no deviation in the box breaks a constraint;
+ * with fails_at one is known that does, and the rest of @p out says which constraint breaks. Both are up to 1 % apart,
+ * or farther where 20,000 parts of the box do not prove more. fails_at is NaN where none breaks up to 20 mm or 30
+ * degrees. Constraints without a leeway are asked in the middle of each part only: method sampled.
  * @param[out] out Of #CONUS_FREEDOM_BOX; holds_to and fails_at are factors.
  * @param plan The plan.
  * @param pose From conus_plan_pose() or conus_plan_try() of this plan.

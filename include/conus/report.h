@@ -65,8 +65,8 @@ typedef enum conus_rows {
 /** The order of the answers to a query. */
 typedef enum conus_order {
     CONUS_ORDER_RANK = 0, /**< The best score first. */
-    CONUS_ORDER_DEPTH     /**< The nearest first: by entry with all layers, else, and of a ball, by distance; of equal
-                             ones the best. What has neither comes before what is unassigned, which is last. */
+    CONUS_ORDER_DEPTH /**< The nearest first: by entry with all layers, else, and of a ball, by distance; of equal ones
+                         the best. Objects with neither come before unassigned, which is last. */
 } conus_order;
 
 /** The content of a report, and how it is written. */
@@ -82,7 +82,7 @@ typedef struct conus_report_options {
                                      must outlive the report. NULL = none. */
     bool selected_only;     /**< Rows of a step only for the selected and the confirmed object; if there is none, for
                                unassigned. */
-    const char *electrodes; /**< For #CONUS_FORMAT_BIDS: the text of the table of which each row is a query, errors
+    const char *electrodes; /**< For #CONUS_FORMAT_BIDS: the text of the table; each of its rows is a query, errors
                                among them. NULL = none. */
     const char *atlas; /**< Value of a column `atlas`, behind `query`, in each row; not for #CONUS_FORMAT_AFNI and the
                           formats behind it. NULL = there is no such column. */
@@ -162,8 +162,8 @@ CONUS_CHECKED conus_status conus_report_add_connections(conus_report *report, co
                                                         const conus_connectivity *connectivity);
 
 /**
- * Gives the table of which areas are connected: names in the first row and the first column, and how many streamlines
- * between; in JSON their mean lengths, too, and where all that comes from.
+ * Gives the table of connected areas: names in the first row and the first column, and the number of streamlines
+ * between them; in JSON also their mean lengths, and the sources.
  * @param[out] text Borrowed from the report until the next text is asked for. UTF-8.
  * @param[out] size Bytes.
  * @param report Of #CONUS_ROWS_CONNECTIONS, as #CONUS_FORMAT_TSV, #CONUS_FORMAT_CSV or #CONUS_FORMAT_JSON.
@@ -234,8 +234,8 @@ CONUS_CHECKED conus_status conus_report_add_plan(conus_report *report, conus_pla
 CONUS_API const char *conus_report_constraint(const conus_report *report, size_t index);
 
 /**
- * Adds how far the axes that a plan lists are from what they are to avoid, from their near to their far ends: a row for
- * each depth, the last one that of the far end, and each structure that is avoided by clearance.
+ * Adds the distances of the axes that a plan lists from the structures to be avoided, from their near to their far
+ * ends: a row for each depth, the last one at the far end, and each structure that is avoided by clearance.
  * @param report Of #CONUS_ROWS_PROFILE. Nothing else is added to it.
  * @param plan As for conus_report_add_plan().
  * @param step mm from depth to depth, more than 0.
@@ -278,7 +278,7 @@ CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const ch
  * Joins a report on another atlas, which was asked the same: each text of @p report has, for each query (of
  * #CONUS_ROWS_SHARES for all answers that belong together), its own rows and behind them those of @p more, then those
  * of reports that are joined later. The queries are added to each report, in the same order.
- * @param report The report of which the texts are taken from now on.
+ * @param report The report whose texts are taken from now on.
  * @param more Must outlive the last text of @p report. Its own texts are still its own; it can be joined once.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT unless both have a column `atlas`, each with another name, the same options
  * but level, and both atlases or neither were moved (conus_atlas_move()): rows of moved ones have more columns.

@@ -52,7 +52,7 @@ typedef struct conus_selector_options {
     conus_aperture aperture; /**< Which pixels count as the cone (Eq. 3). */
     conus_sampling sampling; /**< Exact cells (Eq. 5) or the paper's slices (Eq. 7). */
     uint32_t resolution;     /**< n of the n x n buffer, 1 to 1024; 0 = 16. */
-    uint32_t slices;         /**< N of Eq. 7, of which the ID pass takes slice_fraction. 0 = default. */
+    uint32_t slices;         /**< N of Eq. 7; the ID pass takes slice_fraction of them. 0 = default. */
     conus_layers layers;     /**< Whether only the first hits of the pixels' rays count, or all (Eq. 10). */
     double range[2];   /**< Nearest and farthest depth along the axis, mm from the apex: what lies outside is as if it
                           were not there. Both 0 = everything. */
@@ -104,7 +104,7 @@ CONUS_CHECKED conus_status conus_selector_share(conus_selector **out, const conu
 CONUS_CHECKED conus_status conus_selector_set_range(conus_selector *selector, const double range[2]);
 
 /**
- * Ends a selector. What was made for it must have ended before.
+ * Ends a selector. Objects made for it must be destroyed before.
  * @param selector NULL is allowed.
  * @threads One at a time for each @p selector. With the gl engine, the one that made it.
  * @since 0.1

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /**
  * @file status.h
- * How functions report failure, and the types of the callbacks that hear notes and progress.
+ * How functions report failure, and the types of the callbacks for notes and progress.
  */
 #ifndef CONUS_PUBLIC_STATUS_H
 #define CONUS_PUBLIC_STATUS_H

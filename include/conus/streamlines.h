@@ -33,7 +33,7 @@ typedef struct conus_streamlines_options {
 /**
  * Adds the streamlines of a tractogram as a selectable bundle, or as one for each group of the file, and one for those
  * in no group. The content of the file decides about its format; docs/formats.md has the formats. Streamlines lie where
- * the file has them: a transform moves what was added before. A note tells where they hardly lie in the atlas's space,
+ * the file has them: a transform moves what was added before. A note says where they hardly lie in the atlas's space,
  * and where they lay better before the atlas was moved.
  * @param atlas The atlas; unchanged on failure.
  * @param path The tractogram.

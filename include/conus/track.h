@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /**
  * @file track.h
- * Follows a device: what its selector finds, ranked with what came before (Eq. 12).
+ * Follows a device: ranks what its selector finds together with earlier steps (Eq. 12).
  */
 #ifndef CONUS_PUBLIC_TRACK_H
 #define CONUS_PUBLIC_TRACK_H

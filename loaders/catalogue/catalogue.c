@@ -24,8 +24,7 @@ static conus_status stop_here(conus_catalogue *catalogue, const char *what, size
         return CONUS_OK;
     }
     catalogue->full = true;
-    return notes_warn(&catalogue->notes, "%s: more than %zu %s: what comes behind them is left out", catalogue->source,
-                      limit, what);
+    return notes_warn(&catalogue->notes, "%s: more than %zu %s: the rest is left out", catalogue->source, limit, what);
 }
 
 /* Makes a name fit for a line of a terminal; it is no path. */

@@ -86,7 +86,7 @@ static conus_status try_xml(const struct search *search, const char *path, const
 }
 
 /* Whether the volume's name begins with that of the XML: X.xml of X-2mm. */
-static bool is_called_so(const char *xml, const char *relative)
+static bool begins_with_name(const char *xml, const char *relative)
 {
     return strncmp(xml, path_base(relative), strlen(xml) - strlen(".xml")) == 0;
 }
@@ -98,7 +98,7 @@ static conus_status search_in(const struct search *search, const char *folder, c
     conus_status status = names_list(&names, folder, ".xml");
     for (size_t i = 0; !status && i < 2 * names.count; i++) {
         const char *name = names.names[i % names.count];
-        bool now = is_called_so(name, relative) == (i < names.count);
+        bool now = begins_with_name(name, relative) == (i < names.count);
         char *path = file_beside(folder, name);
         status = !path ? CONUS_ERROR_MEMORY : now ? try_xml(search, path, relative) : CONUS_OK;
         memory_free(path);

@@ -351,7 +351,7 @@ static conus_status read_pathway(void *field, const json_t *value, const struct 
     conus_status status = read_entry(out, value, place);
     return status || out->scale == 0
                ? status
-               : fail(CONUS_ERROR_DATA, "%s.scale: is of probabilities, a pathway has a threshold", place->key);
+               : fail(CONUS_ERROR_DATA, "%s.scale: is for probabilities, a pathway has a threshold", place->key);
 }
 
 static conus_status read_map(void *field, const json_t *value, const struct schema_place *place)
@@ -359,13 +359,13 @@ static conus_status read_map(void *field, const json_t *value, const struct sche
     struct manifest_pathway *out = field;
     conus_status status = read_entry(out, value, place);
     if (!status && out->band_count) {
-        return fail(CONUS_ERROR_DATA, "%s.bands: are of pathways, an area has a threshold", place->key);
+        return fail(CONUS_ERROR_DATA, "%s.bands: are for pathways, an area has a threshold", place->key);
     }
     if (!status && out->moves) {
-        return fail(CONUS_ERROR_DATA, "%s.moves: is of pathways and the context, areas always move", place->key);
+        return fail(CONUS_ERROR_DATA, "%s.moves: is for pathways and the context, areas always move", place->key);
     }
     if (!status && (out->source.orientation || out->source.resolution[0] > 0)) {
-        return fail(CONUS_ERROR_DATA, "%s: resolution and orientation are of pathways", place->key);
+        return fail(CONUS_ERROR_DATA, "%s: resolution and orientation are for pathways", place->key);
     }
     return status || out->threshold <= 1
                ? status

@@ -349,11 +349,11 @@ conus_status context_set(conus_atlas *atlas, struct volume_file *file, const con
 {
     float *values = NULL;
     size_t note_count = atlas->notes.count;
-    conus_status status =
-        options->opacity == 0
-            ? volume_file_values(&values, file, notes)
-            : fail(CONUS_ERROR_ARGUMENT, "%s: an opacity of %g, which is of surfaces; a volume has a transfer function",
-                   file->info.path, options->opacity);
+    conus_status status = options->opacity == 0
+                              ? volume_file_values(&values, file, notes)
+                              : fail(CONUS_ERROR_ARGUMENT,
+                                     "%s: an opacity of %g, which is for surfaces; a volume has a transfer function",
+                                     file->info.path, options->opacity);
     if (!status) {
         file->info.role = CONUS_ROLE_CONTEXT;
         status = choose_block(&file->info, options->block_threshold);

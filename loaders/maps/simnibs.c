@@ -253,7 +253,7 @@ static conus_status take_tetrahedra(struct roi_mesh *out, const struct found *me
         return status;
     }
     return list_tissues(tissues, sizeof tissues, mesh)
-               ? fail(CONUS_ERROR_ARGUMENT, "tissue: no tetrahedron is of that one (tag1); there are %s", tissues)
+               ? fail(CONUS_ERROR_ARGUMENT, "tissue: no tetrahedron has it (tag1); there are %s", tissues)
                : fail(CONUS_ERROR_DATA, "elm_type: no tetrahedra (4), which alone have a volume");
 }
 

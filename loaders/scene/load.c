@@ -198,8 +198,8 @@ static const char atlas_needed[] =
     "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC, OME-Zarr), a surface, a folder of surfaces, a "
     "manifest (with the key \"conus_atlas\") or an FSL atlas XML";
 
-static conus_status load_volume(conus_atlas **out, const struct probe *probe, const char *path,
-                                const struct load_progress *progress)
+static conus_status load_labelled_volume(conus_atlas **out, const struct probe *probe, const char *path,
+                                         const struct load_progress *progress)
 {
     struct parcellation parts = {.notes.sink = &progress->sink};
     conus_atlas *atlas = NULL;
@@ -210,7 +210,7 @@ static conus_status load_volume(conus_atlas **out, const struct probe *probe, co
     return atlas_give(out, atlas, status);
 }
 
-static conus_status load_only(struct load_progress *progress, const char *path)
+static conus_status report_only_file(struct load_progress *progress, const char *path)
 {
     progress->total = 1;
     return load_progress_report(progress, path, 1);
@@ -225,8 +225,8 @@ static conus_status load_volumes(conus_atlas **out, const struct probe *probe, c
     if (!status && maps.table.count) {
         status = named_maps_load(out, path, &maps, progress);
     } else if (!status) {
-        status = load_only(progress, path);
-        status = status ? status : load_volume(out, probe, path, progress);
+        status = report_only_file(progress, path);
+        status = status ? status : load_labelled_volume(out, probe, path, progress);
     }
     named_maps_finish(&maps);
     return status;
@@ -370,7 +370,7 @@ static conus_status load_opened(conus_atlas **out, const struct probe *probe, co
     case READER_SURFACE:
         break;
     }
-    status = load_only(progress, path);
+    status = report_only_file(progress, path);
     return status ? status : surface_load(out, path, progress);
 }
 

@@ -479,12 +479,12 @@ static conus_status context_entry_set(conus_atlas *atlas, const struct manifest_
                                            .opacity = entry->opacity};
     const char *wrong;
     if (mesh_file_is(path)) {
-        wrong = entry->transfer     ? "transfer: is of volumes, this is a surface"
+        wrong = entry->transfer     ? "transfer: is for volumes, this is a surface"
                 : entry->blocks > 0 ? "blocks: only voxels of a volume do, this is a surface"
                 : entry->moves      ? "moves: a surface is where poses are"
                                     : NULL;
     } else {
-        wrong = entry->opacity != 0    ? "opacity: is of surfaces, this is none; a volume has a transfer function"
+        wrong = entry->opacity != 0    ? "opacity: is for surfaces, this is none; a volume has a transfer function"
                 : atlas_context(atlas) ? "file: is no surface, and there is a volume already"
                                        : NULL;
     }

@@ -177,10 +177,11 @@ static conus_status move_by_chain(conus_atlas *atlas, const char *path, bool is_
     struct transform_chain chain = {0};
     if (is_hdf5 && (options->from || options->to || options->vectors)) {
         return fail(CONUS_ERROR_ARGUMENT,
-                    "%s: from, to, relative and absolute are of files of FSL, ITK and SPM that are no HDF5", path);
+                    "%s: from, to, relative and absolute are for files of FSL, ITK and SPM that are not HDF5", path);
     }
     if (options->vectors) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: vectors of a field are relative or absolute, and this is none", path);
+        return fail(CONUS_ERROR_ARGUMENT, "%s: relative and absolute are for deformation fields, and this is none",
+                    path);
     }
     conus_status status = is_hdf5 ? chain_file_read(&chain, path, options->max_memory, read, &atlas->notes)
                                   : transform_file_read(&chain, path, options, read);
@@ -221,7 +222,7 @@ conus_status conus_atlas_transform(conus_atlas *atlas, const char *path, const c
     status = status ? status : field_file_is(&is_field, path);
     status = status || is_field ? status : chain_file_is(&is_chain, path);
     if (!status && options->transform && (is_field || is_chain)) {
-        status = fail(CONUS_ERROR_ARGUMENT, "%s: transform is of lists in ITK's text, and this is none", path);
+        status = fail(CONUS_ERROR_ARGUMENT, "%s: transform is for lists in ITK's text, and this is none", path);
     }
     status = status || is_field ? status : note_direction(atlas, path, options->inverse);
     status = status     ? status

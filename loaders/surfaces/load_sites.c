@@ -101,7 +101,7 @@ conus_status conus_sites_keep_labelled(conus_sites *sites, const char *path, boo
     struct vertex_labels labels = {0};
     struct notes notes = {0};
     if (!sites->vertex_count) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: labels of vertices, but the points are of no surface", path);
+        return fail(CONUS_ERROR_ARGUMENT, "%s: labels of vertices, but the points belong to no surface", path);
     }
     const struct mesh_file_options options = {.external = true, .surface = sites->path};
     conus_status status = vertex_labels_read(&labels, path, &options, &notes);

@@ -62,7 +62,7 @@ static conus_status field_check_shape(const struct field_header *header, bool ha
                     "from=IMAGE and to=IMAGE are needed (fields of ITK and SPM have 5 dimensions)");
     }
     return five && has_images ? fail(CONUS_ERROR_ARGUMENT,
-                                     "dim: found 5, but from and to are of FSL's fields, which have 4 (X x Y x Z x 3)")
+                                     "dim: found 5, but from and to are for FSL's fields, which have 4 (X x Y x Z x 3)")
                               : CONUS_OK;
 }
 

@@ -461,10 +461,10 @@ conus_status transform_parse(struct transform_chain *out, const struct bytes *fi
     }
     if (options->from && kind != KIND_MATRIX && kind != KIND_REGISTER && kind != KIND_NONE) {
         return fail(CONUS_ERROR_ARGUMENT,
-                    "from and to are of FSL's matrices and FreeSurfer's register.dat, and this is neither");
+                    "from and to are for FSL's matrices and FreeSurfer's register.dat, and this is neither");
     }
     if (options->transform && kind != KIND_ITK && kind != KIND_NONE) {
-        return fail(CONUS_ERROR_ARGUMENT, "transform is of lists in ITK's text, and this is none");
+        return fail(CONUS_ERROR_ARGUMENT, "transform is for lists in ITK's text, and this is none");
     }
     chain_begin(&made);
     conus_status status = parse_kind(&made, kind, file, path, options);

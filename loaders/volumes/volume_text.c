@@ -232,7 +232,7 @@ static conus_status text_numbers_read(struct bytes *out, struct gzip_range *rang
         bool inside = index >= first && index < last;
         uint8_t *to = inside ? kept + (index - first) * type.size : other;
         if (index < wanted && !write_number(to, word, type)) {
-            status = fail(CONUS_ERROR_DATA, "voxels: number %llu: found \"%.*s\", which is none of the type",
+            status = fail(CONUS_ERROR_DATA, "voxels: number %llu: found \"%.*s\", which is no number of the type",
                           (unsigned long long)index, HEADER_SHOW(word));
         }
     }

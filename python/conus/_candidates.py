@@ -73,7 +73,7 @@ def _entries(selector: Selector, given: Any) -> Any:
     else:
         sites, is_surface = _points(selector, "entries", main), False
     if flip and not is_surface:
-        raise ArgumentError("entries: flip is of surfaces, which alone have normals")
+        raise ArgumentError("entries: flip is for surfaces, since only they have normals")
     for key in ("within", "without"):
         what = keys.get(key)
         if what is not None and os.fspath(what).split(",")[0].endswith(_LABELS):

@@ -36,7 +36,7 @@ conus_status image_srgb_bytes(uint8_t **out, const conus_image *image)
 {
     const struct image_rgba rgba = image_rgba(image);
     if (!rgba.plane[0] || !rgba.plane[1] || !rgba.plane[2]) {
-        return fail(CONUS_ERROR_ARGUMENT, "a PNG shows the channels R, G and B, this image has not all of them");
+        return fail(CONUS_ERROR_ARGUMENT, "a PNG shows the channels R, G and B, this image lacks some of them");
     }
     size_t count = (size_t)image->width * image->height;
     uint8_t *bytes = memory_raw(count, 4);

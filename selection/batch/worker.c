@@ -22,7 +22,7 @@ conus_status batch_check_options(uint32_t *threads, uint32_t *block, double *ang
         return fail(CONUS_ERROR_ARGUMENT, "block: %u, allowed is 1 to %d", *block, BATCH_BLOCK_LIMIT);
     }
     if (selector->ranking.info.needs_history) { /* each pose is answered on its own */
-        return fail(CONUS_ERROR_ARGUMENT, "score: %s needs a history, which a batch has not",
+        return fail(CONUS_ERROR_ARGUMENT, "score: %s needs a history, which a batch does not have",
                     selector->ranking.formula.text);
     }
     if (!*threads) { /* as many as processors that the process may use: a job's share of a cluster's node, say */

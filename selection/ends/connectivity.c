@@ -301,7 +301,7 @@ conus_status conus_connectivity_create(conus_connectivity **out, conus_selector 
         return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm round an end, allowed are up to %g", radius, RADIUS_LIMIT);
     }
     if (selection && selection->atlas != selector->atlas) {
-        return fail(CONUS_ERROR_ARGUMENT, "connectivity: the selection is of another atlas than the selector");
+        return fail(CONUS_ERROR_ARGUMENT, "connectivity: the selection has another atlas than the selector");
     }
     conus_connectivity *connectivity = memory_zeroed(1, sizeof *connectivity);
     if (!connectivity) {

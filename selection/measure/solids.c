@@ -150,10 +150,9 @@ static double block_volume(const struct solid *solid, size_t number, const struc
     return sum;
 }
 
-/* A surface may wind around a hundredth of its inside other than once (mesh_winds_once()). Where it does so twice or
- * the other way round, the sum may leave 0 to `whole` by about as much; by no more, or it is an error that shall be
- * seen. */
-static double hold(double volume, double whole)
+/* A surface may wind other than once around a hundredth of its inside (mesh_winds_once()). There the sum may leave 0 to
+ * `whole` by about as much, and is clamped. A sum that leaves it by more is an error, which should be seen. */
+static double clamp_to_whole(double volume, double whole)
 {
     static const double folds = 0.02;
     return volume < 0 && volume > -folds * whole ? 0 : volume > whole && volume < (1 + folds) * whole ? whole : volume;
@@ -177,5 +176,5 @@ double solid_volume(const struct solid *solid, const struct region_solid *region
     vec3_sub(size, shape->high, shape->low);
     vec3_sub(from, shape->low, region->region->origin);
     double noise = rounding * vec3_dot(size, size) * (vec3_length(from) + vec3_length(size));
-    return fabs(sum) < noise ? 0 : hold(shape->volume_mm3 < 0 ? -sum : sum, whole);
+    return fabs(sum) < noise ? 0 : clamp_to_whole(shape->volume_mm3 < 0 ? -sum : sum, whole);
 }

@@ -256,7 +256,7 @@ static conus_status find_shanks(struct plan_constraint *out, const conus_constra
 static conus_status fill(struct plan_constraint *out, const conus_selector *selector, const conus_constraint *asked)
 {
     if ((unsigned)asked->measure > CONUS_MEASURE_STREAMLINES || !(KINDS[asked->kind].measures >> asked->measure & 1)) {
-        return fail(CONUS_ERROR_ARGUMENT, "measure: %d is none of its", (int)asked->measure);
+        return fail(CONUS_ERROR_ARGUMENT, "measure: %d is no measure of this kind of constraint", (int)asked->measure);
     }
     conus_status status = check_numbers(asked);
     status = status ? status : check_measure(selector, asked);
@@ -361,7 +361,7 @@ conus_status plan_constraints_check(const struct plan_constraint *constraints, s
             const struct plan_constraint *a = &constraints[i];
             const struct plan_constraint *b = &constraints[j];
             if (i < j && is_same(a, b, atlas)) {
-                return fail(CONUS_ERROR_ARGUMENT, "%s: constraints %zu and %zu are of the same",
+                return fail(CONUS_ERROR_ARGUMENT, "%s: constraints %zu and %zu are about the same",
                             KINDS[a->asked.kind].name, i + 1, j + 1);
             }
             if (a->asked.kind == CONUS_CONSTRAINT_REACH && plan_is_clearance(b) && share_shank(a, b) &&

@@ -284,7 +284,7 @@ END
     # more.tck was hidden, and stays hidden whichever other file is gone
     rm moved/renamed.tck moved/map.nii
     said moved/made.json <<<$'results less.tsv\nsave less.json'
-    check_message 'made.json is opened without what is not found: two.tck, map.nii'
+    check_message 'made.json is opened; not found: two.tck, map.nii'
     [ "$(wc -l <<<"$stderr")" = 1 ]
     queried --streamlines more.tck --hide more | diff less.tsv -
     jq -e '.hidden == [3] and .objects == 3' less.json

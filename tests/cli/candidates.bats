@@ -119,7 +119,7 @@ cells() {
     run -0 --separate-stderr conus plan u-shape.nii.gz --length 1,99 --from open.ply --toward normal --depth 9
     [[ "$stderr" == *"open.ply: the surface is not closed: its normals are as its triangles are wound"* ]]
     fails 2 '--toward normal: entries.txt has no normals' $U --from entries.txt --toward normal --depth 9
-    fails 2 'flip is of surfaces' $U --from entries.txt,flip --toward targets.txt --depth 9
+    fails 2 'flip is for surfaces' $U --from entries.txt,flip --toward targets.txt --depth 9
 }
 
 @test "the angle at the entry is a constraint, a key and a column" {
@@ -297,7 +297,7 @@ END
     cmp t.nii.gz u.nii.gz
     cmp t.nii.gz v.nii.gz
     fails 2 '--map: skin.nii.gz is no surface: a map of voxels ends in .nii.gz' "${scene[@]}" -o x.tsv --map x.func.gii
-    fails 2 '--map: fill is of surfaces' "${scene[@]}" -o x.tsv --map x.nii.gz,fill=nearest
+    fails 2 '--map: fill is for surfaces' "${scene[@]}" -o x.tsv --map x.nii.gz,fill=nearest
     fails 2 '--map: entries.txt is no mask' $P --depth target -o x.tsv --map x.nii.gz
     fails 2 '--target-map: the targets of --toward targets.txt are not voxels of one volume' $P --depth target -o x.tsv \
         --target-map x.nii.gz

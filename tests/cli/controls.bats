@@ -70,7 +70,7 @@ questions=(
     for case in 'ask --range=5,2|--range' 'ask --level 9|the area tree has depths 1 to 3' \
         'ask --layers=all --sampling=slices|needs exact sampling' 'ask --slices=3|no effect without --sampling slices' \
         'ask --score=centre+share|no name of a score' 'ask --score=unoccluded|needs --layers all' 'ask --angle=3|--angle' \
-        'ask --segments=x|of files, not of the window' 'ask --level=Shel|did you mean "Shell"'; do
+        'ask --segments=x|for files, not for the window' 'ask --level=Shel|did you mean "Shell"'; do
         printf '%s\n' "${case%%|*}" >script
         run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --labels tree.tsv --script script --quiet --size 400x256
         [[ $stderr == *"${case#*|}"* ]] || { echo "$case: $stderr"; false; }

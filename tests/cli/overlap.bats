@@ -139,7 +139,7 @@ nested.nii.gz is an atlas: ATLAS comes first, then ROI" overlap map.nrrd nested.
     has 'region field.hdf5: values of 1.5 and more, 72.0 mm^3'
     fails 2 'field.hdf5: field: no magnJ of elements (elmdata); there are E, J' \
         overlap nested.nii.gz field.hdf5,field=magnJ --threshold 1
-    fails 2 'field.hdf5: tissue: no tetrahedron is of that one (tag1); there are 2, 1' \
+    fails 2 'field.hdf5: tissue: no tetrahedron has it (tag1); there are 2, 1' \
         overlap nested.nii.gz field.hdf5,tissue=5 --threshold 1
     fails 2 'tissue: found "GM", allowed are up to 16 whole numbers from 0, as in 1:2' \
         overlap nested.nii.gz field.hdf5,tissue=GM --threshold 1

@@ -165,7 +165,7 @@ skips() {
 }
 
 @test "scores that need a history or all layers say so" {
-    fails 2 '--score: intenselect needs a history, which single poses have not; conus track has one' \
+    fails 2 '--score: intenselect needs a history, which single poses do not have; conus track has one' \
         query a.nii --origin 0,0,90 --toward 0,0,0 --score intenselect
     fails 2 '--score: time needs a history' batch a.nii --poses h.tsv -o b.tsv --score time
     fails 2 '--score: time needs a history' sweep a.nii --origin 0,0,90 --toward 0,0,0 --score time

@@ -51,7 +51,7 @@ shifts() {
     fails 3 'list.tfm: Transform: a list of 2' query nested.nii.gz $aim --atlas-transform list.tfm
     fails 2 'list.tfm: transform=2: there are fewer' query nested.nii.gz $aim --atlas-transform list.tfm,transform=2
     fails 3 'right.tfm,transform=x' query nested.nii.gz $aim --atlas-transform right.tfm,transform=x
-    fails 2 'transform is of lists' query nested.nii.gz $aim --atlas-transform right.txt,transform=0
+    fails 2 'transform is for lists' query nested.nii.gz $aim --atlas-transform right.txt,transform=0
     fails 3 'ffd.tfm: a B-spline is not inverted' query nested.nii.gz $aim --atlas-transform ffd.tfm,inverse
     answers query nested.nii.gz $aim --atlas-transform list.tfm,transform=0 --format tsv --quiet
     cut -f 1-12,14,16-18 <<<"$output" >moved
@@ -193,7 +193,7 @@ shifts() {
     shifts
     fails 2 "from=IMAGE and to=IMAGE are needed" query nested.nii.gz $aim --atlas-transform right.mat
     fails 2 "to=IMAGE is needed, too" query nested.nii.gz $aim --atlas-transform right.mat,from=nested.nii.gz
-    fails 2 "are of FSL's matrices" query nested.nii.gz $aim \
+    fails 2 "are for FSL's matrices" query nested.nii.gz $aim \
         --atlas-transform right.tfm,from=nested.nii.gz,to=nested.nii.gz
     printf 'bert\n1\n1\n0.15\n1 0 0 7\n0 1 0 0\n0 0 1 0\n0 0 0 1\nround\n' >register.dat
     fails 2 "FreeSurfer's register.dat, whose numbers mean nothing without its two images: from=IMAGE" query \
@@ -298,8 +298,8 @@ END
     local ask="query nested.nii.gz $aim --atlas-transform"
     fails 3 'linked.h5: /TransformGroup/1: a link to another file, which is not followed' $ask linked.h5
     fails 3 'field.h5: a chain with a deformation field is not inverted' $ask field.h5,inverse
-    fails 2 'right.h5: from, to, relative and absolute are of files' $ask right.h5,relative
-    fails 2 'right.h5: transform is of lists in ITK' $ask right.h5,transform=1
+    fails 2 'right.h5: from, to, relative and absolute are for files' $ask right.h5,relative
+    fails 2 'right.h5: transform is for lists in ITK' $ask right.h5,transform=1
     fails 3 '(--max-memory)' $ask field.h5 --max-memory 20K
     CONUS_HDF5=$PWD/none fails 3 'right.h5: CONUS_HDF5: ' $ask right.h5
     printf '\211HDF\r\n\032\n' >cut.h5

@@ -156,8 +156,8 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     fails 3 "a deformation field is not inverted" $move itk.nii.gz,inverse
     fails 2 "from=IMAGE and to=IMAGE are needed" $move rel.nii.gz
     fails 2 "to=IMAGE is needed, too" $move rel.nii.gz,from=nested.nii.gz
-    fails 2 "are of FSL's fields" $move itk.nii.gz$images
-    fails 2 'itk.nii.gz: transform is of lists in ITK' $move itk.nii.gz,transform=0
+    fails 2 "are for FSL's fields" $move itk.nii.gz$images
+    fails 2 'itk.nii.gz: transform is for lists in ITK' $move itk.nii.gz,transform=0
     fails 3 "coefficients of fnirt; 'convertwarp" $move spline.nii.gz$images
     fails 3 "voxel (0, 0, 0): a vector that is not finite" $move nan.nii.gz
     fails 2 "look like positions, and the header does not say so" $move unsaid.nii.gz
@@ -165,7 +165,7 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     fails 3 "NiftyReg's" $move reg.nii.gz
     fails 3 "bytes" $move itk.nii.gz --max-memory 1M
     printf '1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >same.txt
-    fails 2 "relative or absolute" $move same.txt,absolute
+    fails 2 "relative and absolute" $move same.txt,absolute
     gzip -dc itk.nii.gz | head -c 100000 >cut.nii
     fails 3 "cut.nii" $move cut.nii
     field itk 500

@@ -304,7 +304,7 @@ static void contacts_look_along_their_shafts(void **state)
     assert_row_fails(list, 4, "RH2", "the only contact of its shaft \"RH\"");
     conus_pose_list_destroy(list);
     refuse("name\tx\ty\tz\tdx\tdy\nA\t0\t0\t0\t0\t0\n", NULL, "only some of the columns dx dy dz"); /* a table */
-    refuse("1 2 3\n", &(conus_pose_options){.along_shafts = true}, "shafts are of electrodes (BIDS), not of points");
+    refuse("1 2 3\n", &(conus_pose_options){.along_shafts = true}, "shafts are for electrodes (BIDS), not for points");
     refuse("name\tx\ty\tz\n", &(conus_pose_options){.axis = CONUS_AXIS_PLUS_Z}, "no axis (+z)");
 }
 

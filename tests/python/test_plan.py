@@ -247,7 +247,7 @@ def test_candidates_that_cannot_be(atlas):
         ({"entries": point}, "targets go with them"),
         ({"entries": point, "targets": point, "origins": ORIGINS}, "targets go with them"),
         ({"entries": (point, {"spasing": 1}), "targets": point}, "spasing"),
-        ({"entries": (point, {"flip": True}), "targets": point}, "flip is of surfaces"),
+        ({"entries": (point, {"flip": True}), "targets": point}, "flip is for surfaces"),
         ({"entries": (point, {"within": "right"}), "targets": point}, "no candidate"),
         ({"entries": (point, {"within": "rigth"}), "targets": point}, "did you mean"),
         ({"entries": point, "targets": "voxels"}, "of which structure"),

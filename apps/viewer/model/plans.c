@@ -93,11 +93,6 @@ int plans_open(struct viewer *viewer, const struct arguments *arguments, const c
 
 static const char reach[] = "--reach=";
 
-static bool is_target(const json_t *word)
-{
-    return word_value(json_string_value(word), "reach");
-}
-
 /* The option that asks for this name, in quotes, since it may have commas. */
 static json_t *word_of(const char *name)
 {
@@ -131,7 +126,8 @@ json_t *plans_put_targets(const json_t *words, const json_t *targets)
     for (size_t l = 0; l < 2; l++) {
         for (size_t i = 0; i < json_array_size(lists[l]) && fine; i++) {
             json_t *word = json_array_get(lists[l], i);
-            fine = is_target(word) != (l == 1) || !json_array_append(all, word);
+            bool is_target = word_value(json_string_value(word), "reach");
+            fine = is_target != (l == 1) || !json_array_append(all, word);
         }
     }
     return words_or_none(all, fine);

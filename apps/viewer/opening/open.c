@@ -397,11 +397,10 @@ static void say_added(struct window *window, const struct resume *resume, char *
     const json_t *then = json_object_get(json_object_get(resume->file.root, "opened"), "added");
     char name[ADDITIONS_MISSING];
     if (additions_differ(name, then, json_object_get(window->files.opened, "added"))) {
-        viewer_say(window->viewer, "the session is of another %s than this: numbers may differ", name);
+        viewer_say(window->viewer, "the session has another %s than this: numbers may differ", name);
     }
     if (resume->lost[0]) {
-        snprintf(why, LOADER_WHY, "%.100s is opened without what is not found: %s", path_name(resume->session),
-                 resume->lost);
+        snprintf(why, LOADER_WHY, "%.100s is opened; not found: %s", path_name(resume->session), resume->lost);
         print_error_line("%s", why);
     }
 }
@@ -433,8 +432,8 @@ static void prepare_session(void *user)
     if (of->missing) {
         const char *joint = file->folder[0] && file->atlas[0] != '/' ? "/" : "";
         snprintf(of->why, RESUME_WHY,
-                 "%.100s: its atlas is not found: %.150s%s%.150s. It was looked for there, beside the session, among "
-                 "what was opened before and what is installed. Open or drop it, and the session goes on.",
+                 "%.100s: its atlas is not found: %.150s%s%.150s. It was looked for there, beside the session, and "
+                 "among recent and installed atlases. Open or drop it, and the session goes on.",
                  path_name(of->session), joint[0] ? file->folder : "", joint, file->atlas);
         print_error_line("%s", of->why);
     }
@@ -462,7 +461,7 @@ static bool open_session(struct window *window, const char *session, const char 
         fine = open_named(window, resume.path, &resume.worded.settings, why);
     }
     if (fine && session_file_differs(&resume.file, window->viewer->atlases->atlas)) {
-        viewer_say(window->viewer, "the session is of another file than this %s: numbers and names may differ",
+        viewer_say(window->viewer, "the session has another file than this %s: numbers and names may differ",
                    window->viewer->atlases->path);
     }
     if (fine && !was_open) {
@@ -554,7 +553,7 @@ static bool open_anew(struct window *window, const json_t *words, const struct v
         window->history.session_path = saved;
         window->forms.added = (struct added_form){.open = lists, .kind = ADD_ATLAS, .is_set = true};
         viewer_say(window->viewer, "%s",
-                   fine ? "opened with these atlases; Ctrl+Z takes back what comes from now on" : refused);
+                   fine ? "opened with these atlases; Ctrl+Z takes back later changes only" : refused);
     } else {
         free(saved);
     }

@@ -25,8 +25,8 @@ const struct option needle_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct view_settings, poses),
      .value = "FILE",
-     .help = "poses to replay, on a time line; with constraints the candidates of a plan, as for conus plan, of which "
-             "the best are listed"},
+     .help = "poses to replay, on a time line; with constraints, the candidates of a plan, as for conus plan: the best "
+             "are listed"},
     {.name = "depth",
      .type = OPTION_NUMBER,
      .offset = offsetof(struct view_settings, depth),

@@ -17,6 +17,20 @@ static const ui_colour compass_near = {235, 235, 240, 255};
 static const ui_colour compass_far = {175, 175, 181, 255};
 static const ui_colour compass_edge = {20, 20, 24, 190};
 
+static const ui_colour light = {235, 235, 240, 255};
+static const ui_colour dark = {20, 20, 24, 255};
+static const ui_colour cross = {90, 220, 120, 160};
+
+/* The view rests when the mouse, or else a tracker or a replay, has stood still for so long. */
+static const double view_rest_ms = 120, others_rest_ms = 300;
+
+static const double arm = 0.12; /* of the crosshair, in radii of the atlas */
+static const float click = 4;   /* pixels that the mouse may move and it is still one */
+
+static const char device_caption[] = "what the device sees";
+
+enum { NAMES_SHOWN = 3, INSET = 7 /* pixels on the screen per pixel of the device's view */ };
+
 /* Draws half an axis, paler where it points away from the viewer. */
 static void draw_direction(const struct window *window, const float centre[2], size_t axis, int sign)
 {
@@ -56,20 +70,6 @@ static void draw_compass(const struct window *window)
         }
     }
 }
-
-static const ui_colour light = {235, 235, 240, 255};
-static const ui_colour dark = {20, 20, 24, 255};
-static const ui_colour cross = {90, 220, 120, 160};
-
-/* The view rests when the mouse, or else a tracker or a replay, has stood still for so long. */
-static const double view_rest_ms = 120, others_rest_ms = 300;
-
-static const double arm = 0.12; /* of the crosshair, in radii of the atlas */
-static const float click = 4;   /* pixels that the mouse may move and it is still one */
-
-static const char device_caption[] = "what the device sees";
-
-enum { NAMES_SHOWN = 3, INSET = 7 /* pixels on the screen per pixel of the device's view */ };
 
 static void ask_painter(struct window *window, bool moving)
 {
@@ -361,7 +361,7 @@ static bool use_mouse(struct window *window)
 }
 
 /* Names what is under the mouse; where the cone follows the mouse, it has its name there already. */
-static void tell_hovered(const struct window *window)
+static void show_hover_tip(const struct window *window)
 {
     enum tool_number follows = tool_moved_by(window->viewer, POINT_BY_MOUSE);
     if (window->frame.hover.object && !labels_has(&window->frame.labels, window->frame.hover.object) &&
@@ -405,7 +405,7 @@ void pane_3d(struct window *window)
     if (ui_surface("surface", *box)) {
         find_hovered(window);
         by_mouse = use_mouse(window);
-        tell_hovered(window);
+        show_hover_tip(window);
     }
     note_moves(window, by_mouse);
     ask_painter(window, window->pictures.moving);

@@ -168,8 +168,7 @@ static void a_source_has_a_limit(void **state)
     conus_catalogue *catalogue = look();
     assert_int_equal(conus_catalogue_count(catalogue), CATALOGUE_ATLASES);
     assert_int_equal(conus_catalogue_note_count(catalogue), 1);
-    assert_string_equal(conus_catalogue_note(catalogue, 0),
-                        "own: more than 4096 atlases: what comes behind them is left out");
+    assert_string_equal(conus_catalogue_note(catalogue, 0), "own: more than 4096 atlases: the rest is left out");
     conus_catalogue_destroy(catalogue);
 }
 

@@ -237,9 +237,9 @@ static const struct {
      "true}}",
      "context.moves: there is no transform that could move it"},
     {"{\"conus_atlas\": 1, \"probabilities\": [{\"file\": \"b\", \"moves\": true}]}",
-     "probabilities[0].moves: is of pathways and the context, areas always move"},
+     "probabilities[0].moves: is for pathways and the context, areas always move"},
     {"{\"conus_atlas\": 1, \"probabilities\": [{\"file\": \"b\", \"orientation\": \"asr\"}]}",
-     "probabilities[0]: resolution and orientation are of pathways"},
+     "probabilities[0]: resolution and orientation are for pathways"},
     {"{\"conus_atlas\": 1, \"allow_outside\": \"yes\"}", "allow_outside: found \"yes\", true or false is needed"},
 };
 

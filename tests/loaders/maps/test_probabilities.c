@@ -307,7 +307,7 @@ static void what_is_no_probability_is_refused(void **state)
          "has probabilities and a parcellation"},
         {"\"big.nii\"], \"areas\": [\"s.gii\"", "has probabilities and areas"},
         {"\"maps.nii\"], \"pathways\": [{\"file\": \"maps.nii\", \"scale\": 1}",
-         "pathways[0].scale: is of probabilities"},
+         "pathways[0].scale: is for probabilities"},
     };
     test_folder("refused");
     write_maps(test_in("maps.nii"), 2, 1, 3);

@@ -186,7 +186,7 @@ static void what_is_refused(void **state)
          {.tissues = {1005}, .tissue_count = 1},
          1,
          CONUS_ERROR_ARGUMENT,
-         "tissue: no tetrahedron is of that one "
+         "tissue: no tetrahedron has it "
          "(tag1); there are 2, 1"},
         {{0},
          {0},

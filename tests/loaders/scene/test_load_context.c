@@ -176,7 +176,7 @@ static void manifests_name_them(void **state)
     static const struct {
         const char *context, *why;
     } bad[] = {
-        {"{\"file\": \"l.gii\", \"transfer\": \"brain\"}", "context: transfer: is of volumes, this is a surface"},
+        {"{\"file\": \"l.gii\", \"transfer\": \"brain\"}", "context: transfer: is for volumes, this is a surface"},
         {"{\"file\": \"l.gii\", \"blocks\": 3}", "context: blocks: only voxels of a volume do, this is a surface"},
         {"[\"l.gii\", {\"file\": \"r.obj\", \"opacity\": 2}]", "context[1].opacity: found 2, a number above 0 to 1"},
         {"[\"l.gii\", {\"file\": \"r.obj\", \"moves\": true}]", "context.moves: there is no transform"},

@@ -168,7 +168,7 @@ static void bad_headers_say_what_is_wrong(void **state)
     bad = good;
     bad.intent_code = 0;
     check_refused(bad, false, 0, CONUS_ERROR_DATA, "intent_code: found 0");
-    check_refused(good, true, 0, CONUS_ERROR_ARGUMENT, "are of FSL's fields");
+    check_refused(good, true, 0, CONUS_ERROR_ARGUMENT, "are for FSL's fields");
     memcpy(bad.intent_name, "Mapping", sizeof "Mapping");
     check_refused(bad, false, CONUS_VECTORS_RELATIVE, CONUS_ERROR_ARGUMENT, "not relative");
     memcpy(bad.intent_name, "NREG_TRANS", sizeof "NREG_TRANS");
