@@ -114,7 +114,7 @@ END
         grep -o '"fingerprint": *"[0-9a-f]*"' $name.txt.json >$name.print
     done
     run -1 cmp -s two.print same.print
-    run -0 "$CONUS" render two/two.atlas.json --origin 0,60,10 --toward 0,0,0 --angle 40 -o two.png
+    run -0 "$CONUS" render two/two.atlas.json --origin 0,60,10 --toward 0,0,0 --angle 40 --size 160x120 -o two.png
 }
 
 @test "a manifest that is there is never replaced" {

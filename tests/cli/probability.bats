@@ -69,8 +69,8 @@ row() {
     answers sweep --force maps.xml --only B --origin 0.2,0.3,-40 --toward 0.2,0.3,0 --probability 0.5 -q --format tsv -o rows.tsv
     row B distance_mm | awk '{ exit !($1 - sqrt(38.5 ^ 2 + 0.3 ^ 2 + 0.2 ^ 2) < 1e-6) }'
     row B distance_mm | awk '{ exit !($1 > 38.5) }'
-    gl render maps.xml --probability 0.5 --only A --origin 0.2,0.3,-40 --toward 0.2,0.3,0 -q -o half.png
-    gl render maps.xml --only A --origin 0.2,0.3,-40 --toward 0.2,0.3,0 -q -o quarter.png
+    gl render maps.xml --probability 0.5 --only A --origin 0.2,0.3,-40 --toward 0.2,0.3,0 --size 160x120 -q -o half.png
+    gl render maps.xml --only A --origin 0.2,0.3,-40 --toward 0.2,0.3,0 --size 160x120 -q -o quarter.png
     not cmp half.png quarter.png
 }
 

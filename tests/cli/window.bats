@@ -277,7 +277,7 @@ END
         look true
         places+=("$(jq -c .crosshair "look$looks.json")")
     done
-    tell 'crosshair 0 0 0' # the same cut
+    tell 'sheet pixels 280 210' 'crosshair 0 0 0' # the same cut
     xdotool key --window "$window" ctrl+m
     look '.measure.on'
     click_at 305 30

@@ -643,7 +643,7 @@ def shared_volumes(ask):
         labelled(ask, f"{SHARED}/labelvol/{name}.nii.gz", "in/brain.tsv", AIM, quick="LH" in name)
     atlases = f"{SHARED}/prob/fsl/atlases"
     labelled(ask, f"{atlases}/JHU-labels.xml", "in/brain.tsv", AIM, quick=True)
-    ask(f"info {atlases}/JHU-tracts.xml", fails=True)
+    ask(f"info {atlases}/JHU-tracts.xml --format json")
     ask(f"query {atlases}/Thalamus/Thalamus-maxprob-thr25-2mm.nii.gz --pose in/brain.tsv --layers all -o "
         f"{{o}}/rows.tsv", quick=True)
     ask(f"query {atlases}/JHU/JHU-ICBM-tracts-maxprob-thr25-1mm.nii.gz --pose in/brain.tsv -o {{o}}/rows.tsv")

@@ -443,7 +443,7 @@ static void scale_and_directions_lie_on_nothing(void **state)
     static const struct {
         uint32_t width, height;
         double dpi;
-    } sizes[] = {{709, 531, 300}, {400, 300, 0}, {300, 400, 0}, {900, 300, 0}};
+    } sizes[] = {{355, 266, 150}, {300, 225, 0}, {225, 300, 0}, {600, 200, 0}};
     need_font();
     struct scene scene = need_scene(state);
     conus_selection *selection = NULL;
@@ -498,7 +498,7 @@ static void a_cube_makes_room_for_scale_and_directions(void **state)
  * cone. */
 static void a_legend_leaves_the_drawing_large(void **state)
 {
-    static const uint32_t sizes[][2] = {{400, 300}, {400, 400}};
+    static const uint32_t sizes[][2] = {{320, 240}, {400, 400}};
     need_font();
     struct scene scene = need_scene(state);
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
@@ -761,7 +761,7 @@ static conus_status attempt_probe(void *data)
 {
     const struct probe_scene *of = data;
     conus_image *image = NULL;
-    const conus_view view = {.width = 300, .height = 200, .probes = &of->probe, .probe_count = 1};
+    const conus_view view = {.width = 240, .height = 80, .probes = &of->probe, .probe_count = 1};
     conus_status status = conus_render(&image, of->scene->renderer, &view);
     assert_true((status == CONUS_OK) == (image != NULL));
     conus_image_destroy(image);
