@@ -194,7 +194,7 @@ static void single_bytes_that_lie(void **state)
 static void names_of_fields_must_fit(void **state)
 {
     (void)state;
-    static const char lengths[][4] = {{0, 0, 0, 0}, {3, 0, 0, 0}, {-1, -1, -1, -1}};
+    static const char lengths[][4] = {{0, 0, 0, 0}, {3, 0, 0, 0}, {'\xff', '\xff', '\xff', '\xff'}};
     for (size_t i = 0; i < 3; i++) {
         struct matlab_builder builder;
         begin_array(&builder, MX_STRUCT, 1, 1);

@@ -34,6 +34,26 @@ console.log(`${os.cpus()[0].model}, ${os.cpus().length} processors, load ${load(
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox", "--disable-gpu"] });
 console.log(`Chromium ${browser.version()}, headless, without a GPU`);
 
+/** The processor time of all Chromium's processes, in ticks of 10 ms. */
+function spent() {
+  let ticks = 0;
+  for (const id of fs.readdirSync("/proc").filter((name) => Number(name))) {
+    try {
+      const [, name, rest] = fs.readFileSync(`/proc/${id}/stat`, "utf8").match(/\((.*)\) (.*)/);
+      if (name.startsWith("chromium")) ticks += rest.split(" ").slice(11, 13).reduce((sum, part) => sum + Number(part), 0);
+    } catch {} // it has ended
+  }
+  return ticks;
+}
+
+/** Waits, 10 s at most, until Chromium has loaded its own pages: until it takes no processor time for 0.3 s. */
+async function settle() {
+  for (let i = 0, before = -1; i < 33 && before !== spent(); i++) {
+    before = spent();
+    await new Promise((done) => { setTimeout(done, 300); });
+  }
+}
+
 /** Opens the AAL page in a profile of its own; the page notes when it drew, and each frame. */
 async function visit() {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 } });
@@ -48,6 +68,7 @@ async function visit() {
       window.took.push(Number(document.body.dataset.took));
     }).observe(document.body, { attributeFilter: ["data-drawn"] }));
   });
+  await settle();
   await page.goto(file);
   await page.locator("body[data-drawn][data-ready]").waitFor({ state: "attached", timeout: 60000 });
   return page;
