@@ -162,7 +162,7 @@ static void a_long_streamline(void **state)
     (void)state;
     enum { POINTS = 500001 };
     static const int far_start[3] = {0, 0, 0};
-    static const char step[3] = {1, 0, -1};
+    static const signed char step[3] = {1, 0, -1};
     struct buffer bytes = {0};
     struct tractogram t;
     struct notes notes = {0};
