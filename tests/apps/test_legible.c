@@ -379,6 +379,34 @@ static void the_audit_finds_cut_texts(void **state)
     ui_destroy();
 }
 
+/* Names of a left and a right area stay different, and so do those of areas that end alike; characters stay whole. */
+static void a_name_that_is_cut_keeps_its_side(void **state)
+{
+    static const char *const names[] = {"Frontal_Inf_Oper_L", "Frontal_Inf_Oper_R",
+                                        "\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u0141"};
+    char shown[3][64];
+    (void)state;
+    assert_true(ui_audit_create(1, 400, 100));
+    ui_audit_begin();
+    for (size_t i = 0; i < 3; i++) {
+        float whole = ui_text_width(names[i]);
+        ui_shorten_name(shown[i], sizeof shown[i], names[i], whole);
+        assert_string_equal(shown[i], names[i]);
+        ui_shorten_name(shown[i], sizeof shown[i], names[i], 0.7F * whole);
+        assert_true(ui_text_width(shown[i]) <= 0.7F * whole);
+        assert_true(ui_text_width(shown[i]) > 0.5F * whole);
+    }
+    assert_memory_equal(shown[0], "Front", 5);
+    assert_non_null(strstr(shown[0], "..."));
+    assert_string_equal(shown[0] + strlen(shown[0]) - 2, "_L");
+    assert_string_equal(shown[1] + strlen(shown[1]) - 2, "_R");
+    assert_string_equal(shown[2], "\u00e9\u00e9...\u0141");
+    ui_shorten_name(shown[0], sizeof shown[0], names[0], 0);
+    assert_string_equal(shown[0], "...");
+    ui_audit_end();
+    ui_destroy();
+}
+
 static void letters_that_the_font_lacks_are_known(void **state)
 {
     (void)state;
@@ -395,10 +423,15 @@ static void letters_that_the_font_lacks_are_known(void **state)
 TEST_GROUP(legible)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(contrast_is_that_of_wcag),       cmocka_unit_test(colours_are_blended_by_opacity),
-        cmocka_unit_test(every_text_can_be_read),         cmocka_unit_test(pale_texts_can_be_read),
-        cmocka_unit_test(the_widgets_have_these_colours), cmocka_unit_test(the_audit_finds_cut_texts),
-        cmocka_unit_test(nothing_is_cut_at_usual_sizes),  cmocka_unit_test(letters_that_the_font_lacks_are_known),
+        cmocka_unit_test(contrast_is_that_of_wcag),
+        cmocka_unit_test(colours_are_blended_by_opacity),
+        cmocka_unit_test(every_text_can_be_read),
+        cmocka_unit_test(pale_texts_can_be_read),
+        cmocka_unit_test(the_widgets_have_these_colours),
+        cmocka_unit_test(the_audit_finds_cut_texts),
+        cmocka_unit_test(nothing_is_cut_at_usual_sizes),
+        cmocka_unit_test(letters_that_the_font_lacks_are_known),
+        cmocka_unit_test(a_name_that_is_cut_keeps_its_side),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

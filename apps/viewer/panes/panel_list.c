@@ -93,7 +93,7 @@ static void draw_cell(const struct viewer *viewer, const struct view_atlas *view
     }
     const char *text = result_cell(cell, viewer, view, column, result);
     if (result_is_text(column)) {
-        ui_text_cut(text, ui_room());
+        ui_name_cut(text, ui_room());
     } else {
         ui_text_right(text);
     }
@@ -145,6 +145,9 @@ static void draw_list(struct window *window, const struct view_atlas *view, cons
     }
     while (usual && columns > 2 && !ui_list_fits(widths, columns)) {
         columns--;
+    }
+    if (usual && !ui_list_fits(widths, columns)) {
+        widths[0] = 2 * ui_line(); /* all that the share leaves */
     }
     if (ui_list("results", widths, columns, lines * ui_line())) {
         ui_list_top();

@@ -37,7 +37,7 @@ static void draw_row(struct viewer *viewer, const struct plan_row *row, size_t i
     ui_cell();
     panel_number("%.2f", row->clearance);
     ui_cell();
-    ui_text_cut(row->nearest, ui_room());
+    ui_name_cut(row->nearest, ui_room());
 }
 
 static void draw_list(struct viewer *viewer, const struct plan_list *list)

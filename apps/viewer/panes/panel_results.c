@@ -20,7 +20,7 @@ static void draw_pins(struct window *window)
             const struct pin *pin = &viewer->pins[i - 1];
             char title[VIEW_ATLAS_TITLE];
             ui_cell();
-            ui_text_cut(viewer_pin_title(title, viewer, pin), ui_room());
+            ui_name_cut(viewer_pin_title(title, viewer, pin), ui_room());
             ui_cell();
             panel_number("%.2f %%", 100 * pin->share);
             ui_cell();
@@ -29,7 +29,7 @@ static void draw_pins(struct window *window)
             panel_number("%.2f", pin->apart);
             if (several) {
                 ui_cell();
-                ui_text_cut(viewer->names[pin->atlas], ui_room());
+                ui_name_cut(viewer->names[pin->atlas], ui_room());
             }
         }
         ui_list_end();
@@ -100,9 +100,10 @@ void panel_results(struct window *window)
     panel_plan(window);
     bool two = viewer->tools[SECOND_TOOL].on; /* then its list stands below the first one's */
     bool shares_room = two || viewer->study.settings.kind || plans_is_on(viewer);
+    float room = ui_room_below() / ui_line();
     float lines = viewer->atlas_count > 1 ? (two ? 8 : 16) /* else the rest is for what is asked, and the card */
                   : shares_room           ? 8
-                                          : fmaxf(14, ui_room_below() / ui_line() - 30);
+                                          : fmaxf(fminf(14, 0.4F * room), room - 30);
     panel_lists(window, FIRST_TOOL, lines);
     ui_dim_end();
     draw_buttons(window);

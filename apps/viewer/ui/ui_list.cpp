@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <string>
+#include <vector>
 
 /* The text, or its beginning with "...", whole characters of UTF-8. */
 static std::string cut_to(const char *text, float room)
@@ -24,6 +25,24 @@ static std::string cut_to(const char *text, float room)
         shown.pop_back();
     }
     return shown + "...";
+}
+
+/* The name, or its beginning and its end with "..." between them: the end tells left from right. */
+static std::string cut_name(const char *name, float room)
+{
+    std::vector<size_t> starts; // of characters of UTF-8
+    for (size_t i = 0; i < std::strlen(name); i++) {
+        if ((name[i] & 0xc0) != 0x80) {
+            starts.push_back(i);
+        }
+    }
+    std::string shown(name);
+    for (size_t kept = starts.size(); ImGui::CalcTextSize(shown.c_str()).x > room && kept > 0; kept--) {
+        size_t end = (kept - 1) / 3; // characters of its end
+        size_t begun = kept - 1 - end;
+        shown = std::string(name, starts[begun]) + "..." + (end ? name + starts[starts.size() - end] : "");
+    }
+    return shown;
 }
 
 static float width_of(const float *widths, size_t count)
@@ -136,7 +155,7 @@ void ui_underline(double part, ui_colour colour)
 
 bool ui_row_cut(const char *label, bool selected, const char *tip)
 {
-    std::string shown = cut_to(label, ImGui::GetContentRegionAvail().x);
+    std::string shown = cut_name(label, ImGui::GetContentRegionAvail().x);
     bool is_cut = shown != label;
     bool pressed = ImGui::Selectable(shown.c_str(), selected);
     ui_tip((is_cut ? std::string(label) + "\n" + tip : std::string(tip)).c_str());
@@ -148,14 +167,28 @@ void ui_shorten(char *out, size_t size, const char *text, float width)
     std::snprintf(out, size, "%s", cut_to(text, width).c_str());
 }
 
-void ui_text_cut(const char *text, float width)
+void ui_shorten_name(char *out, size_t size, const char *name, float width)
 {
-    std::string shown = cut_to(text, width);
+    std::snprintf(out, size, "%s", cut_name(name, width).c_str());
+}
+
+static void show_cut(const std::string &shown, const char *text)
+{
     ImGui::TextUnformatted(shown.c_str());
     audit_item(text);
     if (shown != text) {
         ui_tip(text);
     }
+}
+
+void ui_text_cut(const char *text, float width)
+{
+    show_cut(cut_to(text, width), text);
+}
+
+void ui_name_cut(const char *name, float width)
+{
+    show_cut(cut_name(name, width), name);
 }
 
 void ui_columns(size_t count)

@@ -25,11 +25,13 @@ bool ui_list_row(void);
 void ui_text_right(const char *text); /**< It ends at the cell's right edge. */
 /** A line under the cell's text, as long as the part of the cell's width. */
 void ui_underline(double part, ui_colour colour);
-/** A line of a list that can be pressed. What does not fit ends in "..."; then the tip has it whole, as has @p tip. */
+/** A line of a list that can be pressed, as ui_name_cut() shows it; what is cut is whole in its tip, with @p tip. */
 bool ui_row_cut(const char *label, bool selected, const char *tip);
 
 /** A text that ends in "..." where it is wider than @p width; then its tip has it whole. */
 void ui_text_cut(const char *text, float width);
+/** A name with "..." in its middle where it is wider than that: its end may say the side. Likewise. */
+void ui_name_cut(const char *name, float width);
 /** The following texts stand in so many columns, filled from ui_next_column() to the next; 1 ends them. */
 void ui_columns(size_t count);
 void ui_next_column(void);
