@@ -346,6 +346,26 @@ END
     leave
 }
 
+@test "the 3-D pane says that clicks measure, as long as they do" {
+    need_window
+    need_pixels
+    conus phantom slabs -o .
+    view slabs.nii.gz --size 1000x640 <<'END'
+key ctrl+m
+settle
+screenshot on.png
+key ctrl+m
+settle
+screenshot off.png
+END
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+on, off = (oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[560:615, 60:300, :3].astype(int) for name in ("on", "off"))
+green = [((lower[..., 1] > 150) & (lower[..., 1] > lower[..., 0] + 60)).sum() for lower in (on, off)]
+assert green[0] > 100 and green[1] == 0, green
+END
+}
+
 @test "a typed name takes the place of the proposed one, and stays on the page where it cannot be written" {
     conus phantom slabs -o .
     live slabs.nii.gz

@@ -51,15 +51,25 @@ static void draw_direction(const struct window *window, const float centre[2], s
     }
 }
 
+static float compass_reach(void)
+{
+    return 2.9F * ui_line();
+}
+
+static bool has_compass(const struct ui_box *box)
+{
+    return box->width > 3 * compass_reach() && box->height > 4 * compass_reach();
+}
+
 static void draw_compass(const struct window *window)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
-    float reach = 2.9F * ui_line();
+    float reach = compass_reach();
     bool is_well;
     bool has_text = head_text(&window->viewer->head, &is_well) || !window->viewer->tools[FIRST_TOOL].has_pose;
     float below = has_text ? 1.6F * ui_line() : 0; /* where it stands */
     const float centre[2] = {box->x + box->width - reach, box->y + box->height - reach - below};
-    if (box->width > 3 * reach && box->height > 4 * reach) {
+    if (has_compass(box)) {
         for (int half = 0; half < 12; half++) { /* what points away first */
             size_t axis = (size_t)half % 3;
             int sign = half / 3 % 2 ? 1 : -1;
@@ -262,6 +272,10 @@ static void draw_notices(const struct window *window)
         ui_draw_text(at, is_well ? light : theme_shaded[THEME_ORANGE], text);
         at[1] -= 1.4F * ui_line();
     }
+    if (viewer->measure.on) {
+        ui_draw_text(at, theme_shaded[THEME_GREEN], "measuring; Ctrl+M ends it");
+        at[1] -= 1.4F * ui_line();
+    }
     inputs_notice(&notice, &window->inputs, window->viewer, FIRST_TOOL);
     if (notice.text) {
         ui_draw_text(at, notice.is_trouble ? theme_shaded[THEME_ORANGE] : light, notice.text);
@@ -276,10 +290,11 @@ static void draw_notices(const struct window *window)
         char line[PLAN_LINE];
         char shown[PLAN_LINE];
         plans_line(line, window->viewer, true);
-        if (ui_text_width(line) > box->width - 16) { /* the verdict first */
+        float room = box->width - 16 - (has_compass(box) ? 2 * compass_reach() : 0);
+        if (ui_text_width(line) > room) { /* the verdict first */
             plans_line(line, window->viewer, false);
         }
-        ui_shorten(shown, sizeof shown, line, box->width - 16);
+        ui_shorten(shown, sizeof shown, line, room);
         ui_draw_text(at, theme_shaded[panel_verdict_colour(plans_verdict(window->viewer))], shown);
         at[1] -= 1.4F * ui_line();
     }

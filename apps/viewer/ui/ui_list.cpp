@@ -54,29 +54,42 @@ static float width_of(const float *widths, size_t count)
     return wanted;
 }
 
-extern "C" {
-
-bool ui_list_fits(const float *widths, size_t count)
+static bool fits(const float *widths, size_t count)
 {
     return width_of(widths, count) <= ImGui::GetContentRegionAvail().x;
 }
 
+extern "C" {
+
+size_t ui_list_fit(float *widths, size_t count, size_t least)
+{
+    float name = widths[0];
+    widths[0] = fits(widths, count) ? name : name * 2 / 3;
+    while (count > least && !fits(widths, count)) {
+        count--;
+    }
+    float narrow = widths[0];
+    widths[0] = fits(widths, count) ? narrow : 2 * ui_line(); // it gets all that the others leave
+    widths[0] = fits(widths, count) ? widths[0] : narrow;
+    return count;
+}
+
 bool ui_list(const char *id, const float *widths, size_t count, float height)
 {
-    bool fits = ui_list_fits(widths, count);
+    bool whole = fits(widths, count);
     ImGuiTableFlags flags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit |
                             ImGuiTableFlags_BordersInnerV | ImGuiTableFlags_NoSavedSettings |
-                            (fits ? 0 : ImGuiTableFlags_ScrollX);
-    ImGui::PushID(fits ? "fits" : "scrolls"); // a table keeps the flags of its columns
+                            (whole ? 0 : ImGuiTableFlags_ScrollX);
+    ImGui::PushID(whole ? "fits" : "scrolls"); // a table keeps the flags of its columns
     ImGui::PushID(static_cast<int>(count));
     if (!ImGui::BeginTable(id, static_cast<int>(count), flags, ImVec2(0, height))) {
         ImGui::PopID();
         ImGui::PopID();
         return false;
     }
-    ImGui::TableSetupScrollFreeze(fits ? 0 : 1, 1);
+    ImGui::TableSetupScrollFreeze(whole ? 0 : 1, 1);
     for (size_t i = 0; i < count; i++) {
-        bool takes_rest = i == 0 && fits;
+        bool takes_rest = i == 0 && whole;
         ImGui::TableSetupColumn("", takes_rest ? ImGuiTableColumnFlags_WidthStretch : ImGuiTableColumnFlags_WidthFixed,
                                 takes_rest ? 1 : widths[i]);
     }

@@ -12,8 +12,9 @@ extern "C" {
 /** A list of @p count columns, the first of which is at least so wide, and takes what the others leave. Where they
  * leave less, the list scrolls to the side below it. False: nothing of it is to be drawn, and it is not to be ended. */
 bool ui_list(const char *id, const float *widths, size_t count, float height);
-/** Whether it would not scroll to the side. */
-bool ui_list_fits(const float *widths, size_t count);
+/** Narrows the first column, of names, and counts fewer columns, but @p least, where the list would scroll to the side.
+ */
+size_t ui_list_fit(float *widths, size_t count, size_t least);
 void ui_list_end(void);
 /** The row of headings; then, for each column, a heading, at its @p right or left; true when it was pressed. */
 void ui_list_top(void);
