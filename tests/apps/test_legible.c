@@ -315,6 +315,9 @@ static void look_at_all(struct window *window)
     nothing_is_cut(window, "a long name");
     viewer->tools[FIRST_TOOL].pointer = POINT_BY_TRACKER;
     nothing_is_cut(window, "an old answer");
+    viewer->tools[SECOND_TOOL].on = true;
+    nothing_is_cut(window, "a second tool, not placed yet");
+    viewer->tools[SECOND_TOOL].on = false;
     viewer_hide(viewer, 1, true);
     tool_clear(viewer);
     viewer->tools[FIRST_TOOL].pointer = POINT_BY_REPLAY;
