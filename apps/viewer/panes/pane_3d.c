@@ -265,7 +265,9 @@ static void draw_notices(const struct window *window)
     const struct viewer *viewer = window->viewer;
     struct notice notice;
     char second[128];
+    char shown[PLAN_LINE];
     bool is_well;
+    float room = box->width - 16 - (has_compass(box) ? 2 * compass_reach() : 0); /* of lines beside the directions */
     float at[2] = {box->x + 8, box->y + box->height - 1.4F * ui_line()};
     const char *text = head_text(&viewer->head, &is_well);
     if (text) {
@@ -288,9 +290,7 @@ static void draw_notices(const struct window *window)
     }
     if (plans_is_on(viewer) && !notice.is_old) {
         char line[PLAN_LINE];
-        char shown[PLAN_LINE];
         plans_line(line, window->viewer, true);
-        float room = box->width - 16 - (has_compass(box) ? 2 * compass_reach() : 0);
         if (ui_text_width(line) > room) { /* the verdict first */
             plans_line(line, window->viewer, false);
         }
@@ -301,7 +301,8 @@ static void draw_notices(const struct window *window)
     inputs_notice(&notice, &window->inputs, window->viewer, SECOND_TOOL);
     if (viewer->tools[SECOND_TOOL].on && notice.text) {
         snprintf(second, sizeof second, "tool 2: %s%s", notice.is_old ? "OLD ANSWER: " : "", notice.text);
-        ui_draw_text(at, notice.is_trouble ? theme_shaded[THEME_ORANGE] : light, second);
+        ui_shorten(shown, sizeof shown, second, room);
+        ui_draw_text(at, notice.is_trouble ? theme_shaded[THEME_ORANGE] : light, shown);
     }
 }
 
