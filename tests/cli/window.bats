@@ -195,6 +195,52 @@ assert wide * high > 0.5 * 1280 * 800, (wide, high)
 END
 }
 
+@test "letters at the sides of a cut do not lie on the brain, where the cut is narrow" {
+    need_window
+    need_pixels
+    conus phantom sphere -o .
+    view sphere.nii.gz --size 1280x800 --scale 2 <<'END'
+quiet-status
+crosshair 0 0 25
+settle
+screenshot window.png
+END
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+pixels = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[..., :3].astype(int)
+for left, top in (740, 0), (740, 251), (740, 502):
+    pane = pixels[top:top + 248, left + 1:left + 154]
+    middle = pane[124 - 12:124 + 12] # the rows of the letters
+    for letter in middle[:, 6:24], middle[:, -24:-6]:
+        assert letter.max() > 200, "no letter"
+        assert (letter.max(axis=2) - letter.min(axis=2)).max() < 16, "the ball, whose colour is no grey"
+    assert (middle.max(axis=2) - middle.min(axis=2) > 30).any(), "no ball"
+END
+}
+
+@test "a session that is opened again says so, and no more what was said before" {
+    need_window
+    need_pixels
+    conus phantom slabs -o .
+    view slabs.nii.gz <<'END'
+quiet-status
+save slabs.json
+key escape
+settle
+screenshot cleared.png
+open slabs.json
+settle
+screenshot opened.png
+END
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+cleared, opened = (oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[-24:, :, :3].astype(int)
+                   for name in ("cleared", "opened"))
+amber = [(abs(line - (255, 200, 90)).max(axis=2) < 60).any(axis=0).sum() for line in (cleared, opened)]
+assert 0 < amber[0] < amber[1], amber # the longer words
+END
+}
+
 @test "the search is a key away, and names what it chooses" {
     conus phantom slabs -o .
     live slabs.nii.gz
@@ -271,7 +317,7 @@ END
     conus phantom slabs -o .
     live slabs.nii.gz
     local at places=()
-    for at in '305 30' '335 70'; do # in the axial cut: where the crosshair goes
+    for at in '312 40' '328 62'; do # in the axial cut: where the crosshair goes
         # shellcheck disable=SC2086
         click_at $at
         look true
@@ -280,13 +326,13 @@ END
     tell 'sheet pixels 280 210' 'crosshair 0 0 0' # the same cut
     xdotool key --window "$window" ctrl+m
     look '.measure.on'
-    click_at 305 30
+    click_at 312 40
     look '.measure.count == 1 and .crosshair == [0, 0, 0]'
-    click_at 335 70
+    click_at 328 62
     look ".measure.count == 2 and .measure.points == ${places[0]} + ${places[1]}"
     cp "look$looks.json" measured.json
     tell 'figure measured.png' 'figure measured-axial.png axial'
-    click_at 305 30 # anew
+    click_at 312 40 # anew
     look '.measure.count == 1'
     tell 'figure one.png' 'figure one-axial.png axial'
     tell 'open measured.json'
@@ -298,6 +344,26 @@ END
         not cmp "measured$pane.png" "one$pane.png"
     done
     leave
+}
+
+@test "the 3-D pane says that clicks measure, as long as they do" {
+    need_window
+    need_pixels
+    conus phantom slabs -o .
+    view slabs.nii.gz --size 1000x640 <<'END'
+key ctrl+m
+settle
+screenshot on.png
+key ctrl+m
+settle
+screenshot off.png
+END
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+on, off = (oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[560:615, 60:300, :3].astype(int) for name in ("on", "off"))
+green = [((lower[..., 1] > 150) & (lower[..., 1] > lower[..., 0] + 60)).sum() for lower in (on, off)]
+assert green[0] > 100 and green[1] == 0, green
+END
 }
 
 @test "a typed name takes the place of the proposed one, and stays on the page where it cannot be written" {

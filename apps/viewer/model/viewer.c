@@ -38,7 +38,8 @@ void viewer_find_ball(struct viewer *viewer)
     }
     for (int a = 0; a < 3 && low[0] <= high[0]; a++) {
         viewer->centre[a] = (low[a] + high[a]) / 2;
-        square += (high[a] - low[a]) * (high[a] - low[a]) / 4;
+        viewer->half[a] = (high[a] - low[a]) / 2;
+        square += viewer->half[a] * viewer->half[a];
         longest = fmax(longest, high[a] - low[a]);
     }
     /* Brains are round: corners of their boxes are empty. But both ends of a long one are to be seen. */

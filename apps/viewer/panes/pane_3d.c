@@ -51,15 +51,25 @@ static void draw_direction(const struct window *window, const float centre[2], s
     }
 }
 
+static float compass_reach(void)
+{
+    return 2.9F * ui_line();
+}
+
+static bool has_compass(const struct ui_box *box)
+{
+    return box->width > 3 * compass_reach() && box->height > 4 * compass_reach();
+}
+
 static void draw_compass(const struct window *window)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
-    float reach = 2.9F * ui_line();
+    float reach = compass_reach();
     bool is_well;
     bool has_text = head_text(&window->viewer->head, &is_well) || !window->viewer->tools[FIRST_TOOL].has_pose;
     float below = has_text ? 1.6F * ui_line() : 0; /* where it stands */
     const float centre[2] = {box->x + box->width - reach, box->y + box->height - reach - below};
-    if (box->width > 3 * reach && box->height > 4 * reach) {
+    if (has_compass(box)) {
         for (int half = 0; half < 12; half++) { /* what points away first */
             size_t axis = (size_t)half % 3;
             int sign = half / 3 % 2 ? 1 : -1;
@@ -255,11 +265,17 @@ static void draw_notices(const struct window *window)
     const struct viewer *viewer = window->viewer;
     struct notice notice;
     char second[128];
+    char shown[PLAN_LINE];
     bool is_well;
+    float room = box->width - 16 - (has_compass(box) ? 2 * compass_reach() : 0); /* of lines beside the directions */
     float at[2] = {box->x + 8, box->y + box->height - 1.4F * ui_line()};
     const char *text = head_text(&viewer->head, &is_well);
     if (text) {
         ui_draw_text(at, is_well ? light : theme_shaded[THEME_ORANGE], text);
+        at[1] -= 1.4F * ui_line();
+    }
+    if (viewer->measure.on) {
+        ui_draw_text(at, theme_shaded[THEME_GREEN], "measuring; Ctrl+M ends it");
         at[1] -= 1.4F * ui_line();
     }
     inputs_notice(&notice, &window->inputs, window->viewer, FIRST_TOOL);
@@ -274,19 +290,19 @@ static void draw_notices(const struct window *window)
     }
     if (plans_is_on(viewer) && !notice.is_old) {
         char line[PLAN_LINE];
-        char shown[PLAN_LINE];
         plans_line(line, window->viewer, true);
-        if (ui_text_width(line) > box->width - 16) { /* the verdict first */
+        if (ui_text_width(line) > room) { /* the verdict first */
             plans_line(line, window->viewer, false);
         }
-        ui_shorten(shown, sizeof shown, line, box->width - 16);
+        ui_shorten(shown, sizeof shown, line, room);
         ui_draw_text(at, theme_shaded[panel_verdict_colour(plans_verdict(window->viewer))], shown);
         at[1] -= 1.4F * ui_line();
     }
     inputs_notice(&notice, &window->inputs, window->viewer, SECOND_TOOL);
     if (viewer->tools[SECOND_TOOL].on && notice.text) {
         snprintf(second, sizeof second, "tool 2: %s%s", notice.is_old ? "OLD ANSWER: " : "", notice.text);
-        ui_draw_text(at, notice.is_trouble ? theme_shaded[THEME_ORANGE] : light, second);
+        ui_shorten(shown, sizeof shown, second, room);
+        ui_draw_text(at, notice.is_trouble ? theme_shaded[THEME_ORANGE] : light, shown);
     }
 }
 

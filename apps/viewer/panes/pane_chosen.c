@@ -76,7 +76,7 @@ void pane_name(struct labels *labels, const struct ui_box *box, const float at[2
     char shown[PANE_NAME];
     struct ui_box place;
     /* the brain stays to be seen, but in narrow panes */
-    ui_shorten(shown, sizeof shown, name, fminf(box->width - 14, fmaxf(0.4F * box->width, 12 * ui_line())));
+    ui_shorten_name(shown, sizeof shown, name, fminf(box->width - 14, fmaxf(0.4F * box->width, 12 * ui_line())));
     const float size[2] = {ui_text_width(shown), ui_line()};
     if (labels_place(&place, labels, box, at, size, above, object)) {
         const float end[2] = {fmaxf(fminf(at[0], place.x + place.width), place.x),

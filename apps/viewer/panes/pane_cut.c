@@ -220,8 +220,20 @@ static void make_title(struct cut *cut, const struct viewer *viewer, enum plane 
     cut->upper = 8 + wide > 0.5F * box->width - 2 * margin ? cut->title_height : margin;
 }
 
+/* The part of its size at which the whole brain fits between the letters at the left and the right. */
+static float part_between_letters(const struct cut *cut, const struct viewer *viewer)
+{
+    const conus_cut_view *view = &cut->plane.view;
+    double half = 0;
+    for (int a = 0; a < 3; a++) {
+        half += fabs(view->right[a]) * viewer->half[a];
+    }
+    double room = (double)(cut->plane.box.width - 2 * (margin + ui_text_width("R") + 2));
+    return (float)(room * view->mm_per_pixel * viewer->magnification / fmax(2 * half, 1));
+}
+
 /* Where title and letters would lie on the brain it is drawn smaller, and lower; the upper letter gives way first. */
-static void make_room(struct cut *cut)
+static void make_room(struct cut *cut, const struct viewer *viewer)
 {
     const struct ui_box *box = &cut->plane.box;
     float high = brain * fminf(box->width, box->height);
@@ -229,7 +241,7 @@ static void make_room(struct cut *cut)
     float top = cut->upper + ui_line();
     cut->has_upper = cut->upper == margin || room - top > 0.85F * high;
     top = cut->has_upper ? top : cut->title_height;
-    float part = fminf(fmaxf((room - top) / high, 0.6F), 1);
+    float part = fminf(fmaxf(fminf((room - top) / high, part_between_letters(cut, viewer)), 0.6F), 1);
     double down = fmax((double)(top + part * high / 2 - box->height / 2), 0);
     cut->plane.view.mm_per_pixel /= (double)part;
     for (int a = 0; a < 3; a++) {
@@ -316,7 +328,7 @@ void pane_cut(struct window *window, enum plane plane)
     const struct ui_box *box = &cut.plane.box;
     cut_view(&cut.plane.view, window->viewer, plane, (double[]){(double)box->width, (double)box->height});
     make_title(&cut, window->viewer, plane);
-    make_room(&cut);
+    make_room(&cut, window->viewer);
     cut.plane.view.grey_cone = inputs_is_old(&window->inputs, window->viewer, FIRST_TOOL);
     draw_picture(window, &cut);
     ui_panel(figure_panes[plane], *box, UI_PLAIN);

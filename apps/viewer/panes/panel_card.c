@@ -15,7 +15,7 @@ static void draw_fact(const char *name, const char *value)
 {
     ui_text_coloured(THEME_HINT, "%s", name);
     ui_same_line_at(0.36F * ui_room());
-    ui_text_cut(value, ui_room());
+    ui_name_cut(value, ui_room());
 }
 
 /* "Brain > Cortex > Insula": the areas that it is part of, and itself. */

@@ -93,7 +93,7 @@ static void draw_cell(const struct viewer *viewer, const struct view_atlas *view
     }
     const char *text = result_cell(cell, viewer, view, column, result);
     if (result_is_text(column)) {
-        ui_text_cut(text, ui_room());
+        ui_name_cut(text, ui_room());
     } else {
         ui_text_right(text);
     }
@@ -140,12 +140,7 @@ static void draw_list(struct window *window, const struct view_atlas *view, cons
     while (usual && wide > ui_room() && columns && shown[columns - 1] >= RESULT_X && shown[columns - 1] <= RESULT_Z) {
         columns--;
     }
-    if (usual && !ui_list_fits(widths, columns)) {
-        widths[0] = width_of(window, RESULT_NAME) * 2 / 3;
-    }
-    while (usual && columns > 2 && !ui_list_fits(widths, columns)) {
-        columns--;
-    }
+    columns = usual ? ui_list_fit(widths, columns, 2) : columns;
     if (ui_list("results", widths, columns, lines * ui_line())) {
         ui_list_top();
         for (size_t i = 0; i < columns; i++) {

@@ -294,7 +294,7 @@ static void edit_thresholds(struct viewer *viewer)
         if (info && info->maximum > info->minimum) {
             double threshold = info->threshold;
             ui_id(number);
-            ui_text_cut(object->name, ui_room());
+            ui_name_cut(object->name, ui_room());
             ui_width(ui_room());
             ui_slider("##threshold", &threshold, info->minimum, info->maximum, "from %.6g", false);
             bool done = ui_edited();

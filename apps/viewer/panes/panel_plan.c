@@ -12,13 +12,14 @@ enum { COLUMNS = 4, LINES = 7 };
 static const struct {
     const char *heading, *tip, *widest;
 } columns[COLUMNS] = {
-    {"pose", "the planned poses, the best first; click, or ; and :, move the first tool there and hold it", "123456"},
+    {"pose", "the planned poses, the best first; click, or ; and :, move the first tool there and hold it",
+     "12  entry 12"},
     {"leeway", "mm by which no point of the needle may be off before a constraint breaks", "88.88"},
     {"clear", "mm between the needle and what it is to avoid", "888.88"},
     {"from", "what of that is nearest; of the nearest misses the constraint that they break", "Hippocampus_L"},
 };
 
-static void draw_row(struct viewer *viewer, const struct plan_row *row, size_t index, bool is_here)
+static void draw_row(struct viewer *viewer, const struct plan_row *row, size_t index, size_t shown, bool is_here)
 {
     char place[VIEWER_PLACE_TEXT];
     char title[PLAN_ID + 32];
@@ -32,12 +33,14 @@ static void draw_row(struct viewer *viewer, const struct plan_row *row, size_t i
     if (ui_row_cut(title, is_here, tip)) {
         plans_go(viewer, index);
     }
-    ui_cell();
-    panel_number("%.2f", row->leeway);
-    ui_cell();
-    panel_number("%.2f", row->clearance);
-    ui_cell();
-    ui_text_cut(row->nearest, ui_room());
+    for (size_t i = 1; i < shown; i++) {
+        ui_cell();
+        if (i < COLUMNS - 1) {
+            panel_number("%.2f", i == 1 ? row->leeway : row->clearance);
+        } else {
+            ui_name_cut(row->nearest, ui_room());
+        }
+    }
 }
 
 static void draw_list(struct viewer *viewer, const struct plan_list *list)
@@ -47,9 +50,10 @@ static void draw_list(struct viewer *viewer, const struct plan_list *list)
     for (size_t i = 0; i < COLUMNS; i++) {
         widths[i] = fmaxf(ui_text_width(columns[i].widest), ui_text_width(columns[i].heading));
     }
-    if (ui_list("plan", widths, COLUMNS, fminf(LINES, (float)list->count + 2) * ui_line())) {
+    size_t shown = ui_list_fit(widths, COLUMNS, 2);
+    if (ui_list("plan", widths, shown, fminf(LINES, (float)list->count + 2) * ui_line())) {
         ui_list_top();
-        for (size_t i = 0; i < COLUMNS; i++) {
+        for (size_t i = 0; i < shown; i++) {
             ui_id((uint32_t)i);
             ui_list_heading(columns[i].heading, i == 1 || i == 2);
             ui_tip(columns[i].tip);
@@ -58,7 +62,7 @@ static void draw_list(struct viewer *viewer, const struct plan_list *list)
         for (size_t i = 0; i < list->count; i++) {
             if (ui_list_row()) {
                 ui_id((uint32_t)i);
-                draw_row(viewer, &list->rows[i], i, i == here);
+                draw_row(viewer, &list->rows[i], i, shown, i == here);
                 ui_id_end();
             }
         }

@@ -6,6 +6,7 @@
 #include "viewer/ui/ui_list.h"
 
 #include <math.h>
+#include <stdio.h>
 
 static void draw_pins(struct window *window)
 {
@@ -15,21 +16,22 @@ static void draw_pins(struct window *window)
     float widths[5];
     panel_widths(widths, window, columns, widest, 5);
     bool several = viewer->atlas_count > 1;
-    if (ui_table("pins", columns, widths, several ? 5 : 4, 6 * ui_line())) {
+    size_t shown = several ? ui_list_fit(widths, 5, 5) : ui_list_fit(widths, 4, 2); /* the copied table has all */
+    if (ui_table("pins", columns, widths, shown, 6 * ui_line())) {
         for (size_t i = viewer->pin_count; i > 0; i--) {
             const struct pin *pin = &viewer->pins[i - 1];
             char title[VIEW_ATLAS_TITLE];
             ui_cell();
-            ui_text_cut(viewer_pin_title(title, viewer, pin), ui_room());
+            ui_name_cut(viewer_pin_title(title, viewer, pin), ui_room());
             ui_cell();
             panel_number("%.2f %%", 100 * pin->share);
-            ui_cell();
-            panel_number("%.2f", pin->distance);
-            ui_cell();
-            panel_number("%.2f", pin->apart);
+            for (size_t c = 2; c < shown && c < 4; c++) {
+                ui_cell();
+                panel_number("%.2f", c == 2 ? pin->distance : pin->apart);
+            }
             if (several) {
                 ui_cell();
-                ui_text_cut(viewer->names[pin->atlas], ui_room());
+                ui_name_cut(viewer->names[pin->atlas], ui_room());
             }
         }
         ui_list_end();
@@ -75,6 +77,7 @@ void panel_results(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     const double *range = viewer->cone.options.range;
+    char depths[80];
     struct notice notice;
     if (window->screen.folded[1]) {
         panel_rail(window, 1);
@@ -88,10 +91,11 @@ void panel_results(struct window *window)
         ui_tint_end();
     }
     if (notice.is_trouble || notice.is_old) { /* then what follows is pale */
-        ui_text_coloured(THEME_ORANGE, "%s", notice.text);
+        ui_text_wrapped(THEME_ORANGE, notice.text);
     }
     if (range[1] > 0) { /* the limits of the lists, whose widgets may be scrolled out of sight below */
-        ui_text_coloured(THEME_AMBER, "only depths from %.6g to %.6g mm count", range[0], range[1]);
+        snprintf(depths, sizeof depths, "only depths from %.6g to %.6g mm count", range[0], range[1]);
+        ui_text_wrapped(THEME_AMBER, depths);
     }
     if (viewer->cone.level[0]) {
         ui_text_coloured(THEME_AMBER, "level: %s", viewer->cone.level);
@@ -100,9 +104,10 @@ void panel_results(struct window *window)
     panel_plan(window);
     bool two = viewer->tools[SECOND_TOOL].on; /* then its list stands below the first one's */
     bool shares_room = two || viewer->study.settings.kind || plans_is_on(viewer);
+    float room = ui_room_below() / ui_line();
     float lines = viewer->atlas_count > 1 ? (two ? 8 : 16) /* else the rest is for what is asked, and the card */
-                  : shares_room           ? 8
-                                          : fmaxf(14, ui_room_below() / ui_line() - 30);
+                  : shares_room           ? fmaxf(fminf(8, 0.4F * room), 5)
+                                          : fmaxf(fminf(14, 0.4F * room), room - 30);
     panel_lists(window, FIRST_TOOL, lines);
     ui_dim_end();
     draw_buttons(window);

@@ -2,7 +2,7 @@
 /* The second tool: what moves it, its angle, and the list of what its cone hits. */
 #include "viewer/panes/panels.h"
 
-#include <math.h>
+#include <stdio.h>
 
 /* Offers all pointers but the replay. */
 static void choose_pointer(struct window *window)
@@ -43,6 +43,7 @@ static void choose_settings(struct window *window)
 void panel_second(struct window *window)
 {
     struct notice notice;
+    char text[128];
     bool on = window->viewer->tools[SECOND_TOOL].on;
     ui_id(2); /* widgets have the names of the first tool's */
     if (ui_check("Second tool", &on,
@@ -55,8 +56,8 @@ void panel_second(struct window *window)
         ui_same_line();
         ui_chip("colour of its cone", ((ui_colour){SECOND_RGB, 255}));
         if (notice.text) {
-            ui_text_coloured(notice.is_trouble ? THEME_ORANGE : THEME_PLAIN, "%s%s",
-                             notice.is_old ? "OLD ANSWER: " : "", notice.text);
+            snprintf(text, sizeof text, "%s%s", notice.is_old ? "OLD ANSWER: " : "", notice.text);
+            ui_text_wrapped(notice.is_trouble ? THEME_ORANGE : THEME_PLAIN, text);
         }
         ui_dim(notice.is_old ? theme_pale : 1);
         panel_lists(window, SECOND_TOOL, 8);

@@ -189,7 +189,8 @@ static void draw_shares(struct window *window, const struct study_answer *answer
     static const char *const widest[] = {"", "100.00 %", "100.00 %"};
     float widths[3];
     panel_widths(widths, window, columns, widest, 3);
-    if (ui_table("shares", columns, widths, 3, LINES * ui_line())) {
+    size_t shown = ui_list_fit(widths, 3, 2);
+    if (ui_table("shares", columns, widths, shown, LINES * ui_line())) {
         for (size_t i = 0; i < table->curve_count; i++) {
             const struct study_curve *curve = &table->curves[i];
             ui_id(curve->object);
@@ -197,8 +198,10 @@ static void draw_shares(struct window *window, const struct study_answer *answer
             ui_cell();
             ui_underline(curve->shares[angle], colour_of(viewer, curve->object));
             panel_number("%.2f %%", 100 * curve->shares[angle]);
-            ui_cell();
-            panel_number("%.2f %%", 100 * curve->most);
+            if (shown == 3) {
+                ui_cell();
+                panel_number("%.2f %%", 100 * curve->most);
+            }
             ui_id_end();
         }
         ui_list_end();
@@ -225,7 +228,8 @@ static void draw_chances(struct window *window, const struct study_table *table)
     struct viewer *viewer = window->viewer;
     float widths[4];
     panel_widths(widths, window, columns, (const char *const[]){"", "100.00", "100.00", "100.00"}, 4);
-    if (ui_table("chances", columns, widths, 4, (LINES + 2) * ui_line())) {
+    size_t shown = ui_list_fit(widths, 4, 2); /* the tip has all */
+    if (ui_table("chances", columns, widths, shown, (LINES + 2) * ui_line())) {
         for (size_t i = 0; i < table->chance_count; i++) {
             const conus_chance *chance = &table->chances[i];
             char tip[CHANCE_TIP];
@@ -235,10 +239,10 @@ static void draw_chances(struct window *window, const struct study_table *table)
             ui_cell();
             ui_underline(chance->hit, colour_of(viewer, chance->object));
             panel_number("%.2f", 100 * chance->hit);
-            ui_cell();
-            panel_number("%.2f", 100 * chance->hit_error);
-            ui_cell();
-            panel_number("%.2f", 100 * chance->seen);
+            for (size_t c = 2; c < shown; c++) {
+                ui_cell();
+                panel_number("%.2f", 100 * (c == 2 ? chance->hit_error : chance->seen));
+            }
             ui_id_end();
         }
         ui_list_end();

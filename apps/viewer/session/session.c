@@ -6,6 +6,7 @@
 #include "conus/file.h"
 #include "options/input_file.h"
 #include "options/messages.h"
+#include "options/output.h"
 #include "viewer/model/columns.h"
 #include "viewer/session/session_atlases.h"
 #include "viewer/session/session_fit.h"
@@ -449,6 +450,7 @@ bool session_load(struct window *window, const char *path, char why[PROPERTY_REA
     free(text);
     if (fine) {
         note_path(window, path);
+        viewer_say(window->viewer, "opened: %s", path_name(path)); /* what was said before is of another state */
     }
     return fine;
 }

@@ -277,7 +277,7 @@ static struct notice notice_of_first(const struct inputs *inputs, const struct t
                       : tool->held    ? "held: click again to follow"
                                       : NULL;
     } else if (!tool->has_pose && tool->pointer < POINT_BY_SPACEMOUSE) {
-        notice.text = tool->pointer == POINT_BY_WAND ? "press W to put the device there" : "choose a row to be shown";
+        notice.text = tool->pointer == POINT_BY_WAND ? "press W to place the device" : "choose a row to be shown";
     }
     return notice;
 }
@@ -294,7 +294,7 @@ static struct notice notice_of_second(const struct inputs *inputs, const struct 
     } else if (tool->pointer == POINT_BY_REPLAY) {
         notice = (struct notice){"a replay moves the first tool only", true, false};
     } else if (!tool->has_pose && tool->pointer < POINT_BY_SPACEMOUSE) {
-        notice.text = tool->pointer == POINT_BY_MOUSE ? "move the mouse over the brain" : "press W to put it there";
+        notice.text = tool->pointer == POINT_BY_MOUSE ? "move the mouse over the brain" : "press W to place it";
     }
     return notice;
 }

@@ -22,8 +22,9 @@ static ImU32 packed(ui_colour c)
     return IM_COL32(c.r, c.g, c.b, c.a);
 }
 
-/* Puts a label before its field, and gives the field the rest of the line; "##..." is none. */
-static void begin_field(const char *label)
+/* Puts a label before its field, or above it where that needs more width, and gives the field the rest of the line;
+ * "##..." is none. */
+static void begin_field(const char *label, float needed)
 {
     if (label[0] != '#') {
         float room = ui_room();
@@ -32,7 +33,9 @@ static void begin_field(const char *label)
         ImGui::AlignTextToFramePadding();
         ImGui::TextUnformatted(label);
         audit_item(label);
-        ImGui::SameLine(column);
+        if (column + needed <= ImGui::GetCursorPosX() + room) {
+            ImGui::SameLine(column);
+        }
         ImGui::SetNextItemWidth(-1);
     }
     ImGui::PushID(label);
@@ -282,7 +285,12 @@ void ui_text_wrapped(enum theme_text colour, const char *text)
 void ui_heading(const char *text)
 {
     ImGui::PushFont(ImGui::GetIO().Fonts->Fonts[1]);
+    float wide = ImGui::CalcTextSize(text).x;
+    float room = ImGui::GetContentRegionAvail().x;
+    ImGui::SetWindowFontScale(wide > room ? room / wide : 1); // as large as fits
     ImGui::TextUnformatted(text);
+    audit_item(text);
+    ImGui::SetWindowFontScale(1);
     ImGui::PopFont();
 }
 
@@ -332,7 +340,11 @@ bool ui_choose(const char *label, size_t *index, const char *const *choices, siz
 {
     bool changed = false;
     const char *shown = *index < count ? choices[*index] : "";
-    begin_field(label);
+    float widest = 0;
+    for (size_t i = 0; i < count; i++) {
+        widest = std::max(widest, ImGui::CalcTextSize(choices[i]).x);
+    }
+    begin_field(label, widest + ImGui::GetFrameHeight() + 2 * ImGui::GetStyle().FramePadding.x);
     audit_within(shown, ImGui::CalcItemWidth() - ImGui::GetFrameHeight() - ImGui::GetStyle().FramePadding.x);
     bool open = ImGui::BeginCombo("##field", shown);
     audit_widget(label);
@@ -357,7 +369,7 @@ bool ui_slider(const char *label, double *value, double low, double high, const 
     ImGuiSliderFlags flags = ImGuiSliderFlags_AlwaysClamp | (logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
     char shown[64];
     snprintf(shown, sizeof shown, format, *value);
-    begin_field(label);
+    begin_field(label, ImGui::CalcTextSize(shown).x);
     audit_within(shown, ImGui::CalcItemWidth());
     bool changed = ImGui::SliderScalar("##field", ImGuiDataType_Double, value, &low, &high, format, flags);
     audit_widget(label);
@@ -367,7 +379,7 @@ bool ui_slider(const char *label, double *value, double low, double high, const 
 
 bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high)
 {
-    begin_field(label);
+    begin_field(label, 0);
     bool changed =
         ImGui::SliderScalar("##field", ImGuiDataType_U32, value, &low, &high, "%u", ImGuiSliderFlags_AlwaysClamp);
     audit_widget(label);
@@ -378,7 +390,10 @@ bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high)
 bool ui_numbers(const char *label, double value[3], const char *format)
 {
     const ImGuiStyle &style = ImGui::GetStyle();
-    begin_field(label);
+    char usual[64];
+    snprintf(usual, sizeof usual, format, -123.4);
+    float number = ImGui::CalcTextSize(usual).x + 2 * style.FramePadding.x;
+    begin_field(label, 3 * number + 2 * style.ItemInnerSpacing.x);
     float wide = (ImGui::CalcItemWidth() - 2 * style.ItemInnerSpacing.x) / 3 - 2 * style.FramePadding.x;
     for (int i = 0; i < 3; i++) {
         char shown[64];
@@ -402,7 +417,7 @@ void ui_take_keys(bool *wants)
 
 bool ui_type(const char *label, char *text, size_t size, const char *hint)
 {
-    begin_field(label);
+    begin_field(label, 0);
     audit_within(hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
     ImGui::InputTextWithHint("##field", hint, text, size);
     audit_widget(label);

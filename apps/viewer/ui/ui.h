@@ -125,6 +125,8 @@ void ui_draw_circle(const float centre[2], float radius, ui_colour colour, float
 void ui_draw_box(struct ui_box box, ui_colour colour, float width);
 /** Copies @p text to @p out [size], or its beginning with "..." where it is wider than @p width. */
 void ui_shorten(char *out, size_t size, const char *text, float width);
+/** Likewise with "..." in its middle: a name's end may say the side. */
+void ui_shorten_name(char *out, size_t size, const char *name, float width);
 /** Text with its top left corner there, in front of a dark shade. */
 void ui_draw_text(const float at[2], ui_colour colour, const char *text);
 /** Likewise, twice as large, of ASCII. */

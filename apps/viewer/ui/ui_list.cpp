@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <string>
+#include <vector>
 
 /* The text, or its beginning with "...", whole characters of UTF-8. */
 static std::string cut_to(const char *text, float room)
@@ -26,6 +27,24 @@ static std::string cut_to(const char *text, float room)
     return shown + "...";
 }
 
+/* The name, or its beginning and its end with "..." between them: the end tells left from right. */
+static std::string cut_name(const char *name, float room)
+{
+    std::vector<size_t> starts; // of characters of UTF-8
+    for (size_t i = 0; i < std::strlen(name); i++) {
+        if ((name[i] & 0xc0) != 0x80) {
+            starts.push_back(i);
+        }
+    }
+    std::string shown(name);
+    for (size_t kept = starts.size(); ImGui::CalcTextSize(shown.c_str()).x > room && kept > 0; kept--) {
+        size_t end = (kept - 1) / 3; // characters of its end
+        size_t begun = kept - 1 - end;
+        shown = std::string(name, starts[begun]) + "..." + (end ? name + starts[starts.size() - end] : "");
+    }
+    return shown;
+}
+
 static float width_of(const float *widths, size_t count)
 {
     float wanted = ImGui::GetStyle().ScrollbarSize;
@@ -35,29 +54,42 @@ static float width_of(const float *widths, size_t count)
     return wanted;
 }
 
-extern "C" {
-
-bool ui_list_fits(const float *widths, size_t count)
+static bool fits(const float *widths, size_t count)
 {
     return width_of(widths, count) <= ImGui::GetContentRegionAvail().x;
 }
 
+extern "C" {
+
+size_t ui_list_fit(float *widths, size_t count, size_t least)
+{
+    float name = widths[0];
+    widths[0] = fits(widths, count) ? name : name * 2 / 3;
+    while (count > least && !fits(widths, count)) {
+        count--;
+    }
+    float narrow = widths[0];
+    widths[0] = fits(widths, count) ? narrow : 2 * ui_line(); // it gets all that the others leave
+    widths[0] = fits(widths, count) ? widths[0] : narrow;
+    return count;
+}
+
 bool ui_list(const char *id, const float *widths, size_t count, float height)
 {
-    bool fits = ui_list_fits(widths, count);
+    bool whole = fits(widths, count);
     ImGuiTableFlags flags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit |
                             ImGuiTableFlags_BordersInnerV | ImGuiTableFlags_NoSavedSettings |
-                            (fits ? 0 : ImGuiTableFlags_ScrollX);
-    ImGui::PushID(fits ? "fits" : "scrolls"); // a table keeps the flags of its columns
+                            (whole ? 0 : ImGuiTableFlags_ScrollX);
+    ImGui::PushID(whole ? "fits" : "scrolls"); // a table keeps the flags of its columns
     ImGui::PushID(static_cast<int>(count));
     if (!ImGui::BeginTable(id, static_cast<int>(count), flags, ImVec2(0, height))) {
         ImGui::PopID();
         ImGui::PopID();
         return false;
     }
-    ImGui::TableSetupScrollFreeze(fits ? 0 : 1, 1);
+    ImGui::TableSetupScrollFreeze(whole ? 0 : 1, 1);
     for (size_t i = 0; i < count; i++) {
-        bool takes_rest = i == 0 && fits;
+        bool takes_rest = i == 0 && whole;
         ImGui::TableSetupColumn("", takes_rest ? ImGuiTableColumnFlags_WidthStretch : ImGuiTableColumnFlags_WidthFixed,
                                 takes_rest ? 1 : widths[i]);
     }
@@ -136,7 +168,7 @@ void ui_underline(double part, ui_colour colour)
 
 bool ui_row_cut(const char *label, bool selected, const char *tip)
 {
-    std::string shown = cut_to(label, ImGui::GetContentRegionAvail().x);
+    std::string shown = cut_name(label, ImGui::GetContentRegionAvail().x);
     bool is_cut = shown != label;
     bool pressed = ImGui::Selectable(shown.c_str(), selected);
     ui_tip((is_cut ? std::string(label) + "\n" + tip : std::string(tip)).c_str());
@@ -148,14 +180,28 @@ void ui_shorten(char *out, size_t size, const char *text, float width)
     std::snprintf(out, size, "%s", cut_to(text, width).c_str());
 }
 
-void ui_text_cut(const char *text, float width)
+void ui_shorten_name(char *out, size_t size, const char *name, float width)
 {
-    std::string shown = cut_to(text, width);
+    std::snprintf(out, size, "%s", cut_name(name, width).c_str());
+}
+
+static void show_cut(const std::string &shown, const char *text)
+{
     ImGui::TextUnformatted(shown.c_str());
     audit_item(text);
     if (shown != text) {
         ui_tip(text);
     }
+}
+
+void ui_text_cut(const char *text, float width)
+{
+    show_cut(cut_to(text, width), text);
+}
+
+void ui_name_cut(const char *name, float width)
+{
+    show_cut(cut_name(name, width), name);
 }
 
 void ui_columns(size_t count)

@@ -12,8 +12,9 @@ extern "C" {
 /** A list of @p count columns, the first of which is at least so wide, and takes what the others leave. Where they
  * leave less, the list scrolls to the side below it. False: nothing of it is to be drawn, and it is not to be ended. */
 bool ui_list(const char *id, const float *widths, size_t count, float height);
-/** Whether it would not scroll to the side. */
-bool ui_list_fits(const float *widths, size_t count);
+/** Narrows the first column, of names, and counts fewer columns, but @p least, where the list would scroll to the side.
+ */
+size_t ui_list_fit(float *widths, size_t count, size_t least);
 void ui_list_end(void);
 /** The row of headings; then, for each column, a heading, at its @p right or left; true when it was pressed. */
 void ui_list_top(void);
@@ -25,11 +26,13 @@ bool ui_list_row(void);
 void ui_text_right(const char *text); /**< It ends at the cell's right edge. */
 /** A line under the cell's text, as long as the part of the cell's width. */
 void ui_underline(double part, ui_colour colour);
-/** A line of a list that can be pressed. What does not fit ends in "..."; then the tip has it whole, as has @p tip. */
+/** A line of a list that can be pressed, as ui_name_cut() shows it; what is cut is whole in its tip, with @p tip. */
 bool ui_row_cut(const char *label, bool selected, const char *tip);
 
 /** A text that ends in "..." where it is wider than @p width; then its tip has it whole. */
 void ui_text_cut(const char *text, float width);
+/** A name with "..." in its middle where it is wider than that: its end may say the side. Likewise. */
+void ui_name_cut(const char *name, float width);
 /** The following texts stand in so many columns, filled from ui_next_column() to the next; 1 ends them. */
 void ui_columns(size_t count);
 void ui_next_column(void);

@@ -831,7 +831,7 @@ bool window_connect(struct window *window)
     bool fine = inputs_connect(inputs, window->wake);
     window->frame.sent_answer = 0; /* the new peer has none yet */
     if (fine) {
-        viewer_say(window->viewer, "connecting to %s", inputs->address);
+        viewer_say(window->viewer, "tracker: %s", inputs->address);
     } else {
         viewer_say(window->viewer, "%s", error_line());
     }
