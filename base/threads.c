@@ -26,13 +26,12 @@ static void *run(void *user)
     return NULL;
 }
 
-/* Signals are for the program's own threads, but for that of an access of this one (base/files/file_map.h). */
+/* Signals are for the program's own threads. */
 void threads_start(struct thread_piece *out, threads_work *work, void *user, size_t piece)
 {
     sigset_t all;
     sigset_t before;
     sigfillset(&all);
-    sigdelset(&all, SIGBUS);
     *out = (struct thread_piece){.work = work, .user = user, .number = piece};
     pthread_sigmask(SIG_SETMASK, &all, &before);
     out->has_thread = pthread_create(&out->thread, NULL, run, out) == 0;

@@ -3,7 +3,7 @@
 #include "atlas/tracts/tractogram.h"
 
 #include "atlas/tracts/tract_node.h"
-#include "base/files/file_map.h"
+#include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
@@ -109,16 +109,15 @@ float *tractogram_copy_points(const struct tractogram *tractogram)
 
 conus_status tractogram_hold_points(struct tractogram *tractogram, const struct file_state *before)
 {
-    void *mapped = (void *)tractogram->file_mapped;
-    file_guard_begin(mapped, tractogram->file_mapped_size);
-    float *points = tractogram_copy_points(tractogram);
-    conus_status status = file_guard_end(tractogram->path, before);
-    status = points ? status : CONUS_ERROR_MEMORY;
+    conus_status status = file_state_check(before, tractogram->path);
+    float *points = status ? NULL : tractogram_copy_points(tractogram);
+    status = status || points ? status : CONUS_ERROR_MEMORY;
+    status = status ? status : file_state_check(before, tractogram->path);
     if (status) {
         memory_free(points);
         return status;
     }
-    munmap(mapped, tractogram->file_mapped_size);
+    munmap((void *)tractogram->file_mapped, tractogram->file_mapped_size);
     tractogram->file_mapped = NULL;
     tractogram->points = points;
     tractogram->is_in_file = false;

@@ -4,7 +4,6 @@
 
 #include "atlas/fit/tract_fit.h"
 #include "base/buffer.h"
-#include "base/files/file_map.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/text_number.h"
@@ -101,14 +100,13 @@ static conus_atlas *make_alone(void)
 static conus_status end_mapping(struct tractogram *tractogram, const char *path, const struct bytes *mapped,
                                 const struct file_state *before)
 {
-    conus_status status = file_guard_end(path, before);
     if (tractogram->is_in_file) {
         tractogram->file_mapped = mapped->data;
         tractogram->file_mapped_size = mapped->size;
     } else {
         munmap(mapped->data, mapped->size);
     }
-    return status;
+    return file_state_check(before, path);
 }
 
 conus_status streamlines_load(conus_atlas **out, const char *path, const conus_load_options *options, bool maps)
@@ -124,7 +122,6 @@ conus_status streamlines_load(conus_atlas **out, const char *path, const conus_l
     struct tractogram *tractogram = atlas->tractograms;
     if (maps && !file_state_find(&before, path) && (mapped.data = file_map(path, &before))) {
         mapped.size = (size_t)before.size;
-        file_guard_begin(mapped.data, mapped.size);
     }
     conus_status status = tract_file_read_mapped(tractogram, path, &mapped, options->max_memory, &notes);
     status = status ? status : notes_move(&atlas->notes, &notes);

@@ -13,7 +13,7 @@
  * CONUS_ERROR_UNSUPPORTED, CONUS_ERROR_MEMORY. @p out is the caller's to tractogram_finish(), untouched on failure. */
 conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes);
 
-/** The same of a file that is mapped, under a guard (base/files/file_map.h). Points may stay there (is_in_file), as
+/** The same of a file that is mapped. Points may stay there (is_in_file), as
  * those of a .tck of Float32LE do, but count for @p max_memory. @p mapped is the caller's; empty where there is none.
  */
 conus_status tract_file_read_mapped(struct tractogram *out, const char *path, const struct bytes *mapped,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* MRtrix's tractograms, and detecting a file's format. */
-#include "base/files/file_map.h"
+#include "base/files/file.h"
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "conus/streamlines.h"
