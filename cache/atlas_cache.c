@@ -85,6 +85,7 @@ void atlas_cache_init(struct atlas_cache *out, const char *path, const char *kin
         buffer_append(key, options->labels_anyway ? "y" : "n", 1);
         cache_store_name(&out->store);
     }
+    out->options.cache = out->store.path.size;
 }
 
 void atlas_cache_finish(struct atlas_cache *cache)
@@ -206,14 +207,25 @@ static bool write_atlas(void *user, int file, size_t at)
     return atlas_pack_write(file, at, writing->atlas, writing->is_lean) == CONUS_OK;
 }
 
-void atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas)
+enum { LARGE = 4 }; /* an entry that takes such a part of the cache leaves points in their files */
+
+/* Such an entry of a .tck is less than half as large as the file, with points it would be larger than the file. */
+bool atlas_cache_leaves_points(const char *path)
+{
+    struct file_state state;
+    uint64_t limit;
+    return cache_limit(&limit) && !file_state_find(&state, path) && state.size > limit / LARGE &&
+           state.size / 2 < limit && state.size / (3 * sizeof(float)) < UINT32_MAX;
+}
+
+static void keep(struct atlas_cache *cache, conus_atlas **atlas)
 {
     struct buffer trace = {0};
     if (!is_used(cache) || !can_be_kept(*atlas, &cache->trace)) {
         return;
     }
-    enum { LARGE = 4 }; /* an entry that takes such a part of the cache leaves points in their files */
-    bool is_lean = conus_atlas_packed_size(*atlas) > cache->store.limit / LARGE;
+    bool is_lean = (*atlas)->tractogram_count && (*atlas)->tractograms[0].is_in_file;
+    is_lean = is_lean || conus_atlas_packed_size(*atlas) > cache->store.limit / LARGE;
     struct writing writing = {*atlas, is_lean};
     file_trace_write(&trace, &cache->trace);
     struct cache_entry entry = {.notes = {(const uint8_t *)cache->heard.data, cache->heard.size},
@@ -231,4 +243,18 @@ void atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas)
         }
     }
     buffer_finish(&trace);
+}
+
+conus_status atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas)
+{
+    conus_status status = CONUS_OK;
+    keep(cache, atlas);
+    for (size_t i = 0; i < (*atlas)->tractogram_count && !(*atlas)->mapped && !status; i++) {
+        struct tractogram *tractogram = &(*atlas)->tractograms[i];
+        if (tractogram->is_in_file) {
+            const struct traced *file = file_trace_find(&cache->trace, tractogram->path);
+            status = file ? tractogram_hold_points(tractogram, &file->state) : CONUS_ERROR_MEMORY;
+        }
+    }
+    return status;
 }

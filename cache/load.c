@@ -24,7 +24,7 @@ static conus_status find_or_load(conus_atlas **out, const char *path, const char
         status = load(&atlas, path, &cache.options);
         atlas_cache_end_reading(&cache);
         if (!status) {
-            atlas_cache_keep(&cache, &atlas);
+            status = atlas_cache_keep(&cache, &atlas);
         }
     } else if (options->progress &&
                !options->progress(options->progress_user, path, 0, 1)) { /* it counts as one file */
@@ -42,12 +42,17 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     return find_or_load(out, path, "atlas", options_of(conus_load_options, options), atlas_load_files);
 }
 
+static conus_status read_streamlines(conus_atlas **out, const char *path, const conus_load_options *options)
+{
+    return streamlines_load(out, path, options, options->cache && atlas_cache_leaves_points(path));
+}
+
 /* The streamlines of a file, in an atlas of their own. */
 static conus_status load_streamlines(conus_atlas **out, const char *path, const conus_streamlines_options *options)
 {
     const conus_load_options load = {
         .max_memory = options->max_memory, .log = options->log, .log_user = options->log_user, .cache = options->cache};
-    return find_or_load(out, path, "streamlines", &load, streamlines_load);
+    return find_or_load(out, path, "streamlines", &load, read_streamlines);
 }
 
 conus_status conus_tractogram_load(conus_tractogram **out, const char *path, const conus_streamlines_options *options)

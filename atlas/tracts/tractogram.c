@@ -48,7 +48,7 @@ struct tract_levels tract_levels_of(size_t run_count)
 void tractogram_finish(struct tractogram *tractogram)
 {
     if (!tractogram->has_borrowed_points) {
-        memory_free(tractogram->points);
+        memory_free(tractogram->is_in_file ? NULL : tractogram->points);
         memory_free(tractogram->halves);
         tract_tree_finish(&tractogram->tree);
     }
@@ -82,22 +82,15 @@ void tractogram_finish(struct tractogram *tractogram)
 
 bool tractogram_map_points(struct tractogram *tractogram, const struct file_state *before)
 {
-    struct file_state state;
-    struct open_file file;
     uint64_t triples = tractogram->point_count + tractogram->streamline_count;
-    if (file_open(&file, tractogram->path)) {
-        return false;
-    }
-    bool is_same = file_state_of(&state, file.descriptor) && file_state_equal(&state, before) &&
-                   tractogram->file_offset <= state.size &&
-                   triples <= (state.size - tractogram->file_offset) / (3 * sizeof *tractogram->points);
-    void *mapped = is_same ? mmap(NULL, (size_t)state.size, PROT_READ, MAP_SHARED, file.descriptor, 0) : MAP_FAILED;
-    file_close(&file);
-    if (mapped == MAP_FAILED) {
+    bool fits = tractogram->file_offset <= before->size &&
+                triples <= (before->size - tractogram->file_offset) / (3 * sizeof *tractogram->points);
+    void *mapped = fits ? file_map(tractogram->path, before) : NULL;
+    if (!mapped) {
         return false;
     }
     tractogram->file_mapped = mapped;
-    tractogram->file_mapped_size = (size_t)state.size;
+    tractogram->file_mapped_size = (size_t)before->size;
     tractogram->points = (float *)((char *)mapped + tractogram->file_offset);
     tractogram->is_in_file = true;
     return true;
@@ -108,10 +101,27 @@ float *tractogram_copy_points(const struct tractogram *tractogram)
     float *points = memory_raw(tractogram->point_count, 3 * sizeof *points);
     for (size_t k = 0; k < tractogram->streamline_count && points; k++) {
         uint64_t first = tractogram->first[k];
-        const float *from = tractogram->points + 3 * (first + (tractogram->is_in_file ? k : 0));
+        const float *from = tractogram->points + 3 * tractogram_begin(tractogram, k);
         memcpy(points + 3 * first, from, (size_t)(tractogram->first[k + 1] - first) * 3 * sizeof *points);
     }
     return points;
+}
+
+conus_status tractogram_hold_points(struct tractogram *tractogram, const struct file_state *before)
+{
+    conus_status status = file_state_check(before, tractogram->path);
+    float *points = status ? NULL : tractogram_copy_points(tractogram);
+    status = status || points ? status : CONUS_ERROR_MEMORY;
+    status = status ? status : file_state_check(before, tractogram->path);
+    if (status) {
+        memory_free(points);
+        return status;
+    }
+    munmap((void *)tractogram->file_mapped, tractogram->file_mapped_size);
+    tractogram->file_mapped = NULL;
+    tractogram->points = points;
+    tractogram->is_in_file = false;
+    return CONUS_OK;
 }
 
 double tract_from_half(uint16_t half)
@@ -183,22 +193,22 @@ static bool are_within(const struct tractogram *tractogram, uint64_t from, uint6
 
 static conus_status check_points(const struct tractogram *tractogram)
 {
-    enum { BLOCK = 4096 };
     assert(tractogram->points || tractogram->halves || !tractogram->point_count);
-    for (uint64_t from = 0; from < tractogram->point_count; from += BLOCK) {
-        uint64_t left = tractogram->point_count - from;
-        if (!are_within(tractogram, from, left < BLOCK ? left : BLOCK)) {
-            while (are_within(tractogram, from, 1)) {
-                from++;
+    for (size_t k = 0; k < tractogram->streamline_count; k++) {
+        uint64_t begin = tractogram_begin(tractogram, k);
+        uint64_t count = tractogram->first[k + 1] - tractogram->first[k];
+        if (!are_within(tractogram, begin, count)) {
+            uint64_t i = 0;
+            while (i + 1 < count && are_within(tractogram, begin + i, 1)) {
+                i++;
             }
             char text[3][TEXT_NUMBER_SIZE];
             double point[3];
-            tractogram_point(point, tractogram, from);
-            uint32_t streamline = tractogram_streamline_of(tractogram, from);
+            tractogram_point_at(point, tractogram, begin + i);
             return fail(CONUS_ERROR_DATA,
-                        "point %llu of streamline %u (both from 0): found (%s, %s, %s) mm, allowed is within 1e9 of 0",
-                        (unsigned long long)(from - tractogram->first[streamline]), streamline,
-                        text_number(text[0], point[0]), text_number(text[1], point[1]), text_number(text[2], point[2]));
+                        "point %llu of streamline %zu (both from 0): found (%s, %s, %s) mm, allowed is within 1e9 of 0",
+                        (unsigned long long)i, k, text_number(text[0], point[0]), text_number(text[1], point[1]),
+                        text_number(text[2], point[2]));
         }
     }
     return CONUS_OK;
@@ -294,11 +304,13 @@ double tractogram_length(const struct tractogram *tractogram, uint32_t number)
 {
     const double *lengths = tractogram->tree.lengths;
     double length = lengths ? lengths[number] : 0;
-    for (uint64_t i = tractogram->first[number]; !lengths && i + 1 < tractogram->first[number + 1]; i++) {
+    uint64_t begin = tractogram_begin(tractogram, number);
+    uint64_t count = tractogram->first[number + 1] - tractogram->first[number];
+    for (uint64_t i = 0; !lengths && i + 1 < count; i++) {
         double points[2][3];
         double step[3];
-        tractogram_point(points[0], tractogram, i);
-        tractogram_point(points[1], tractogram, i + 1);
+        tractogram_point_at(points[0], tractogram, begin + i);
+        tractogram_point_at(points[1], tractogram, begin + i + 1);
         vec3_sub(step, points[1], points[0]);
         length += vec3_length(step);
     }

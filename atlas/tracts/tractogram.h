@@ -70,6 +70,12 @@ double tract_from_half(uint16_t half);
 /** The streamline that has point @p index, below point_count. */
 uint32_t tractogram_streamline_of(const struct tractogram *tractogram, uint64_t index);
 
+/** Where the first point of streamline @p number is in `points` or `halves`; the others follow. */
+static inline uint64_t tractogram_begin(const struct tractogram *tractogram, size_t number)
+{
+    return tractogram->first[number] + (tractogram->is_in_file ? number : 0);
+}
+
 /** Where point @p index, and the others of its streamline around it, are in `points` or `halves`. */
 static inline uint64_t tractogram_place(const struct tractogram *tractogram, uint64_t index)
 {
@@ -126,6 +132,10 @@ bool tractogram_leads_nowhere_else(const struct tractogram *tractogram);
 /** Maps the points of a tractogram whose file has them (file_offset), if that is as it was: @p before. False
  * where it is not, or cannot be mapped; then nothing has changed. */
 bool tractogram_map_points(struct tractogram *tractogram, const struct file_state *before);
+
+/** Copies points that are in the tractogram's file into memory, and unmaps it. CONUS_ERROR_MEMORY, and CONUS_ERROR_IO
+ * where the file is not as it was: @p before. */
+conus_status tractogram_hold_points(struct tractogram *tractogram, const struct file_state *before);
 
 /** The points without what is between them in a file: [3 point_count]. The caller frees them; NULL without memory. */
 float *tractogram_copy_points(const struct tractogram *tractogram);

@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -351,6 +352,19 @@ conus_status file_make_folder(const char *path)
         return CONUS_OK;
     }
     return fail(CONUS_ERROR_IO, "%s: cannot make this folder: %s", path, strerror(errno));
+}
+
+void *file_map(const char *path, const struct file_state *before)
+{
+    struct file_state now;
+    struct open_file file;
+    if (file_open(&file, path)) {
+        return NULL;
+    }
+    bool is_same = file_state_of(&now, file.descriptor) && file_state_equal(&now, before);
+    void *mapped = is_same ? mmap(NULL, (size_t)before->size, PROT_READ, MAP_SHARED, file.descriptor, 0) : MAP_FAILED;
+    file_close(&file);
+    return mapped == MAP_FAILED ? NULL : mapped;
 }
 
 bool file_exists(const char *path)

@@ -49,6 +49,10 @@ struct open_file {
 conus_status file_open(struct open_file *out, const char *path);
 void file_close(const struct open_file *file);
 
+/** Maps the regular file @p path for reading, if that is as it was: @p before. NULL where it is not, or cannot be
+ * mapped. The caller unmaps its before->size bytes. Who reads where the file was cut off meanwhile ends by SIGBUS. */
+void *file_map(const char *path, const struct file_state *before);
+
 #define FILE_MAX_MEMORY " (--max-memory)" /**< An option for file_read_open(). */
 
 /** Reads the first @p most bytes, or all if there are fewer, of a file that may not be larger than @p limit; the

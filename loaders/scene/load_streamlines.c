@@ -12,6 +12,7 @@
 
 #include <string.h>
 #include <strings.h>
+#include <sys/mman.h>
 
 /* Length of a name without ".gz", and without the ending of a tractogram before it. */
 static size_t stem_length(const char *name, size_t length)
@@ -95,8 +96,23 @@ static conus_atlas *make_alone(void)
     return atlas;
 }
 
-conus_status streamlines_load(conus_atlas **out, const char *path, const conus_load_options *options)
+/* Gives the mapped file to a tractogram that has points there, and to nobody else. */
+static conus_status end_mapping(struct tractogram *tractogram, const char *path, const struct bytes *mapped,
+                                const struct file_state *before)
 {
+    if (tractogram->is_in_file) {
+        tractogram->file_mapped = mapped->data;
+        tractogram->file_mapped_size = mapped->size;
+    } else {
+        munmap(mapped->data, mapped->size);
+    }
+    return file_state_check(before, path);
+}
+
+conus_status streamlines_load(conus_atlas **out, const char *path, const conus_load_options *options, bool maps)
+{
+    struct file_state before;
+    struct bytes mapped = {0};
     const struct note_sink sink = {options->log, options->log_user, path};
     struct notes notes = {.sink = &sink};
     conus_atlas *atlas = make_alone();
@@ -104,10 +120,17 @@ conus_status streamlines_load(conus_atlas **out, const char *path, const conus_l
         return CONUS_ERROR_MEMORY;
     }
     struct tractogram *tractogram = atlas->tractograms;
-    conus_status status = tract_file_read(tractogram, path, options->max_memory, &notes);
+    if (maps && !file_state_find(&before, path) && (mapped.data = file_map(path, &before))) {
+        mapped.size = (size_t)before.size;
+    }
+    conus_status status = tract_file_read_mapped(tractogram, path, &mapped, options->max_memory, &notes);
     status = status ? status : notes_move(&atlas->notes, &notes);
     status = status ? status : file_sums_move(&atlas->files, &tractogram->files);
     status = status ? status : bundles_ready(tractogram);
+    if (mapped.data) {
+        conus_status ended = end_mapping(tractogram, path, &mapped, &before);
+        status = status ? status : ended;
+    }
     notes_finish(&notes);
     return atlas_give(out, atlas, status);
 }
@@ -189,7 +212,7 @@ conus_status streamlines_add_entry(conus_atlas *atlas, const struct manifest_str
     double radius = 0;
     conus_status status = file ? load_progress_report(progress, file, 1) : CONUS_ERROR_MEMORY;
     status = status ? status : streamlines_radius(&radius, entry->radius, file);
-    status = status ? status : streamlines_load(&alone, file, progress->options);
+    status = status ? status : streamlines_load(&alone, file, progress->options, false);
     status = status ? status : streamlines_take(atlas, alone, radius, &options);
     memory_free(file);
     return status;

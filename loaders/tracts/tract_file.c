@@ -83,7 +83,7 @@ static conus_status read_stream(struct tractogram *out, const struct tract_forma
 }
 
 static conus_status read_format(struct tractogram *out, const struct tract_format *format, const char *path,
-                                uint64_t max_memory, struct notes *notes)
+                                const struct bytes *mapped, uint64_t max_memory, struct notes *notes)
 {
     struct tractogram tractogram = {0};
     conus_status status;
@@ -92,6 +92,8 @@ static conus_status read_format(struct tractogram *out, const struct tract_forma
     } else {
         struct byte_stream stream = {0};
         status = byte_stream_open(&stream, path);
+        stream.mapped = mapped->data;
+        stream.mapped_size = mapped->size;
         status = status ? status : read_stream(&tractogram, format, &stream, max_memory, notes);
         byte_stream_finish(&stream);
         status = status ? fail_in(status, path) : CONUS_OK;
@@ -111,7 +113,8 @@ static conus_status read_format(struct tractogram *out, const struct tract_forma
     return CONUS_OK;
 }
 
-conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
+conus_status tract_file_read_mapped(struct tractogram *out, const char *path, const struct bytes *mapped,
+                                    uint64_t max_memory, struct notes *notes)
 {
     struct bytes head = {0};
     conus_status status = read_head(&head, path);
@@ -121,7 +124,7 @@ conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t 
         return status;
     }
     if (format) {
-        return read_format(out, format, path, max_memory, notes);
+        return read_format(out, format, path, mapped, max_memory, notes);
     }
     struct bytes stored = {0};
     status = file_read_head(&stored, path, FILE_KIND_HEAD);
@@ -131,6 +134,11 @@ conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t 
     }
     bytes_finish(&stored);
     return status;
+}
+
+conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
+{
+    return tract_file_read_mapped(out, path, &(const struct bytes){0}, max_memory, notes);
 }
 
 conus_status tract_file_parse(struct tractogram *out, const uint8_t *data, size_t size, uint64_t max_memory,

@@ -4,6 +4,7 @@
 #define CONUS_LOADERS_TRACTS_TRACT_FILE_H
 
 #include "atlas/tracts/tractogram.h"
+#include "base/files/file.h"
 #include "base/notes.h"
 
 /** Reads the tractogram @p path: of the format that its content has, checked by tractogram_check(), with the radius
@@ -11,6 +12,12 @@
  * carry the path: CONUS_ERROR_IO, CONUS_ERROR_DATA for what is damaged, contradicts itself, or is no tractogram,
  * CONUS_ERROR_UNSUPPORTED, CONUS_ERROR_MEMORY. @p out is the caller's to tractogram_finish(), untouched on failure. */
 conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes);
+
+/** The same of a file that is mapped. Points may stay there (is_in_file), as
+ * those of a .tck of Float32LE do, but count for @p max_memory. @p mapped is the caller's; empty where there is none.
+ */
+conus_status tract_file_read_mapped(struct tractogram *out, const char *path, const struct bytes *mapped,
+                                    uint64_t max_memory, struct notes *notes);
 
 /** True where @p path begins like a tractogram that tract_file_read() reads; of zip archives those whose name ends in
  * .trx, of VTK's files those with lines and no polygons. False also where it cannot be read. */

@@ -4,13 +4,16 @@
 #include "base/files/file.h"
 #include "base/memory.h"
 #include "builders/cache_builder.h"
+#include "cache/atlas_cache.h"
 #include "conus/cache.h"
 #include "loaders/scene/load.h"
+#include "loaders/scene/load_streamlines.h"
 #include "mesh_scene.h"
 #include "test.h"
 #include "tract_scene.h"
 
 #include <fcntl.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -268,6 +271,99 @@ static void a_file_that_changed_just_now_is_not_kept(void **state)
     conus_atlas_destroy(atlas);
 }
 
+enum { LINES = 5000, TCK_HEADER = 60, TCK_SIZE = TCK_HEADER + 12 * (3 * LINES + 1) };
+
+/* A file of streamlines of two points, of which those of a number begin there. */
+static const char *write_lines(const char *name)
+{
+    float numbers[3 * (3 * LINES + 1)];
+    static const char header[] = "mrtrix tracks\ndatatype: Float32LE\nfile: . 60\nEND\n";
+    uint8_t file[TCK_SIZE] = {0};
+    for (size_t i = 0; i < LINES; i++) {
+        const float line[9] = {(float)i, 0, 0, (float)i, 1, 0, NAN, NAN, NAN};
+        memcpy(numbers + 9 * i, line, sizeof line);
+    }
+    for (size_t a = 0; a < 3; a++) {
+        numbers[9 * LINES + a] = INFINITY;
+    }
+    memcpy(file, header, sizeof header);
+    memcpy(file + TCK_HEADER, numbers, sizeof numbers);
+    const char *path = test_scratch(name);
+    assert_ok(file_write(path, file, sizeof file));
+    return path;
+}
+
+static void assert_lines(const struct tractogram *tractogram)
+{
+    assert_int_equal(tractogram->streamline_count, LINES);
+    assert_false(tractogram->is_in_file);
+    for (uint32_t i = 0; i < 2 * LINES; i++) {
+        const uint32_t number = i / 2;
+        const float point[3] = {(float)number, (float)(i % 2), 0};
+        assert_memory_equal(tractogram->points + 3 * (size_t)i, point, sizeof point);
+    }
+}
+
+/* The entry of these would leave points in the file. It is not kept, since the file is new. */
+static void points_of_what_is_not_kept_are_in_memory(void **state)
+{
+    (void)state;
+    conus_tractogram *tractogram = NULL;
+    char limit[32];
+    const conus_streamlines_options options = {.cache = true};
+    const char *path = write_lines("new.tck");
+    snprintf(limit, sizeof limit, "%d", TCK_SIZE);
+    setenv("CONUS_CACHE", limit, 1);
+    assert_true(atlas_cache_leaves_points(path));
+    assert_ok(conus_tractogram_load(&tractogram, path, &options));
+    assert_null(tractogram->alone->mapped);
+    assert_lines(tractogram->alone->tractograms);
+    conus_tractogram_destroy(tractogram);
+    snprintf(limit, sizeof limit, "%d", 4 * TCK_SIZE);
+    setenv("CONUS_CACHE", limit, 1);
+    assert_false(atlas_cache_leaves_points(path)); /* its points may be in the entry */
+    snprintf(limit, sizeof limit, "%d", TCK_SIZE / 2);
+    setenv("CONUS_CACHE", limit, 1);
+    assert_false(atlas_cache_leaves_points(path)); /* it might not be kept */
+    setenv("CONUS_CACHE", "off", 1);
+    assert_false(atlas_cache_leaves_points(path));
+    unsetenv("CONUS_CACHE");
+}
+
+static conus_status load_lines_mapped(void *path)
+{
+    struct file_state before;
+    conus_atlas *atlas = NULL;
+    const conus_load_options options = {0};
+    assert_ok(file_state_find(&before, path));
+    conus_status status = streamlines_load(&atlas, path, &options, true);
+    if (!status) {
+        assert_true(atlas->tractograms[0].is_in_file);
+        status = tractogram_hold_points(&atlas->tractograms[0], &before);
+    }
+    if (!status) {
+        assert_lines(&atlas->tractograms[0]);
+    }
+    conus_atlas_destroy(atlas);
+    return status;
+}
+
+static void points_are_held_only_if_all_are_there(void **state)
+{
+    (void)state;
+    struct file_state before;
+    conus_atlas *atlas = NULL;
+    const conus_load_options options = {0};
+    const char *path = write_lines("held.tck");
+    test_every_allocation(load_lines_mapped, (void *)path);
+    assert_ok(file_state_find(&before, path));
+    assert_ok(streamlines_load(&atlas, path, &options, true));
+    assert_int_equal(truncate(path, TCK_HEADER), 0);
+    assert_fails(tractogram_hold_points(&atlas->tractograms[0], &before), CONUS_ERROR_IO);
+    assert_non_null(strstr(conus_message(), "held.tck: " FILE_CHANGED));
+    conus_atlas_destroy(atlas);
+}
+
 static bool stop(void *user, const char *path, size_t done, size_t total)
 {
     (void)path;
@@ -439,6 +535,8 @@ TEST_GROUP(atlas_cache)
         cmocka_unit_test(notes_are_heard_again),
         cmocka_unit_test(surfaces_around_the_areas_are_not_kept),
         cmocka_unit_test(a_file_that_changed_just_now_is_not_kept),
+        cmocka_unit_test(points_of_what_is_not_kept_are_in_memory),
+        cmocka_unit_test(points_are_held_only_if_all_are_there),
         cmocka_unit_test(progress_can_cancel_what_is_mapped),
         cmocka_unit_test(the_environment_sets_the_limit),
         cmocka_unit_test(what_was_not_used_for_longest_leaves_first),

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* MRtrix's tractograms, and detecting a file's format. */
+#include "base/files/file.h"
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "conus/streamlines.h"
@@ -10,6 +11,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/mman.h>
 
 #define PLAIN "mrtrix tracks\ndatatype: Float32LE\nfile: . 100\ncount: 3\nEND\n"
 
@@ -349,6 +351,86 @@ static void every_prefix_is_refused(void **state)
     }
 }
 
+/* Reads a file that is mapped. Where its points stay there, gives a copy of them, as if they had been read. */
+static conus_status read_mapped(struct tractogram *out, const char *path, size_t size, bool stays)
+{
+    struct notes notes = {0};
+    struct file_state before;
+    assert_ok(file_state_find(&before, path));
+    struct bytes mapped = {.data = file_map(path, &before), .size = size};
+    assert_non_null(mapped.data);
+    conus_status status = tract_file_read_mapped(out, path, &mapped, 0, &notes);
+    assert_true(status || out->is_in_file == stays);
+    if (!status && stays) {
+        assert_ptr_equal((uint8_t *)out->points, mapped.data + out->file_offset);
+        out->points = tractogram_copy_points(out);
+        out->is_in_file = false;
+        if (!out->points) {
+            tractogram_finish(out);
+            status = CONUS_ERROR_MEMORY;
+        }
+    }
+    munmap(mapped.data, (size_t)before.size);
+    notes_finish(&notes);
+    return status;
+}
+
+static void points_may_stay_in_a_mapped_file(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *type;
+        bool stays;
+    } types[] = {{"Float32LE", true}, {"Float32BE", false}, {"Float64LE", false}, {"Float64BE", false}};
+    struct tractogram out = {0};
+    for (size_t i = 0; i < 8; i++) {
+        struct buffer bytes = {0};
+        char words[64];
+        snprintf(words, sizeof words, "mrtrix tracks\nfile: . 100\ndatatype: %s\nEND\n", types[i / 2].type);
+        begin(&bytes, words);
+        append_triples(&bytes, three[0], 7, i / 2 > 1, i / 2 & 1);
+        const char *path = (i & 1 ? write_packed : write_bytes)("mapped.tck", &bytes);
+        struct bytes stored = {0};
+        assert_ok(file_read(&stored, path, UINT64_MAX));
+        assert_ok(read_mapped(&out, path, stored.size, types[i / 2].stays && !(i & 1)));
+        assert_three(&out);
+        tractogram_finish(&out);
+        bytes_finish(&stored);
+        buffer_finish(&bytes);
+    }
+}
+
+static void a_mapped_file_is_read_as_strictly(void **state)
+{
+    (void)state;
+    struct tractogram out = {0};
+    struct buffer bytes = {0};
+    begin_three(&bytes, PLAIN);
+    size_t whole = bytes.size;
+    const char *path = write_bytes("strict.tck", &bytes);
+    assert_fails(read_mapped(&out, path, whole - 12, true), CONUS_ERROR_IO); /* mapped when it was shorter */
+    assert_non_null(strstr(conus_message(), "strict.tck: " FILE_CHANGED));
+    for (size_t size = whole - 1; size > 0; size--) {
+        bytes.size = size;
+        assert_fails(read_mapped(&out, write_bytes("strict.tck", &bytes), size, true), CONUS_ERROR_DATA);
+    }
+    begin(&bytes, PLAIN);
+    append_triples(&bytes, (const double[]){1, 2, 3, 4, -1.1e9, 6}, 2, false, false);
+    append_triples(&bytes, three[5], 2, false, false);
+    assert_fails(read_mapped(&out, write_bytes("strict.tck", &bytes), bytes.size, true), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "point 1 of streamline 0 (both from 0): found (4, -1100000000, 6) mm"));
+    assert_null(out.points);
+    buffer_finish(&bytes);
+}
+
+static conus_status read_mapped_and_finish(void *size)
+{
+    struct tractogram out = {0};
+    conus_status status = read_mapped(&out, test_scratch("memory.tck"), *(size_t *)size, true);
+    tractogram_finish(&out);
+    return status;
+}
+
 static conus_status parse_and_finish(void *bytes)
 {
     struct tractogram out = {0};
@@ -368,6 +450,8 @@ static void every_failing_allocation(void **state)
     append_gzip(&packed, plain.data, plain.size);
     test_every_allocation(parse_and_finish, &plain);
     test_every_allocation(parse_and_finish, &packed);
+    write_bytes("memory.tck", &plain);
+    test_every_allocation(read_mapped_and_finish, &plain.size);
     buffer_finish(&packed);
     buffer_finish(&plain);
 }
@@ -386,6 +470,8 @@ TEST_GROUP(tck)
         cmocka_unit_test(more_than_a_block),
         cmocka_unit_test(the_reader_says_why_a_file_is_empty),
         cmocka_unit_test(every_prefix_is_refused),
+        cmocka_unit_test(points_may_stay_in_a_mapped_file),
+        cmocka_unit_test(a_mapped_file_is_read_as_strictly),
         cmocka_unit_test(every_failing_allocation),
     };
     return cmocka_run_group_tests_name("tck", tests, NULL, NULL);
