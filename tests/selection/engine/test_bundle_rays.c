@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/selection.h"
+#include "gl_edge.h"
 #include "gl_pair.h"
 #include "mesh_scene.h"
 #include "scene.h"
@@ -218,6 +219,51 @@ static void layers_begin_with_the_hits(void **state)
     destroy_pair(&pair);
 }
 
+/* Finds the pixels where a driver may see another triangle than the exact one, or none. */
+static void find_edges(bool at_edge[PIXELS], const conus_atlas *atlas, const struct cone *cone)
+{
+    memset(at_edge, 0, PIXELS * sizeof *at_edge);
+    for (uint32_t object = 1; object <= conus_atlas_object_count(atlas); object++) {
+        const struct mesh *mesh = atlas_object_mesh(atlas, object);
+        for (size_t triangle = 0; mesh && triangle < mesh->triangle_count; triangle++) {
+            for (size_t pixel = 0; pixel < PIXELS; pixel++) {
+                at_edge[pixel] = at_edge[pixel] || gl_edge_is_near(cone, mesh, triangle, pixel);
+            }
+        }
+    }
+}
+
+static void leave_out(struct layers *layers, const bool at_edge[PIXELS])
+{
+    size_t kept = 0;
+    for (size_t k = 0; k < layers->count; k++) {
+        if (!at_edge[layers->intervals[k].pixel]) {
+            layers->intervals[kept++] = layers->intervals[k];
+        }
+    }
+    layers->count = kept;
+}
+
+/* Compares the first hits of the pixels that are not at an edge, and counts them. */
+static size_t compare_hits(const struct gl_pair *pair, const struct cone *cone, const bool at_edge[PIXELS])
+{
+    struct evidence got = gl_pair_trace(pair->gl, cone);
+    struct evidence wanted = gl_pair_trace(pair->rays, cone);
+    size_t hits = 0;
+    for (size_t pixel = 0; pixel < PIXELS; pixel++) {
+        if (at_edge[pixel]) {
+            got.object[pixel] = wanted.object[pixel];
+            got.voxel[pixel] = wanted.voxel[pixel];
+            got.distance[pixel] = wanted.distance[pixel];
+        }
+        hits += !at_edge[pixel] && wanted.object[pixel];
+    }
+    gl_pair_same_evidence(&got, &wanted);
+    evidence_finish(&got);
+    evidence_finish(&wanted);
+    return hits;
+}
+
 static void both_engines_agree(void **state)
 {
     (void)state;
@@ -225,10 +271,14 @@ static void both_engines_agree(void **state)
     struct pair atlases = make_pair(6);
     struct gl_pair pair = gl_pair_create(atlases.with, CONUS_SAMPLING_EXACT);
     for (int i = 0; i < 4; i++) {
+        bool at_edge[PIXELS];
         struct cone cone = random_cone(&random, i);
-        assert_true(gl_pair_same_hits(&pair, &cone) > 0);
+        find_edges(at_edge, atlases.with, &cone);
+        assert_true(compare_hits(&pair, &cone, at_edge) > PIXELS / 10);
         struct layers got = gl_pair_pierce(pair.gl, &cone);
         struct layers wanted = gl_pair_pierce(pair.rays, &cone);
+        leave_out(&got, at_edge);
+        leave_out(&wanted, at_edge);
         assert_int_equal(got.count, wanted.count);
         for (size_t k = 0; k < got.count; k++) {
             assert_true(gl_pair_same_interval(&got.intervals[k], &wanted.intervals[k]));
