@@ -87,7 +87,7 @@ struct viewer {
     char *transfer;           /**< As it was given; NULL = the context's own. */
     const char *preset;       /**< Name of a transfer function in its place, static; NULL = none. */
     double centre[3], radius; /**< A ball around all atlases, world mm. */
-    double half[3];           /**< Of their box, from its centre. */
+    double half[3];           /**< Half the size of their box. */
     conus_frame frame;        /**< The space in which positions are typed, shown and written. */
 
     struct tool tools[TOOL_COUNT];
