@@ -5,13 +5,16 @@
 #include "atlas/labels/labels.h"
 #include "atlas/space.h"
 #include "base/memory.h"
+#include "base/tolerance.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-static struct volume_step step_from(double threshold, uint32_t number)
+/* What was written as an end reaches it, and is no longer below it. */
+static struct volume_step step_of(double low, double high, uint32_t number)
 {
-    return (struct volume_step){.low = (float)threshold, .high = INFINITY, .number = number};
+    return (struct volume_step){
+        .low = (float)tolerance_least(low), .high = (float)tolerance_least(high), .number = number};
 }
 
 static void set_voxels(conus_object *object, uint64_t voxels, const conus_volume_info *info)
@@ -79,7 +82,7 @@ static conus_status add_objects(conus_atlas *atlas, const conus_volume_info *inf
 conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info, struct value_map *map,
                                const char *name)
 {
-    struct volume_step step = step_from(info->threshold, (uint32_t)atlas->object_count + 1);
+    struct volume_step step = step_of(info->threshold, INFINITY, (uint32_t)atlas->object_count + 1);
     const conus_object pathway = {.kind = CONUS_KIND_PATHWAY, .name = name, .low = info->threshold, .high = INFINITY};
     return add_objects(atlas, info, map, &pathway, &step, 1);
 }
@@ -87,7 +90,7 @@ conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info
 conus_status atlas_add_probabilistic_area(conus_atlas *atlas, const conus_volume_info *info, struct value_map *map,
                                           const conus_object *area)
 {
-    struct volume_step step = step_from(info->threshold, (uint32_t)atlas->object_count + 1);
+    struct volume_step step = step_of(info->threshold, INFINITY, (uint32_t)atlas->object_count + 1);
     conus_object object = *area;
     object.low = info->threshold;
     object.high = INFINITY;
@@ -110,7 +113,7 @@ conus_status atlas_add_bands(conus_atlas *atlas, const conus_volume_info *info, 
                                     .low = bands[i].low,
                                     .high = bands[i].high,
                                     .is_band = true};
-        steps[i] = (struct volume_step){.low = (float)bands[i].low, .high = (float)bands[i].high, .number = number};
+        steps[i] = step_of(bands[i].low, bands[i].high, number);
     }
     status = status ? status : add_objects(atlas, info, map, objects, steps, count);
     memory_free(steps);
@@ -134,7 +137,7 @@ conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double
     conus_status status = volume_own(volume);
     if (!status) {
         uint64_t voxels;
-        volume->steps[0] = step_from(threshold, (uint32_t)number);
+        volume->steps[0] = step_of(threshold, INFINITY, (uint32_t)number);
         volume_count_steps(&voxels, volume);
         volume->info.threshold = threshold;
         atlas->objects[number - 1].low = threshold;
@@ -182,8 +185,9 @@ conus_status atlas_set_context(conus_atlas *atlas, const conus_volume_info *info
         volume.objects32 = memory_zeroed(volume.voxel_count, sizeof *volume.objects32);
         status = volume.objects32 ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
+    const float least = (float)tolerance_least(info->threshold);
     for (size_t i = 0; volume.objects32 && i < volume.voxel_count; i++) {
-        volume.objects32[i] = values[i] >= (float)info->threshold ? VOLUME_BLOCKER : 0;
+        volume.objects32[i] = values[i] >= least ? VOLUME_BLOCKER : 0;
     }
     if (!status && old) {
         volume_finish(old);

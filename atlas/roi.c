@@ -66,7 +66,7 @@ static conus_status mark(conus_roi *roi, size_t count)
                     info->path, words[1], words[2], each);
     }
     for (size_t i = 0; i < count; i++) {
-        if (roi_value_belongs(roi_value(roi, i), (float)info->threshold)) {
+        if (roi_value_belongs(roi_value(roi, i), info->threshold)) {
             if (roi->nodes) {
                 include_tetrahedron(roi, i);
             } else {
@@ -146,6 +146,10 @@ static conus_status place_grid(conus_volume_info *info, const struct roi_mesh *m
         }
     }
     for (int a = 0; a < 3; a++) {
+        if (!(fabs(low[a]) <= SPACE_FARTHEST && fabs(high[a]) <= SPACE_FARTHEST)) {
+            return fail(CONUS_ERROR_DATA, "nodes: found from %g to %g mm, allowed are up to %g from the origin", low[a],
+                        high[a], SPACE_FARTHEST);
+        }
         world[12 + a] = low[a];
         info->dim[a] = (size_t)ceil((high[a] - low[a]) / EDGE) + 1;
     }

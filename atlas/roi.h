@@ -4,6 +4,7 @@
 #define CONUS_ATLAS_ROI_H
 
 #include "atlas/volume.h"
+#include "base/tolerance.h"
 #include "conus/overlap.h"
 
 struct tetrahedron {
@@ -39,17 +40,18 @@ conus_status roi_create_mesh(conus_roi **out, const conus_volume_info *info, con
 /** mm³, never negative. */
 double roi_tetrahedron_mm3(const double (*nodes)[3], const struct tetrahedron *tetrahedron);
 
-/** Whether something of this value belongs to a region of this threshold. */
-static inline bool roi_value_belongs(float value, float threshold)
+/** Whether something of this value belongs to a region of this threshold, which it was perhaps written as. */
+static inline bool roi_value_belongs(float value, double threshold)
 {
-    return threshold > 0   ? value >= threshold
-           : threshold < 0 ? value <= threshold
+    const float bound = (float)(threshold * (1 - TOLERANCE));
+    return threshold > 0   ? value >= bound
+           : threshold < 0 ? value <= bound
                            : value != 0 && value == value; /* NaN belongs to nothing */
 }
 
 static inline bool roi_has(const conus_roi *roi, size_t voxel)
 {
-    return roi_value_belongs(roi->volume.values[voxel], (float)roi->volume.info.threshold);
+    return roi_value_belongs(roi->volume.values[voxel], roi->volume.info.threshold);
 }
 
 /** The value of a voxel or tetrahedron. */

@@ -4,6 +4,7 @@
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/tolerance.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -43,13 +44,29 @@ static void name_axes(char orientation[4], const double m[16])
 
 conus_status space_invert(double out[16], const double m[16], const char *words)
 {
-    if (mat4_invert_affine(out, m)) {
-        return CONUS_OK;
+    double inverse[16];
+    double edges = 1;
+    if (!mat4_is_affine(m)) {
+        return fail(CONUS_ERROR_DATA, "%s: the matrix has the last row %g %g %g %g, 0 0 0 1 is needed", words, m[3],
+                    m[7], m[11], m[15]);
     }
-    return mat4_is_affine(m)
-               ? fail(CONUS_ERROR_DATA, "%s: the matrix is singular or not finite, an invertible one is needed", words)
-               : fail(CONUS_ERROR_DATA, "%s: the matrix has the last row %g %g %g %g, 0 0 0 1 is needed", words, m[3],
-                      m[7], m[11], m[15]);
+    for (int axis = 0; axis < 3; axis++) {
+        double step = hypot(hypot(m[4 * axis], m[4 * axis + 1]), m[4 * axis + 2]); /* squares may be 0, or infinite */
+        edges *= step;
+        if (step > 0 && !(step >= SPACE_LEAST_STEP && step <= SPACE_MOST_STEP)) {
+            return fail(CONUS_ERROR_DATA, "%s: a step along axis %d is %g mm long, allowed are %g to %g", words, axis,
+                        step, SPACE_LEAST_STEP, SPACE_MOST_STEP);
+        }
+    }
+    if (!mat4_invert_affine(inverse, m) || !(fabs(mat4_determinant3(m)) >= SPACE_FLATTEST * edges)) {
+        return fail(CONUS_ERROR_DATA, "%s: the matrix is singular or not finite, an invertible one is needed", words);
+    }
+    if (!(vec3_length(m + 12) <= SPACE_FARTHEST && vec3_length(inverse + 12) <= SPACE_FARTHEST_STEPS)) {
+        return fail(CONUS_ERROR_DATA, "%s: it begins %g mm, %g steps, from the origin, allowed are up to %g mm, %g",
+                    words, vec3_length(m + 12), vec3_length(inverse + 12), SPACE_FARTHEST, SPACE_FARTHEST_STEPS);
+    }
+    memcpy(out, inverse, sizeof inverse);
+    return CONUS_OK;
 }
 
 conus_status space_describe(conus_volume_info *info, const double world_from_voxel[16], const char *transform)
@@ -58,6 +75,11 @@ conus_status space_describe(conus_volume_info *info, const double world_from_vox
     conus_status status = space_invert(inverse, world_from_voxel, transform);
     if (status) {
         return status;
+    }
+    double reach = space_corner_distance(info->dim, world_from_voxel, (const double[16]){0});
+    if (!(reach <= SPACE_FARTHEST)) {
+        return fail(CONUS_ERROR_DATA, "%s: a corner of the grid is %g mm from the origin, allowed are up to %g",
+                    transform, reach, SPACE_FARTHEST);
     }
     memcpy(info->world_from_voxel, world_from_voxel, sizeof info->world_from_voxel);
     snprintf(info->transform, sizeof info->transform, "%s", transform);
@@ -70,11 +92,10 @@ conus_status space_describe(conus_volume_info *info, const double world_from_vox
 
 bool space_same_grid(const conus_volume_info *a, const conus_volume_info *b)
 {
-    bool same = memcmp(a->dim, b->dim, sizeof a->dim) == 0;
-    for (int i = 0; i < 16; i++) {
-        same = same && a->world_from_voxel[i] == b->world_from_voxel[i];
-    }
-    return same;
+    static const double nothing[16];
+    return memcmp(a->dim, b->dim, sizeof a->dim) == 0 &&
+           space_corner_distance(a->dim, a->world_from_voxel, b->world_from_voxel) <=
+               TOLERANCE * space_corner_distance(a->dim, a->world_from_voxel, nothing);
 }
 
 double space_voxel_mm3(const conus_volume_info *info)
@@ -84,7 +105,6 @@ double space_voxel_mm3(const conus_volume_info *info)
 
 bool space_is_guess(const conus_volume_info *info)
 {
-    static const double rounding = 1e-6;
     bool same = true;
     for (int i = 0; i < 3; i++) {
         double step = i == 0 ? -info->spacing[i] : info->spacing[i];
@@ -93,7 +113,7 @@ bool space_is_guess(const conus_volume_info *info)
         guess[3] = -step * ((double)info->dim[i] - 1) / 2;
         for (int column = 0; column < 4; column++) {
             double found = info->world_from_voxel[4 * column + i];
-            same = same && fabs(found - guess[column]) <= rounding * info->spacing[i];
+            same = same && fabs(found - guess[column]) <= 2 * TOLERANCE * info->spacing[i];
         }
     }
     return same;

@@ -9,17 +9,26 @@
 /** NIfTI's codes of a scanner's own space, of one that is aligned to something, and of the MNI's. */
 enum { SPACE_SCANNER = 1, SPACE_ALIGNED = 2, SPACE_MNI = 4 };
 
-/** out = inverse of @p m, which must be affine, finite and not singular. The error names @p words, the source of m. */
+/** What the matrix of a grid, and one that moves an atlas, may be. Microscopy has voxels of 1e-7 mm; beyond these ends
+ * a double no longer tells neighbouring voxels apart, or rays would never come out of one. */
+#define SPACE_LEAST_STEP 1e-9 /**< mm: the length of a column; */
+#define SPACE_MOST_STEP 1e6
+#define SPACE_FARTHEST 1e10       /**< mm from the origin, of a corner; */
+#define SPACE_FARTHEST_STEPS 1e12 /**< and steps. */
+#define SPACE_FLATTEST 1e-6       /**< |det| by the product of the columns' lengths. */
+
+/** out = inverse of @p m, which must be affine, finite, not singular, and within the limits above. The error names
+ * @p words, the source of m. */
 conus_status space_invert(double out[16], const double m[16], const char *words);
 
-/** Checks @p world_from_voxel as space_invert() does, and derives info's spacing and orientation from it. The error
- * names @p transform, the source of the matrix. */
+/** Checks @p world_from_voxel as space_invert() does, and the corners of info's grid, if its dim is set; derives info's
+ * spacing and orientation. The error names @p transform, the source of the matrix. */
 conus_status space_describe(conus_volume_info *info, const double world_from_voxel[16], const char *transform);
 
 /** Volume of a voxel in mm^3: of a parallelepiped where the grid is sheared, which is less than its edges' product. */
 double space_voxel_mm3(const conus_volume_info *info);
 
-/** Whether both grids have the same voxels at exactly the same places. */
+/** Whether both grids have the same voxels at the same places, but for rounding. */
 bool space_same_grid(const conus_volume_info *a, const conus_volume_info *b);
 
 /** Whether the grid lies where NIfTI readers place one of which they know only sizes: along the axes, i towards the

@@ -178,7 +178,20 @@ void value_map_divide(struct value_map *map, double scale)
     float *values = map->table ? map->table : map->codes;
     size_t count = map->table ? map->table_count : map->run_count * VALUE_RUN;
     for (size_t i = 0; i < count; i++) {
-        values[i] = (float)((double)values[i] / scale);
+        double value = (double)values[i] / scale;
+        values[i] = (float)(value < 0 ? 0 : value > 1 ? 1 : value);
+    }
+}
+
+void value_map_spread(uint64_t *above, const struct value_map *map, const double *bounds, size_t count)
+{
+    size_t kept = map->count ? (map->run_count - 1) * VALUE_RUN : 0; /* run 0 is the background's, of all others */
+    for (size_t i = 0; map->count && i < kept + 1; i++) {
+        double value = (double)value_map_code(map, i < kept ? i + VALUE_RUN : 0);
+        for (size_t b = 0; b < count; b++) {
+            /* The last run may be filled up with the background: fewer are counted for it, modulo 2^64. */
+            above[b] += value > bounds[b] ? (i < kept ? 1 : map->count - kept) : 0;
+        }
     }
 }
 

@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 /** Voxels of a run, and runs of a page. */
+enum { VALUE_BOUNDS = 8 };
 enum { VALUE_RUN = 64, VALUE_RUNS = 64, VALUE_PAGE = VALUE_RUN * VALUE_RUNS };
 
 struct value_map {
@@ -52,8 +53,11 @@ bool value_map_is_sound(const struct value_map *map, size_t count);
 /** The first voxel from @p voxel on of which a run is kept; map->count if there is none. */
 size_t value_map_next(const struct value_map *map, size_t voxel);
 
-/** Divides all values by @p scale, in double. */
+/** Divides all values by @p scale, in double; below 0 and above 1 they become these. */
 void value_map_divide(struct value_map *map, double scale);
+
+/** Adds to above[i] how many voxels have values above bounds[i]; there are up to VALUE_BOUNDS. */
+void value_map_spread(uint64_t *above, const struct value_map *map, const double *bounds, size_t count);
 
 /** Whether no more than one value is there besides 0, as in a mask of whatever value. */
 bool value_map_is_mask(const struct value_map *map);

@@ -4,6 +4,7 @@
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/tolerance.h"
 
 #include <string.h>
 
@@ -172,25 +173,68 @@ bool volume_find_voxel(size_t *voxel, const struct volume *volume, const double 
     return true;
 }
 
-struct value_scale value_scale_of(const conus_volume_info *info)
+/* The places of the bounds in value_spread.above. The first counts all voxels that are not below 0. */
+enum { NOT_BELOW, ABOVE_0, ABOVE_1, BEYOND_1, ABOVE_100, BEYOND_100, BEYOND_HALF };
+static const double bounds[] = {[NOT_BELOW] = -TOLERANCE,
+                                [ABOVE_0] = 0,
+                                [ABOVE_1] = 1 + TOLERANCE,
+                                [BEYOND_1] = 1.5, /* splines overshoot by less */
+                                [ABOVE_100] = 100 * (1 + TOLERANCE),
+                                [BEYOND_100] = 150,
+                                [BEYOND_HALF] = UINT16_MAX / 2};
+
+void value_spread_add(struct value_spread *spread, const struct value_map *map, const conus_volume_info *info)
 {
-    static const struct {
-        const char *datatype;
-        double value;
-        const char *words;
-    } full[] = {{"uint8", UINT8_MAX, "values over the range of uint8"},
-                {"uint16", UINT16_MAX, "values over the range of uint16"}};
-    if (info->maximum <= 1) {
+    spread->least = fmin(spread->least, info->minimum);
+    spread->largest = fmax(spread->largest, info->maximum);
+    spread->voxels += map->count;
+    value_map_spread(spread->above, map, bounds, sizeof bounds / sizeof bounds[0]);
+}
+
+/* One voxel of a hundred that are above 0 decides nothing about the others. */
+static bool are_few(uint64_t voxels, const struct value_spread *spread)
+{
+    return voxels <= spread->above[ABOVE_0] / 100;
+}
+
+static bool is_stored_as(const conus_volume_info *info, const char *datatype)
+{
+    return strcmp(info->datatype, datatype) == 0 && info->slope == 1 && info->intercept == 0;
+}
+
+struct value_scale value_scale_of(const struct value_spread *spread, const conus_volume_info *info)
+{
+    const uint64_t *above = spread->above;
+    bool is_byte = is_stored_as(info, "uint8");
+    if (are_few(above[BEYOND_1], spread)) {
         return (struct value_scale){1, true, "values up to 1, taken as probabilities"};
     }
-    if (info->maximum <= 100) {
+    if (above[BEYOND_1] < above[ABOVE_0] / 20) {
+        return (struct value_scale){0, false, "too many values above 1 for probabilities, and too few for percent"};
+    }
+    if (!above[ABOVE_100] || (!is_byte && are_few(above[BEYOND_100], spread))) {
         return (struct value_scale){100, true, "values up to 100, taken as percent"};
     }
-    for (size_t i = 0; i < 2; i++) {
-        bool stored = strcmp(info->datatype, full[i].datatype) == 0 && info->slope == 1 && info->intercept == 0;
-        if (stored && info->maximum > full[i].value / 2) {
-            return (struct value_scale){full[i].value, true, full[i].words};
-        }
+    if (is_byte && are_few(above[ABOVE_100], spread)) {
+        return (struct value_scale){0, false, "too few values above 100 for the range of uint8, and some for percent"};
     }
-    return (struct value_scale){info->maximum, false, "values of no usual scale, measured by the largest"};
+    if (is_byte) {
+        return (struct value_scale){UINT8_MAX, true, "values over the range of uint8"};
+    }
+    if (is_stored_as(info, "uint16") && !are_few(above[BEYOND_HALF], spread)) {
+        return (struct value_scale){UINT16_MAX, true, "values over the range of uint16"};
+    }
+    return (struct value_scale){spread->largest, false, "values of no usual scale, measured by the largest"};
+}
+
+bool value_spread_strays(uint64_t *strays, const struct value_spread *spread, double value)
+{
+    const uint64_t *above = spread->above;
+    uint64_t below = spread->voxels - above[NOT_BELOW];
+    uint64_t over = value == 1 ? above[ABOVE_1] : value == 100 ? above[ABOVE_100] : 0;
+    uint64_t far = value == 1 ? above[BEYOND_1] : value == 100 ? above[BEYOND_100] : 0;
+    bool is_ring = spread->least >= -0.1 * fmin(spread->largest, value); /* as round what a spline resampled */
+    *strays = below + over;
+    return are_few(far, spread) && (are_few(below, spread) || is_ring) &&
+           (value == 1 || value == 100 || spread->largest <= value * (1 + TOLERANCE));
 }

@@ -4,6 +4,7 @@
 #define CONUS_ATLAS_VOLUME_H
 
 #include "atlas/value_map.h"
+#include "base/tolerance.h"
 #include "conus/atlas_info.h"
 
 /** The number of voxels that stop rays and belong to no object. Above every object's number, so that an object that is
@@ -98,9 +99,23 @@ struct value_scale {
     const char *words;   /**< How it was found. */
 };
 
-/** Probabilities are stored as 0..1, as percent, or over the whole range of an unsigned integer; what fits none of
- * these is measured by its own largest value. */
-struct value_scale value_scale_of(const conus_volume_info *info);
+/** How the values of one volume, or of several of a file, are spread. */
+struct value_spread {
+    double least, largest;
+    uint64_t voxels;
+    uint64_t above[VALUE_BOUNDS]; /**< Voxels with values above a bound, as value_spread_add() has them. */
+};
+
+/** Adds a volume whose info has minimum and maximum. */
+void value_spread_add(struct value_spread *spread, const struct value_map *map, const conus_volume_info *info);
+
+/** Probabilities are stored as 0..1, as percent, or over the whole range of an unsigned integer: docs/model.md, Eq. 6,
+ * has the rule. What fits none of these is measured by its own largest value. */
+struct value_scale value_scale_of(const struct value_spread *spread, const conus_volume_info *info);
+
+/** How many voxels lie below 0 or above the scale @p value by more than rounding. False where these are no strays: as
+ * many as make another scale likely, or as deep below 0 as a statistic is. */
+bool value_spread_strays(uint64_t *strays, const struct value_spread *spread, double value);
 
 /** Whether rays can hit anything in it. */
 static inline bool volume_can_be_hit(const struct volume *volume)

@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "base/order.h"
+#include "base/tolerance.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -141,6 +142,47 @@ struct label *label_table_find(const struct label_table *table, uint32_t number)
 {
     struct label key = {.number = number};
     return table->count ? bsearch(&key, table->entries, table->count, sizeof key, compare_labels) : NULL;
+}
+
+/* The first entry that is another number, and the same float32. */
+static const struct label *find_twin(const struct label_table *table, uint32_t number)
+{
+    enum { REACH = 128 }; /* half a step of a float32 below 2^32 */
+    size_t first = 0;     /* of those that may be */
+    for (size_t end = table->count; first < end;) {
+        size_t middle = first + (end - first) / 2;
+        bool below = (uint64_t)table->entries[middle].number + REACH < number;
+        first = below ? middle + 1 : first;
+        end = below ? end : middle;
+    }
+    for (; first < table->count && table->entries[first].number <= (uint64_t)number + REACH; first++) {
+        if (table->entries[first].number != number && (float)table->entries[first].number == (float)number) {
+            return &table->entries[first];
+        }
+    }
+    return NULL;
+}
+
+conus_status label_table_check_singles(const struct label_table *table, const uint32_t *labels, size_t count,
+                                       double end, const char *path, struct notes *notes)
+{
+    uint32_t largest = 0;
+    for (size_t i = 0; i < count; i++) {
+        const struct label *twin = (double)labels[i] >= TOLERANCE_SINGLE_END ? find_twin(table, labels[i]) : NULL;
+        if (twin) {
+            return fail(CONUS_ERROR_DATA,
+                        "%s: the label %u, \"%s\", is %u as float32, as which the file keeps labels: whose voxels are "
+                        "of which is lost; make the file again with whole numbers",
+                        path, twin->number, twin->name ? twin->name : "", labels[i]);
+        }
+        largest = labels[i] > largest ? labels[i] : largest;
+    }
+    return largest < end ? CONUS_OK
+                         : notes_warn(notes,
+                                      "%s: labels up to %u as float32, which from %.0f on does not hold every whole "
+                                      "number: areas may have become one, or have another number; make the file again "
+                                      "with whole numbers",
+                                      path, largest, end);
 }
 
 void palette_colour(uint8_t rgb[3], size_t index)

@@ -60,6 +60,12 @@ conus_status label_table_sort(struct label_table *table, struct notes *notes);
 /** The entry of @p number in a sorted table, or NULL. */
 struct label *label_table_find(const struct label_table *table, uint32_t number);
 
+/** Looks at @p labels that came as float32, which from @p end on does not hold every whole number. One that an entry of
+ * the sorted @p table with another number becomes is CONUS_ERROR_DATA; else a warning names the largest beyond. @p path
+ * is the file's, for messages. */
+conus_status label_table_check_singles(const struct label_table *table, const uint32_t *labels, size_t count,
+                                       double end, const char *path, struct notes *notes);
+
 /** Colour number @p index of an endless series of sRGB colours in which neighbours differ: hues a golden angle apart,
  * with three lightnesses in turn. */
 void palette_colour(uint8_t rgb[3], size_t index);

@@ -6,6 +6,7 @@
 #define CONUS_BASE_MATH3_H
 
 #include "base/geometry/arc.h"
+#include "base/tolerance.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -139,14 +140,14 @@ static inline void mat4_point(double out[3], const double m[16], const double p[
     }
 }
 
-/** Sets the last row to 0 0 0 1 if it is that within 1e-6, some roundings of a float; false (m untouched) otherwise.
- * Programs that compute inverses in float write 0.99999994. */
+/** Sets the last row to 0 0 0 1 if it is that but for an inverse in float, twice the TOLERANCE; false (m untouched)
+ * otherwise. Programs write 0.99999994. */
 static inline bool mat4_settle_last_row(double m[16])
 {
     static const double last[4] = {0, 0, 0, 1};
     bool near = true;
     for (int column = 0; column < 4; column++) {
-        near = near && fabs(m[4 * column + 3] - last[column]) <= 1e-6;
+        near = near && fabs(m[4 * column + 3] - last[column]) <= 2 * TOLERANCE;
     }
     for (int column = 0; near && column < 4; column++) {
         m[4 * column + 3] = last[column];
@@ -178,7 +179,7 @@ static inline bool mat4_is_affine(const double m[16])
 }
 
 /** out = inverse of m; false (out untouched) where m is not affine, its linear part is singular (|det| below 1e-12 of
- * the product of the column lengths), or anything is not finite. */
+ * the product of the column lengths), or anything is not finite, of the inverse, too. */
 static inline bool mat4_invert_affine(double out[16], const double m[16])
 {
     double det = mat4_determinant3(m);
@@ -197,6 +198,9 @@ static inline bool mat4_invert_affine(double out[16], const double m[16])
         r[12 + i] = -vec3_dot(row, m + 12) / det;
     }
     r[15] = 1;
+    if (!vec3_is_finite(r) || !vec3_is_finite(r + 4) || !vec3_is_finite(r + 8) || !vec3_is_finite(r + 12)) {
+        return false;
+    }
     memcpy(out, r, sizeof r);
     return true;
 }

@@ -56,8 +56,8 @@ typedef struct conus_load_options {
  *
  *  - a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, NRRD, MetaImage, AFNI, MINC 2, a TIFF
  *    stack, or an FSL atlas XML of type Label;
- *  - an FSL atlas XML of another type, or a file of several volumes with a table of their names: areas of
- *    probabilities, which may overlap;
+ *  - an FSL atlas XML of another type, a file of several volumes with a table of their names, or one volume whose
+ *    name or options.probability states it: areas of probabilities, which may overlap;
  *  - a manifest NAME.atlas.json, which joins parcellations, surfaces, pathways and a context;
  *  - a surface (GIFTI, FreeSurfer and those of other programs), cut by the labels of its vertices if there are any;
  *  - CIFTI labels (.dlabel.nii) of surfaces that lie beside the file, and of voxels;

@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
+#include "base/tolerance.h"
 #include "loaders/labels/label_cells.h"
 #include "loaders/volumes/nifti.h"
 #include "loaders/volumes/volume_values.h"
@@ -511,8 +512,6 @@ static conus_status on_end(void *user, const struct xml_event *event)
     return element->end ? fail_at_line(element->end(parsing, event->text), event) : CONUS_OK;
 }
 
-enum { XML_CODE = 32 }; /* nifti1.h: NIFTI_ECODE_CIFTI */
-
 void cifti_finish(struct cifti *cifti)
 {
     for (size_t i = 0; i < cifti->map_count; i++) {
@@ -540,10 +539,6 @@ static conus_status cifti_read_header(struct volume_header *header, size_t shape
     conus_status status = nifti_matrix_parse(header, shape, data, size);
     if (status) {
         return status;
-    }
-    if (header->intent_code != NIFTI_DENSE_LABELS) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "intent_code: found %d, allowed is %d (labels)", header->intent_code,
-                    NIFTI_DENSE_LABELS);
     }
     if (header->info.slope != 1 || header->info.intercept != 0) {
         return fail(CONUS_ERROR_DATA, "scl_slope, scl_inter: found %g and %g, labels are not scaled",
@@ -574,7 +569,7 @@ static conus_status find_xml(struct text *out, const struct bytes *head, const s
     size_t end;
     conus_status status = nifti_extensions_parse(&extensions, &count, &end, head, header);
     for (size_t i = 0; !status && i < count; i++) {
-        if (extensions[i].code == XML_CODE) {
+        if (extensions[i].code == NIFTI_CIFTI_XML) {
             *out = text_from_bytes(extensions[i].data, extensions[i].size);
             found++;
         }
@@ -583,7 +578,7 @@ static conus_status find_xml(struct text *out, const struct bytes *head, const s
     return status || found == 1
                ? status
                : fail(CONUS_ERROR_DATA, "extensions of ecode %d, which hold the XML: found %zu, one is needed",
-                      XML_CODE, found);
+                      NIFTI_CIFTI_XML, found);
 }
 
 conus_status cifti_parse(struct cifti *out, const uint8_t *data, size_t size, uint64_t max_memory)
@@ -624,6 +619,7 @@ conus_status cifti_labels(uint32_t **out, const struct cifti *cifti, size_t map,
     for (size_t i = 0; !status && i < cifti->count; i++) {
         const uint8_t *at = (const uint8_t *)cifti->values + (i * cifti->map_count + map) * size;
         double value = volume_value_at(at, cifti->datatype, cifti->swapped);
+        value = tolerance_whole(value, fabs(value));
         if (!isfinite(value) || value != floor(value) || value > UINT32_MAX) {
             status = fail(CONUS_ERROR_DATA, "grayordinate %zu: label %.9g, allowed are whole numbers up to 4294967295",
                           i, value);
@@ -635,6 +631,9 @@ conus_status cifti_labels(uint32_t **out, const struct cifti *cifti, size_t map,
                           i, labels[i], from->name ? from->name : "");
         }
         negative += value < 0;
+    }
+    if (!status && cifti->datatype == VOLUME_FLOAT32) {
+        status = label_table_check_singles(&from->table, labels, cifti->count, TOLERANCE_SINGLE_END, "labels", notes);
     }
     if (!status && negative) {
         status = notes_warn(notes, "%zu vertices or voxels have labels below 0 and belong to no area", negative);

@@ -37,13 +37,33 @@ bool nifti_has_magic(const uint8_t *data, size_t size)
     return nifti_is(data, size) && (nifti_magic_is(data, size, "n+") || nifti_magic_is(data, size, "ni"));
 }
 
+enum { CIFTI_LOOK = 1 << 16 }; /* where the XML says of what its columns are */
+
 int nifti_matrix_intent(const uint8_t *data, size_t size)
 {
     if (size < NIFTI2_SIZE || !nifti_has_magic(data, size) || nifti_is_version_1(data)) {
         return 0;
     }
-    int intent_code = order_i32(data + 504, order_u32(data, false) != NIFTI2_SIZE);
-    return intent_code >= 3000 && intent_code < 3100 ? intent_code : 0;
+    static const struct {
+        const char *columns;
+        int code;
+    } kinds[] = {{"\"CIFTI_INDEX_TYPE_LABELS\"", NIFTI_DENSE_LABELS},
+                 {"\"CIFTI_INDEX_TYPE_SCALARS\"", 3006},
+                 {"\"CIFTI_INDEX_TYPE_SERIES\"", 3002}};
+    const size_t extension = NIFTI2_SIZE + 4;
+    bool swapped = order_u32(data, false) != NIFTI2_SIZE;
+    int intent_code = order_i32(data + 504, swapped);
+    intent_code = intent_code >= 3000 && intent_code < 3100 ? intent_code : 0;
+    if (size < extension + 8 || order_i32(data + extension + 4, swapped) != NIFTI_CIFTI_XML) {
+        return intent_code;
+    }
+    const struct text xml = {(const char *)data + extension, (size < CIFTI_LOOK ? size : CIFTI_LOOK) - extension};
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0] && !text_mentions(xml, "\"CIFTI_INDEX_TYPE_PARCELS\""); i++) {
+        if (text_mentions(xml, kinds[i].columns)) {
+            return kinds[i].code;
+        }
+    }
+    return intent_code;
 }
 
 static int mgh_int(const uint8_t *data, size_t offset)

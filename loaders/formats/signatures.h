@@ -21,9 +21,12 @@ bool nifti_magic_is(const uint8_t *data, size_t size, const char *name);
 /** True where @p data is a NIfTI header with its magic bytes. */
 bool nifti_has_magic(const uint8_t *data, size_t size);
 
-enum { NIFTI_DENSE_LABELS = 3007 }; /**< Intent code of a .dlabel.nii. */
+enum { NIFTI_DENSE_LABELS = 3007 };  /**< Intent code of a .dlabel.nii. */
+enum { NIFTI_CIFTI_XML = 32 };       /**< Code of the extension that holds CIFTI's XML. */
+enum { NIFTI_EXTENSION_LEAST = 16 }; /**< Bytes of the smallest extension. */
 
-/** Intent code of the CIFTI-2 file, a NIfTI-2 file without a grid, that begins with @p data; 0 if it is none. */
+/** Intent code of the CIFTI-2 file, a NIfTI-2 file without a grid, that begins with @p data; 0 if it is none. Where its
+ * XML says what it holds, the code is that of this: programs write 3000 for everything. */
 int nifti_matrix_intent(const uint8_t *data, size_t size);
 
 /** True where @p data begins like an MGH header: version 1, then a width below 2^24. */

@@ -3,55 +3,30 @@
 #include "loaders/maps/load_probability.h"
 
 #include "base/text.h"
+#include "base/tolerance.h"
 #include "loaders/volumes/volume_values.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Whether the file stores whole numbers of this type, unscaled. */
-static bool is_stored_as(const conus_volume_info *info, const char *datatype)
+/* Words for a scale, as notes have it. */
+static const char *scale_words(double value)
 {
-    return strcmp(info->datatype, datatype) == 0 && info->slope == 1 && info->intercept == 0;
+    return value == 1 ? "0 to 1" : value == 100 ? "percent" : value == UINT8_MAX ? "0 to 255" : "0 to 65535";
 }
 
-/* Probabilities are stored as 0 to 1, as percent, or over the whole range of an unsigned type. */
-static conus_status choose_scale(struct probability_scale *out, const conus_volume_info *info, double maximum)
-{
-    char number[TEXT_NUMBER_SIZE];
-    if (maximum <= 1) {
-        *out = (struct probability_scale){1, "0 to 1"};
-    } else if (maximum <= 100) {
-        *out = (struct probability_scale){100, "percent"};
-    } else if (is_stored_as(info, "uint8")) {
-        *out = (struct probability_scale){UINT8_MAX, "0 to 255"};
-    } else if (is_stored_as(info, "uint16") && maximum > UINT16_MAX / 2) {
-        *out = (struct probability_scale){UINT16_MAX, "0 to 65535"};
-    } else {
-        return fail(CONUS_ERROR_DATA,
-                    "%s: its largest value is %s, probabilities are 0 to 1, percent, or over the range of uint8 or "
-                    "uint16; a manifest can state the scale",
-                    info->path, text_number(number, maximum));
-    }
-    return CONUS_OK;
-}
-
-/* Facts that all volumes share. */
-struct range {
-    double least, largest;
-    bool masks; /* Each has 0 and one other value. */
-};
-
-static conus_status find_range(struct range *range, struct volume_file *file, struct notes *notes)
+/* The spread over all volumes, and whether each has 0 and one other value. */
+static conus_status find_spread(struct value_spread *spread, bool *masks, struct volume_file *file, struct notes *notes)
 {
     conus_status status = CONUS_OK;
+    *masks = true;
     for (size_t i = 0; !status && i < file->info.volume_count; i++) {
         struct value_map map = {0};
         status = volume_file_select(file, i);
         status = status ? status : volume_file_map(&map, file, notes);
         if (!status) {
-            range->least = fmin(range->least, file->info.minimum);
-            range->largest = fmax(range->largest, file->info.maximum);
-            range->masks = range->masks && value_map_is_mask(&map);
+            value_spread_add(spread, &map, &file->info);
+            *masks = *masks && value_map_is_mask(&map);
         }
         value_map_finish(&map);
     }
@@ -63,25 +38,45 @@ conus_status probability_scale_of(struct probability_scale *out, struct volume_f
 {
     char number[TEXT_NUMBER_SIZE];
     char most[TEXT_NUMBER_SIZE];
-    struct range range = {.masks = true};
+    bool masks;
+    uint64_t strays;
+    struct value_spread spread = {0};
     struct probability_scale scale = {stated, "as stated"};
-    conus_status status = find_range(&range, file, notes);
-    if (!status && range.least < 0) {
-        status = fail(CONUS_ERROR_DATA, "%s: its least value is %s, no probability is below 0", file->path,
-                      text_number(number, range.least));
+    conus_status status = find_spread(&spread, &masks, file, notes);
+    if (status) {
+        return status;
     }
-    if (!status && !(stated > 0) && range.masks && range.largest > 1) {
+    text_number(number, spread.largest);
+    if (!(stated > 0) && masks && spread.least >= 0 && spread.largest > 1 + TOLERANCE) {
         *out = (struct probability_scale){0, "masks, since each volume has 0 and one other value, taken for 1"};
         return CONUS_OK;
     }
-    status = status || stated > 0 ? status : choose_scale(&scale, &file->info, range.largest);
-    if (!status && range.largest > scale.value) {
-        status = fail(CONUS_ERROR_DATA, "%s: its largest value is %s, allowed is up to the scale, %s", file->path,
-                      text_number(number, range.largest), text_number(most, scale.value));
+    if (!(stated > 0)) {
+        const struct value_scale found = value_scale_of(&spread, &file->info);
+        if (!found.is_probability) {
+            return fail(CONUS_ERROR_DATA,
+                        "%s: its largest value is %s, probabilities are 0 to 1, percent, or over the range of uint8 or "
+                        "uint16%s%s; a manifest can state the scale",
+                        file->path, number, found.value > 0 ? "" : ": ", found.value > 0 ? "" : found.words);
+        }
+        scale = (struct probability_scale){found.value, scale_words(found.value)};
     }
-    if (!status) {
-        *out = scale;
+    if (!value_spread_strays(&strays, &spread, scale.value)) {
+        return spread.least < 0 && spread.largest <= scale.value
+                   ? fail(CONUS_ERROR_DATA, "%s: its least value is %s, no probability is below 0", file->path,
+                          text_number(number, spread.least))
+                   : fail(CONUS_ERROR_DATA, "%s: its largest value is %s, allowed is up to the scale, %s", file->path,
+                          number, text_number(most, scale.value));
     }
+    if (strays) {
+        char least[TEXT_NUMBER_SIZE];
+        status = notes_warn(notes,
+                            "%s: %llu voxels have values below 0 or above the scale, %s (from %s to %s): they count as "
+                            "the nearest of these",
+                            file->path, (unsigned long long)strays, text_number(most, scale.value),
+                            text_number(least, spread.least), number);
+    }
+    *out = status ? *out : scale;
     return status;
 }
 
@@ -92,8 +87,8 @@ static void divide_values(struct volume_file *file, struct value_map *map, doubl
     value_map_divide(map, scale);
     file->info.slope /= scale;
     file->info.intercept /= scale;
-    file->info.minimum /= scale;
-    file->info.maximum /= scale;
+    file->info.minimum = fmax(file->info.minimum / scale, 0);
+    file->info.maximum = fmin(file->info.maximum / scale, 1);
 }
 
 conus_status probability_add(conus_atlas *atlas, struct volume_file *file, size_t volume, const struct label *label,
@@ -110,7 +105,7 @@ conus_status probability_add(conus_atlas *atlas, struct volume_file *file, size_
         divide_values(file, &map, scale->value);
         file->info.role = CONUS_ROLE_PROBABILITY;
         file->info.threshold = threshold;
-        if (!((float)file->info.maximum >= (float)threshold)) {
+        if (!(file->info.maximum >= tolerance_least(threshold))) {
             status = notes_add(notes, "%s has no voxels: its largest probability is %.4g, the threshold %.4g",
                                area.name, file->info.maximum, threshold);
         }

@@ -12,9 +12,9 @@ struct probability_scale {
     const char *words; /**< "percent", for notes. */
 };
 
-/** The scale of @p file, opened as a series. It is @p stated unless that is 0; else all volumes are read for it, since
- * a volume in percent may have no value above 1, and since masks have any value. CONUS_ERROR_DATA for values below 0 or
- * above the scale, and where there is no usual scale. */
+/** The scale of @p file, opened as a series. It is @p stated unless that is 0; else value_scale_of() of all volumes,
+ * but for masks, which have any value. Strays below 0 or above the scale are warned of. CONUS_ERROR_DATA for others
+ * (value_spread_strays()), and where there is no usual scale. */
 conus_status probability_scale_of(struct probability_scale *out, struct volume_file *file, double stated,
                                   struct notes *notes);
 

@@ -11,6 +11,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text_number.h"
+#include "base/tolerance.h"
 #include "loaders/labels/fsl_find.h"
 #include "loaders/labels/label_volumes.h"
 #include "loaders/maps/simnibs.h"
@@ -63,7 +64,7 @@ static conus_status check_band(const conus_band *band, const conus_volume_info *
         return fail(CONUS_ERROR_ARGUMENT, "%s: band %s: from %s to below %s holds no value, the first is to be less",
                     info->path, band->name, text_number(low, band->low), text_number(high, band->high));
     }
-    return (float)band->low <= (float)info->maximum && (float)band->high > (float)info->minimum
+    return tolerance_least(band->low) <= info->maximum && tolerance_least(band->high) > info->minimum
                ? CONUS_OK
                : fail(CONUS_ERROR_ARGUMENT, "%s: band %s: %s, the values are from %s to %s", info->path, band->name,
                       ends_text(ends, band), text_number(low, info->minimum), text_number(high, info->maximum));
@@ -126,12 +127,12 @@ static conus_status bands_check(const conus_band *bands, size_t count, const con
 /* Whether nothing but its upper end keeps the largest value out of the last @p count pathways. */
 static bool ends_at_the_largest(const conus_atlas *atlas, const conus_object *band, size_t count)
 {
-    float largest = (float)atlas->volumes[band->volume].info.maximum;
+    double largest = atlas->volumes[band->volume].info.maximum;
     bool is_taken = false;
     for (size_t i = atlas->object_count - count; i < atlas->object_count; i++) {
-        is_taken = is_taken || (float)atlas->objects[i].low == largest;
+        is_taken = is_taken || tolerance_same(atlas->objects[i].low, largest);
     }
-    return (float)band->high == largest && !is_taken;
+    return tolerance_same(band->high, largest) && !is_taken;
 }
 
 /* Notes bands that look wrong, among those that have just become the last pathways of atlas: bands without voxels, and
@@ -168,17 +169,29 @@ static conus_status choose_threshold(struct volume_file *file, const struct valu
         return fail(CONUS_ERROR_DATA, "%s: its largest value is %s, a pathway needs values above 0", info->path,
                     maximum);
     }
-    if (!(wanted >= 0 && (float)wanted <= (float)info->maximum)) { /* as the values are kept */
+    if (!(wanted >= 0 && tolerance_least(wanted) <= info->maximum)) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: threshold %s, allowed is above 0 to %s, the largest value (0 = default)",
                     info->path, text_number(threshold, wanted), maximum);
     }
-    struct value_scale scale = value_scale_of(info);
+    struct value_spread spread = {0};
+    value_spread_add(&spread, map, info);
+    struct value_scale scale = value_scale_of(&spread, info);
     if (info->maximum < scale.value / 4 && value_map_is_mask(map)) {
         scale = (struct value_scale){info->maximum, false, "0 and one other value, taken as a mask"};
     }
     info->threshold = wanted > 0 ? wanted : scale.value / 4;
     text_number(threshold, info->threshold);
-    if ((float)info->threshold > (float)info->maximum) {
+    if (!(info->threshold > 0)) {
+        return fail(CONUS_ERROR_DATA, "%s: values up to %s: %s: give a threshold", info->path, maximum, scale.words);
+    }
+    uint64_t strays = 0;
+    if (!(wanted > 0) && scale.is_probability && info->minimum >= 0 &&
+        value_spread_strays(&strays, &spread, scale.value) && strays &&
+        notes_warn(notes, "pathway %s: %llu voxels have values above the scale, %g, up to %s", name,
+                   (unsigned long long)strays, scale.value, maximum)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    if (tolerance_least(info->threshold) > info->maximum) {
         return fail(CONUS_ERROR_DATA,
                     "%s: the default threshold %s (%s) is above its largest value %s: give a threshold", info->path,
                     threshold, scale.words, maximum);
@@ -336,7 +349,7 @@ static conus_status choose_block(conus_volume_info *info, double wanted)
 {
     char threshold[TEXT_NUMBER_SIZE];
     char maximum[TEXT_NUMBER_SIZE];
-    bool fits = wanted > 0 && (float)wanted <= (float)info->maximum; /* as the values are kept */
+    bool fits = wanted > 0 && tolerance_least(wanted) <= info->maximum;
     info->threshold = wanted;
     return wanted == 0 || fits ? CONUS_OK
                                : fail(CONUS_ERROR_ARGUMENT,

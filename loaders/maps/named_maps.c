@@ -6,6 +6,7 @@
 #include "base/buffer.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
+#include "base/tolerance.h"
 #include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_volumes.h"
 #include "loaders/volumes/grey.h"
@@ -20,6 +21,7 @@ void named_maps_finish(struct named_maps *maps)
 {
     label_table_finish(&maps->table);
     memory_free(maps->source);
+    memory_free(maps->file);
     file_sums_finish(&maps->read);
     notes_finish(&maps->notes);
 }
@@ -48,20 +50,45 @@ static conus_status find_names(struct named_maps *out, const conus_volume_info *
     return status ? status : label_drop_background(&dropped, &out->table, &out->notes);
 }
 
+/* The volume is called as its file is. */
+static conus_status name_one(struct named_maps *out, const struct volume_selector *selector)
+{
+    static const char source[] = "the file's name";
+    const char *name = path_base(selector->path);
+    struct label *label = label_table_add(&out->table, (uint32_t)selector->volume + 1);
+    out->source = memory_text(source, strlen(source));
+    out->file = memory_text(selector->path, strlen(selector->path));
+    out->chosen = selector->chosen;
+    return label && out->source && out->file
+               ? label_set_text(&label->name, (struct text){name, volume_stem_length(name)})
+               : CONUS_ERROR_MEMORY;
+}
+
 conus_status named_maps_find(struct named_maps *out, const struct probe *probe, const char *path,
                              const conus_load_options *options)
 {
     struct named_maps maps = {0};
     struct volume_selector selector = {0};
-    conus_volume_info info;
+    conus_volume_info info = {0};
     conus_status status = volume_selector_parse(&selector, path);
-    bool labels = options->labels_anyway; /* each volume is one of labels */
-    bool several = !status && !selector.chosen && !labels && probe->is_open &&
-                   !volume_bytes_header(&info, path, &probe->stored) && info.volume_count > 1;
+    bool is_volume = !status && !options->labels_anyway && /* each volume is one of labels */
+                     probe->reader == READER_VOLUME && probe->first != '<';
+    bool stated = is_volume && (options->probability > 0 || named_maps_is_probseg(selector.path));
+    bool has_header = is_volume && probe->is_open && !volume_bytes_header(&info, path, &probe->stored);
+    bool is_whole = !selector.chosen && has_header && info.volume_count > 1;
     status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* its reader says what is wrong with it */
-    if (several) {
+    if (is_whole) {
         info.path = selector.path;
         status = find_names(&maps, &info, options);
+        if (!status && stated && !maps.table.count) {
+            status =
+                fail(CONUS_ERROR_ARGUMENT,
+                     "%s: has %zu volumes of probabilities, as its name or --probability states, and nothing names "
+                     "them: --labels FILE does, FILE,volume=K takes one",
+                     selector.path, info.volume_count);
+        }
+    } else if (!status && stated && !options->labels) {
+        status = name_one(&maps, &selector);
     }
     volume_selector_finish(&selector);
     if (status) {
@@ -72,12 +99,14 @@ conus_status named_maps_find(struct named_maps *out, const struct probe *probe, 
     return CONUS_OK;
 }
 
+static const double most_percent = 100 * (1 + TOLERANCE);
+
 /* Sums over all volumes. */
 struct findings {
     uint16_t *above; /* [voxels] In how many volumes the value is above 0. */
     double minimum, maximum;
-    bool fractions;     /* Some value is no whole number.                                    */
-    size_t like_labels; /* Volumes that do not look like an image, if all are whole numbers. */
+    size_t fractions, positive; /* Voxels with no whole number, and above 0. */
+    size_t like_labels;         /* Volumes of whole numbers that do not look like an image. */
 };
 
 /* Whether the values, all of them whole numbers, look like labels. */
@@ -102,16 +131,21 @@ static conus_status look_like_labels(bool *labels, const struct volume_file *fil
 static conus_status add_findings(struct findings *findings, const struct volume_file *file, const float *values)
 {
     const conus_volume_info *info = &file->info;
-    bool fractions = false;
+    size_t fractions = 0;
+    size_t positive = 0;
     bool labels = false;
     findings->minimum = fmin(findings->minimum, info->minimum);
     findings->maximum = fmax(findings->maximum, info->maximum);
     for (size_t i = 0; i < info->dim[0] * info->dim[1] * info->dim[2]; i++) {
         findings->above[i] = (uint16_t)(findings->above[i] + (values[i] > 0));
-        fractions = fractions || values[i] != floorf(values[i]);
+        double value = (double)values[i];
+        fractions += tolerance_whole(value, fabs(value)) != rint(value);
+        positive += value > 0;
     }
-    findings->fractions = findings->fractions || fractions;
-    bool ask = !fractions && info->minimum >= 0 && info->maximum > 1 && info->maximum <= 100;
+    findings->fractions += fractions;
+    findings->positive += positive;
+    bool ask =
+        fractions <= positive / 100 && info->minimum >= 0 && info->maximum > 1.5 && info->maximum <= most_percent;
     conus_status status = ask ? look_like_labels(&labels, file, values) : CONUS_OK;
     findings->like_labels += labels;
     return status;
@@ -134,10 +168,10 @@ static conus_status check_findings(const struct findings *findings, const struct
     static const double most = 2.0 / 3;
     char reason[200];
     double part = overlap(findings, &file->info);
-    if (findings->minimum < 0 || findings->maximum > 100) {
+    if (findings->minimum < -TOLERANCE || findings->maximum > most_percent) {
         snprintf(reason, sizeof reason, "values from %.9g to %.9g are not probabilities, 0 to 1 or percent",
                  findings->minimum, findings->maximum);
-    } else if (!findings->fractions && findings->like_labels) {
+    } else if (findings->fractions <= findings->positive / 100 && findings->like_labels) {
         snprintf(reason, sizeof reason, "the whole numbers in %zu of them may be labels", findings->like_labels);
     } else if (part > most) {
         snprintf(

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A file of several volumes that is an atlas of probabilities by itself, because a table names its volumes. */
+/** @file A file that is an atlas of probabilities by itself: because a table names its volumes, or because its name or
+ * an option states that it is one map. */
 #ifndef CONUS_LOADERS_MAPS_NAMED_MAPS_H
 #define CONUS_LOADERS_MAPS_NAMED_MAPS_H
 
@@ -12,13 +13,16 @@ struct named_maps {
     struct label_table table; /**< Its numbers are those of the volumes, from 1; without the background's. */
     char *source;             /**< For people: where the names come from.                               */
     struct file_sums read;    /**< The table.                                                             */
+    char *file;               /**< The path without ",volume=K", */
+    bool chosen;              /**< and whether it chooses the one volume of the table. */
     struct notes notes;
 };
 
 /** Finds out whether all volumes of @p path, which @p probe has open, are named: the file has several, ",volume=K"
  * chooses none, and the table of @p options, or one beside the file, says for certain which volume each name belongs
- * to. Otherwise, and with labels_anyway, the table of @p out is empty. CONUS_ERROR_ARGUMENT where the table of @p
- * options does not name the volumes. */
+ * to. Where a probability of @p options or the name (named_maps_is_probseg()) states that they are probabilities, one
+ * volume, or the chosen one, has its file's name. Otherwise, and with labels_anyway, the table of @p out is empty.
+ * CONUS_ERROR_ARGUMENT where the table of @p options does not name the volumes, or nothing names stated ones. */
 conus_status named_maps_find(struct named_maps *out, const struct probe *probe, const char *path,
                              const conus_load_options *options);
 

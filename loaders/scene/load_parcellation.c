@@ -7,6 +7,7 @@
 #include "base/files/folder.h"
 #include "base/formats/xml.h"
 #include "base/memory.h"
+#include "base/tolerance.h"
 #include "loaders/cifti/cifti_file.h"
 #include "loaders/file_kind.h"
 #include "loaders/labels/fsl_find.h"
@@ -16,6 +17,7 @@
 #include "loaders/volumes/volume_table.h"
 #include "loaders/volumes/volume_values.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -247,7 +249,13 @@ conus_status parcellation_check_grey(const struct volume_file *file, const struc
                                      const struct label_table *table, bool stated, bool anyway, struct notes *notes)
 {
     struct grey_result result;
-    conus_status status = grey_judge_file(&result, file, labels, table, stated);
+    const conus_volume_info *info = &file->info;
+    conus_status status = CONUS_OK;
+    if (file->datatype == VOLUME_FLOAT32) {
+        double end = info->intercept + TOLERANCE_SINGLE_END * fabs(info->slope);
+        status = label_table_check_singles(table, labels->labels, labels->label_count, end, file->path, notes);
+    }
+    status = status ? status : grey_judge_file(&result, file, labels, table, stated);
     if (status || !result.grey) {
         return status;
     }

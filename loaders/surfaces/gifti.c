@@ -441,6 +441,7 @@ static conus_status read_storage(struct parsing *parsing, const struct xml_event
                                               .column_major = column_major,
                                               .rank = array->rank,
                                               .count = array->count};
+    array->is_single = type == TYPE('f', 4);
     return encoding == GIFTI_EXTERNAL ? read_external(parsing, event) : CONUS_OK;
 }
 

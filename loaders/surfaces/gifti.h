@@ -31,6 +31,7 @@ struct gifti_array {
     size_t rank;                  /**< 1 to GIFTI_RANK_LIMIT                                           */
     size_t dim[GIFTI_RANK_LIMIT]; /**< 1 or more; 1 beyond rank                                        */
     size_t count;                 /**< Their product.                                                  */
+    bool is_single;               /**< The values were float32.                                        */
     double *values;               /**< [count], the last index fastest; exact for all but 64-bit types */
     char *name;                   /**< Its metadata's Name; NULL if none.                              */
     struct gifti_transform *transforms;

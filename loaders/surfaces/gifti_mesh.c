@@ -5,6 +5,7 @@
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/tolerance.h"
 #include "loaders/formats/map_choice.h"
 #include "loaders/surfaces/freesurfer_surface.h"
 
@@ -50,7 +51,7 @@ static bool gifti_is_identity(const double m[16])
     for (int i = 0; i < 16; i++) {
         largest = fmax(largest, fabs(m[i] - (i % 5 == 0)));
     }
-    return largest <= 1e-6;
+    return largest <= 2 * TOLERANCE; /* a product of two */
 }
 
 /* Finds the space in which all matrices say that the vertices are stored. A matrix that changes nothing says it, too.
@@ -159,11 +160,12 @@ conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_sto
     return CONUS_OK;
 }
 
-static conus_status gifti_fill_labels(uint32_t *labels, const struct gifti_array *array, struct notes *notes)
+static conus_status gifti_fill_labels(uint32_t *labels, const struct gifti_array *array,
+                                      const struct label_table *table, struct notes *notes)
 {
     size_t negative = 0;
     for (size_t i = 0; i < array->count; i++) {
-        double value = array->values[i];
+        double value = tolerance_whole(array->values[i], fabs(array->values[i]));
         if (value != floor(value) || value > UINT32_MAX) {
             return fail(CONUS_ERROR_DATA, "vertex %zu: label %.9g, allowed are whole numbers up to 4294967295", i,
                         value);
@@ -171,7 +173,11 @@ static conus_status gifti_fill_labels(uint32_t *labels, const struct gifti_array
         labels[i] = value > 0 ? (uint32_t)value : 0;
         negative += value < 0;
     }
-    return negative ? notes_warn(notes, "%zu vertices have labels below 0 and belong to no area", negative) : CONUS_OK;
+    conus_status status = array->is_single ? label_table_check_singles(table, labels, array->count,
+                                                                       TOLERANCE_SINGLE_END, "LABEL array", notes)
+                                           : CONUS_OK;
+    return status || !negative ? status
+                               : notes_warn(notes, "%zu vertices have labels below 0 and belong to no area", negative);
 }
 
 conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *gifti, size_t map, struct notes *notes)
@@ -196,7 +202,7 @@ conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *
                     array->count, array->dim[0]);
     }
     uint32_t *out = memory_raw(array->count, sizeof *out);
-    conus_status status = out ? gifti_fill_labels(out, array, notes) : CONUS_ERROR_MEMORY;
+    conus_status status = out ? gifti_fill_labels(out, array, &gifti->labels, notes) : CONUS_ERROR_MEMORY;
     if (status) {
         memory_free(out);
         return status;

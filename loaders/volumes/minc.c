@@ -204,7 +204,7 @@ static conus_status describe(struct volume_header *out, struct minc *minc)
     const struct hdf5_object *image = hdf5_find(minc->hdf5, IMAGE "image");
     double world[16];
     int64_t dim[7] = {1, 1, 1, 1, 1, 1, 1};
-    struct volume_header header = {.footer = true, .label_slack = label_slack, .info.slope = 1};
+    struct volume_header header = {.footer = true, .info.slope = 1};
     if (!image) {
         return fail(CONUS_ERROR_DATA, "HDF5, but no volume of MINC: there is no " IMAGE "image");
     }
@@ -218,6 +218,7 @@ static conus_status describe(struct volume_header *out, struct minc *minc)
     char kind = "fiu"[minc->image->class - HDF5_FLOAT];
     int datatype = minc->scales ? VOLUME_FLOAT64 : volume_datatype_of(kind, minc->image->size);
     header.swapped = !minc->scales && SWAPPED;
+    header.label_slack = minc->scales ? label_slack : 0;
     status = status ? status : volume_header_set_datatype(&header, datatype);
     status = status ? status : volume_header_set_dim(&header, dim);
     status = status ? status : space_describe(&header.info, world, "start, step and direction_cosines");

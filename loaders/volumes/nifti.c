@@ -7,6 +7,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/notes.h"
+#include "base/tolerance.h"
 #include "loaders/formats/formats.h"
 
 #include <math.h>
@@ -22,8 +23,9 @@ struct nifti_placement {
     double srow[12];               /* Three rows of world_from_voxel.                            */
 };
 
-/* Quaternions are stored as floats: their squares may sum to a little more than 1. */
-static const double QUATERN_ROUNDING = 1e-6;
+/* nifti1_io.c: what is less than this from a sum of squares of 1 is a half turn, which float32 would tilt by 0.03 deg.
+ */
+static const double HALF_TURN = 1e-7;
 
 static conus_status check_pixdim(const double pixdim[8])
 {
@@ -68,19 +70,19 @@ static void rotation_from(double out[16], double a, const double bcd[3], const d
 static conus_status place_qform(double out[16], const struct nifti_placement *p)
 {
     double qfac = p->pixdim[0];
-    if (qfac < 0 ? qfac != -1 : !isfinite(qfac)) {
+    if (qfac < 0 ? !tolerance_same(qfac, -1) : !isfinite(qfac)) {
         return fail(CONUS_ERROR_DATA, "pixdim[0] (qfac): found %g, allowed are -1 and 1", qfac);
     }
     double squares = vec3_dot(p->quatern, p->quatern);
-    if (!(squares <= 1 + QUATERN_ROUNDING)) {
+    if (!(squares <= 1 + 2 * TOLERANCE)) { /* each of the numbers was rounded */
         return fail(CONUS_ERROR_DATA,
                     "quatern_b, c, d: found %.9g, %.9g, %.9g, allowed are numbers whose squares sum to "
                     "at most 1",
                     p->quatern[0], p->quatern[1], p->quatern[2]);
     }
-    double a = squares < 1 ? sqrt(1 - squares) : 0;
+    double a = 1 - squares < HALF_TURN ? 0 : sqrt(1 - squares);
     double bcd[3];
-    vec3_scale(bcd, p->quatern, squares > 1 ? 1 / sqrt(squares) : 1);
+    vec3_scale(bcd, p->quatern, a == 0 ? 1 / sqrt(squares) : 1);
     const double scale[3] = {p->pixdim[1], p->pixdim[2], qfac < 0 ? -p->pixdim[3] : p->pixdim[3]};
     mat4_identity(out);
     rotation_from(out, a, bcd, scale);
@@ -148,7 +150,7 @@ static conus_status nifti_place(conus_volume_info *info, const struct nifti_plac
     return space_describe(info, world, words);
 }
 
-enum { EXTENDER_SIZE = 4, EXTENSION_HEAD_SIZE = 8, EXTENSION_UNIT = 16 };
+enum { EXTENDER_SIZE = 4, EXTENSION_HEAD_SIZE = 8, EXTENSION_UNIT = NIFTI_EXTENSION_LEAST };
 
 /* The fields that matter, of either version. */
 struct fields {
@@ -265,11 +267,6 @@ static conus_status read_scaling(conus_volume_info *info, const struct fields *f
     return CONUS_OK;
 }
 
-static bool is_matrix(int version, int intent_code)
-{
-    return version == 2 && intent_code >= 3000 && intent_code < 3100;
-}
-
 /* The fields that volumes and matrices have in common. */
 static conus_status begin_header(struct volume_header *out, struct fields *f)
 {
@@ -315,7 +312,7 @@ conus_status nifti_matrix_parse(struct volume_header *out, size_t shape[2], cons
     if (status) {
         return status;
     }
-    if (f.pair || !is_matrix(f.version, f.intent_code)) {
+    if (f.pair || !nifti_matrix_intent(data, size)) {
         return fail(CONUS_ERROR_DATA, "not a CIFTI-2 file: a single NIfTI-2 file of an intent_code of 3000 to 3099");
     }
     status = begin_header(&header, &f);
@@ -342,8 +339,9 @@ conus_status nifti_header_parse(struct volume_header *out, const uint8_t *data, 
     if (status) {
         return status;
     }
-    if (is_matrix(f.version, f.intent_code)) {
-        const struct file_kind *kind = format_find_matrix(f.intent_code, &(struct bytes){(uint8_t *)data, size});
+    const int matrix = nifti_matrix_intent(data, size);
+    if (matrix) {
+        const struct file_kind *kind = format_find_matrix(matrix, &(struct bytes){(uint8_t *)data, size});
         return fail(CONUS_ERROR_UNSUPPORTED, "intent_code: found %d, %s, allowed are volumes; %s", f.intent_code,
                     kind->words, kind->way);
     }

@@ -525,6 +525,14 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
         file->voxels =
             (struct bytes){file->series.data + header->info.volume * header->volume_size, header->volume_size};
     }
+    size_t flag = header->header_size; /* of NIfTI: whether extensions follow the header */
+    if (range.extra >= NIFTI_EXTENSION_LEAST && !header->footer && !header->text && !header->pair && flag &&
+        file->head.size > flag && file->head.data[flag] && header->offset < flag + 4 + NIFTI_EXTENSION_LEAST) {
+        return fail(CONUS_ERROR_DATA,
+                    "vox_offset: found %llu, but an extension begins there, as byte %zu says, and %llu bytes stand "
+                    "after the last voxel: the voxels begin behind the extension",
+                    (unsigned long long)header->offset, flag, (unsigned long long)range.extra);
+    }
     if (range.extra && !header->footer) {
         status = notes_warn(&o->notes, "%llu bytes after the last voxel were ignored", (unsigned long long)range.extra);
     }

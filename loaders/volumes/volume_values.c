@@ -4,6 +4,7 @@
 
 #include "base/byte_order.h"
 #include "base/memory.h"
+#include "base/tolerance.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_header.h"
 
@@ -94,18 +95,27 @@ double volume_value_at(const uint8_t *data, int datatype, bool swapped)
     return value;
 }
 
+static bool is_real(const struct volume_file *file)
+{
+    return file->datatype == VOLUME_FLOAT32 || file->datatype == VOLUME_FLOAT64;
+}
+
 /* False where some value, scaled if the file has a scale, and rounded within its slack, is no label. */
 static bool block_labels(uint32_t *out, const struct decoder *decoder, const struct volume_file *file,
                          const uint8_t *in, size_t count)
 {
-    if (!is_scaled(file) && !(file->label_slack > 0)) {
-        return decoder->labels(out, in, count, file->swapped);
+    bool fine = !is_scaled(file) && decoder->labels(out, in, count, file->swapped);
+    if (fine || (!is_scaled(file) && !is_real(file))) {
+        return fine;
     }
     double values[BLOCK];
-    bool fine = true;
+    const double offset = fabs(file->info.intercept);
     decoder->doubles(values, in, count, file->swapped);
+    fine = true;
     for (size_t i = 0; i < count; i++) {
-        double v = values[i] * file->info.slope + file->info.intercept;
+        double product = values[i] * file->info.slope;
+        double v = product + file->info.intercept;
+        v = tolerance_whole(v, fabs(product) > offset ? fabs(product) : offset);
         v = fabs(v - rint(v)) <= file->label_slack ? rint(v) : v;
         bool good = v >= 0 && v < 0x1p32 && v == floor(v);
         fine &= good;

@@ -7,7 +7,8 @@
 #include "atlas/value_map.h"
 #include "loaders/volumes/volume_file.h"
 
-/** Decodes to labels. Refuses scaled values that are not whole, or outside 0..4294967295, naming the first such voxel.
+/** Decodes to labels. Refuses values that are not whole (tolerance_whole()), or outside 0..4294967295, naming the
+ * first.
  * @p out is the caller's to finish. Sets info.minimum and maximum. */
 conus_status volume_file_labels(struct label_voxels *out, struct volume_file *file);
 

@@ -33,13 +33,15 @@ struct table {
 static const struct text in_table = {TABLE, sizeof TABLE - 1};
 
 /* A column of a table, with @p count rows unless it is 0; NULL where it is not there. */
+#define ANY_COUNT SIZE_MAX
+
 static conus_status find_column(const struct hdf5_value **out, const struct hdf5 *hdf5, struct text table,
                                 const char *name, bool is_text, size_t count)
 {
     const struct hdf5_object *object = hdf5_find_in(hdf5, table, name);
     const struct hdf5_value *value = object ? &object->value : NULL;
     bool fine = !value || (value->rank == 1 && (is_text ? value->class == HDF5_STRING : hdf5_is_number(value)) &&
-                           (!count || value->count == count));
+                           (count == ANY_COUNT || value->count == count));
     *out = value;
     return fine ? CONUS_OK
                 : fail(CONUS_ERROR_DATA, "%.*s/%s: %s for each electrode is needed", TEXT_SHOW(table, 200U), name,
@@ -57,7 +59,7 @@ static conus_status find_places(struct table *out, const struct hdf5 *hdf5, stru
     static const char *const names[AXES] = {"x", "y", "z"};
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < AXES; i++) {
-        status = find_column(&out->columns[i], hdf5, group, names[i], false, out->count);
+        status = find_column(&out->columns[i], hdf5, group, names[i], false, i ? out->count : ANY_COUNT);
         out->count = out->columns[0] ? out->columns[0]->count : 0;
         out->from[i] = i;
         out->sign[i] = 1;
@@ -136,7 +138,7 @@ static conus_status find_table(struct table *out, const struct hdf5 *hdf5, bool 
         status = take_space(out, hdf5_find_in(hdf5, group, "space"));
         status = status ? status : find_column(&out->rows, hdf5, group, "localized_entity", false, out->count);
     }
-    status = status ? status : find_column(&out->ids, hdf5, in_table, "id", false, places ? 0 : out->count);
+    status = status ? status : find_column(&out->ids, hdf5, in_table, "id", false, places ? ANY_COUNT : out->count);
     if (!status && (!out->ids || out->ids->class == HDF5_FLOAT)) {
         status = fail(CONUS_ERROR_DATA, TABLE "/id: a whole number for each electrode is needed");
     }

@@ -355,7 +355,10 @@ static size_t add_haze(struct legend_row rows[COLOUR_ROWS], char words[COLOUR_RO
             continue;
         }
         const struct transfer *transfer = &picture->hazy->transfers[number];
-        const struct value_scale scale = value_scale_of(&atlas_object_volume(picture->atlas, number)->info);
+        const struct volume *volume = atlas_object_volume(picture->atlas, number);
+        struct value_spread spread = {0};
+        value_spread_add(&spread, &volume->map, &volume->info);
+        const struct value_scale scale = value_scale_of(&spread, &volume->info);
         double factor = scale.is_probability ? 100 / scale.value : 1;
         const double ends[2] = {factor * transfer->points[0].value,
                                 factor * transfer->points[transfer->count - 1].value};

@@ -307,6 +307,101 @@ static void orientation_follows_the_affine(void **state)
     assert_fails(space_describe(&info, m, "sform"), CONUS_ERROR_DATA);
 }
 
+/* Each number stands on one side of a limit of atlas/space.h, in a grid of 10^3 voxels of 1 mm. */
+static void grids_have_limits(void **state)
+{
+    (void)state;
+    static const struct {
+        int at;
+        double value;
+        const char *message; /* NULL: none */
+    } cases[] = {{0, 1e-310, "sform: a step along axis 0 is 1e-310 mm long, allowed are 1e-09 to 1e+06"},
+                 {5, 0.9e-9, "axis 1"},
+                 {5, 1.1e-9, NULL},
+                 {10, -0.9e6, NULL},
+                 {10, -1.1e6, "axis 2"},
+                 {0, 1e300, "a step along axis 0 is 1e+300 mm"},
+                 {0, INFINITY, "axis 0 is inf"},
+                 {0, NAN, "singular or not finite"},
+                 {13, 1e300, "it begins inf mm"},
+                 {13, 1.1e10, "it begins 1.1e+10 mm, 1.1e+10 steps, from the origin"},
+                 {12, 9e9, NULL},
+                 {12, NAN, "singular or not finite"},
+                 {4, 1e6, "axis 1"},
+                 {4, 1e5, NULL}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_volume_info info = {.dim = {10, 10, 10}};
+        double m[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+        double inverse[16];
+        m[cases[i].at] = cases[i].value;
+        conus_status status = space_describe(&info, m, "sform");
+        assert_int_equal(status, space_invert(inverse, m, "sform"));
+        if (!status != !cases[i].message || (status && !strstr(conus_message(), cases[i].message))) {
+            fail_msg("case %zu: %s", i, status ? conus_message() : "no error");
+        }
+    }
+    conus_volume_info far = {.dim = {10, 10, SIZE_MAX / 1000}};
+    const double m[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    assert_fails(space_describe(&far, m, "sform"), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "a corner of the grid is"));
+    const double flat[16] = {1, 0, 0, 0, 1, 0.9e-6, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}; /* two axes 0.9e-6 apart */
+    assert_fails(space_describe(&(conus_volume_info){0}, flat, "sform"), CONUS_ERROR_DATA);
+}
+
+/* A matrix as NIfTI-1 keeps it, in float32, and as NIfTI-2 does. */
+static void grids_may_differ_by_rounding(void **state)
+{
+    (void)state;
+    conus_volume_info a = {.dim = {91, 109, 91}};
+    const double exact[16] = {-0.7, 0, 0, 0, 0, 0.7, 0, 0, 0, 0, 0.7, 0, 90.1, -126.3, -72.7, 1};
+    double rounded[16];
+    for (int i = 0; i < 16; i++) {
+        rounded[i] = (double)(float)exact[i];
+    }
+    assert_ok(space_describe(&a, exact, "exact"));
+    conus_volume_info b = a;
+    assert_ok(space_describe(&b, rounded, "rounded"));
+    assert_true(space_same_grid(&a, &b));
+    rounded[12] += 0.001;
+    assert_ok(space_describe(&b, rounded, "moved"));
+    assert_false(space_same_grid(&a, &b));
+}
+
+/* Four Allen structures; float32 has every 16th whole number there, and every second one from 2^24 on. */
+static void labels_in_single_precision(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t table[2], labels[2];
+        const char *error, *note;
+    } cases[] = {{{997, 8}, {997, 16777215}, NULL, NULL},
+                 {{997, 8}, {997, 16777216}, NULL, "f.nii: labels up to 16777216 as float32, which from 16777216 on"},
+                 {{182305696, 8}, {182305696, 8}, NULL, "labels up to 182305696"},
+                 {{182305693, 8}, {182305696, 8}, "f.nii: the label 182305693, \"x\", is 182305696 as float32", NULL},
+                 {{182305696, 182305697}, {8, 182305696}, "the label 182305697", NULL},
+                 {{16777217, 8}, {8, 16777216}, "the label 16777217", NULL},
+                 {{16777217, 8}, {8, 16777218}, NULL, "labels up to 16777218"}, /* a tie goes to the even 16777216 */
+                 {{182305693, 8}, {8, 182305712}, NULL, "labels up to 182305712"},
+                 {{4294967295, 8}, {8, 4294967040}, NULL, "labels up to 4294967040"},
+                 {{4294967041, 4294967042}, {8, 4294967040}, "the label 4294967041", NULL}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct label_table table = {0};
+        struct notes notes = {0};
+        for (int k = 0; k < 2; k++) {
+            assert_ok(label_set_text(&label_table_add(&table, cases[i].table[k])->name, text_from("x")));
+        }
+        assert_ok(label_table_sort(&table, &notes));
+        conus_status status = label_table_check_singles(&table, cases[i].labels, 2, 16777216, "f.nii", &notes);
+        if (!status != !cases[i].error || (status && !strstr(conus_message(), cases[i].error))) {
+            fail_msg("case %zu: %s", i, status ? conus_message() : "no error");
+        }
+        assert_int_equal(notes.count, cases[i].note != NULL);
+        assert_true(!cases[i].note || strstr(notes.lines[0], cases[i].note));
+        label_table_finish(&table);
+        notes_finish(&notes);
+    }
+}
+
 static void latin1_names_become_utf8(void **state)
 {
     (void)state;
@@ -333,6 +428,9 @@ TEST_GROUP(atlas)
         cmocka_unit_test(every_failing_allocation_is_clean),
         cmocka_unit_test(areas_may_be_meshes),
         cmocka_unit_test(orientation_follows_the_affine),
+        cmocka_unit_test(grids_have_limits),
+        cmocka_unit_test(grids_may_differ_by_rounding),
+        cmocka_unit_test(labels_in_single_precision),
         cmocka_unit_test(latin1_names_become_utf8),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -126,6 +126,30 @@ static void background_takes_no_memory(void **state)
     value_map_finish(&map);
 }
 
+/* Counted voxel by voxel, over a sparse map whose last run ends early, for backgrounds on both sides of the bounds. */
+static void voxels_above_a_bound_are_counted(void **state)
+{
+    (void)state;
+    enum { COUNT = 3 * VALUE_PAGE + 37 };
+    static const double bounds[] = {-1, 0, 1.5, 7};
+    for (int background = -2; background <= 8; background += 5) {
+        static float values[COUNT];
+        uint64_t wanted[4] = {0};
+        uint64_t above[4] = {0};
+        struct value_map map;
+        for (size_t v = 0; v < COUNT; v++) {
+            values[v] = v && (v % 701 < 3 || v > COUNT - 5) ? (float)(v % 11) : (float)background;
+            for (size_t b = 0; b < 4; b++) {
+                wanted[b] += (double)values[v] > bounds[b];
+            }
+        }
+        assert_ok(value_map_of(&map, values, COUNT));
+        value_map_spread(above, &map, bounds, 4);
+        assert_memory_equal(above, wanted, sizeof wanted);
+        value_map_finish(&map);
+    }
+}
+
 static void values_are_divided_and_masks_found(void **state)
 {
     (void)state;
@@ -141,7 +165,7 @@ static void values_are_divided_and_masks_found(void **state)
         assert_int_equal(value_map_is_mask(&map), cases[i].is_mask);
         value_map_divide(&map, 3);
         for (size_t v = 0; v < 4; v++) {
-            float wanted = (float)((double)cases[i].values[v] / 3);
+            float wanted = cases[i].values[v] < 0 ? 0 : (float)((double)cases[i].values[v] / 3);
             float value = value_map_at(&map, v);
             assert_memory_equal(&value, &wanted, sizeof value);
         }
@@ -256,9 +280,10 @@ static void steps_are_counted_where_they_are(void **state)
 TEST_GROUP(value_map)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_map_holds_what_it_was_made_of),    cmocka_unit_test(background_takes_no_memory),
-        cmocka_unit_test(values_are_divided_and_masks_found), cmocka_unit_test(unsound_maps_are_found),
-        cmocka_unit_test(every_allocation_may_fail),          cmocka_unit_test(steps_are_counted_where_they_are),
+        cmocka_unit_test(a_map_holds_what_it_was_made_of),  cmocka_unit_test(background_takes_no_memory),
+        cmocka_unit_test(voxels_above_a_bound_are_counted), cmocka_unit_test(values_are_divided_and_masks_found),
+        cmocka_unit_test(unsound_maps_are_found),           cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(steps_are_counted_where_they_are),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -82,10 +82,23 @@ row() {
         fails 2 "--probability" query maps.xml $AIM --probability=$tried
     done
     fails 2 '--probability: 0 is out of range, allowed is more than 0 to 1' query maps.xml $AIM --probability 0
-    fails 2 '--probability 0.5: sphere.nii.gz has no areas of probabilities' query sphere.nii.gz $AIM --probability 0.5
-    fails 2 '--probability 0.5: sphere.nii.gz has no areas' \
-        query sphere.nii.gz $AIM --probability 0.5 --pathway maps.nii,volume=0
-    nothing_left maps.nii maps.xml sphere.nii.gz sphere.tsv sphere.json
+    printf '{"conus_atlas": 1, "parcellation": "sphere.nii.gz"}' >s.json
+    fails 2 '--probability 0.5: s.json has no areas of probabilities' query s.json $AIM --probability 0.5
+    fails 2 '--probability 0.5: s.json has no areas' query s.json $AIM --probability 0.5 --pathway maps.nii,volume=0
+    nothing_left maps.nii maps.xml sphere.nii.gz sphere.tsv sphere.json s.json
+}
+
+# 8 k and 88 - 8 k reach 50 (of percent) in 5 of 12 planes of 64 voxels, 25 in 8.
+@test "one map is an area where its name or --probability states it" {
+    maps
+    voxels() { run -0 --separate-stderr "$CONUS" info "$@" --format json; jq -c '[.objects[].voxels]' <<<"$output"; }
+    cp maps.nii maps_probseg.nii
+    [ "$(voxels maps.nii,volume=0 --probability 0.5)" = '[320]' ]
+    [ "$(voxels maps_probseg.nii,volume=1 --probability 0.5)" = '[320]' ]
+    [ "$(voxels maps_probseg.nii,volume=0)" = '[512]' ]
+    fails 2 'as its name or --probability states, and nothing names them: --labels FILE does' query maps_probseg.nii $AIM
+    fails 2 'states that its values are probabilities, but none is 1 or more (up to 0.88)' \
+        query maps.nii,volume=0 $AIM --probability 1
 }
 
 @test "conus manifest writes probabilities, and pathways beside a parcellation" {

@@ -26,6 +26,7 @@ struct columns {
     size_t count, z_count; /* 0 = as many as count */
     const char *missing;   /* a column */
     bool is_text;          /* x is */
+    bool is_empty;         /* x is */
     int tables; /* of ndx-anatomical-localization, in which rows 2 and 0 have the places (1, 2, 3), (4, 5, 6) */
     const char *origin, *units, *ways;
     double row; /* instead of 2 */
@@ -103,7 +104,7 @@ static void build(struct hdf5_builder *builder, const struct columns *columns)
     if (columns->is_text) {
         hdf5_strings(builder, HDF5_FRAME_OBJECT, TABLE "x", groups, n);
     } else {
-        put(builder, columns, "x", columns->x, n);
+        put(builder, columns, "x", columns->x, columns->is_empty ? 0 : n);
     }
     put(builder, columns, "y", columns->y, n);
     put(builder, columns, "z", columns->z, columns->z_count ? columns->z_count : n);
@@ -225,6 +226,7 @@ static void what_is_refused(void **state)
         {{{1, 2}, {3, 4}, {5, 6}, 2, .missing = "id"}, TABLE "id: a whole number"},
         {{{1, 2}, {3, 4}, {5, 6}, 2, .z_count = 3}, TABLE "z: a number for each"},
         {{{1, 2}, {3, 4}, {5, 6}, 2, .is_text = true}, TABLE "x: a number for each"},
+        {{{1, 2}, {3, 4}, {5, 6}, 2, .is_empty = true}, TABLE "y: a number for each"},
         {{.count = 3, .tables = 2, .origin = "bregma", .units = "mm", .ways = "RAS"}, "more than one table"},
         {{.count = 3, .tables = 1, .origin = "lambda", .units = "mm", .ways = "RAS"}, "origin \"lambda\""},
         {{.count = 3, .tables = 1, .origin = "bregma", .units = "m", .ways = "RAS"}, "units \"m\""},

@@ -237,6 +237,13 @@ static void what_is_out_of_range(void **state)
     bad = good;
     bad.world_from_voxel[12] = NAN;
     refuse(&bad, NULL, 0, CONUS_ERROR_DATA, "not finite");
+    bad = good;
+    bad.world_from_voxel[0] = 1e-310;
+    refuse(&bad, NULL, 0, CONUS_ERROR_DATA, "a step along axis 0 is");
+    float singles[COUNT] = {[7] = 182305696};
+    bad = voxels_of(singles, CONUS_SCALAR_FLOAT32);
+    refuse(&bad, (conus_label[]){{.number = 182305693, .name = "VISp1"}}, 1, CONUS_ERROR_DATA,
+           "array: the label 182305693, \"VISp1\", is 182305696 as float32");
     bad = voxels_of(numbers, CONUS_SCALAR_FLOAT64);
     bad.name = "mine";
     numbers[1 + NX * (2 + NY * 1)] = 1.5;

@@ -245,8 +245,6 @@ static const struct bend {
     HEADER("dim", 6, 0x1p40, "dim[6]: found 1099511627776, more labels than fit in 1048576 bytes"),
     HEADER("dim", 6, 0x1p62, "allowed are as many as fit in 2^62 bytes"),
     HEADER("magic", 1, 'i', "not a CIFTI-2 file: a single NIfTI-2 file of an intent_code"),
-    HEADER("intent_code", 0, 1002, "not a CIFTI-2 file: a single NIfTI-2 file of an intent_code of 3000 to 3099"),
-    HEADER("intent_code", 0, 3006, "intent_code: found 3006, allowed is 3007 (labels)"),
     HEADER("datatype", 0, 32, "datatype: found 32 (complex64)"),
     HEADER("bitpix", 0, 16, "bitpix: found 16"),
     HEADER("scl_slope", 0, 2, "scl_slope, scl_inter: found 2 and 0, labels are not scaled"),
@@ -503,32 +501,63 @@ static void the_first_version_is_named(void **state)
     notes_finish(&notes);
 }
 
+/* nibabel writes 3000 unless it is told otherwise, XCP-D 3006, and others 0: the XML says what it is. */
+static void the_xml_says_that_they_are_labels(void **state)
+{
+    (void)state;
+    static const int codes[] = {0, 1002, 3000, 3001, 3002, 3006, 3099};
+    for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++) {
+        struct buffer bytes = {0};
+        struct cifti_choice choice = {0};
+        struct notes notes = {0};
+        cifti_build(&bytes, &(struct cifti_spec){.field = "intent_code", .value = codes[i], .big = i % 2});
+        const struct bytes head = {(uint8_t *)bytes.data, bytes.size};
+        assert_int_equal(file_kind_of(NULL, &head)->reader, READER_CIFTI);
+        assert_ok(read_bytes(&choice, &bytes, "0", &notes));
+        assert_map_one(&choice);
+        cifti_choice_finish(&choice);
+        notes_finish(&notes);
+        buffer_finish(&bytes);
+    }
+}
+
 static void other_matrices_are_named(void **state)
 {
     (void)state;
     static const struct {
-        int intent_code;
+        int intent_code; /* in the header, and what the XML has for columns */
+        const char *columns;
+        int found;
         const char *words, *way;
-    } cases[] = {{3000, "(a .plabel.nii, say)", "conus reads the .dlabel.nii of its parcels, as ATLAS"},
-                 {3001, "connections (.dconn.nii)", "conus has no use for connections"},
-                 {3002, "time series (.dtseries.nii)", "'wb_command -cifti-separate' writes its voxels as a volume"},
-                 {3003, "connections of parcels (.pconn.nii)", "the .dlabel.nii of its parcels"},
-                 {3006, "values (.dscalar.nii)", "'wb_command -cifti-separate' writes its voxels as a volume"},
-                 {3007, "labels (.dlabel.nii)", "give it as ATLAS, as --labels of a surface"},
-                 {3099, "a CIFTI matrix of an unknown kind", "the .dlabel.nii of its parcels"}};
+    } cases[] = {
+        {3000, "PARCELS", 3000, "(a .plabel.nii, say)", "conus reads the .dlabel.nii of its parcels, as ATLAS"},
+        {3001, "BRAIN_MODELS", 3001, "connections (.dconn.nii)", "conus has no use for connections"},
+        {3002, "SERIES", 3002, "time series (.dtseries.nii)", "'wb_command -cifti-separate' writes its voxels"},
+        {3003, "PARCELS", 3003, "connections of parcels (.pconn.nii)", "the .dlabel.nii of its parcels"},
+        {3006, "SCALARS", 3006, "values (.dscalar.nii)", "'wb_command -cifti-separate' writes its voxels"},
+        {3000, "SCALARS", 3006, "values (.dscalar.nii)", "'wb_command -cifti-separate' writes its voxels"},
+        {3007, "SERIES", 3002, "time series (.dtseries.nii)", "'wb_command -cifti-separate' writes its voxels"},
+        {3007, "LABELS", 3007, "labels (.dlabel.nii)", "give it as ATLAS, as --labels of a surface"},
+        {3099, "PARCELS", 3099, "a CIFTI matrix of an unknown kind", "the .dlabel.nii of its parcels"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct buffer bytes = {0};
         struct volume_file file;
         struct notes notes = {0};
-        const struct cifti_spec spec = {.field = "intent_code", .value = cases[i].intent_code, .big = i % 2};
+        char columns[32];
+        snprintf(columns, sizeof columns, "INDEX_TYPE_%s", cases[i].columns);
+        const struct cifti_spec spec = {.field = "intent_code",
+                                        .value = cases[i].intent_code,
+                                        .find = "INDEX_TYPE_LABELS",
+                                        .replace = columns,
+                                        .big = i % 2};
         cifti_build(&bytes, &spec);
         const struct bytes head = {(uint8_t *)bytes.data, bytes.size};
         assert_non_null(strstr(file_kind_of(NULL, &head)->words, cases[i].words));
-        assert_int_equal(nifti_matrix_intent(head.data, head.size), cases[i].intent_code);
+        assert_int_equal(nifti_matrix_intent(head.data, head.size), cases[i].found);
         assert_fails(volume_file_open(&file, write_bytes("x.nii", &bytes), 0, &notes), CONUS_ERROR_UNSUPPORTED);
         assert_non_null(strstr(conus_message(), cases[i].words));
         assert_non_null(strstr(conus_message(), cases[i].way));
-        if (cases[i].intent_code != NIFTI_DENSE_LABELS) {
+        if (cases[i].found != NIFTI_DENSE_LABELS) {
             struct vertex_labels labels = {0};
             assert_fails(vertex_labels_read(&labels, test_scratch("x.nii"), NULL, &notes), CONUS_ERROR_DATA);
             assert_non_null(strstr(conus_message(), cases[i].words));
@@ -547,6 +576,7 @@ TEST_GROUP(cifti)
         cmocka_unit_test(every_prefix_is_refused),           cmocka_unit_test(every_prefix_of_the_xml_is_refused),
         cmocka_unit_test(every_failing_allocation),          cmocka_unit_test(files_are_plain_or_packed),
         cmocka_unit_test(the_first_version_is_named),        cmocka_unit_test(other_matrices_are_named),
+        cmocka_unit_test(the_xml_says_that_they_are_labels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

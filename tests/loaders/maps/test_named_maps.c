@@ -260,6 +260,45 @@ static void what_is_stated_is_believed(void **state)
     assert_refused("maps.nii", &stated, CONUS_ERROR_DATA, "its largest value is 739, probabilities are 0 to 1");
 }
 
+/* One map has its file's name, of a file of one or where one is chosen; without a statement it is one of labels. */
+static void one_map_is_taken_as_stated(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *file, *ask;
+        double probability, from;
+        const char *name;
+    } cases[] = {{"gm.nii", "gm.nii", 0.6, 0.6, "gm"},
+                 {"x_probseg.nii", "x_probseg.nii", 0, 0.25, "x_probseg"},
+                 {"x_probseg.nii", "x_probseg.nii", 0.9, 0.9, "x_probseg"},
+                 {"maps.nii", "maps.nii,volume=1", 0.6, 0.6, "maps"},
+                 {"maps_probseg.nii", "maps_probseg.nii,volume=1", 0, 0.25, "maps_probseg"}};
+    test_folder("one");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        size_t chosen = strstr(cases[i].ask, "volume") != NULL;
+        uint64_t voxels = 0;
+        write_volumes(cases[i].file, FLOAT32, chosen ? VOLUMES : 1, fractions);
+        for (size_t v = 0; v < DIM * DIM * DIM; v++) {
+            voxels += (float)value_at(fractions, chosen, v) >= (float)cases[i].from;
+        }
+        conus_atlas *atlas = load(cases[i].ask, &(conus_load_options){.probability = cases[i].probability});
+        assert_int_equal(conus_atlas_object_count(atlas), 1);
+        assert_string_equal(conus_atlas_object(atlas, 1)->name, cases[i].name);
+        assert_int_equal(conus_atlas_object(atlas, 1)->voxels, voxels);
+        assert_int_equal(conus_atlas_volume(atlas, 0)->volume, chosen);
+        assert_int_equal(conus_atlas_volume(atlas, 0)->role, CONUS_ROLE_PROBABILITY);
+        conus_atlas_destroy(atlas);
+    }
+    const conus_load_options stated = {.probability = 0.5};
+    assert_refused("gm.nii", NULL, CONUS_ERROR_DATA, "allowed labels are whole numbers");
+    assert_refused("maps_probseg.nii", NULL, CONUS_ERROR_ARGUMENT,
+                   "maps_probseg.nii: has 3 volumes of probabilities, as its name or --probability states, and nothing "
+                   "names them: --labels FILE does, FILE,volume=K takes one");
+    write_volumes("labels.nii", UINT8, 1, labels); /* up to 3: percent, if anything */
+    assert_refused("labels.nii", &stated, CONUS_ERROR_ARGUMENT,
+                   "--probability states that its values are probabilities, but none is 0.5 or more");
+}
+
 static conus_status load_maps(void *unused)
 {
     (void)unused;
@@ -287,6 +326,7 @@ TEST_GROUP(named_maps)
         cmocka_unit_test(without_names_one_volume_is_chosen),
         cmocka_unit_test(what_is_something_else_is_refused),
         cmocka_unit_test(what_is_stated_is_believed),
+        cmocka_unit_test(one_map_is_taken_as_stated),
         cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

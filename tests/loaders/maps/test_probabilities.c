@@ -3,6 +3,8 @@
  * volumes of 4 x 1 x 1 voxels below. */
 #include "atlas/atlas.h"
 #include "builders/nifti_builder.h"
+#include "conus/file.h"
+#include "conus/overlap.h"
 #include "render/colour/pathways.h"
 #include "selection/selection.h"
 #include "test.h"
@@ -117,6 +119,117 @@ static void an_fsl_atlas_has_areas(void **state)
     const conus_load_options named = {.labels = test_in("a.xml")};
     assert_fails(conus_atlas_load(&atlas, test_in("a.xml"), &named), CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(conus_message(), "areas of probabilities have the names of the atlas XML"));
+}
+
+/* p of 500 of 1000 voxels is 1/500, 2/500 ... 1, so that 376 reach a quarter (125/500), as fractions, as codes of a
+ * byte (64 of 255), in thousandths and in percent; the first `count` of the other voxels have the value `stray`. Stored
+ * codes times a float32 scale come to 1.00000006, or 100.000002. The areas and a pathway see the same. */
+static void the_spread_decides_about_the_scale(void **state)
+{
+    (void)state;
+    enum { UINT8 = 2, INT16 = 4, FLOAT32 = 16, UINT16 = 512 };
+    static const struct {
+        int datatype;
+        double slope, factor; /* a voxel is factor p + shift */
+        double shift, stray;
+        size_t count;
+        uint64_t voxels; /* 0: refused, */
+        const char *words;
+    } cases[] = {
+        {UINT8, 1.0 / 255, 255, 0, 0, 0, 376, "(values: 0 to 1)"},
+        {UINT8, 100.0 / 255, 255, 0, 0, 0, 376, "(values: percent)"},
+        {INT16, 0.001, 1000, 0, 0, 0, 376, "(values: 0 to 1)"},
+        {UINT16, 1.0 / 65535, 65535, 0, 0, 0, 376, "(values: 0 to 1)"},
+        {UINT8, 1, 255, 0, 0, 0, 376, "(values: 0 to 255)"},
+        {UINT16, 1, 65535, 0, 0, 0, 376, "(values: 0 to 65535)"},
+        {FLOAT32, 1, 1, 0, 0, 0, 376, "(values: 0 to 1)"},
+        {FLOAT32, 1, 100, 0, 0, 0, 376, "(values: percent)"},
+        {FLOAT32, 1, 1, 0, 1.02, 300, 676, ": 300 voxels have values below 0 or above the scale, 1 (from 0 to 1.0"},
+        {FLOAT32, 1, 1, 0, -0.001, 1, 376, ": 1 voxels have values below 0 or above the scale, 1 (from -0.001"},
+        {FLOAT32, 1, 1, 0, -0.05, 300, 376, ": 300 voxels have values below 0"},
+        {FLOAT32, 1, 1, 0, 1.7, 1, 377, "(from 0 to 1.7"},
+        {FLOAT32, 1, 1, 0, 250, 1, 377, "the scale, 1 (from 0 to 250)"},
+        {FLOAT32, 1, 1, 0, 250, 5, 381, "the scale, 1 (from 0 to 250)"},
+        {FLOAT32, 1, 100, 0, 101.5, 30, 406, ": 30 voxels have values below 0 or above the scale, 100"},
+        {FLOAT32, 1, 100, 0, 250, 1, 377, "the scale, 100 (from 0 to 250)"},
+        {FLOAT32, 1, 100, 0, -3, 40, 376, "the scale, 100 (from -3 to 100)"},
+        {FLOAT32, 1, 1, 0, 40, 12, 0, "too many values above 1 for probabilities, and too few for percent"},
+        {UINT8, 1, 100, 0, 250, 1, 0, "too few values above 100 for the range of uint8, and some for percent"},
+        {UINT16, 1, 10000, 0, 60000, 1, 0, "its largest value is 60000"},
+        {FLOAT32, 1, 1000, 0, 0, 0, 0, "its largest value is 1000"},
+        {FLOAT32, 1, 10, -5, 0, 0, 0, "its least value is -4.98"},
+    };
+    test_folder("spread");
+    write_text(test_in("m.atlas.json"), "{\"conus_atlas\": 1, \"probabilities\": [\"m.nii\"]}");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct nifti_builder builder;
+        nifti_begin(&builder, 1, i % 2, cases[i].datatype, (int64_t[]){10, 10, 10});
+        nifti_set(&builder, "scl_slope", 0, cases[i].slope);
+        for (int v = 0; v < 1000; v++) {
+            double p = v < 500 ? 0 : (v - 499) / 500.0;
+            double value = v < 500 ? 0 : cases[i].factor * p + cases[i].shift;
+            value = v < (int)cases[i].count ? cases[i].stray : value;
+            nifti_voxel(&builder, cases[i].datatype == FLOAT32 ? value : rint(value));
+        }
+        assert_ok(conus_write_file(test_in("m.nii"), builder.bytes.data, builder.bytes.size));
+        buffer_finish(&builder.bytes);
+        if (!cases[i].voxels) {
+            assert_refused("m.atlas.json", CONUS_ERROR_DATA, cases[i].words);
+            continue;
+        }
+        conus_atlas *atlas = load("m.atlas.json");
+        assert_int_equal(conus_atlas_object(atlas, 1)->voxels, cases[i].voxels);
+        assert_note(atlas, cases[i].words);
+        assert_near(conus_atlas_volume(atlas, 0)->maximum, 1, 1e-8);
+        assert_near(conus_atlas_volume(atlas, 0)->minimum, 0, 0);
+        conus_atlas_destroy(atlas);
+        assert_ok(conus_atlas_create(&atlas, NULL, NULL, 0, NULL));
+        assert_ok(conus_atlas_add_pathway(atlas, test_in("m.nii"), NULL));
+        assert_int_equal(conus_atlas_object(atlas, 1)->voxels, cases[i].voxels);
+        conus_atlas_destroy(atlas);
+    }
+}
+
+/* The code times the scale that was meant is T; the scale in float32 makes it 2e-8 less, or more. That voxel belongs to
+ * T and more, and not to what is below T. */
+static void what_is_written_as_a_threshold_reaches_it(void **state)
+{
+    (void)state;
+    static const struct {
+        double slope;
+        int code; /* of three voxels one; the others have one less and one more */
+        double threshold;
+    } cases[] = {{0.01, 30, 0.3}, {0.01, 60, 0.6}, {0.01, 80, 0.8}, {1.0 / 255, 51, 0.2},
+                 {1.0 / 3, 3, 1}, {0.1, 70, 7},    {0.1, 3, 0.3}};
+    test_folder("thresholds");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct nifti_builder builder;
+        conus_atlas *atlas = NULL;
+        conus_roi *roi = NULL;
+        double t = cases[i].threshold;
+        assert_near(cases[i].code * cases[i].slope, t, 1e-12);
+        nifti_begin(&builder, 1, i % 2, 4, (int64_t[]){3, 1, 1});
+        nifti_set(&builder, "scl_slope", 0, cases[i].slope);
+        for (int k = -1; k <= 1; k++) {
+            nifti_voxel(&builder, cases[i].code + k);
+        }
+        assert_ok(conus_write_file(test_in("t.nii"), builder.bytes.data, builder.bytes.size));
+        buffer_finish(&builder.bytes);
+        const conus_band bands[] = {{-INFINITY, t, "below"}, {t, INFINITY, "above"}};
+        assert_ok(conus_atlas_create(&atlas, NULL, NULL, 0, NULL));
+        assert_ok(conus_atlas_add_pathway(atlas, test_in("t.nii"), &(conus_pathway_options){.threshold = t}));
+        assert_ok(conus_atlas_add_pathway(atlas, test_in("t.nii"),
+                                          &(conus_pathway_options){.bands = bands, .band_count = 2}));
+        assert_int_equal(conus_atlas_object(atlas, 1)->voxels, 2);
+        assert_int_equal(conus_atlas_object(atlas, 2)->voxels, 1);
+        assert_int_equal(conus_atlas_object(atlas, 3)->voxels, 2);
+        assert_ok(conus_atlas_set_threshold(atlas, 1, t * (1 + 1e-5)));
+        assert_int_equal(conus_atlas_object(atlas, 1)->voxels, 1);
+        conus_atlas_destroy(atlas);
+        assert_ok(conus_roi_load(&roi, test_in("t.nii"), &(conus_roi_options){.threshold = t}));
+        assert_int_equal(conus_roi_voxels(roi), 2);
+        conus_roi_destroy(roi);
+    }
 }
 
 static void scales_are_told_apart(void **state)
@@ -465,6 +578,8 @@ TEST_GROUP(probabilities)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_fsl_atlas_has_areas),
         cmocka_unit_test(scales_are_told_apart),
+        cmocka_unit_test(the_spread_decides_about_the_scale),
+        cmocka_unit_test(what_is_written_as_a_threshold_reaches_it),
         cmocka_unit_test(the_largest_value_decides_about_the_scale),
         cmocka_unit_test(masks_of_any_value_are_areas),
         cmocka_unit_test(a_mask_is_a_pathway),

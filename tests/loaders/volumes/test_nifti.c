@@ -234,6 +234,32 @@ static void half_turns_have_no_scalar_part(void **state)
     }
 }
 
+/* By nifti1_io.c: a half turn about (1, 1, 0) is b = c = float32(sqrt(1/2)), whose squares sum to 1 - 1.6e-8 (of
+ * (1, 1, 1) to 1 + 6e-8): that is 1, or the axes are tilted by 0.01 degrees. qfac was computed, too. */
+static void what_single_precision_bends_is_a_half_turn(void **state)
+{
+    (void)state;
+    for (int count = 2; count <= 3; count++) {
+        struct nifti_builder b;
+        struct volume_header header;
+        struct notes notes = {0};
+        begin_qform(&b, 1);
+        for (int i = 0; i < 3; i++) {
+            nifti_set(&b, "quatern", (size_t)i, i < count ? sqrt(1.0 / count) : 0);
+        }
+        nifti_set(&b, "pixdim", 0, -0.9999999);
+        assert_ok(parse(&header, &b, &notes));
+        for (int column = 0; column < 3; column++) {
+            for (int row = 0; row < 3; row++) { /* 2 u u' - 1, u = the axis; k is mirrored */
+                double wanted = (column < count && row < count ? 2.0 / count : 0) - (row == column);
+                wanted *= column == 2 ? -4 : 2 + column;
+                assert_near(header.info.world_from_voxel[4 * column + row], wanted, 1e-6);
+            }
+        }
+        buffer_finish(&b.bytes);
+    }
+}
+
 static void bad_qforms_are_named(void **state)
 {
     (void)state;
@@ -397,6 +423,33 @@ static void broken_extensions_are_errors(void **state)
     }
 }
 
+/* The flag says that an extension follows the header, and the voxels begin there, too. One that is not there, as of
+ * programs that only set the flag, harms nobody. */
+static void voxels_and_an_extension_cannot_begin_at_one_byte(void **state)
+{
+    (void)state;
+    for (int extra = 0; extra < 2; extra++) {
+        struct nifti_builder b;
+        struct volume_file file;
+        struct notes notes = {0};
+        nifti_begin(&b, 1, false, VOLUME_UINT8, small);
+        ((uint8_t *)b.bytes.data)[348] = 1;
+        for (int i = 0; i < (int)(small[0] * small[1] * small[2]) + 16 * extra; i++) {
+            nifti_voxel(&b, 1);
+        }
+        conus_status status = volume_file_open(&file, write_bytes("x.nii", &b.bytes), 0, &notes);
+        assert_int_equal(status, extra ? CONUS_ERROR_DATA : CONUS_OK);
+        if (extra) {
+            assert_non_null(strstr(conus_message(), "vox_offset: found 352, but an extension begins there, as byte 348 "
+                                                    "says, and 16 bytes stand after the last voxel"));
+        } else {
+            volume_file_finish(&file);
+        }
+        notes_finish(&notes);
+        buffer_finish(&b.bytes);
+    }
+}
+
 static void every_prefix_is_survived(void **state)
 {
     (void)state;
@@ -427,6 +480,7 @@ TEST_GROUP(nifti)
         cmocka_unit_test(scaling_is_used_only_where_it_is_one),
         cmocka_unit_test(qform_of_a_quarter_turn),
         cmocka_unit_test(half_turns_have_no_scalar_part),
+        cmocka_unit_test(what_single_precision_bends_is_a_half_turn),
         cmocka_unit_test(bad_qforms_are_named),
         cmocka_unit_test(no_transform_is_a_stated_guess),
         cmocka_unit_test(flat_files_are_volumes_of_one_slice),
@@ -434,6 +488,7 @@ TEST_GROUP(nifti)
         cmocka_unit_test(units_become_millimetres),
         cmocka_unit_test(extensions_are_listed),
         cmocka_unit_test(broken_extensions_are_errors),
+        cmocka_unit_test(voxels_and_an_extension_cannot_begin_at_one_byte),
         cmocka_unit_test(every_prefix_is_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

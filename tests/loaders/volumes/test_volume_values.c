@@ -106,7 +106,10 @@ static void values_that_are_no_labels_are_named(void **state)
         {VOLUME_FLOAT32, 0x4f800000, 0, 0, "found 4294967296,"},
         {VOLUME_FLOAT32, 0x7fc00000, 0, 0, "found nan,"},
         {VOLUME_FLOAT64, UINT64_C(0x7ff0000000000000), 0, 0, "found inf,"},
-        {VOLUME_FLOAT64, UINT64_C(0x3ff0000000000001), 0, 0, "found 1.0000000000000002,"},
+        {VOLUME_FLOAT64, UINT64_C(0x3ff0001000000000), 0, 0, "found 1.0000152587890625,"},
+        {VOLUME_FLOAT32, 0x40e0000a, 0, 0, "found 7.000004768371582,"},
+        {VOLUME_FLOAT32, 0x49800002, 0, 0, "found 1048576.25,"}, /* in float32, two steps beside a whole number */
+        {VOLUME_INT16, 71, 0.1, 0, "found 7.1000001"},
         {VOLUME_UINT8, 3, 0.5, 0, "found 1.5 (stored 3, scale 0.5, offset 0),"},
         {VOLUME_UINT8, 3, -1, 0, "found -3 (stored 3, scale -1, offset 0),"},
     };
@@ -145,6 +148,41 @@ static void scaled_labels_may_be_whole(void **state)
         memory_free(labels);
         volume_file_finish(&file);
         buffer_finish(&b.bytes);
+    }
+}
+
+/* What a program that computes in float32 has: (float)stored * (float)slope + (float)inter is the label, or a step of
+ * float32 beside it. In double, as here, 70 times float32(0.1) is 7.0000001. */
+static void labels_bent_by_single_precision_are_whole(void **state)
+{
+    (void)state;
+    const struct {
+        int datatype;
+        uint64_t bits;
+        double slope, inter;
+        uint32_t label;
+    } cases[] = {
+        {VOLUME_INT16, 70, 0.1, 0, 7},
+        {VOLUME_UINT8, 21, 1.0 / 3, 0, 7},
+        {VOLUME_UINT16, 1785, 1.0 / 255, 0, 7},
+        {VOLUME_INT16, 70, 0.1, 1000, 1007},
+        {VOLUME_INT32, 10000010, 0.1, 0, 1000001},
+        {VOLUME_FLOAT32, float_bits(70), 0.1, 0, 7},
+        {VOLUME_FLOAT32, 0x40dfffff, 0, 0, 7},
+        {VOLUME_FLOAT32, 0x40e00002, 0, 0, 7},
+        {VOLUME_FLOAT32, float_bits(-1e-9), 0, 0, 0},
+        {VOLUME_FLOAT64, double_bits(70 * (double)0.1F), 0, 0, 7},
+    };
+    for (size_t i = 0; i < 2 * sizeof cases / sizeof cases[0]; i++) {
+        struct volume_file file;
+        uint32_t *labels;
+        const float in_single = (float)cases[i / 2].slope;
+        open_with_bits(&file, cases[i / 2].datatype, i & 1, cases[i / 2].bits, (double)in_single, cases[i / 2].inter);
+        assert_ok(label_list_read(&labels, &file));
+        assert_int_equal(labels[7], cases[i / 2].label);
+        assert_int_equal(labels[6], (uint32_t)cases[i / 2].inter);
+        memory_free(labels);
+        volume_file_finish(&file);
     }
 }
 
@@ -346,6 +384,7 @@ TEST_GROUP(volume_values)
         cmocka_unit_test(the_largest_label_of_every_type),
         cmocka_unit_test(values_that_are_no_labels_are_named),
         cmocka_unit_test(scaled_labels_may_be_whole),
+        cmocka_unit_test(labels_bent_by_single_precision_are_whole),
         cmocka_unit_test(labels_may_take_the_place_of_the_voxels),
         cmocka_unit_test(late_voxels_are_found),
         cmocka_unit_test(values_that_are_not_finite_become_zero),
