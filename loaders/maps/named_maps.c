@@ -21,7 +21,6 @@ void named_maps_finish(struct named_maps *maps)
 {
     label_table_finish(&maps->table);
     memory_free(maps->source);
-    memory_free(maps->file);
     file_sums_finish(&maps->read);
     notes_finish(&maps->notes);
 }
@@ -57,11 +56,10 @@ static conus_status name_one(struct named_maps *out, const struct volume_selecto
     const char *name = path_base(selector->path);
     struct label *label = label_table_add(&out->table, (uint32_t)selector->volume + 1);
     out->source = memory_text(source, strlen(source));
-    out->file = memory_text(selector->path, strlen(selector->path));
     out->chosen = selector->chosen;
-    return label && out->source && out->file
-               ? label_set_text(&label->name, (struct text){name, volume_stem_length(name)})
-               : CONUS_ERROR_MEMORY;
+    out->is_one = true;
+    return label && out->source ? label_set_text(&label->name, (struct text){name, volume_stem_length(name)})
+                                : CONUS_ERROR_MEMORY;
 }
 
 conus_status named_maps_find(struct named_maps *out, const struct probe *probe, const char *path,
@@ -75,7 +73,7 @@ conus_status named_maps_find(struct named_maps *out, const struct probe *probe, 
                      probe->reader == READER_VOLUME && probe->first != '<';
     bool stated = is_volume && (options->probability > 0 || named_maps_is_probseg(selector.path));
     bool has_header = is_volume && probe->is_open && !volume_bytes_header(&info, path, &probe->stored);
-    bool is_whole = !selector.chosen && has_header && info.volume_count > 1;
+    bool is_whole = !selector.chosen && has_header && (info.volume_count > 1 || (stated && options->labels));
     status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* its reader says what is wrong with it */
     if (is_whole) {
         info.path = selector.path;
@@ -87,8 +85,12 @@ conus_status named_maps_find(struct named_maps *out, const struct probe *probe, 
                      "them: --labels FILE does, FILE,volume=K takes one",
                      selector.path, info.volume_count);
         }
-    } else if (!status && stated && !options->labels) {
-        status = name_one(&maps, &selector);
+    } else if (!status && stated) {
+        status = !options->labels ? name_one(&maps, &selector)
+                                  : fail(CONUS_ERROR_ARGUMENT,
+                                         "%s: one volume of probabilities is called as its file is, --labels names all "
+                                         "volumes of a file",
+                                         path);
     }
     volume_selector_finish(&selector);
     if (status) {

@@ -13,8 +13,8 @@ struct named_maps {
     struct label_table table; /**< Its numbers are those of the volumes, from 1; without the background's. */
     char *source;             /**< For people: where the names come from.                               */
     struct file_sums read;    /**< The table.                                                             */
-    char *file;               /**< The path without ",volume=K", */
-    bool chosen;              /**< and whether it chooses the one volume of the table. */
+    bool chosen;              /**< The path chooses the one volume of the table. */
+    bool is_one;              /**< There is one volume, which the file or the user states to be of probabilities. */
     struct notes notes;
 };
 

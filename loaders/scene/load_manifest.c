@@ -593,13 +593,12 @@ conus_status probabilities_load(conus_atlas **out, const char *path, struct load
 conus_status named_maps_load(conus_atlas **out, const char *path, struct named_maps *maps,
                              struct load_progress *progress)
 {
-    path = maps->file ? maps->file : path;
     struct manifest_pathway entry = {.source = {.file = (char *)path_base(path),
                                                 .chosen = maps->chosen,
                                                 .volume = maps->table.entries[0].number - 1}};
     conus_atlas *atlas = NULL;
     conus_status status = load_entry(&atlas, path, &entry, maps, progress);
-    if (!status && maps->file && progress->options->probability > 0 && !atlas->objects[0].voxels) {
+    if (!status && maps->is_one && progress->options->probability > 0 && !atlas->objects[0].voxels) {
         status = fail(CONUS_ERROR_ARGUMENT,
                       "%s: --probability states that its values are probabilities, but none is %g or more (up to %g)",
                       path, progress->options->probability, atlas->volumes[0].info.maximum);

@@ -780,11 +780,13 @@ conus_status volume_file_open_labels(struct volume_file *out, struct label_voxel
 conus_status volume_file_open_series(struct volume_file *out, const char *path, const conus_load_options *options,
                                      struct notes *notes)
 {
-    struct opening opening = {.limit = memory_limit(options->max_memory),
-                              .selector.chosen = true,
-                              .all = true,
-                              .use = options->cache ? STORED_INDEX : STORED_PLAIN};
-    return open_with_retry(out, path, &opening, notes);
+    struct opening opening = {
+        .limit = memory_limit(options->max_memory), .all = true, .use = options->cache ? STORED_INDEX : STORED_PLAIN};
+    conus_status status = volume_selector_parse(&opening.selector, path);
+    opening.selector.chosen = true;
+    opening.selector.volume = 0;
+    status = status ? status : volume_selector_refuse_field(&opening.selector, opening.selector.path);
+    return status ? status : open_with_retry(out, opening.selector.path, &opening, notes);
 }
 
 conus_status volume_file_select(struct volume_file *file, size_t volume)

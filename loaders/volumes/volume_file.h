@@ -72,7 +72,7 @@ conus_status volume_bytes_header(conus_volume_info *out, const char *path, const
  * file (extensions and text), as far as the file's first 64 KiB hold them. */
 conus_status volume_file_peek(struct volume_header *out, struct bytes *head, const char *path);
 
-/** Reads volume 0 of @p path, which has no selector; volume_file_select() gives the others. All volumes are unpacked
+/** Reads volume 0 of @p path, whatever it chooses; volume_file_select() gives the others. All volumes are unpacked
  * together and kept, unless that takes more than max_memory of @p options. Then each is read when it is selected, by an
  * index if @p options has cache. */
 conus_status volume_file_open_series(struct volume_file *out, const char *path, const conus_load_options *options,
