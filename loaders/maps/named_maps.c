@@ -73,7 +73,7 @@ conus_status named_maps_find(struct named_maps *out, const struct probe *probe, 
                      probe->reader == READER_VOLUME && probe->first != '<';
     bool stated = is_volume && (options->probability > 0 || named_maps_is_probseg(selector.path));
     bool has_header = is_volume && probe->is_open && !volume_bytes_header(&info, path, &probe->stored);
-    bool is_whole = !selector.chosen && has_header && (info.volume_count > 1 || (stated && options->labels));
+    bool is_whole = !selector.chosen && has_header && info.volume_count > 1;
     status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* its reader says what is wrong with it */
     if (is_whole) {
         info.path = selector.path;

@@ -24,7 +24,6 @@ struct zarr_chain {
     bool swapped;             /**< Numbers have the other byte order than this machine's. */
     enum zarr_packing packings[ZARR_CODECS]; /**< [count] In the order of packing; one of them compresses at most. */
     size_t count;
-    size_t size; /**< Bytes of a number; 0: not known. */
 };
 
 struct zarr_array {

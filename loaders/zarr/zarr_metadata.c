@@ -368,8 +368,6 @@ conus_status zarr_array_parse(struct zarr_array *out, struct text text)
         status = status ? status : array.format == 3 ? read_three(&array, root) : read_two(&array, root);
         status = status ? status : read_fill(&array, json_object_get(root, "fill_value"));
         status = status ? status : count_all(&array);
-        array.chain.size = array.size;
-        array.index.size = sizeof(uint64_t);
     }
     json_decref(root);
     *out = status ? *out : array;

@@ -59,24 +59,23 @@ static conus_status load_blosc(struct zarr_unpacker *unpacker)
                : fail(CONUS_ERROR_UNSUPPORTED, "packed with blosc: libblosc.so.1 is needed (Debian: libblosc1)");
 }
 
-/* Whether the bytes, or bits, of blosc's chunk are put back by the numbers that they are of: its header's byte 2 says
- * that they were shuffled, byte 3 how large each number was, and no sum guards that. */
-static conus_status check_shuffle(const uint8_t *data, size_t size, size_t each)
+/* Blosc's header says in byte 2 whether bytes or bits were shuffled, in byte 3 by numbers of which size; no sum guards
+ * that. A program may have chosen another size than the array's, but one that numbers have. */
+static conus_status check_shuffle(const uint8_t *data, size_t size)
 {
     enum { SHUFFLED = 1 | 4 };
-    bool is_known = size < 4 || !(data[2] & SHUFFLED) || data[3] == 1 || !each || data[3] == each;
-    return is_known
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "blosc: shuffled by numbers of %d bytes, the array's have %zu", data[3], each);
+    bool is_odd = size > 3 && (data[2] & SHUFFLED) && data[3] != 1 && data[3] != 2 && data[3] != 4 && data[3] != 8;
+    return is_odd ? fail(CONUS_ERROR_DATA, "blosc: shuffled by numbers of %d bytes, allowed are 1, 2, 4 and 8", data[3])
+                  : CONUS_OK;
 }
 
 /* *fine tells whether it came out as `wanted` bytes. */
 static conus_status decompress(bool *fine, uint8_t *out, struct zarr_unpacker *unpacker, enum zarr_packing packing,
-                               size_t each, const uint8_t *data, size_t size, size_t wanted)
+                               const uint8_t *data, size_t size, size_t wanted)
 {
     size_t used = 0;
     size_t got = 0;
-    conus_status status = packing == ZARR_BLOSC ? check_shuffle(data, size, each) : CONUS_OK;
+    conus_status status = packing == ZARR_BLOSC ? check_shuffle(data, size) : CONUS_OK;
     status = status || packing != ZARR_BLOSC ? status : load_blosc(unpacker);
     if (status) {
         return status;
@@ -137,7 +136,7 @@ conus_status zarr_unpack(uint8_t *out, struct zarr_unpacker *unpacker, const str
             fine = size >= SUM && crc32c(data, size - SUM) == order_u32(data + size - SUM, !BIG_ENDIAN_IS_SWAPPED);
             size -= SUM;
         } else {
-            status = decompress(&fine, out, unpacker, chain->packings[i], chain->size, data, size, inside);
+            status = decompress(&fine, out, unpacker, chain->packings[i], data, size, inside);
             data = out;
             size = inside;
         }

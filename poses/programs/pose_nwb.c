@@ -167,7 +167,8 @@ static bool get_point(double out[AXES], const struct table *table, size_t index)
 /* Finds the unit, and what shows that the positions are not those in the brain. */
 static conus_status judge(conus_pose_list *list, struct table *table)
 {
-    double farthest = 0;
+    size_t far = 0;  /* as no place in a mouse is in mm, */
+    size_t near = 0; /* or nearer; but 0 and -1 mean that a place is not known */
     double first[AXES] = {0};
     size_t known = 0;
     bool twice = true; /* z repeats y */
@@ -176,7 +177,9 @@ static conus_status judge(conus_pose_list *list, struct table *table)
         double p[AXES];
         if (get_point(p, table, i)) {
             first[2] = known++ ? first[2] : p[2];
-            farthest = fmax(farthest, fmax(fabs(p[0]), fmax(fabs(p[1]), fabs(p[2]))));
+            double most = fmax(fabs(p[0]), fmax(fabs(p[1]), fabs(p[2])));
+            far += most > farthest_mm;
+            near += most > 1 && most <= farthest_mm;
             twice = twice && p[1] == p[2];
             flat = flat && p[2] == first[2] && fmod(p[1], 20) == 0;
         }
@@ -194,7 +197,7 @@ static conus_status judge(conus_pose_list *list, struct table *table)
                                       : notes_add(&list->notes, "positions are those of " PLACES ", from %s",
                                                   table->from_bregma ? "bregma" : "the corner of the CCF");
     }
-    table->um = farthest > farthest_mm ? 1 : 1000;
+    table->um = far > near ? 1 : 1000; /* no single electrode decides for all */
     return notes_add(&list->notes, "NWB states no unit: positions are taken as %s, to posterior, inferior and right",
                      table->um == 1 ? "micrometres" : "mm");
 }

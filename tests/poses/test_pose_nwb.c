@@ -178,6 +178,21 @@ static void from_bregma_in_either_unit(void **state)
     }
 }
 
+/* One place that is off, or places that are not known, do not decide for the others. */
+static void most_electrodes_tell_the_unit(void **state)
+{
+    (void)state;
+    static const struct columns cases[] = {
+        {{2, 3, 5000}, {1, 1, 1}, {3, 4, 5}, 3, .missing = "group_name"},
+        {{0, 2000, -1, 0}, {0, 1000, -1, 0}, {0, 3000, -1, 0}, 4, .missing = "group_name"}};
+    for (int i = 0; i < 2; i++) {
+        conus_pose_list list = {0};
+        parse(&list, &cases[i], &bregma);
+        assert_true(pose_has_note(&list, i ? "taken as micrometres" : "taken as mm"));
+        pose_list_finish(&list);
+    }
+}
+
 static void what_looks_wrong(void **state)
 {
     (void)state;
@@ -273,9 +288,13 @@ static void every_failing_allocation_is_clean(void **state)
 TEST_GROUP(pose_nwb)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(micrometres_in_ccf), cmocka_unit_test(from_bregma_in_either_unit),
-        cmocka_unit_test(what_looks_wrong),   cmocka_unit_test(localization_is_preferred),
-        cmocka_unit_test(what_is_refused),    cmocka_unit_test(every_failing_allocation_is_clean),
+        cmocka_unit_test(micrometres_in_ccf),
+        cmocka_unit_test(from_bregma_in_either_unit),
+        cmocka_unit_test(most_electrodes_tell_the_unit),
+        cmocka_unit_test(what_looks_wrong),
+        cmocka_unit_test(localization_is_preferred),
+        cmocka_unit_test(what_is_refused),
+        cmocka_unit_test(every_failing_allocation_is_clean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
