@@ -4,7 +4,6 @@
 
 #include "base/memory.h"
 #include "base/order.h"
-#include "base/tolerance.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -168,7 +167,7 @@ conus_status label_table_check_singles(const struct label_table *table, const ui
 {
     uint32_t largest = 0;
     for (size_t i = 0; i < count; i++) {
-        const struct label *twin = (double)labels[i] >= TOLERANCE_SINGLE_END ? find_twin(table, labels[i]) : NULL;
+        const struct label *twin = (double)labels[i] >= end ? find_twin(table, labels[i]) : NULL;
         if (twin) {
             return fail(CONUS_ERROR_DATA,
                         "%s: the label %u, \"%s\", is %u as float32, as which the file keeps labels: whose voxels are "

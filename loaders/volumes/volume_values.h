@@ -7,9 +7,8 @@
 #include "atlas/value_map.h"
 #include "loaders/volumes/volume_file.h"
 
-/** Decodes to labels. Refuses values that are not whole (tolerance_whole()), or outside 0..4294967295, naming the
- * first.
- * @p out is the caller's to finish. Sets info.minimum and maximum. */
+/** Decodes to labels. Refuses scaled values that are not whole (tolerance_whole()), or outside 0..4294967295, naming
+ * the first such voxel. @p out is the caller's to finish. Sets info.minimum and maximum. */
 conus_status volume_file_labels(struct label_voxels *out, struct volume_file *file);
 
 /** The same in the memory of the file's voxels, where one of them has at least 2 bytes: a second copy is never there.

@@ -32,9 +32,9 @@ struct table {
 
 static const struct text in_table = {TABLE, sizeof TABLE - 1};
 
-/* A column of a table, with @p count rows unless it is 0; NULL where it is not there. */
 #define ANY_COUNT SIZE_MAX
 
+/* A column of a table, with @p count rows unless that is ANY_COUNT; NULL where it is not there. */
 static conus_status find_column(const struct hdf5_value **out, const struct hdf5 *hdf5, struct text table,
                                 const char *name, bool is_text, size_t count)
 {

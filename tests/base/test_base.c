@@ -302,6 +302,8 @@ static void inverse_undoes_an_affine(void **state)
     assert_false(mat4_invert_affine(flat, flat));
     flat[0] = NAN;
     assert_false(mat4_invert_affine(flat, flat));
+    const double tiny[16] = {1e-310, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}; /* its inverse is infinite */
+    assert_false(mat4_invert_affine(flat, tiny));
 }
 
 static void files_appear_whole(void **state)
