@@ -284,6 +284,7 @@ static void one_map_is_taken_as_stated(void **state)
         conus_atlas *atlas = load(cases[i].ask, &(conus_load_options){.probability = cases[i].probability});
         assert_int_equal(conus_atlas_object_count(atlas), 1);
         assert_string_equal(conus_atlas_object(atlas, 1)->name, cases[i].name);
+        assert_int_equal(conus_atlas_object(atlas, 1)->label, 1);
         assert_int_equal(conus_atlas_object(atlas, 1)->voxels, voxels);
         assert_int_equal(conus_atlas_volume(atlas, 0)->volume, chosen);
         assert_int_equal(conus_atlas_volume(atlas, 0)->role, CONUS_ROLE_PROBABILITY);
