@@ -80,7 +80,10 @@ answered() {
     printf %b "$HEADER$FIRST${FIRST/100/-100}$LAST" | sed 's/-1$/1/;2s/1$/-1/' >poses.tsv
     sphere --size 16
     run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose poses.tsv --format tsv
-    [[ "$stderr" == 'conus: note: poses.tsv: poses 1 and 2 are both called "first"; 1 of 3 have'* ]]
+    local said='conus: note: poses.tsv: poses 1 and 2 are both called "first"; 1 of 3 have'
+    [[ "$stderr" == "$said"* ]]
+    [[ "$(conus batch sphere.nii.gz --poses poses.tsv 2>&1 >/dev/null)" == "$said"* ]]
+    [[ "$(conus plan sphere.nii.gz --poses poses.tsv --reach Sphere --depth 100 2>&1 >/dev/null)" == "$said"* ]]
     [ "$(cut -f1 <<<"$output" | uniq -c | awk '{ print $1, $2 }' | paste -sd,)" = '1 query,4 first,2 last' ]
 }
 
