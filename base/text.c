@@ -345,30 +345,26 @@ bool text_to_int(struct text text, int64_t *out)
     return true;
 }
 
-static char *utf8_from_latin1(struct text text)
+char *text_to_utf8(struct text text)
 {
-    char *out = memory_raw(2 * text.size + 1, 1);
+    char *out = text.size < SIZE_MAX / 3 ? memory_raw(3 * text.size + 1, 1) : NULL;
     size_t size = 0;
-    for (size_t i = 0; out && i < text.size; i++) {
-        unsigned char c = (unsigned char)text.data[i];
-        if (c < 0x80) {
-            out[size++] = (char)c;
+    while (out && text.size) {
+        const unsigned char *at = (const unsigned char *)text.data;
+        size_t length = text_character(text);
+        bool control = length == 2 && at[0] == 0xc2 && at[1] < 0xa0;
+        if (length && !control) {
+            memcpy(&out[size], text.data, length);
+            size += length;
         } else {
-            out[size++] = (char)(0xc0 | c >> 6);
-            out[size++] = (char)(0x80 | (c & 0x3f));
+            size += text_from_windows(&out[size], at[control]);
         }
+        length = length ? length : 1;
+        text = (struct text){text.data + length, text.size - length};
     }
     if (out) {
         out[size] = '\0';
+        text_make_plain(out, "");
     }
     return out;
-}
-
-char *text_to_utf8(struct text text)
-{
-    char *copy = text_is_utf8(text) ? memory_text(text.data, text.size) : utf8_from_latin1(text);
-    if (copy) {
-        text_make_plain(copy, "");
-    }
-    return copy;
 }

@@ -97,8 +97,16 @@ bool text_is_utf8(struct text text);
  */
 void text_make_plain(char *text, const char *kept);
 
-/** A copy of @p text for results: as UTF-8 (what is not valid UTF-8 is taken as ISO-8859-1), plain as
- * text_make_plain() makes it. End it with memory_free(); NULL without memory. */
+/** Length of the character of UTF-8 that @p text, not empty, begins with; 0 if it begins with none. */
+size_t text_character(struct text text);
+
+/** Writes the letter that Windows-1252 has for @p byte, 0x80 and above, as UTF-8 into @p out; its length. U+FFFD for
+ * the five bytes that it has none for. */
+size_t text_from_windows(char out[4], unsigned char byte);
+
+/** A copy of @p text for results: as UTF-8 (a byte that is none of it is taken as Windows-1252, as is a control of
+ * U+0080 to U+009F, which such bytes become on a wrong way), plain as text_make_plain() makes it. End it with
+ * memory_free(); NULL without memory. */
 char *text_to_utf8(struct text text);
 
 #endif

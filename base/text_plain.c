@@ -6,8 +6,7 @@
 
 #include <string.h>
 
-/* Length of the UTF-8 sequence at the start of `text`, 0 if it is not one (Unicode 15, table 3-7). */
-static size_t utf8_length(struct text text)
+size_t text_character(struct text text) /* Unicode 15, table 3-7 */
 {
     const unsigned char *s = (const unsigned char *)text.data;
     if (s[0] < 0x80) {
@@ -30,13 +29,28 @@ static size_t utf8_length(struct text text)
 bool text_is_utf8(struct text text)
 {
     while (text.size) {
-        size_t length = utf8_length(text);
+        size_t length = text_character(text);
         if (!length) {
             return false;
         }
         text = (struct text){text.data + length, text.size - length};
     }
     return true;
+}
+
+size_t text_from_windows(char out[4], unsigned char byte)
+{
+    static const uint16_t letters[32] = {0x20ac, 0,      0x201a, 0x0192, 0x201e, 0x2026, 0x2020, 0x2021,
+                                         0x02c6, 0x2030, 0x0160, 0x2039, 0x0152, 0,      0x017d, 0,
+                                         0,      0x2018, 0x2019, 0x201c, 0x201d, 0x2022, 0x2013, 0x2014,
+                                         0x02dc, 0x2122, 0x0161, 0x203a, 0x0153, 0,      0x017e, 0x0178};
+    unsigned code = byte >= 0xa0 ? byte : letters[byte & 31] ? letters[byte & 31] : 0xfffd;
+    size_t length = code < 0x800 ? 2 : 3;
+    out[0] = (char)(length == 2 ? 0xc0 | code >> 6 : 0xe0 | code >> 12);
+    out[1] = (char)(0x80 | (code >> (length == 2 ? 0 : 6) & 0x3f));
+    out[2] = (char)(length == 2 ? '\0' : 0x80 | (code & 0x3f));
+    out[3] = '\0';
+    return length;
 }
 
 /* The character that a valid sequence of `length` bytes means. */
@@ -63,7 +77,7 @@ void text_make_plain(char *text, const char *kept)
     char *end = text;
     struct text rest = {text, strlen(text)};
     while (rest.size) {
-        size_t length = utf8_length(rest);
+        size_t length = text_character(rest);
         size_t used = length ? length : 1;
         if (!length) {
             *end++ = '?';

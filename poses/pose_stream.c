@@ -3,6 +3,7 @@
  * rows of a stream. */
 #include "poses/pose_stream.h"
 
+#include "base/buffer.h"
 #include "base/child/hdf5.h"
 #include "base/formats/matlab.h"
 #include "base/geometry/math3.h"
@@ -18,6 +19,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
 #include <sys/stat.h>
@@ -173,6 +175,61 @@ static void extent_add(struct extent *extent, const conus_pose_row *row)
     extent->count++;
 }
 
+enum { NAMES_COMPARED = 1 << 18 }; /* rows; their names are held until the stream ends */
+
+/* The names of the rows read. */
+struct row_names {
+    struct buffer text; /* each with a zero behind it */
+    size_t count;
+};
+
+struct row_name {
+    const char *name;
+    size_t row;
+};
+
+static int compare_row_names(const void *a, const void *b)
+{
+    const struct row_name *one = a;
+    const struct row_name *other = b;
+    int order = strcmp(one->name, other->name);
+    return order ? order : (one->row > other->row) - (one->row < other->row);
+}
+
+/* Of rows with the name of an earlier one the first, and how many there are. Forgets the names. */
+static conus_status note_equal_names(struct notes *notes, struct row_names *names)
+{
+    conus_status status = buffer_status(&names->text);
+    struct row_name *sorted = status ? NULL : memory_raw(names->count + 1, sizeof *sorted);
+    status = status || sorted ? status : CONUS_ERROR_MEMORY;
+    const char *at = names->text.data;
+    size_t count = status ? 0 : names->count;
+    const struct row_name *first = NULL;
+    size_t repeated = 0;
+    for (size_t i = 0; i < count; at += strlen(at) + 1, i++) {
+        sorted[i] = (struct row_name){at, i};
+    }
+    if (count) {
+        qsort(sorted, count, sizeof *sorted, compare_row_names);
+    }
+    for (size_t i = 1; i < count; i++) {
+        if (strcmp(sorted[i - 1].name, sorted[i].name) == 0) {
+            first = !first || sorted[i].row < first->row ? &sorted[i] : first;
+            repeated++;
+        }
+    }
+    if (first) {
+        status = notes_warn(notes,
+                            "poses %zu and %zu are both called \"%.60s\"; %zu of %zu have the name of an earlier one, "
+                            "and only their order tells their answers apart",
+                            first[-1].row + 1, first->row + 1, first->name, repeated, count);
+    }
+    memory_free(sorted);
+    buffer_finish(&names->text);
+    *names = (struct row_names){0};
+    return status;
+}
+
 struct conus_pose_stream {
     conus_pose_options options; /* with a frame, this: */
     conus_frame frame;
@@ -192,6 +249,7 @@ struct conus_pose_stream {
     uint64_t taken;       /* rows read or passed over */
     struct extent extent; /* of the rows read, */
     bool is_partial;      /* some of which were passed over */
+    struct row_names names;
 };
 
 static conus_status fail_of(const conus_pose_stream *stream, conus_status status)
@@ -314,10 +372,9 @@ static conus_status read_whole(conus_pose_stream *stream)
         status = find_format_of_matlab(&stream->format, &stream->list, text, &stream->options);
     }
     bool is_read = !stream->options.format && stream->format == CONUS_POSE_FORMAT_LEAD_DBS;
-    if (!status && !stream->options.format && stream->format == CONUS_POSE_FORMAT_MARKUPS) { /* or another's JSON */
-        bool is_ibl = false;
-        status = pose_ibl_is(&is_ibl, text);
-        stream->format = is_ibl ? CONUS_POSE_FORMAT_IBL : stream->format;
+    bool is_json = stream->format == CONUS_POSE_FORMAT_MARKUPS && text.size && text.data[0] != '#'; /* .fcsv */
+    if (!status && !stream->options.format && is_json) {
+        status = pose_json_find(&stream->format, text);
     }
     /* Positions in the CCF or from bregma are of tables, points, IBL and NWB; other programs' files are of people. */
     if (!status && stream->options.space >= CONUS_SPACE_CCF && !is_of_rodents(stream->format)) {
@@ -504,6 +561,7 @@ void conus_pose_stream_destroy(conus_pose_stream *stream)
     pose_list_finish(&stream->block);
     pose_candidates_finish(&stream->candidates);
     pose_list_finish(&stream->list);
+    buffer_finish(&stream->names.text);
     memory_free(stream->name);
     memory_free(stream);
 }
@@ -566,11 +624,16 @@ conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_p
         } else {
             status = (stream->candidates.count ? make_row : read_row)(&rows[got], stream, &found);
         }
+        if (!status && found && stream->names.count < NAMES_COMPARED && !stream->candidates.count) {
+            stream->names.count++;
+            buffer_append(&stream->names.text, rows[got].id, strlen(rows[got].id) + 1);
+        }
         got += found;
         stream->taken += found;
     }
     if (!status && !found) {
         status = note_extent(stream);
+        status = status ? status : note_equal_names(&stream->list.notes, &stream->names);
     }
     *count = status ? *count : got;
     return fail_of(stream, status);

@@ -148,8 +148,8 @@ int batch_task_open(struct batch_task *task)
     code = code || atlas_first ? code : atlases_load_all(&task->atlases, &settings->atlas, &settings->context);
     code = code ? code : check_files(task);
     return code ? code
-                : pose_settings_match_stream(task->poses, settings->poses, &task->atlases, &settings->file,
-                                             &settings->common);
+                : pose_settings_match_stream(&task->notes_said, task->poses, settings->poses, &task->atlases,
+                                             &settings->file, &settings->common);
 }
 
 int batch_task_build(struct batch_task *task)
@@ -321,6 +321,7 @@ void batch_task_find_astray(struct batch_task *task)
 
 void batch_task_say_astray(const struct batch_task *task)
 {
+    pose_settings_say_late(task->poses, task->settings->poses, task->notes_said, &task->settings->common);
     aim_notes_say(task->aimed, task->atlases.count, pose_settings_file_name(task->settings->poses),
                   &task->settings->common);
 }

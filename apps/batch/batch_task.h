@@ -24,6 +24,7 @@ struct batch_task {
     conus_format format;
     conus_contacts contacts; /**< From --contacts. */
     double within;           /**< From --clearance, mm. */
+    size_t notes_said;       /**< Of the poses. */
     struct shard shard;
     uint64_t first, count; /**< Poses to answer; count UINT64_MAX = all from there on. */
     conus_pose_stream *poses;

@@ -527,6 +527,8 @@ static int check_candidates(struct planning *planning)
     struct request *request = &planning->request;
     const char *from = planning->candidates.from.path;
     const char *path = from ? from : pose_settings_file_name(request->settings->aim.pose);
+    pose_settings_say_late(request->stream, request->settings->aim.pose, request->notes_said,
+                           &request->settings->common);
     uint64_t tried = conus_plan_left(planning->plan, 0);
     uint64_t rows = tried + faults.count;
     if (!tried && planning->journal.shard.count > 1) { /* others may have some */

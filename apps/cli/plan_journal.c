@@ -8,9 +8,12 @@
 #include "options/messages.h"
 #include "options/output.h"
 
+#include <fcntl.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define FIELD(member) OPTION_AT(struct journal_settings, member)
@@ -161,6 +164,36 @@ int plan_journal_init(struct plan_journal *out, bool *replaces, const struct jou
     return EXIT_DONE;
 }
 
+/* Whether the file of the journal is the one that was locked. */
+static bool is_locked(const struct plan_journal *journal, int lock)
+{
+    struct stat own;
+    struct stat named;
+    return fstat(lock, &own) == 0 && stat(journal->path, &named) == 0 && own.st_dev == named.st_dev &&
+           own.st_ino == named.st_ino;
+}
+
+static int print_other(const struct plan_journal *journal)
+{
+    return print_data_error("%s: another conus is writing this file", journal->path);
+}
+
+/* Locks the file, of which each write makes a new one. */
+static int lock_file(struct plan_journal *journal)
+{
+    int lock = open(journal->path, O_RDONLY | O_CLOEXEC);
+    bool locked = lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) == 0 && is_locked(journal, lock);
+    if (!locked) {
+        close(lock);
+        return print_other(journal);
+    }
+    if (journal->lock) {
+        close(journal->lock);
+    }
+    journal->lock = lock;
+    return EXIT_DONE;
+}
+
 /* Hashes all that the list depends on but paths, threads and the shard. */
 static int identify(struct plan_journal *out, const struct request *request, const struct provenance *inputs)
 {
@@ -305,10 +338,17 @@ int plan_journal_open(struct plan_journal *journal, conus_plan *plan, const stru
     if (code || status) {
         return code ? code : print_status(status);
     }
-    journal->next = clock_ms() + (journal->settings->shard || journal->settings->resume ? 0 : PAUSE);
-    return is_merged                                                   ? join(journal, plan, journal->rows)
-           : journal->settings->resume && !access(journal->path, F_OK) ? resume(journal, plan, list)
-                                                                       : EXIT_DONE;
+    bool is_kept = journal->settings->shard || journal->settings->resume;
+    journal->next = clock_ms() + (is_kept ? 0 : PAUSE);
+    if (is_merged) {
+        return join(journal, plan, journal->rows);
+    }
+    bool is_begun = !access(journal->path, F_OK);
+    code = is_begun ? lock_file(journal) : EXIT_DONE;
+    return code                                    ? code
+           : journal->settings->resume && is_begun ? resume(journal, plan, list)
+           : is_kept                               ? plan_journal_write(journal, plan, true) /* to lock it */
+                                                   : EXIT_DONE;
 }
 
 int plan_journal_write(struct plan_journal *journal, conus_plan *plan, bool now)
@@ -321,6 +361,9 @@ int plan_journal_write(struct plan_journal *journal, conus_plan *plan, bool now)
     char sum[SHA256_TEXT];
     if (!journal->path || !(now || begun >= journal->next)) {
         return EXIT_DONE;
+    }
+    if (journal->lock && !is_locked(journal, journal->lock)) {
+        return print_other(journal);
     }
     conus_status status = conus_plan_state(&state, &size, plan);
     if (status) {
@@ -338,7 +381,7 @@ int plan_journal_write(struct plan_journal *journal, conus_plan *plan, bool now)
         free(text);
     }
     journal->next = clock_ms() + PAUSE + 20 * (clock_ms() - begun);
-    return code;
+    return code ? code : lock_file(journal);
 }
 
 void plan_journal_end(const struct plan_journal *journal)
@@ -350,6 +393,9 @@ void plan_journal_end(const struct plan_journal *journal)
 
 void plan_journal_finish(struct plan_journal *journal)
 {
+    if (journal->lock) {
+        close(journal->lock);
+    }
     free(journal->path);
     *journal = (struct plan_journal){0};
 }

@@ -19,6 +19,7 @@ extern const struct option journal_options[]; /**< For struct journal_settings. 
 struct plan_journal {
     const struct journal_settings *settings;
     char *path; /**< NULL = there is none. */
+    int lock;   /**< Descriptor of its file, which no other conus can lock meanwhile; 0 = there is none yet. */
     const char *command;
     char fingerprint[65]; /**< SHA-256 of all that the list depends on but the shard. */
     struct shard shard;

@@ -142,8 +142,8 @@ int request_match(struct request *request)
     if (request->poses) {
         return pose_settings_match_list(request->poses, path, &request->atlases, &settings->file, &settings->common);
     }
-    return request->stream ? pose_settings_match_stream(request->stream, path, &request->atlases, &settings->file,
-                                                        &settings->common)
+    return request->stream ? pose_settings_match_stream(&request->notes_said, request->stream, path, &request->atlases,
+                                                        &settings->file, &settings->common)
                            : EXIT_DONE;
 }
 

@@ -77,7 +77,8 @@ struct request {
     struct answerer *answerers; /**< [atlases.count] */
     const char *rows_of;        /**< The file of the rows that are answered; NULL = that of the poses. */
     conus_pose_list *poses;     /**< All poses of a file that is read whole, else NULL. */
-    conus_pose_stream *stream;  /**< A file whose poses are read one after the other, else NULL. */
+    conus_pose_stream *stream;  /**< A file whose poses are read one after the other, else NULL, */
+    size_t notes_said;          /**< and how many of its notes were said. */
     bool failed;                /**< Some poses had no answer. */
     struct progress progress;   /**< Counts poses of a file, or their steps. */
     size_t steps;               /**< Steps of a pose; 0 = 1. */

@@ -164,7 +164,16 @@ int pose_settings_match_list(conus_pose_list *poses, const char *path, const str
     return EXIT_DONE;
 }
 
-int pose_settings_match_stream(conus_pose_stream *poses, const char *path, const struct atlases *atlases,
+void pose_settings_say_late(const conus_pose_stream *poses, const char *path, size_t said,
+                            const struct common_settings *common)
+{
+    const char *note;
+    for (; !common->quiet && (note = conus_pose_stream_note(poses, said)); said++) {
+        print_error_line("note: %s: %s", pose_settings_file_name(path), note);
+    }
+}
+
+int pose_settings_match_stream(size_t *said, conus_pose_stream *poses, const char *path, const struct atlases *atlases,
                                const struct pose_file_settings *settings, const struct common_settings *common)
 {
     for (size_t i = 0; i < atlases->count && !settings->any_space; i++) {
@@ -174,6 +183,9 @@ int pose_settings_match_stream(conus_pose_stream *poses, const char *path, const
     }
     if (!common->quiet) {
         say_notes(poses, note_of_stream, path, atlases);
+    }
+    for (*said = 0; conus_pose_stream_note(poses, *said);) {
+        ++*said;
     }
     return EXIT_DONE;
 }

@@ -42,10 +42,13 @@ const char *pose_settings_row_error(const conus_pose_row *row);
 /** Says, unless --quiet, that there is no pose in the file. */
 void pose_settings_say_none(const char *path, const struct common_settings *common);
 
-/** Whether the poses' space can be that of each atlas, and says the notes about them. Returns the exit code and prints
- * an error unless it is 0. */
-int pose_settings_match_stream(conus_pose_stream *poses, const char *path, const struct atlases *atlases,
+/** Whether the poses' space can be that of each atlas, and says the notes about them, *said of them. Returns the exit
+ * code and prints an error unless it is 0. */
+int pose_settings_match_stream(size_t *said, conus_pose_stream *poses, const char *path, const struct atlases *atlases,
                                const struct pose_file_settings *settings, const struct common_settings *common);
+/** Says those that came behind the first @p said, when all poses had been read. */
+void pose_settings_say_late(const conus_pose_stream *poses, const char *path, size_t said,
+                            const struct common_settings *common);
 /** The same for a list; @p settings may be NULL, of a command without these options. */
 int pose_settings_match_list(conus_pose_list *poses, const char *path, const struct atlases *atlases,
                              const struct pose_file_settings *settings, const struct common_settings *common);

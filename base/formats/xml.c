@@ -3,6 +3,7 @@
 #include "base/formats/xml.h"
 
 #include "base/buffer.h"
+#include "base/formats/encoding.h"
 #include "base/memory.h"
 
 #include <expat.h>
@@ -120,29 +121,24 @@ static void *reallocate_block(void *block, size_t size)
     return memory_resize(block, size, 1);
 }
 
-static bool declares_encoding(struct text text)
-{
-    const char *end = memmem(text.data, text.size, "?>", 2);
-    size_t length = end ? (size_t)(end - text.data) : 0;
-    return text_starts(text, "<?xml") && memmem(text.data, length, "encoding", strlen("encoding"));
-}
-
 conus_status xml_parse(const struct xml_handler *handler, struct text text)
 {
     static const XML_Memory_Handling_Suite memory = {allocate_block, reallocate_block, memory_free};
-    const char *encoding = text_is_utf8(text) || declares_encoding(text) ? NULL : "ISO-8859-1";
     struct parsing parsing = {.handler = handler};
+    char *owned = NULL;
+    conus_status status = encoding_decode(&owned, &text, handler->notes);
     text = text_trim(text); /* a declaration must be the very first thing */
-    if (text.size > INT_MAX) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "%zu bytes of XML, at most %d are read", text.size, INT_MAX);
+    if (!status && text.size > INT_MAX) {
+        status = fail(CONUS_ERROR_UNSUPPORTED, "%zu bytes of XML, at most %d are read", text.size, INT_MAX);
     }
-    parsing.parser = XML_ParserCreate_MM(encoding, &memory, NULL);
-    if (!parsing.parser) {
-        return fail(CONUS_ERROR_MEMORY, "no memory to read XML");
+    parsing.parser = status ? NULL : XML_ParserCreate_MM(NULL, &memory, NULL);
+    if (!status && !parsing.parser) {
+        status = fail(CONUS_ERROR_MEMORY, "no memory to read XML");
     }
-    conus_status status = run_parser(&parsing, text);
+    status = status ? status : run_parser(&parsing, text);
     XML_ParserFree(parsing.parser);
     buffer_finish(&parsing.text);
+    memory_free(owned);
     return status;
 }
 

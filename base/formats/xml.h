@@ -4,6 +4,7 @@
 #ifndef CONUS_BASE_FORMATS_XML_H
 #define CONUS_BASE_FORMATS_XML_H
 
+#include "base/notes.h"
 #include "base/status.h"
 #include "base/text.h"
 
@@ -19,11 +20,12 @@ struct xml_handler {
     conus_status (*start)(void *user, const struct xml_event *event);
     conus_status (*end)(void *user, const struct xml_event *event);
     void *user;
-    bool doctype; /**< A <!DOCTYPE> that only points to a definition is passed over instead of refused. */
+    bool doctype;        /**< A <!DOCTYPE> that only points to a definition is passed over instead of refused. */
+    struct notes *notes; /**< Hears of a text that is not UTF-8 and declares nothing else; NULL: nobody does. */
 };
 
-/** Parses the document @p text. Bytes that are not UTF-8 and of no declared encoding are taken as ISO-8859-1. Errors
- * of the document itself are CONUS_ERROR_DATA with their line. */
+/** Parses the document @p text, which encoding_decode() makes UTF-8. Errors of the document itself are CONUS_ERROR_DATA
+ * with their line. */
 conus_status xml_parse(const struct xml_handler *handler, struct text text);
 
 /** Value of attribute @p name, or NULL. */

@@ -596,7 +596,7 @@ conus_status cifti_parse(struct cifti *out, const uint8_t *data, size_t size, ui
     status = find_xml(&xml, &head, &header);
     if (!status) {
         struct parsing parsing = {.cifti = &cifti, .max_memory = max_memory, .maps_wanted = shape[0]};
-        const struct xml_handler handler = {on_start, on_end, &parsing, false};
+        const struct xml_handler handler = {.start = on_start, .end = on_end, .user = &parsing};
         status = xml_parse(&handler, xml);
         label_finish(&parsing.entry.label);
         status = status ? fail_in(status, "XML") : CONUS_OK;

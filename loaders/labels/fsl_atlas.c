@@ -180,7 +180,7 @@ static conus_status check_type(struct fsl_atlas *atlas)
 conus_status fsl_atlas_parse(struct fsl_atlas *out, struct text text)
 {
     struct parsing parsing = {0};
-    struct xml_handler handler = {start_element, end_element, &parsing, false};
+    struct xml_handler handler = {.start = start_element, .end = end_element, .user = &parsing};
     conus_status status = xml_parse(&handler, text);
     status = status ? status : check_type(&parsing.atlas);
     label_finish(&parsing.label);

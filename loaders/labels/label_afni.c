@@ -221,4 +221,4 @@ static conus_status parse_afni(struct label_table *out, struct text text, struct
     return status;
 }
 
-const struct label_format label_format_afni = {"AFNI label table", parse_afni};
+const struct label_format label_format_afni = {"AFNI label table", parse_afni, NULL};

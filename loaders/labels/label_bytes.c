@@ -2,6 +2,9 @@
 /* Which format, by content; and MRIcron's colours, the one format that is not text. */
 #include "loaders/labels/label_format.h"
 
+#include "base/formats/encoding.h"
+#include "base/memory.h"
+
 #include <string.h>
 
 #define KNOWN                                                                                                          \
@@ -12,7 +15,7 @@
 bool label_is_lut(const uint8_t *data, size_t size)
 {
     struct text all = {(const char *)data, size};
-    return size == LABEL_LUT_SIZE && !(text_is_readable(all) && text_is_utf8(all));
+    return size == LABEL_LUT_SIZE && !(text_is_readable(all) && (text_is_utf8(all) || label_format_of(all)));
 }
 
 /* The palettes that come with atlases leave the entries they do not use black. */
@@ -54,22 +57,17 @@ const struct label_format *label_format_of(struct text text)
     return format ? format : label_format_of_rows(text);
 }
 
-const struct label_format label_format_chosen = {"label table", NULL};
-
 conus_status label_text_parse(struct label_table *out, const struct label_format *format, struct text text,
                               const struct label_use *use, struct notes *notes)
 {
     struct label_table table = {0};
-    conus_status status;
-    if (format == &label_format_workbench) {
-        status = label_workbench_parse(&table, text, use->info ? use->info->volume : 0, notes);
-    } else if (format == &label_format_chosen) {
-        status = label_columns_parse(&table, text, use->columns, notes);
-    } else if (format == &label_format_fsl || format == &label_format_spm) {
-        status = label_fsl_parse(&table, text, use, notes);
-    } else {
-        status = format->parse(&table, text, notes);
+    char *owned = NULL;
+    conus_status status = encoding_decode(&owned, &text, notes);
+    if (status) {
+        return fail_in(status, format->name);
     }
+    status = format->parse_for ? format->parse_for(&table, text, use, notes) : format->parse(&table, text, notes);
+    memory_free(owned);
     status = status ? status : label_table_sort(&table, notes);
     if (status) {
         label_table_finish(&table);
@@ -98,7 +96,7 @@ conus_status label_bytes_parse(struct label_table *out, const char **format, con
         return CONUS_OK;
     }
     if (size >= 2 && (memcmp(data, "\xff\xfe", 2) == 0 || memcmp(data, "\xfe\xff", 2) == 0)) {
-        return fail(CONUS_ERROR_DATA, "the text is UTF-16, UTF-8 or ISO-8859-1 is needed");
+        return fail(CONUS_ERROR_DATA, "the text is UTF-16, UTF-8 or Windows-1252 is needed");
     }
     const bool chosen = use->columns[0].size || use->columns[1].size;
     const struct label_format *found = chosen ? &label_format_chosen : label_format_of(text);

@@ -20,6 +20,50 @@ conus_status label_cell_number(uint32_t *out, struct text cell, const char *wher
     return CONUS_OK;
 }
 
+/* How many labels of the voxels the table names. */
+static conus_status count_named(size_t *out, struct label_table *table, const struct label_voxels *voxels,
+                                struct notes *silent)
+{
+    conus_status status = label_table_sort(table, silent);
+    *out = 0;
+    for (size_t i = 1; !status && i < voxels->label_count; i++) {
+        const struct label *label = label_table_find(table, voxels->labels[i]);
+        *out += voxels->counts[i] && label && label->name;
+    }
+    return status;
+}
+
+conus_status label_choose(size_t *out, size_t *named, label_trial *trial, void *user, size_t count,
+                          const struct label_voxels *voxels)
+{
+    *named = 0;
+    for (size_t i = 0; i < count; i++) {
+        struct label_table table = {0};
+        struct notes silent = {0};
+        size_t found = 0;
+        conus_status status = trial(&table, user, i, &silent);
+        status = status ? status : count_named(&found, &table, voxels, &silent);
+        label_table_finish(&table);
+        notes_finish(&silent);
+        if (status == CONUS_ERROR_MEMORY) {
+            return status;
+        }
+        if (!status && found > *named) {
+            *named = found;
+            *out = i;
+        }
+    }
+    return CONUS_OK;
+}
+
+conus_status label_note_choice(struct notes *notes, struct text chosen, size_t named, struct text usual)
+{
+    return notes_warn(notes,
+                      "label table: \"%.*s\" is the label's number, which names more labels of the volume (%zu) than "
+                      "\"%.*s\"; FILE,label=COLUMN chooses",
+                      TEXT_SHOW(chosen, SHOWN), named, TEXT_SHOW(usual, SHOWN));
+}
+
 conus_status label_cell_channel(uint8_t *out, struct text cell, const char *channel, const char *where)
 {
     uint64_t value;

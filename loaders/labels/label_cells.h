@@ -3,6 +3,7 @@
 #ifndef CONUS_LOADERS_LABELS_LABEL_CELLS_H
 #define CONUS_LOADERS_LABELS_LABEL_CELLS_H
 
+#include "atlas/labels/label_voxels.h"
 #include "atlas/labels/labels.h"
 #include "base/formats/xml.h"
 
@@ -34,6 +35,17 @@ conus_status label_entry_start(struct label_entry *entry, const struct xml_event
  * says so where the name does not. The entry is empty afterwards, on failure, too. */
 conus_status label_entry_end(struct label_entry *entry, struct label_table *table, struct text name,
                              struct notes *notes);
+
+/** Parses a table whose numbers stand in candidate @p number of several; none where there is no such one. */
+typedef conus_status label_trial(struct label_table *out, void *user, size_t number, struct notes *notes);
+
+/** The candidate of @p count whose table names most labels of the voxels, and how many; of equal ones the first. One
+ * that cannot be parsed names none. */
+conus_status label_choose(size_t *out, size_t *named, label_trial *trial, void *user, size_t count,
+                          const struct label_voxels *voxels);
+
+/** Says that @p chosen is the number and not @p usual, where another candidate would be taken without voxels. */
+conus_status label_note_choice(struct notes *notes, struct text chosen, size_t named, struct text usual);
 
 /** Values of cells. @p where ("line 7", "entry 3") starts the message. */
 conus_status label_cell_number(uint32_t *out, struct text cell, const char *where);

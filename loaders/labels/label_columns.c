@@ -24,12 +24,13 @@ enum column {
     PARENT,
     IDENTIFIER, /* what parent_identifier refers to, where that is not the label's number */
     PARENT_IDENTIFIER,
-    RIVAL,
+    RIVAL,      /* a second column that could be the index, */
+    NAME_RIVAL, /* or the name */
     COLUMN_COUNT
 };
 enum { NO_COLUMN = -1, SYNONYM_COUNT = 7, FIELD_LIMIT = 1024 };
 
-/* The names that a column may have, the preferred one first. A rival is a second column that could be the index. */
+/* The names that a column may have, the preferred one first. */
 static const char *const names[COLUMN_COUNT][SYNONYM_COUNT] = {
     [INDEX] = {"index", "LabelValue", "annotation_value", "id", "key", "ROIid", "label"},
     [NAME] = {"name", "region", "structure", "ROIname", "label"},
@@ -48,9 +49,10 @@ struct header {
     char separator;
     int at[COLUMN_COUNT]; /* field of each column, or NO_COLUMN */
     int count;
-    const char *twice; /* a column that two fields claim, or NULL */
-    bool disputed;     /* a rival has been noted */
-    bool by_value;     /* the index is called value */
+    const char *twice;              /* a column that two fields claim, or NULL */
+    bool disputed[2];               /* a rival of the index, or of the name, has been noted */
+    bool by_value;                  /* the index is called value */
+    int indices[SYNONYM_COUNT + 1]; /* fields that could be the index, the preferred one first; "value" is the last */
 };
 
 /* The next line that is neither empty nor a comment. Below a header with colours in front, "#ff0000" begins a row. */
@@ -78,8 +80,11 @@ static void match_column(struct header *header, int ranks[COLUMN_COUNT], struct 
         for (int rank = 0; rank < SYNONYM_COUNT && names[column][rank]; rank++) {
             bool named = text_equal_ignoring_case(field, names[column][rank]);
             header->twice = named && rank == ranks[column] ? names[column][rank] : header->twice;
-            if (named && column == INDEX) {
-                header->at[RIVAL] = rank < ranks[INDEX] ? header->at[INDEX] : at;
+            if (named && column <= NAME) {
+                header->at[RIVAL + column] = rank < ranks[column] ? header->at[column] : at;
+            }
+            if (named && column == INDEX && header->indices[rank] == NO_COLUMN) {
+                header->indices[rank] = at;
             }
             if (named && rank < ranks[column]) {
                 ranks[column] = rank;
@@ -103,12 +108,17 @@ static bool read_header_row(struct header *header, struct text line, char separa
         header->at[column] = NO_COLUMN;
         ranks[column] = SYNONYM_COUNT;
     }
+    for (int rank = 0; rank <= SYNONYM_COUNT; rank++) {
+        header->indices[rank] = NO_COLUMN;
+    }
     struct text field;
     struct text first = {0};
     enum text_quotes quotes;
     for (bool more = true; text_quoted_field(&line, header->separator, &more, &field, &quotes);) {
         first = header->count ? first : field;
         if (header->count < FIELD_LIMIT) {
+            bool is_value = text_equal_ignoring_case(field, "value");
+            header->indices[SYNONYM_COUNT] = is_value ? header->count : header->indices[SYNONYM_COUNT];
             match_column(header, ranks, field, header->count++);
         }
     }
@@ -189,15 +199,44 @@ static conus_status fill_label(struct label *label, const struct text cells[COLU
     return status ? status : set_cell(&label->abbreviation, cells[ABBREVIATION]);
 }
 
+static bool is_whole(struct text cell)
+{
+    uint64_t number;
+    return text_to_uint(cell, UINT32_MAX, &number);
+}
+
+static bool is_word(struct text cell)
+{
+    double number;
+    return cell.size && !text_equal(cell, "n/a") && !text_to_double(cell, &number);
+}
+
+/* Two columns may have names, of which one is used. */
+static conus_status note_rival_name(struct header *header, const struct text cells[COLUMN_COUNT], const char *where,
+                                    struct notes *notes)
+{
+    struct text name = cells[NAME];
+    struct text rival = cells[NAME_RIVAL];
+    bool same = name.size == rival.size && name.size && memcmp(name.data, rival.data, name.size) == 0;
+    if (header->disputed[1] || same || !is_word(name) || !is_word(rival)) {
+        return CONUS_OK;
+    }
+    header->disputed[1] = true;
+    return notes_add(notes,
+                     "label table, %s: two columns could be the label's name, \"%.*s\" and \"%.*s\": \"%.*s\" is used, "
+                     "by the order name, region, structure, ROIname, label; FILE,name=COLUMN chooses",
+                     where, TEXT_SHOW(name, 40), TEXT_SHOW(rival, 40), TEXT_SHOW(name, 40));
+}
+
 /* "index label name" may count rows in one column and give the voxels' value in the other. */
 static conus_status note_rival_column(struct header *header, uint32_t number, struct text rival, const char *where,
                                       struct notes *notes)
 {
     uint64_t other;
-    if (header->disputed || !text_to_uint(rival, UINT32_MAX, &other) || other == number) {
+    if (header->disputed[0] || !text_to_uint(rival, UINT32_MAX, &other) || other == number) {
         return CONUS_OK;
     }
-    header->disputed = true;
+    header->disputed[0] = true;
     return notes_warn(notes,
                       "label table, %s: two columns could be the label's number, %u and %llu: %u is used, by the order "
                       "index, LabelValue, annotation_value, id, key, label",
@@ -306,6 +345,7 @@ static conus_status parse_below(struct label_table *out, struct header *header, 
         status = read_cells(cells, header, line, where);
         status = status ? status : fill_label(&label, cells, where, notes);
         status = status ? status : note_rival_column(header, label.number, cells[RIVAL], where, notes);
+        status = status ? status : note_rival_name(header, cells, where, notes);
         if (!status && is_identified) {
             status = keep_identifier(&identifiers, cells[IDENTIFIER], label.number, where);
         }
@@ -314,20 +354,6 @@ static conus_status parse_below(struct label_table *out, struct header *header, 
     status = status || !is_identified ? status : find_parents(out, first, &identifiers, notes);
     memory_free(identifiers.list);
     return status;
-}
-
-static conus_status parse_table(struct label_table *out, struct text text, struct notes *notes)
-{
-    struct header header;
-    struct text line;
-    size_t number = 0;
-    if (!next_line(&text, &number, &line) || !read_header_row(&header, line, separator_of(line))) {
-        return fail(CONUS_ERROR_DATA, "no header with an index and a name");
-    }
-    if (header.twice) {
-        return fail(CONUS_ERROR_DATA, "line %zu: two columns are called %s", number, header.twice);
-    }
-    return parse_below(out, &header, text, number, notes);
 }
 
 /* "Nr", "Bezeichnung", ...: at most as many as a message has place for. */
@@ -375,6 +401,16 @@ static char best_separator(struct text line)
     return best;
 }
 
+static struct text field_at(struct text line, char separator, int at)
+{
+    struct text field = {"", 0};
+    enum text_quotes quotes;
+    for (bool more = true; at >= 0 && text_quoted_field(&line, separator, &more, &field, &quotes);) {
+        at--;
+    }
+    return field;
+}
+
 /* Which field of `line` is called `column`; NO_COLUMN if none is. */
 static int find_column(struct text line, char separator, struct text column)
 {
@@ -390,26 +426,69 @@ static int find_column(struct text line, char separator, struct text column)
     return NO_COLUMN;
 }
 
-conus_status label_columns_parse(struct label_table *out, struct text text, const struct text columns[2],
-                                 struct notes *notes)
+/* A table's rows, and its header with other columns for the number. */
+struct trial {
+    const struct header *header;
+    struct text below;
+    size_t number; /* of the header's line */
+};
+
+static conus_status try_index(struct label_table *out, void *user, size_t candidate, struct notes *notes)
 {
+    const struct trial *trial = user;
+    struct header tried = *trial->header;
+    tried.at[INDEX] = tried.indices[candidate];
+    return tried.at[INDEX] == NO_COLUMN || tried.at[INDEX] == tried.at[NAME]
+               ? CONUS_OK
+               : parse_below(out, &tried, trial->below, trial->number, notes);
+}
+
+/* Of several columns that could be the number the one that fits the volume. */
+static conus_status choose_index(struct header *header, struct text line, const struct trial *trial,
+                                 const struct label_voxels *voxels, struct notes *notes)
+{
+    size_t best;
+    size_t named;
+    int usual = header->at[INDEX];
+    conus_status status = label_choose(&best, &named, try_index, (void *)trial, SYNONYM_COUNT + 1, voxels);
+    if (status || !named || header->indices[best] == usual) {
+        return status;
+    }
+    header->at[INDEX] = header->indices[best];
+    header->at[RIVAL] = NO_COLUMN;
+    return label_note_choice(notes, field_at(line, header->separator, header->at[INDEX]), named,
+                             field_at(line, header->separator, usual));
+}
+
+static conus_status parse_table(struct label_table *out, struct text text, const struct label_use *use,
+                                struct notes *notes)
+{
+    const bool is_chosen = use->columns[0].size || use->columns[1].size;
     struct header header;
     struct text line;
     size_t number = 0;
     if (!next_line(&text, &number, &line)) {
         return fail(CONUS_ERROR_DATA, "no header row that could name columns");
     }
-    (void)read_header_row(&header, line, best_separator(line));
+    (void)read_header_row(&header, line, is_chosen ? best_separator(line) : separator_of(line));
     for (int column = INDEX; column <= NAME; column++) {
-        const struct text wanted = columns[column];
+        const struct text wanted = use->columns[column];
         header.at[column] = wanted.size ? find_column(line, header.separator, wanted) : header.at[column];
+        header.at[RIVAL + column] = wanted.size ? NO_COLUMN : header.at[RIVAL + column];
         if (header.at[column] == NO_COLUMN) {
             return refuse_column(line, &header, wanted.size ? wanted : text_from(names[column][0]), number);
         }
     }
-    header.at[RIVAL] = NO_COLUMN;
-    return parse_below(out, &header, text, number, notes);
+    if (header.twice && !is_chosen) {
+        return fail(CONUS_ERROR_DATA, "line %zu: two columns are called %s", number, header.twice);
+    }
+    conus_status status = use->columns[INDEX].size || !use->voxels
+                              ? CONUS_OK
+                              : choose_index(&header, line, &(struct trial){&header, text, number}, use->voxels, notes);
+    return status ? status : parse_below(out, &header, text, number, notes);
 }
+
+const struct label_format label_format_chosen = {"label table", NULL, parse_table};
 
 conus_status label_columns_refuse(struct text text)
 {
@@ -431,18 +510,6 @@ conus_status label_columns_refuse(struct text text)
     }
     buffer_finish(&columns);
     return status;
-}
-
-static bool is_whole(struct text cell)
-{
-    uint64_t number;
-    return text_to_uint(cell, UINT32_MAX, &number);
-}
-
-static bool is_word(struct text cell)
-{
-    double number;
-    return cell.size && !text_equal(cell, "n/a") && !text_to_double(cell, &number);
 }
 
 /* Whether most rows have a whole number in the column of the number, and words in that of the name. */
@@ -580,10 +647,10 @@ static conus_status parse_bare(struct label_table *out, struct text text, struct
 
 const struct label_format *label_format_of_columns(struct text text)
 {
-    static const struct label_format tsv = {"BIDS label table", parse_table};
-    static const struct label_format slicer = {"Slicer colour table", parse_table};
-    static const struct label_format csv = {"CSV label table", parse_table};
-    static const struct label_format bare = {"CSV without a header", parse_bare};
+    static const struct label_format tsv = {"BIDS label table", NULL, parse_table};
+    static const struct label_format slicer = {"Slicer colour table", NULL, parse_table};
+    static const struct label_format csv = {"CSV label table", NULL, parse_table};
+    static const struct label_format bare = {"CSV without a header", parse_bare, NULL};
     struct header header;
     struct text line;
     struct text rest = text;

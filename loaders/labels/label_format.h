@@ -12,15 +12,13 @@ struct label_format {
     const char *name; /**< In words, for messages and "where the names come from". */
     /** Appends the table in @p text to @p out, in any order; label 0 is dropped. */
     conus_status (*parse)(struct label_table *out, struct text text, struct notes *notes);
+    /** Likewise, where the purpose matters; NULL: it does not. */
+    conus_status (*parse_for)(struct label_table *out, struct text text, const struct label_use *use,
+                              struct notes *notes);
 };
 
 /** The format of @p text, lines below a header row, by its content; NULL if it is none. */
 const struct label_format *label_format_of_columns(struct text text);
-
-/** Appends the table in @p text to @p out, whose header row calls number and name @p columns; an empty one is found by
- * the usual words. CONUS_ERROR_DATA where there is no such column. */
-conus_status label_columns_parse(struct label_table *out, struct text text, const struct text columns[2],
-                                 struct notes *notes);
 
 /** Fails with the columns that the first row of @p text has and those that are needed; CONUS_OK where it has no two.
  */
@@ -44,17 +42,10 @@ extern const struct label_format label_format_workbench;
 extern const struct label_format label_format_fsl;
 extern const struct label_format label_format_spm; /**< SPM's and CAT12's atlas XML. */
 
-/** Workbench's table of volume @p volume of a 4-D file; label_format_workbench takes the first. */
-conus_status label_workbench_parse(struct label_table *out, struct text text, size_t volume, struct notes *notes);
-
-/** An atlas XML's of FSL or SPM, numbered as for @p use (fsl_atlas.h); label_format_fsl goes by its type. */
-conus_status label_fsl_parse(struct label_table *out, struct text text, const struct label_use *use,
-                             struct notes *notes);
-
 /** The format of @p text, which text_from_bytes() gave, or NULL. */
 const struct label_format *label_format_of(struct text text);
 
-/** A table with any separator, whose columns of number and name label_use.columns gives. */
+/** A table with any separator, whose header row has the columns that label_use.columns gives. */
 extern const struct label_format label_format_chosen;
 
 enum { LABEL_LUT_SIZE = 768 }; /**< MRIcron's .lut: 256 red, 256 green, 256 blue bytes. */

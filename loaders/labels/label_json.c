@@ -306,15 +306,49 @@ static conus_status fill_object(struct label *label, const json_t *object, const
     return status ? status : set_hex(label, json_object_get(object, "color"), where);
 }
 
-static conus_status parse_objects(struct label_table *out, struct text text, struct notes *notes)
+struct trial {
+    const struct fields *fields;
+    json_t *root;
+    const json_t *first;
+};
+
+static conus_status try_field(struct label_table *out, void *user, size_t candidate, struct notes *notes)
+{
+    const struct trial *trial = user;
+    struct fields tried = {.number = number_fields[candidate], .name = trial->fields->name};
+    return json_is_integer(json_object_get(trial->first, tried.number))
+               ? parse_nodes(out, trial->root, "object", fill_object, &tried, notes)
+               : CONUS_OK;
+}
+
+/* Of several fields that could be the number the one that fits the volume. */
+static conus_status choose_field(struct fields *fields, struct trial *trial, const struct label_voxels *voxels,
+                                 struct notes *notes)
+{
+    size_t best;
+    size_t named;
+    const char *usual = fields->number;
+    conus_status status = label_choose(&best, &named, try_field, trial, NUMBER_FIELDS, voxels);
+    if (status || !named || number_fields[best] == usual) {
+        return status;
+    }
+    *fields = (struct fields){.number = number_fields[best], .name = fields->name};
+    return label_note_choice(notes, text_from(fields->number), named, text_from(usual));
+}
+
+static conus_status parse_objects(struct label_table *out, struct text text, const struct label_use *use,
+                                  struct notes *notes)
 {
     json_t *root = NULL;
     conus_status status = json_text_load(&root, text);
-    struct fields fields = find_fields(json_is_object(root) ? root : json_array_get(root, 0));
+    const json_t *first = json_is_object(root) ? root : json_array_get(root, 0);
+    struct fields fields = find_fields(first);
     if (!status && !(fields.number && fields.name)) {
         status =
             fail(CONUS_ERROR_DATA, "the first object has no whole number (index, LabelValue, id, key, label) and name");
     }
+    bool is_open = !status && use->voxels && fields.number && fields.name;
+    status = !is_open ? status : choose_field(&fields, &(struct trial){&fields, root, first}, use->voxels, notes);
     status = status ? status : parse_nodes(out, root, "object", fill_object, &fields, notes);
     json_decref(root);
     return status;
@@ -443,11 +477,11 @@ static bool is_objects(struct text text)
 
 const struct label_format *label_format_of_json(struct text text)
 {
-    static const struct label_format map = {"JSON map of names", parse_map};
-    static const struct label_format objects = {"JSON list of labels", parse_objects};
-    static const struct label_format structures = {"BrainGlobe structures", parse_structures};
-    static const struct label_format lists = {"NiiVue labels", parse_lists};
-    static const struct label_format ome = {"OME image-label", parse_ome};
+    static const struct label_format map = {"JSON map of names", parse_map, NULL};
+    static const struct label_format objects = {"JSON list of labels", NULL, parse_objects};
+    static const struct label_format structures = {"BrainGlobe structures", parse_structures, NULL};
+    static const struct label_format lists = {"NiiVue labels", parse_lists, NULL};
+    static const struct label_format ome = {"OME image-label", parse_ome, NULL};
     if (text.data[0] == '{' && text_mentions(text, "\"image-label\"") && text_mentions(text, "\"label-value\"")) {
         return &ome;
     }

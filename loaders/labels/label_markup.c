@@ -50,20 +50,17 @@ static conus_status workbench_end(void *user, const struct xml_event *event)
     return label_keep(workbench->out, &workbench->label, status, workbench->notes);
 }
 
-conus_status label_workbench_parse(struct label_table *out, struct text text, size_t volume, struct notes *notes)
+/* Of a 4-D file the table of the volume that is asked for, else of the first. */
+static conus_status parse_workbench(struct label_table *out, struct text text, const struct label_use *use,
+                                    struct notes *notes)
 {
-    struct workbench workbench = {.out = out, .notes = notes, .wanted = volume};
-    struct xml_handler handler = {workbench_start, workbench_end, &workbench, false};
+    struct workbench workbench = {.out = out, .notes = notes, .wanted = use->info ? use->info->volume : 0};
+    struct xml_handler handler = {.start = workbench_start, .end = workbench_end, .user = &workbench};
     return xml_parse(&handler, text);
 }
 
-static conus_status parse_workbench(struct label_table *out, struct text text, struct notes *notes)
-{
-    return label_workbench_parse(out, text, 0, notes);
-}
-
-conus_status label_fsl_parse(struct label_table *out, struct text text, const struct label_use *use,
-                             struct notes *notes)
+static conus_status parse_fsl(struct label_table *out, struct text text, const struct label_use *use,
+                              struct notes *notes)
 {
     struct fsl_atlas atlas = {0};
     conus_status status = fsl_atlas_parse(&atlas, text);
@@ -76,15 +73,9 @@ conus_status label_fsl_parse(struct label_table *out, struct text text, const st
     return status;
 }
 
-static conus_status parse_fsl(struct label_table *out, struct text text, struct notes *notes)
-{
-    static const struct label_use no_volume;
-    return label_fsl_parse(out, text, &no_volume, notes);
-}
-
-const struct label_format label_format_workbench = {"Workbench label table", parse_workbench};
-const struct label_format label_format_fsl = {"FSL atlas XML", parse_fsl};
-const struct label_format label_format_spm = {"SPM atlas XML", parse_fsl};
+const struct label_format label_format_workbench = {"Workbench label table", NULL, parse_workbench};
+const struct label_format label_format_fsl = {"FSL atlas XML", NULL, parse_fsl};
+const struct label_format label_format_spm = {"SPM atlas XML", NULL, parse_fsl};
 
 const struct label_format *label_format_of_markup(struct text text)
 {

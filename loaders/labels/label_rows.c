@@ -427,18 +427,18 @@ static bool says_slicer(struct text text)
     return text_line(&text, &line) && line.size && line.data[0] == '#' && text_mentions(line, "Color table file");
 }
 
-const struct label_format label_format_colours = {"FSLeyes colours", parse_unnamed};
+const struct label_format label_format_colours = {"FSLeyes colours", parse_unnamed, NULL};
 
 const struct label_format *label_format_of_rows(struct text text)
 {
-    static const struct label_format plain = {"MRIcron text", parse_plain};
-    static const struct label_format freesurfer = {"FreeSurfer colour table", parse_freesurfer};
-    static const struct label_format slicer = {"Slicer colour table", parse_slicer};
-    static const struct label_format mrtrix = {"MRtrix or FreeSurfer colour table", parse_mrtrix};
-    static const struct label_format fsleyes = {"FSLeyes colour table", parse_fsleyes};
-    static const struct label_format itk_snap = {"ITK-SNAP labels", parse_itk_snap};
-    static const struct label_format number_last = {"AAL text", parse_number_last};
-    static const struct label_format pairs = {"Workbench label list", parse_pairs};
+    static const struct label_format plain = {"MRIcron text", parse_plain, NULL};
+    static const struct label_format freesurfer = {"FreeSurfer colour table", parse_freesurfer, NULL};
+    static const struct label_format slicer = {"Slicer colour table", parse_slicer, NULL};
+    static const struct label_format mrtrix = {"MRtrix or FreeSurfer colour table", parse_mrtrix, NULL};
+    static const struct label_format fsleyes = {"FSLeyes colour table", parse_fsleyes, NULL};
+    static const struct label_format itk_snap = {"ITK-SNAP labels", parse_itk_snap, NULL};
+    static const struct label_format number_last = {"AAL text", parse_number_last, NULL};
+    static const struct label_format pairs = {"Workbench label list", parse_pairs, NULL};
     struct census census = count_rows(text);
     size_t half = census.rows / 2;
     if (census.rows >= 2 && census.rows % 2 == 0 && census.pairs == census.rows) {

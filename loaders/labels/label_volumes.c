@@ -4,6 +4,7 @@
 #include "loaders/labels/label_volumes.h"
 
 #include "base/files/folder.h"
+#include "base/formats/encoding.h"
 #include "base/memory.h"
 #include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_file.h"
@@ -85,13 +86,14 @@ static conus_status read_lines(struct label_table *out, bool *lines, struct text
 }
 
 static conus_status parse_names(struct label_table *out, bool *table, const struct bytes *bytes, size_t volumes,
-                                const struct label_use *chosen)
+                                const struct label_use *chosen, struct notes *notes)
 {
     const struct label_use use = {.columns = {chosen->columns[0], chosen->columns[1]}};
     const bool has_columns = use.columns[0].size || use.columns[1].size;
     struct notes silent = {0}; /* it counts from 0 or not: that is asked here */
-    conus_status status = CONUS_OK;
     struct text text = text_from_bytes(bytes->data, bytes->size);
+    char *owned = NULL;
+    conus_status status = text_is_readable(text) ? encoding_decode(&owned, &text, notes) : CONUS_OK;
     const struct label_format *format = label_is_lut(bytes->data, bytes->size) ? NULL
                                         : has_columns                          ? &label_format_chosen
                                                                                : label_format_of(text);
@@ -105,6 +107,7 @@ static conus_status parse_names(struct label_table *out, bool *table, const stru
         status = read_lines(out, table, text, volumes);
     }
     notes_finish(&silent);
+    memory_free(owned);
     return status;
 }
 
@@ -118,7 +121,7 @@ static conus_status take_names(struct label_table *out, const char *path, bool g
     bool is_table = false;
     bool decided = false;
     conus_status status = label_file_bytes(&bytes, path, use->max_memory);
-    if (!status && (status = parse_names(out, &is_table, &bytes, count, use))) {
+    if (!status && (status = parse_names(out, &is_table, &bytes, count, use, notes))) {
         status = given ? fail_in(status, path) : status;
     }
     if (status && !given && status != CONUS_ERROR_MEMORY) {

@@ -21,13 +21,26 @@ struct reading {
     double farthest;  /* of all coordinates, micrometres */
 };
 
-conus_status pose_ibl_is(bool *out, struct text text)
+static bool is_channel(const char *key)
 {
-    json_t *root = NULL;
-    conus_status status = json_text_load(&root, text);
-    *out = json_object_get(root, picks_key) || json_object_get(root, "channel_0");
-    json_decref(root);
-    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
+    uint64_t number;
+    return strncmp(key, channel_key, sizeof channel_key - 1) == 0 &&
+           text_to_uint(text_from(key + sizeof channel_key - 1), UINT64_MAX, &number);
+}
+
+/* Whether there is a channel, of any number. */
+static bool has_channels(json_t *root)
+{
+    bool found = false;
+    for (void *at = json_object_iter(root); at && !found; at = json_object_iter_next(root, at)) {
+        found = is_channel(json_object_iter_key(at)) && json_is_object(json_object_iter_value(at));
+    }
+    return found;
+}
+
+bool pose_ibl_is(json_t *root)
+{
+    return json_object_get(root, picks_key) || has_channels(root);
 }
 
 /* From ML, AP, DV to the frame's space. The file counts from its own bregma, the frame perhaps from another. */
@@ -92,7 +105,7 @@ static conus_status read_channels(struct reading *reading, json_t *root)
         const json_t *channel = json_object_iter_value(at);
         const json_t *const values[3] = {json_object_get(channel, "x"), json_object_get(channel, "y"),
                                          json_object_get(channel, "z")};
-        if (strncmp(key, channel_key, sizeof channel_key - 1) == 0) {
+        if (is_channel(key)) {
             status = add_point(reading, values, text_from(key));
         }
     }
@@ -114,11 +127,12 @@ conus_status pose_ibl_parse(conus_pose_list *list, struct text text, const conus
     }
     conus_status status = json_text_load(&root, text);
     const json_t *picks = json_object_get(root, picks_key);
+    if (!status && !picks == !has_channels(root)) {
+        status = fail(CONUS_ERROR_DATA, picks ? "\"xyz_picks\" and \"channel_N\": positions of IBL are one of them"
+                                              : "neither \"xyz_picks\" nor \"channel_N\": not positions of IBL");
+    }
     if (!status) {
         status = picks ? read_picks(&reading, picks) : read_channels(&reading, root);
-    }
-    if (!status && !picks && !list->count) {
-        status = fail(CONUS_ERROR_DATA, "neither \"xyz_picks\" nor \"channel_0\": not positions of IBL");
     }
     if (!status && list->count && reading.farthest < nearest_um) {
         status =

@@ -156,6 +156,6 @@ static conus_status on_end(void *user, const struct xml_event *event)
 conus_status pose_localite_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     struct reading reading = {.list = list, .options = options};
-    const struct xml_handler handler = {.start = on_start, .end = on_end, .user = &reading};
+    const struct xml_handler handler = {.start = on_start, .end = on_end, .user = &reading, .notes = &list->notes};
     return xml_parse(&handler, text);
 }

@@ -134,6 +134,32 @@ static conus_status read_markup(struct markup *markup)
         fail(CONUS_ERROR_DATA, "a markup of type \"%.*s\", allowed are Line and Fiducial", POSE_QUOTE(type)));
 }
 
+static conus_status refuse_json(const json_t *root)
+{
+    bool is_probe = text_equal(json_text_of(json_object_get(root, "specification")), "probeinterface");
+    bool is_pinpoint = json_object_get(root, "atlasName");
+    return is_probe
+               ? fail(CONUS_ERROR_DATA, "a probe of ProbeInterface says where contacts are on it, and not where it "
+                                        "lies: its poses are another file")
+               : fail(CONUS_ERROR_DATA,
+                      "%s: no list \"markups\" of 3D Slicer's, and neither \"xyz_picks\" nor \"channel_N\" of "
+                      "IBL's",
+                      is_pinpoint ? "a scene of Pinpoint, which is not read" : "JSON of no known program");
+}
+
+conus_status pose_json_find(conus_pose_format *out, struct text text)
+{
+    json_t *root = NULL;
+    conus_status status = json_text_load(&root, text);
+    bool is_ibl = pose_ibl_is(root);
+    if (!status && !is_ibl && !json_is_array(json_object_get(root, "markups"))) {
+        status = refuse_json(root);
+    }
+    *out = is_ibl ? CONUS_POSE_FORMAT_IBL : CONUS_POSE_FORMAT_MARKUPS;
+    json_decref(root);
+    return status;
+}
+
 conus_status pose_markups_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     json_t *root = NULL;
@@ -143,11 +169,7 @@ conus_status pose_markups_parse(conus_pose_list *list, struct text text, const c
     conus_status status = json_text_load(&root, text);
     const json_t *markups = json_object_get(root, "markups");
     if (!status && !json_is_array(markups)) {
-        bool is_probe = text_equal(json_text_of(json_object_get(root, "specification")), "probeinterface");
-        status = is_probe
-                     ? fail(CONUS_ERROR_DATA, "a probe of ProbeInterface says where contacts are on it, and not where "
-                                              "it lies: its poses are another file")
-                     : fail(CONUS_ERROR_DATA, "no list \"markups\": not a file of 3D Slicer's markups");
+        status = refuse_json(root);
     }
     bool fits = options->axis == CONUS_AXIS_OF_FORMAT; /* an axis is for lines */
     for (size_t i = 0; !fits && i < json_array_size(markups); i++) {

@@ -6,6 +6,7 @@
 #define CONUS_POSES_PROGRAMS_POSE_PROGRAMS_H
 
 #include "base/child/hdf5.h"
+#include "base/formats/json_text.h"
 #include "conus/pose_file.h"
 #include "poses/rows/pose_list.h"
 
@@ -35,9 +36,10 @@ conus_status pose_coordsystem_find(conus_pose_list *list, const char *path);
 /** The International Brain Laboratory's xyz_picks.json, points, or channel_locations.json, channels: micrometres ML,
  * AP, DV from bregma, to the right, anterior, dorsal. They need a frame in CCF or from bregma. */
 conus_status pose_ibl_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
-/** Whether @p text is such JSON: it has the key xyz_picks or channel_0. CONUS_ERROR_MEMORY where that cannot be found
- * out. */
-conus_status pose_ibl_is(bool *out, struct text text);
+/** Whether @p root is such JSON: it has the key xyz_picks, or channel_N of any number. */
+bool pose_ibl_is(json_t *root);
+/** Which program's JSON @p text is, by its keys; CONUS_ERROR_DATA where it is none of poses. */
+conus_status pose_json_find(conus_pose_format *out, struct text text);
 
 /** InVesalius's markers, .mkss, by their world columns: poses of the coil, and points. */
 conus_status pose_invesalius_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);

@@ -10,7 +10,7 @@ import numpy as np
 
 from ._conus import ffi, lib
 from ._library import (
-    ADMISSION, CHANCE, COVERAGE, RESULT, STEP, Error, array_of, check, choice, owned, path_of, text, utf8, whole,
+    ADMISSION, CHANCE, COVERAGE, RESULT, STEP, Bound, Error, array_of, check, choice, owned, path_of, text, utf8, whole,
 )
 
 if TYPE_CHECKING:
@@ -215,7 +215,7 @@ class Hit:
     contact_value: float  #: value there of a pathway, or probability of an area of probabilities; else NaN
 
 
-class Streamlines:
+class Streamlines(Bound):
     """Streamlines of an atlas: a sequence of arrays (points, 3) of float32, RAS mm."""
 
     numbers: Array  #: of each one in its tractogram, from 0, ascending
@@ -244,7 +244,7 @@ class Streamlines:
         check(lib.conus_streamline_list_write(self._p, path_of("path", path)))
 
 
-class Selection:
+class Selection(Bound):
     """The answer to one pose: a sequence of :class:`Hit`, best first; "unassigned" is the last.
 
     ``results`` is the same as an array of the library's records (angles in radians, lengths in mm,

@@ -2,6 +2,7 @@
 """Atlases and what is asked of them."""
 from __future__ import annotations
 
+import hashlib
 import math
 import os
 import threading
@@ -18,6 +19,9 @@ from ._conus import ffi, lib
 from ._library import (
     RESULT,
     ArgumentError,
+    DataError,
+    Error,
+    Guarded,
     affine_of,
     array_of,
     byte_count,
@@ -37,6 +41,7 @@ from ._library import (
     utf8,
     vector,
     whole,
+    written,
 )
 from ._picture import GLOwner, Picture, Renderer, rgb_of
 from ._pose_file import Poses
@@ -99,7 +104,7 @@ def _fill_labels(labels: Labels) -> tuple[Any, int, list[Any]]:
 
     def word(row: Mapping[str, Any], name: str) -> Any:
         value = row.get(name)
-        words.append(optional(utf8, f"labels: {name}", None if value is None else str(value)))
+        words.append(optional(written, f"labels: {name}", value))
         return words[-1]
 
     for entry, row in zip(table, rows):
@@ -522,7 +527,7 @@ class _Collector:
         self.results.resize(int(self.starts[-1]), refcheck=False)
 
 
-class Selector:
+class Selector(Guarded):
     """An atlas made ready to answer, with options that hold for all its answers.
 
     Any thread may use it, with engine="gl" only the one that made it; one at a time is answered.
@@ -567,8 +572,8 @@ class Selector:
         space: str = "ras",
         bregma: Any = None,
     ) -> None:
-        options, out = ffi.new("conus_selector_options *"), ffi.new("conus_selector **")
-        words = [optional(utf8, "level", None if level is None else str(level)), optional(utf8, "score", score)]
+        options = ffi.new("conus_selector_options *")
+        words = [optional(written, "level", level), optional(utf8, "score", score)]
         options.layers = choice("layers", layers, ("visible", "all"))
         options.aperture = choice("aperture", aperture, ("circle", "square"))
         options.sampling = choice("sampling", sampling, ("exact", "slices"))
@@ -579,15 +584,32 @@ class Selector:
         options.level, options.score = words
         self.space = space_of(atlas._p, space, bregma)
         self._owner = GLOwner() if engine == "gl" else None
-        check(lib.conus_selector_create(out, atlas._p, options))
         self.atlas = atlas
         self._layers = layers == "all"
         self._is_cylinder = radius > 0
+        self._options = options, words
+        self._begin()
+        super().__init__()
+
+    def _begin(self) -> None:
+        out = ffi.new("conus_selector **")
+        check(lib.conus_selector_create(out, self.atlas._p, self._options[0]))
         destroy = lib.conus_selector_destroy
-        self._p = owned(out[0], self._owner.ender(destroy) if self._owner else destroy, atlas._p)
-        self._lock = threading.RLock()
+        self._p = owned(out[0], self._owner.ender(destroy) if self._owner else destroy, self.atlas._p)
         self._is_asked = False
         self._aims: Optional[Aims] = None
+
+    def _leave(self) -> None:
+        """What was being asked stays half done: nothing frees it, and a new one answers."""
+        for left in [self] + ([self._aims] if self._aims else []):
+            ffi.gc(left._p, None)
+        if not self._owner:  # OpenGL does not cross a fork
+            self._begin()
+
+    def _check_made(self, selector: Any) -> None:
+        """What was made of the pointer that a fork left behind is half done, too."""
+        if selector is not self._p:
+            raise Error("the process was forked while another thread asked the selector of this: make it anew")
 
     def _pose(self, origin: Any, toward: Any, direction: Any, up: Any, pose: Any) -> Any:
         """A conus_pose of what is given in the selector's space."""
@@ -1222,12 +1244,12 @@ class Atlas:
         size = lib.conus_atlas_packed_size(self._p)
         memory = _aligned(size)
         check(lib.conus_atlas_pack(ffi.cast("void *", memory.ctypes.data), size, self._p))
-        return _unpack, (memory.tobytes(),)
+        return _unpack, (memory.tobytes(), _sum_of(memory))
 
     def find(self, name: Union[str, int]) -> int:
         """The number of an object, by its name, abbreviation or label; an ArgumentError if there is none."""
         out = ffi.new("uint32_t *")
-        check(lib.conus_atlas_find(out, self._p, utf8("name", str(name) if isinstance(name, int) else name)))
+        check(lib.conus_atlas_find(out, self._p, (written if isinstance(name, int) else utf8)("name", name)))
         return int(out[0])
 
     @property
@@ -1288,7 +1310,7 @@ class Atlas:
         self._p  # pylint: disable=pointless-statement  # raises if it is closed
         thread = threading.get_ident() if options.get("engine") == "gl" else 0
         plain = {name: v.tolist() if isinstance(v, np.ndarray) else v for name, v in options.items()}
-        key = thread, repr(sorted(plain.items()))
+        key = thread, shown(sorted(plain.items()), None)
         if key not in self._selectors:
             self._selectors[key] = Selector(self, **options)
         return self._selectors[key]
@@ -1480,7 +1502,13 @@ def _aligned(size: int) -> Array:
     return memory[start : start + size]
 
 
-def _unpack(packed: bytes) -> Atlas:
+def _sum_of(packed: Any) -> bytes:
+    return hashlib.blake2b(packed, digest_size=16).digest()
+
+
+def _unpack(packed: bytes, checksum: bytes = b"") -> Atlas:
+    if not isinstance(packed, bytes) or _sum_of(packed) != checksum:
+        raise DataError("pickled atlas: its bytes are not those that were packed: damaged, or of another version")
     memory = _aligned(len(packed))
     memory[:] = np.frombuffer(packed, np.uint8)
     out = ffi.new("conus_atlas **")

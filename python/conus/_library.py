@@ -5,8 +5,10 @@ from __future__ import annotations
 import operator
 import os
 import re
+import threading
+import weakref
 from collections.abc import Mapping
-from typing import Any, Sequence
+from typing import Any, Optional, Sequence
 
 import numpy as np
 
@@ -102,9 +104,50 @@ def owned(pointer: Any, destroy: Any, *needed: Any) -> Any:
     return ffi.gc(pointer, lambda p, keep=needed: destroy(p))
 
 
-def shown(value: Any) -> str:
+class Bound:
+    """What holds the library's memory, and lives in the process that made it."""
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        name = type(self).__name__
+        raise UnsupportedError(f"{name}: cannot be pickled, its atlas and numpy arrays can")
+
+    def __copy__(self) -> Any:
+        other = object.__new__(type(self))
+        other.__dict__.update(self.__dict__)
+        return other
+
+
+class Guarded(Bound):
+    """What one thread at a time may ask."""
+
+    _all: weakref.WeakSet[Guarded] = weakref.WeakSet()
+
+    def __init__(self) -> None:
+        self._lock = threading.RLock()
+        self._all.add(self)
+
+    def _leave(self) -> None:
+        """Another thread was asking it when the process was forked, and is not in this one."""
+
+    @classmethod
+    def free_locks(cls) -> None:
+        for one in list(cls._all):
+            if one._lock.acquire(blocking=False):  # also where this very thread holds it
+                one._lock.release()
+            else:
+                one._lock = threading.RLock()
+                one._leave()
+
+
+os.register_at_fork(after_in_child=Guarded.free_locks)
+
+
+def shown(value: Any, most: Optional[int] = 60) -> str:
     """A value in a message, which has one line."""
-    return " ".join(repr(value).split())[:60]
+    try:
+        return " ".join(repr(value).split())[:most]
+    except ValueError:  # Python writes no number of more than some thousand digits
+        return f"a number of {value.bit_length()} bits" if isinstance(value, int) else type(value).__name__
 
 
 def choice(option: str, value: str, values: Sequence[str]) -> int:
@@ -137,7 +180,7 @@ def whole(name: str, value: Any, low: int = 0, high: int = 2**32 - 1) -> int:
     except TypeError:
         raise ArgumentError(f"{name}: {shown(value)}, wanted is a whole number") from None
     if not low <= number <= high:
-        raise ArgumentError(f"{name}: {number}, allowed is {low} to {high}")
+        raise ArgumentError(f"{name}: {shown(number)}, allowed is {low} to {high}")
     return number
 
 
@@ -152,7 +195,7 @@ def numbers(name: str, values: Any) -> np.ndarray[Any, Any]:
     try:
         if not np.iscomplexobj(values):
             return np.asarray(values, float)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise ArgumentError(f"{name}: {error}") from None
     raise ArgumentError(f"{name}: complex numbers, wanted are real ones")
 
@@ -215,6 +258,14 @@ def utf8(name: str, value: Any) -> Any:
         return _chars(name, value, value.encode())
     except UnicodeEncodeError:
         raise ArgumentError(f"{name}: {shown(value)} is not Unicode") from None
+
+
+def written(name: str, value: Any) -> Any:
+    """A text, or a whole number in digits, for C."""
+    try:
+        return utf8(name, value if isinstance(value, str) else str(value))
+    except ValueError as error:
+        raise error if isinstance(error, Error) else ArgumentError(f"{name}: {shown(value)}") from None
 
 
 def path_of(name: str, value: Any) -> Any:

@@ -15,7 +15,9 @@ from ._answers import Array, Selection, image_bytes, image_channel
 from ._conus import ffi, lib
 from ._library import (
     ArgumentError,
+    Bound,
     GLError,
+    Guarded,
     array_of,
     byte_count,
     check,
@@ -89,7 +91,7 @@ _PLANES = {"axial": ((1, 0, 0), (0, 1, 0)), "coronal": ((1, 0, 0), (0, 0, 1)), "
 _FAINT = 0.12  # opacity of what no probe passes
 
 
-class Picture:
+class Picture(Guarded):
     """A picture of an atlas; a notebook shows it.
 
     Attributes
@@ -100,7 +102,7 @@ class Picture:
 
     def __init__(self, pointer: Any, device: str) -> None:
         self._p = owned(pointer, lib.conus_image_destroy)
-        self._lock = threading.Lock()
+        super().__init__()
         self.device = device
 
     @property
@@ -158,7 +160,7 @@ class Picture:
         return f"<conus.Picture of {self.size[0]} x {self.size[1]} pixels, by {self.device}>"
 
 
-class Renderer:
+class Renderer(Bound):
     """An atlas made ready to be drawn again and again; :meth:`Atlas.render` draws one picture.
 
     It uses OpenGL 4.5, in hardware or software, and belongs to the thread that makes it.

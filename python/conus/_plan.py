@@ -13,7 +13,9 @@ import numpy as np
 
 from ._answers import Array
 from ._conus import ffi, lib
-from ._library import ArgumentError, check, flag, items, numbers, optional, owned, real, shown, text, utf8, vector, whole
+from ._library import (
+    ArgumentError, Bound, check, flag, items, numbers, optional, owned, real, shown, text, utf8, vector, whole,
+)
 from ._pose_file import Poses
 from ._poses import PoseArray
 
@@ -177,7 +179,7 @@ _MAPS = {"leeway_mm": "leeway", "slack_mm": "slack", "depth_mm": "far", "entry_a
          "reach1": "reach", "feasible": "feasible", "candidate": "candidate"}
 
 
-class Plan:
+class Plan(Bound):
     """The poses that break no constraint, the best first: the rows of ``conus plan``.
 
     ``poses`` are their (n, 4, 4) matrices from device to world, ``near`` and ``far`` the ends of the needles, mm from
@@ -188,7 +190,7 @@ class Plan:
     """
 
     def __init__(self, selector: Selector, plan: Any, errors: Mapping[int, str], sources: Mapping[str, Array]) -> None:
-        self._selector, self._p = selector, plan
+        self._selector, self._p, self._made_of = selector, plan, selector._p
         rows = [lib.conus_plan_pose(plan, i) for i in range(lib.conus_plan_count(plan))]
         count = lib.conus_plan_constraint_count(plan)
         report = self._report("PLAN", "TSV", None)
@@ -265,6 +267,7 @@ class Plan:
         name = ffi.new("char[]", b"")
         row.id, row.pose = name, self._selector._pose(origin, toward, direction, up, pose)[0]
         row.range = [math.nan if end is None else real("depth", end) for end in (near, depth)]
+        self._selector._check_made(self._made_of)
         self._selector._call(lib.conus_plan_try, out, self._p, row)
         planned = out[0]
         numbers_of = {key: getattr(planned, key) for key in ("leeway", "slack", "clearance", "near", "far", "score", "p_ok")}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import threading
 from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
@@ -15,6 +14,7 @@ from ._conus import ffi, lib
 from ._library import (
     ArgumentError,
     DataError,
+    Guarded,
     byte_count,
     check,
     choice,
@@ -43,7 +43,7 @@ def pose_formats() -> list[str]:
     return names
 
 
-class Poses:
+class Poses(Guarded):
     """Poses of a file: give them as ``poses=`` to ``select_many``, ``segments_many`` and ``track``.
 
     All arrays have one row for each row of the file, also for one that is no pose; positions are RAS mm. ``poses[i]``
@@ -66,7 +66,8 @@ class Poses:
 
     def __init__(self, pointer: Any, path: Any, any_space: bool, alive: Any) -> None:
         self._list = owned(pointer, lib.conus_pose_list_destroy)
-        self._alive, self._any_space, self._lock = alive, any_space, threading.Lock()
+        super().__init__()
+        self._alive, self._any_space = alive, any_space
         self.path = path
         count = lib.conus_pose_list_count(self._list)
         rows = [lib.conus_pose_list_row(self._list, i) for i in range(count)]

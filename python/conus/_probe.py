@@ -10,7 +10,7 @@ import numpy as np
 
 from ._answers import Answers, Array
 from ._conus import ffi, lib
-from ._library import ArgumentError, byte_count, check, owned, path_of, real, text
+from ._library import ArgumentError, Bound, byte_count, check, owned, path_of, real, text
 
 if TYPE_CHECKING:
     import pandas
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _AREA = lib.CONUS_KIND_AREA
 
 
-class Probe:
+class Probe(Bound):
     """The contacts of the probes of a file, in its order; see docs/formats.md."""
 
     path: str

@@ -7,12 +7,12 @@ from typing import Any, Optional
 import numpy as np
 
 from ._conus import ffi, lib
-from ._library import ArgumentError, check, choice, numbers, vector
+from ._library import ArgumentError, Bound, check, choice, numbers, vector
 
 _NAMES = ("ras", "lps", "ccf", "bregma")
 
 
-class Space:
+class Space(Bound):
     """Takes positions and directions, (3,) or (n, 3), to world mm and back."""
 
     def __init__(self, atlas: Any, name: str, bregma: Any = None) -> None:

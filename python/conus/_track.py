@@ -8,7 +8,7 @@ import numpy as np
 
 from ._answers import Array, Selection, Track
 from ._conus import ffi, lib
-from ._library import RESULT, STEP, ArgumentError, array_of, check, flag, message, owned, real
+from ._library import RESULT, STEP, ArgumentError, Bound, array_of, check, flag, message, owned, real
 from ._poses import Aims, PoseArray, notes_of, rows_of, warn
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 Tell = Optional[Callable[..., object]]
 
 
-class Tracker:
+class Tracker(Bound):
     """Follows a device: what its selector finds, ranked with what came before, as ``conus track`` does.
 
     A trembling hand so selects one area and not several, where the selector's score has a history:
@@ -77,7 +77,7 @@ class Tracker:
         selector._call(lib.conus_tracker_create, out, selector._p, ffi.new("conus_tracker_options *", given))
         self.selector = selector
         self._window = window
-        self._p = owned(out[0], lib.conus_tracker_destroy, selector._p)
+        self._p, self._made_of = owned(out[0], lib.conus_tracker_destroy, selector._p), selector._p
 
     def step(
         self,
@@ -116,6 +116,7 @@ class Tracker:
         selector, out = self.selector, ffi.new("conus_selection **")
         aim = selector._pose(origin, toward, direction, up, pose)
         time, opening, down = real("time_s", time_s), selector._angle(angle), flag("trigger", trigger)
+        selector._check_made(self._made_of)
         selector._call(lib.conus_tracker_step, out, self._p, time, aim, opening, down)
         selection: Selection = selector._place(Selection(selector, out[0]))
         return selection

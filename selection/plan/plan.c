@@ -277,7 +277,7 @@ static void reject(struct rejected *rejected, size_t line, const char *why)
 {
     if (!rejected->count++) {
         rejected->line = line;
-        snprintf(rejected->why, sizeof rejected->why, "%s", why);
+        plan_known_reason(rejected->why, text_from(why));
     }
 }
 

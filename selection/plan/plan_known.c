@@ -3,12 +3,21 @@
 #include "selection/plan/plan_known.h"
 
 #include "base/memory.h"
-#include "base/text.h"
 
 #include <stdio.h>
+#include <string.h>
 
 static const uint64_t MOST = UINT64_C(1) << 62; /* so that no sum is too large */
 static const char *const words[PLAN_LINES] = {"rows", "left", "none", "kept", "entries", "targets"};
+
+void plan_known_reason(char out[PLAN_WHY], struct text why)
+{
+    char copy[PLAN_WHY];
+    snprintf(copy, sizeof copy, "%.*s", TEXT_SHOW(why, sizeof copy - 1));
+    text_make_plain(copy, "");
+    why = text_trim(text_from(copy));
+    snprintf(out, PLAN_WHY, "%.*s", TEXT_SHOW(why, sizeof copy - 1));
+}
 
 void plan_known_format(struct buffer *out, const struct plan_known *known)
 {
@@ -88,7 +97,8 @@ conus_status plan_known_parse(struct plan_known *out, const char *text, size_t s
         status = CONUS_ERROR_DATA;
     }
     line = text_trim(line);
-    snprintf(out->why, sizeof out->why, "%.*s", TEXT_SHOW(line, sizeof out->why - 1));
+    plan_known_reason(out->why, line);
+    status = status || (strlen(out->why) == line.size && text_equal(line, out->why)) ? status : CONUS_ERROR_DATA;
     return status == CONUS_ERROR_DATA ? fail(status, "no state of a plan, or not whole") : status;
 }
 

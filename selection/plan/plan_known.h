@@ -4,6 +4,7 @@
 #define CONUS_SELECTION_PLAN_PLAN_KNOWN_H
 
 #include "base/buffer.h"
+#include "base/text.h"
 #include "conus/status.h"
 
 #include <stdint.h>
@@ -30,6 +31,9 @@ struct plan_known {
     struct plan_numbers lines[PLAN_LINES];
     char why[PLAN_WHY]; /**< why the first row of PLAN_NONE is no pose; "" = there is no such row. */
 };
+
+/** A reason as it is kept: its beginning, as one plain line, which is read back the same. */
+void plan_known_reason(char out[PLAN_WHY], struct text why);
 
 /** Appends it as text. */
 void plan_known_format(struct buffer *out, const struct plan_known *known);

@@ -2,6 +2,7 @@
 /* Text, numbers, arrays, files and 3-D maths of base/. */
 #include "base/buffer.h"
 #include "base/files/file.h"
+#include "base/formats/encoding.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
@@ -239,11 +240,16 @@ static void any_bytes_become_clean_utf8(void **state)
          "Br\xc3\xbc"
          "cke 1 "},
         {"\xc3\xa9\x1b[31m", "\xc3\xa9 [31m"},
-        /* U+009B, CSI of 8 bits; U+202E, U+2066, U+2028: each turns or ends the
-           line. Their neighbours U+00A0, U+2027, U+202F, U+2065 and U+206A do not. */
+        /* Python's bytes.decode("cp1252").encode(): quotation mark, en dash, euro, and letters of ISO-8859-1. */
+        {"Broca\x92s \x96 \x80\xe9\xff", "Broca\xe2\x80\x99s \xe2\x80\x93 \xe2\x82\xac\xc3\xa9\xc3\xbf"},
+        {"\x8a\x9a\x8e\x9e\x8c\x9c\x9f", "\xc5\xa0\xc5\xa1\xc5\xbd\xc5\xbe\xc5\x92\xc5\x93\xc5\xb8"},
+        {"a\x81", "a\xef\xbf\xbd"}, /* one of five bytes without a letter */
+        /* U+009B is CSI of 8 bits, or what became of byte 0x9B, which is U+203A. U+202E, U+2066, U+2028: each turns or
+           ends the line. Their neighbours U+00A0, U+2027, U+202F, U+2065 and U+206A do not. */
         {"a\xc2\x9b"
          "31m",
-         "a 31m"},
+         "a\xe2\x80\xba"
+         "31m"},
         {"\xe2\x80\xae\xe2\x81\xa6\xe2\x80\xa8\xe2\x81\xa9\xe2\x80\xac", "     "},
         {"\xc2\xa0\xe2\x80\xa7\xe2\x80\xaf\xe2\x81\xa5\xe2\x81\xaa",
          "\xc2\xa0\xe2\x80\xa7\xe2\x80\xaf\xe2\x81\xa5\xe2\x81\xaa"},
@@ -252,6 +258,47 @@ static void any_bytes_become_clean_utf8(void **state)
         char *clean = text_to_utf8(text_from(pairs[i][0]));
         assert_string_equal(clean, pairs[i][1]);
         memory_free(clean);
+    }
+}
+
+/* The right texts are Python's .decode("cp1252"), and where it is mixed .decode() of the rest. */
+static void texts_are_utf8_or_windows_1252(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *decoded, *note;
+    } texts[] = {
+        {"1 a\n2 \xc3\xbc\n", NULL, NULL},
+        {"1 Broca\x92s\n", "1 Broca\xe2\x80\x99s\n", "it is read as Windows-1252"},
+        {"\n1 \xc3\xbc\n2 \xfc\x96\n", "\n1 \xc3\xbc\n2 \xc3\xbc\xe2\x80\x93\n", "line 3: a byte that is not UTF-8"},
+        {"1 a\n2 \x8d\n", NULL, "line 2: byte 0x8D is of neither"},
+        {"<?xml version=\"1.0\" encoding=\"windows-1252\"?><a>\x92</a>",
+         "<?xml version=\"1.0\" encoding=\"UTF-8\"       ?><a>\xe2\x80\x99</a>", NULL},
+        /* what it declares holds for letters that would be one of UTF-8, too */
+        {" <?xml version='1.0' encoding='ISO-8859-1' ?><a>\xc3\xbc</a>",
+         "<?xml version='1.0' encoding='UTF-8'      ?><a>\xc3\x83\xc2\xbc</a>", NULL},
+        {"<?xml encoding=\"UTF-8\"?><a>\xfc</a>", NULL, NULL}, /* expat's to refuse */
+        {"<a>\x80</a>", "<a>\xe2\x82\xac</a>", "it is read as Windows-1252"},
+        {"\xff\xfe<", NULL, NULL},
+        {"", NULL, NULL},
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        struct text text = text_from(texts[i].text);
+        struct notes notes = {0};
+        char *owned = NULL;
+        bool refused = texts[i].note && !texts[i].decoded;
+        conus_status status = encoding_decode(&owned, &text, &notes);
+        assert_int_equal(status, refused ? CONUS_ERROR_DATA : CONUS_OK);
+        assert_int_equal(!owned, !texts[i].decoded);
+        if (owned) {
+            assert_string_equal(owned, texts[i].decoded);
+            assert_int_equal(text.size, strlen(owned));
+        }
+        assert_int_equal(notes.count, texts[i].note && !refused);
+        const char *said = refused ? conus_message() : notes.count ? notes.lines[0] : NULL;
+        assert_true(!said || strstr(said, texts[i].note));
+        notes_finish(&notes);
+        memory_free(owned);
     }
 }
 
@@ -588,6 +635,7 @@ TEST_GROUP(base)
         cmocka_unit_test(arrays_double),
         cmocka_unit_test(utf8_is_told_from_latin1),
         cmocka_unit_test(any_bytes_become_clean_utf8),
+        cmocka_unit_test(texts_are_utf8_or_windows_1252),
         cmocka_unit_test(text_of_xml_has_what_xml_has),
         cmocka_unit_test(plain_text_steers_no_terminal),
         cmocka_unit_test(inverse_undoes_an_affine),

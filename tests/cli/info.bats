@@ -82,7 +82,7 @@ load helpers
             return 1
         fi
     done
-    "$CONUS" query "a$odd.nii.gz" --origin 0,0,90 --toward 0,0,0 | grep -q 'Ball 31m  '
+    "$CONUS" query "a$odd.nii.gz" --origin 0,0,90 --toward 0,0,0 | grep -q 'Ball›31m  '
     fails 3 '31m' info "$odd.nii.gz"
 }
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""leaves.py CONUS RESULT...: changes every value in the sidecar of every result, one at a time, recomputes the
+"""leaves.py CONUS RESULT...: changes every value in the sidecar of every result, one at a time, and adds Units and Levels to columns without, recomputes the
 Checksum as docs/formats.md has it, and runs `conus verify`, which must notice each. Prints those that it does not, and
 how many there were. Without CONUS_TEST_LONG, values of one name (Inputs.0.path and Inputs.1.path have one) are changed
 in the first result that has them only, the first and the last. leaves.py --seal FILE prints the Checksum that a sidecar
@@ -114,10 +114,14 @@ def is_noticed(conus, result, root, path):
     inner[path[-1]] = changed(path, inner[path[-1]])
     if path != ("Checksum",):
         own["Checksum"] = seal(own)
-    answer = verify(conus, result, own)
-    if path[0] == "GeneratedBy" and path[-1] == "Version":
-        return "it was written by conus x" in answer.stdout or path[1] == 1  # of conus merge
-    return answer.returncode in (1, 3)
+    return verify(conus, result, own).returncode in (1, 3)
+
+
+def is_added_noticed(conus, result, root, path):
+    """Of a value that is not there."""
+    own = copy.deepcopy(root)
+    own[path[0]][path[1]] = "x"
+    return verify(conus, result, own).returncode == 1
 
 
 def main():
@@ -137,7 +141,13 @@ def main():
             paths = [path for path in leaves(root) if not may_differ(path, root)]
             if not os.environ.get("CONUS_TEST_LONG"):
                 paths = first_and_last(paths, seen)
-            for path, noticed in zip(paths, pool.map(lambda path: is_noticed(conus, result, root, path), paths)):
+            columns = [key for key, value in root.items() if isinstance(value, dict) and "Description" in value]
+            added = [(key, word) for key in columns for word in ("Units", "Levels") if word not in root[key]]
+            added = added if os.environ.get("CONUS_TEST_LONG") else [path for path in added if not path[0] in seen]
+            seen.update(dict(added))
+            found = [*pool.map(lambda path: is_noticed(conus, result, root, path), paths),
+                     *pool.map(lambda path: is_added_noticed(conus, result, root, path), added)]
+            for path, noticed in zip(paths + added, found):
                 count += 1
                 missed += not noticed
                 if not noticed:

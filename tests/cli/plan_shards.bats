@@ -35,14 +35,19 @@ needles() {
 # Pruning changes no byte, and makes resuming quick.
 @test "a plan that is killed or interrupted is resumed, and may be resumed again" {
     needles
+    printf '40 %s 5\n0 40 %s\n' {-10..10..4} >entries.txt # so many that it is not done before it is stopped
     local own="$ask --toward voxels --avoid Ball,margin=0.5 --top 30"
     conus $own -o whole.tsv -q
-    for signal in KILL INT; do
+    for signal in KILL TERM; do # a shell has its background ignore SIGINT
         rm -f plan.*
         background "$CONUS" $own --no-pruning --threads 1 --resume -o plan.tsv -q
-        wait_until "$child" [ -s plan.tsv.journal ]
+        wait_until "$child" grep -qs '^left [1-9]' plan.tsv.journal
+        kill -STOP "$child"
+        fails 3 'plan.tsv.journal: another conus is writing this file' $own --resume -o plan.tsv -q
+        fails 3 'another conus is writing this file' $own --force -o plan.tsv -q
         kill -$signal "$child"
-        run wait "$child"
+        kill -CONT "$child" || : # one that was killed is gone
+        wait "$child" || :
         [ ! -e plan.tsv ]
         fails 2 'a plan has begun there; --resume continues it' $own -o plan.tsv -q
         fails 2 'other settings, poses, atlas' $own --rank depth --resume -o plan.tsv -q

@@ -79,7 +79,11 @@ answered() {
 @test "hostile: names that repeat" {
     printf %b "$HEADER$FIRST${FIRST/100/-100}$LAST" | sed 's/-1$/1/;2s/1$/-1/' >poses.tsv
     sphere --size 16
-    answers query sphere.nii.gz --pose poses.tsv --format tsv
+    run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose poses.tsv --format tsv
+    local said='conus: note: poses.tsv: poses 1 and 2 are both called "first"; 1 of 3 have'
+    [[ "$stderr" == "$said"* ]]
+    [[ "$(conus batch sphere.nii.gz --poses poses.tsv 2>&1 >/dev/null)" == "$said"* ]]
+    [[ "$(conus plan sphere.nii.gz --poses poses.tsv --reach Sphere --depth 100 2>&1 >/dev/null)" == "$said"* ]]
     [ "$(cut -f1 <<<"$output" | uniq -c | awk '{ print $1, $2 }' | paste -sd,)" = '1 query,4 first,2 last' ]
 }
 
@@ -129,7 +133,7 @@ answered() {
     {
         printf %b "$HEADER$FIRST"
         for number in 1,5 0x10 1e400 '1.5 mm' 1_000 −1 --1 '' n/a 1e; do
-            printf 'bad\t%s\t0\t100\t0\t0\t-1\n' "$number"
+            printf 'bad %s\t%s\t0\t100\t0\t0\t-1\n' "$number" "$number"
         done
         printf 'last\t+100.\t 0 \t-0\t-1e0\t.0\t1e-400\n'
     } >poses.tsv
@@ -147,13 +151,13 @@ answered() {
         printf 'query_id\tx\ty\tz\tqw\tqx\tqy\tqz\tangle\n'
         printf 'first\t0\t0\t100\t1e-8\t0\t0\t0\t5\n'
         for rest in '0\t0\t0\t0\t5' '1e-200\t0\t0\t0\t5' '1e300\t1e300\t0\t0\t5' '1\t0\t0\t0\t-5' '1\t0\t0\t0\t180' '1\t0\t0\t0\t0' '1\t0\t0\t0\t1e9'; do
-            printf "bad\t0\t0\t100\t$rest\n"
+            printf "bad $rest\t0\t0\t100\t$rest\n" | sed 's/\t/ /;s/\t/ /;s/\t/ /;s/\t/ /'
         done
         printf 'last\t0\t0\t100\t1e150\t0\t0\t0\tn/a\n'
     } >poses.tsv
     run -1 --separate-stderr "$CONUS" query sphere.nii.gz --pose poses.tsv --angle 5 --format tsv
     conus batch sphere.nii.gz --poses poses.tsv --angle 5 | diff - <(echo "$output")
-    [ "$(awk -F'\t' '$1 == "bad" { print $2 }' <<<"$output" | uniq -c | tr -d ' ')" = 7error ]
+    [ "$(awk -F'\t' '$1 ~ /^bad/ { print $2 }' <<<"$output" | uniq -c | tr -d ' ')" = 7error ]
     diff <(grep ^first <<<"$output") <(grep ^last <<<"$output" | sed 's/^last/first/')
     [[ "${stderr_lines[1]}" == *'poses.tsv:4: quaternion: 1e-200,0,0,0, allowed are finite numbers of a length from 1e-9 to 1e154' ]]
     printf %b "$HEADER"'bad\t0\t0\t100\t0\t-0\t0\n' >poses.tsv
@@ -306,13 +310,13 @@ same_answers() {
 # The ball of 20 mm reaches from x = -20 to 20. First two of five points are farther right than 25 mm, then one of five.
 @test "points of which more than a fifth lie outside of the atlas have a note, in query and in batch" {
     sphere
-    printf '%s 0 0 p\n' 1 26 2 27 3 >points.txt
+    printf '%s 0 0 p%s\n' 1 a 26 b 2 c 27 d 3 e >points.txt
     note='note: points.txt: 2 of 5 points lie more than the radius outside of the atlas, the first in line 2; are they'
     run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose points.txt --radius 5
     [[ "$stderr" == *"$note"* ]]
     run -0 --separate-stderr "$CONUS" batch sphere.nii.gz --poses points.txt --radius 5
     [[ "$stderr" == *"$note"* ]]
-    printf '%s 0 0 p\n' 1 26 2 24 3 >points.txt
+    printf '%s 0 0 p%s\n' 1 a 26 b 2 c 24 d 3 e >points.txt
     run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose points.txt --radius 5
     [ -z "$stderr" ]
 }
@@ -347,7 +351,7 @@ same_answers() {
     fails 3 'standard input: more than 32768 bytes' query sphere.nii.gz --pose - --max-memory 32K <many_electrodes.tsv
     { printf %b "$HEADER"; yes "$(printf %b "$FIRST")" | head -2000; } >poses.tsv
     rm sphere.json # beside the volume it would be taken for a label table; those have less
-    answers query sphere.nii.gz --pose poses.tsv --max-memory 32K --format tsv
+    answers query sphere.nii.gz --pose poses.tsv --max-memory 32K --format tsv --quiet
 }
 
 @test "track follows the triggers that Localite noted" {

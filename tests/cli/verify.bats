@@ -201,7 +201,7 @@ says() {
     says 1 'why: poses.tsv changed' out/batch.tsv
     study
     printf '\xff' | dd of=atlas/sphere.nii.gz bs=1 seek=300 conv=notrunc status=none
-    says 3 'atlas/sphere.nii.gz changed: its SHA-256 is not the recorded one; atlas/sphere.nii.gz: ' out/q.tsv
+    says 3 'atlas/sphere.nii.gz changed: its SHA-256 is not the recorded one; it cannot be answered again' out/q.tsv
     gzip -dc "$BATS_FILE_TMPDIR/kept/atlas/sphere.nii.gz" >voxels
     printf 'x' | dd of=voxels bs=1 seek=148 conv=notrunc status=none # in the header's description
     gzip -nc voxels >atlas/sphere.nii.gz
@@ -283,27 +283,62 @@ says() {
     says 3 'Batch: no shard' out/range.tsv
 }
 
-@test "sidecars of older versions are answered again, and what they lack is said" {
+# reseal FILTER NAME: the sidecar out/NAME.json through jq, with a checksum that fits.
+reseal() {
+    jq "$1" "out/$2.json" >old.json
+    jq --arg sum "$(python3 "$BATS_TEST_DIRNAME/leaves.py" --seal old.json)" '.Checksum = $sum' old.json >"out/$2.json"
+}
+
+@test "sidecars of other versions are answered again, and all that they say is compared" {
     study
     for name in q poses batch layers; do
-        jq '.GeneratedBy[0].Version = "0.0.1" | .rank.Description = "place" | del(.Inputs, .Outputs, .Checksum) |
-            del(.. | .bytes?)' out/$name.json >old
-        mv old out/$name.json
+        reseal '.GeneratedBy[0].Version = "0.0.1"' $name
     done
     says 0 identical out/layers.tsv
-    says 0 identical out/q.tsv
-    has 'note: it was written by conus 0.0.1; this is'
-    has 'note: out/q.json has no Checksum: it may have been changed'
-    has 'note: out/q.json has no SHA-256 of the result'
-    says 0 'note: poses.tsv has no recorded SHA-256: taken as it is' out/poses.tsv
+    says 0 'note: it was written by conus 0.0.1; this is' out/q.tsv
     sed -i '2s/1/2/' out/poses.tsv
     says 1 'line 2' out/poses.tsv
     says 1 'why: it was written by conus 0.0.1; this is' out/poses.tsv
+    sed -i 's/"Description": "[^"]*"/"Description": "likelihood"/' out/layers.json
+    says 1 'Description is "likelihood" there' out/layers.tsv
+    reseal 'del(.Outputs)' q
+    says 1 'out/q.json: Outputs is missing there' out/q.tsv
+    jq 'del(.Checksum)' out/q.json >old
+    mv old out/q.json
+    says 1 'why: out/q.json has no Checksum: it may have been changed' out/q.tsv
     sed -i 's/"Units": "mm"/"Units": "cm"/' out/q.json # conus's own keys must be right
     says 1 'Units is "cm" there, and "mm"' out/q.tsv
     jq 'del(.GeneratedBy[0].CommandLine)' out/q.json >old
     mv old out/q.json
     says 3 'written by the library or its Python package, not by the program' out/q.tsv
+    study
+    for version in '' 'x' '0.1.0 ' '0.0.9}, note = {\\input{/etc/passwd}' 0.00000000000000000000000000000000000000; do
+        jq --arg version "$version" '.GeneratedBy[0].Version = $version' "$BATS_FILE_TMPDIR/kept/out/q.json" >out/q.json
+        says 3 "GeneratedBy: Version: \"${version:0:40}\" is none of conus's" out/q.tsv
+        fails 3 "Version" cite out/q.tsv --format bibtex --unverified
+    done
+    study
+    reseal '.Settings.engine |= sub(",.*"; ", {\\TeX}")' q # instructions of a processor are known words
+    says 1 'Settings.engine is "rays, {' out/q.tsv
+}
+
+# The message of the command may quote a file that the one who wrote the sidecar names and does not have.
+@test "what a file says that a stranger's sidecar names stands in no line" {
+    study
+    printf 'hunter2:secret\nmore\n' >secret.txt
+    local sum line="conus query atlas/sphere.nii.gz --origin 0,-100,0 --toward 0,0,0 -q"
+    sum=$(sha256sum secret.txt | cut -d ' ' -f 1)
+    for rest in '--pose secret.txt' '--labels secret.txt' '--level @secret.txt' '--context secret.txt'; do
+        [ "$rest" != '--pose secret.txt' ] || line="conus query atlas/sphere.nii.gz -q"
+        for inputs in '[]' '[{path: "secret.txt", sha256: null}]' "[{path: \"secret.txt\", sha256: \"$sum\"}]"; do
+            jq --arg line "$line $rest" ".GeneratedBy[0].CommandLine = \$line | .Inputs = $inputs" \
+                "$BATS_FILE_TMPDIR/kept/out/q.json" >out/q.json
+            run "$CONUS" verify out/q.tsv
+            [ "$status" -eq 3 ]
+            [[ "$output" != *hunter2* ]]
+        done
+        line="conus query atlas/sphere.nii.gz --origin 0,-100,0 --toward 0,0,0 -q"
+    done
 }
 
 @test "results and sources that moved are found by their checksums" {
@@ -398,7 +433,7 @@ hostile() {
     hostile "conus query atlas/sphere.nii.gz $aim -o $PWD/evil.tsv --voxels $PWD/evil2.tsv --voxels-of all --sidecar $PWD/evil.json --mask $PWD/evil.nii.gz" 'angle_deg' 1
     hostile "conus query atlas/sphere.nii.gz $aim -o ../../../evil.tsv --image ..png" 'angle_deg' 1
     hostile "conus batch atlas/sphere.nii.gz --poses poses.tsv -o $PWD/evil.tsv --force" 'differ' 1
-    hostile "conus query $aim -- --output=$PWD/evil.tsv" '--output='
+    hostile "conus query $aim -- --output=$PWD/evil.tsv" 'it cannot be answered again'
     hostile "conus batch --jobs poses.tsv -o out/x.tsv" 'cannot be verified'
     # Paths of files that lead out of the folder.
     jq '.Inputs = [{path: "../../../../x/../../y", sha256: null}]' "$BATS_FILE_TMPDIR/kept/out/q.json" >out/q.json

@@ -538,6 +538,39 @@ static const char *const samples[] = {
     "brainsight.txt", "brainsight-world.txt", "localite-instrument.xml", "localite-trigger.xml",
     "electrodes.tsv", "lines.mrk.json",       "fiducials.fcsv",          "points.txt"};
 
+/* Of each format a file whose second and third pose have the name of the first. */
+static void equal_names_are_noted(void **state)
+{
+    (void)state;
+    static const char markup[] =
+        "{\"type\":\"Fiducial\",\"coordinateSystem\":\"RAS\",\"controlPoints\":[{\"label\":\"a\","
+        "\"position\":[1,2,3]},{\"label\":\"b\",\"position\":[1,2,3]}]}";
+    char markups[1024];
+    snprintf(markups, sizeof markups, "{\"markups\":[%s,%s]}", markup, markup);
+    const struct {
+        const char *text, *note; /* NULL: there is none */
+    } files[] = {
+        {"id,x,y,z,tx,ty,tz\na,0,0,90,0,0,0\nb,0,0,90,0,0,0\na,0,0,80,0,0,0\na,0,0,70,0,0,0\n",
+         "poses 1 and 3 are both called \"a\"; 2 of 4 have"},
+        {"1 2 3 a\n1 2 3 a\n1 2 3 b\n1 2 3 b\n", "poses 1 and 2 are both called \"a\"; 2 of 4 have"},
+        {"id,x,y,z,tx,ty,tz\n2,0,0,90,0,0,0\n,0,0,80,0,0,0\n",
+         "poses 1 and 2 are both called \"2\"; 1 of 2 have"}, /* the second is called so by its row */
+        {"id,x,y,z,tx,ty,tz\n2,0,0,90,0,0,0\n1,0,0,80,0,0,0\n", NULL},
+        {"1 2 3\n1 2 3\n", NULL},
+        {"name\tx\ty\tz\n1\t1\t2\t3\n1\t4\t5\t6\n", "poses 1 and 2 are both called \"1\"; 1 of 2 have"},
+        {"# Markups fiducial file version = 4.11\n# CoordinateSystem = 0\n# columns = "
+         "id,x,y,z,ow,ox,oy,oz,vis,sel,lock,"
+         "label\nn,1,2,3,0,0,0,1,1,1,0,a\nm,1,2,3,0,0,0,1,1,1,0,a\n",
+         "poses 1 and 2 are both called \"a\"; 1 of 2 have"},
+        {markups, "poses 1 and 3 are both called \"a\"; 2 of 4 have"},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        conus_pose_list *list = parse(files[i].text, NULL);
+        assert_true(files[i].note ? pose_has_note(list, files[i].note) : !pose_has_note(list, "are both called"));
+        conus_pose_list_destroy(list);
+    }
+}
+
 static void check_prefix(const conus_pose_list *whole, struct text prefix)
 {
     conus_pose_list *list = NULL;
@@ -619,6 +652,7 @@ TEST_GROUP(pose_files)
         cmocka_unit_test(lines_may_be_looked_along_either_way),
         cmocka_unit_test(spaces_must_fit),
         cmocka_unit_test(notes_are_heard),
+        cmocka_unit_test(equal_names_are_noted),
         cmocka_unit_test(every_prefix_is_refused_or_shorter),
         cmocka_unit_test(every_failing_allocation_is_clean),
     };

@@ -61,6 +61,16 @@ static void ibl_channels_say_where_bregma_lies(void **state)
     conus_pose_list_destroy(list);
 }
 
+/* Any channel is one: AP 5400 - 1000, DV 332 + 3000, ML 5739 + 1000 in CCF, of which the world is -AP, -DV, ML. */
+static void ibl_channels_begin_anywhere(void **state)
+{
+    (void)state;
+    conus_pose_list *list = parse("{\"channel_47\":{\"x\":1000,\"y\":1000,\"z\":-3000}}", &in_ccf);
+    assert_int_equal(conus_pose_list_count(list), 1);
+    assert_row_at(pose_row_of(list, 0, "channel_47"), 6.739, -4.4, -3.332);
+    conus_pose_list_destroy(list);
+}
+
 static void ibl_is_read_strictly(void **state)
 {
     (void)state;
@@ -76,7 +86,12 @@ static void ibl_is_read_strictly(void **state)
     refuse("{\"channel_0\":{\"x\":1,\"y\":2,\"z\":300},\"origin\":[]}", &in_ccf, "origin.bregma: three");
     refuse("{\"a\":1}", &stated, "not positions of IBL");
     refuse("[1]", &stated, "not positions of IBL");
-    refuse("{\"a\":1}", &in_ccf, "format markups are not in space ccf");
+    refuse("{\"a\":1}", &in_ccf, "JSON of no known program");
+    refuse("{\"channel_map\":{}, \"channel_7\":3}", &in_ccf, "JSON of no known program");
+    refuse("{\"atlasName\":\"x\"}", NULL, "a scene of Pinpoint");
+    refuse("{\"markups\":[]}", &in_ccf, "format markups are not in space ccf");
+    refuse("{\"xyz_picks\":[[1,2,300]],\"channel_1\":{\"x\":1,\"y\":2,\"z\":300}}", &in_ccf,
+           "positions of IBL are one of them");
     conus_pose_list *list = parse("{\"xyz_picks\":[]}", &in_ccf);
     assert_int_equal(conus_pose_list_count(list), 0);
     conus_pose_list_destroy(list);
@@ -189,13 +204,10 @@ static void every_failing_allocation_is_clean(void **state)
 TEST_GROUP(pose_spaces)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ibl_picks_count_from_their_own_bregma),
-        cmocka_unit_test(ibl_channels_say_where_bregma_lies),
-        cmocka_unit_test(ibl_is_read_strictly),
-        cmocka_unit_test(tables_are_in_ccf_or_from_bregma),
-        cmocka_unit_test(a_row_of_another_space_is_refused),
-        cmocka_unit_test(other_formats_are_not_in_ccf),
-        cmocka_unit_test(every_prefix_is_refused_or_shorter),
+        cmocka_unit_test(ibl_picks_count_from_their_own_bregma), cmocka_unit_test(ibl_channels_say_where_bregma_lies),
+        cmocka_unit_test(ibl_channels_begin_anywhere),           cmocka_unit_test(ibl_is_read_strictly),
+        cmocka_unit_test(tables_are_in_ccf_or_from_bregma),      cmocka_unit_test(a_row_of_another_space_is_refused),
+        cmocka_unit_test(other_formats_are_not_in_ccf),          cmocka_unit_test(every_prefix_is_refused_or_shorter),
         cmocka_unit_test(every_failing_allocation_is_clean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

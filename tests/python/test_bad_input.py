@@ -224,6 +224,21 @@ def test_bad_option_is_an_error(atlas, options):
     assert_is_an_error(lambda: atlas.select(**RIGHT, **options))
 
 
+@pytest.mark.parametrize("call", [
+    lambda atlas: atlas.select((10**400, 0, 0), direction=(1, 0, 0)),
+    lambda atlas: atlas.select(**RIGHT, angle=10**400),
+    lambda atlas: atlas.select(**RIGHT, resolution=10**5000),
+    lambda atlas: atlas.select(**RIGHT, level=10**5000),
+    lambda atlas: atlas.select_many(**MANY, angle=[10**400]),
+    lambda atlas: atlas.find(10**5000),
+    lambda atlas: conus.load(plates(), [[10**400, 0, 0, 0]] * 4),
+    lambda atlas: conus.load(plates(), AFFINE, labels={1: 10**5000}),
+    lambda atlas: conus.load(plates(), AFFINE, max_memory=10**5000),
+])
+def test_numbers_beyond_all_types_are_an_error(atlas, call):
+    assert_is_an_error(lambda: call(atlas))
+
+
 def test_a_range_is_any_sequence_to_its_last_digit(atlas):
     """The plate begins at 20 mm: a range to just before it is empty, and is another one than to just behind it."""
     for kind in (tuple, list, np.array):

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The Python package. $PYTHONPATH has it, $CONUS is the program conus."""
+import copy
+import faulthandler
 import logging
 import math
 import multiprocessing
@@ -740,6 +742,46 @@ def name_on_the_right(atlas):
 def test_an_atlas_is_pickled(atlas):
     other = pickle.loads(pickle.dumps(atlas))
     assert other.info().equals(atlas.info()) and name_on_the_right(other) == "right"
+
+
+def test_a_damaged_pickle_is_an_error(atlas):
+    """Every bit of the packed bytes counts: 64 of them, spread over the pickle, behind what pickle itself reads."""
+    whole = pickle.dumps(atlas)
+    for at in np.linspace(200, len(whole) - 60, 64).astype(int):
+        damaged = bytearray(whole)
+        damaged[at] ^= 1
+        with pytest.raises(conus.DataError, match="pickled atlas"):
+            pickle.loads(bytes(damaged))
+
+
+def test_what_lives_in_a_process_is_not_pickled(atlas):
+    hits = atlas.select((0, 0, 0), direction=(1, 0, 0))
+    selector = atlas.selector()
+    for one in (hits, selector, selector.tracker()):
+        with pytest.raises(conus.UnsupportedError, match="cannot be pickled"):
+            pickle.dumps(one)
+    assert copy.copy(hits)[0].name == "right"
+
+
+def test_a_child_answers_whose_parent_was_asking(atlas):
+    """A callback holds the selector and says so: the process is forked exactly then."""
+    asked, forked = threading.Event(), threading.Event()
+
+    def wait(done, total):
+        asked.set()
+        assert forked.wait(60)
+
+    many = [(0, 0, 0)] * 3, [(1, 0, 0)] * 3
+    other = threading.Thread(target=lambda: atlas.select_many(*many, progress=wait))
+    other.start()
+    assert asked.wait(60)
+    child = os.fork()
+    if not child:
+        faulthandler.dump_traceback_later(30, exit=True)  # where it hangs
+        os._exit(0 if name_on_the_right(atlas) == "right" else 1)
+    forked.set()
+    other.join()
+    assert os.waitpid(child, 0)[1] == 0 and name_on_the_right(atlas) == "right"
 
 
 @pytest.mark.parametrize("method", ["fork", "spawn"])

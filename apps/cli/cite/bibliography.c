@@ -73,7 +73,7 @@ void citation_bibtex(FILE *out, const struct citation *citation)
     }
     fprintf(out,
             "@misc{conus,\n  author = {{The conus authors}},\n  title = {{conus}},\n  version = {%s},\n"
-            "  howpublished = {Software, version %s}\n}\n",
+            "  howpublished = {Software, version %s}\n}\n", /* digits and dots */
             citation->version, citation->version);
     for (size_t i = 0; i < citation->atlas_count; i++) {
         const struct cited_atlas *atlas = &citation->atlases[i];

@@ -80,7 +80,7 @@ void command_line_finish(struct command_line *line)
     *line = (struct command_line){0};
 }
 
-enum { WHY_SIZE = 256, DEPTH = 16 };
+enum { WHY_SIZE = 256, DEPTH = 16, VERSION_LENGTH = 31 };
 
 static _Thread_local char why[WHY_SIZE];
 
@@ -244,6 +244,12 @@ static const char *read_batch(struct record *out)
     return bad ? bad : add_named(out, batch, "coordsystem_file", "coordsystem_file_sha256");
 }
 
+bool record_is_version(const char *text)
+{
+    size_t length = text ? strspn(text, "0123456789.") : 0;
+    return length && length <= VERSION_LENGTH && !text[length];
+}
+
 static const char *read_command(struct record *out)
 {
     const char *name = NULL;
@@ -252,6 +258,9 @@ static const char *read_command(struct record *out)
     json_t *program = json_array_get(programs, 0); /* of a batch that was merged, the batch */
     if (json_unpack(program, "{s: s, s: s}", "Name", &name, "Version", &out->version) || strcmp(name, "conus") != 0) {
         return refuse("GeneratedBy: does not name conus and its version: not a sidecar of conus");
+    }
+    if (!record_is_version(out->version)) {
+        return refuse("GeneratedBy: Version: \"%.40s\" is none of conus's, which are digits and dots", out->version);
     }
     if (json_unpack(program, "{s: s}", "CommandLine", &command)) {
         return refuse(

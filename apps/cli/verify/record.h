@@ -49,6 +49,9 @@ struct record {
 const char *record_parse(struct record *out, const char *text, size_t size);
 void record_finish(struct record *record);
 
+/** Whether @p text is a version of conus: digits and dots. */
+bool record_is_version(const char *text);
+
 /** Adds a file that was read, of which no checksum is recorded, unless it is there. False without memory. */
 bool record_add_input(struct record *record, const char *path);
 

@@ -497,6 +497,20 @@ static int answer_in_child(const struct replay *replay, const struct stage *stag
     return code;
 }
 
+/* Leaves out what stands in quotation marks: words of files that the one who wrote the sidecar may not have. */
+static void drop_quotes(char *line)
+{
+    char *to = line;
+    bool is_quoted = false;
+    for (const char *from = line; *from; from++) {
+        is_quoted = is_quoted != (*from == '"');
+        if (!is_quoted || *from == '"') {
+            *to++ = *from;
+        }
+    }
+    *to = '\0';
+}
+
 /* The last line that the child said, without "conus: ". */
 static void take_message(struct replay *replay, const char *path)
 {
@@ -506,6 +520,8 @@ static void take_message(struct replay *replay, const char *path)
     while (file && fgets(line, sizeof line, file)) {
         size_t length = strcspn(line, "\n");
         line[length] = '\0';
+        drop_quotes(line);
+        replay->is_said = true;
         snprintf(replay->why, sizeof replay->why, "%s", strncmp(line, name, strlen(name)) ? line : line + strlen(name));
     }
     if (file) {

@@ -22,6 +22,7 @@ struct replay {
     char *folder;         /**< Made by replay_run(); replay_finish() removes it. */
     char *root;           /**< Folder before absolute paths there; NULL = none. */
     char why[REPLAY_WHY]; /**< The reason of a failure. */
+    bool is_said;         /**< The command itself gave it, which knows what is in the files. */
 };
 
 /** Takes the recorded command line apart by @p commands, a list that ends with NULL: it must be of one of those that

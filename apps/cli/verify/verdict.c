@@ -411,6 +411,41 @@ static bool add_poses(struct replay *replay, struct record *record)
     return true;
 }
 
+/* Whether `word`, which may have keys behind it or an "@" before it, is a file that is as it was recorded. */
+static bool is_known_file(const struct verdict *verdict, const char *word)
+{
+    bool known = false;
+    word += *word == '@';
+    for (size_t i = 0; i < verdict->record.input_count && !known; i++) {
+        const char *path = verdict->record.inputs[i].path;
+        size_t length = strlen(path);
+        known = strncmp(word, path, length) == 0 && (!word[length] || word[length] == ',');
+    }
+    return known;
+}
+
+/* Whether the one who wrote the sidecar had all files that the command reads, so that its message may be shown. */
+static bool knows_files(const struct verdict *verdict, const struct arguments *arguments)
+{
+    bool known = true;
+    for (size_t i = 0; i < verdict->record.input_count; i++) {
+        known = known && (verdict->found[i].state == FILE_SAME || verdict->found[i].state == FILE_MOVED);
+    }
+    for (size_t i = 0; i < arguments->use_count; i++) {
+        const struct option_use *use = &arguments->uses[i];
+        enum option_role role = use->option->role;
+        bool reads = (role >= OPTION_READS && role <= OPTION_READS_POSES) || (use->value && *use->value == '@');
+        known = known && (!reads || is_known_file(verdict, use->value));
+    }
+    for (size_t i = 0; i < arguments->operand_count; i++) {
+        known = known && is_known_file(verdict, arguments->operands[i]);
+    }
+    for (size_t i = 0; i < arguments->more.count; i++) {
+        known = known && is_known_file(verdict, arguments->more.items[i]);
+    }
+    return known;
+}
+
 static int answer_again(struct checking *checking, struct replay *replay)
 {
     struct verdict *verdict = checking->verdict;
@@ -424,7 +459,11 @@ static int answer_again(struct checking *checking, struct replay *replay)
     }
     replay->found = verdict->found;
     if (!replay_run(replay)) {
-        say(&verdict->why, "%s", replay->why);
+        bool is_shown = !replay->is_said || knows_files(verdict, &replay->arguments);
+        say(&verdict->why, "%s",
+            is_shown ? replay->why
+                     : "it cannot be answered again; what its command says is not shown, since it may quote a file "
+                       "whose SHA-256 is not recorded so: run the command yourself");
         return EXIT_DONE;
     }
     code = compare_again(checking, replay);
@@ -446,8 +485,7 @@ static int check_result(struct checking *checking, const struct command *const *
     if (record->is_sealed && !record->is_intact) {
         say(&verdict->why, "%s was changed after conus wrote it: its Checksum does not fit", verdict->sidecar);
     } else if (!record->is_sealed) { /* which all versions write but those before the first release */
-        say(is_other_version(record) ? &verdict->notes : &verdict->why, "%s has no Checksum: it may have been changed",
-            verdict->sidecar);
+        say(&verdict->why, "%s has no Checksum: it may have been changed", verdict->sidecar);
     }
     find_output(checking);
     int code = EXIT_DONE;

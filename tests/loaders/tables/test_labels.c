@@ -4,6 +4,7 @@
 #include "loaders/labels/label_file.h"
 #include "test.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static const struct label_use no_use;
@@ -27,6 +28,8 @@ static const struct sample samples[] = {
      "cke\n2 Ge\xdf\n",
      "1 Br\xc3\xbc"
      "cke; 2 Ge\xc3\x9f"},
+    {"MRIcron text", "1 Broca\x92s \x96 area\n2 \x8cuvre\n", "1 Broca\xe2\x80\x99s \xe2\x80\x93 area; 2 \xc5\x92uvre"},
+    {"JSON map of names", "{\"1\": \"Broca\x92s\"}", "1 Broca\xe2\x80\x99s"},
     {"AAL text", "FAG Precentral_L 2001\nFAD Precentral_R 2002\n", "2001 Precentral_L (FAG); 2002 Precentral_R (FAD)"},
     {"AAL text", "Insula_L 3\nInsula_R 4\n", "3 Insula_L; 4 Insula_R"},
     {"FreeSurfer colour table", "#No. Label Name: R G B A\n0 Unknown 0 0 0 0\n17 Left-Hippocampus 220 216 20 0\n",
@@ -281,6 +284,61 @@ static void oddities_are_noted(void **state)
     parsed_finish(&parsed);
 }
 
+/* The volume has the labels 1 to 3; by hand, which column names most of them. */
+static void the_column_that_fits_the_volume_is_the_number(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *table, *note;
+    } tables[] = {
+        {"index,label,name\n0,1,a\n1,2,b\n2,3,c\n", "1 a; 2 b; 3 c", "\"label\" is the label's number"},
+        {"label,id,name\n1,101,a\n2,102,b\n3,103,c\n", "1 a; 2 b; 3 c", "(3) than \"id\""},
+        {"id;key;name\nT1;1;a\nT2;2;b\n", "1 a; 2 b", "\"key\" is the label's number"},
+        {"name\tid\tvalue\na\t7\t1\nb\t8\t3\n", "1 a; 3 b", "\"value\" is the label's number"},
+        {"index,label,name\n1,3,a\n2,1,b\n3,2,c\n", "1 a; 2 b; 3 c",
+         "two columns could be the label's number, 1 and 3"},
+        {"index,label,name\n7,8,a\n9,7,b\n", "7 a; 9 b", "two columns could be the label's number, 7 and 8"},
+        {"[{\"id\": 11, \"label\": 2, \"name\": \"a\"}, {\"id\": 3, \"label\": 1, \"name\": \"b\"}]", "1 b; 2 a",
+         "\"label\" is the label's number"},
+        {"index,region,name\n1,Insula,ins\n2,Pole,po\n", "1 ins; 2 po",
+         "could be the label's name, \"ins\" and \"Insula\""},
+        {"index,label,name\n1,1,a\n2,2,b\n", "1 a; 2 b", NULL},
+    };
+    static const uint32_t labels[] = {0, 1, 2, 3};
+    struct label_voxels voxels;
+    assert_ok(label_voxels_of(&voxels, labels, 4));
+    for (size_t i = 0; i < sizeof tables / sizeof tables[0]; i++) {
+        struct parsed parsed = {0};
+        const struct label_use use = {.voxels = &voxels};
+        const uint8_t *bytes = (const uint8_t *)tables[i].text;
+        assert_ok(label_bytes_parse(&parsed.table, &parsed.format, bytes, strlen(tables[i].text), &use, &parsed.notes));
+        assert_string_equal(parsed_text(&parsed.table), tables[i].table);
+        assert_true(tables[i].note ? notes_have(&parsed.notes, tables[i].note) : !parsed.notes.count);
+        parsed_finish(&parsed);
+        const struct label_use asked = {.voxels = &voxels, .columns = {text_from("index")}};
+        if (i < 2 &&
+            !label_bytes_parse(&parsed.table, &parsed.format, bytes, strlen(tables[i].text), &asked, &parsed.notes)) {
+            assert_int_equal(i, 0); /* the second has no such column */
+            assert_string_equal(parsed_text(&parsed.table), "1 b; 2 c");
+            parsed_finish(&parsed);
+        }
+    }
+    label_voxels_finish(&voxels);
+}
+
+/* MRIcron's colours have 768 bytes, too. */
+static void a_text_of_768_bytes_is_no_lut(void **state)
+{
+    (void)state;
+    char text[769];
+    int length = snprintf(text, sizeof text, "1 Ge\xdf%*s2 Pole%*s", 375, "\n", 382, "\n");
+    assert_int_equal(length, 5 + 375 + 6 + 382);
+    struct parsed parsed;
+    assert_ok(parsed_from(&parsed, text));
+    assert_string_equal(parsed_text(&parsed.table), "1 Ge\xc3\x9f; 2 Pole");
+    parsed_finish(&parsed);
+}
+
 /* A parent is the row with that identifier; of several the first, whatever their order among the others. */
 static void an_identifier_of_several_rows_is_noted(void **state)
 {
@@ -378,6 +436,8 @@ TEST_GROUP(labels)
         cmocka_unit_test(what_is_no_table_is_refused),
         cmocka_unit_test(oddities_are_noted),
         cmocka_unit_test(an_identifier_of_several_rows_is_noted),
+        cmocka_unit_test(the_column_that_fits_the_volume_is_the_number),
+        cmocka_unit_test(a_text_of_768_bytes_is_no_lut),
         cmocka_unit_test(a_lut_gives_colours_only),
         cmocka_unit_test(real_tables_are_read),
         cmocka_unit_test(a_lut_beside_an_override_colours_it),
