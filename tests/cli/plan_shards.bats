@@ -62,7 +62,7 @@ needles() {
     fails 3 'a.tsv and a.tsv are both shard 0 of 2' $few --merge a.tsv --merge a.tsv -q
     fails 2 'other settings, poses, atlas' $few --top 7 --merge a.tsv --merge b.tsv -q
     fails 3 'no.tsv.journal' $few --merge no.tsv -q
-    fails 2 '--output would overwrite the shard a.tsv' $few --merge a.tsv --merge b.tsv -o a.tsv -q
+    fails 2 '--output a.tsv would overwrite the input a.tsv' $few --merge a.tsv --merge b.tsv -o a.tsv -q
     fails 2 '--merge FILE' merge a.tsv b.tsv -o c.tsv
     fails 2 'I from 0 to N - 1' $few --shard 2/2 -o c.tsv -q
     fails 2 '--shard has no effect without a file for --output' $few --shard 0/2 -q
