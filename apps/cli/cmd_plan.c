@@ -691,7 +691,7 @@ static int write_all(struct planning *planning)
                                          : answer_write(request->answerers[0].report, settings->request.answer.output,
                                                         request->sidecar, &provenance);
     if (!code) {
-        plan_journal_end(&planning->journal);
+        plan_journal_end(&planning->journal, true);
     }
     return code;
 }
@@ -723,7 +723,9 @@ static int answer_plan(struct planning *planning)
     code = code ? code : check_maps(planning);
     code = code ? code : request_check_outputs(request); /* once all is read that a plan reads */
     code = code ? code : try_poses(planning);
-    code = code ? code : check_candidates(planning);
+    if (!code && (code = check_candidates(planning))) {
+        plan_journal_end(&planning->journal, false);
+    }
     if (code) {
         return code;
     }

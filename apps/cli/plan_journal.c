@@ -347,9 +347,10 @@ int plan_journal_write(struct plan_journal *journal, conus_plan *plan, bool now)
     return code;
 }
 
-void plan_journal_end(const struct plan_journal *journal)
+void plan_journal_end(const struct plan_journal *journal, bool knows_poses)
 {
-    if (journal->path && !journal->settings->shard && !journal->settings->resume) {
+    bool is_needed = knows_poses && (journal->settings->shard || journal->settings->resume);
+    if (journal->path && !is_needed) {
         unlink(journal->path);
     }
 }

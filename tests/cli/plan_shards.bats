@@ -93,3 +93,12 @@ needles() {
     fails 2 'd.tsv.journal: there is a file that is no journal of a plan' $few -o d.tsv -q --force
     [ "$(cat d.tsv.journal)" = mine ]
 }
+
+@test "a plan without any candidate leaves no journal that would be in the way" {
+    needles
+    for more in '' --resume '--shard 0/1'; do # points have no normals
+        fails 2 'no candidate: number 1: no normal at its entry' $few --entry-angle 40 -o p.tsv $more
+        [ ! -e p.tsv.journal ] && [ ! -e p.tsv ]
+    done
+    conus $few -o p.tsv -q
+}
