@@ -66,7 +66,8 @@ static char *plain_path(const char *path)
 /* The path in the key of the entry `name`; "" where it has none. NULL without memory. */
 static char *path_of(int folder, const char *name)
 {
-    int file = openat(folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    /* to be listed is not to be used: the time of use says what leaves first */
+    int file = openat(folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | O_NOATIME);
     struct stat info;
     bool readable = file >= 0 && cache_is_ours(file, S_IFREG) && fstat(file, &info) == 0 && info.st_size > 0;
     size_t size = readable ? (size_t)info.st_size : 0;

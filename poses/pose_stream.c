@@ -9,6 +9,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "conus/file.h"
 #include "poses/pose_candidates.h"
 #include "poses/pose_table.h"
 #include "poses/programs/pose_programs.h"
@@ -467,6 +468,7 @@ static conus_status open_path(conus_pose_stream *stream, const char *path)
     stream->path = is_stdin(path) ? NULL : path;
     stream->descriptor = is_stdin(path) ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
     stream->owned = !is_stdin(path) && stream->descriptor >= 0;
+    conus_inputs_add(is_stdin(path) ? "/dev/stdin" : path);
     return fail_of(stream, stream->descriptor < 0 ? fail_errno("open") : begin_file(stream));
 }
 

@@ -3,6 +3,7 @@
 #include "batch/batch_dispatch.h"
 
 #include "batch/batch_jobs.h"
+#include "conus/file.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -37,6 +38,11 @@ static int answer_table(const struct batch_settings *settings, const struct argu
     code = code ? code : batch_jobs_parse(&jobs, settings->jobs, text, size);
     if (code) {
         return code;
+    }
+    conus_inputs_add(settings->jobs);
+    for (uint64_t i = 0; i < jobs.count; i++) { /* what a batch writes is not read by a later one */
+        conus_inputs_add(jobs.jobs[i].poses);
+        conus_inputs_add(jobs.jobs[i].atlas);
     }
     int last = EXIT_DONE;
     shard_range(&first, &count, shard, jobs.count);

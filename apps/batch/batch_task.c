@@ -112,17 +112,15 @@ static int check_files(const struct batch_task *task)
     const struct {
         const char *path, *ending;
     } written[] = {{task->sidecar, ""}, {task->output, ""}, {task->output, ".part"}, {task->output, ".journal"}};
-    const struct input inputs[] = {{"the label table", settings->atlas.labels},
-                                   {"the list of areas", settings_level_file(&settings->engine)},
-                                   {"the file of poses", settings->poses},
-                                   {"the coordinate system", conus_pose_stream_coordsystem(task->poses)},
-                                   {"the table of batches", settings->jobs},
-                                   {0}};
-    const char *option = settings->of_axis ? settings->of_axis->option : "output";
+    char option[64];
+    struct outputs all;
     if (!task->output) {
         return EXIT_DONE;
     }
-    int code = outputs_check_name(task->output); /* of a table of batches, too */
+    snprintf(option, sizeof option, "--%s", settings->of_axis ? settings->of_axis->option : "output");
+    outputs_collect(&all, task->arguments); /* those of later runs, too */
+    int code = outputs_spare_inputs(&all) ? EXIT_DONE : EXIT_USAGE;
+    code = code ? code : outputs_check_name(task->output); /* of a table of batches, too */
     code = code ? code : outputs_check_name(settings->poses);
     code = code ? code : atlases_check_names(&task->atlases);
     for (size_t i = 0; !code && i < sizeof written / sizeof written[0]; i++) {
@@ -130,8 +128,7 @@ static int check_files(const struct batch_task *task)
         if (asprintf(&path, "%s%s", written[i].path, written[i].ending) < 0) {
             return print_no_memory();
         }
-        const char *input = atlases_find_input(&task->atlases, inputs, path);
-        code = input ? print_usage_error("--%s would overwrite %s %s", option, input, path) : EXIT_DONE;
+        code = output_spares_inputs(option, path) ? EXIT_DONE : EXIT_USAGE;
         free(path);
     }
     return code ? code : outputs_check_sidecar(task->sidecar);

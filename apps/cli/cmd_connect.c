@@ -51,7 +51,7 @@ static int answer_connect(struct connect *connect)
     report.frame = NULL; /* its rows have no positions */
     int code = request_load_atlases(request);
     code = code ? code : request_start_without_rays(request, &report);
-    code = code ? code : request_check_outputs(request, NULL);
+    code = code ? code : request_check_outputs(request);
     code = code || ends_check_atlases(&request->atlases) ? code : EXIT_USAGE;
     for (size_t i = 0; !code && i < request->atlases.count; i++) {
         code = add_answer(connect, i, &report);

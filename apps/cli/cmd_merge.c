@@ -4,6 +4,7 @@
 #include "batch/batch_record.h"
 #include "cli/commands.h"
 #include "cli/plan_journal.h"
+#include "conus/file.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -299,12 +300,6 @@ static int write_whole(struct merge *merge)
     return code;
 }
 
-/* Whether `path` is this shard or its sidecar: the output must replace neither. */
-static bool is_of(const struct part *part, const char *path)
-{
-    return paths_equal(path, part->path) || paths_equal(path, part->sidecar);
-}
-
 static int check_paths(const struct merge *merge)
 {
     const char *output = merge->settings->output;
@@ -314,11 +309,13 @@ static int check_paths(const struct merge *merge)
     int code = output_check_file(output);
     code = code ? code : output_check_file(merge->sidecar);
     code = code ? code : outputs_check_sidecar(merge->sidecar);
-    for (size_t i = 0; i < merge->count && !code; i++) {
-        const struct part *part = &merge->parts[i];
-        if (is_of(part, output) || is_of(part, merge->sidecar)) {
-            return print_usage_error("--output would overwrite the shard %s", part->path);
-        }
+    for (size_t i = 0; i < merge->count; i++) {
+        conus_inputs_add(merge->parts[i].path);
+        conus_inputs_add(merge->parts[i].sidecar);
+    }
+    if (!code && !(output_spares_inputs("--output", output) &&
+                   output_spares_inputs("the .json beside --output", merge->sidecar))) {
+        code = EXIT_USAGE;
     }
     for (size_t i = 0; i < merge->count && !code; i++) {
         /* Rows are joined, not written anew: where both endings say a format, it must be one. */

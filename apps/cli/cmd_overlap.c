@@ -135,14 +135,7 @@ static int add_region(struct overlap *overlap, const char *path)
         messages_hold(true);
         return print_failure(overlap, path, print_status(status));
     }
-    const char *output = overlap->settings->request.answer.output;
-    const char *const outputs[] = {output_is_stdout(output) ? NULL : output, overlap->request.sidecar};
-    int code = EXIT_DONE;
-    for (size_t i = 0; i < 2 && !code; i++) {
-        if (outputs[i] && paths_equal(outputs[i], conus_roi_volume(roi)->path)) {
-            code = print_usage_error("--output would overwrite the region %s", outputs[i]);
-        }
-    }
+    int code = outputs_spare_inputs(&overlap->request.outputs) ? EXIT_DONE : EXIT_USAGE;
     for (size_t i = 0; !code && i < overlap->request.atlases.count; i++) {
         code = add_answer(overlap, i, path, roi);
     }
@@ -165,7 +158,7 @@ static int answer_overlap(struct overlap *overlap)
     report.rows = CONUS_ROWS_COVERAGES;
     report.no_voxels = true;
     code = code ? code : request_start_without_rays(request, &report);
-    code = code ? code : request_check_outputs(request, NULL);
+    code = code ? code : request_check_outputs(request);
     for (size_t i = 0; !code && i <= request->arguments->more.count; i++) {
         code = add_region(overlap, region_path(overlap, i));
     }

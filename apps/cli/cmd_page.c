@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus page: one HTML file with the atlas, a question and its answer inside. */
 #include "cli/commands.h"
+#include "cli/verify/replay.h"
 #include "options/messages.h"
 #include "options/output.h"
+#include "options/outputs.h"
 #include "settings/atlas_input.h"
 #include "settings/notes.h"
 #include "settings/settings.h"
 
+#include "conus/file.h"
 #include "conus/pose.h"
 #include "conus/report.h"
 #include "conus/version.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <jansson.h>
 #include <limits.h>
@@ -107,86 +109,210 @@ static const struct option_group groups[] = {
     {0},
 };
 
+static size_t count_inputs(void)
+{
+    size_t count = 0;
+    while (conus_inputs_at(count)) {
+        count++;
+    }
+    return count;
+}
+
+/* A file that was read. */
+struct page_file {
+    const char *path; /* by which it was read */
+    char *whole;      /* the same from the root on, without "." and ".." */
+    const char *name; /* in the page; within `whole` */
+    bool is_context;  /* that of --context, or read with it */
+};
+
 struct page {
     const struct page_settings *settings;
     conus_atlas *atlas;
-    char *files[FILE_LIMIT]; /* files of the atlas, the one to open first */
+    struct page_file files[FILE_LIMIT]; /* the one to open first, and those of --context at the end */
     size_t count;
-    size_t folder; /* bytes of the path, with its slash, that all files begin with */
+    const char *context_folder; /* what stands before the names of those */
     FILE *out;
 };
 
-/* Adds a path once; NULL is none. */
-static int add_file(struct page *page, const char *path)
+/* The path from the root on, without "." and "..", as the page's file system would understand it. NULL without memory;
+ * the caller frees it. */
+static char *whole_path(const char *path)
 {
-    for (size_t i = 0; path && i < page->count; i++) {
-        if (paths_equal(page->files[i], path)) {
+    char *cwd = *path == '/' ? strdup("") : getcwd(NULL, 0);
+    char *out = cwd ? malloc(strlen(cwd) + strlen(path) + 2) : NULL;
+    char *end = out ? stpcpy(out, cwd) : NULL;
+    free(cwd);
+    for (const char *at = path; out && *at;) {
+        size_t length = strcspn(at, "/");
+        if (length == 2 && at[0] == '.' && at[1] == '.') {
+            while (end > out && *--end != '/') {
+            }
+        } else if (length && !(length == 1 && at[0] == '.')) {
+            *end++ = '/';
+            end = mempcpy(end, at, length);
+        }
+        at += length + (at[length] == '/');
+    }
+    if (out) {
+        *end = '\0';
+    }
+    return out;
+}
+
+/* Adds a file once by each of its names: the page asks for all of them. */
+static int add_file(struct page *page, const char *path, bool is_context)
+{
+    char *whole = whole_path(path);
+    if (!whole) {
+        return print_no_memory();
+    }
+    for (size_t i = 0; i < page->count; i++) {
+        if (page->files[i].is_context == is_context && strcmp(page->files[i].whole, whole) == 0) {
+            free(whole);
             return EXIT_DONE;
         }
     }
-    if (path && page->count == FILE_LIMIT) {
+    if (page->count == FILE_LIMIT) {
+        free(whole);
         return print_data_error("a page holds at most %d files", FILE_LIMIT);
     }
-    char *copy = path ? strdup(path) : NULL;
-    if (path && !copy) {
-        return print_no_memory();
-    }
-    page->files[page->count] = copy;
-    page->count += copy != NULL;
+    page->files[page->count++] = (struct page_file){path, whole, whole, is_context};
     return EXIT_DONE;
 }
 
-/* The files beside `file` that the source of the names mentions: "MRIcron text in aal.nii.txt". */
-static int add_label_tables(struct page *page, const char *file)
+/* Whether it was looked for where the environment says: in a page it lies beside the atlas. */
+static bool is_of_freesurfer(const struct page_file *file)
 {
-    const char *source = conus_atlas_label_source(page->atlas);
-    char path[PATH_MAX];
-    int length = (int)(path_name(file) - file);
-    snprintf(path, sizeof path, "%.*s", length ? length : 1, length ? file : ".");
-    DIR *list = source ? opendir(path) : NULL;
-    int code = EXIT_DONE;
-    for (struct dirent *entry; list && !code && (entry = readdir(list));) {
-        const char *found = strstr(source, entry->d_name);
-        const char *end = found ? found + strlen(entry->d_name) : NULL;
-        bool is_whole = found && (found == source || strchr(" /(", found[-1])) && (!*end || strchr(" ,;:)", *end));
-        if (is_whole && entry->d_name[0] != '.' &&
-            snprintf(path, sizeof path, "%.*s%s", length, file, entry->d_name) < (int)sizeof path) {
-            code = add_file(page, path);
-        }
-    }
-    if (list) {
-        closedir(list);
-    }
-    return code;
+    const char *home = getenv("FREESURFER_HOME");
+    return home && *home && strncmp(file->path, home, strlen(home)) == 0;
 }
 
-/* The atlas's files, with the folder that all are in: the page keeps their places below it. */
-static int list_files(struct page *page, const char *path)
+/* Adds what was read from input `from` on: `path`, which is opened first, and what was read with it. They keep their
+ * places below the folder that all are in. */
+static int list_files(struct page *page, const char *path, size_t from, bool is_context)
 {
-    int code = add_file(page, path);
-    for (size_t i = 0; !code && i < conus_atlas_volume_count(page->atlas); i++) {
-        const conus_volume_info *volume = conus_atlas_volume(page->atlas, i);
-        code = volume->role == CONUS_ROLE_CONTEXT ? EXIT_DONE : add_file(page, volume->path);
+    size_t first = page->count;
+    const char *input;
+    struct stat info;
+    if (stat(path, &info) || !S_ISREG(info.st_mode)) {
+        return print_data_error("%s: a page opens one file, perhaps a manifest that names others; no folder, no store "
+                                "and no part of a file",
+                                path);
     }
-    for (size_t i = 0; !code && i < conus_atlas_file_count(page->atlas); i++) {
-        code = add_file(page, conus_atlas_file(page->atlas, i));
-    }
-    for (size_t i = 0, files = page->count; !code && i < files; i++) {
-        code = add_label_tables(page, page->files[i]);
+    int code = add_file(page, path, is_context);
+    for (size_t i = from; !code && (input = conus_inputs_at(i)); i++) {
+        code = add_file(page, input, is_context);
     }
     if (code) {
         return code;
     }
-    page->folder = (size_t)(path_name(page->files[0]) - page->files[0]);
-    for (size_t i = 1; i < page->count; i++) {
-        while (page->folder && strncmp(page->files[i], page->files[0], page->folder) != 0) {
-            page->folder--;
-            while (page->folder && page->files[0][page->folder - 1] != '/') {
-                page->folder--;
+    const char *whole = page->files[first].whole;
+    size_t folder = (size_t)(path_name(whole) - whole);
+    for (size_t i = first + 1; i < page->count; i++) {
+        const struct page_file *file = &page->files[i];
+        while (!is_of_freesurfer(file) && strncmp(file->whole, whole, folder) != 0) {
+            for (folder--; whole[folder - 1] != '/'; folder--) {
             }
         }
     }
+    for (size_t i = first; i < page->count; i++) {
+        struct page_file *file = &page->files[i];
+        file->name = is_of_freesurfer(file) ? path_name(file->whole) : file->whole + folder;
+    }
     return EXIT_DONE;
+}
+
+static const char *folder_of(const struct page *page, const struct page_file *file)
+{
+    return file->is_context ? page->context_folder : "";
+}
+
+/* The context's files have a folder of their own where one of their names is taken. */
+static void place_context(struct page *page)
+{
+    page->context_folder = "";
+    for (size_t i = 0; i < page->count; i++) {
+        for (size_t k = 0; k < i; k++) {
+            bool taken = page->files[i].is_context && !page->files[k].is_context &&
+                         strcmp(page->files[i].name, page->files[k].name) == 0;
+            page->context_folder = taken ? "context/" : page->context_folder;
+        }
+    }
+}
+
+static bool same_objects(const conus_atlas *a, const conus_atlas *b)
+{
+    bool same = conus_atlas_object_count(a) == conus_atlas_object_count(b);
+    for (size_t i = 1; same && i <= conus_atlas_object_count(a); i++) {
+        same = strcmp(conus_atlas_object(a, i)->name, conus_atlas_object(b, i)->name) == 0;
+    }
+    return same;
+}
+
+/* Opens the atlas as a page does: where there is nothing else than the page's files, and no other program. */
+static int open_as_page(struct page *page, const struct stage *stage)
+{
+    conus_atlas *atlas = NULL;
+    char *path = NULL;
+    char *context = NULL;
+    const char *input = NULL;
+    size_t from = count_inputs();
+    bool made = true;
+    for (size_t i = 0; i < page->count && made; i++) {
+        const struct page_file *file = &page->files[i];
+        char *target = realpath(file->path, NULL);
+        char *name = NULL;
+        made = target && asprintf(&name, "%s%s", folder_of(page, file), file->name) >= 0 &&
+               stage_link(stage, name, target);
+        if (made && (i == 0 || (file->is_context && !context))) {
+            made = asprintf(i ? &context : &path, "%s/%s", stage->folder, name) >= 0;
+        }
+        free(target);
+        free(name);
+    }
+    setenv("CONUS_HDF5", "/dev/null", 1);
+    setenv("FREESURFER_HOME", "", 1);
+    conus_status status = made ? conus_atlas_load(&atlas, path, NULL) : CONUS_ERROR_MEMORY;
+    status = status || !context ? status : conus_atlas_set_context(atlas, context, NULL);
+    int code = EXIT_DONE;
+    if (status) {
+        const char *why = conus_message();
+        size_t length = strlen(stage->folder);
+        why += strncmp(why, stage->folder, length) == 0 ? length + 1 : 0;
+        code = print_data_error("%s: a page cannot open it: %s", page->files[0].path,
+                                !made                       ? "its files cannot be laid out"
+                                : strstr(why, "CONUS_HDF5") ? "no page reads HDF5"
+                                                            : why);
+    }
+    for (size_t i = from; !code && (input = conus_inputs_at(i)); i++) {
+        if (strncmp(input, stage->folder, strlen(stage->folder)) != 0) {
+            code = print_data_error("%s: a page cannot open it: %s is named by its path from the root on; name it by "
+                                    "one from the folder of its manifest",
+                                    page->files[0].path, input);
+        }
+    }
+    if (!code && !same_objects(atlas, page->atlas)) {
+        code = print_data_error("%s: a page would call its areas otherwise: their names come from %s",
+                                page->files[0].path, conus_atlas_label_source(page->atlas));
+    }
+    conus_atlas_destroy(atlas);
+    free(path);
+    free(context);
+    return code;
+}
+
+static int check_opens(struct page *page)
+{
+    struct stage stage;
+    int code = stage_begin(&stage) ? EXIT_DONE : EXIT_DATA;
+    if (!code) {
+        stage.cwd = strdup(stage.folder);
+        code = stage.cwd ? open_as_page(page, &stage) : print_no_memory();
+    }
+    stage_remove(stage.folder);
+    stage_finish(&stage);
+    return code;
 }
 
 /* Writes text into the page. It escapes <, which could end a script or a tag, and in HTML also " and &. */
@@ -203,16 +329,17 @@ static void put_text(FILE *out, const char *text, bool is_json)
     }
 }
 
-static int put_file(FILE *out, const char *path, const char *name, const char *role)
+static int put_file(FILE *out, const struct page_file *file, const char *folder, const char *role)
 {
     unsigned char piece[3 << 14]; /* of a multiple of 3 bytes, so that only the last is padded */
     char digits[BASE64_ENCODE_RAW_LENGTH(sizeof piece)];
-    FILE *in = fopen(path, "rb");
+    FILE *in = fopen(file->path, "rb");
     if (!in) {
-        return print_data_error("%s: %s", path, strerror(errno));
+        return print_data_error("%s: %s", file->path, strerror(errno));
     }
     fputs("<script type=\"application/octet-stream\" data-file=\"", out);
-    put_text(out, name, false);
+    put_text(out, folder, false);
+    put_text(out, file->name, false);
     fprintf(out, "\"%s>", role);
     for (size_t size; (size = fread(piece, 1, sizeof piece, in));) {
         base64_encode_raw(digits, size, piece);
@@ -222,18 +349,17 @@ static int put_file(FILE *out, const char *path, const char *name, const char *r
     bool failed = ferror(in);
     fclose(in);
     if (failed) {
-        print_error_line("%s: cannot be read", path);
+        print_error_line("%s: cannot be read", file->path);
     }
     return failed ? EXIT_DATA : EXIT_DONE;
 }
 
 static int check_size(const struct page *page)
 {
-    const char *context = page->settings->context;
     double sum = 0;
-    for (size_t i = 0; i < page->count + (context != NULL); i++) {
+    for (size_t i = 0; i < page->count; i++) {
         struct stat state;
-        sum += stat(i < page->count ? page->files[i] : context, &state) ? 0 : (double)state.st_size;
+        sum += stat(page->files[i].path, &state) ? 0 : (double)state.st_size;
     }
     if (sum > SIZE_LIMIT && !page->settings->large) {
         return print_data_error("the files have %.0f MB, 100 are allowed; --large writes the page all the same",
@@ -316,6 +442,7 @@ static int read_template(char **out, const char *given)
         return EXIT_DATA;
     }
     fclose(in);
+    conus_inputs_add(name);
     *out = text;
     return EXIT_DONE;
 }
@@ -328,15 +455,37 @@ static int put_page(struct page *page, const char *template, bool has_question)
     fputc('\n', page->out);
     int code = EXIT_DONE;
     for (size_t i = 0; !code && i < page->count; i++) {
-        code = put_file(page->out, page->files[i], page->files[i] + page->folder, "");
-    }
-    const char *context = page->settings->context;
-    if (context && !code) {
-        code = put_file(page->out, context, path_name(context), " data-context");
+        const struct page_file *file = &page->files[i];
+        bool is_image = file->is_context && (i == 0 || !page->files[i - 1].is_context);
+        code = put_file(page->out, file, folder_of(page, file), is_image ? " data-context" : "");
     }
     code = code || !has_question ? code : put_question(page);
     fputs(at + (*at == '\n'), page->out);
     return code;
+}
+
+/* What all who have the page can see. */
+static void say_files(const struct page *page)
+{
+    char *list = NULL;
+    size_t size = 0;
+    const char *context = page->settings->context;
+    for (size_t i = 0; !context && i < conus_atlas_volume_count(page->atlas); i++) {
+        const conus_volume_info *volume = conus_atlas_volume(page->atlas, i);
+        context = volume->role == CONUS_ROLE_CONTEXT ? volume->path : NULL;
+    }
+    if (context) {
+        print_error_line("note: %s: a face can be recognised in an image of a head; all who have the page see it",
+                         context);
+    }
+    FILE *out = open_memstream(&list, &size);
+    for (size_t i = 0; out && i < page->count; i++) {
+        fprintf(out, "%s%s%s", i ? ", " : "", folder_of(page, &page->files[i]), page->files[i].name);
+    }
+    if (out && !fclose(out)) {
+        print_error_line("note: the page has inside: %s", list);
+    }
+    free(list);
 }
 
 static int run_page(const void *given, const struct arguments *arguments)
@@ -354,17 +503,22 @@ static int run_page(const void *given, const struct arguments *arguments)
         return print_usage_error("%s is there already; --force replaces it", settings.output);
     }
     int code = read_template(&template, settings.template);
+    size_t from = count_inputs();
     code = code ? code : atlas_name_find(&name, arguments->operands[0]);
     code = code ? code : atlas_input_load(&page.atlas, arguments->operands[0], &atlas_settings);
+    code = code ? code : list_files(&page, name.path, from, false);
+    from = count_inputs();
     code = code ? code : atlas_input_load_context(page.atlas, settings.context, 0, &atlas_settings);
-    code = code ? code : list_files(&page, name.path);
+    code = code || !settings.context ? code : list_files(&page, settings.context, from, true);
+    place_context(&page);
+    code = code || output_spares_inputs("--output", settings.output) ? code : EXIT_USAGE;
     code = code ? code : check_size(&page);
+    code = code ? code : check_opens(&page);
     page.out = code ? NULL : open_memstream(&text, &size);
     if (page.out) {
         atlas_notes_say(page.atlas, &settings.common);
-        if (settings.context && !settings.common.quiet) {
-            print_error_line("note: %s: a face can be recognised in an image of a head; all who have the page see it",
-                             settings.context);
+        if (!settings.common.quiet) {
+            say_files(&page);
         }
         code = put_page(&page, template, option_given(arguments, "origin"));
         bool is_whole = fclose(page.out) == 0;
@@ -373,7 +527,7 @@ static int run_page(const void *given, const struct arguments *arguments)
     free(text);
     free(template);
     for (size_t i = 0; i < page.count; i++) {
-        free(page.files[i]);
+        free(page.files[i].whole);
     }
     atlas_name_finish(&name);
     conus_atlas_destroy(page.atlas);

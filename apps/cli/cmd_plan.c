@@ -693,7 +693,7 @@ static int write_all(struct planning *planning)
                                          : answer_write(request->answerers[0].report, settings->request.answer.output,
                                                         request->sidecar, &provenance);
     if (!code) {
-        plan_journal_end(&planning->journal);
+        plan_journal_end(&planning->journal, true);
     }
     return code;
 }
@@ -708,7 +708,6 @@ static int answer_plan(struct planning *planning)
                                                                                            : CONUS_LAYERS_VISIBLE;
     int code = request_load(request, open_poses, request);
     code = code ? code : request_match(request);
-    code = code ? code : request_check_outputs(request, NULL);
     const struct pose_places places = {&request->frame, &settings->request.file, &request->atlases,
                                        &settings->request.common};
     code = code ? code
@@ -724,8 +723,11 @@ static int answer_plan(struct planning *planning)
         code = candidates_open(&planning->candidates, request, &planning->constraints);
     }
     code = code ? code : check_maps(planning);
+    code = code ? code : request_check_outputs(request); /* once all is read that a plan reads */
     code = code ? code : try_poses(planning);
-    code = code ? code : check_candidates(planning);
+    if (!code && (code = check_candidates(planning))) {
+        plan_journal_end(&planning->journal, false);
+    }
     if (code) {
         return code;
     }

@@ -606,7 +606,7 @@ static int answer_query(struct query_run *run)
     if (!check_voxels(run) || (has_ends && !ends_check_atlases(&request->atlases))) {
         return EXIT_USAGE;
     }
-    code = request_check_outputs(request, NULL);
+    code = request_check_outputs(request);
     code = code ? code : request_match(request);
     code = code ? code : place_probe(run);
     if (code) {

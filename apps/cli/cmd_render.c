@@ -3,10 +3,12 @@
 #include "cli/commands.h"
 #include "cli/render_cuts.h"
 #include "cli/render_turn.h"
+#include "conus/file.h"
 #include "figures/figure.h"
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/output.h"
+#include "options/outputs.h"
 #include "options/progress.h"
 #include "settings/atlas_input.h"
 #include "settings/notes.h"
@@ -703,21 +705,12 @@ static int find_rows(struct picture *picture)
 
 static int check_outputs(const struct picture *picture)
 {
-    const struct render_settings *settings = picture->settings;
-    const struct input inputs[] = {{"the atlas", picture->arguments->operands[0]},
-                                   {"the label table", settings->atlas.labels},
-                                   {"the file of poses", settings->aim.pose},
-                                   {"the camera's pose", settings->camera},
-                                   {"the transfer function", settings->transfer},
-                                   {"the palette", settings->figure.palette},
-                                   {"the list of areas", settings_level_file(&settings->engine)},
-                                   {0}};
     size_t count = picture->poses ? picture->rows.count : 1;
+    conus_inputs_add(picture->settings->transfer); /* read with the renderer */
     for (size_t i = 0; i < count; i++) {
-        const char *output = picture->poses ? picture->rows.items[i].path : settings->output;
-        const char *input = output ? atlas_input_find(picture->atlas, inputs, output) : NULL;
-        if (input) {
-            return print_usage_error("--output would overwrite %s %s", input, output);
+        const char *output = picture->poses ? picture->rows.items[i].path : picture->settings->output;
+        if (!output_spares_inputs("--output", output)) {
+            return EXIT_USAGE;
         }
     }
     return EXIT_DONE;
@@ -996,9 +989,9 @@ static int run_render(const void *given, const struct arguments *arguments)
     code = code ? code : find_camera(&picture);
     code = code ? code : find_rows(&picture);
     code = code || late ? code : load_atlas(&picture);
-    code = code ? code : check_outputs(&picture);
     code = code || !picture.poses ? code : match_poses(&picture, picture.poses, settings->aim.pose);
     code = code ? code : figure_colour_atlas(picture.atlas, &settings->figure);
+    code = code ? code : check_outputs(&picture);
     if (!code) {
         bool cone = picture.poses || option_given(arguments, "origin");
         conus_status status = cone ? make_selector(&picture) : CONUS_OK;

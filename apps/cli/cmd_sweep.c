@@ -259,7 +259,7 @@ static int answer_sweep(struct sweep *sweep)
     struct request *request = &sweep->request;
     int code = request_load(request, NULL, NULL);
     code = code ? code : request_match(request);
-    code = code ? code : request_check_outputs(request, NULL);
+    code = code ? code : request_check_outputs(request);
     if (code) {
         return code;
     }

@@ -306,7 +306,7 @@ static int answer_track(struct track *track)
 {
     struct request *request = &track->request;
     int code = request_load(request, open_poses, track);
-    code = code ? code : request_check_outputs(request, track->settings->station.world_from_tracker);
+    code = code ? code : request_check_outputs(request);
     code = code ? code : request_match(request);
     if (code) {
         return code;

@@ -4,6 +4,7 @@
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/output.h"
+#include "options/outputs.h"
 #include "pages/pages.h"
 
 #include "conus/version.h"
@@ -120,7 +121,7 @@ static int dispatch(int count, char **words)
         return print_no_memory();
     }
     code = options_parse(&arguments, settings, command, commands, count, words, 2);
-    if (code < 0) {
+    if (code < 0 && !(code = outputs_begin(&arguments))) {
         code = command->run(settings, &arguments);
     }
     options_finish(settings, &arguments);

@@ -3,10 +3,12 @@
 #include "cli/plan_journal.h"
 
 #include "batch/batch_record.h"
+#include "conus/file.h"
 #include "options/clock.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
+#include "options/outputs.h"
 
 #include <fcntl.h>
 #include <inttypes.h>
@@ -141,9 +143,13 @@ int plan_journal_init(struct plan_journal *out, bool *replaces, const struct jou
         return print_usage_error("--%s has no effect without a file for --output", option);
     }
     for (size_t i = 0; i < settings->merge.count; i++) {
-        if (is_file && paths_equal(output, settings->merge.items[i])) {
-            return print_usage_error("--output would overwrite the shard %s", output);
-        }
+        char *journal = path_beside(settings->merge.items[i]);
+        conus_inputs_add(settings->merge.items[i]);
+        conus_inputs_add(journal);
+        free(journal);
+    }
+    if (!output_spares_inputs("--output", output)) {
+        return EXIT_USAGE;
     }
     int code = settings->shard ? shard_parse(&out->shard, settings->shard) : EXIT_DONE;
     if (code || settings->merge.count || is_piped || !is_file) {
@@ -384,9 +390,10 @@ int plan_journal_write(struct plan_journal *journal, conus_plan *plan, bool now)
     return code ? code : lock_file(journal);
 }
 
-void plan_journal_end(const struct plan_journal *journal)
+void plan_journal_end(const struct plan_journal *journal, bool knows_poses)
 {
-    if (journal->path && !journal->settings->shard && !journal->settings->resume) {
+    bool is_needed = knows_poses && (journal->settings->shard || journal->settings->resume);
+    if (journal->path && !is_needed) {
         unlink(journal->path);
     }
 }

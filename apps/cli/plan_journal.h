@@ -43,8 +43,9 @@ int plan_journal_open(struct plan_journal *journal, conus_plan *plan, const stru
 /** Writes it, if it is time or @p now. */
 int plan_journal_write(struct plan_journal *journal, conus_plan *plan, bool now);
 
-/** To be called after the list is written. Removes the journal, unless a shard or a later --resume needs it. */
-void plan_journal_end(const struct plan_journal *journal);
+/** To be called after the list is written, or where there is none since the journal knows of no pose. Removes the
+ * journal, unless a shard or a later --resume needs it. */
+void plan_journal_end(const struct plan_journal *journal, bool knows_poses);
 void plan_journal_finish(struct plan_journal *journal);
 
 /** Whether the file @p list has the journal of a plan beside it. */

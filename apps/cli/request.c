@@ -66,24 +66,10 @@ static const char *coordinates_of(const struct request *request)
                           : conus_pose_stream_coordsystem(request->stream);
 }
 
-int request_check_outputs(const struct request *request, const char *matrix)
+int request_check_outputs(const struct request *request)
 {
-    const struct request_settings *settings = request->settings;
-    const struct input inputs[] = {{"the label table", settings->atlas.labels},
-                                   {"the list of areas", settings_level_file(&settings->engine)},
-                                   {"the file of poses", settings->aim.pose},
-                                   {"the coordinate system", coordinates_of(request)},
-                                   {"the tracker's matrix", matrix},
-                                   {0}};
-    if (!outputs_differ(&request->outputs)) {
+    if (!outputs_differ(&request->outputs) || !outputs_spare_inputs(&request->outputs)) {
         return EXIT_USAGE;
-    }
-    for (size_t i = 0; i < request->outputs.count; i++) {
-        const struct output *output = &request->outputs.items[i];
-        const char *input = atlases_find_input(&request->atlases, inputs, output->path);
-        if (input) {
-            return print_usage_error("%s would overwrite %s %s", output->what, input, output->path);
-        }
     }
     int code = answer_check_names(request->format, &request->outputs, request->arguments, &request->atlases);
     return code ? code : outputs_check(&request->outputs, request->settings->answer.force);

@@ -93,9 +93,9 @@ bool request_check(const struct request_settings *settings, const struct argumen
 int request_init(struct request *out, const struct request_settings *settings, const struct arguments *arguments);
 void request_finish(struct request *request);
 
-/** Checks that all outputs are different files, none is a file that is read, @p matrix (NULL = none) or the atlas's
- * among them, and none is there already, unless --force is given. */
-int request_check_outputs(const struct request *request, const char *matrix);
+/** Checks that all outputs are different files, none is a file that was read, and none is there already, unless --force
+ * is given. To be called once all is read. */
+int request_check_outputs(const struct request *request);
 
 /** Adds the question (answers about a cone or cylinder) and the inputs besides the atlases: the poses, their coordinate
  * system, the areas of --level. */

@@ -2,6 +2,7 @@
 /* The sheet of a picture: its size in pixels or millimetres, side, background and text. */
 #include "figures/figure.h"
 
+#include "conus/file.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 
@@ -170,6 +171,9 @@ int figure_colour_atlas(conus_atlas *atlas, const struct figure_settings *settin
     const char *text = palette && palette[0] == '#' ? palette : NULL;
     for (size_t i = 0; palette && i < sizeof palettes / sizeof *palettes; i++) {
         text = strcmp(palette, palettes[i].name) == 0 ? palettes[i].colours : text;
+    }
+    if (!text) {
+        conus_inputs_add(palette);
     }
     int code = palette && !text ? input_file_read(&file, &size, palette, INPUT_FILE, PALETTE_BYTES) : EXIT_DONE;
     size_t count = code || !palette ? 0 : find_colours(rgb, text ? text : file);

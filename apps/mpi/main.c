@@ -9,6 +9,7 @@
 #include "options/interrupt.h"
 #include "options/messages.h"
 #include "options/output.h"
+#include "options/outputs.h"
 #include "pages/pages.h"
 
 #include <inttypes.h>
@@ -404,7 +405,8 @@ static int answer_command(const struct cluster *cluster, int count, char **words
     int code = cluster->rank == 0 ? read_command(&arguments, &settings, count, words) : CONTINUE;
     MPI_Bcast(&code, 1, MPI_INT, 0, MPI_COMM_WORLD);
     if (code == CONTINUE && cluster->rank == 0) {
-        code = batch_dispatch(&settings, &arguments, lead, (void *)cluster);
+        code = outputs_begin(&arguments);
+        code = code ? code : batch_dispatch(&settings, &arguments, lead, (void *)cluster);
         announce((const char *const[WORD_COUNT]){NULL});
     } else if (code == CONTINUE) {
         code = read_command(&arguments, &settings, count, words);

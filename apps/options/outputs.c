@@ -2,6 +2,7 @@
 /* Checks the files that are about to be written. */
 #include "options/outputs.h"
 
+#include "conus/file.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -22,6 +23,24 @@ static void add_output(struct outputs *out, const char *form, const char *option
     struct output *output = &out->items[out->count++];
     *output = (struct output){.path = path, .is_sidecar = is_sidecar};
     snprintf(output->what, sizeof output->what, form, option);
+}
+
+int outputs_begin(const struct arguments *arguments)
+{
+    conus_status status = conus_inputs_keep();
+    for (size_t i = 0; i < arguments->operand_count; i++) {
+        conus_inputs_add(arguments->operands[i]);
+    }
+    for (size_t i = 0; i < arguments->more.count; i++) {
+        conus_inputs_add(arguments->more.items[i]);
+    }
+    for (size_t i = 0; i < arguments->use_count; i++) {
+        const struct option_use *use = &arguments->uses[i];
+        if (use->option->role >= OPTION_READS && use->option->role <= OPTION_READS_POSES) {
+            conus_inputs_add(use->value + (*use->value == '@'));
+        }
+    }
+    return print_status(status);
 }
 
 void outputs_collect(struct outputs *out, const struct arguments *arguments)
@@ -56,6 +75,21 @@ bool outputs_differ(const struct outputs *outputs)
         }
     }
     return true;
+}
+
+bool output_spares_inputs(const char *what, const char *path)
+{
+    const char *input = output_is_stdout(path) ? NULL : conus_inputs_find(path);
+    return !input || refuse("%s %s would overwrite the input %s", what, path, input);
+}
+
+bool outputs_spare_inputs(const struct outputs *outputs)
+{
+    bool spared = true;
+    for (size_t i = 0; i < outputs->count && spared; i++) {
+        spared = output_spares_inputs(outputs->items[i].what, outputs->items[i].path);
+    }
+    return spared;
 }
 
 /* Whether there is a regular file that would be replaced. One behind an open descriptor would not. */

@@ -27,11 +27,20 @@ struct outputs {
 /** Lists the files that options of the command line name: the answer, the sidecar, those that belong to it, and rows.
  * Their paths are the command line's. */
 void outputs_collect(struct outputs *out, const struct arguments *arguments);
+/** Has the process keep the list of all that it reads, and adds the files that the command line names. Returns the exit
+ * code and prints an error unless it is 0. */
+int outputs_begin(const struct arguments *arguments);
 /** Adds the sidecar beside the file of @p option; no path (NULL) is fine. */
 void outputs_add_sidecar(struct outputs *out, const char *option, const char *path);
 
 /** Whether all are different files; prints an error if not. */
 bool outputs_differ(const struct outputs *outputs);
+
+/** Whether none would take the place of a file that the command line names as an input, or that was read by now, also
+ * by a link to it (conus_inputs_find()); prints an error if one would. */
+bool outputs_spare_inputs(const struct outputs *outputs);
+/** The same of one file that @p what names, "--output". */
+bool output_spares_inputs(const char *what, const char *path);
 
 /** Whether they can be written: their folders are there, and no file is where one goes; with @p force only a sidecar
  * may be where a sidecar goes, and @p force without a file is an error. Devices, pipes and what is open already

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Loads the atlas, its pathways, streamlines and context as the options say, and keeps outputs off their files.
- */
+/** @file Loads the atlas, its pathways, streamlines and context as the options say. */
 #ifndef CONUS_SETTINGS_ATLAS_INPUT_H
 #define CONUS_SETTINGS_ATLAS_INPUT_H
 
@@ -39,15 +38,5 @@ int context_choice_load(conus_atlas *atlas, const struct context_choice *choice,
 
 /** Whether one of the files is no surface. */
 bool context_choice_has_volume(const struct context_choice *choice);
-
-/** A file that the command line names. */
-struct input {
-    const char *what; /**< "the atlas"; NULL ends a list. */
-    const char *path; /**< NULL = not given. */
-};
-
-/** Says what the file @p path is to @p atlas, "the label table", if it is one of @p inputs or was read with the atlas:
- * no output may overwrite it. NULL otherwise. */
-const char *atlas_input_find(const conus_atlas *atlas, const struct input *inputs, const char *path);
 
 #endif

@@ -174,16 +174,6 @@ void atlases_finish(struct atlases *atlases)
     *atlases = (struct atlases){0};
 }
 
-const char *atlases_find_input(const struct atlases *atlases, const struct input *inputs, const char *path)
-{
-    const char *what = NULL;
-    for (size_t i = 0; i < atlases->count && !what; i++) {
-        const struct named_atlas *item = &atlases->items[i];
-        what = paths_equal(item->given, path) ? "the atlas" : atlas_input_find(item->atlas, inputs, path);
-    }
-    return what;
-}
-
 int atlases_check_names(const struct atlases *atlases)
 {
     int code = EXIT_DONE;

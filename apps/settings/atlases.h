@@ -40,10 +40,6 @@ int atlases_load_all(struct atlases *atlases, const struct atlas_settings *setti
                      const struct context_settings *context);
 void atlases_finish(struct atlases *atlases);
 
-/** Likewise as atlas_input_find(), for all atlases: says what the file @p path is to them, "the label table"; NULL if
- * nothing. */
-const char *atlases_find_input(const struct atlases *atlases, const struct input *inputs, const char *path);
-
 /** Whether a sidecar can hold the names of all files that were read. Returns the exit code and prints an error unless
  * it is 0. */
 int atlases_check_names(const struct atlases *atlases);

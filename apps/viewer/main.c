@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus-view: the window. Its options are read and explained by the same tables as those of conus. */
+#include "conus/file.h"
 #include "options/messages.h"
 #include "pages/pages.h"
 #include "settings/atlases.h"
@@ -265,8 +266,9 @@ int main(int count, char **words)
         return code;
     }
     code = options_parse(&arguments, &settings, &cmd_view, NULL, count, words, 1);
-    if (code < 0) {
+    if (code < 0 && !(code = print_status(conus_inputs_keep()))) {
         settings.arguments = &arguments;
+        conus_inputs_add(settings.script);
         code = run_view(&settings, &arguments);
     }
     options_finish(&settings, &arguments);

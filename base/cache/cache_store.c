@@ -152,6 +152,9 @@ static bool sources_hold(const struct cache_entry *entry, const struct cache_par
         return true;
     }
     bool same = file_trace_parse(&trace, entry->trace.data, entry->trace.size) && file_trace_holds(&trace);
+    if (same) {
+        file_trace_tell(&trace);
+    }
     file_trace_finish(&trace);
     return same;
 }

@@ -85,7 +85,7 @@ conus_status file_open(struct open_file *out, const char *path)
         close(descriptor);
         return status;
     }
-    file_trace_path(path, &info);
+    file_trace_input(path, &info);
     if (!S_ISREG(info.st_mode)) {
         close(descriptor);
         return fail(CONUS_ERROR_IO, "%s: cannot read: %s, a regular file is needed", path,
@@ -299,6 +299,20 @@ static conus_status replace_file(const char *path, const void *data, size_t size
     return status;
 }
 
+static conus_status write_regular(const char *path, const void *data, size_t size, unsigned how)
+{
+    struct stat info;
+    if ((how & WRITE_NEW) || lstat(path, &info) || !S_ISLNK(info.st_mode)) {
+        return replace_file(path, data, size, how);
+    }
+    /* An open file's name in /dev or /proc: what is there belongs to whoever opened it. */
+    if (strncmp(path, "/dev/", strlen("/dev/")) == 0 || strncmp(path, "/proc/", strlen("/proc/")) == 0) {
+        return write_directly(path, data, size);
+    }
+    char real[PATH_MAX]; /* the file that a link leads to is replaced, not the link */
+    return realpath(path, real) ? replace_file(real, data, size, how) : fail_errno(path, "write");
+}
+
 static conus_status write_file(const char *path, const void *data, size_t size, unsigned how)
 {
     struct stat info;
@@ -309,15 +323,12 @@ static conus_status write_file(const char *path, const void *data, size_t size, 
     if (exists && !S_ISREG(info.st_mode)) {
         return write_directly(path, data, size);
     }
-    if ((how & WRITE_NEW) || lstat(path, &info) || !S_ISLNK(info.st_mode)) {
-        return replace_file(path, data, size, how);
+    conus_status status = how & WRITE_NEW ? CONUS_OK : file_trace_check_output(path, exists ? &info : NULL);
+    status = status ? status : write_regular(path, data, size, how);
+    if (!status) {
+        file_trace_product(path);
     }
-    /* An open file's name in /dev or /proc: what is there belongs to whoever opened it. */
-    if (strncmp(path, "/dev/", strlen("/dev/")) == 0 || strncmp(path, "/proc/", strlen("/proc/")) == 0) {
-        return write_directly(path, data, size);
-    }
-    char real[PATH_MAX]; /* the file that a link leads to is replaced, not the link */
-    return realpath(path, real) ? replace_file(real, data, size, how) : fail_errno(path, "write");
+    return status;
 }
 
 conus_status file_write(const char *path, const void *data, size_t size)

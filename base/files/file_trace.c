@@ -3,9 +3,11 @@
 #include "base/files/file_trace.h"
 
 #include "base/memory.h"
+#include "conus/file.h"
 
 #include <fcntl.h>
 #include <limits.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -13,6 +15,12 @@
 #include <unistd.h>
 
 static _Thread_local struct file_trace *open_trace; /* of this thread; NULL = none */
+static _Thread_local bool is_searching;
+
+/* What this process has read, each file once or more often, and the files that it has made; NULL = nobody asked for
+ * it. */
+static pthread_mutex_t inputs_lock = PTHREAD_MUTEX_INITIALIZER;
+static struct file_trace *inputs, *products;
 
 void file_trace_finish(struct file_trace *trace)
 {
@@ -39,8 +47,8 @@ static void append_item(struct file_trace *trace, struct traced item, const char
     trace->broken = true;
 }
 
-static void keep(enum trace_kind kind, const char *path, const char *more, const struct file_state *state,
-                 const char *sum)
+static void keep_in(struct file_trace *trace, enum trace_kind kind, const char *path, const char *more,
+                    const struct file_state *state, const char *sum)
 {
     struct traced item = {.kind = kind, .path = memory_text(path, strlen(path))};
     item.more = more ? memory_text(more, strlen(more)) : NULL;
@@ -50,7 +58,13 @@ static void keep(enum trace_kind kind, const char *path, const char *more, const
     if (sum) {
         memcpy(item.sum, sum, sizeof item.sum);
     }
-    append_item(open_trace, item, more);
+    append_item(trace, item, more);
+}
+
+static void keep(enum trace_kind kind, const char *path, const char *more, const struct file_state *state,
+                 const char *sum)
+{
+    keep_in(open_trace, kind, path, more, state, sum);
 }
 
 static enum trace_kind kind_of(struct file_state *out, const struct stat *info)
@@ -75,6 +89,151 @@ void file_trace_path(const char *path, const struct stat *info)
         enum trace_kind kind = kind_of(&state, info);
         keep(kind, path, NULL, &state, NULL);
     }
+}
+
+/* What the process itself has made may be made anew. */
+static bool is_product(const struct file_state *state)
+{
+    bool found = false;
+    for (size_t i = 0; i < products->count && !found; i++) {
+        found = file_state_equal(&products->items[i].state, state);
+    }
+    return found;
+}
+
+static void add_input(const char *path, const struct file_state *state)
+{
+    pthread_mutex_lock(&inputs_lock);
+    if (inputs && !is_product(state)) {
+        keep_in(inputs, TRACE_FILE, path, NULL, state, NULL);
+    }
+    pthread_mutex_unlock(&inputs_lock);
+}
+
+void file_trace_product(const char *path)
+{
+    struct stat info;
+    struct file_state state;
+    pthread_mutex_lock(&inputs_lock);
+    if (inputs && stat(path, &info) == 0 && kind_of(&state, &info) == TRACE_FILE) {
+        keep_in(products, TRACE_FILE, "", NULL, &state, NULL);
+    }
+    pthread_mutex_unlock(&inputs_lock);
+}
+
+void file_trace_input(const char *path, const struct stat *info)
+{
+    struct file_state state;
+    file_trace_path(path, info);
+    if (is_searching || kind_of(&state, info) != TRACE_FILE) {
+        return;
+    }
+    if (open_trace && open_trace->count) {
+        open_trace->items[open_trace->count - 1].is_input = true;
+    }
+    add_input(path, &state);
+}
+
+bool file_trace_search(bool searches)
+{
+    bool before = is_searching;
+    is_searching = searches;
+    return before;
+}
+
+void file_trace_take(const char *path)
+{
+    struct stat info;
+    if (is_searching) {
+        is_searching = false;
+        file_trace_input(path, stat(path, &info) ? NULL : &info);
+        is_searching = true;
+    }
+}
+
+void file_trace_tell(const struct file_trace *trace)
+{
+    for (size_t i = 0; i < trace->count; i++) {
+        if (trace->items[i].is_input) {
+            add_input(trace->items[i].path, &trace->items[i].state);
+        }
+    }
+}
+
+/* Whether a file with the state is this input: not another one, with its number, after the input was removed. */
+static bool is_input(const struct traced *input, const struct file_state *state)
+{
+    struct stat info;
+    return input->state.device == state->device && input->state.inode == state->inode &&
+           (file_state_equal(&input->state, state) ||
+            (stat(input->path, &info) == 0 && (uint64_t)info.st_dev == state->device &&
+             (uint64_t)info.st_ino == state->inode));
+}
+
+/* The name of the input that is this file; with no memory for all inputs, any file may be one. */
+static const char *find_input(const char *path, const struct stat *info)
+{
+    struct file_state state;
+    const char *found = NULL;
+    pthread_mutex_lock(&inputs_lock);
+    if (inputs && kind_of(&state, info) == TRACE_FILE) {
+        found = inputs->broken ? path : NULL;
+        for (size_t i = 0; i < inputs->count && !found; i++) {
+            found = is_input(&inputs->items[i], &state) ? inputs->items[i].path : NULL;
+        }
+    }
+    pthread_mutex_unlock(&inputs_lock);
+    return found;
+}
+
+conus_status file_trace_check_output(const char *path, const struct stat *info)
+{
+    const char *input = find_input(path, info);
+    return input ? fail(CONUS_ERROR_ARGUMENT, "%s would overwrite the input %s", path, input) : CONUS_OK;
+}
+
+static void lock_inputs(void)
+{
+    pthread_mutex_lock(&inputs_lock);
+}
+
+static void unlock_inputs(void)
+{
+    pthread_mutex_unlock(&inputs_lock);
+}
+
+conus_status conus_inputs_keep(void)
+{
+    pthread_mutex_lock(&inputs_lock);
+    if (!inputs) {
+        pthread_atfork(lock_inputs, unlock_inputs, unlock_inputs); /* a child would wait for ever */
+    }
+    products = products ? products : memory_zeroed(1, sizeof *products);
+    inputs = inputs || !products ? inputs : memory_zeroed(1, sizeof *inputs);
+    pthread_mutex_unlock(&inputs_lock);
+    return inputs ? CONUS_OK : fail_in(CONUS_ERROR_MEMORY, "inputs");
+}
+
+void conus_inputs_add(const char *path)
+{
+    struct stat info;
+    if (path && stat(path, &info) == 0) {
+        file_trace_input(path, &info);
+    }
+}
+
+const char *conus_inputs_find(const char *path)
+{
+    struct stat info;
+    return path && stat(path, &info) == 0 ? find_input(path, &info) : NULL;
+}
+
+const char *conus_inputs_at(size_t index)
+{
+    pthread_mutex_lock(&inputs_lock);
+    const char *path = inputs && index < inputs->count ? inputs->items[index].path : NULL;
+    pthread_mutex_unlock(&inputs_lock);
+    return path;
 }
 
 void file_trace_failed(void)
@@ -168,6 +327,7 @@ void file_trace_end(struct file_trace *trace)
                                                         file_state_equal(&last->state, &trace->items[i].state) &&
                                                         memcmp(last->sum, trace->items[i].sum, sizeof last->sum) == 0));
         if (repeated) {
+            last->is_input = last->is_input || trace->items[i].is_input;
             memory_free(trace->items[i].path);
             memory_free(trace->items[i].more);
         } else {
@@ -300,7 +460,7 @@ bool file_trace_holds(const struct file_trace *trace)
 
 /* Ahead of the strings of an item. Sizes count a final NUL; 0 = no string. */
 struct item_head {
-    uint64_t kind, path_size, more_size;
+    uint64_t kind, path_size, more_size, is_input;
     struct file_state state;
     char sum[72];
 };
@@ -312,6 +472,7 @@ void file_trace_write(struct buffer *out, const struct file_trace *trace)
         struct item_head head = {.kind = item->kind,
                                  .path_size = strlen(item->path) + 1,
                                  .more_size = item->more ? strlen(item->more) + 1 : 0,
+                                 .is_input = item->is_input,
                                  .state = item->state};
         memcpy(head.sum, item->sum, sizeof item->sum);
         buffer_append(out, &head, sizeof head);
@@ -349,6 +510,7 @@ static size_t parse_item(struct file_trace *out, const uint8_t *data, size_t siz
     struct traced item = {.kind = (enum trace_kind)head.kind,
                           .path = memory_text((const char *)path, head.path_size - 1),
                           .more = more ? memory_text(more, head.more_size - 1) : NULL,
+                          .is_input = head.is_input,
                           .state = head.state};
     memcpy(item.sum, head.sum, sizeof item.sum);
     append_item(out, item, more);

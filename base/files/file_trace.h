@@ -4,7 +4,8 @@
  * missing, what folders list. So it can be found out later whether the answers are still the same. * A file's answer is
  * its identity: device, inode, size, and the times of its last change. Every change alters one of them, with one
  * exception: the clock of a file system goes in steps, and a second change within one step goes unnoticed. So a trace
- * is settled only if all its files were at rest for a while before it began. */
+ * is settled only if all its files were at rest for a while before it began. Of the files it says which were read, and
+ * a process may ask for the list of all that it reads (conus_inputs_keep()). */
 #ifndef CONUS_BASE_FILE_TRACE_H
 #define CONUS_BASE_FILE_TRACE_H
 
@@ -28,6 +29,7 @@ enum trace_kind {
 struct traced {
     enum trace_kind kind;
     char *path, *more; /**< Owned. */
+    bool is_input;     /**< A file whose bytes are a part of what was made. */
     struct file_state state;
     char sum[65];
 };
@@ -68,8 +70,21 @@ bool file_trace_parse(struct file_trace *out, const uint8_t *data, size_t size);
 struct stat;
 /** @p info is what stat() says of @p path; NULL = it found nothing. */
 void file_trace_path(const char *path, const struct stat *info);
+/** The same of a file that is opened to be read: it is an input, unless the thread searches. */
+void file_trace_input(const char *path, const struct stat *info);
+/** While a thread searches, it reads files to find out whether they belong to what it makes. Those that do become
+ * inputs by file_trace_take(), which does nothing at other times. Gives what was, to be set again. */
+bool file_trace_search(bool searches);
+void file_trace_take(const char *path);
 /** A file is there, but could not be read: the next time it may be, and look the same. That breaks the trace. */
 void file_trace_failed(void);
+/** The inputs of a kept trace, which need not be read again, are inputs of this process. */
+void file_trace_tell(const struct file_trace *trace);
+/** The file @p path has been made by this process, which may read it and make it again. */
+void file_trace_product(const char *path);
+/** CONUS_ERROR_ARGUMENT where a new file @p path, which is what stat() says there, would take the place of an input of
+ * this process. */
+conus_status file_trace_check_output(const char *path, const struct stat *info);
 /** getenv(). */
 const char *file_trace_environment(const char *name);
 /** realpath() into @p out, [PATH_MAX]; false where there is none. */

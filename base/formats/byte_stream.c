@@ -288,7 +288,7 @@ conus_status byte_stream_open(struct byte_stream *out, const char *path)
         status = fail(CONUS_ERROR_IO, "cannot read: a regular file is needed");
     }
     if (!status) {
-        file_trace_path(path, &info);
+        file_trace_input(path, &info);
         file_state_take(&source.before, &info);
         source.stored_left = source.before.size;
         status = make(out, &source);

@@ -25,6 +25,42 @@ extern "C" {
 CONUS_API void conus_plain_text(char *text);
 
 /**
+ * Has this process remember each file that this library reads from now on, on any thread, until it ends. From then on
+ * no function of this library that writes files replaces one of these, by whatever name or link:
+ * #CONUS_ERROR_ARGUMENT. What it has written itself and then reads may be written again.
+ * @return #CONUS_OK; #CONUS_ERROR_MEMORY.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_inputs_keep(void);
+
+/**
+ * Adds a file that the program has read by itself, or is going to read.
+ * @param path What is no regular file is not added.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_API void conus_inputs_add(const char *path);
+
+/**
+ * Finds out whether a new file @p path would take the place of a file that was read.
+ * @param path The file, also by a link to it.
+ * @return The name by which it was read, borrowed until the process ends; NULL where it was not.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_API const char *conus_inputs_find(const char *path);
+
+/**
+ * Gives the name of the file that was read, in the order of reading; a file that was read twice is there twice.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed until the process ends.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_API const char *conus_inputs_at(size_t index);
+
+/**
  * Writes a file that appears whole or not at all.
  * @param path The file; replaced if it exists.
  * @param data The bytes.

@@ -4,6 +4,7 @@
 
 #include "base/buffer.h"
 #include "base/files/file.h"
+#include "base/files/file_trace.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text.h"
@@ -221,6 +222,7 @@ conus_status conus_catalogue_create(conus_catalogue **out, const conus_catalogue
     catalogue->sink = (struct note_sink){.log = options->log, .user = options->log_user};
     catalogue->notes.sink = &catalogue->sink;
     conus_status status = CONUS_OK;
+    bool before = file_trace_search(true);
     for (size_t i = 0; !status && i < sizeof places / sizeof places[0]; i++) {
         if (!catalogue->source || strcmp(catalogue->source, places[i].source) != 0) {
             catalogue->source = places[i].source;
@@ -231,6 +233,7 @@ conus_status conus_catalogue_create(conus_catalogue **out, const conus_catalogue
         }
         status = look_at_place(catalogue, &places[i]);
     }
+    file_trace_search(before);
     if (status) {
         conus_catalogue_destroy(catalogue);
         return status;

@@ -132,8 +132,10 @@ conus_status fsl_atlas_each(const char *volume_path, enum fsl_use use, fsl_visit
     const char *base = path_base(volume_path);
     char *name = memory_text(base, volume_stem_length(base));
     char *folder = path_folder(volume_path);
+    bool before = file_trace_search(true);
     conus_status status = name && folder ? search_in(&search, folder, name) : CONUS_ERROR_MEMORY;
     status = status ? status : search_above(&search, folder, name);
+    file_trace_search(before);
     memory_free(name);
     memory_free(folder);
     return status;

@@ -568,6 +568,7 @@ conus_status label_table_of_volume(struct label_table *out, char **source, struc
         .volume = volume,
         .use = {.info = volume->info, .voxels = voxels, .max_memory = volume->max_memory, .header = volume->header},
         .notes = notes};
+    bool before = file_trace_search(true);
     conus_status status = search_inside(&search);
     status = status ? status : search_beside(&search);
     char *folder = path_folder(volume->info->path); /* which may have a table under a name of its own */
@@ -580,6 +581,7 @@ conus_status label_table_of_volume(struct label_table *out, char **source, struc
     memory_free(folder);
     status = status ? status : settle_search(&search);
     status = status ? status : colour_beside(&search);
+    file_trace_search(before);
     status = status || !read ? status : file_sums_move(read, &search.read);
     char *words = status ? NULL : memory_text(search.source.data, search.source.size);
     if (!words) {

@@ -3,6 +3,7 @@
  * volume has follows from the numbers alone, or no name is used. */
 #include "loaders/labels/label_volumes.h"
 
+#include "base/files/file_trace.h"
 #include "base/files/folder.h"
 #include "base/formats/encoding.h"
 #include "base/memory.h"
@@ -120,6 +121,7 @@ static conus_status take_names(struct label_table *out, const char *path, bool g
     struct bytes bytes = {0};
     bool is_table = false;
     bool decided = false;
+    bool before = file_trace_search(!given);
     conus_status status = label_file_bytes(&bytes, path, use->max_memory);
     if (!status && (status = parse_names(out, &is_table, &bytes, count, use, notes))) {
         status = given ? fail_in(status, path) : status;
@@ -138,7 +140,10 @@ static conus_status take_names(struct label_table *out, const char *path, bool g
     status = status || !decided || !use->read ? status : file_sums_add(use->read, path, &bytes);
     if (status || !decided) {
         label_table_finish(out);
+    } else {
+        file_trace_take(path);
     }
+    file_trace_search(before);
     bytes_finish(&bytes);
     return status;
 }

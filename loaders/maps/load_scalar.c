@@ -7,6 +7,7 @@
 #include "atlas/fit/box_fit.h"
 #include "atlas/fit/fit.h"
 #include "base/buffer.h"
+#include "base/files/file_trace.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/options.h"
@@ -242,6 +243,7 @@ static conus_status take_title(void *user, struct fsl_atlas *atlas, const char *
 {
     struct title *title = user;
     (void)file;
+    file_trace_take(path);
     for (size_t i = 0; i < atlas->labels.count; i++) {
         const struct label *label = &atlas->labels.entries[i];
         if (label->number - 1 == title->info->volume) {

@@ -99,6 +99,9 @@ def text(pointer: Any) -> str:
     return str(ffi.string(pointer).decode("utf-8", "replace")) if pointer else ""
 
 
+check(lib.conus_inputs_keep())  # what saves a file replaces none that was read
+
+
 def owned(pointer: Any, destroy: Any, *needed: Any) -> Any:
     """An object that ends itself, before any of those that it needs."""
     return ffi.gc(pointer, lambda p, keep=needed: destroy(p))

@@ -14,8 +14,9 @@ import numpy as np
 from ._answers import Array
 from ._conus import ffi, lib
 from ._library import (
-    ArgumentError, Bound, check, flag, items, numbers, optional, owned, real, shown, text, utf8, vector, whole,
-)
+    ArgumentError, Bound, check, flag, items, numbers, optional, owned, path_of, real, shown, text, utf8, vector,
+    whole,
+)  # fmt: skip
 from ._pose_file import Poses
 from ._poses import PoseArray
 
@@ -318,8 +319,8 @@ class Plan(Bound):
         ending = os.path.splitext(os.fspath(path))[1]
         if ending not in _FORMATS:
             raise ArgumentError(f"path: {shown(path)} ends in none of {', '.join(_FORMATS)}")
-        with open(path, "w", encoding="utf-8", newline="") as file:
-            file.write(self._text("PLAN", _FORMATS[ending]))
+        rows = self._text("PLAN", _FORMATS[ending]).encode()
+        check(lib.conus_write_file(path_of("path", path), rows, len(rows)))
 
     def _repr_html_(self) -> str:
         return str(self.to_dataframe()._repr_html_())

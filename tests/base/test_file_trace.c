@@ -3,6 +3,7 @@
  * now. */
 #include "base/files/file_trace.h"
 #include "base/memory.h"
+#include "conus/file.h"
 #include "test.h"
 
 #include <fcntl.h>
@@ -11,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 /* Asks one question of each kind, about test_in(). */
@@ -294,6 +296,88 @@ static conus_status attempt(void *data)
     return broken ? CONUS_ERROR_MEMORY : CONUS_OK;
 }
 
+/* What a process does that asked for the list of its inputs; it goes on to have one. The number of the first line that
+ * is not as it should be, 0 = none. */
+#define CHECK(condition)                                                                                               \
+    if (!(condition)) {                                                                                                \
+        return __LINE__;                                                                                               \
+    }
+static int keep_inputs(void)
+{
+    char hard[PATH_MAX];
+    struct bytes bytes = {0};
+    struct buffer packed = {0};
+    struct file_trace trace;
+    struct file_trace kept;
+    struct file_state before;
+    snprintf(hard, sizeof hard, "%s", test_in("hard"));
+    CHECK(link(test_in("file"), hard) == 0)
+    CHECK(!conus_inputs_at(0) && !conus_inputs_find(test_in("file")))
+    CHECK(file_read(&bytes, test_in("file"), 100) == CONUS_OK) /* nobody asked yet */
+    bytes_finish(&bytes);
+    CHECK(conus_inputs_keep() == CONUS_OK && !conus_inputs_at(0))
+    CHECK(file_write(test_in("file"), "other", 5) == CONUS_OK)
+    CHECK(file_state_find(&before, test_in("a.txt")) == CONUS_OK && file_exists(test_in("file")))
+    CHECK(!conus_inputs_at(0)) /* to be asked about is not to be read */
+    /* while a thread searches, it takes what it can use */
+    CHECK(!file_trace_search(true))
+    CHECK(file_read(&bytes, test_in("a.txt"), 100) == CONUS_OK)
+    bytes_finish(&bytes);
+    CHECK(!conus_inputs_find(test_in("a.txt")))
+    file_trace_take(test_in("a.txt"));
+    CHECK(file_trace_search(false))
+    CHECK(strcmp(conus_inputs_find(test_in("a.txt")), test_in("a.txt")) == 0)
+    /* a trace that is kept has its inputs, and no other file */
+    file_trace_begin(&trace);
+    CHECK(file_read(&bytes, hard, 100) == CONUS_OK && file_exists(test_in("a.txt")))
+    bytes_finish(&bytes);
+    file_trace_end(&trace);
+    file_trace_write(&packed, &trace);
+    file_trace_finish(&trace);
+    CHECK(strcmp(conus_inputs_at(1), hard) == 0 && !conus_inputs_at(2))
+    CHECK(file_trace_parse(&kept, (const uint8_t *)packed.data, packed.size))
+    file_trace_tell(&kept);
+    file_trace_finish(&kept);
+    buffer_finish(&packed);
+    CHECK(strcmp(conus_inputs_at(2), hard) == 0 && !conus_inputs_at(3))
+    /* by each name of the file, and none by which there is nothing */
+    CHECK(file_write(hard, "x", 1) == CONUS_ERROR_ARGUMENT && strstr(conus_message(), "would overwrite the input"))
+    CHECK(symlink("hard", test_in("soft")) == 0 && file_write(test_in("soft"), "x", 1) == CONUS_ERROR_ARGUMENT)
+    CHECK(file_write_soon(test_in("../inputs/hard"), "x", 1) == CONUS_ERROR_ARGUMENT)
+    CHECK(file_write(test_in("new"), "x", 1) == CONUS_OK && file_write(test_in("new"), "y", 1) == CONUS_OK)
+    CHECK(truncate(test_in("new"), 3) == 0) /* by somebody else */
+    conus_inputs_add(test_in("new"));
+    conus_inputs_add(test_in("missing"));
+    conus_inputs_add(NULL);
+    CHECK(conus_write_file(test_in("new"), "z", 1) == CONUS_ERROR_ARGUMENT)
+    CHECK(conus_write_file(test_in("missing"), "z", 1) == CONUS_OK && !conus_inputs_at(4))
+    /* what it has made itself is no input, until somebody else changes it */
+    CHECK(file_read(&bytes, test_in("missing"), 100) == CONUS_OK)
+    bytes_finish(&bytes);
+    CHECK(conus_write_file(test_in("missing"), "zz", 2) == CONUS_OK && !conus_inputs_at(4))
+    CHECK(truncate(test_in("missing"), 7) == 0 && file_read(&bytes, test_in("missing"), 100) == CONUS_OK)
+    bytes_finish(&bytes);
+    CHECK(conus_write_file(test_in("missing"), "z", 1) == CONUS_ERROR_ARGUMENT)
+    return 0;
+}
+
+static void no_input_of_a_process_is_replaced(void **state)
+{
+    (void)state;
+    int status = -1;
+    make_folder("inputs");
+    fflush(NULL);
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        int line = keep_inputs();
+        dprintf(STDERR_FILENO, line ? "line %d\n" : "", line);
+        _exit(line != 0);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+}
+
 static void every_failing_allocation(void **state)
 {
     (void)state;
@@ -311,6 +395,7 @@ TEST_GROUP(file_trace)
         cmocka_unit_test(only_files_at_rest_are_settled),
         cmocka_unit_test(devices_are_never_the_same),
         cmocka_unit_test(bytes_give_the_same_trace),
+        cmocka_unit_test(no_input_of_a_process_is_replaced),
         cmocka_unit_test(every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -224,8 +224,8 @@ alone() {
     cp rows.1.tsv odd.tsv
     sed 's/"heading": [0-9]*/"heading": 0/' rows.1.json >odd.json
     fails 3 'are not shards of one batch' merge rows.0.tsv odd.tsv rows.2.tsv -o merged.tsv
-    fails 2 'would overwrite the shard rows.0.tsv' merge rows.0.tsv rows.1.tsv rows.2.tsv -o rows.0.tsv
-    fails 2 'would overwrite the shard rows.1.tsv' merge rows.0.tsv rows.1.tsv rows.2.tsv -o rows.1.json --force
+    fails 2 'would overwrite the input rows.0.tsv' merge rows.0.tsv rows.1.tsv rows.2.tsv -o rows.0.tsv
+    fails 2 'would overwrite the input rows.1.json' merge rows.0.tsv rows.1.tsv rows.2.tsv -o rows.1.json --force
     sed -i '$s/unassigned/Unassigned/' rows.2.tsv
     fails 3 'rows.2.tsv: is not the file that rows.2.json describes' merge rows.0.tsv rows.1.tsv rows.2.tsv -o merged.tsv
     rm again.json
@@ -284,12 +284,12 @@ alone() {
     fails 2 '--resume has no effect without a file for --output' batch sphere.nii.gz --poses poses.tsv --resume -o -
     fails 2 '--force has no effect without a file for --output' batch sphere.nii.gz --poses poses.tsv --force -o -
     fails 2 '--force and --resume exclude each other' batch sphere.nii.gz --poses poses.tsv -o a.tsv --force --resume
-    fails 2 'would overwrite the atlas' batch sphere.nii.gz --poses poses.tsv --format tsv -o sphere.nii.gz --force
-    fails 2 'would overwrite the file of poses' batch sphere.nii.gz --poses poses.tsv -o poses.tsv --force
+    fails 2 'would overwrite the input' batch sphere.nii.gz --poses poses.tsv --format tsv -o sphere.nii.gz --force
+    fails 2 'would overwrite the input' batch sphere.nii.gz --poses poses.tsv -o poses.tsv --force
     fails 3 'none.tsv' batch sphere.nii.gz --poses none.tsv
     for ending in part journal; do
         mv poses.tsv rows.tsv.$ending
-        fails 2 "would overwrite the file of poses rows.tsv.$ending" batch sphere.nii.gz --poses rows.tsv.$ending -o rows.tsv --force
+        fails 2 "would overwrite the input rows.tsv.$ending" batch sphere.nii.gz --poses rows.tsv.$ending -o rows.tsv --force
         mv rows.tsv.$ending poses.tsv
     done
     nothing_left sphere.nii.gz sphere.tsv sphere.json poses.tsv
@@ -467,11 +467,11 @@ alone() {
     run -2 ask -o rows.tsv --resume
     sed -i 's/Ball/Sphere/' sphere.tsv
     ask -o rows.tsv --resume
-    fails 2 'would overwrite the coordinate system sub-1_coordsystem.json' \
+    fails 2 'would overwrite the input sub-1_coordsystem.json' \
         batch sphere.nii.gz --poses sub-1_electrodes.tsv --radius 3 --quiet -o sub-1_coordsystem.tsv --force
     for command in "query --pose" "sweep --angle 5 --pose"; do
         # shellcheck disable=SC2086 # words
-        fails 2 'would overwrite the coordinate system sub-1_coordsystem.json' \
+        fails 2 'would overwrite the input sub-1_coordsystem.json' \
             $command sub-1_electrodes.tsv sphere.nii.gz --along-shafts --quiet --format tsv -o sub-1_coordsystem.tsv
     done
 }
@@ -626,7 +626,7 @@ pipe_in() {
     answers batch --jobs jobs.tsv --angle 12 --shard 1/3
     [ -e b.tsv ] && [ ! -e a.tsv ] && [ ! -e c.tsv ]
     printf 'atlas\tposes\toutput\nsphere.nii.gz\tposes.tsv\town.tsv\n' >own.tsv
-    fails 2 '--output would overwrite the table of batches own.tsv' batch --jobs own.tsv --force
+    fails 2 '--output own.tsv would overwrite the input own.tsv' batch --jobs own.tsv --force
     fails 2 'exclude each other' batch sphere.nii.gz --jobs jobs.tsv
     fails 2 '--jobs and --poses exclude each other' batch --jobs jobs.tsv --poses poses.tsv
     fails 2 'ATLAS is missing' batch --poses poses.tsv

@@ -67,6 +67,10 @@ are_kept() {
     [[ $output == *"$(realpath "$atlas")"* ]]
     [[ $output == *"1 entry, $(stat -c %s cache/conus/*.atlas) bytes, in $PWD/cache/conus"* ]]
     [ "$("$CONUS" cache list --format tsv | cut -f 1,4 | tail -n 1)" = "atlas	$(realpath "$atlas")" ]
+    touch -a -d @1700000000 cache/conus/*.atlas # used then, and not by being listed
+    "$CONUS" cache list >first
+    "$CONUS" cache list | cmp - first
+    [ "$(stat -c %X cache/conus/*.atlas)" = 1700000000 ]
     for word in clear where; do
         run -2 "$CONUS" cache $word --format tsv
         [[ $output == *"--format has no effect without list"* ]]

@@ -143,7 +143,7 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
     fails 2 'did you mean "Core"?' query nested.nii.gz $AIM --mask a.nii --mask-object Corr
     fails 2 '--mask: map of values: there is no pathway' query nested.nii.gz $AIM --mask a.nii --mask-of values
     fails 2 '--mask: mask of everything: Core is an area' query nested.nii.gz $AIM --mask a.nii --mask-of all --mask-object Core
-    fails 2 '--mask would overwrite the atlas nested.nii.gz' query nested.nii.gz $AIM --mask nested.nii.gz
+    fails 2 '--mask nested.nii.gz would overwrite the input nested.nii.gz' query nested.nii.gz $AIM --mask nested.nii.gz
     printf '0 0 0\n1 1 1\n' >points.txt
     fails 2 '--mask shows one pose, points.txt has 2' query nested.nii.gz --pose points.txt --radius 3 --mask a.nii
     nothing_left nested.nii.gz nested.tsv nested.json points.txt

@@ -85,14 +85,14 @@ poses() {
     fails 2 '"" is not FILE[,within=MM]' query $NEEDLE --clearance ,within=3
     fails 2 'cannot both be on standard output' query $NEEDLE --clearance - --segments -
     fails 2 '--segments and --clearance are the same file' query $NEEDLE --clearance rows.tsv,within=3 --segments rows.tsv
-    fails 2 '--clearance would overwrite' query $NEEDLE --clearance u-shape.tsv
+    fails 2 '--clearance u-shape.tsv would overwrite' query $NEEDLE --clearance u-shape.tsv
     fails 2 'hold no clearance' query $NEEDLE --clearance - --format afni
     fails 2 '--point and --clearance exclude each other' query u-shape.nii.gz --point 0,0,0 --radius 2 --clearance rows.tsv
     fails 2 'needs --toward X,Y,Z or --direction' query u-shape.nii.gz --origin 0,0,0 --clearance rows.tsv
     poses >poses.tsv
     fails 2 '--segments and --clearance are the same file' batch u-shape.nii.gz --poses poses.tsv --clearance - --segments -
     fails 2 '--segments and --clearance have one sidecar, a.json' batch u-shape.nii.gz --poses poses.tsv --clearance a.tsv --segments a.csv
-    fails 2 '--clearance would overwrite the file of poses' batch u-shape.nii.gz --poses poses.tsv --clearance poses.tsv --force
+    fails 2 'would overwrite the input' batch u-shape.nii.gz --poses poses.tsv --clearance poses.tsv --force
     [ ! -e rows.tsv ] && [ ! -e a.csv ]
     printf '0 0 5 A1\n' >points.txt
     answers query u-shape.nii.gz --pose points.txt --radius 2 --clearance points.tsv

@@ -53,14 +53,14 @@ nested() {
     nested
     echo Shell >list.txt
     printf 'time_s\tx\ty\tz\ttx\tty\ttz\n0\t0\t-100\t0\t0\t0\t0\n' >hand.tsv
-    local said='--output would overwrite the list of areas list.txt'
+    local said='--output list.txt would overwrite the input list.txt'
     local of=(nested.nii.gz --labels tree.tsv --level @list.txt)
     fails 2 "$said" "${view[@]}" --level @list.txt -o list.txt
     fails 2 "$said" batch "${of[@]}" --poses hand.tsv --format tsv -o list.txt --force
     fails 2 "$said" sweep "${of[@]}" --origin 0,-100,0 --toward 0,0,0 --angles 10 -o list.txt
     fails 2 "$said" track "${of[@]}" --poses hand.tsv -o list.txt
     ln -s list.txt listed.json
-    fails 2 'the .json beside --output would overwrite the list of areas listed.json' \
+    fails 2 'the .json beside --output listed.json would overwrite the input list.txt' \
         sweep "${of[@]}" --origin 0,-100,0 --toward 0,0,0 -o listed.tsv
     [ "$(cat list.txt)" = Shell ]
 }

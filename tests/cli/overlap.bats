@@ -113,8 +113,8 @@ nested.nii.gz is an atlas: ATLAS comes first, then ROI" overlap map.nrrd nested.
     fails 2 "threshold 5000000000, but its values are from 0 to 4000000001" \
         overlap cone.nii.gz nested.nii.gz --threshold 5e9
     fails 2 "would take the whole volume" overlap nested.nii.gz cone.nii.gz --threshold 0
-    fails 2 "would overwrite the region cone.nii.gz" overlap nested.nii.gz cone.nii.gz --format tsv -o cone.nii.gz --force
-    fails 2 "would overwrite the atlas" overlap nested.nii.gz cone.nii.gz --format tsv -o nested.nii.gz
+    fails 2 "would overwrite the input cone.nii.gz" overlap nested.nii.gz cone.nii.gz --format tsv -o cone.nii.gz --force
+    fails 2 "would overwrite the input" overlap nested.nii.gz cone.nii.gz --format tsv -o nested.nii.gz
     fails 2 "ROI is missing" overlap nested.nii.gz
     fails 3 "is a folder" overlap nested.nii.gz .
 }

@@ -88,3 +88,108 @@ inside() {
     run -2 conus page slabs.nii.gz --template template.html -o page.html
     [[ $output == *--force* ]]
 }
+
+# packs NAME...: these files are in the page, in this order, and the page's loader opens them where nothing else is.
+packs() {
+    [ "$(grep -o 'data-file="[^"]*"' page.html | cut -d'"' -f2)" = "$(printf '%s\n' "$@")" ] || { grep -o 'data-file="[^"]*"' page.html; return 1; }
+    rm -rf unpacked
+    for name; do
+        mkdir -p "unpacked/$(dirname "$name")"
+        inside "$name" >"unpacked/$name"
+    done
+    CONUS_HDF5=/dev/null conus info "unpacked/$1" >opened.txt
+}
+
+# refuses WORDS ATLAS: no page, and one line with these words.
+refuses() {
+    rm -f page.html
+    run -3 --separate-stderr conus page "$2" --template template.html -o page.html --quiet
+    check_message "$1"
+    [ ! -e page.html ]
+}
+
+@test "a page has what was read, and nothing that is only called so" {
+    local word
+    for word in BIDS table in; do # words of "BIDS label table in slabs.tsv"
+        echo SECRET >$word
+    done
+    mkdir label # such as FreeSurfer's
+    printf 'index\tname\n1\tSECRET\n' | tee slabs-other.tsv participants.tsv >x.tsv
+    cp slabs.nii.gz slabs-7T.nii.gz
+    page 2>notes
+    packs slabs.nii.gz slabs.tsv
+    run ! grep -q "$(echo SECRET | base64)" page.html
+    grep -q '^conus: note: the page has inside: slabs.nii.gz, slabs.tsv$' notes
+    page --quiet --force 2>notes
+    [ ! -s notes ]
+}
+
+@test "a manifest's page opens by itself: context, streamlines, meshes, pathways" {
+    conus phantom bundle -o .
+    conus page bundle.atlas.json --template template.html -o page.html --quiet
+    packs bundle.atlas.json bundle.tck
+    conus phantom brain -o .
+    conus page brain.atlas.json --template template.html -o page.html --force 2>notes
+    grep -q 'brain-context.nii.gz: a face can be recognised' notes
+    packs brain.atlas.json brain-{01-AntL,02-AntR,03-SupL,04-SupR,05-PosL,06-PosR,07-LatL,08-LatR,09-InfL,10-InfR,11-Cor}.surf.gii \
+        brain-pathway.nii.gz brain-context.nii.gz
+    conus info unpacked/brain.atlas.json | grep -q context
+    mkdir -p deep/one other
+    cp slabs.nii.gz deep/one
+    conus phantom sphere -o other --size 16
+    mv other/sphere.nii.gz other/slabs.nii.gz # two files of one name
+    echo '{"conus_atlas": 1, "allow_outside": true, "parcellation": {"file": "one/slabs.nii.gz"},
+        "context": {"file": "../other/slabs.nii.gz"}}' >deep/up.atlas.json
+    ln -s deep linked
+    conus page linked/up.atlas.json --template template.html -o page.html --quiet --force
+    packs linked/up.atlas.json linked/one/slabs.nii.gz other/slabs.nii.gz
+    conus page slabs.nii.gz --context other/slabs.nii.gz --template template.html -o page.html --quiet --force
+    packs slabs.nii.gz slabs.tsv context/slabs.nii.gz
+    grep -q 'data-file="context/slabs.nii.gz" data-context' page.html
+}
+
+@test "an atlas of several files, and a table of FreeSurfer's folder" {
+    gzip -dc slabs.nii.gz >slabs.nii
+    tail -c +353 slabs.nii >v.raw
+    printf '%s\n' NRRD0004 'type: uint8' 'dimension: 3' 'sizes: 16 16 16' 'space: RAS' 'space directions: (1,0,0) (0,1,0) (0,0,1)' \
+        'space origin: (-8,-8,-8)' 'encoding: raw' 'data file: v.raw' >v.nhdr
+    conus page v.nhdr --template template.html -o page.html --quiet
+    packs v.nhdr v.raw
+    mkdir home
+    printf 'p = 2\n' >aseg.awk
+    conus phantom u-shape -o . --size 16
+    # left and right Cerebral-White-Matter, Cortex and Ventricle, each on its side, which FreeSurfer's own labels are known by
+    python3 - <<'END'
+import gzip, struct
+head = bytearray(gzip.open("u-shape.nii.gz").read()[:352])
+labels = bytes(((2, 41), (3, 42), (4, 43))[z // 6][x > 7] for z in range(16) for y in range(16) for x in range(16))
+gzip.open("aseg.nii.gz", "wb").write(head + labels)
+END
+    printf '2 LWM 1 1 1 0\n41 RWM 1 1 2 0\n3 LC 1 1 3 0\n42 RC 1 1 4 0\n4 LV 1 1 5 0\n43 RV 1 1 6 0\n' >home/FreeSurferColorLUT.txt
+    export FREESURFER_HOME=$PWD/home
+    rm slabs.tsv u-shape.tsv
+    conus page aseg.nii.gz --template template.html -o page.html --quiet --force
+    FREESURFER_HOME='' packs aseg.nii.gz FreeSurferColorLUT.txt
+    FREESURFER_HOME='' conus info unpacked/aseg.nii.gz | grep -q LWM
+    mkdir deep # where that table would not be beside it
+    mv aseg.nii.gz deep
+    echo '{"conus_atlas": 1, "parcellation": {"file": "deep/aseg.nii.gz"}}' >deep.atlas.json
+    refuses 'deep.atlas.json: a page would call its areas otherwise: their names come from FreeSurfer' deep.atlas.json
+}
+
+@test "what no page opens is refused by its name" {
+    mkdir two.zarr folder
+    echo '{"zarr_format": 2, "shape": [2, 2, 2], "chunks": [2, 2, 2], "dtype": "|u1", "order": "C", "compressor": null,
+        "fill_value": 1}' >two.zarr/.zarray
+    printf 11111111 >two.zarr/0.0.0
+    cp slabs.* folder
+    refuses 'slabs.nii.gz,volume=0: a page opens one file' slabs.nii.gz,volume=0
+    refuses 'two.zarr,resolution=1000,orientation=asr: a page opens one file' two.zarr,resolution=1000,orientation=asr
+    printf '{"conus_atlas": 1, "allow_outside": true, "parcellation": {"file": "%s"}}' "$PWD/slabs.nii.gz" >root.atlas.json
+    refuses "root.atlas.json: a page cannot open it: $PWD/slabs.nii.gz is named by its path from the root on" root.atlas.json
+}
+
+@test "a page refuses HDF5, which needs another program" {
+    /usr/bin/python3 "$BATS_TEST_DIRNAME/hdf5.py" minc m.mnc 8 || skip 'no python3-h5py'
+    refuses 'm.mnc: a page cannot open it: no page reads HDF5' m.mnc
+}

@@ -171,7 +171,7 @@ scaled() {
     fails 2 '--context-blocks: 0 is out of range' $start --context sphere.nii.gz --context-blocks 0
     fails 2 'blocks from 2 on, allowed is above 0 to 1' $start --context sphere.nii.gz --context-blocks 2
     fails 3 'none.nii: cannot open' $start --context none.nii --context-blocks 1
-    fails 2 'would overwrite the context' $start --context sphere.nii.gz --context-blocks 1 -o sphere.nii.gz
+    fails 2 'would overwrite the input' $start --context sphere.nii.gz --context-blocks 1 -o sphere.nii.gz
 }
 
 @test "a Jülich fibre pathway in AAL" {

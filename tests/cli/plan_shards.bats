@@ -67,7 +67,7 @@ needles() {
     fails 3 'a.tsv and a.tsv are both shard 0 of 2' $few --merge a.tsv --merge a.tsv -q
     fails 2 'other settings, poses, atlas' $few --top 7 --merge a.tsv --merge b.tsv -q
     fails 3 'no.tsv.journal' $few --merge no.tsv -q
-    fails 2 '--output would overwrite the shard a.tsv' $few --merge a.tsv --merge b.tsv -o a.tsv -q
+    fails 2 '--output a.tsv would overwrite the input a.tsv' $few --merge a.tsv --merge b.tsv -o a.tsv -q
     fails 2 '--merge FILE' merge a.tsv b.tsv -o c.tsv
     fails 2 'I from 0 to N - 1' $few --shard 2/2 -o c.tsv -q
     fails 2 '--shard has no effect without a file for --output' $few --shard 0/2 -q
@@ -97,4 +97,13 @@ needles() {
     echo mine >d.tsv.journal
     fails 2 'd.tsv.journal: there is a file that is no journal of a plan' $few -o d.tsv -q --force
     [ "$(cat d.tsv.journal)" = mine ]
+}
+
+@test "a plan without any candidate leaves no journal that would be in the way" {
+    needles
+    for more in '' --resume '--shard 0/1'; do # points have no normals
+        fails 2 'no candidate: number 1: no normal at its entry' $few --entry-angle 40 -o p.tsv $more
+        [ ! -e p.tsv.journal ] && [ ! -e p.tsv ]
+    done
+    conus $few -o p.tsv -q
 }

@@ -115,22 +115,22 @@ END
     fails 2 'has no effect with JSON' query sphere.nii.gz --pose poses.tsv --sidecar a.json --format json
     fails 2 'are the same file' query sphere.nii.gz --pose poses.tsv -o b.tsv --sidecar in.json --mask in.nii.gz
     mv sphere.tsv t.json
-    fails 2 'overwrite the label table' query sphere.nii.gz --pose poses.tsv --sidecar t.json --labels t.json
+    fails 2 'would overwrite the input t.json' query sphere.nii.gz --pose poses.tsv --sidecar t.json --labels t.json
 }
 
 @test "outputs keep off the inputs and each other" {
     sphere --size 32
     cp sphere.nii.gz tract.png
     local aim='--origin 0,0,100 --toward 0,0,0'
-    fails 2 '--output would overwrite the atlas' query sphere.nii.gz $aim --format table -o ./sphere.nii.gz
+    fails 2 'would overwrite the input' query sphere.nii.gz $aim --format table -o ./sphere.nii.gz
     fails 2 '--output and --voxels are the same file' query sphere.nii.gz $aim -o a.tsv --voxels a.tsv --voxels-of all
     fails 2 '--output and --voxels are the same file' query sphere.nii.gz $aim -o ./a.tsv --voxels a.tsv --voxels-of all
     fails 2 '--output and the .json beside --mask are the same file' query sphere.nii.gz $aim -o "$PWD/a.json" --mask a.nii
-    fails 2 '--output would overwrite the label table sphere.tsv' query sphere.nii.gz $aim -o sphere.tsv
-    fails 2 '--image would overwrite a pathway tract.png' \
+    fails 2 '--output sphere.tsv would overwrite the input sphere.tsv' query sphere.nii.gz $aim -o sphere.tsv
+    fails 2 '--image tract.png would overwrite the input tract.png' \
         query sphere.nii.gz $aim --pathway tract.png,threshold=1 --image tract.png
     printf 'x,y,z,dx,dy,dz\n0,0,100,0,0,-1\n' >poses.json
-    fails 2 'the .json beside --output would overwrite the file of poses poses.json' \
+    fails 2 'the .json beside --output poses.json would overwrite the input poses.json' \
         query sphere.nii.gz --pose poses.json -o poses.tsv
     mkdir volumes
     cp sphere.nii.gz volumes
@@ -138,7 +138,7 @@ END
         '</images></header><data><label index="1" x="0" y="0" z="0">Ball</label></data></atlas>' >atlas.xml
     answers query atlas.xml $aim --format tsv
     [ "$(cell name 1)" = Ball ]
-    fails 2 '--output would overwrite the atlas atlas.xml' query atlas.xml $aim --format table -o atlas.xml
+    fails 2 '--output atlas.xml would overwrite the input atlas.xml' query atlas.xml $aim --format table -o atlas.xml
     fails 3 'no/such/a.tsv: cannot write: No such file' query sphere.nii.gz $aim -o no/such/a.tsv
     fails 3 '.: cannot write: is a folder' query sphere.nii.gz $aim -o .
     nothing_left sphere.{nii.gz,tsv,json} tract.png poses.json atlas.xml volumes/sphere.nii.gz

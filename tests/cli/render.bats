@@ -100,7 +100,7 @@ session() {
     fails 2 '--pose and --poses exclude each other' "${render[@]}" --pose session.csv -o a.png
     fails 2 '--angle has no effect: every pose in session.csv has its own' "${render[@]}" -o '{row}.png' --angle 5
     cp session.csv session.png
-    fails 2 '--output would overwrite the file of poses session.png' \
+    fails 2 '--output session.png would overwrite the input session.png' \
         render sphere.nii.gz --poses session.png --query-id top -o 'session.png'
     fails 3 'session.csv:4: toward: is the origin itself' "${render[@]}" -o a.png --row 3
     [ ! -e a.png ] && [ ! -e 1.png ] && [ ! -e left.png ]
@@ -277,11 +277,11 @@ END
     gl render sphere.nii.gz -o a.png $SMALL
     fails 3 'no/a.png: cannot write' render sphere.nii.gz -o no/a.png $SMALL
     cp sphere.nii.gz atlas.png
-    fails 2 '--output would overwrite the atlas atlas.png' render atlas.png -o atlas.png
+    fails 2 '--output atlas.png would overwrite the input atlas.png' render atlas.png -o atlas.png
     printf '1 0 0 0\n0 1 0 0\n0 0 1 200\n0 0 0 1\n' >camera.png
-    fails 2 "--output would overwrite the camera's pose camera.png" render atlas.png -o camera.png --camera camera.png
+    fails 2 "--output camera.png would overwrite the input camera.png" render atlas.png -o camera.png --camera camera.png
     printf '0 1 1 1 0\n1 1 1 1 1\n' >transfer.png
-    fails 2 '--output would overwrite the transfer function transfer.png' \
+    fails 2 '--output transfer.png would overwrite the input transfer.png' \
         render atlas.png -o transfer.png --context sphere.nii.gz --transfer transfer.png
 }
 

@@ -19,3 +19,16 @@ ROOT=$BATS_TEST_DIRNAME/../..
     find . | sort >../after
     diff ../before ../after
 }
+
+@test "scripts/test finds what a test left in its home, and not what a user does beside it" {
+    sed -n '/^leftovers()/,/^}/p' "$ROOT/scripts/test" >leftovers.bash
+    grep -q find leftovers.bash
+    mkdir -p user build/dev/home/.cache/mesa build/sanitize/home
+    conus phantom sphere -o . --size 16
+    HOME=$PWD/user XDG_CACHE_HOME='' CONUS_CACHE=1G conus query sphere.nii.gz --origin 0,0,99 --toward 0,0,0 >user.txt
+    mkdir -p user/.cache/conus && touch user/.cache/conus/kept.atlas
+    HOME=$PWD/user run -0 bash -c '. ./leftovers.bash; leftovers'
+    mkdir -p build/sanitize/home/.local/state/conus
+    run -1 bash -c '. ./leftovers.bash; leftovers'
+    [[ "$output" == *build/sanitize/home/.local/state/conus* ]]
+}

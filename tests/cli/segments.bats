@@ -74,15 +74,15 @@ shanks() {
     fails 2 "formats of other programs hold no segments" query $AXIS --segments - --format afni
     fails 2 '--point and --segments exclude each other' query u-shape.nii.gz --point 0,0,0 --radius 2 --segments rows.tsv
     fails 2 'the same file' query $AXIS -o rows.tsv --segments rows.tsv
-    fails 2 '--segments would overwrite' query $AXIS --segments u-shape.tsv
+    fails 2 '--segments u-shape.tsv would overwrite' query $AXIS --segments u-shape.tsv
     fails 2 'in formats up to NDJSON' query $AXIS --order depth --format afni
     fails 2 '--order has no effect' query $AXIS --order depth --segments -
     fails 2 '--sidecar has no effect' query $AXIS --sidecar rows.json --segments -
     shanks >poses.tsv
     fails 2 'ends in none of .tsv, .csv, .ndjson' batch u-shape.nii.gz --poses poses.tsv --segments rows.json
     fails 2 'the same file' batch u-shape.nii.gz --poses poses.tsv -o rows.tsv --segments rows.tsv
-    fails 2 '--segments would overwrite the file of poses' batch u-shape.nii.gz --poses poses.tsv --segments poses.tsv --force
-    fails 2 '--output would overwrite the file of poses' batch u-shape.nii.gz --poses poses.tsv -o poses.tsv --segments rows.tsv --force
+    fails 2 'would overwrite the input' batch u-shape.nii.gz --poses poses.tsv --segments poses.tsv --force
+    fails 2 'would overwrite the input' batch u-shape.nii.gz --poses poses.tsv -o poses.tsv --segments rows.tsv --force
     fails 2 'the same file' batch u-shape.nii.gz --poses poses.tsv -o - --segments -
     fails 2 '--summary has no effect without --output' batch u-shape.nii.gz --poses poses.tsv --segments rows.tsv --summary
     fails 2 '--order has no effect without --output' batch u-shape.nii.gz --poses poses.tsv --segments rows.tsv --order depth

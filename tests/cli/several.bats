@@ -233,7 +233,7 @@ END
         fails 2 "--format: formats of other programs have no column for the atlas" \
             batch ball.nii.gz --atlas slabs.nii.gz --poses poses.tsv --format "$format"
     done
-    fails 2 '--output would overwrite the atlas slabs.nii.gz' \
+    fails 2 '--output slabs.nii.gz would overwrite the input slabs.nii.gz' \
         query ball.nii.gz --atlas slabs.nii.gz "${aim[@]}" --format tsv -o slabs.nii.gz
     fails 2 'unknown option --atlas' render ball.nii.gz --atlas slabs.nii.gz
     mkdir one other

@@ -63,7 +63,7 @@ near() {
     fails 2 'everything is hidden: nothing is left' "${view[@]}" --only Core --hide Ball
     fails 3 nowhere.txt "${view[@]}" --only @nowhere.txt
     echo Core >list.txt
-    fails 2 "--output would overwrite the atlas's file list.txt" "${view[@]}" --only @list.txt -o list.txt
+    fails 2 "--output list.txt would overwrite the input list.txt" "${view[@]}" --only @list.txt -o list.txt
 }
 
 @test "tables, sidecars and pictures say what is hidden" {

@@ -96,12 +96,12 @@ labels() {
     # shellcheck disable=SC2086
     fails 2 "--voxels lists the voxels of pathways, and there is none" query $aim --voxels v.tsv
     # shellcheck disable=SC2086
-    fails 2 "--output would overwrite the atlas s.gii" query $aim --format table -o s.gii
+    fails 2 "--output s.gii would overwrite the input s.gii" query $aim --format table -o s.gii
     labels 6 | gifti >two.gii
     # shellcheck disable=SC2086
-    fails 2 "--output would overwrite the label table two.gii" query $aim --labels two.gii --format table -o two.gii
+    fails 2 "--output two.gii would overwrite the input two.gii" query $aim --labels two.gii --format table -o two.gii
     echo '{"conus_atlas": 1, "areas": [{"file": "s.gii", "label": 3}]}' >m.atlas.json
-    fails 2 "--output would overwrite the atlas's file s.gii" query m.atlas.json --origin 0,0,9 --toward 0,0,0 --format table -o s.gii
+    fails 2 "--output s.gii would overwrite the input s.gii" query m.atlas.json --origin 0,0,9 --toward 0,0,0 --format table -o s.gii
     "$CONUS" render s.gii --size 16x16 -o s.png || [ $? = 4 ]
 }
 

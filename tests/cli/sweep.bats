@@ -195,7 +195,7 @@ assert all(math.isclose(float(a), 2 * math.degrees(math.atan(b / 100)), rel_tol=
     fails 2 '--engine has no effect without --angles or --jitter' sweep nested.nii.gz $aim --engine rays
     fails 2 '--layers has no effect without --angles or --jitter' sweep nested.nii.gz $aim --layers all
     fails 2 '--angle: 180 is out of range' sweep nested.nii.gz $aim --angle 180
-    fails 2 'would overwrite the atlas' sweep nested.nii.gz $aim --format table -o nested.nii.gz
+    fails 2 'would overwrite the input' sweep nested.nii.gz $aim --format table -o nested.nii.gz
     fails 2 'no cone given' sweep nested.nii.gz
     nothing_left nested.json nested.nii.gz nested.tsv
     answers sweep nested.nii.gz $aim --radius 4 --jitter 1,1 --samples 16

@@ -153,9 +153,9 @@ skips() {
 @test "nothing is overwritten, and nothing left half written" {
     sphere --size 16
     hand '0 0'
-    fails 2 '--output would overwrite the file of poses hand.tsv' track sphere.nii.gz --poses hand.tsv -o hand.tsv
+    fails 2 '--output hand.tsv would overwrite the input hand.tsv' track sphere.nii.gz --poses hand.tsv -o hand.tsv
     cp hand.tsv steps.json
-    fails 2 'the .json beside --output would overwrite the file of poses steps.json' \
+    fails 2 'the .json beside --output steps.json would overwrite the input steps.json' \
         track sphere.nii.gz --poses steps.json -o steps.tsv
     rm steps.json
     printf 'time_s\tx\n0\t0\n' >bad.tsv

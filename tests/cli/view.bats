@@ -1263,3 +1263,28 @@ END
     run -1 conus diff window.png large.png
     fails 2 scale view slabs.nii.gz --scale 0.1
 }
+
+@test "the window replaces no file that it has read, and its own as often as one likes" {
+    need_window
+    conus phantom u-shape -o .
+    ln u-shape.tsv hard.tsv
+    ln -s u-shape.nii.gz soft.png
+    sha256sum u-shape.tsv u-shape.nii.gz >before
+    local command
+    for command in 'results hard.tsv' 'export u-shape.tsv' 'screenshot soft.png' 'figure soft.png'; do
+        printf 'aim 60 0 6 0 0 6\nsettle\n%s\n' "$command" >script
+        run -3 --separate-stderr timeout $HANG "$CONUS" view u-shape.nii.gz --script script --quiet --size 400x256
+        [[ "$stderr" == *"would overwrite the input u-shape."* ]]
+    done
+    sha256sum -c --quiet before
+    view u-shape.nii.gz <<'END'
+aim 60 0 6 0 0 6
+settle
+save left.json
+open left.json
+settle
+save left.json
+export rows.tsv
+export rows.tsv
+END
+}

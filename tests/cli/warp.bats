@@ -114,7 +114,7 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     [[ "$stderr" == *"on a grid of 32 x 32 x 32 voxels of 2 x 2 x 2 mm" ]]
     printf '1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >same.txt
     fails 2 "grid: nothing is resampled" query nested.nii.gz --atlas-transform same.txt,grid=nested.nii.gz $aim
-    fails 2 "--mask would overwrite the atlas's file coarse.nii" query nested.nii.gz $aim \
+    fails 2 "--mask coarse.nii would overwrite the input coarse.nii" query nested.nii.gz $aim \
         --atlas-transform itk.nii.gz,grid=coarse.nii --mask coarse.nii
     fails 3 "no.nii" query nested.nii.gz --atlas-transform itk.nii.gz,grid=no.nii $aim
     fails 2 "names no file" query nested.nii.gz --atlas-transform itk.nii.gz,grid= $aim

@@ -261,3 +261,21 @@ def test_candidates_that_cannot_be(atlas):
     ):
         with pytest.raises(conus.ArgumentError, match=said):
             atlas.plan(length=(0, 9), **{"depth": 9, **arguments})
+
+
+def test_no_file_that_was_read_is_replaced(tmp_path):
+    nibabel = pytest.importorskip("nibabel")
+    nibabel.save(nibabel.Nifti1Image(plates(), AFFINE), tmp_path / "plates.nii")
+    table = tmp_path / "plates.tsv"
+    table.write_text("index\tname\n" + "".join(f"{i}\t{name}\n" for i, name in NAMES.items()))
+    before = table.read_bytes()
+    plan = conus.load(tmp_path / "plates.nii").plan({"right": 4}, origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS)
+    (tmp_path / "link.csv").symlink_to(table)
+    (tmp_path / "hard.tsv").hardlink_to(table)
+    for name in ("plates.tsv", "link.csv", "hard.tsv"):
+        with pytest.raises(conus.ArgumentError, match="would overwrite the input .*plates.tsv"):
+            plan.save(tmp_path / name)
+    assert table.read_bytes() == before
+    for _ in range(2):  # its own file may be made anew
+        plan.save(tmp_path / "rows.tsv")
+        assert conus.read_poses(tmp_path / "rows.tsv") is not None

@@ -68,7 +68,7 @@ static bool is_in_link(char *path, size_t from)
 
 /* Refuses ".." behind the first folder of a path: it could lead out of the replay's folder. Paths that conus writes
  * have none there. */
-static bool link_file(const struct stage *stage, const char *path, const char *target)
+bool stage_link(const struct stage *stage, const char *path, const char *target)
 {
     bool absolute = *path == '/';
     const char *below = absolute ? stage->folder : stage->cwd;
@@ -114,7 +114,7 @@ static bool make_cwd(struct stage *out, const struct record *record)
     return made || (print_system_error(out->cwd, "make"), false);
 }
 
-static bool make_folder(struct stage *out)
+bool stage_begin(struct stage *out)
 {
     const char *temporary = getenv("TMPDIR");
     if (asprintf(&out->folder, "%s/conus-verify-XXXXXX", temporary && *temporary == '/' ? temporary : "/tmp") < 0) {
@@ -133,7 +133,7 @@ static bool make_folder(struct stage *out)
 bool stage_make(struct stage *out, const struct record *record, const struct found_file *found)
 {
     *out = (struct stage){0};
-    bool made = make_folder(out) && make_cwd(out, record);
+    bool made = stage_begin(out) && make_cwd(out, record);
     for (size_t i = 0; i < record->input_count; i++) {
         const char *path = record->inputs[i].path;
         char *here = *path == '/' && found[i].path ? realpath(path, NULL) : NULL;
@@ -143,7 +143,7 @@ bool stage_make(struct stage *out, const struct record *record, const struct fou
     for (size_t i = 0; i < record->input_count && made; i++) {
         const char *path = record->inputs[i].path;
         bool links = found[i].path && (*path != '/' || out->is_moved);
-        made = !links || link_file(out, path, found[i].path);
+        made = !links || stage_link(out, path, found[i].path);
     }
     return made;
 }

@@ -45,6 +45,12 @@ struct stage {
     bool is_moved;  /**< An absolute path is no longer where it was: all of them are links. */
 };
 
+/** Makes its folder and nothing in it. False likewise. */
+bool stage_begin(struct stage *out);
+/** Makes a link to @p target by the name @p path, and the folders before it. False, after an error message, where that
+ * fails. */
+bool stage_link(const struct stage *stage, const char *path, const char *target);
+
 /** Makes it. False, after an error message, where that fails; @p out is the caller's to stage_finish() in any case, and
  * out->folder to stage_remove(). */
 bool stage_make(struct stage *out, const struct record *record, const struct found_file *found);

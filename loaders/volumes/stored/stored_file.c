@@ -62,7 +62,7 @@ bool kept_index_open(struct kept_index *out, const char *path, const struct byte
         kept_index_finish(&kept);
         return false;
     }
-    file_trace_path(path, &info);
+    file_trace_input(path, &info);
     *out = kept;
     return true;
 }
