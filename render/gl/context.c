@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { DEVICE_LIMIT = 32, ATTEMPTS_SIZE = 512 };
+enum { DEVICE_LIMIT = 32, ATTEMPTS_SIZE = 512, REMARK_LIMIT = 16 };
 
 struct gl_context {
     EGLDisplay display;
@@ -16,6 +16,8 @@ struct gl_context {
     conus_log log;
     void *log_user;
     char renderer[128];
+    uint64_t remarks[REMARK_LIMIT]; /* kinds that were logged */
+    size_t remark_count;
 };
 
 conus_status gl_context_use(struct gl_context *context, struct gl_current *previous)
@@ -89,22 +91,38 @@ static conus_status find_libraries(void)
     return CONUS_OK;
 }
 
+/* A driver may make a remark of a kind at every call. */
+static bool is_news(struct gl_context *context, uint64_t remark)
+{
+    for (size_t i = 0; i < context->remark_count; i++) {
+        if (context->remarks[i] == remark) {
+            return false;
+        }
+    }
+    if (context->remark_count == REMARK_LIMIT) {
+        return false;
+    }
+    context->remarks[context->remark_count++] = remark;
+    return true;
+}
+
+/* Drivers speak of their speed and of where they keep what (PERFORMANCE, OTHER) in any severity: nothing is wrong. */
 static void GLAPIENTRY receive_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length,
                                        const GLchar *message, const void *user)
 {
-    (void)source, (void)id, (void)length;
-    const struct gl_context *context = user;
+    (void)source, (void)length;
+    struct gl_context *context = (struct gl_context *)user;
+    bool is_remark = type == GL_DEBUG_TYPE_PERFORMANCE || type == GL_DEBUG_TYPE_OTHER;
     char line[512];
+    if (is_remark && !is_news(context, (uint64_t)type << 32 | id)) {
+        return;
+    }
     snprintf(line, sizeof line, "OpenGL %s%s: %s", type == GL_DEBUG_TYPE_ERROR ? "error" : "message",
-             severity == GL_DEBUG_SEVERITY_HIGH ? " (high severity)" : "", message);
+             severity == GL_DEBUG_SEVERITY_HIGH && !is_remark ? " (high severity)" : "", message);
     for (char *at = line; *at; at++) {
         *at = (unsigned char)*at < 0x20 ? ' ' : *at;
     }
-    const conus_note note = {
-        .severity = type == GL_DEBUG_TYPE_ERROR || severity == GL_DEBUG_SEVERITY_HIGH ? CONUS_SEVERITY_WARNING
-                                                                                      : CONUS_SEVERITY_NOTE,
-        .line = line,
-    };
+    const conus_note note = {.severity = is_remark ? CONUS_SEVERITY_NOTE : CONUS_SEVERITY_WARNING, .line = line};
     context->log(context->log_user, &note);
 }
 

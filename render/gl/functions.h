@@ -23,7 +23,8 @@
     F(epoxy_, glCopyImageSubData) F(epoxy_, glCreateBuffers) F(epoxy_, glCreateFramebuffers)                           \
     F(epoxy_, glCreateProgram) F(epoxy_, glCreateQueries) F(epoxy_, glCreateShader) F(epoxy_, glCreateTextures)        \
     F(epoxy_, glCreateVertexArrays) F(epoxy_, glCullFace) F(epoxy_, glDebugMessageCallback)                            \
-    F(epoxy_, glDebugMessageControl) F(epoxy_, glDeleteBuffers) F(epoxy_, glDeleteFramebuffers)                        \
+    F(epoxy_, glDebugMessageControl) F(epoxy_, glDebugMessageInsert) F(epoxy_, glDeleteBuffers)                        \
+    F(epoxy_, glDeleteFramebuffers)                                                                                    \
     F(epoxy_, glDeleteProgram) F(epoxy_, glDeleteQueries) F(epoxy_, glDeleteShader) F(epoxy_, glDeleteTextures)        \
     F(epoxy_, glDeleteVertexArrays) F(epoxy_, glDepthFunc) F(epoxy_, glDepthMask) F(epoxy_, glDisable)                 \
     F(epoxy_, glDispatchCompute) F(epoxy_, glDrawArrays) F(epoxy_, glDrawArraysInstanced)                              \

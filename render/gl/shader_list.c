@@ -33,7 +33,7 @@ static conus_status reserve_records(struct shader_list *list, uint32_t capacity)
         return CONUS_ERROR_MEMORY;
     }
     list->capacity = capacity;
-    glNamedBufferData(list->buffer, (GLsizeiptr)(HEADER_SIZE + capacity * list->record_size), NULL, GL_STREAM_READ);
+    glNamedBufferData(list->buffer, (GLsizeiptr)(HEADER_SIZE + capacity * list->record_size), NULL, GL_DYNAMIC_COPY);
     return gl_check("list");
 }
 

@@ -16,13 +16,14 @@ enum { OBJECTS_UNIT, DISTANCE_UNIT, IDENTIFIER_UNIT, RAY_UNIT };
 enum { OUT_BUFFER };
 enum { GROUP = 64, FIRST_INTERVALS = 1024, RAY_TEXELS = sizeof(struct id_ray) / 16 };
 
-/* Kinds of programs: the first contact of a ray, a contact nearer than the known one, or all layers. */
-enum id_kind { FIRST, LATER, PIERCE, KIND_COUNT };
+/* Kinds of programs: the first contact of a ray, or all layers. */
+enum id_kind { FIRST, PIERCE, KIND_COUNT };
 
 struct id_program {
     GLuint program;
     GLint range;
     GLint first_cell, last_cell; /* not with slices */
+    GLint has_hits;              /* not with PIERCE */
 };
 
 struct id_volume {
@@ -55,7 +56,6 @@ static conus_status need_program(struct id_pass *pass, enum id_kind kind)
     }
     const struct program_define defines[] = {
         {"SLICES", sampling == CONUS_SAMPLING_SLICES},
-        {"MERGE", kind == LATER},
         {"PIERCE", kind == PIERCE},
         {"GROUP", GROUP},
         {"OBJECTS_UNIT", OBJECTS_UNIT},
@@ -73,7 +73,8 @@ static conus_status need_program(struct id_pass *pass, enum id_kind kind)
         bool skips = sampling == CONUS_SAMPLING_EXACT;
         pass->programs[kind] = (struct id_program){program, program_uniform(program, "range"),
                                                    skips ? program_uniform(program, "first_cell") : -1,
-                                                   skips ? program_uniform(program, "last_cell") : -1};
+                                                   skips ? program_uniform(program, "last_cell") : -1,
+                                                   kind == FIRST ? program_uniform(program, "has_hits") : -1};
     }
     return status;
 }
@@ -150,8 +151,7 @@ conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volum
     const size_t *dim = volume->info.dim;
     enum volume_texture_kind kind = volume->objects16 ? VOLUME_TEXTURE_UINT16 : VOLUME_TEXTURE_UINT32;
     const void *objects = volume->objects16 ? (const void *)volume->objects16 : volume->objects32;
-    conus_status status = pass->volume_count == 1 ? need_program(pass, LATER) : CONUS_OK;
-    status = status ? status : volume_texture_create(&made.objects, kind, dim, objects, memory_left);
+    conus_status status = volume_texture_create(&made.objects, kind, dim, objects, memory_left);
     if (!status && pass->sampling == CONUS_SAMPLING_EXACT) {
         status = volume_texture_create(&made.distances, VOLUME_TEXTURE_UINT8, dim, distances->codes, memory_left);
         memcpy(made.first, distances->first, sizeof made.first);
@@ -181,7 +181,7 @@ static conus_status reserve_rays(struct id_pass *pass, uint32_t rays)
         return CONUS_ERROR_MEMORY;
     }
     glNamedBufferData(pass->ray_buffer, (GLsizeiptr)(rays * sizeof *pass->rays), NULL, GL_STREAM_DRAW);
-    glNamedBufferData(pass->hit_buffer, (GLsizeiptr)(rays * sizeof *pass->hits), NULL, GL_STREAM_READ);
+    glNamedBufferData(pass->hit_buffer, (GLsizeiptr)(rays * sizeof *pass->hits), NULL, GL_DYNAMIC_COPY);
     glTextureBuffer(pass->ray_texels, GL_RGBA32UI, pass->ray_buffer);
     conus_status status = gl_check("rays");
     if (status) {
@@ -223,6 +223,7 @@ static void dispatch(const struct id_pass *pass, enum id_kind kind, const struct
     glUniform3iv(program->first_cell, 1, volume->first);
     glUniform3iv(program->last_cell, 1, volume->last);
     glUniform2i(program->range, (GLint)first, (GLint)end);
+    glUniform1i(program->has_hits, pass->volumes_traced > 0);
     glDispatchCompute((end - first + GROUP - 1) / GROUP, 1, 1);
 }
 
@@ -234,7 +235,7 @@ conus_status id_pass_trace(struct id_pass *pass, size_t volume)
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); /* earlier hits are read now */
     }
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, OUT_BUFFER, pass->hit_buffer);
-    dispatch(pass, pass->volumes_traced ? LATER : FIRST, &pass->volumes[volume], 0, pass->ray_count);
+    dispatch(pass, FIRST, &pass->volumes[volume], 0, pass->ray_count);
     pass->volumes_traced++;
     return gl_check("ID pass");
 }

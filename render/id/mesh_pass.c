@@ -271,7 +271,7 @@ static conus_status make_pixels(struct mesh_pass *pass, size_t slots)
         return CONUS_ERROR_MEMORY;
     }
     pass->pixel_slots = slots;
-    glNamedBufferData(pass->pixel_buffer, (GLsizeiptr)pixels_size(pass, slots), NULL, GL_STREAM_READ);
+    glNamedBufferData(pass->pixel_buffer, (GLsizeiptr)pixels_size(pass, slots), NULL, GL_DYNAMIC_COPY);
     return gl_check("pixels");
 }
 

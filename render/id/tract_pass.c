@@ -358,7 +358,7 @@ static conus_status reserve_pixels(struct tract_pass *pass, size_t pixels)
         glCreateBuffers(1, &pass->ray_buffer);
         glCreateTextures(GL_TEXTURE_BUFFER, 1, &pass->rays);
     }
-    glNamedBufferData(pass->nearest_buffer, (GLsizeiptr)(pixels * sizeof *pass->nearest), NULL, GL_STREAM_DRAW);
+    glNamedBufferData(pass->nearest_buffer, (GLsizeiptr)(pixels * sizeof *pass->nearest), NULL, GL_DYNAMIC_COPY);
     glNamedBufferData(pass->ray_buffer, (GLsizeiptr)(pixels * sizeof *pass->texels), NULL, GL_STREAM_DRAW);
     glTextureBuffer(pass->rays, GL_RGBA32F, pass->ray_buffer);
     return gl_check("rays of streamlines");

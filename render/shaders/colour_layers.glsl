@@ -88,12 +88,10 @@ float weight_of(uint object, vec3 place)
 vec3 border_normal(uint object, vec3 place, vec3 view)
 {
     vec3 reach = 1.5 / vec3(textureSize(area_objects, 0));
-    vec3 gradient;
-    for (int a = 0; a < 3; a++) {
-        vec3 offset = vec3(0.0);
-        offset[a] = reach[a];
-        gradient[a] = (weight_of(object, place + offset) - weight_of(object, place - offset)) / reach[a];
-    }
+    vec3 x = vec3(reach.x, 0.0, 0.0), y = vec3(0.0, reach.y, 0.0), z = vec3(0.0, 0.0, reach.z);
+    vec3 gradient = vec3(weight_of(object, place + x) - weight_of(object, place - x),
+                         weight_of(object, place + y) - weight_of(object, place - y),
+                         weight_of(object, place + z) - weight_of(object, place - z)) / reach;
     gradient = mat3(world_from_camera) * (transpose(mat3(areas_from_camera)) * gradient);
     return normalize(-gradient / max(length(gradient), 1e-6) - view);
 }
@@ -179,11 +177,11 @@ void leap(inout Walk walk, Track context, Track areas, Track haze, float end, fl
 {
     while (!walk.shows && !walk.stops) {
         float plane = walk.plane;
-        bool all = planes.w == 0.0 || is_on(haze, plane);
-        bool shows = all;
+        bool each = planes.w == 0.0 || is_on(haze, plane);
+        bool shows = each;
         float known = look_ahead_both(context, areas, plane, shows);
         walk.shows = shows && plane < end;
-        walk.known = min(!all ? known : planes.w == 0.0 ? end : haze.end, end);
+        walk.known = min(!each ? known : planes.w == 0.0 ? end : haze.end, end);
         known = plane < haze.first ? min(known, haze.first) : known;
         float next = max(min(known, end) - 1.0, plane);
         walk.t = plane < end ? min(depth_of(next), last) : last;
@@ -206,10 +204,13 @@ void pass_plane(inout Walk walk, inout vec4 sum, uint object, Track context, Tra
     walk.shows = walk.plane < walk.known;
 }
 
-bool is_seen(uint object, uint seen[SEEN], int count)
+uint seen[SEEN]; // areas that the ray has come to
+int seen_count = 0;
+
+bool is_seen(uint object)
 {
-    bool found = count == SEEN;
-    for (int n = 0; n < count; n++) {
+    bool found = seen_count == SEEN;
+    for (int n = 0; n < seen_count; n++) {
         found = found || seen[n] == object;
     }
     return found;
@@ -254,8 +255,6 @@ void main()
     walk.depth = plane < end ? depth_of(plane - 1.0) : 0.0;
     walk.before = 0u;
     float hit = NEVER;
-    uint seen[SEEN];
-    int seen_count = 0;
     vec4 sum = vec4(0.0);
     bool ends = false;
     while (hit == NEVER && sum.a < OPAQUE && !ends) {
@@ -276,8 +275,7 @@ void main()
                 }
             }
             walk.object = !is_clear ? visible_at(place_on(areas, walk.t)) : found ? walk.before : 0u;
-            walk.enters = !is_clear && walk.object != 0u && walk.object != walk.before &&
-                          !is_seen(walk.object, seen, seen_count);
+            walk.enters = !is_clear && walk.object != 0u && walk.object != walk.before && !is_seen(walk.object);
             if (!is_clear && !walk.enters && !walk.stops) {
                 pass_plane(walk, sum, walk.object, context, haze, per_depth);
             }

@@ -1,10 +1,10 @@
 // The ID pass: per ray, the first voxel along it that belongs to an object (Eq. 5), or the first of the planes of Eq. 7
 // on which it samples one. In double precision and `precise`, so that it takes the very cells that the CPU takes. Rays
 // come prepared from the CPU, of as many pixels and cones as there are. Dispatched once per volume; a later volume
-// (MERGE) only overwrites what is farther. PIERCE appends every interval of the ray inside an object to a list instead
+// (has_hits) only overwrites what is farther. PIERCE appends every interval of the ray inside an object to a list instead
 // (Eq. 10).
 //
-// Defines: SLICES, MERGE, PIERCE (0 or 1), GROUP, and the bindings *_UNIT (textures) and *_BUFFER.
+// Defines: SLICES, PIERCE (0 or 1), GROUP, and the bindings *_UNIT (textures) and *_BUFFER.
 
 layout(local_size_x = GROUP) in;
 
@@ -37,6 +37,8 @@ struct Found { // struct id_hit
 };
 
 layout(std430, binding = OUT_BUFFER) restrict buffer Hits { Found hits[]; };
+
+uniform bool has_hits; // of the volumes before
 #endif
 
 #define NEVER packDouble2x32(uvec2(0u, 0x7ff00000u)) // infinity; to glslang not a constant
@@ -76,12 +78,12 @@ Ray load_ray(int number)
 {
     dvec2 a = load_pair(5 * number), b = load_pair(5 * number + 1), c = load_pair(5 * number + 2);
     dvec2 d = load_pair(5 * number + 3), e = load_pair(5 * number + 4);
-    dvec3 origin = dvec3(a, b.x), direction = dvec3(b.y, c), inverse = dvec3(d, e.x);
+    dvec3 origin = dvec3(a, b.x), direction = dvec3(b.y, c), inverses = dvec3(d, e.x);
 #if SLICES
-    return Ray(origin, direction, inverse, e.y);
+    return Ray(origin, direction, inverses, e.y);
 #else
-    dvec3 sign = mix(dvec3(1.0), dvec3(-1.0), lessThan(direction, dvec3(0.0)));
-    return Ray(origin, direction, inverse, sign, all(lessThan(abs(origin), dvec3(FAR))) ? 0.5 - NEAR : -1.0);
+    dvec3 signs = mix(dvec3(1.0), dvec3(-1.0), lessThan(direction, dvec3(0.0)));
+    return Ray(origin, direction, inverses, signs, all(lessThan(abs(origin), dvec3(FAR))) ? 0.5 - NEAR : -1.0);
 #endif
 }
 
@@ -184,14 +186,17 @@ bool enter(Ray ray, out Place at)
     dvec3 end = end_of(ray);
     dvec3 entry = crossing_times(ray, first, -0.5);
     at.cell = cell_of(ray.origin);
-    for (int axis = 0; axis < 3; axis++) {
-        if ((first[axis] - at.cell[axis]) * ray.sign[axis] > 0.0) {
-            if (entry[axis] >= last.t) {
-                last = Crossing(entry[axis], axis);
-            }
-            at.cell[axis] = first[axis];
-        }
+    bvec3 outside = greaterThan((first - at.cell) * ray.sign, dvec3(0.0));
+    if (outside.x && entry.x >= last.t) {
+        last = Crossing(entry.x, 0);
     }
+    if (outside.y && entry.y >= last.t) {
+        last = Crossing(entry.y, 1);
+    }
+    if (outside.z && entry.z >= last.t) {
+        last = Crossing(entry.z, 2);
+    }
+    at.cell = mix(at.cell, first, outside);
     at.t = last.t;
     if (!(at.t < NEVER) || any(greaterThanEqual((at.cell - end) * ray.sign, dvec3(0.0)))) {
         return false;
@@ -279,15 +284,15 @@ void pierce(Ray ray, uint number)
 {
     Interval interval = Interval(number, 0u, 0.0, 0.0, uint[](0u, 0u, 0u));
     Place at;
-    bool is_inside = enter(ray, at);
-    while (is_inside && find_object(ray, NEVER, at)) {
+    bool is_in = enter(ray, at);
+    while (is_in && find_object(ray, NEVER, at)) {
         do {
             uint id = identify(at.cell);
             if (id != interval.id) {
                 change(interval, id, at.t, at.cell);
             }
-            is_inside = leave(ray, 0.0, at);
-        } while (is_inside && code_at(at) == 0u);
+            is_in = leave(ray, 0.0, at);
+        } while (is_in && code_at(at) == 0u);
         change(interval, 0u, at.t, dvec3(0.0));
     }
 }
@@ -295,13 +300,13 @@ void pierce(Ray ray, uint number)
 Hit walk(Ray ray, double limit)
 {
     Place at;
-    bool is_inside = enter(ray, at);
-    while (is_inside && find_object(ray, limit, at)) {
+    bool is_in = enter(ray, at);
+    while (is_in && find_object(ray, limit, at)) {
         uint id = identify(at.cell);
         if (id != 0u) {
             return Hit(id, at);
         }
-        is_inside = leave(ray, 0.0, at);
+        is_in = leave(ray, 0.0, at);
     }
     return Hit(0u, Place(dvec3(0.0), NEVER));
 }
@@ -318,18 +323,11 @@ void main()
 #if PIERCE
     pierce(ray, uint(number));
 #else
-    double limit = NEVER;
-    uint rival = 0u;
-#if MERGE
-    limit = hits[number].t;
-    rival = hits[number].id;
-#endif
+    double limit = has_hits ? hits[number].t : NEVER;
     Hit hit = walk(ray, limit);
-#if MERGE
-    if (hit.id == 0u || (hit.place.t == limit && rival < hit.id)) {
+    if (has_hits && (hit.id == 0u || (hit.place.t == limit && hits[number].id < hit.id))) {
         return;
     }
-#endif
     uvec3 cell = uvec3(hit.place.cell);
     hits[number] = Found(hit.place.t, hit.id, uint[](cell.x, cell.y, cell.z));
 #endif

@@ -49,14 +49,14 @@ void main()
     ivec2 at = ivec2(gl_FragCoord.xy);
     dvec2 place = dvec2(2 * at + 1) / double(resolution) - 1.0;
     dvec3 direction = normalize(direction_from_place * dvec3(place, 1.0));
-    double distance = distance_to(triangle, origin_from_place * place, direction);
-    if (distance < BEHIND) {
+    double reached = distance_to(triangle, origin_from_place * place, direction);
+    if (reached < BEHIND) {
         return;
     }
     int pixel = first_pixel + at.y * resolution + at.x;
-    float t = float(max(distance, 0.0));
+    float t = float(max(reached, 0.0));
     // what may lie behind the ray's start hides nothing
-    uint before = atomicMin(pixels[pixel].nearest, distance < 0.0 ? 0xffffffffu : floatBitsToUint(t));
+    uint before = atomicMin(pixels[pixel].nearest, reached < 0.0 ? 0xffffffffu : floatBitsToUint(t));
     if (t <= uintBitsToFloat(before) * SLACK) {
         uint slot = atomicAdd(pixels[pixel].count, 1u);
         if (slot < uint(CAPACITY)) {

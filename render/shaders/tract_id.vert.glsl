@@ -49,11 +49,11 @@ vec2 places_between(vec2 side, vec2 depth, float reach)
 }
 
 // The first pixel whose centre lies between two places, and one past the last.
-vec2 pixels_of(vec2 places)
+vec2 pixels_of(vec2 range)
 {
     float n = float(resolution);
     float margin = 0.01 + 1e-5 * n;
-    vec2 at = ((clamp(places, -2.0, 2.0) + 1.0) * n - 1.0) / 2.0;
+    vec2 at = ((clamp(range, -2.0, 2.0) + 1.0) * n - 1.0) / 2.0;
     return vec2(max(ceil(at.x - margin), 0.0), min(floor(at.y + margin) + 1.0, n));
 }
 

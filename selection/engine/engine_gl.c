@@ -142,10 +142,11 @@ static void prepare_planes(const struct gl_engine *gl, const struct volume *volu
     struct slices slices = slices_over(dim, volume->info.world_from_voxel, cone->pose.world_from_device + 12, axis,
                                        slices_of_id_pass(gl->slices, gl->slice_fraction, dim));
     for (size_t r = 0; r < count; r++) {
+        double per_depth = 1 / vec3_dot(gl->directions[traced[r]], axis);
         rays[r].planes.start = slices.start;
         rays[r].planes.spacing = slices.spacing;
-        rays[r].planes.count = slices.count;
-        rays[r].planes.per_depth = 1 / vec3_dot(gl->directions[traced[r]], axis);
+        rays[r].planes.count = per_depth > 0 ? slices.count : 0; /* none is before a ray that goes back */
+        rays[r].planes.per_depth = per_depth;
     }
 }
 

@@ -142,12 +142,13 @@ static void block_take(struct block *block, const struct cone *cone, size_t firs
     set_origins(block, cone);
 }
 
-/* Eq. 7: the first of the planes, at depths along the axis, on which a ray hits an object's voxel. */
+/* Eq. 7: the first of the planes, at depths along the axis, on which a ray hits an object's voxel. None is before a ray
+ * that goes back, as those of pixels outside a wide cone may. */
 static struct traverse_contact sample_slices(const struct volume *volume, const struct slices *slices,
                                              const double origin[3], const double direction[3], double per_depth)
 {
     const size_t *dim = volume->info.dim;
-    for (uint32_t k = 0; k < slices->count; k++) {
+    for (uint32_t k = 0; k < slices->count && per_depth > 0; k++) {
         double t = slices_depth(slices, k) * per_depth;
         double cell[3];
         bool inside = true;

@@ -56,11 +56,38 @@ load helpers
     run ! conus batch sphere.nii.gz --poses poses.tsv -o rays.tsv
     for block in 1 7 64 1000; do
         run --separate-stderr "$CONUS" batch sphere.nii.gz --poses poses.tsv --engine gl --block "$block" -o gl.tsv --force
-        [ "$status" -ne 4 ] || skip "$stderr"
+        [ "$status" -ne 4 ] || need_gl
         [ "$status" -eq 1 ]
         cmp gl.tsv rays.tsv
     done
     [ "$(grep -c error gl.tsv)" -gt 10 ]
+}
+
+# Mesa says that it has OpenGL 4.5, but its compiler knows GLSL 3.30 only.
+@test "where there is OpenGL, shaders that a driver refuses fail tests, and skip none" {
+    need_gl
+    export MESA_GL_VERSION_OVERRIDE=4.5 MESA_GLSL_VERSION_OVERRIDE=330
+    sphere --size 16
+    run --separate-stderr "$CONUS" query sphere.nii.gz --origin 0,0,50 --toward 0,0,0 --engine gl
+    [ "$status" -ne 0 ] || skip "this driver is not Mesa's"
+    [ "$status" -eq 4 ]
+    [[ "$stderr" == *"conus: shader "* ]]
+    not lacks_gl
+    local tests=${CONUS_HAS_GL%/*} group
+    for group in gl_context gl_list gl_pass colour tubes shading context_blocks renderer_changes; do
+        check_refused "$tests/render/test_render" "$group"
+    done
+    for group in gl_batch gl_id gl_layers gl_tracts bands contact_value contact sampling share segments picture_view; do
+        check_refused "$tests/selection/test_selection" "$group"
+    done
+}
+
+# check_refused PROGRAM GROUP: asserts that tests of the group fail, and that none is skipped.
+check_refused() {
+    local code=0
+    (cd "$BATS_TEST_TMPDIR" && "$1" "$2") >said 2>&1 || code=$?
+    [ $code -ne 0 ] || { echo "$2 passed"; return 1; }
+    not grep '\[  SKIPPED' said
 }
 
 @test "slices have no layers with OpenGL either" {

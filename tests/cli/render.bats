@@ -67,7 +67,7 @@ session() {
     sphere --size 32
     session
     run --separate-stderr "$CONUS" render sphere.nii.gz --poses session.csv -o 'fig-{row}-{query}.exr' $SMALL -q
-    [ "$status" -ne 4 ] || skip "no OpenGL 4.5"
+    [ "$status" -ne 4 ] || need_gl
     [ "$status" -eq 1 ]
     check_message 'session.csv:4: toward: is the origin itself'
     [ "$(echo ./*.exr)" = './fig-1-left.exr ./fig-2-top.exr ./fig-4-_._a_b_c.exr ./fig-5-left.exr ./fig-6-6.exr' ]
@@ -207,7 +207,7 @@ END
     fails 2 '--legend and --no-legend exclude each other' render a.nii -o a.png --legend below --no-legend
     sphere --size 16
     run --separate-stderr "$CONUS" render sphere.nii.gz -o a.png --size 4000x4000 --max-memory 100M
-    [ "$status" -ne 4 ] || skip "no OpenGL 4.5"
+    [ "$status" -ne 4 ] || need_gl
     [ "$status" -eq 3 ]
     check_message 'picture of 4000 x 4000 pixels: 512000000 bytes, allowed are'
     [ ! -e a.png ]

@@ -6,6 +6,7 @@
 #include "scene.h"
 #include "selection/measure/statistics.h"
 #include "test.h"
+#include "test_gl.h"
 
 #include <string.h>
 
@@ -113,13 +114,7 @@ static void check_step(conus_engine engine)
             const conus_selector_options options = {.engine = engine, .resolution = n};
             conus_selector *selector = NULL;
             conus_selection *selection = NULL;
-            conus_status status = conus_selector_create(&selector, atlas, &options);
-            if (status == CONUS_ERROR_GL) {
-                print_message("skipped: %s\n", conus_message());
-                conus_atlas_destroy(atlas);
-                skip();
-            }
-            assert_ok(status);
+            assert_gl(conus_selector_create(&selector, atlas, &options));
             assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(20)));
             assert_near(conus_selection_result(selection, 0)->contact[2], -NEAR, 1e-9);
             conus_selection_destroy(selection);

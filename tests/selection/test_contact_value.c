@@ -6,6 +6,7 @@
 #include "conus/arrays.h"
 #include "conus/selection.h"
 #include "test.h"
+#include "test_gl.h"
 
 #include <math.h>
 #include <string.h>
@@ -48,12 +49,7 @@ static conus_atlas *make_atlas(void)
 static conus_selector *make_selector(const conus_atlas *atlas, const conus_selector_options *options)
 {
     conus_selector *selector = NULL;
-    conus_status status = conus_selector_create(&selector, atlas, options);
-    if (status == CONUS_ERROR_GL) {
-        print_message("skipped: %s\n", conus_message());
-        skip();
-    }
-    assert_ok(status);
+    assert_gl(conus_selector_create(&selector, atlas, options));
     return selector;
 }
 

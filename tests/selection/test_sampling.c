@@ -4,6 +4,7 @@
 #include "base/geometry/math3.h"
 #include "selection/engine/engine.h"
 #include "test.h"
+#include "test_gl.h"
 
 #include "conus/arrays.h"
 
@@ -191,12 +192,7 @@ static void check_slab(const conus_atlas *atlas, conus_engine engine, double fra
     conus_selection *selection = NULL;
     conus_pose pose;
     double depth = 9.0 / (2 * planes);
-    conus_status status = conus_selector_create(&selector, atlas, &options);
-    if (status == CONUS_ERROR_GL) {
-        print_message("skipped: %s\n", conus_message());
-        skip();
-    }
-    assert_ok(status);
+    assert_gl(conus_selector_create(&selector, atlas, &options));
     assert_ok(conus_pose_along(&pose, (double[]){15.3, 15.4, -20.5}, (double[]){0, 0, 1}, NULL));
     assert_ok(conus_select(&selection, selector, &pose, 0));
     const conus_result *first = conus_selection_result(selection, 0);

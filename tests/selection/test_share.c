@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Selectors that share their tables answer at the same time, each like the first one alone. */
 #include "test.h"
+#include "test_gl.h"
 
 #include "conus/arrays.h"
 #include "conus/selection.h"
@@ -115,11 +116,7 @@ static void gl_is_of_one_thread(void **state)
     const conus_selector_options options = {.engine = CONUS_ENGINE_GL};
     conus_atlas *atlas = make_board();
     conus_selector *selector = NULL, *other = NULL;
-    conus_status status = conus_selector_create(&selector, atlas, &options);
-    if (status == CONUS_ERROR_GL) {
-        conus_atlas_destroy(atlas);
-        skip();
-    }
+    assert_gl(conus_selector_create(&selector, atlas, &options));
     assert_int_equal(conus_selector_share(&other, selector), CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(conus_message(), "one thread"));
     assert_null(other);

@@ -107,7 +107,7 @@ void picture_rigid(double out[16], double angle, const double to[3])
 
 conus_renderer *picture_renderer(const conus_atlas *atlas, const char *transfer)
 {
-    gl_context_destroy(test_gl_context(NULL, NULL));
+    test_need_gl();
     const conus_renderer_options options = {.transfer = transfer};
     conus_renderer *renderer = NULL;
     assert_ok(conus_renderer_create(&renderer, atlas, &options));

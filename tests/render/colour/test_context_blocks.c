@@ -8,6 +8,7 @@
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"
+#include "test_gl.h"
 #include "value_maps.h"
 
 #include <stdio.h>
@@ -89,12 +90,7 @@ static conus_selection *select_from_eye(const conus_atlas *atlas, conus_selector
     conus_selection *selection = NULL;
     conus_pose pose;
     options.resolution = RESOLUTION;
-    conus_status status = conus_selector_create(&selector, atlas, &options);
-    if (status == CONUS_ERROR_GL) {
-        print_message("skipped: %s\n", conus_message());
-        skip();
-    }
-    assert_ok(status);
+    assert_gl(conus_selector_create(&selector, atlas, &options));
     assert_ok(conus_pose_toward(&pose, eye, (double[]){0, 0, 0}, NULL));
     assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(50)));
     conus_selector_destroy(selector);

@@ -66,7 +66,7 @@ static double faint(const double p[3])
 
 static conus_renderer *renderer_of(const conus_atlas *atlas, const char *function)
 {
-    gl_context_destroy(test_gl_context(NULL, NULL));
+    test_need_gl();
     const conus_pathway_transfer transfer = {.transfer = function};
     const conus_renderer_options options = {.pathways = &transfer, .pathway_count = function ? 1 : 0};
     conus_renderer *renderer = NULL;

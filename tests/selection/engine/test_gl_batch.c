@@ -11,6 +11,7 @@
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"
+#include "test_gl.h"
 #include "tract_scene.h"
 
 #include <stdio.h>
@@ -24,12 +25,7 @@ static conus_selector *gl_selector(const conus_atlas *atlas, conus_selector_opti
     conus_selector *selector = NULL;
     options.engine = CONUS_ENGINE_GL;
     options.log = gl_pair_log;
-    conus_status status = conus_selector_create(&selector, atlas, &options);
-    if (status == CONUS_ERROR_GL) {
-        print_message("skipped: %s\n", conus_message());
-        skip();
-    }
-    assert_ok(status);
+    assert_gl(conus_selector_create(&selector, atlas, &options));
     return selector;
 }
 

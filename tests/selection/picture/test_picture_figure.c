@@ -56,7 +56,7 @@ static struct scene need_scene(void **state)
 {
     struct scene *scene = *state;
     if (!scene->renderer) {
-        gl_context_destroy(test_gl_context(NULL, NULL));
+        test_need_gl();
         assert_ok(conus_renderer_create(&scene->renderer, scene->atlas, NULL));
     }
     return *scene;
@@ -480,7 +480,7 @@ static void a_cube_makes_room_for_scale_and_directions(void **state)
 {
     (void)state;
     need_font();
-    gl_context_destroy(test_gl_context(NULL, NULL));
+    test_need_gl();
     conus_volume_info grid = picture_grid((size_t[]){40, 40, 40}, (double[]){1, 1, 1}, picture_identity);
     struct scene scene = {.atlas = picture_atlas(&grid, all, NULL, NULL)};
     assert_ok(conus_renderer_create(&scene.renderer, scene.atlas, NULL));

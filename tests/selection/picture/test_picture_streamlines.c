@@ -59,7 +59,7 @@ static void draw(double out[2], conus_renderer *renderer, const conus_selection 
 static void those_in_the_cone_stand_out(void **state)
 {
     (void)state;
-    gl_context_destroy(test_gl_context(NULL, NULL));
+    test_need_gl();
     conus_atlas *atlas = two_streamlines(3, 0);
     conus_renderer *renderer = NULL;
     conus_selector *selector = NULL;
@@ -87,7 +87,7 @@ static void those_in_the_cone_stand_out(void **state)
 static void a_draft_has_lines_without_gaps(void **state)
 {
     (void)state;
-    gl_context_destroy(test_gl_context(NULL, NULL));
+    test_need_gl();
     conus_atlas *atlas = two_streamlines(0.005, 6);
     conus_renderer *renderer = NULL;
     conus_image *image = NULL;

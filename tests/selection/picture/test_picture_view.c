@@ -37,7 +37,7 @@ static double ball(const double p[3])
 /* Selects in `atlas` from the left with a cone of 20 degrees; skips the test if there is no GL. */
 static struct fixture make_fixture(conus_atlas *atlas, const double origin[3])
 {
-    gl_context_destroy(test_gl_context(NULL, NULL));
+    test_need_gl();
     struct fixture fixture = {.atlas = atlas};
     conus_pose pose;
     assert_ok(conus_selector_create(&fixture.selector, atlas, NULL));
@@ -275,7 +275,7 @@ static conus_image *draw_level(conus_atlas *atlas, const char *level)
 static void rolled_up_areas_look_like_one(void **state)
 {
     (void)state;
-    gl_context_destroy(test_gl_context(NULL, NULL));
+    test_need_gl();
     conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, identity);
     conus_atlas *halves = picture_atlas(&grid, two_halves, NULL, NULL);
     halves->objects[1].parent = 1;

@@ -6,6 +6,7 @@
 #include "scene.h"
 #include "selection/study/study.h"
 #include "test.h"
+#include "test_gl.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -448,11 +449,7 @@ static void both_engines_say_the_same(void **state)
     const conus_selector_options by_rays = {.engine = CONUS_ENGINE_RAYS, .resolution = 8};
     const conus_jitter_options options = {.tilt = 0.1, .shift = 3, .samples = 64};
     conus_selector *selector = NULL;
-    if (conus_selector_create(&selector, atlas, &by_gl) == CONUS_ERROR_GL) {
-        print_message("skipped: %s\n", conus_message());
-        conus_atlas_destroy(atlas);
-        skip();
-    }
+    assert_gl(conus_selector_create(&selector, atlas, &by_gl));
     conus_selector_destroy(selector);
     conus_pose pose = scene_generic_pose(&seed, atlas);
     conus_jitter *gl = jitter_of(atlas, &by_gl, &pose, 50, &options);

@@ -8,6 +8,7 @@
 #include "selection/selector.h"
 #include "selection/study/study.h"
 #include "test.h"
+#include "test_gl.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -220,11 +221,7 @@ static void check_same(const conus_atlas *atlas, const conus_pose *pose, const c
     conus_selector *selector = NULL;
     conus_segments *other = NULL;
     conus_segments *exact = follow(atlas, NULL, pose);
-    if (conus_selector_create(&selector, atlas, options) == CONUS_ERROR_GL) {
-        print_message("without gl: %s\n", conus_message());
-        conus_segments_destroy(exact);
-        return;
-    }
+    assert_gl(conus_selector_create(&selector, atlas, options));
     for (int time = 0; time < 2; time++) { /* the second time it uses the tables that the first one made */
         assert_ok(conus_segments_create(&other, selector, pose));
         assert_int_equal(other->count, exact->count);
