@@ -101,10 +101,15 @@ conus_status pose_roll(conus_pose *pose, double turn)
     if (!isfinite(turn)) {
         return fail(CONUS_ERROR_ARGUMENT, "roll: a finite number is needed");
     }
+    bool mirrored = pose_is_mirrored(pose);
     vec3_scale(axis, m + 8, -1);
     vec3_scale(up, m + 4, cos(turn));
     vec3_add_scaled(up, up, sin(turn), m);
-    return conus_pose_along(pose, m + 12, axis, up);
+    conus_status status = conus_pose_along(pose, m + 12, axis, up);
+    if (mirrored && !status) {
+        pose_mirror(pose);
+    }
+    return status;
 }
 
 conus_status pose_of_matrix(conus_pose *out, const double m[16], bool lps, conus_axis axis)
