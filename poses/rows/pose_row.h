@@ -20,6 +20,10 @@ enum {
 /** Bytes that a file that is read whole may take: what @p options say, or 1 GiB. */
 uint64_t pose_memory(const conus_pose_options *options);
 
+/** CONUS_ERROR_MEMORY where @p count poses, each with its answer, take more than @p max_memory bytes, 0 = the default
+ * of memory_limit(). */
+conus_status pose_check_count(size_t count, uint64_t max_memory);
+
 /** A row that says nothing yet: no times, no errors, no angle, no range. */
 conus_pose_row pose_row_at(size_t line);
 

@@ -37,7 +37,7 @@ APPS = {
     "apps/mpi": "apps/options apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: the messages between conus and conus-mesh
     "apps/web": "",
-    "apps/hdf5": "base/child",  # hdf5_protocol.h: the messages between conus and conus-hdf5
+    "apps/hdf5": "base base/child",  # hdf5_protocol.h: the messages between conus and conus-hdf5
     "apps/viewer/pictures": "apps/link apps/options",
     "apps/viewer/devices": "apps/link",
     "apps/viewer/model": "apps/options apps/settings apps/viewer/pictures",
