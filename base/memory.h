@@ -41,6 +41,13 @@ static inline uint64_t memory_limit(uint64_t max_memory)
     return max_memory ? max_memory : UINT64_C(8) << 30;
 }
 
+/** Whether chunks that unpack to @p chunks bytes together may stand for @p data bytes, of which they are to be cut:
+ * chunks at the edges of an array are not full, and small arrays have one that is hardly filled. */
+static inline bool memory_chunks_fit(double chunks, double data)
+{
+    return chunks <= 0x1p28 + 16 * data;
+}
+
 /** a * b into *product; false when it does not fit. */
 static inline bool memory_multiply(size_t a, size_t b, size_t *product)
 {

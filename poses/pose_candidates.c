@@ -98,6 +98,7 @@ conus_status pose_candidates_init(struct pose_candidates *out, const conus_candi
 {
     out->asked = *options_of(conus_candidates, asked);
     out->asked.target_count = out->asked.targets ? out->asked.target_count : 0;
+    out->frame = out->asked.frame ? *out->asked.frame : (conus_frame){.space = CONUS_SPACE_RAS};
     conus_status status = check(&out->asked);
     status = status ? status : count_rings(out);
     status = status ? status : count_rolls(out);
@@ -141,7 +142,11 @@ static conus_status tilt_pose(conus_pose *pose, const struct pose_candidates *ca
     for (int a = 0; a < 3; a++) {
         direction[a] = sin(tilt) * (cos(turn) * m[4 + a] + sin(turn) * m[a]) - cos(tilt) * m[8 + a];
     }
-    return conus_pose_along(pose, m + 12, direction, NULL);
+    conus_status status = conus_pose_along(pose, m + 12, direction, NULL);
+    if (!status) {
+        conus_frame_turn_pose(pose, &candidates->frame, false);
+    }
+    return status;
 }
 
 /* Writes "e412-t77": leaves out parts that can only be 1, but not all of them. */
@@ -180,6 +185,9 @@ conus_status pose_candidates_row(conus_pose_row *out, char id[POSE_CANDIDATE_ID]
     write_id(id, candidates, numbers);
     conus_status status =
         target ? conus_pose_toward(&out->pose, entry, target, NULL) : conus_pose_along(&out->pose, entry, inward, NULL);
+    if (!status) {
+        conus_frame_turn_pose(&out->pose, &candidates->frame, false);
+    }
     if (!status && target && asked->to_target) {
         double way[3];
         vec3_sub(way, target, entry);

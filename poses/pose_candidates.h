@@ -10,6 +10,7 @@ enum { POSE_CANDIDATE_ID = 96 }; /**< "e1-t1-k1-r1", each number of at most 20 d
 
 struct pose_candidates {
     conus_candidates asked;
+    conus_frame frame;
     uint64_t *rings;   /**< [ring_count + 1] Number of the first tilt of each ring, the untilted direction the first; */
     size_t ring_count; /**< behind the last one how many tilts there are. */
     uint64_t rolls;    /**< Turns about the axis, 1 = none. */

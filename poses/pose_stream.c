@@ -504,6 +504,8 @@ static conus_status create_stream(conus_pose_stream **out, const conus_pose_opti
     stream->lines.descriptor = -1;
     stream->list.sink = (struct note_sink){options->log, options->log_user, NULL};
     stream->list.notes.sink = &stream->list.sink;
+    stream->list.is_counted = true;
+    stream->list.max_memory = options->max_memory;
     *out = stream;
     return CONUS_OK;
 }
@@ -802,10 +804,12 @@ static conus_status read_all(conus_pose_list *list, conus_pose_stream *stream)
     conus_pose_row rows[BLOCK];
     size_t count = 0;
     conus_status status = CONUS_OK;
+    list->is_counted = true;
+    list->max_memory = stream->options.max_memory;
     do {
         status = conus_pose_stream_read(rows, &count, stream, BLOCK);
         for (size_t i = 0; !status && i < count; i++) {
-            status = pose_list_add(list, &rows[i], text_from(rows[i].id), rows[i].error);
+            status = fail_of(stream, pose_list_add(list, &rows[i], text_from(rows[i].id), rows[i].error));
         }
     } while (!status && count);
     if (status) {

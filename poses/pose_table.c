@@ -335,6 +335,7 @@ static conus_status pose_from_values(conus_pose *out, const struct pose_table *t
              : table->has[TX] ? conus_pose_toward(out, v + X, v + TX, up)
                               : conus_pose_along(out, v + X, v + DX, up);
     if (!status) {
+        conus_frame_turn_pose(out, &own, up || table->has[M00] || table->has[QW]);
         pose_turn(out, options->axis);
     }
     return status;

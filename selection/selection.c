@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/geometry/tangent.h"
 #include "base/memory.h"
+#include "poses/rows/pose_row.h"
 #include "selection/rank.h"
 #include "selection/selector.h"
 
@@ -269,7 +270,7 @@ conus_status selection_begin(conus_selection **out, conus_selector *selector, co
                         .aperture = options->aperture,
                         .radius = options->radius,
                         .range = {selector->range[0], selector->range[1]}};
-    conus_status status = conus_pose_from_matrix(&cone.pose, pose->world_from_device);
+    conus_status status = pose_settle(&cone.pose, pose->world_from_device);
     status = status ? status : cone_check(&cone);
     if (status) {
         return status;

@@ -57,8 +57,7 @@ static bool holds_middle(const struct mesh *outer, const struct mesh *inner)
     return true;
 }
 
-/* Whether the mesh lies in the mesh of an area above it that is reported as the same one. */
-static bool lies_in_mesh(const conus_selector *selector, uint32_t number)
+bool selector_lies_in_mesh(const conus_selector *selector, uint32_t number, bool of_any)
 {
     const conus_atlas *atlas = selector->atlas;
     const uint32_t *group = level_group(selector->level);
@@ -66,7 +65,7 @@ static bool lies_in_mesh(const conus_selector *selector, uint32_t number)
     uint32_t at = inner ? atlas->objects[number - 1].parent : 0;
     for (; at; at = atlas->objects[at - 1].parent) {
         const struct mesh *outer = atlas_object_mesh(atlas, at);
-        if (group[at] == group[number] && outer && holds_middle(outer, inner)) {
+        if ((of_any || group[at] == group[number]) && outer && holds_middle(outer, inner)) {
             return true;
         }
     }
@@ -83,7 +82,7 @@ static conus_status measure_objects(conus_selector *selector)
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
         const conus_object *object = &atlas->objects[number - 1];
         bool unknown = object->triangles && object->volume_mm3 == 0; /* so is the volume of an area above it */
-        if (!atlas->places[number - 1].is_hidden && !lies_in_mesh(selector, number)) {
+        if (!atlas->places[number - 1].is_hidden && !selector_lies_in_mesh(selector, number, false)) {
             selector->whole[level_group(selector->level)[number]] += unknown ? NAN : object->volume_mm3;
         }
     }
@@ -97,7 +96,7 @@ static conus_status list_solids(conus_selector *selector)
     conus_status status = CONUS_OK;
     for (uint32_t number = 1; number <= atlas->object_count && !status; number++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, number);
-        if (mesh && !atlas->places[number - 1].is_hidden && !lies_in_mesh(selector, number) &&
+        if (mesh && !atlas->places[number - 1].is_hidden && !selector_lies_in_mesh(selector, number, false) &&
             selector->whole[level_group(selector->level)[number]] > 0) {
             status = solids_add(&selector->solids, number, mesh);
         }

@@ -46,6 +46,10 @@ struct conus_selector {
  * another thread, where the engine is rays. */
 conus_status selector_share(conus_selector **out, const conus_selector *selector);
 
+/** Whether the object's mesh lies in the mesh of an area above it that is reported as the same one, or if @p of_any as
+ * any one. */
+bool selector_lies_in_mesh(const conus_selector *selector, uint32_t number, bool of_any);
+
 /** Makes selector->axis ready, unless it is. Before selectors are shared, theirs is made once. */
 conus_status selector_prepare_axis(conus_selector *selector);
 

@@ -359,6 +359,20 @@ static int load_targets(struct place *place, const struct request *request, cons
     return thin_out(place, "toward", request);
 }
 
+/* Vertices and voxels have been counted by their files, which are smaller. */
+static int check_memory(const struct place *place, const char *option, const struct request *request)
+{
+    enum { SITE_BYTES = 64 };
+    uint64_t most = request->settings->atlas.max_memory ? request->settings->atlas.max_memory : UINT64_C(8) << 30;
+    size_t count = conus_sites_count(place->sites);
+    if (count <= most / SITE_BYTES) {
+        return EXIT_DONE;
+    }
+    print_error_line("--%s: %s: %zu points take %d bytes each, allowed are %llu bytes (--max-memory)", option,
+                     place->path, count, SITE_BYTES, (unsigned long long)most);
+    return exit_code_of(CONUS_ERROR_MEMORY);
+}
+
 int candidates_open(struct candidates *candidates, struct request *request, const struct constraints *constraints)
 {
     bool is_normal = strcmp(candidates->toward.path, "normal") == 0;
@@ -366,9 +380,15 @@ int candidates_open(struct candidates *candidates, struct request *request, cons
                               .tilt_step = radians(candidates->tilt[1]),
                               .roll_step = radians(candidates->roll),
                               .to_target = candidates->to_target,
-                              .beyond = candidates->beyond};
+                              .beyond = candidates->beyond,
+                              .frame = &request->frame};
     int code = load_entries(&candidates->from, request);
     code = code || is_normal ? code : load_targets(&candidates->toward, request, constraints);
+    if (code) {
+        return code;
+    }
+    code = check_memory(&candidates->from, "from", request);
+    code = code || is_normal ? code : check_memory(&candidates->toward, "toward", request);
     if (code) {
         return code;
     }
@@ -407,7 +427,7 @@ static void put_id(FILE *out, const char *id, char mark)
 }
 
 /* Whether all poses are turned as one that has only an axis (Eq. 2). */
-static bool have_usual_turns(const conus_plan *plan)
+static bool have_usual_turns(const conus_plan *plan, const conus_frame *frame)
 {
     bool all = true;
     for (size_t i = 0; i < conus_plan_count(plan) && all; i++) {
@@ -415,6 +435,9 @@ static bool have_usual_turns(const conus_plan *plan)
         const double *m = pose->world_from_device;
         conus_pose usual;
         all = !conus_pose_along(&usual, m + 12, (const double[]){-m[8], -m[9], -m[10]}, NULL);
+        if (all) {
+            conus_frame_turn_pose(&usual, frame, false);
+        }
         for (int k = 0; k < 16; k++) {
             all = all && usual.world_from_device[k] == m[k];
         }
@@ -438,7 +461,7 @@ static double exact_degrees(double angle)
 /* 17 digits are those of one double. */
 static void put_table(FILE *out, const conus_plan *plan, const conus_frame *frame)
 {
-    bool has_up = !have_usual_turns(plan);
+    bool has_up = !have_usual_turns(plan, frame);
     bool has_angle = false;
     for (size_t i = 0; i < conus_plan_count(plan); i++) {
         has_angle = has_angle || conus_plan_pose(plan, i)->has_angle;

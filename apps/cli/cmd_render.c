@@ -654,6 +654,7 @@ static int load_camera(struct picture *picture)
         code = print_data_error("%s:%zu: %s", path, row->line, pose_settings_row_error(row));
     } else if (!code) {
         picture->camera = row->pose;
+        conus_frame_turn_pose(&picture->camera, &(conus_frame){.space = CONUS_SPACE_RAS}, true); /* no mirror image */
     }
     conus_pose_list_destroy(list);
     return code;

@@ -167,6 +167,7 @@ int main(int argc, char **argv)
     /* A reader that went away is an error of writing, with a message and an exit code, not a sudden end. */
     struct sigaction ignore = {.sa_handler = SIG_IGN};
     sigaction(SIGPIPE, &ignore, NULL);
+    sigaction(SIGXFSZ, &ignore, NULL); /* likewise a file that `ulimit -f` does not let grow */
     /* `ulimit -s 64` leaves too little for 256 rays side by side, for Embree and for OpenGL. */
     struct rlimit limit;
     bool is_small = getrlimit(RLIMIT_STACK, &limit) == 0 && limit.rlim_cur < ENOUGH;

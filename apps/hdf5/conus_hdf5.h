@@ -23,6 +23,10 @@ struct description {
     const char *name;
 };
 
+/** Lets the program have @p bytes of memory more than it has: a damaged file may make libhdf5 ask for any number. The
+ * limit that it was started with holds. */
+void memory_allow(uint64_t bytes);
+
 /** Begins the stream, which may have @p limit bytes. */
 void stream_begin(uint64_t limit);
 

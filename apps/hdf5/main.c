@@ -4,6 +4,7 @@
 
 #include <conus/version.h>
 
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +12,9 @@
 #include <sys/stat.h>
 
 enum { INPUT = 3 };
+
+/* Bytes of memory for libhdf5's own, beside the file and the datasets. */
+#define MEMORY_SPARE (UINT64_C(1) << 27)
 
 /* Larger files are read, not mapped: libhdf5's driver of images in memory is made for small ones. */
 #define IMAGE_LIMIT (UINT64_C(1) << 32)
@@ -65,6 +69,7 @@ static hid_t open_input(void)
     }
     bool mapped = (uint64_t)info.st_size <= IMAGE_LIMIT;
     hid_t access = mapped ? image_access((size_t)info.st_size) : H5Pcreate(H5P_FILE_ACCESS);
+    memory_allow(MEMORY_SPARE + (uint64_t)info.st_size); /* packed bytes are copied, too */
     bool ready = access > 0 && (mapped || H5Pset_fapl_sec2(access) >= 0);
     hid_t file = ready ? H5Fopen(mapped ? image_name : "/proc/self/fd/3", H5F_ACC_RDONLY, access) : -1;
     if (file < 0) {
@@ -97,6 +102,7 @@ int main(int argc, char **argv)
     if (argc == 2 && is_answered(argv[1])) {
         return fflush(stdout) ? 1 : 0;
     }
+    signal(SIGXFSZ, SIG_IGN); /* it writes to no file, and an output that may not grow is an error of writing */
     uint64_t limit = argc > 2 ? strtoull(argv[1], &end, 10) : 0;
     if (!end || *end) {
         fputs(help, stderr);

@@ -2,6 +2,9 @@
 /* From datasets and attributes to frames: what they are, whether they may be read, and their elements. */
 #include "conus_hdf5.h"
 
+#include "base/memory.h"
+
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,7 +31,9 @@ static _Noreturn void refuse_source(const struct source *source, const char *act
 
 static void *allocate(const struct source *source, size_t count, size_t size)
 {
-    void *memory = count > stream_left() / size ? NULL : calloc(count ? count : 1, size);
+    bool fits = count <= stream_left() / size;
+    memory_allow(fits ? count * size : 0);
+    void *memory = fits ? calloc(count ? count : 1, size) : NULL;
     if (!memory) {
         refuse(true, "%s: %zu elements of %zu bytes, allowed are %llu bytes (--max-memory)", source->path, count, size,
                (unsigned long long)stream_left());
@@ -201,6 +206,7 @@ static void write_fixed(const struct source *source, struct piece *pieces)
 static void *take_some(size_t size, void *user)
 {
     uint64_t *left = user;
+    memory_allow(size <= *left ? size : 0);
     void *memory = size > *left ? NULL : malloc(size ? size : 1);
     *left -= memory ? size : 0;
     return memory;
@@ -235,12 +241,40 @@ static void write_variable(const struct source *source, struct piece *pieces, bo
     free(data);
 }
 
+/* Counts what chunks unpack to, each once: they may be far larger than the dataset that is cut out of them. */
+static void check_chunks(const struct source *source, hid_t plan)
+{
+    enum { BUFFERS = 3 };       /* of a chunk: as it is stored, unpacked, and shuffled */
+    static double chunks, data; /* of all datasets */
+    hsize_t dims[H5S_MAX_RANK];
+    double element = (double)H5Tget_size(source->type);
+    double bytes = element;
+    double count = 1;
+    int rank = H5Pget_layout(plan) == H5D_CHUNKED ? H5Pget_chunk(plan, H5S_MAX_RANK, dims) : 0;
+    for (int i = 0; i < rank && i < (int)source->what.rank; i++) {
+        bytes *= (double)dims[i];
+        count *= ceil((double)source->what.dims[i] / (double)dims[i]);
+    }
+    data += element * (double)source->count;
+    chunks += rank > 0 ? bytes * count : 0;
+    if (!memory_chunks_fit(chunks, data)) {
+        refuse(false, "%s: %.0f chunks of %.0f bytes, far larger than its %zu elements", source->path, count, bytes,
+               source->count);
+    }
+    memory_allow(rank > 0 ? (uint64_t)(BUFFERS * bytes) : 0);
+}
+
 /* Writes what has been found to be harmless. */
 static void write_source(struct source *source)
 {
     hid_t memory = -1;
     enum form form = describe_type(&source->what, &memory, source->type);
     describe_space(source);
+    if (!source->is_attribute) {
+        hid_t plan = H5Dget_create_plist(source->object);
+        check_chunks(source, plan);
+        H5Pclose(plan);
+    }
     if (form == FORM_NUMBERS) {
         write_numbers(source, memory);
     } else if (form == FORM_NONE) {

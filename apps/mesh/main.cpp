@@ -5,6 +5,7 @@
 #include <conus/version.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <fcntl.h>
@@ -85,6 +86,7 @@ static bool is_answered(const std::string &word)
 
 int main(int argc, char **argv)
 {
+    std::signal(SIGXFSZ, SIG_IGN); // it writes to no file, and an output that may not grow is an error of writing
     if (argc == 2 && is_answered(argv[1])) {
         return std::fflush(stdout) ? 1 : 0;
     }

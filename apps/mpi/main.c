@@ -13,6 +13,7 @@
 #include "pages/pages.h"
 
 #include <inttypes.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -423,6 +424,7 @@ int main(int argc, char **argv)
     static const struct program program = {.name = "conus-mpi", .commands = commands};
     int provided, code;
     struct cluster cluster;
+    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error of writing */
     if (pages_answer(&code, &program, argc, argv)) {
         return code;
     }

@@ -376,20 +376,22 @@ int settings_pose(conus_pose *out, const struct aim_settings *settings, const co
                   const struct arguments *arguments)
 {
     const double *given_up = option_given(arguments, "up") ? settings->up : NULL;
-    if (option_given(arguments, "toward")) {
-        return settings_pose_toward(out, settings->origin, settings->toward, given_up, frame, "");
-    }
     double from[3];
     double along[3];
     double above[3];
-    int code = space_settings_point(from, settings->origin, frame, "origin");
-    if (code) {
-        return code;
+    int code = EXIT_DONE;
+    if (option_given(arguments, "toward")) {
+        code = settings_pose_toward(out, settings->origin, settings->toward, given_up, frame, "");
+    } else {
+        code = space_settings_point(from, settings->origin, frame, "origin");
+        conus_frame_direction_to_world(along, frame, settings->direction);
+        conus_frame_direction_to_world(above, frame, settings->up);
+        code = code ? code : print_status(conus_pose_along(out, from, along, given_up ? above : NULL));
     }
-    conus_frame_direction_to_world(along, frame, settings->direction);
-    conus_frame_direction_to_world(above, frame, settings->up);
-    conus_status status = conus_pose_along(out, from, along, given_up ? above : NULL);
-    return print_status(status);
+    if (!code) {
+        conus_frame_turn_pose(out, frame, given_up != NULL);
+    }
+    return code;
 }
 
 const char *settings_level_file(const struct engine_settings *settings)

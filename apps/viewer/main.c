@@ -10,6 +10,7 @@
 #include "viewer/opening/view_words.h"
 #include "viewer/opening/waiting.h"
 
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -262,6 +263,7 @@ int main(int count, char **words)
     struct arguments arguments;
     struct view_settings settings = {0};
     int code;
+    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error of writing */
     if (pages_answer(&code, &program, count, words)) {
         return code;
     }

@@ -409,8 +409,8 @@ typedef enum conus_freedom {
     CONUS_FREEDOM_UP,        /**< Shift along the device's y. */
     CONUS_FREEDOM_PITCH,     /**< Turn about the device's x, */
     CONUS_FREEDOM_YAW,       /**< about its y, */
-    CONUS_FREEDOM_AZIMUTH,   /**< about the world's z, */
-    CONUS_FREEDOM_ELEVATION, /**< or towards the world's z; of an axis along z about the device's x. All turns are about
+    CONUS_FREEDOM_AZIMUTH,   /**< about the vertical (conus_tolerance_options.up), */
+    CONUS_FREEDOM_ELEVATION, /**< or towards the vertical; of an axis along it about the device's x. All turns are about
                                lines through the pivot, by the right-hand rule. */
     CONUS_FREEDOM_BOX        /**< x, y, z, then pitch and after it yaw about the device's own y, at once. */
 } conus_freedom;
@@ -446,6 +446,8 @@ typedef struct conus_tolerance_options {
     double shifts[3][3]; /**< World directions of x, y and z, of any length but 0; all 0 = the world's. */
     double box[5];       /**< For conus_plan_box(): by how much x, y and z, mm, and pitch and yaw, radians, may be off
                             at once, to either side; all 0 = nothing is asked. */
+    double up[3];        /**< World direction about and towards which azimuth and elevation turn, of any length but 0;
+                            all 0 = the world's z. */
 } conus_tolerance_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

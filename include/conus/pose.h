@@ -12,7 +12,8 @@
 extern "C" {
 #endif
 
-/** Rigid position and orientation of a device. It points along its own -z; +y is up (Eq. 2). */
+/** Rigid position and orientation of a device. It points along its own -z; +y is up (Eq. 2). Left-handed only where
+ * conus_frame_turn_pose() made it so. */
 typedef struct conus_pose {
     double world_from_device[16]; /**< Column-major; maps device mm to world mm. */
 } conus_pose;

@@ -7,7 +7,9 @@
 #define CONUS_PUBLIC_SPACE_H
 
 #include <conus/atlas.h>
+#include <conus/pose.h>
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #ifdef __cplusplus
@@ -114,6 +116,20 @@ CONUS_API void conus_frame_direction_to_world(double world[3], const conus_frame
  * @since 0.1
  */
 CONUS_API void conus_frame_direction_from_world(double direction[3], const conus_frame *frame, const double world[3]);
+
+/**
+ * Turns a device about its axis as its space has it (Eq. 2): its frame is made in the axes of the space. Up is dorsal
+ * there, and not the world's z. Where the atlas's world is a mirror image of the space, as that of BrainGlobe's folders
+ * is of #CONUS_SPACE_CCF, the device's x comes to lie on the other side: the pose is then left-handed. Such a pose is
+ * the same device at the same place in each form of an atlas; all functions that take a pose take it. In
+ * #CONUS_SPACE_RAS and #CONUS_SPACE_LPS a pose of conus_pose_along() stays as it is.
+ * @param[in,out] pose As conus_pose_along() and conus_pose_toward() make it.
+ * @param frame The frame.
+ * @param has_up It was made with an up vector, which is kept.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_API void conus_frame_turn_pose(conus_pose *pose, const conus_frame *frame, bool has_up);
 
 #ifdef __cplusplus
 }

@@ -556,6 +556,14 @@ static conus_status check_pages(struct tiff *tiff)
                     (unsigned long long)first->width, (unsigned long long)first->length);
     }
     tiff->page_bytes = pixels * (first->bits / 8);
+    double stack = (double)tiff->page_bytes * (double)tiff->page_count;
+    double tiles = (double)(first->across * first->down) * (double)(first->chunk_width * first->chunk_length) /
+                   (double)pixels * stack;
+    if (!memory_chunks_fit(tiles, stack)) {
+        return fail(CONUS_ERROR_DATA, "TileWidth: tiles of %llu x %llu pixels, far larger than pages of %llu x %llu",
+                    (unsigned long long)first->chunk_width, (unsigned long long)first->chunk_length,
+                    (unsigned long long)first->width, (unsigned long long)first->length);
+    }
     tiff->whole = true;
     for (size_t i = 0; !status && i < tiff->page_count; i++) {
         status = check_page(tiff, &tiff->pages[i], &total, &end);

@@ -738,7 +738,11 @@ static conus_status open_by_selector(struct volume_file *out, const char *path, 
     conus_status status = volume_selector_parse(&opening->selector, path);
     opening->use = opening->selector.chosen ? opening->use : STORED_PLAIN;
     status = status ? status : volume_selector_refuse_field(&opening->selector, opening->selector.path);
-    return status ? status : open_with_retry(out, opening->selector.path, opening, notes);
+    if (status) {
+        volume_selector_finish(&opening->selector);
+        return status;
+    }
+    return open_with_retry(out, opening->selector.path, opening, notes);
 }
 
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes)

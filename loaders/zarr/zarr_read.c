@@ -6,6 +6,7 @@
 #include "loaders/zarr/zarr.h"
 
 #include <errno.h>
+#include <math.h>
 #include <nettle/sha2.h>
 #include <stdlib.h>
 #include <string.h>
@@ -97,6 +98,17 @@ static conus_status reading_init(struct reading *reading, uint64_t volume)
     }
     reading->found.wanted = (uint64_t)reading->files[0] * reading->files[1] * reading->files[2];
     bool fits = memory_multiply(index, array->sharded ? reading->entries : 0, &index) && index <= reading->limit;
+    double data = (double)array->size;
+    double chunks = (double)array->chunk_bytes;
+    for (size_t i = 0; i < array->rank; i++) {
+        data *= (double)array->shape[i];
+        chunks *= ceil((double)array->shape[i] / (double)array->chunk[i]);
+    }
+    if (!memory_chunks_fit(chunks, data)) {
+        return fail(CONUS_ERROR_DATA,
+                    "chunk_shape: chunks of %zu bytes, %.0f in all, far larger than the array of %.0f",
+                    array->chunk_bytes, chunks, data);
+    }
     if (!fits || bytes > reading->limit - index) {
         return fail(CONUS_ERROR_MEMORY,
                     "chunk_shape: a chunk takes more memory than the %llu bytes allowed (--max-memory)",

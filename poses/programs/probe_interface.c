@@ -392,11 +392,15 @@ static conus_status check_unique(const conus_probe *probe)
 }
 
 /* Reserves what the lists of positions need. */
-static conus_status reserve(conus_probe *out, const json_t *probes)
+static conus_status reserve(conus_probe *out, const json_t *probes, uint64_t max_memory)
 {
     size_t contacts = 0;
     for (size_t i = 0; i < json_array_size(probes); i++) {
         contacts += json_array_size(value_of(json_array_get(probes, i), "contact_positions"));
+    }
+    conus_status status = pose_check_count(contacts, max_memory);
+    if (status) {
+        return status;
     }
     out->probe_count = json_array_size(probes);
     out->probes = memory_zeroed(out->probe_count, sizeof *out->probes);
@@ -404,7 +408,7 @@ static conus_status reserve(conus_probe *out, const json_t *probes)
     return out->probes && out->contacts ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-static conus_status read_root(conus_probe *out, const json_t *root, double tip)
+static conus_status read_root(conus_probe *out, const json_t *root, const conus_probe_options *options)
 {
     const json_t *kind = value_of(root, "specification");
     const json_t *probes = value_of(root, "probes");
@@ -415,9 +419,9 @@ static conus_status read_root(conus_probe *out, const json_t *root, double tip)
     if (!count || count > PROBE_LIMIT) {
         return fail(CONUS_ERROR_DATA, "probes: found %zu, allowed are 1 to %d", count, PROBE_LIMIT);
     }
-    conus_status status = reserve(out, probes);
+    conus_status status = reserve(out, probes, options->max_memory);
     for (size_t i = 0; i < count && !status; i++) {
-        struct reading reading = {.out = out, .json = json_array_get(probes, i), .index = i, .tip = tip};
+        struct reading reading = {.out = out, .json = json_array_get(probes, i), .index = i, .tip = options->tip};
         status = read_probe(&reading);
     }
     return status ? status : check_unique(out);
@@ -433,7 +437,7 @@ conus_status probe_parse(conus_probe **out, struct text text, const conus_probe_
     conus_probe *probe = memory_zeroed(1, sizeof *probe);
     bool is_object = text_starts(text_trim(text), "{"); /* else no root is found */
     conus_status status = !probe ? CONUS_ERROR_MEMORY : is_object ? json_text_load(&root, text) : CONUS_OK;
-    status = status ? status : read_root(probe, root, options->tip);
+    status = status ? status : read_root(probe, root, options);
     json_decref(root);
     if (status) {
         conus_probe_destroy(probe);

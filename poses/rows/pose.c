@@ -7,6 +7,9 @@
 /* Below this, two directions count as parallel, and a length as zero beside the numbers that made it. */
 static const double NEARLY_ZERO = 1e-9;
 
+/* Eq. 2: from this cosine of its angle to "up" on, a direction has "forward" for it. */
+static const double NEARLY_UP = 0.999;
+
 /* So little is the square of a length off 1 that was divided by itself. */
 static const double UNIT = 2e-15;
 
@@ -40,6 +43,18 @@ static void find_unit(double out[3], const double a[3])
         out[i] = ldexp(a[i], -exponent);
     }
     vec3_normalise(out, out);
+}
+
+bool pose_is_mirrored(const conus_pose *pose)
+{
+    return mat4_determinant3(pose->world_from_device) < 0;
+}
+
+void pose_mirror(conus_pose *pose)
+{
+    for (int a = 0; a < 3; a++) {
+        pose->world_from_device[a] = 0 - pose->world_from_device[a]; /* makes no "-0" of 0 */
+    }
 }
 
 /* Eq. 2: z = -d, x = normalise(up x z), y = z x x. */
@@ -78,9 +93,42 @@ conus_status conus_pose_along(conus_pose *out, const double origin[3], const dou
     } else {
         find_unit(d, direction);
     }
-    bool along_z = fabs(d[2]) > 0.999; /* Eq. 2 */
+    bool along_z = fabs(d[2]) > NEARLY_UP;
     const double fallback[3] = {0, along_z, !along_z};
     return make_frame(out, origin, d, up ? up : fallback);
+}
+
+bool pose_space_axes(double upward_forward[2][3], const conus_frame *frame)
+{
+    static const double world[2][3] = {{0, 0, 1}, {0, 1, 0}};
+    const bool is_ccf = frame->space == CONUS_SPACE_CCF;
+    const double *m = frame->world_from_space;
+    memcpy(upward_forward, world, sizeof world);
+    if (frame->space < CONUS_SPACE_CCF) {
+        return false;
+    }
+    for (int a = 0; a < 3; a++) { /* of bregma AP and DV grow forward and upward, of CCF backward and downward */
+        upward_forward[0][a] = is_ccf ? 0 - m[4 + a] : m[8 + a];
+        upward_forward[1][a] = is_ccf ? 0 - m[a] : m[a];
+    }
+    find_unit(upward_forward[0], upward_forward[0]);
+    find_unit(upward_forward[1], upward_forward[1]);
+    return (mat4_determinant3(m) < 0) == is_ccf; /* AP, DV, ML of CCF are right-handed; AP, ML, DV are not */
+}
+
+void conus_frame_turn_pose(conus_pose *pose, const conus_frame *frame, bool has_up)
+{
+    double axes[2][3];
+    bool mirrored = pose_space_axes(axes, frame);
+    double *m = pose->world_from_device;
+    const double direction[3] = {0 - m[8], 0 - m[9], 0 - m[10]};
+    if (frame->space >= CONUS_SPACE_CCF && !has_up) {
+        bool along_up = fabs(vec3_dot(direction, axes[0])) > NEARLY_UP;
+        (void)make_frame(pose, (const double[]){m[12], m[13], m[14]}, direction, axes[along_up]);
+    }
+    if (mirrored != pose_is_mirrored(pose)) {
+        pose_mirror(pose);
+    }
 }
 
 conus_status conus_pose_toward(conus_pose *out, const double origin[3], const double target[3], const double up[3])
@@ -112,7 +160,7 @@ static void make_rigid(double out[16], const double m[16])
     memcpy(out, rigid, sizeof rigid);
 }
 
-conus_status conus_pose_from_matrix(conus_pose *out, const double world_from_device[16])
+conus_status pose_settle(conus_pose *out, const double world_from_device[16])
 {
     double m[16];
     memcpy(m, world_from_device, sizeof m);
@@ -136,11 +184,28 @@ conus_status conus_pose_from_matrix(conus_pose *out, const double world_from_dev
             }
         }
     }
-    if (mat4_determinant3(m) < 0) {
-        return fail(CONUS_ERROR_ARGUMENT, "pose matrix: left-handed (determinant -1), a rotation is needed");
-    }
+    bool mirrored = mat4_determinant3(m) < 0;
     make_rigid(out->world_from_device, m);
+    if (mirrored) {
+        pose_mirror(out);
+    }
     return CONUS_OK;
+}
+
+conus_status pose_settle_in(conus_pose *out, const double world_from_device[16], const conus_frame *frame)
+{
+    conus_pose pose;
+    conus_status status = pose_settle(&pose, world_from_device);
+    if (!status && pose_is_mirrored(&pose) && !(frame && pose_space_axes((double[2][3]){{0}}, frame))) {
+        status = fail(CONUS_ERROR_ARGUMENT, "pose matrix: left-handed (determinant -1), a rotation is needed");
+    }
+    *out = status ? *out : pose;
+    return status;
+}
+
+conus_status conus_pose_from_matrix(conus_pose *out, const double world_from_device[16])
+{
+    return pose_settle_in(out, world_from_device, NULL);
 }
 
 conus_status conus_pose_from_quaternion(conus_pose *out, const double origin[3], const double wxyz[4])

@@ -40,6 +40,10 @@ void conus_pose_list_destroy(conus_pose_list *list)
 conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, struct text id, const char *error)
 {
     char ordinal[POSE_ORDINAL_SIZE];
+    conus_status status = list->is_counted ? pose_check_count(list->count + 1, list->max_memory) : CONUS_OK;
+    if (status) {
+        return status;
+    }
     const char *bad = pose_check_id(&id, ordinal, list->count + 1);
     error = error ? error : bad;
     conus_pose_row copy = *row;

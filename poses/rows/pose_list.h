@@ -33,6 +33,8 @@ struct conus_pose_list {
     conus_pose_row *rows; /**< Strings are owned. */
     size_t count;
     size_t capacity;
+    bool is_counted;     /**< pose_check_count() holds for it, by `max_memory`. */
+    uint64_t max_memory; /**< 0 = the default. */
     struct notes notes;
     struct note_sink sink; /**< Where the notes go. */
     char *name;            /**< Path of the sink; owned, NULL while it is the stream's. */

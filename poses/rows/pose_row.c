@@ -3,6 +3,7 @@
 #include "poses/rows/pose_row.h"
 
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "base/status.h"
 
 #include <stdio.h>
@@ -11,6 +12,17 @@
 uint64_t pose_memory(const conus_pose_options *options)
 {
     return options->max_memory ? options->max_memory : UINT64_C(1) << 30;
+}
+
+conus_status pose_check_count(size_t count, uint64_t max_memory)
+{
+    enum { POSE_BYTES = 2048 }; /* a row of the list, and a selection, a query and some rows of a report */
+    uint64_t most = memory_limit(max_memory) / POSE_BYTES;
+    return count <= most ? CONUS_OK
+                         : fail(CONUS_ERROR_MEMORY,
+                                "more than %llu poses, which take %d bytes each with their answers, allowed are %llu "
+                                "bytes (--max-memory); conus batch takes tables of any length",
+                                (unsigned long long)most, POSE_BYTES, (unsigned long long)memory_limit(max_memory));
 }
 
 conus_pose_row pose_row_at(size_t line)
@@ -101,10 +113,15 @@ conus_status pose_roll(conus_pose *pose, double turn)
     if (!isfinite(turn)) {
         return fail(CONUS_ERROR_ARGUMENT, "roll: a finite number is needed");
     }
+    bool mirrored = pose_is_mirrored(pose);
     vec3_scale(axis, m + 8, -1);
     vec3_scale(up, m + 4, cos(turn));
     vec3_add_scaled(up, up, sin(turn), m);
-    return conus_pose_along(pose, m + 12, axis, up);
+    conus_status status = conus_pose_along(pose, m + 12, axis, up);
+    if (mirrored && !status) {
+        pose_mirror(pose);
+    }
+    return status;
 }
 
 conus_status pose_of_matrix(conus_pose *out, const double m[16], bool lps, conus_axis axis)

@@ -20,6 +20,10 @@ enum {
 /** Bytes that a file that is read whole may take: what @p options say, or 1 GiB. */
 uint64_t pose_memory(const conus_pose_options *options);
 
+/** CONUS_ERROR_MEMORY where @p count poses, each with its answer, take more than @p max_memory bytes, 0 = the default
+ * of memory_limit(). */
+conus_status pose_check_count(size_t count, uint64_t max_memory);
+
 /** A row that says nothing yet: no times, no errors, no angle, no range. */
 conus_pose_row pose_row_at(size_t line);
 
@@ -37,6 +41,23 @@ conus_status pose_check_range(const double range[2]);
 void pose_flip_point(double p[3]);
 /** The same for a matrix that maps into that space. */
 void pose_flip_matrix(double m[16]);
+
+/** Whether the device's frame is left-handed, as in a world that is a mirror image of a space (Eq. 2). */
+bool pose_is_mirrored(const conus_pose *pose);
+
+/** Turns the device's x around, so that its frame has the other hand. */
+void pose_mirror(conus_pose *pose);
+
+/** As conus_pose_from_matrix(), but a left-handed matrix stays so. */
+conus_status pose_settle(conus_pose *out, const double world_from_device[16]);
+
+/** As conus_pose_from_matrix(), but left-handed ones are taken, too, where the world is a mirror image of the frame's
+ * space. NULL = RAS. */
+conus_status pose_settle_in(conus_pose *out, const double world_from_device[16], const conus_frame *frame);
+
+/** Where up and forward of a space lead in the world, unit vectors: superior and anterior. Returns whether the world is
+ * a mirror image of the space. */
+bool pose_space_axes(double upward_forward[2][3], const conus_frame *frame);
 
 /** Turns @p pose, whose device points along its @p axis, so that it points along its -z (Eq. 2): by a half turn about y
  * for +z and quarter turns about y for +-x, so that +y stays up, and with +z up for +-y. */

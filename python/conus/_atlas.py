@@ -49,7 +49,7 @@ from ._poses import Aims, PoseArray, notes_of, pose_of, warn
 from ._plan import Plan, constraints_of, plan_of, stream_of
 from ._probe import Contacts, Probe, poses_of_probe
 from ._progress import LoadProgress, Progress, telling
-from ._space import space_of
+from ._space import frame_of, space_of
 from ._track import Tracker, follow
 from ._tracts import Tractogram, moves, options_of, polylines_of, tractograms_of
 
@@ -617,7 +617,7 @@ class Selector(Guarded):
             origin, toward = self.space.to_world("origin", origin), self.space.to_world("toward", toward)
             direction = self.space.directions_to_world("direction", direction)
             up, pose = self.space.directions_to_world("up", up), self.space.matrices_to_world("pose", pose)
-        return pose_of(origin, toward, direction, up, pose)
+        return pose_of(origin, toward, direction, up, pose, frame_of(self.space, self.atlas._p, pose))
 
     def _poses(
         self, origins: Any, directions: Any, poses: Any, up: Any, angle: Any, near: Any = None, far: Any = None,
@@ -629,7 +629,9 @@ class Selector(Guarded):
             origins = self.space.to_world("origins", origins)
             directions = self.space.directions_to_world("directions", directions)
             up, poses = self.space.directions_to_world("up", up), self.space.matrices_to_world("poses", poses)
-        return PoseArray(origins, directions, poses, up, angle, near, far)
+        matrices = poses.matrices if isinstance(poses, Poses) else poses
+        frame = frame_of(None if isinstance(poses, Poses) else self.space, self.atlas._p, matrices)
+        return PoseArray(origins, directions, poses, up, angle, near, far, frame)
 
     def _place(self, answer: Any) -> Any:
         """Says to an answer in which space its positions are shown."""

@@ -132,5 +132,6 @@ def candidates_stream(selector: Selector, entries: Any, targets: Any, tilt: Any,
         asked.tilt_most, asked.tilt_step = (math.radians(angle) for angle in vector("tilt", tilt, 2))
     asked.roll_step = 0 if roll is None else math.radians(real("roll", roll))
     asked.to_target, asked.beyond = beyond is not None, beyond or 0
+    asked.frame = selector.space._frame if selector.space else ffi.NULL
     check(lib.conus_candidates_open(out, asked))
     yield owned(out[0], lib.conus_pose_stream_destroy, *places)

@@ -19,6 +19,7 @@ from ._library import (
 )  # fmt: skip
 from ._pose_file import Poses
 from ._poses import PoseArray
+from ._space import mirrors
 
 if TYPE_CHECKING:
     import pandas
@@ -150,7 +151,10 @@ def _jitter_of(jitter: Any, samples: int) -> Any:
 def stream_of(array: PoseArray, poses: Any, near: Any, far: Any) -> Iterator[Any]:
     """A conus_pose_stream of them: the library reads candidates from a file, here with all digits."""
     pose = ffi.new("conus_pose *")
-    lines = ["\t".join(["query_id", *(f"m{r}{c}" for r in range(4) for c in range(4)), "angle", "near", "far"])]
+    columns, options = [f"m{r}{c}" for r in range(4) for c in range(4)], ffi.new("conus_pose_options *")
+    if is_turned := mirrors(array.frame):  # and matrices of files do not
+        columns, options.frame = "x y z dx dy dz ux uy uz".split(), array.frame
+    lines = ["\t".join(["query_id", *columns, "angle", "near", "far"])]
     ends = np.full((len(array), 2), np.nan)
     angles = np.full(len(array), np.nan)
     if isinstance(poses, Poses):
@@ -161,18 +165,24 @@ def stream_of(array: PoseArray, poses: Any, near: Any, far: Any) -> Iterator[Any
             ends[:, column] = numbers(name, given)
     for i, (low, high) in enumerate(ends):
         name = str(i + 1) if array.names is None else str(array.names[i])
-        matrix = np.full(16, np.nan)
+        place = np.full(len(columns), np.nan)
         if i not in array.reasons:
             check(array.fill(pose, i))
-            matrix = np.array(list(pose.world_from_device)).reshape(4, 4).T.ravel()
-        cells = [*matrix, angles[i], low, high]
+            matrix = np.array(list(pose.world_from_device)).reshape(4, 4).T
+            place = matrix.ravel()
+            if is_turned:
+                place = np.array([matrix[:3, 3], -matrix[:3, 2], matrix[:3, 1]])
+                for row, from_world in enumerate((lib.conus_frame_from_world, *2 * (lib.conus_frame_direction_from_world,))):
+                    at = ffi.cast("double *", place[row].ctypes.data)
+                    from_world(at, array.frame, at)
+        cells = [*place.ravel(), angles[i], low, high]
         name = name.replace('"', '""')
         lines.append("\t".join([f'"{name}"', *("n/a" if math.isnan(cell) else repr(float(cell)) for cell in cells)]))
     out = ffi.new("conus_pose_stream **")
     with tempfile.NamedTemporaryFile("w", suffix=".tsv", encoding="utf-8") as file:
         file.write("\n".join(lines) + "\n")
         file.flush()
-        check(lib.conus_pose_stream_open(out, os.fsencode(file.name), ffi.NULL))
+        check(lib.conus_pose_stream_open(out, os.fsencode(file.name), options))
         yield owned(out[0], lib.conus_pose_stream_destroy)
 
 

@@ -47,7 +47,8 @@ class Poses(Guarded):
     """Poses of a file: give them as ``poses=`` to ``select_many``, ``segments_many`` and ``track``.
 
     All arrays have one row for each row of the file, also for one that is no pose; positions are RAS mm. ``poses[i]``
-    and ``poses["M1"]`` are the matrix of one, for ``atlas.select(pose=...)``.
+    and ``poses["M1"]`` are the matrix of one, for ``atlas.select(pose=...)``. Of the spaces of the mouse they are
+    left-handed where the atlas's world is a mirror image of the space (docs/spaces.md).
     """
 
     path: str

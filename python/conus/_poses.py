@@ -15,14 +15,15 @@ from ._library import ArgumentError, PoseWarning, check, numbers, owned, shown, 
 from ._pose_file import Poses
 
 
-def pose_of(origin: Any, toward: Any, direction: Any, up: Any, pose: Any) -> Any:
-    """A conus_pose of what `select` is given."""
+def pose_of(origin: Any, toward: Any, direction: Any, up: Any, pose: Any, frame: Any = ffi.NULL) -> Any:
+    """A conus_pose of what `select` is given, turned as in the conus_frame."""
     out = ffi.new("conus_pose *")
     if pose is not None:
         matrix = numbers("pose", pose)
         if matrix.shape != (4, 4) or any(other is not None for other in (origin, toward, direction, up)):
             raise ArgumentError("pose: a matrix of shape (4, 4), without origin, toward, direction and up")
-        check(lib.conus_pose_from_matrix(out, matrix.T.ravel().tolist()))
+        values = ffi.new("double[16]", matrix.T.ravel().tolist())
+        check(lib.conus_pose_array_at(out, ffi.new("conus_pose_array *", {"matrix": values, "frame": frame}), 0))
         return out
     if origin is None or (toward is None) == (direction is None):
         raise ArgumentError("pose: needs origin and either toward or direction")
@@ -31,6 +32,8 @@ def pose_of(origin: Any, toward: Any, direction: Any, up: Any, pose: Any) -> Any
         check(lib.conus_pose_toward(out, vector("origin", origin), vector("toward", toward), above))
     else:
         check(lib.conus_pose_along(out, vector("origin", origin), vector("direction", direction), above))
+    if frame:
+        lib.conus_frame_turn_pose(out, frame, up is not None)
     return out
 
 
@@ -45,8 +48,9 @@ def rows_of(name: str, values: Any, shape: tuple[int, ...]) -> Array:
 class PoseArray:
     """Many poses: ``struct`` is a conus_pose_array, which lives no longer than this."""
 
-    def __init__(self, origins: Any, directions: Any, poses: Any, up: Any, angle: Any, near: Any, far: Any) -> None:
-        self.struct = ffi.new("conus_pose_array *")
+    def __init__(self, origins: Any, directions: Any, poses: Any, up: Any, angle: Any, near: Any, far: Any,
+                 frame: Any) -> None:
+        self.struct, self.frame = ffi.new("conus_pose_array *", {"frame": frame}), frame
         self._alive: list[Array] = []
         self.names: Optional[Array] = None  #: of each pose; None = numbers
         self.reasons: dict[int, str] = {}  #: why a pose of a file is none
@@ -92,11 +96,7 @@ class PoseArray:
 
     def fill(self, pose: Any, index: int) -> int:
         """Makes a conus_pose of one of them; gives the status."""
-        array = self.struct
-        if array.matrix:
-            return int(lib.conus_pose_from_matrix(pose, array.matrix + 16 * index))
-        up = array.up + 3 * index if array.up else ffi.NULL
-        return int(lib.conus_pose_along(pose, array.origin + 3 * index, array.direction + 3 * index, up))
+        return int(lib.conus_pose_array_at(pose, self.struct, index))
 
     def range(self, index: int) -> Any:
         """For conus_selector_set_range()."""

@@ -62,6 +62,30 @@ class Space(Bound):
         return array
 
 
+def frame_of(space: Optional[Space], atlas: Any, matrices: Any) -> Any:
+    """A conus_frame in whose axes devices are turned, or NULL: that of the space, and for left-handed matrices, which
+    ``read_poses()`` gives in a world that is a mirror image of the CCF, that of the CCF.
+    """
+    if space:
+        return space._frame
+    try:
+        given = np.asarray(matrices)
+    except ValueError:
+        return ffi.NULL  # the caller refuses what are no matrices
+    if given.dtype.kind not in "fiu" or given.shape[-2:] != (4, 4):
+        return ffi.NULL
+    frame, is_turned = ffi.new("conus_frame *"), (np.linalg.det(np.nan_to_num(given)[..., :3, :3]) < 0).any()
+    return frame if is_turned and not lib.conus_frame_find(frame, atlas, _NAMES.index("ccf"), ffi.NULL) else ffi.NULL
+
+
+def mirrors(frame: Any) -> bool:
+    """Whether the world is a mirror image of the conus_frame's space: AP, DV, ML of the CCF are right-handed."""
+    if not frame or frame.space < lib.CONUS_SPACE_CCF:
+        return False
+    linear = np.array(list(frame.world_from_space)).reshape(4, 4)[:3, :3]
+    return bool((np.linalg.det(linear) < 0) == (frame.space == lib.CONUS_SPACE_CCF))
+
+
 def space_of(atlas: Any, name: str, bregma: Any) -> Optional[Space]:
     """None where positions are the world's already."""
     return None if name == "ras" and bregma is None else Space(atlas, name, bregma)

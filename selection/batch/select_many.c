@@ -7,6 +7,7 @@
 #include "base/options.h"
 #include "base/status.h"
 #include "conus/batch.h"
+#include "poses/rows/pose_row.h"
 
 #include <math.h>
 #include <string.h>
@@ -29,6 +30,20 @@ struct run {
     void *user;
 };
 
+conus_status conus_pose_array_at(conus_pose *out, const conus_pose_array *poses, size_t index)
+{
+    const conus_pose_array given = *options_of(conus_pose_array, poses);
+    if (given.matrix) {
+        return pose_settle_in(out, given.matrix + 16 * index, given.frame);
+    }
+    conus_status status = conus_pose_along(out, given.origin + 3 * index, given.direction + 3 * index,
+                                           given.up ? given.up + 3 * index : NULL);
+    if (!status && given.frame) {
+        conus_frame_turn_pose(out, given.frame, given.up != NULL);
+    }
+    return status;
+}
+
 static conus_status read_block(void *user, size_t slot, bool *may_follow)
 {
     struct run *run = user;
@@ -43,11 +58,7 @@ static conus_status read_block(void *user, size_t slot, bool *may_follow)
         if (poses->range) {
             memcpy(pose->range, poses->range + 2 * n, sizeof pose->range);
         }
-        conus_status status = poses->matrix
-                                  ? conus_pose_from_matrix(&pose->pose, poses->matrix + 16 * n)
-                                  : conus_pose_along(&pose->pose, poses->origin + 3 * n, poses->direction + 3 * n,
-                                                     poses->up ? poses->up + 3 * n : NULL);
-        pose->is_no_pose = status != CONUS_OK;
+        pose->is_no_pose = conus_pose_array_at(&pose->pose, poses, n) != CONUS_OK;
     }
     run->next += block->count;
     *may_follow = run->next < poses->count;

@@ -869,7 +869,7 @@ conus_status conus_plan_try(const conus_planned **out, conus_plan *plan, const c
     struct plan_trial *trial = block->trials;
     struct plan_judge *judge = plan_judge_of(plan);
     conus_pose_row asked = *row;
-    conus_status status = row->error ? CONUS_OK : conus_pose_from_matrix(&asked.pose, row->pose.world_from_device);
+    conus_status status = row->error ? CONUS_OK : pose_settle(&asked.pose, row->pose.world_from_device);
     const char *why = status ? NULL : plan_trial_begin(&trial->planned, &asked, &plan->asked);
     if (status || why) {
         return status || why == conus_message() ? CONUS_ERROR_ARGUMENT : fail(CONUS_ERROR_ARGUMENT, "%s", why);

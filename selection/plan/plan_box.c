@@ -5,6 +5,7 @@
  */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "poses/rows/pose_row.h"
 #include "selection/plan/plan.h"
 
 #include <math.h>
@@ -46,12 +47,13 @@ struct box {
 static void move(conus_planned *out, const struct box *box, const double off[WAYS])
 {
     double *m = out->pose.world_from_device;
+    double hand = pose_is_mirrored(&box->from->pose) ? -1 : 1;
     *out = *box->from;
     vec3_sub(m + 12, m + 12, box->pivot);
     for (int way = SHIFTS; way < WAYS; way++) {
         const double *axis = box->from->pose.world_from_device + 4 * (way - SHIFTS);
         for (int column = 0; column < 4; column++) {
-            vec3_turn(m + 4 * column, m + 4 * column, axis, off[way]);
+            vec3_turn(m + 4 * column, m + 4 * column, axis, hand * off[way]);
         }
     }
     vec3_add_scaled(m + 12, m + 12, 1, box->pivot);

@@ -3,6 +3,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "poses/rows/pose_row.h"
 #include "selection/report/report_columns.h"
 
 #include <math.h>
@@ -264,6 +265,9 @@ conus_status conus_report_add_tolerance(conus_report *report, conus_plan *plan, 
         const double axis[3] = {a == 0, a == 1, a == 2};
         conus_frame_direction_to_world(filled.shifts[a], &report->frame, axis);
     }
+    double axes[2][3];
+    (void)pose_space_axes(axes, &report->frame);
+    memcpy(filled.up, axes[0], sizeof filled.up);
     for (size_t i = 0; i < conus_plan_count(plan) && !status; i++) {
         conus_tolerance tolerances[CONUS_TOLERANCE_COUNT + 1];
         const conus_planned *pose = conus_plan_pose(plan, i);

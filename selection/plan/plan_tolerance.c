@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "poses/rows/pose_row.h"
 #include "selection/plan/plan.h"
 
 #include <math.h>
@@ -62,10 +63,11 @@ static void move(conus_planned *out, const struct motion *motion, double s)
 static void init_motion(struct motion *out, struct plan_judge *judge, const conus_planned *pose,
                         const conus_tolerance *row, const conus_tolerance_options *options)
 {
-    static const double up[3] = {0, 0, 1};
+    const double *up = options->up;
     const double *m = pose->pose.world_from_device;
     const double direction[3] = {-m[8], -m[9], -m[10]};
     const conus_freedom freedom = row->freedom;
+    bool is_upward = false;
     *out = (struct motion){
         .from = pose, .is_turn = freedom >= CONUS_FREEDOM_PITCH, .is_depth = freedom == CONUS_FREEDOM_DEPTH};
     out->unit = out->is_turn ? radians_from_degrees(1) : 1;
@@ -81,11 +83,12 @@ static void init_motion(struct motion *out, struct plan_judge *judge, const conu
         out->most = row->negative ? fmin(out->most, pose->far - pose->near - RESOLUTION) : out->most;
         break;
     case CONUS_FREEDOM_AZIMUTH:
-        memcpy(out->along, up, sizeof up);
+        memcpy(out->along, up, sizeof out->along);
         break;
     case CONUS_FREEDOM_ELEVATION:
         vec3_cross(out->along, direction, up);
         if (vec3_length(out->along) > 1e-9) {
+            is_upward = true;
             break;
         }
         memcpy(out->along, m, sizeof out->along);
@@ -95,7 +98,9 @@ static void init_motion(struct motion *out, struct plan_judge *judge, const conu
         break;
     }
     vec3_normalise(out->along, out->along);
-    vec3_scale(out->along, out->along, row->negative ? -1 : 1);
+    /* In a world that is a mirror image the right hand is the left one; elevation is towards up in either. */
+    bool mirrored = out->is_turn && !is_upward && pose_is_mirrored(&pose->pose);
+    vec3_scale(out->along, out->along, row->negative != mirrored ? -1 : 1);
     double pivot = options->pivot_at_tip ? pose->far : options->pivot;
     vec3_add_scaled(out->pivot, m + 12, pivot, direction);
     plan_judge_turn(judge, pose);
@@ -270,6 +275,12 @@ conus_status plan_tolerance_fill(conus_tolerance_options *out, const conus_toler
     }
     if (!has_shifts) {
         memcpy(out->shifts, axes, sizeof axes);
+    }
+    if (out->up[0] == 0 && out->up[1] == 0 && out->up[2] == 0) {
+        out->up[2] = 1;
+    }
+    if (!vec3_normalise(out->up, out->up)) {
+        return fail(CONUS_ERROR_ARGUMENT, "tolerance: an up without a direction");
     }
     for (int a = 0; a < 3; a++) {
         if (!vec3_normalise(out->shifts[a], out->shifts[a])) {

@@ -263,6 +263,22 @@ static const struct report_column coverage_columns[] = {
     {"peak_z", "mm", "the same, z", OF_ROW(Z, coverage.peak_point)},
 };
 
+static const struct report_column error_columns[] = {
+    {"volume_error_mm3", "mm^3",
+     "the volume is no farther off, estimated, where lines decide what is in several surfaces; 0 where it is exact",
+     OF_ROW(NUMBER, coverage.volume_error)},
+};
+
+/* Whether lines had a part in a volume: rows that are all exact need no column. */
+static bool has_errors(const conus_report *report)
+{
+    bool has = false;
+    for (size_t i = 0; i < report->row_count; i++) {
+        has = has || report->rows[i].coverage.volume_error > 0;
+    }
+    return has || (report->next && has_errors(report->next));
+}
+
 static struct cell get_length(const conus_report *report, const struct report_row *row)
 {
     (void)report;
@@ -911,6 +927,9 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     case CONUS_ROWS_COVERAGES:
         list_named(out, study_common, COUNT_OF(study_common));
         list_table(out, report, coverage_columns, COUNT_OF(coverage_columns));
+        if (has_errors(report)) {
+            list_table(out, report, error_columns, COUNT_OF(error_columns));
+        }
         break;
     case CONUS_ROWS_SEGMENTS:
         list_table(out, report, segment_columns, COUNT_OF(segment_columns));
@@ -966,12 +985,12 @@ bool conus_column_is_number(const char *name)
     static const struct {
         const struct report_column *columns;
         size_t count;
-    } tables[] = {ALL_OF(answer_columns),    ALL_OF(track_columns),      ALL_OF(share_columns),
-                  ALL_OF(admission_columns), ALL_OF(chance_columns),     ALL_OF(coverage_columns),
-                  ALL_OF(segment_columns),   ALL_OF(clearance_columns),  ALL_OF(connection_columns),
-                  ALL_OF(summary_columns),   ALL_OF(electrode_columns),  ALL_OF(voxel_columns),
-                  ALL_OF(plan_columns),      ALL_OF(constraint_columns), ALL_OF(profile_columns),
-                  ALL_OF(tolerance_columns), ALL_OF(probe_columns),      ALL_OF(bep032_columns)};
+    } tables[] = {
+        ALL_OF(answer_columns),     ALL_OF(track_columns),      ALL_OF(share_columns),     ALL_OF(admission_columns),
+        ALL_OF(chance_columns),     ALL_OF(coverage_columns),   ALL_OF(segment_columns),   ALL_OF(clearance_columns),
+        ALL_OF(connection_columns), ALL_OF(summary_columns),    ALL_OF(electrode_columns), ALL_OF(voxel_columns),
+        ALL_OF(plan_columns),       ALL_OF(constraint_columns), ALL_OF(profile_columns),   ALL_OF(tolerance_columns),
+        ALL_OF(probe_columns),      ALL_OF(bep032_columns),     ALL_OF(error_columns)};
     for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (size_t k = 0; k < tables[i].count; k++) {
             if (strcmp(tables[i].columns[k].name, name) == 0) {

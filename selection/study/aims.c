@@ -4,6 +4,7 @@
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "poses/rows/pose_row.h"
 #include "selection/selection.h"
 #include "selection/selector.h"
 
@@ -192,7 +193,7 @@ void conus_aims_add(conus_aims *aims, uint64_t number, const conus_pose *pose, d
     const conus_selector_options *options = &aims->selector->options;
     struct cone cone = {.angle = angle, .resolution = 1, .aperture = options->aperture, .radius = options->radius};
     const double *apex = cone.pose.world_from_device + 12;
-    if (!aims->has_box || conus_pose_from_matrix(&cone.pose, pose->world_from_device) || cone_check(&cone)) {
+    if (!aims->has_box || pose_settle(&cone.pose, pose->world_from_device) || cone_check(&cone)) {
         return;
     }
     aims->found.poses++;

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "base/text.h"
+#include "poses/rows/pose_row.h"
 #include "selection/selector.h"
 #include "selection/study/study.h"
 
@@ -86,7 +87,7 @@ conus_status conus_clearances_create(conus_clearances **out, conus_selector *sel
     if (!(within >= 0)) {
         return fail(CONUS_ERROR_ARGUMENT, "within: %s mm, allowed are 0 and more", text_number(text, within));
     }
-    conus_status status = conus_pose_from_matrix(&rigid, pose->world_from_device);
+    conus_status status = pose_settle(&rigid, pose->world_from_device);
     if (status) {
         return status;
     }

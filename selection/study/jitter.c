@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/order.h"
+#include "poses/rows/pose_row.h"
 
 #include <stdlib.h>
 
@@ -305,7 +306,7 @@ conus_status conus_jitter_create(conus_jitter **out, conus_selector *selector, c
     if (!status && jitter_is_of_ends(&filled)) {
         status = fail(CONUS_ERROR_ARGUMENT, "jitter: errors of an entry, a target or a depth are of needles");
     }
-    status = status ? status : conus_pose_from_matrix(&cone.pose, pose->world_from_device);
+    status = status ? status : pose_settle(&cone.pose, pose->world_from_device);
     status = status ? status : cone_check(&cone);
     if (status) {
         return status;

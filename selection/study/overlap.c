@@ -17,17 +17,17 @@
 
 /* Lines through a voxel along each of its first two axes, on which it is told what is in several surfaces or in none.
  */
-enum { LINES = 4 };
+enum { LINES = 4, QUARTERS = 4 };
 
 static const double LEAST = 1e-9; /* part of a voxel that is no rounding of the inside of a mesh */
 
 /* The sums for one object, as it is reported; number 0 is for no object. */
 struct tally_of_pieces {
-    double volume;    /* of which a voxel of the region has 1, a tetrahedron its mm³ */
-    uint64_t last;    /* piece, from 1, that was counted last: an object that is met twice there counts once */
-    size_t peak;      /* voxel or tetrahedron, where volume > 0 */
-    uint32_t members; /* objects of the atlas that this one stands for */
-    bool is_measured; /* of one surface, measured by itself: its pieces say only what is in no object */
+    double volume; /* of which a voxel of the region has 1, a tetrahedron its mm³ */
+    uint64_t last; /* piece, from 1, that was counted last: an object that is met twice there counts once */
+    size_t peak;   /* voxel or tetrahedron, where has_peak */
+    bool has_peak;
+    double by_lines[QUARTERS]; /* how much of the volume lines have decided, by every second of them along i and j */
 };
 
 /* A mesh on the line under way: its crossings, of which those up to the piece are behind. */
@@ -37,15 +37,24 @@ struct crossed {
     int winding;
 };
 
+/* Whether the volume of a surface in the region is summed up by itself, and is in the sum of what it is reported as,
+ * and in that of all objects. Of a surface in that of an area above it nothing is. */
+struct measured {
+    bool of_group, of_all;
+    double off; /* its volume by lines less that; of a surface that is not summed up its volume by lines */
+};
+
 struct counting {
     const conus_selector *selector;
     const conus_roi *roi;
     struct conus_overlap *overlap;
     struct tally_of_pieces *tallies; /* [object_count + 1] */
     struct shares shares;
-    struct mesh_lines lines; /* along k, in voxels of the region times per_voxel, from the first line on */
-    size_t per_voxel;        /* lines along i and along j: LINES, or 1 without surfaces */
-    struct crossed *crossed; /* [object_count] */
+    struct mesh_lines lines;      /* along k, in voxels of the region times per_voxel, from the first line on */
+    size_t per_voxel;             /* lines along i and along j: LINES, or 1 without surfaces */
+    struct measured *is_measured; /* [object_count + 1] */
+    unsigned quarter;             /* of the line under way */
+    struct crossed *crossed;      /* [object_count] */
     size_t crossed_count;
     size_t voxel;   /* the one under way, or the tetrahedron */
     uint64_t piece; /* likewise, from 1 */
@@ -105,9 +114,11 @@ static size_t first_crossing(const struct mesh_lines *lines, size_t line)
 }
 
 /* Makes counting->crossed of the line's crossings. */
-static void enter_line(struct counting *counting, size_t line)
+static void enter_line(struct counting *counting, size_t column, size_t row)
 {
     const struct mesh_lines *lines = &counting->lines;
+    size_t line = column + lines->count[0] * row;
+    counting->quarter = (unsigned)(column % 2 + 2 * (row % 2));
     counting->crossed_count = 0;
     for (size_t i = first_crossing(lines, line); i < lines->crossing_count && lines->crossings[i].line == line; i++) {
         const struct line_crossing *crossing = &lines->crossings[i];
@@ -145,30 +156,50 @@ static void add_share(struct counting *counting, struct tally_of_pieces *tally, 
     double sign = roi->volume.info.threshold < 0 ? -1 : 1;
     double more = sign * ((double)roi_value(roi, voxel) - (double)roi_value(roi, tally->peak));
     /* The peak is farthest from 0, and of several such voxels the first in the file. */
-    if (tally->volume == 0 || more > 0 || (more == 0 && voxel < tally->peak)) {
+    if (!tally->has_peak || more > 0 || (more == 0 && voxel < tally->peak)) {
         tally->peak = voxel;
+        tally->has_peak = true;
     }
     tally->volume += share;
 }
 
-static void count_object(struct counting *counting, uint32_t object, double share)
+/* What is measured by itself is in the sum already: of a piece in several objects of a group the rest is taken away. */
+static void count_object(struct counting *counting, uint32_t object, bool is_in_mesh, double share)
 {
     struct tally_of_pieces *tally = &counting->tallies[level_group(counting->selector->level)[object]];
-    if (tally->last != counting->piece && !tally->is_measured) {
+    const bool is_measured = counting->is_measured[object].of_group;
+    const bool is_exact = is_measured || !atlas_object_mesh(counting->selector->atlas, object);
+    if (tally->last != counting->piece) {
         tally->last = counting->piece;
-        add_share(counting, tally, counting->voxel, share);
+        if (!is_measured) {
+            add_share(counting, tally, counting->voxel, share);
+        }
+        tally->by_lines[counting->quarter] += is_exact ? 0 : share;
+    } else if (is_in_mesh && is_exact) {
+        tally->volume -= is_measured ? share : 0;
+        tally->by_lines[counting->quarter] -= share;
     }
 }
 
+/* Meshes are first among the objects. */
 static void count_piece(void *user, const uint32_t *objects, size_t count, double share)
 {
     struct counting *counting = user;
+    struct tally_of_pieces *none = &counting->tallies[0];
+    const bool is_in_mesh = count && atlas_object_mesh(counting->selector->atlas, objects[0]);
+    const bool is_in_volume = count && !atlas_object_mesh(counting->selector->atlas, objects[count - 1]);
+    size_t measured = 0;
     counting->piece++;
     for (size_t i = 0; i < count; i++) {
-        count_object(counting, objects[i], share);
+        count_object(counting, objects[i], is_in_mesh, share);
+        measured += counting->is_measured[objects[i]].of_all;
+        counting->is_measured[objects[i]].off += share;
     }
     if (count == 0) {
-        count_object(counting, 0, share);
+        add_share(counting, none, counting->voxel, share);
+    } else if (is_in_mesh) {
+        none->volume += (double)measured * share;
+        none->by_lines[counting->quarter] += ((double)measured - !is_in_volume) * share;
     }
 }
 
@@ -195,7 +226,7 @@ static conus_status count_line(struct counting *counting, size_t i, size_t j)
     const size_t *dim = roi->volume.info.dim;
     size_t column = roi->low[0] + i / counting->per_voxel + dim[0] * (roi->low[1] + j / counting->per_voxel);
     conus_status status = CONUS_OK;
-    enter_line(counting, i + counting->lines.count[0] * j);
+    enter_line(counting, i, j);
     for (size_t k = roi->low[2]; !status && k <= roi->high[2]; k++) {
         counting->voxel = column + dim[0] * dim[1] * k;
         if (roi_has(roi, counting->voxel)) {
@@ -240,7 +271,7 @@ static conus_status count_piece_of_mesh(struct counting *counting, const struct 
     size_t bar = axis < 2 ? (size_t)fmax(floor((high + 0.5) / step), 0) : 0;
     conus_status status = CONUS_OK;
     if (axis == 2) {
-        enter_line(counting, line);
+        enter_line(counting, line % lines->count[0], line / lines->count[0]);
     }
     for (double low = high; !status && low < piece->high[axis]; low = high, bar++) {
         struct convex part;
@@ -281,9 +312,11 @@ static conus_status count_tetrahedra(struct counting *counting)
     return status;
 }
 
-/* Adds up the inside of the mesh in the region's voxels. */
-static conus_status measure_mesh(struct counting *counting, struct tally_of_pieces *tally, const struct mesh *mesh)
+/* Adds up the inside of a mesh in the region's voxels. */
+static conus_status measure_mesh(struct counting *counting, uint32_t number, const struct mesh *mesh)
 {
+    struct tally_of_pieces *tally = &counting->tallies[level_group(counting->selector->level)[number]];
+    struct measured *measured = &counting->is_measured[number];
     const conus_roi *roi = counting->roi;
     const size_t *dim = roi->volume.info.dim;
     struct voxel_box box = {.low = {roi->low[0], roi->low[1], roi->low[2]},
@@ -296,37 +329,67 @@ static conus_status measure_mesh(struct counting *counting, struct tally_of_piec
         size_t voxel = at[0] + dim[0] * (at[1] + dim[1] * at[2]);
         if (box.inside[i] > LEAST && roi_has(roi, voxel)) {
             add_share(counting, tally, voxel, box.inside[i]);
+            counting->tallies[0].volume -= measured->of_all ? box.inside[i] : 0;
+            measured->off -= box.inside[i];
         }
     }
-    tally->is_measured = true;
     memory_free(box.inside);
     return status;
 }
 
-/* Measures the surfaces that have a volume and are reported by themselves. */
+/* Measures the surfaces that have a volume. */
 static conus_status measure_meshes(struct counting *counting)
 {
     const conus_atlas *atlas = counting->selector->atlas;
-    const uint32_t *groups = level_group(counting->selector->level);
     conus_status status = CONUS_OK;
-    for (uint32_t number = 1; number <= atlas->object_count; number++) {
-        counting->tallies[groups[number]].members++;
-    }
     for (uint32_t number = 1; !status && number <= atlas->object_count; number++) {
         const struct mesh *mesh = closed_mesh(atlas, number);
-        uint32_t group = groups[number];
-        if (mesh && counting->tallies[group].members == 1 && counting->selector->whole[group] > 0) {
-            status = measure_mesh(counting, &counting->tallies[group], mesh);
+        if (mesh && mesh->shape.has_volume) {
+            struct measured *measured = &counting->is_measured[number];
+            measured->of_group = !selector_lies_in_mesh(counting->selector, number, false);
+            measured->of_all = !selector_lies_in_mesh(counting->selector, number, true);
+            status = measured->of_group ? measure_mesh(counting, number, mesh) : CONUS_OK;
         }
     }
     return status;
+}
+
+/* How far the volume may be off, mm^3: the standard error of the mean of the quarters, as if they were samples, which
+ * is too large, as lines fill each other's gaps; but no less than the lines are off for a surface of the object that is
+ * measured, and than a bar in a voxel, since of borders along the axes all quarters have as much. */
+static double error_of(const struct counting *counting, uint32_t object, double unit)
+{
+    const struct tally_of_pieces *tally = &counting->tallies[object];
+    const uint32_t *groups = level_group(counting->selector->level);
+    double sum = 0;
+    double squares = 0;
+    double off = 0;
+    bool is_exact = true;
+    for (int i = 0; i < QUARTERS; i++) {
+        sum += tally->by_lines[i];
+        is_exact = is_exact && tally->by_lines[i] == 0;
+    }
+    if (is_exact) {
+        return 0;
+    }
+    for (uint32_t number = 1; number <= counting->selector->atlas->object_count; number++) {
+        const struct measured *measured = &counting->is_measured[number];
+        bool counts = object ? measured->of_group && groups[number] == object : measured->of_all;
+        off = counts ? fmax(off, fabs(measured->off)) : off;
+    }
+    for (int i = 0; i < QUARTERS; i++) {
+        squares += (QUARTERS * tally->by_lines[i] - sum) * (QUARTERS * tally->by_lines[i] - sum);
+    }
+    double bar = fabs(mat4_determinant3(counting->roi->volume.info.world_from_voxel)) / (LINES * LINES);
+    return fmax(unit * fmax(sqrt(squares / (QUARTERS * (QUARTERS - 1))), off), bar);
 }
 
 static conus_coverage describe(const struct counting *counting, uint32_t object)
 {
     const struct tally_of_pieces *tally = &counting->tallies[object];
     const conus_roi *roi = counting->roi;
-    double part = tally->volume / (roi->nodes ? roi->mm3 : (double)roi->voxels);
+    const double all = roi->nodes ? roi->mm3 : (double)roi->voxels;
+    double part = tally->volume / all;
     double whole = object ? counting->selector->whole[object] / counting->overlap->volume_mm3 : 0;
     part = whole > 0 ? fmin(part, whole) : part; /* bars round lines may be wider than a thin surface */
     conus_coverage row = {.kind = object ? conus_atlas_object(counting->selector->atlas, object)->kind
@@ -335,6 +398,7 @@ static conus_coverage describe(const struct counting *counting, uint32_t object)
                           .volume = part * counting->overlap->volume_mm3,
                           .fraction = whole > 0 ? part / whole : NAN,
                           .roi_fraction = part,
+                          .volume_error = error_of(counting, object, counting->overlap->volume_mm3 / all),
                           .peak = (double)roi_value(roi, tally->peak)};
     roi_middle(row.peak_point, roi, tally->peak);
     return row;
@@ -363,7 +427,8 @@ static conus_status build(struct conus_overlap *overlap, const conus_selector *s
     overlap->rows = memory_raw(count, sizeof *overlap->rows);
     counting.tallies = memory_zeroed(count, sizeof *counting.tallies);
     counting.crossed = memory_raw(count, sizeof *counting.crossed);
-    bool fits = overlap->path && overlap->rows && counting.tallies && counting.crossed;
+    counting.is_measured = memory_zeroed(count, sizeof *counting.is_measured);
+    bool fits = overlap->path && overlap->rows && counting.tallies && counting.crossed && counting.is_measured;
     conus_status status =
         fits ? shares_init(&counting.shares, selector->atlas, info->world_from_voxel, count) : CONUS_ERROR_MEMORY;
     counting.shares.take = count_piece;
@@ -373,7 +438,7 @@ static conus_status build(struct conus_overlap *overlap, const conus_selector *s
     status = status ? status : roi->nodes ? count_tetrahedra(&counting) : count_lines(&counting);
     if (!status) {
         for (uint32_t object = 0; object < count; object++) {
-            if (counting.tallies[object].volume > 0) {
+            if (counting.tallies[object].has_peak && counting.tallies[object].volume > 0) {
                 overlap->rows[overlap->count++] = describe(&counting, object);
             }
         }
@@ -383,6 +448,7 @@ static conus_status build(struct conus_overlap *overlap, const conus_selector *s
     mesh_lines_finish(&counting.lines);
     memory_free(counting.tallies);
     memory_free(counting.crossed);
+    memory_free(counting.is_measured);
     return status;
 }
 

@@ -5,6 +5,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
+#include "poses/rows/pose_row.h"
 #include "selection/selector.h"
 
 #include <math.h>
@@ -153,7 +154,7 @@ static conus_status build(conus_segments *segments, conus_selector *selector)
 conus_status conus_segments_create(conus_segments **out, conus_selector *selector, const conus_pose *pose)
 {
     struct cone axis = AXIS;
-    conus_status status = conus_pose_from_matrix(&axis.pose, pose->world_from_device);
+    conus_status status = pose_settle(&axis.pose, pose->world_from_device);
     if (status) {
         return status;
     }

@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
+#include "poses/rows/pose_row.h"
 #include "selection/measure/census.h"
 #include "selection/selector.h"
 
@@ -338,7 +339,7 @@ conus_status conus_sweep_create(conus_sweep **out, const conus_selector *selecto
     if (selector->options.aperture == CONUS_APERTURE_SQUARE) {
         return fail(CONUS_ERROR_ARGUMENT, "aperture: square, but a sweep over the angle is of round cones");
     }
-    conus_status status = conus_pose_from_matrix(&cone.pose, pose->world_from_device);
+    conus_status status = pose_settle(&cone.pose, pose->world_from_device);
     status = status ? status : cone_check(&cone);
     if (status) {
         return status;

@@ -37,7 +37,7 @@ APPS = {
     "apps/mpi": "apps/options apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: the messages between conus and conus-mesh
     "apps/web": "",
-    "apps/hdf5": "base/child",  # hdf5_protocol.h: the messages between conus and conus-hdf5
+    "apps/hdf5": "base base/child",  # hdf5_protocol.h: the messages between conus and conus-hdf5
     "apps/viewer/pictures": "apps/link apps/options",
     "apps/viewer/devices": "apps/link",
     "apps/viewer/model": "apps/options apps/settings apps/viewer/pictures",
@@ -116,15 +116,15 @@ LIBRARY = {
     " selection/engine/tracts selection/engine/triangles",
     "selection/region": "base/simd base/geometry atlas/tracts atlas selection/cone",
     "selection/measure": "base base/geometry atlas/surface atlas/tracts atlas selection/cone selection/evidence selection/region",
-    "selection": "base base/geometry atlas atlas/areas selection/region selection/evidence selection/engine selection/measure",
-    "selection/study": "base base/geometry atlas/surface atlas selection/measure selection",
+    "selection": "base base/geometry atlas atlas/areas poses/rows selection/region selection/evidence selection/engine selection/measure",
+    "selection/study": "base base/geometry atlas/surface atlas poses/rows selection/measure selection",
     "selection/plan": "base base/geometry atlas/surface atlas/tracts atlas atlas/areas poses poses/rows selection/evidence"
     " selection/measure selection selection/study selection/report selection/batch",
     "selection/ends": "base base/geometry atlas/surface atlas selection/cone selection/measure selection/engine/voxels selection",
     "selection/picture": "base base/geometry render/image render/colour render/flat selection/measure selection",
     "selection/report": "base base/geometry atlas poses/programs selection selection/ends selection/study",
     "cache": "base base/files base/cache atlas loaders/scene selection/batch",
-    "selection/batch": "base base/geometry atlas/tracts atlas poses selection/engine/voxels selection selection/study selection/report",
+    "selection/batch": "base base/geometry atlas/tracts atlas poses poses/rows selection/engine/voxels selection selection/study selection/report",
 }
 RULES = {**LIBRARY, **APPS}
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)

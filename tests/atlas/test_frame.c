@@ -10,6 +10,7 @@
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "conus/space.h"
+#include "poses/rows/pose_row.h"
 #include "scene.h"
 #include "test.h"
 
@@ -233,6 +234,50 @@ static void a_ccf_frame_must_fit_the_grid(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Right, anterior and superior are right-handed. A world may have each of its axes the other way, so be a mirror image;
+ * then so is the device's frame. With the tip down and up to the front, x is to the right in every one; leaning to the
+ * front by 30 degrees up is dorsal, without one given. */
+static void a_device_is_turned_as_its_space_has_it(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 16; k++) {
+        const bool is_ccf = k & 8;
+        const double right[3] = {k & 1 ? -1 : 1}, front[3] = {0, k & 2 ? -1 : 1}, above[3] = {0, 0, k & 4 ? -1 : 1};
+        conus_frame frame = {.space = is_ccf ? CONUS_SPACE_CCF : CONUS_SPACE_BREGMA};
+        mat4_identity(frame.world_from_space);
+        for (int a = 0; a < 3; a++) {
+            double *m = frame.world_from_space + a;
+            m[0] = is_ccf ? -front[a] / 1000 : front[a];
+            m[4] = is_ccf ? -above[a] / 1000 : right[a];
+            m[8] = is_ccf ? right[a] / 1000 : above[a];
+        }
+        conus_pose pose;
+        double down[3];
+        double leaning[3];
+        vec3_scale(down, above, -1);
+        assert_ok(conus_pose_along(&pose, (const double[]){1, 2, 3}, down, front));
+        conus_frame_turn_pose(&pose, &frame, true);
+        expect_near(pose.world_from_device, right, 3);
+        expect_near(pose.world_from_device + 4, front, 3);
+        expect_near(pose.world_from_device + 12, (const double[]){1, 2, 3}, 3);
+        assert_ok(pose_roll(&pose, MATH3_PI / 2)); /* y to where x was, and that backward */
+        expect_near(pose.world_from_device + 4, right, 3);
+        vec3_scale(down, front, -1);
+        expect_near(pose.world_from_device, down, 3);
+        vec3_scale(leaning, above, -sqrt(0.75));
+        vec3_add_scaled(leaning, leaning, 0.5, front);
+        assert_ok(conus_pose_along(&pose, corner, leaning, NULL));
+        conus_frame_turn_pose(&pose, &frame, false);
+        vec3_scale(down, front, sqrt(0.75));
+        vec3_add_scaled(down, down, 0.5, above);
+        expect_near(pose.world_from_device, right, 3);
+        expect_near(pose.world_from_device + 4, down, 3);
+        assert_int_equal(pose_is_mirrored(&pose), (k ^ k >> 1 ^ k >> 2) & 1);
+        assert_int_equal(conus_pose_from_matrix(&pose, pose.world_from_device) != CONUS_OK, (k ^ k >> 1 ^ k >> 2) & 1);
+        assert_ok(pose_settle_in(&pose, pose.world_from_device, &frame));
+    }
+}
+
 static void spaces_have_names(void **state)
 {
     (void)state;
@@ -257,6 +302,7 @@ TEST_GROUP(frame)
         cmocka_unit_test(people_have_right_and_left),
         cmocka_unit_test(a_moved_atlas_moves_its_positions),
         cmocka_unit_test(a_ccf_frame_must_fit_the_grid),
+        cmocka_unit_test(a_device_is_turned_as_its_space_has_it),
         cmocka_unit_test(spaces_have_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

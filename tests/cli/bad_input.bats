@@ -238,6 +238,12 @@ refuses() {
     conus query ball.nii --atlas-transform flirt.mat,from=ball.nii,to=box.mnc --origin 0,0,90 --toward 0,0,0 \
         --angle 5 --quiet -o moved.tsv
     CONUS_HDF5=$PWD/none fails 3 'box.mnc: CONUS_HDF5: ' info box.mnc
+    # 400 chunks of 20 MB of 8,000 elements of 2 bytes each, where none is stored; and a chunk that says that it has 3 GB,
+    # for which libhdf5 asks before it looks whether the file has so much
+    "${make[@]}" chunks chunks.mnc
+    refuses '/minc-2.0/image/0/image: 400 chunks of 20000000 bytes, far larger than its 8000 elements' chunks.mnc
+    "${make[@]}" heap heap.mnc
+    refuses '/minc-2.0/image/0/image: cannot read it: memory allocation failed' heap.mnc
     fails 3 'box.mnc: ' info box.mnc --max-memory 10000
 }
 
@@ -296,6 +302,9 @@ no_store() {
     no_store 'no chunk of this array is there: it was not downloaded'
     mkfifo store.zarr/c/0/0/0
     no_store 'c/0/0/0: cannot read: is a device or pipe'
+    # 8 chunks of 200 MB stand for 8 bytes: no more than 256 MB and 16 times the array are unpacked
+    store '[2, 2, 2]' '[1, 1, 200000000]' '["bytes", "gzip"]'
+    no_store 'chunk_shape: chunks of 200000000 bytes, 800000000 in all, far larger than the array of 8'
 }
 
 @test "OME-Zarr: chunks of a shard over each other, and outside of it" {

@@ -482,10 +482,12 @@ alone() {
     setup_ball 5000
     batch -o rows.tsv
     (
-        trap '' XFSZ
         ulimit -f 200
         run -3 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --angle 12 -o full.tsv
         check_message 'full.tsv: cannot write: File too large'
+        ulimit -f 1
+        run -3 --separate-stderr conus query sphere.nii.gz --pose poses.tsv --angle 12 --format tsv -q -o query.tsv
+        check_message 'query.json: cannot write: File too large'
     )
     [ ! -e full.tsv ]
     batch -o full.tsv --resume

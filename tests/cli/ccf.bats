@@ -87,6 +87,56 @@ ask() {
     [ "$(side globe --origin=-9,-6.6,-4 --direction 0,0,-1)" = L ]
 }
 
+# Contacts by closed form in ML, AP, DV (ccf.py): not what any form of the atlas calls right.
+@test "a probe of four shanks has the same contacts in each form of the atlas" {
+    local form
+    contacts() {
+        "$CONUS" query "$@" --probe probe.json --format tsv --quiet | awk -F '\t' '
+            NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } $at["kind"] == "area" { print $at["index"] }'
+    }
+    for form in $forms left.nii plain.nii turned.nii third/atlases/allen_mouse_200um/1_0 \
+        globe/annotation.tiff,resolution=200,orientation=as{r,l}; do
+        diff contacts.txt <(contacts $form --space bregma --pose devices.tsv)
+        diff contacts_30.txt <(contacts $form --space bregma --pose devices.tsv --probe-roll 30)
+        diff contacts.txt <(contacts $form --space ccf --pose devices_ccf.tsv)
+        diff bare.txt <(contacts $form --space bregma --pose bare.tsv)
+    done
+}
+
+# plan DIGITS FORM ARGUMENT...: a table with numbers of so many decimals.
+plan() {
+    "$CONUS" plan "${@:2}" --space bregma --format tsv --quiet | awk -F '\t' -v OFS='\t' -v form="%.$1f" '
+        { for (i = 1; i <= NF; i++) if ($i ~ /^-?[0-9.]+(e-?[0-9]+)?$/) $i = sprintf(form, $i) + 0; print }'
+}
+
+# Down from DV 500 um: 1.6 mm of the second layer of blocks. The axis is at ML 2800 um in the first column of blocks, the
+# second shank at 5300 in the next one; on the other side it would be at 300.
+@test "plan: shanks, tilts, turns, errors and tolerances are those of one device in each form of the atlas" {
+    local form
+    cd "$BATS_TEST_TMPDIR"
+    printf 'ap\tml\tdv\tdap\tdml\tddv\tuap\tuml\tudv\n-1\t-2.939\t-0.168\t0\t0\t-1\t1\t0\t0\n' >down.tsv
+    printf -- '-1 -2.939 -0.168\n' >from.txt
+    printf -- '-1.2 -2.4 -3.1\n' >to.txt
+    # AP 6400 um is voxel 32, block 5: 1 + 5 + 11 + 55 in the next column, 1 + 5 + 11 in the first
+    local reach='--reach 72,length=0.5,shank=2 --shanks 0,0;2.5,0 --depth 3'
+    for form in allen.nrrd ras.nii globe left.nii plain.nii turned.nii third/atlases/allen_mouse_200um/1_0; do
+        local atlas=$BATS_FILE_TMPDIR/$form
+        "$CONUS" plan "$atlas" --space bregma --poses down.tsv $reach --constraints values.tsv -o list.tsv -q --force
+        awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } NR == 2 { exit !(($at["value"] - 1.6)^2 < 1e-12) }
+            END { if (NR != 2) exit 1 }' values.tsv
+        plan 5 "$atlas" --poses down.tsv $reach --tolerance - --box 1,0,1,2,3 >tolerance.now
+        plan 5 "$atlas" --from from.txt --toward to.txt --tilt 20,5 --roll 45 $reach --constraints - >tilts.now
+        plan 6 "$atlas" --poses down.tsv $reach --jitter entry=0.3,target=0.6 --samples 256 >jitter.now
+        for table in tolerance tilts jitter; do
+            sed -E 's/\tarea ([0-9]+)/\t\1/' $table.now >$table.plain
+            [ -e $table ] || cp $table.plain $table
+            diff $table $table.plain
+        done
+    done
+    [ "$(wc -l <tilts)" -gt 5 ]
+    [ "$(wc -l <tolerance)" -gt 20 ]
+}
+
 @test "a cone from bregma goes down, and the table, the JSON and the sidecar say the space" {
     run -0 --separate-stderr "$CONUS" query ras.nii --space bregma --origin 0,0,2 --direction 0,0,-1 --angle 2 --quiet
     [[ $output == 'cone of 2 degrees from (0.00, 0.00, 2.00) along (0.0000, 0.0000, -1.0000), AP, ML, DV mm from bregma'* ]]

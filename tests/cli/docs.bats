@@ -91,6 +91,16 @@ section() {
     diff there said
 }
 
+@test "the methods of a tolerance have one name in the documents and in the program" {
+    local said
+    said=$(grep -oh 'method `[a-z]*`' "$ROOT"/docs/*.md | sort -u | tr -d '`')
+    [ "$(grep -c . <<<"$said")" -ge 2 ]
+    while read -r _ word; do
+        grep -A 2 '^static struct cell get_method' "$ROOT/selection/report/report_columns.c" | grep -q "\"$word\"" ||
+            { echo "$word"; return 1; }
+    done <<<"$said"
+}
+
 @test "the scores of the page are those of the help" {
     for command in query track; do
         conus $command --help | sed -n '/^Scores/,/^$/p' | awk 'NR > 1 && NF { print $1 }' >there

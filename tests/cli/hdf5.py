@@ -7,10 +7,13 @@ table     MATLAB 7.3: reco is an object
 minc      MINC 2: N = 20 voxels of 1 mm each way around 0, a box of label 3 (10 mm) in label 1; each slice has a scale
 image     MINC 2: the same grid, values from 0 to 1e-4
 colour    MINC 2 with a vector_dimension
+chunks    MINC 2 whose chunks are of 20 MB each, and which stores none
+heap      MINC 2 whose chunk says that it has 3 GiB
 nwb       electrodes at the positions "x y z" of the lines of points.txt, in micrometres
 allensdk  the same, but that z is y
 field     a mesh of SimNIBS around 0: tetrahedra of 36 mm3 (tissue 2, |E| 1) and 72 mm3 (tissue 1, |E| 2), J is 10 E
 localized electrodes at 0, and their positions in a table of ndx-anatomical-localization, the last one first"""
+import struct
 import sys
 
 try:
@@ -93,6 +96,20 @@ def volume(kind, path, n="20"):
     names = ["zspace", "yspace", "vector_dimension" if kind == "colour" else "xspace"]
     with h5py.File(path, "w") as file:
         minc(file, values, names)
+        if kind in ("chunks", "heap"):
+            old = file["minc-2.0/image/0/image"]
+            stored, order = old[:], old.attrs["dimorder"]
+            del file["minc-2.0/image/0/image"]
+            chunks = (10000000, 1, 1) if kind == "chunks" else (20, 20, 20)
+            node = file.create_dataset("minc-2.0/image/0/image", stored.shape, "u2", maxshape=(None,) * 3, chunks=chunks,
+                                       compression="gzip")
+            node.attrs["dimorder"] = order
+            if kind == "heap":
+                node[:] = stored
+    if kind == "heap":  # the key of a B-tree's node begins with the bytes of a chunk
+        data = bytearray(open(path, "rb").read())
+        struct.pack_into("<I", data, data.rindex(b"TREE\x01") + 24, 3 << 30)
+        open(path, "wb").write(data)
 
 
 def nwb(kind, path):
@@ -131,7 +148,7 @@ if sys.argv[1] == "field":
     field(sys.argv[2])
 elif sys.argv[1] in ("nwb", "allensdk", "localized"):
     nwb(*sys.argv[1:])
-elif sys.argv[1] in ("minc", "image", "colour"):
+elif sys.argv[1] in ("minc", "image", "colour", "chunks", "heap"):
     volume(*sys.argv[1:])
 else:
     matlab(sys.argv[2], {"lead-dbs": lead_dbs, "simnibs": simnibs, "table": table}[sys.argv[1]])

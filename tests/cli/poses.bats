@@ -335,7 +335,7 @@ same_answers() {
         batch "$aal" --poses "$SAMPLES/brainsight.txt"
 }
 
-@test "--max-memory holds for poses that are read whole, and only for them" {
+@test "--max-memory holds for poses that are read whole or kept with their answers" {
     sphere --size 16
     printf 'name\tx\ty\tz\tsize\n' >many_electrodes.tsv
     printf 'A%d\t0\t0\t0\t5\n' {1..3000} >>many_electrodes.tsv
@@ -351,7 +351,17 @@ same_answers() {
     fails 3 'standard input: more than 32768 bytes' query sphere.nii.gz --pose - --max-memory 32K <many_electrodes.tsv
     { printf %b "$HEADER"; yes "$(printf %b "$FIRST")" | head -2000; } >poses.tsv
     rm sphere.json # beside the volume it would be taken for a label table; those have less
-    answers query sphere.nii.gz --pose poses.tsv --max-memory 32K --format tsv --quiet
+    # 2 KiB each: 16 poses in 32 KiB, 2,000 in 4,000
+    for command in "query --pose" "sweep --pose" "render -o view.png --strips --range 0,9 --poses" \
+        "plan --depth 9 --reach 1 --toward centroid --from"; do
+        # shellcheck disable=SC2086 # words
+        fails 3 "poses.tsv: more than 16 poses, which take 2048 bytes each with their answers, allowed are 32768 bytes" \
+            $command poses.tsv sphere.nii.gz --max-memory 32K --quiet
+    done
+    fails 3 'poses.tsv: more than 1999 poses' query sphere.nii.gz --pose poses.tsv --max-memory 4095999 --quiet
+    answers query sphere.nii.gz --pose poses.tsv --max-memory 4000K --format tsv --quiet
+    answers batch sphere.nii.gz --poses poses.tsv --max-memory 32K --quiet
+    [ "$(cut -f 2 <<<"$output" | grep -c area)" -eq 2000 ]
 }
 
 @test "track follows the triggers that Localite noted" {

@@ -515,6 +515,34 @@ static void a_file_that_changes_is_an_error(void **state)
     conus_pose_stream_destroy(stream);
 }
 
+/* 2048 bytes a pose (pose_check_count()): a list of three poses needs 6144, one more is refused before it is kept, with
+ * the file's name. A stream of rows counts none. */
+static void a_list_is_counted(void **state)
+{
+    (void)state;
+    const char *const rows[] = {"query_id\tx\ty\tz\tdx\tdy\tdz\na\t0\t0\t0\t0\t0\t1\nb\t0\t0\t0\t0\t0\t1\n"
+                                "c\t0\t0\t0\t0\t0\t1\n",
+                                "1 2 3\n4 5 6\n7 8 9\n", "name\tx\ty\tz\nA1\t1\t2\t3\nA2\t4\t5\t6\nA3\t7\t8\t9\n"};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        conus_pose_options options = {.max_memory = 3 * 2048,
+                                      .format = i == 2 ? CONUS_POSE_FORMAT_ELECTRODES : CONUS_POSE_FORMAT_AUTO};
+        conus_pose_list *list = NULL;
+        assert_ok(pose_list_parse(&list, text_from(rows[i]), &options));
+        assert_int_equal(conus_pose_list_count(list), 3);
+        conus_pose_list_destroy(list);
+        options.max_memory--;
+        assert_int_equal(pose_list_parse(&list, text_from(rows[i]), &options), CONUS_ERROR_MEMORY);
+        assert_non_null(strstr(conus_message(), "more than 2 poses, which take 2048 bytes each"));
+        assert_non_null(strstr(conus_message(), "(--max-memory)"));
+    }
+    conus_pose_stream *stream = parse(rows[0], &(conus_pose_options){.max_memory = 1});
+    for (int i = 0; i < 3; i++) {
+        assert_null(read_one(stream).error);
+    }
+    assert_ended(stream);
+    conus_pose_stream_destroy(stream);
+}
+
 static void every_failing_allocation_is_clean(void **state)
 {
     (void)state;
@@ -543,6 +571,7 @@ TEST_GROUP(pose_stream)
         cmocka_unit_test(a_file_that_changes_is_an_error),
         cmocka_unit_test(ranges_are_read),
         cmocka_unit_test(long_lines_are_one_bad_row),
+        cmocka_unit_test(a_list_is_counted),
         cmocka_unit_test(every_failing_allocation_is_clean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -2,6 +2,8 @@
 """Probes of ProbeInterface: answers are the program's, and NWB gets their tables."""
 import io
 import json
+import pathlib
+import subprocess
 import sys
 import types
 
@@ -164,3 +166,38 @@ def test_nwb_electrodes_must_fit(folder, atlas, ndx, electrodes, rows):
     with pytest.raises(conus.ArgumentError):
         nwb.add_localization(file, contacts, rows=rows)
     assert not file.added
+
+
+# ccf.py has the labels by closed form in ML, AP, DV: in BrainGlobe's folders x grows to the other side.
+@pytest.mark.parametrize("form", ["ras.nii", "globe", "turned.nii"])
+def test_contacts_are_the_same_in_each_form_of_the_ccf(tmp_path, form):
+    subprocess.run([sys.executable, pathlib.Path(__file__).parents[1] / "cli/ccf.py"], cwd=tmp_path, check=True)
+    atlas, probe = conus.load(tmp_path / form), conus.read_probe(tmp_path / "probe.json")
+    poses = conus.read_poses(tmp_path / "devices.tsv", space="bregma", atlas=atlas)
+    table = pandas.read_csv(tmp_path / "devices.tsv", sep="\t")
+    tip, along, up = (table[[prefix + axis for axis in ("ap", "ml", "dv")]].to_numpy() for prefix in ("", "d", "u"))
+    selector = conus.Selector(atlas, space="bregma")
+    wanted = np.loadtxt(tmp_path / "contacts.txt", int)
+    for given in (poses, poses.matrices, [poses[i] for i in range(3)]):
+        contacts = atlas.contacts(probe, poses=given)
+        assert contacts.to_dataframe().query("kind == 'area'")["index"].tolist() == wanted.tolist()
+    describe(tmp_path / "one.json", contact_positions=[[0, 0], [1, 0.3], [2.5, 0.9], [4.1, 2.1]],
+             device_channel_indices=[0, 1, 2, 3], probe_planar_contour=[[0, 0], [9, 99], [-9, 99]])
+    one = conus.read_probe(tmp_path / "one.json")
+    for i in range(3):
+        for aimed in ({"direction": along[i]}, {"toward": tip[i] + along[i]}):
+            rows = selector.contacts(one, tip[i], up=up[i], **aimed).to_dataframe().query("kind == 'area'")
+            assert rows["index"].tolist() == wanted[4 * i:4 * i + 4].tolist()
+        rows = atlas.contacts(one, pose=poses[i]).to_dataframe().query("kind == 'area'")
+        assert rows["index"].tolist() == wanted[4 * i:4 * i + 4].tolist()
+    # 1.6 mm of the second shank are in area 72 (ccf.bats), 0 of its mirror image; up is to the front
+    origin, down, front = (-1, -2.939, -0.168), (0, 0, -1), (1, 0, 0)
+    (tmp_path / "down.tsv").write_text("ap\tml\tdv\tdap\tdml\tddv\tuap\tuml\tudv\n-1\t-2.939\t-0.168\t0\t0\t-1\t1\t0\t0\n")
+    down_poses = conus.read_poses(tmp_path / "down.tsv", space="bregma", atlas=atlas)
+    plan = selector.plan({"72" if form != "globe" else "A72": {"length": 0.5, "shank": 2}}, poses=down_poses, depth=3, shanks=[(0, 0), (2.5, 0)])
+    assert abs(plan.verdicts()["value"][0] - 1.6) < 1e-6
+    tried = plan.try_pose(origin, direction=down, up=front, depth=3)
+    assert abs(tried["verdicts"][0]["value"] - 1.6) < 1e-6
+    left_handed = np.diag([-1.0, 1, 1, 1])
+    with pytest.raises(conus.ArgumentError, match="left-handed"):
+        conus.load(tmp_path / "ras.nii").select(pose=left_handed)

@@ -22,6 +22,7 @@ static void take_row(struct plan_row *out, const conus_plan *plan, const conus_a
                              .angle = planned->angle,
                              .leeway = planned->leeway,
                              .clearance = planned->clearance};
+    conus_frame_turn_pose(&out->pose, &(conus_frame){.space = CONUS_SPACE_RAS}, true); /* as a tool has it */
     snprintf(out->id, sizeof out->id, "%s", planned->id);
     if (!planned->feasible) { /* the broken constraint, if it is a clearance */
         const conus_constraint *asked = conus_plan_constraint(plan, planned->broken);

@@ -285,10 +285,11 @@ static void judge(struct plan_verdict *out, struct viewer *viewer)
                  !tool->has_pose ? "no tool to be judged yet" : "no depth yet: F5 sets the tip");
         return;
     }
-    const conus_pose_row row = {.id = "",
-                                .pose = tool->pose,
-                                .angle = viewer->cone.options.radius > 0 ? 0 : tool->angle * (M_PI / 180),
-                                .range = {range[0], range[1]}};
+    conus_pose_row row = {.id = "",
+                          .pose = tool->pose,
+                          .angle = viewer->cone.options.radius > 0 ? 0 : tool->angle * (M_PI / 180),
+                          .range = {range[0], range[1]}};
+    conus_frame_turn_pose(&row.pose, &viewer->frame, true);
     conus_status status = prepare_live(viewer);
     status = status ? status : conus_plan_try(&planned, viewer->plan.live, &row);
     if (status) {

@@ -75,7 +75,9 @@ void tool_changed(struct viewer *viewer, enum tool_number number)
 
 void tool_aim(struct viewer *viewer, enum tool_number number, const conus_pose *pose)
 {
+    static const conus_frame world = {.space = CONUS_SPACE_RAS};
     viewer->tools[number].pose = *pose;
+    conus_frame_turn_pose(&viewer->tools[number].pose, &world, true); /* as the mouse turns it, and pictures show it */
     viewer->tools[number].has_pose = true;
     tool_changed(viewer, number);
 }
@@ -86,6 +88,7 @@ void tool_aim_along(struct viewer *viewer, enum tool_number number, const double
     if (conus_pose_along(&pose, origin, direction, NULL)) {
         viewer_say(viewer, "%s", conus_message());
     } else {
+        conus_frame_turn_pose(&pose, &viewer->frame, false);
         tool_aim(viewer, number, &pose);
     }
 }

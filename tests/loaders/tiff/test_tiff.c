@@ -295,17 +295,28 @@ static void sizes_follow_from_the_file(void **state)
           {.tag = TAG_TILE_OFFSETS, .value = 8},
           {.tag = TAG_TILE_COUNTS, .value = 12}},
          "TileLength: is missing"},
+        {{{.tag = TAG_OFFSETS, .missing = true}, /* of two pages twice 2^28 bytes, for 24 */
+          {.tag = TAG_COUNTS, .missing = true},
+          {.tag = TAG_TILE_WIDTH, .value = 16384},
+          {.tag = TAG_TILE_LENGTH, .value = 16384},
+          {.tag = TAG_TILE_OFFSETS, .value = 8},
+          {.tag = TAG_TILE_COUNTS, .value = 12},
+          {.tag = TAG_COMPRESSION, .value = 8}},
+         "TileWidth: tiles of 16384 x 16384 pixels, far larger than pages of 4 x 3"},
     };
-    const bool unsupported[] = {false, false, false, false, true, false};
+    const bool unsupported[] = {false, false, false, false, true, false, false};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct tiff_builder b;
         uint8_t pixels[PIXELS] = {0};
         size_t count = 0;
-        while (cases[i].fields[count].tag) {
+        while (count < 7 && cases[i].fields[count].tag) {
             count++;
         }
         tiff_begin(&b, false, false);
         tiff_add_page(&b, pixels, sizeof pixels, cases[i].fields, count);
+        if (count == 7) {
+            tiff_add_page(&b, pixels, sizeof pixels, cases[i].fields, count);
+        }
         assert_refused(&b, unsupported[i] ? CONUS_ERROR_UNSUPPORTED : CONUS_ERROR_DATA, cases[i].part);
         buffer_finish(&b.bytes);
     }

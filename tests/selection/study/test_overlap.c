@@ -261,6 +261,66 @@ static void a_level_counts_what_is_in_two_parts_once(void **state)
 }
 
 /* Along every line of the lattice a closed surface is entered as often as it is left, wherever its vertices are. */
+/* Two balls and, in one of them, a third, as parts of one area, in half a region. The balls of one area do not meet, so
+ * it has the sum of the two volumes that are reported without a level, each of them exact (a_ball_is_counted...); what
+ * is below the outer ball in the tree and lies in it adds nothing; and the rest of the region is in nothing. */
+static void what_does_not_overlap_is_exact(void **state)
+{
+    (void)state;
+    const double centres[3][3] = {{0.13, 6.2, 0}, {0.31, -7.4, 0}, {0.2, 6.3, 0.1}};
+    const double radii[3] = {5.3, 6.1, 2.9};
+    conus_atlas *atlas = mesh_scene_atlas();
+    for (int i = 0; i < 3; i++) {
+        struct mesh ball = mesh_scene_sphere(centres[i], radii[i], 60, 90);
+        mesh_scene_add(atlas, &ball);
+    }
+    assert_ok(atlas_add_group(atlas,
+                              &(conus_object){.kind = CONUS_KIND_AREA, .label = 9, .name = "all", .abbreviation = ""}));
+    atlas->objects[0].parent = atlas->objects[1].parent = 4;
+    atlas->objects[2].parent = 1;
+    conus_roi *roi = region_scene_whole(15, 3, (const double[]){-21, -21, -43.5}); /* up to z = 0 */
+    conus_overlap *alone = region_scene_overlap(atlas, roi, NULL);
+    conus_overlap *all = region_scene_overlap(atlas, roi, "1");
+    double sum = region_scene_find(alone, 1)->volume + region_scene_find(alone, 2)->volume;
+    double region = 15 * 15 * 15 * 27;
+    assert_near(sum, (atlas->objects[0].volume_mm3 + atlas->objects[1].volume_mm3) / 2, 1e-6 * sum);
+    assert_near(region_scene_find(all, 4)->volume, sum, 1e-9 * sum);
+    assert_near(region_scene_find(all, 4)->volume_error, 0, 0);
+    assert_near(region_scene_find(all, 0)->volume, region - sum, 1e-9 * region);
+    assert_near(region_scene_find(alone, 0)->volume, region - sum, 1e-9 * region);
+    assert_near(region_scene_find(alone, 0)->volume_error, 0, 0);
+    conus_overlap_destroy(alone);
+    conus_overlap_destroy(all);
+    conus_roi_destroy(roi);
+    conus_atlas_destroy(atlas);
+}
+
+/* Boxes whose common part is in no line with voxels: 2.1^3 + 2.08^3 - 1.05^3 mm^3. Lines see the common part only, 1.15
+ * mm^3, which is off by less than the row says; and a region in the second box that is in the first one, too, is the
+ * other way round: nothing is in no object. */
+static void what_overlaps_is_off_by_no_more_than_is_said(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    add_box(atlas, (const double[]){0.01, 0.02, 0.03}, (const double[]){2.11, 2.12, 2.13});
+    add_box(atlas, (const double[]){1.06, 1.07, 1.08}, (const double[]){3.14, 3.15, 3.16});
+    assert_ok(atlas_add_group(
+        atlas, &(conus_object){.kind = CONUS_KIND_AREA, .label = 9, .name = "both", .abbreviation = ""}));
+    atlas->objects[0].parent = atlas->objects[1].parent = 3;
+    conus_roi *roi = region_scene_whole(8, 1, (const double[]){-1.5, -1.5, -1.5});
+    conus_overlap *overlap = region_scene_overlap(atlas, roi, "1");
+    const double wanted = 2.1 * 2.1 * 2.1 + 2.08 * 2.08 * 2.08 - 1.05 * 1.05 * 1.05;
+    const conus_coverage *both = region_scene_find(overlap, 3);
+    const conus_coverage *none = region_scene_find(overlap, 0);
+    assert_in_range(both->volume_error * 1000, 100, 3000);
+    assert_near(both->volume, wanted, both->volume_error);
+    assert_near(none->volume, 512 - wanted, none->volume_error);
+    assert_near(both->volume + none->volume, 512, 1e-9);
+    conus_overlap_destroy(overlap);
+    conus_roi_destroy(roi);
+    conus_atlas_destroy(atlas);
+}
+
 static void closed_surfaces_are_left_as_often_as_entered(void **state)
 {
     (void)state;
@@ -315,6 +375,8 @@ static void what_is_no_region_is_refused(void **state)
     assert_true(conus_roi_volume(roi)->threshold == 0);
     conus_roi_destroy(roi);
     assert_fails(conus_roi_load(&roi, "no such file", NULL), CONUS_ERROR_IO);
+    /* with the sanitizers nothing is left of the name, either */
+    assert_fails(conus_roi_load(&roi, "/proc/self/exe,tissue=2", NULL), CONUS_ERROR_ARGUMENT);
     assert_fails(conus_roi_load(NULL, "x", NULL), CONUS_ERROR_ARGUMENT);
     assert_fails(conus_roi_create(NULL, &voxels, NULL), CONUS_ERROR_ARGUMENT);
     assert_fails(conus_overlap_create(NULL, NULL, NULL), CONUS_ERROR_ARGUMENT);
@@ -510,6 +572,8 @@ TEST_GROUP(overlap)
         cmocka_unit_test(tetrahedra_meet_surfaces),
         cmocka_unit_test(sites_know_tetrahedra),
         cmocka_unit_test(a_level_counts_what_is_in_two_parts_once),
+        cmocka_unit_test(what_does_not_overlap_is_exact),
+        cmocka_unit_test(what_overlaps_is_off_by_no_more_than_is_said),
         cmocka_unit_test(closed_surfaces_are_left_as_often_as_entered),
         cmocka_unit_test(what_is_no_region_is_refused),
         cmocka_unit_test(every_failing_allocation_is_survived),
