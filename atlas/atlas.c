@@ -44,6 +44,7 @@ void conus_atlas_destroy(conus_atlas *atlas)
         deformation_finish(&atlas->warps[i].field);
     }
     memory_free(atlas->warps);
+    memory_free(atlas->last_transform);
     atlas_cut_context_surfaces(atlas, 0);
     memory_free(atlas->context_surfaces);
     memory_free(atlas->places);

@@ -58,6 +58,8 @@ struct conus_atlas {
                                     input. */
     struct warp *warps;        /**< Fields after own_from_world: points go through the last one first. */
     size_t warp_count;
+    char *last_transform;    /**< The file that points go through after one that comes next; owned, NULL = none. */
+    bool last_is_inverse;    /**< In the other direction than the file says. */
     bool has_ccf;            /**< Its files say that it is the Allen CCF.                             */
     double own_from_ccf[16]; /**< If so: from AP, DV, ML in micrometres to where its files have it. */
     char *path;              /**< As the user gave it; NULL = the atlas was not loaded. */

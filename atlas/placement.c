@@ -28,6 +28,12 @@ static conus_status move_mesh(struct mesh *out, const struct mesh *mesh, const d
     return status ? status : mesh_measure(&out->shape, out);
 }
 
+void placement_words(char out[PLACEMENT_WORDS], const conus_volume_info *info, const char *how)
+{
+    snprintf(out, PLACEMENT_WORDS, "%.*s%s", (int)(PLACEMENT_WORDS - 1 - strlen(how)), info->transform,
+             strstr(info->transform, how) ? "" : how);
+}
+
 static conus_status move_all(struct moved *moved, const conus_atlas *atlas, const double world_from_atlas[16])
 {
     moved->volumes = memory_zeroed(atlas->volume_count, sizeof *moved->volumes);
@@ -38,12 +44,10 @@ static conus_status move_all(struct moved *moved, const conus_atlas *atlas, cons
         struct volume *out = &moved->volumes[i];
         const struct volume *volume = &atlas->volumes[i];
         double matrix[16];
-        char words[sizeof volume->info.transform];
+        char words[PLACEMENT_WORDS];
         out->info = volume->info;
         mat4_multiply(matrix, world_from_atlas, volume->info.world_from_voxel);
-        bool moved_before = strstr(volume->info.transform, ", moved") != NULL;
-        snprintf(words, sizeof words, "%.*s%s", (int)(sizeof words - sizeof ", moved"), volume->info.transform,
-                 moved_before ? "" : ", moved");
+        placement_words(words, &volume->info, ", moved");
         status = space_describe(&out->info, matrix, words);
         out->info.space_code = 0;
         if (!status && !mat4_invert_affine(out->voxel_from_world, matrix)) {

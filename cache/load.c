@@ -6,11 +6,22 @@
 #include "cache/atlas_cache.h"
 #include "loaders/scene/load_streamlines.h"
 
-typedef conus_status file_loader(conus_atlas **out, const char *path, const conus_load_options *options);
+/* The kinds of entries: an atlas, and streamlines in each of the spaces that may be stated, which are other ones. */
+static const char *const streamlines_kinds[] = {"streamlines", "streamlines in RAS", "streamlines in LPS"};
 
-/* Something of `kind`, which `load` reads. */
+static conus_status read_files(conus_atlas **out, const char *path, const char *kind, const conus_load_options *options)
+{
+    for (int space = CONUS_FILE_SPACE_AS_STATED; space <= CONUS_FILE_SPACE_LPS; space++) {
+        if (kind == streamlines_kinds[space]) {
+            return streamlines_load(out, path, options, (conus_file_space)space,
+                                    options->cache && atlas_cache_leaves_points(path));
+        }
+    }
+    return atlas_load_files(out, path, options);
+}
+
 static conus_status find_or_load(conus_atlas **out, const char *path, const char *kind,
-                                 const conus_load_options *options, file_loader *load)
+                                 const conus_load_options *options)
 {
     struct atlas_cache cache;
     conus_status status = options->cache ? cache_check_limit() : CONUS_OK;
@@ -21,7 +32,7 @@ static conus_status find_or_load(conus_atlas **out, const char *path, const char
     conus_atlas *atlas = atlas_cache_find(&cache);
     if (!atlas) {
         atlas_cache_begin_reading(&cache);
-        status = load(&atlas, path, &cache.options);
+        status = read_files(&atlas, path, kind, &cache.options);
         atlas_cache_end_reading(&cache);
         if (!status) {
             status = atlas_cache_keep(&cache, &atlas);
@@ -39,12 +50,7 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     if (!out || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_load: a result and a path are needed");
     }
-    return find_or_load(out, path, "atlas", options_of(conus_load_options, options), atlas_load_files);
-}
-
-static conus_status read_streamlines(conus_atlas **out, const char *path, const conus_load_options *options)
-{
-    return streamlines_load(out, path, options, options->cache && atlas_cache_leaves_points(path));
+    return find_or_load(out, path, "atlas", options_of(conus_load_options, options));
 }
 
 /* The streamlines of a file, in an atlas of their own. */
@@ -52,7 +58,11 @@ static conus_status load_streamlines(conus_atlas **out, const char *path, const 
 {
     const conus_load_options load = {
         .max_memory = options->max_memory, .log = options->log, .log_user = options->log_user, .cache = options->cache};
-    return find_or_load(out, path, "streamlines", &load, read_streamlines);
+    if ((unsigned)options->space > CONUS_FILE_SPACE_LPS) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: space %d, allowed are CONUS_FILE_SPACE_AS_STATED (0), _RAS and _LPS",
+                    path, (int)options->space);
+    }
+    return find_or_load(out, path, streamlines_kinds[options->space], &load);
 }
 
 conus_status conus_tractogram_load(conus_tractogram **out, const char *path, const conus_streamlines_options *options)

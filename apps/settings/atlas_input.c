@@ -130,12 +130,22 @@ static bool pathway_option_parse(struct pathway_option *out, const char *text)
     return true;
 }
 
+/* "ras" or "lps". */
+static bool file_space_parse(conus_file_space *out, const char *text)
+{
+    *out = strcmp(text, "ras") == 0   ? CONUS_FILE_SPACE_RAS
+           : strcmp(text, "lps") == 0 ? CONUS_FILE_SPACE_LPS
+                                      : CONUS_FILE_SPACE_AS_STATED;
+    return *out != CONUS_FILE_SPACE_AS_STATED;
+}
+
 /* One --streamlines. */
 struct streamlines_option {
     char *path;    /* Its text, which is cut where the file's name ends. */
     char *name;    /* NULL if not given. */
     double radius; /* mm; 0 if not given. */
     bool moves;    /* With the atlas. */
+    conus_file_space space;
 };
 
 /* Reads "key=value" or "moves", the text after a comma. */
@@ -154,14 +164,18 @@ static bool streamlines_read_key(struct streamlines_option *out, char *key)
     if (strcmp(key, "moves") == 0 && !out->moves) {
         return out->moves = true;
     }
-    return refuse("--streamlines: \"%s\" is none of radius=R, name=S and moves, each at most once", key);
+    if (strncmp(key, "space=", 6) == 0 && !out->space) {
+        return file_space_parse(&out->space, key + 6) ||
+               refuse("--streamlines: space=%s, allowed are ras and lps", key + 6);
+    }
+    return refuse("--streamlines: \"%s\" is none of radius=R, name=S, space=S and moves, each at most once", key);
 }
 
 /* Takes `text` apart; prints an error and returns false where that is no tractogram with its keys. End `out` in
  * either case. Cuts keys off the end as long as there are some, since a file's name may have commas as well. */
 static bool streamlines_option_parse(struct streamlines_option *out, const char *text)
 {
-    static const char *const keys[] = {",radius=", ",name=", NULL};
+    static const char *const keys[] = {",radius=", ",name=", ",space=", NULL};
     *out = (struct streamlines_option){.path = strdup(text)};
     if (!out->path) {
         return refuse("--streamlines: not enough memory");
@@ -178,8 +192,8 @@ static bool streamlines_option_parse(struct streamlines_option *out, const char 
     return *out->path && !key_left_in_file("streamlines", out->path, keys);
 }
 
-/* The parts of "FILE[,from=IMAGE,to=IMAGE][,inverse][,relative|absolute][,grid=IMAGE][,transform=K]", which is cut at
- * its commas. */
+/* The parts of "FILE[,from=IMAGE,to=IMAGE][,inverse][,relative|absolute][,space=ras|lps][,grid=IMAGE][,transform=K]",
+ * which is cut at its commas. */
 struct transform_option {
     char *path;
     conus_transform_options options;
@@ -194,6 +208,9 @@ static bool transform_take_key(struct transform_option *out, const char *key)
     if ((strcmp(key, "relative") == 0 || strcmp(key, "absolute") == 0) && !out->options.vectors) {
         out->options.vectors = key[0] == 'r' ? CONUS_VECTORS_RELATIVE : CONUS_VECTORS_ABSOLUTE;
         return true;
+    }
+    if (strncmp(key, "space=", 6) == 0 && !out->options.space) {
+        return file_space_parse(&out->options.space, key + 6);
     }
     if (strncmp(key, "transform=", 10) == 0 && !out->options.transform) {
         double number;
@@ -238,7 +255,11 @@ static int transform_apply(conus_atlas *atlas, const char *given, uint64_t max_m
     option.options.max_memory = max_memory;
     bool empty = is_empty(option.path) || is_empty(option.options.from) || is_empty(option.options.to) ||
                  is_empty(option.options.grid);
-    int code = empty ? print_usage_error("--atlas-transform: \"%s\" names no file, or no image", given) : EXIT_DONE;
+    const char *space = strstr(option.path, ",space=");
+    int code =
+        empty   ? print_usage_error("--atlas-transform: \"%s\" names no file, or no image", given)
+        : space ? print_usage_error("--atlas-transform: \"%s\", allowed are space=ras and space=lps, once", space + 1)
+                : EXIT_DONE;
     if (!code) {
         conus_status status = conus_atlas_transform(atlas, option.path, &option.options);
         code = print_status(status);
@@ -330,6 +351,7 @@ static int add_streamlines(conus_atlas *atlas, const struct streamlines_option *
         if (options[i].moves == moves) {
             const conus_streamlines_options own = {.radius = options[i].radius,
                                                    .name = options[i].name,
+                                                   .space = options[i].space,
                                                    .max_memory = settings->max_memory,
                                                    .cache = !settings->no_cache};
             conus_tractogram **shared = settings->shared ? &settings->shared[i] : NULL;

@@ -81,8 +81,9 @@ const struct option atlas_options[] = {
      .value = "FILE[,KEY=VALUE]...",
      .help =
          "add a tractogram as a bundle, or as one for each of its groups; keys: radius=R (a ray hits what is nearer "
-         "than R mm to a streamline; default 0.5), name=S, moves (it lies where ATLAS's files do, and "
-         "--atlas-transform moves it, too); may be repeated",
+         "than R mm to a streamline; default 0.5), name=S, space=ras or space=lps (the axes of a file that does not "
+         "state them, as DIPY's VTK in LPS), moves (it lies where ATLAS's files do, and --atlas-transform moves it, "
+         "too); may be repeated",
      .words = "fibre, fiber, tractography, tractogram",
      .role = OPTION_READS},
     {.name = "hemispheres",
@@ -95,11 +96,13 @@ const struct option atlas_options[] = {
     {.name = "atlas-transform",
      FIELD(atlas_settings, transforms),
      .value = "FILE[,KEY]...",
-     .help = "bring the atlas to the poses: an affine (ITK, FreeSurfer, MNI, FSL, 4 x 4), a B-spline (ITK), a "
-             "deformation field (ITK, SPM, FSL) or a composite of these (ITK, ANTs, X5) from their space to the "
-             "atlas's; keys: from=IMAGE and to=IMAGE of FSL's, inverse (an affine from the atlas), relative or "
-             "absolute (a field's vectors), grid=IMAGE (voxels for the labels), transform=K (number K, from 0, of a "
-             "list of ITK's); may be repeated, points go through the first one first",
+     .help =
+         "bring the atlas to the poses: an affine (ITK, FreeSurfer, MNI, FSL, 4 x 4), a B-spline (ITK), a "
+         "deformation field (ITK, SPM, FSL, MRtrix, NiftyReg, SynthMorph) or a composite of these (ITK, ANTs, X5) "
+         "from their space to the atlas's; keys: from=IMAGE and to=IMAGE of FSL's, inverse (an affine from the "
+         "atlas), relative or absolute (a field's vectors), space=ras or space=lps (their axes), grid=IMAGE (voxels "
+         "for the labels), transform=K (number K, from 0, of a list of ITK's); may be repeated, points go through "
+         "the first one first",
      .words = "warp, registration, normalise",
      .role = OPTION_READS},
     {.name = "max-memory",

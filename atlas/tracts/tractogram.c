@@ -124,6 +124,19 @@ conus_status tractogram_hold_points(struct tractogram *tractogram, const struct 
     return CONUS_OK;
 }
 
+void tractogram_from_lps(struct tractogram *tractogram)
+{
+    for (uint64_t i = 0; i < 3 * tractogram->point_count; i += 3) {
+        for (uint64_t a = i; a < i + 2; a++) {
+            if (tractogram->points) {
+                tractogram->points[a] = -tractogram->points[a];
+            } else {
+                tractogram->halves[a] ^= 0x8000;
+            }
+        }
+    }
+}
+
 double tract_from_half(uint16_t half)
 {
     enum { INFINITE = 31, HALF_BIAS = 15, DOUBLE_BIAS = 1023 };

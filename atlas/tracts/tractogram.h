@@ -35,6 +35,7 @@ struct tractogram {
     char format[64];         /**< "TrackVis 2, gzip, big-endian". */
     bool states_mm;          /**< The file, or its format, says that points are world mm.                          */
     char sha256[65];         /**< The file's, in hexadecimal; empty for a TRX folder. */
+    unsigned char space;     /**< conus_file_space: the axes of the file's numbers, as it says or its user. */
     struct file_sums files;  /**< Those of a TRX folder that were read, until an atlas has them; owned. */
     float *points;           /**< [3 point_count] x, y, z in world mm (RAS); owned. NULL where halves has them. */
     uint16_t *halves;        /**< The same in half precision (IEEE binary16), as the file has them; owned. */
@@ -63,6 +64,9 @@ struct tractogram {
 
 /** Frees what it owns; a zeroed one is fine. */
 void tractogram_finish(struct tractogram *tractogram);
+
+/** Turns points of LPS into RAS. They are its own. */
+void tractogram_from_lps(struct tractogram *tractogram);
 
 /** The value of a half (IEEE binary16). */
 double tract_from_half(uint16_t half);

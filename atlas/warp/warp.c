@@ -81,14 +81,23 @@ static conus_status note_tracts(struct notes *notes, const struct warped_tracts 
     return status;
 }
 
-static conus_status note_move(struct notes *notes, const struct warp_plan *plan)
+/* Before the atlas has these voxels, of whose space the matrix leads to where it is. */
+static conus_status note_grid(conus_atlas *atlas, const struct warp_plan *plan, const double atlas_from_world[16],
+                              const char *before, const char *behind)
 {
     const conus_volume_info *grid = plan->grid;
-    return notes_add(notes,
-                     "warped by %s: voxels are those of the atlas that are nearest, on a grid of %zu x %zu x %zu "
-                     "voxels of %.3g x %.3g x %.3g mm",
-                     plan->words, grid->dim[0], grid->dim[1], grid->dim[2], grid->spacing[0], grid->spacing[1],
-                     grid->spacing[2]);
+    double atlas_from_voxel[16];
+    mat4_multiply(atlas_from_voxel, atlas_from_world, grid->world_from_voxel);
+    double coarse = warp_coarseness(atlas_from_voxel, atlas);
+    conus_status status = notes_add(
+        &atlas->notes, "%s%s%s, on a grid of %zu x %zu x %zu voxels of %.3g x %.3g x %.3g mm", before, plan->words,
+        behind, grid->dim[0], grid->dim[1], grid->dim[2], grid->spacing[0], grid->spacing[1], grid->spacing[2]);
+    return status || coarse <= WARP_AS_FINE
+               ? status
+               : notes_warn(&atlas->notes,
+                            "%s: voxels of this grid are up to %.3g times as long as the atlas's, so that areas are "
+                            "coarser: grid=IMAGE takes a finer one",
+                            plan->words, coarse);
 }
 
 static conus_status check_state(const conus_atlas *atlas)
@@ -146,7 +155,7 @@ conus_status atlas_warp_all(conus_atlas *atlas, struct deformation *fields, size
     status = status ? status : warped_meshes_init(&parts.meshes, atlas, fields, count, &parts.notes);
     status = status ? status : warped_tracts_init(&parts.tracts, atlas, fields, count);
     if (!status) {
-        status = note_move(&atlas->notes, plan);
+        status = note_grid(atlas, plan, way.first, "warped by ", ": voxels are those of the atlas that are nearest");
         for (size_t i = 0; !status && i < count; i++) {
             status = note_facts(&atlas->notes, &fields[i], plan->words);
             stays = stays && fields[i].stays_outside;
@@ -190,7 +199,9 @@ conus_status atlas_move_onto(conus_atlas *atlas, const double atlas_from_world[1
     mat4_multiply(way.first, atlas->own_from_world, atlas_from_world);
     conus_status status = check_state(atlas);
     status = status ? status : warped_volumes_init(&volumes, atlas, &way, plan);
-    status = status ? status : note_move(&atlas->notes, plan);
+    status = status
+                 ? status
+                 : note_grid(atlas, plan, atlas_from_world, "", ": voxels are taken anew from the atlas's own, once");
     status = status ? status : warped_volumes_note(&volumes, atlas, plan->words);
     status = status ? status : atlas_move(atlas, atlas_from_world, plan->words);
     if (!status) {

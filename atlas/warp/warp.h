@@ -13,6 +13,17 @@ struct warp_plan {
     uint64_t max_memory;           /**< Bytes that the resampled voxels may take; 0 = 8 GiB.                  */
 };
 
+#define WARP_AS_FINE 1.05 /**< Voxels of a grid that are longer than the atlas's by no more than this are as fine. */
+
+/** Makes plan->grid where none is given, for atlas_warp_all(): the nodes of the last field, parted until voxels are as
+ * fine as the atlas's smallest; voxels of that size in the region of a spline. A large grid is cut to what can come to
+ * the atlas's voxels. CONUS_ERROR_DATA for one that has far more voxels than the atlas. */
+conus_status warp_grid(conus_volume_info *out, const conus_atlas *atlas, const struct deformation *fields,
+                       size_t count);
+
+/** How many voxels of the atlas a voxel of a grid is long, along the axis where that is most; 0 without voxels. */
+double warp_coarseness(const double atlas_from_voxel[16], const conus_atlas *atlas);
+
 /** Moves volumes, surfaces and streamlines by @p field, which maps points of the new space as atlas_move()'s matrix
  * does: voxels of plan->grid take the atlas's voxel nearest to their centre's image through all that has moved the
  * atlas; vertices and points are found by deformation_find(). Left out are triangles with a vertex that is not found,

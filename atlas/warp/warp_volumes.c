@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Volumes on another grid, each voxel as the nearest of the atlas's own. */
 #include "atlas/deformation/deformation.h"
+#include "atlas/placement.h"
 #include "atlas/space.h"
 #include "atlas/warp/warp_parts.h"
 #include "base/geometry/math3.h"
@@ -107,9 +108,9 @@ static conus_status init_volume(struct volume *out, const struct volume *old, co
 {
     struct volume volume = {0};
     conus_volume_info info = old->info;
-    char words[sizeof info.transform];
+    char words[PLACEMENT_WORDS];
     memcpy(info.dim, grid->dim, sizeof info.dim);
-    snprintf(words, sizeof words, "%.*s, warped", (int)(sizeof words - sizeof ", warped"), grid->transform);
+    placement_words(words, &old->info, ", warped");
     conus_status status = space_describe(&info, grid->world_from_voxel, words);
     info.space_code = 0;
     status = status ? status : volume_init(&volume, &info);

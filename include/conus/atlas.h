@@ -218,6 +218,13 @@ typedef enum conus_vectors {
     CONUS_VECTORS_ABSOLUTE       /**< Positions: SPM's in RAS, FSL's in the mm of the second image. */
 } conus_vectors;
 
+/** The axes in which a file has its numbers, where its user says so. */
+typedef enum conus_file_space {
+    CONUS_FILE_SPACE_AS_STATED = 0, /**< As the file says, or its format. */
+    CONUS_FILE_SPACE_RAS,           /**< mm to the right, forwards and upwards. */
+    CONUS_FILE_SPACE_LPS            /**< mm to the left, backwards and upwards. */
+} conus_file_space;
+
 /** How conus_atlas_transform() reads. */
 typedef struct conus_transform_options {
     size_t struct_size;  /**< Its size, as #CONUS_TRANSFORM_OPTIONS_INIT sets it; 0 = that of this version. */
@@ -226,12 +233,14 @@ typedef struct conus_transform_options {
     const char *to;      /**< For these: path of the image to which it moves them; NULL otherwise. */
     bool inverse;        /**< The file moves points of the atlas to where poses are; of affines only. */
     const char *grid;    /**< Path of a volume, in the space from which the file takes points: voxels that a field moves
-                            are resampled on its grid. NULL = on that of the field; for a B-spline from one end of it
-                            to the other, with voxels as small as the atlas's smallest. */
+                            are resampled on its grid. NULL = on that of the field, parted until voxels are as fine as
+                            the atlas's; for a B-spline from one end of it to the other, with voxels as small as the
+                            atlas's smallest. */
     uint64_t max_memory; /**< As conus_load_options.max_memory, of the field and of what it resamples. */
     conus_vectors vectors; /**< For fields: the meaning of their vectors. */
     size_t transform;      /**< For a list of ITK's transforms that is no composite: K + 1 chooses number K, from 0; 0 =
                               there is one. */
+    conus_file_space space; /**< For fields of NIfTI but FSL's: the axes of their vectors, mm. */
 } conus_transform_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

@@ -105,6 +105,9 @@ conus_status conus_atlas_add_polylines(conus_atlas *atlas, const conus_polylines
     conus_status status = check_arrays(polylines);
     status = status ? status : copy_polylines(&tractogram, polylines);
     status = status ? fail_in(status, sink.path) : streamlines_radius(&tractogram.radius, options->radius, sink.path);
+    if (!status && options->space == CONUS_FILE_SPACE_LPS) {
+        tractogram_from_lps(&tractogram);
+    }
     if (!status) {
         status = tractogram_check(&tractogram, &notes);
         status = status ? fail_in(status, sink.path) : streamlines_add(atlas, &tractogram, options->name, &notes);

@@ -40,6 +40,7 @@ struct manifest_transform {
     char *grid;   /**< For fields: a volume with the voxels of the moved areas; NULL = the field's. */
     bool inverse; /**< It moves points of the areas to where poses are. */
     conus_vectors vectors;
+    conus_file_space space;
     size_t transform; /**< Place in a list of ITK's transforms: 1 + its number; 0 = none is chosen. */
 };
 
@@ -99,6 +100,7 @@ struct manifest_streamlines {
     char *name;    /**< NULL = the file's without its ending. */
     double radius; /**< mm; 0 = the default. */
     bool moves;    /**< It is moved with the areas. */
+    conus_file_space space;
 };
 
 struct manifest {

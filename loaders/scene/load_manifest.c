@@ -56,6 +56,7 @@ static conus_status move_by(struct loading *loading, const struct manifest_trans
                                              .grid = paths[3],
                                              .inverse = transform->inverse,
                                              .vectors = transform->vectors,
+                                             .space = transform->space,
                                              .transform = transform->transform,
                                              .max_memory = loading->options->max_memory};
     conus_status status = whole ? conus_atlas_transform(loading->atlas, paths[0], &options) : CONUS_ERROR_MEMORY;

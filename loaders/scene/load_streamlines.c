@@ -109,7 +109,8 @@ static conus_status end_mapping(struct tractogram *tractogram, const char *path,
     return file_state_check(before, path);
 }
 
-conus_status streamlines_load(conus_atlas **out, const char *path, const conus_load_options *options, bool maps)
+conus_status streamlines_load(conus_atlas **out, const char *path, const conus_load_options *options,
+                              conus_file_space space, bool maps)
 {
     struct file_state before;
     struct bytes mapped = {0};
@@ -123,7 +124,8 @@ conus_status streamlines_load(conus_atlas **out, const char *path, const conus_l
     if (maps && !file_state_find(&before, path) && (mapped.data = file_map(path, &before))) {
         mapped.size = (size_t)before.size;
     }
-    conus_status status = tract_file_read_mapped(tractogram, path, &mapped, options->max_memory, &notes);
+    conus_status status = tract_file_read_mapped(tractogram, path, &mapped,
+                                                 &(const struct tract_reading){options->max_memory, space}, &notes);
     status = status ? status : notes_move(&atlas->notes, &notes);
     status = status ? status : file_sums_move(&atlas->files, &tractogram->files);
     status = status ? status : bundles_ready(tractogram);
@@ -212,7 +214,7 @@ conus_status streamlines_add_entry(conus_atlas *atlas, const struct manifest_str
     double radius = 0;
     conus_status status = file ? load_progress_report(progress, file, 1) : CONUS_ERROR_MEMORY;
     status = status ? status : streamlines_radius(&radius, entry->radius, file);
-    status = status ? status : streamlines_load(&alone, file, progress->options, false);
+    status = status ? status : streamlines_load(&alone, file, progress->options, entry->space, false);
     status = status ? status : streamlines_take(atlas, alone, radius, &options);
     memory_free(file);
     return status;

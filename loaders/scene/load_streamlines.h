@@ -19,9 +19,11 @@ conus_status streamlines_radius(double *out, double wanted, const char *path);
  * atlas has @p notes, too; on failure it is as before. */
 conus_status streamlines_add(conus_atlas *atlas, struct tractogram *tractogram, const char *name, struct notes *notes);
 
-/** Reads the tractogram @p path into an atlas that has nothing else, and makes it ready for bundles. With @p maps the
+/** Reads the tractogram @p path, of which @p space is stated, into an atlas that has nothing else, and makes it ready
+ * for bundles. With @p maps the
  * points may stay in the file (is_in_file): nobody should read them before tractogram_hold_points(). */
-conus_status streamlines_load(conus_atlas **out, const char *path, const conus_load_options *options, bool maps);
+conus_status streamlines_load(conus_atlas **out, const char *path, const conus_load_options *options,
+                              conus_file_space space, bool maps);
 
 /** Adds that tractogram, which may be mapped, with a radius, mm, and a name as streamlines_add() does; @p options have
  * the log, too. Ends @p alone. On failure @p atlas is as before. */

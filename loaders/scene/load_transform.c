@@ -7,6 +7,7 @@
 #include "atlas/warp/warp.h"
 #include "base/files/file_sums.h"
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "base/options.h"
 #include "loaders/transform/chain_file.h"
 #include "loaders/transform/field_file.h"
@@ -70,65 +71,38 @@ static conus_status transform_images_note(conus_atlas *atlas, const conus_transf
     return status;
 }
 
-/* Makes the grid for an atlas that a field moves: the field's nodes. A spline's nodes are far apart; there the voxels
- * are as small as the atlas's smallest, from one end of the spline's grid to the other. */
-static conus_status find_grid(conus_volume_info *out, const conus_atlas *atlas, const struct deformation *field)
+/* Moves the atlas by all fields, or not at all. */
+static conus_status warp_along(conus_atlas *atlas, struct deformation *fields, size_t count,
+                               const struct warp_plan *plan)
 {
-    enum { MOST = 100000 };
-    conus_volume_info grid = {.volume_count = 1};
-    double matrix[16];
-    double edge = INFINITY;
-    memcpy(matrix, field->world_from_voxel, sizeof matrix);
-    memcpy(grid.dim, field->dim, sizeof grid.dim);
-    for (size_t i = 0; i < atlas->volume_count; i++) {
-        const double *spacing = atlas->volumes[i].info.spacing;
-        edge = fmin(edge, fmin(spacing[0], fmin(spacing[1], spacing[2])));
-    }
-    edge = isfinite(edge) ? edge : 1;
-    for (int a = 0; field->coefficients && a < 3; a++) {
-        double step = edge / vec3_length(field->world_from_voxel + 4 * a);
-        double count = floor((double)(field->dim[a] - 3) / step + 1e-9) + 1;
-        if (!(count <= MOST)) {
-            return fail(CONUS_ERROR_DATA,
-                        "%.0f voxels of %g mm along a B-spline, up to %d are allowed: grid=IMAGE is "
-                        "needed",
-                        count, edge, MOST);
+    conus_volume_info own;
+    struct warp_plan whole = *plan;
+    if (!plan->grid) {
+        conus_status status = warp_grid(&own, atlas, fields, count);
+        if (status) {
+            return fail_in(status, plan->words);
         }
-        grid.dim[a] = (size_t)count;
-        vec3_scale(matrix + 4 * a, field->world_from_voxel + 4 * a, step);
-        vec3_add_scaled(matrix + 12, matrix + 12, 1, field->world_from_voxel + 4 * a);
+        whole.grid = &own;
     }
-    conus_status status = space_describe(&grid, matrix, field->coefficients ? "B-spline" : "field");
-    if (!status) {
-        *out = grid;
-    }
-    return status;
+    return atlas_warp_all(atlas, fields, count, &whole);
 }
 
 /* Moves the atlas by all of a chain, or not at all. */
 static conus_status move_along(conus_atlas *atlas, struct transform_chain *chain, const struct warp_plan *plan)
 {
-    conus_volume_info nodes;
-    struct warp_plan own = *plan;
-    if (!chain->count) {
-        return plan->grid ? atlas_move_onto(atlas, chain->matrix, plan) : atlas_move(atlas, chain->matrix, plan->words);
-    }
-    conus_status status = plan->grid ? CONUS_OK : find_grid(&nodes, atlas, &chain->fields[chain->count - 1]);
-    own.grid = plan->grid ? plan->grid : &nodes;
-    return status ? status : atlas_warp_all(atlas, chain->fields, chain->count, &own);
+    return chain->count ? warp_along(atlas, chain->fields, chain->count, plan)
+           : plan->grid ? atlas_move_onto(atlas, chain->matrix, plan)
+                        : atlas_move(atlas, chain->matrix, plan->words);
 }
 
 static conus_status move_by_field(conus_atlas *atlas, const char *path, const conus_transform_options *options,
                                   const struct warp_plan *plan, struct file_sums *read)
 {
     struct deformation field = {0};
-    conus_volume_info nodes;
-    conus_status status = field_file_read(&field, &nodes, path, options, read, &atlas->notes);
-    struct warp_plan own = *plan;
-    own.grid = plan->grid ? plan->grid : &nodes;
+    conus_status status = field_file_read(&field, path, options, read, &atlas->notes);
     status = status ? status : transform_images_sum(read, atlas, options);
     status = status ? status : file_sums_move(&atlas->files, read);
-    status = status ? status : atlas_warp(atlas, &field, &own);
+    status = status ? status : warp_along(atlas, &field, 1, plan);
     deformation_finish(&field);
     return status;
 }
@@ -143,18 +117,27 @@ static bool is_of_mni(const conus_atlas *atlas)
     return is;
 }
 
+/* Between which spaces a file moves points, by its name. */
+static bool find_way(struct text *from, struct text *to, const char *path, bool inverse)
+{
+    return inverse ? transform_name_points(to, from, path) : transform_name_points(from, to, path);
+}
+
 /* The trap of BIDS names: a file that moves images from the patient to the MNI moves points the other way. */
 static conus_status note_direction(conus_atlas *atlas, const char *path, bool inverse)
 {
     struct text from;
     struct text to;
-    if (!transform_name_points(&from, &to, path)) {
+    struct text next;
+    struct text last;
+    const char *behind = atlas->last_transform;
+    if (!find_way(&from, &to, path, inverse)) {
         return CONUS_OK;
     }
-    if (inverse) {
-        struct text kept = from;
-        from = to;
-        to = kept;
+    if (behind && find_way(&next, &last, behind, atlas->last_is_inverse) && text_compare(to, next) != 0) {
+        return notes_warn(&atlas->notes,
+                          "%s: by its name it moves points to %.*s, but %s, which is behind it, takes them from %.*s",
+                          path, TEXT_SHOW(to, 40), behind, TEXT_SHOW(next, 40));
     }
     if (is_of_mni(atlas) && transform_name_is_mni(from) && !transform_name_is_mni(to)) {
         return notes_warn(&atlas->notes,
@@ -169,19 +152,51 @@ static conus_status note_direction(conus_atlas *atlas, const char *path, bool in
         path, TEXT_SHOW(from, 40), TEXT_SHOW(to, 40));
 }
 
+/* Two files of one registration by ANTs, by their names: an image is moved by the affine and then by the warp, so
+ * points go through 1Warp and then the affine, or the whole way back. */
+static conus_status note_pair(conus_atlas *atlas, const char *path, bool inverse)
+{
+    const char *behind = atlas->last_transform;
+    struct text of[2];
+    enum ants_kind first = transform_name_ants(&of[0], path);
+    enum ants_kind then = behind ? transform_name_ants(&of[1], behind) : ANTS_NONE;
+    if (!first || !then || text_compare(of[0], of[1]) != 0) {
+        return CONUS_OK;
+    }
+    if (first == ANTS_COMPOSITE || then == ANTS_COMPOSITE) {
+        return notes_warn(&atlas->notes,
+                          "%s and then %s: by its name a composite of ANTs has the other file's step, too", path,
+                          behind);
+    }
+    bool back = first == ANTS_AFFINE && inverse && then == ANTS_INVERSE_WARP;
+    bool forth = first == ANTS_WARP && then == ANTS_AFFINE && !atlas->last_is_inverse;
+    if (back || forth || (first == ANTS_AFFINE && then == ANTS_AFFINE)) {
+        return CONUS_OK;
+    }
+    return notes_warn(
+        &atlas->notes,
+        "points go through %s%s and then %s%s, which by their names do not fit together: of ANTs they go "
+        "through 0GenericAffine.mat,inverse and then 1InverseWarp.nii.gz, or through 1Warp.nii.gz and then "
+        "0GenericAffine.mat",
+        path, inverse ? ",inverse" : "", behind, atlas->last_is_inverse ? ",inverse" : "");
+}
+
 /* Moves it by an affine, a B-spline or, from HDF5, a chain. */
 static conus_status move_by_chain(conus_atlas *atlas, const char *path, bool is_hdf5,
                                   const conus_transform_options *options, const struct warp_plan *plan,
                                   struct file_sums *read)
 {
     struct transform_chain chain = {0};
-    if (is_hdf5 && (options->from || options->to || options->vectors)) {
-        return fail(CONUS_ERROR_ARGUMENT,
-                    "%s: from, to, relative and absolute are for files of FSL, ITK and SPM that are not HDF5", path);
+    if (is_hdf5 && (options->from || options->to || options->vectors || options->space)) {
+        return fail(
+            CONUS_ERROR_ARGUMENT,
+            "%s: from, to, relative and absolute are for files of FSL, ITK and SPM that are not HDF5, and so is "
+            "space",
+            path);
     }
-    if (options->vectors) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: relative and absolute are for deformation fields, and this is none",
-                    path);
+    if (options->vectors || options->space) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "%s: relative and absolute are for deformation fields, as space is, and this is none", path);
     }
     conus_status status = is_hdf5 ? chain_file_read(&chain, path, options->max_memory, read, &atlas->notes)
                                   : transform_file_read(&chain, path, options, read);
@@ -224,13 +239,21 @@ conus_status conus_atlas_transform(conus_atlas *atlas, const char *path, const c
     if (!status && options->transform && (is_field || is_chain)) {
         status = fail(CONUS_ERROR_ARGUMENT, "%s: transform is for lists in ITK's text, and this is none", path);
     }
-    status = status || is_field ? status : note_direction(atlas, path, options->inverse);
+    char *name = memory_text(path, strlen(path));
+    status = status || name ? status : CONUS_ERROR_MEMORY;
+    status = status ? status : note_direction(atlas, path, options->inverse);
+    status = status ? status : note_pair(atlas, path, options->inverse);
     status = status     ? status
              : is_field ? move_by_field(atlas, path, options, &plan, &read)
                         : move_by_chain(atlas, path, is_chain, options, &plan, &read);
     if (status) {
         file_sums_cut(&atlas->files, file_count);
         notes_cut(&atlas->notes, note_count);
+        memory_free(name);
+    } else {
+        memory_free(atlas->last_transform);
+        atlas->last_transform = name;
+        atlas->last_is_inverse = options->inverse;
     }
     file_sums_finish(&read);
     return status;

@@ -9,17 +9,21 @@
 
 /* A format reads a stream of bytes (`read`), or opens its file or folder itself (`open`). `head` has the first bytes,
  * unpacked; none for a folder. Messages of `read` lack the path, those of `open` have it. `has_lines`, unless NULL,
- * checks further whether the file is a tractogram. `states_mm`: points are always world mm. */
+ * checks further whether the file is a tractogram. `states_mm`: points are always world mm. `space`: the axes in which
+ * the format has its numbers; those that a header places come out in RAS, and nobody may say otherwise. */
 static const struct tract_format {
     bool (*is)(const struct bytes *head, const char *path);
     tract_reader *read;
     conus_status (*open)(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes);
     bool (*has_lines)(const char *path);
     bool states_mm;
+    enum { SPACE_OF_FILE, SPACE_RAS, SPACE_PLACED } space;
 } formats[] = {
-    {trk_is, trk_read, NULL, NULL, false}, /* where it has a matrix */
-    {tck_is, tck_read, NULL, NULL, true},         {tt_is, tt_read, NULL, NULL, true},
-    {trx_is, NULL, trx_read, trx_is_named, true}, {vtk_lines_is, NULL, vtk_lines_read, vtk_lines_are_in, false},
+    {trk_is, trk_read, NULL, NULL, false, SPACE_PLACED}, /* where it has a matrix */
+    {tck_is, tck_read, NULL, NULL, true, SPACE_RAS},
+    {tt_is, tt_read, NULL, NULL, true, SPACE_PLACED},
+    {trx_is, NULL, trx_read, trx_is_named, true, SPACE_RAS},
+    {vtk_lines_is, NULL, vtk_lines_read, vtk_lines_are_in, false, SPACE_OF_FILE},
 };
 
 static const struct tract_format *format_of(const struct bytes *head, const char *path)
@@ -82,25 +86,50 @@ static conus_status read_stream(struct tractogram *out, const struct tract_forma
     return status ? status : byte_stream_sum(out->sha256, stream);
 }
 
+/* Brings points into RAS: from the axes that the user states, which count before those of the file. */
+static conus_status settle_space(struct tractogram *tractogram, const struct tract_format *format,
+                                 conus_file_space given, struct notes *notes)
+{
+    static const char *const names[] = {"", "RAS", "LPS"};
+    unsigned char own = format->space == SPACE_OF_FILE ? tractogram->space : CONUS_FILE_SPACE_RAS;
+    tractogram->space = given ? (unsigned char)given : own;
+    if (given == CONUS_FILE_SPACE_LPS && format->space == SPACE_PLACED) {
+        return fail(CONUS_ERROR_ARGUMENT, "space: found lps, but the header of this format places its points: RAS is "
+                                          "allowed, or nothing");
+    }
+    if (tractogram->space == CONUS_FILE_SPACE_LPS) {
+        tractogram_from_lps(tractogram);
+    }
+    return given && own && given != own
+               ? notes_warn(notes, "points are taken for %s, as is stated, but the %s says %s", names[given],
+                            format->space == SPACE_OF_FILE ? "file" : "format", names[own])
+           : given || own ? CONUS_OK
+                          : notes_add(notes, "the file does not state its space; RAS was taken (,space=lps states LPS, "
+                                             "which DIPY writes)");
+}
+
 static conus_status read_format(struct tractogram *out, const struct tract_format *format, const char *path,
-                                const struct bytes *mapped, uint64_t max_memory, struct notes *notes)
+                                const struct bytes *mapped, const struct tract_reading *how, struct notes *notes)
 {
     struct tractogram tractogram = {0};
+    const uint64_t max_memory = how->max_memory;
     conus_status status;
     if (format->open) {
         status = format->open(&tractogram, path, memory_limit(max_memory), notes);
     } else {
         struct byte_stream stream = {0};
         status = byte_stream_open(&stream, path);
-        stream.mapped = mapped->data;
-        stream.mapped_size = mapped->size;
+        bool stays = how->space != CONUS_FILE_SPACE_LPS; /* points that are turned cannot stay in the file */
+        stream.mapped = stays ? mapped->data : NULL;
+        stream.mapped_size = stays ? mapped->size : 0;
         status = status ? status : read_stream(&tractogram, format, &stream, max_memory, notes);
         byte_stream_finish(&stream);
         status = status ? fail_in(status, path) : CONUS_OK;
     }
     if (!status) {
         tractogram.states_mm = tractogram.states_mm || format->states_mm;
-        status = check(&tractogram, notes);
+        status = settle_space(&tractogram, format, how->space, notes);
+        status = status ? status : check(&tractogram, notes);
         tractogram.path = status ? NULL : memory_text(path, strlen(path));
         status = status || tractogram.path ? status : CONUS_ERROR_MEMORY;
         status = status ? fail_in(status, path) : CONUS_OK;
@@ -114,7 +143,7 @@ static conus_status read_format(struct tractogram *out, const struct tract_forma
 }
 
 conus_status tract_file_read_mapped(struct tractogram *out, const char *path, const struct bytes *mapped,
-                                    uint64_t max_memory, struct notes *notes)
+                                    const struct tract_reading *how, struct notes *notes)
 {
     struct bytes head = {0};
     conus_status status = read_head(&head, path);
@@ -124,7 +153,7 @@ conus_status tract_file_read_mapped(struct tractogram *out, const char *path, co
         return status;
     }
     if (format) {
-        return read_format(out, format, path, mapped, max_memory, notes);
+        return read_format(out, format, path, mapped, how, notes);
     }
     struct bytes stored = {0};
     status = file_read_head(&stored, path, FILE_KIND_HEAD);
@@ -138,7 +167,8 @@ conus_status tract_file_read_mapped(struct tractogram *out, const char *path, co
 
 conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
 {
-    return tract_file_read_mapped(out, path, &(const struct bytes){0}, max_memory, notes);
+    return tract_file_read_mapped(out, path, &(const struct bytes){0},
+                                  &(const struct tract_reading){.max_memory = max_memory}, notes);
 }
 
 conus_status tract_file_parse(struct tractogram *out, const uint8_t *data, size_t size, uint64_t max_memory,

@@ -6,6 +6,7 @@
 #include "atlas/tracts/tractogram.h"
 #include "base/files/file.h"
 #include "base/notes.h"
+#include "conus/atlas.h"
 
 /** Reads the tractogram @p path: of the format that its content has, checked by tractogram_check(), with the radius
  * TRACT_RADIUS, path and sum set, without a tree. @p max_memory: bytes that its arrays may take; 0 = 8 GiB. Errors
@@ -13,11 +14,17 @@
  * CONUS_ERROR_UNSUPPORTED, CONUS_ERROR_MEMORY. @p out is the caller's to tractogram_finish(), untouched on failure. */
 conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes);
 
-/** The same of a file that is mapped. Points may stay there (is_in_file), as
- * those of a .tck of Float32LE do, but count for @p max_memory. @p mapped is the caller's; empty where there is none.
- */
+/** How a tractogram is read. */
+struct tract_reading {
+    uint64_t max_memory;
+    conus_file_space space; /**< The axes of its numbers, which count before those that the file states; refused where
+                               they contradict a header that places the points. */
+};
+
+/** The same of a file that is mapped. Points may stay there (is_in_file), as those of a .tck of Float32LE do, but count
+ * for max_memory. @p mapped is the caller's; empty where there is none. */
 conus_status tract_file_read_mapped(struct tractogram *out, const char *path, const struct bytes *mapped,
-                                    uint64_t max_memory, struct notes *notes);
+                                    const struct tract_reading *how, struct notes *notes);
 
 /** True where @p path begins like a tractogram that tract_file_read() reads; of zip archives those whose name ends in
  * .trx, of VTK's files those with lines and no polygons. False also where it cannot be read. */

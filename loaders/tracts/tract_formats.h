@@ -59,8 +59,8 @@ bool vtk_lines_is(const struct bytes *head, const char *path);
 bool vtk_lines_are_in(const char *path);
 
 /** Reads the file @p path, packed by gzip or not: format, sum, points, first and scalars, which are to be checked. A
- * point of several lines is a point of each. Coordinates are RAS unless the file says that they are LPS; a note says so
- * where the file does not. CONUS_ERROR_DATA also for a file without lines. The file, unpacked, and each of its arrays,
+ * point of several lines is a point of each. Coordinates are those of the file, in the space that it states.
+ * CONUS_ERROR_DATA also for a file without lines. The file, unpacked, and each of its arrays,
  * and all arrays of the tractogram together, may have @p max_memory bytes. */
 conus_status vtk_lines_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes);
 

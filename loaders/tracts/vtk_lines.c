@@ -56,7 +56,7 @@ static conus_status gather(float **out, struct building *building, const float *
     return CONUS_OK;
 }
 
-/* Positions of the mesh are those of the tractogram, or copied; x and y change sign where they are LPS. */
+/* Positions of the mesh are those of the tractogram, or copied. */
 static conus_status fill_points(struct building *building, struct foreign_mesh *mesh)
 {
     struct tractogram *out = building->out;
@@ -68,10 +68,7 @@ static conus_status fill_points(struct building *building, struct foreign_mesh *
         status = gather(&out->points, building, mesh->positions, 3);
     }
     out->point_count = status ? 0 : building->lines->corners.count;
-    for (uint64_t i = 0; mesh->space == MESH_SPACE_LPS && i < out->point_count; i++) {
-        out->points[3 * i] = -out->points[3 * i];
-        out->points[3 * i + 1] = -out->points[3 * i + 1];
-    }
+    out->space = (unsigned char)mesh->space;
     return status;
 }
 
@@ -127,9 +124,6 @@ static conus_status lines_build(struct tractogram *out, struct foreign_mesh *mes
     out->streamline_count = lines->count;
     for (size_t i = 0; !status && i < lines->array_count; i++) {
         status = lines_fill_scalar(&building, &lines->arrays[i]);
-    }
-    if (!status && mesh->space == MESH_SPACE_UNSTATED) {
-        status = notes_add(notes, "the file does not state its space; RAS was taken");
     }
     if (!status && lines->behind) {
         status = notes_add(notes, "%zu polygons are not read", lines->behind);

@@ -34,20 +34,25 @@ conus_status field_header_parse(struct field_header *out, const uint8_t *data, s
     for (size_t i = 0; i < 8; i++) {
         out->dim[i] = first ? order_i16(data + 40 + 2 * i, swapped) : order_i64(data + 16 + 8 * i, swapped);
     }
+    out->parameter = first ? (double)order_f32(data + 56, swapped) : order_f64(data + 80, swapped);
     memcpy(out->intent_name, data + (first ? 328 : 508), NAME_SIZE);
     return CONUS_OK;
 }
 
-/* X x Y x Z x 1 x 3, or X x Y x Z x 3 of FSL. */
-static conus_status field_check_shape(const struct field_header *header, bool has_images)
+/* X x Y x Z x 1 x 3, or X x Y x Z x 3. */
+static conus_status field_check_shape(const struct field_header *header)
 {
     const int64_t *dim = header->dim;
     bool five = dim[0] == 5 && dim[4] == 1 && dim[5] == 3;
     bool four = dim[0] == 4 && dim[4] == 3;
+    if (dim[0] == 5 && dim[4] == 3 && dim[5] == 4) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "dim: found X x Y x Z x 3 x 4, MRtrix's warp of both ways; 'warpconvert "
+                                             "-type warpfull2deformation' makes a field of it");
+    }
     if (!five && !four) {
         return fail(CONUS_ERROR_DATA,
                     "dim: found %lld: %lld x %lld x %lld x %lld x %lld: this is a volume, but no deformation field, "
-                    "which has 5 dimensions (X x Y x Z x 1 x 3), or 4 (X x Y x Z x 3) from FSL",
+                    "which has 5 dimensions (X x Y x Z x 1 x 3), or 4 (X x Y x Z x 3)",
                     (long long)dim[0], (long long)dim[1], (long long)dim[2], (long long)dim[3],
                     (long long)(dim[0] > 3 ? dim[4] : 1), (long long)(dim[0] > 4 ? dim[5] : 1));
     }
@@ -56,24 +61,102 @@ static conus_status field_check_shape(const struct field_header *header, bool ha
             return fail(CONUS_ERROR_DATA, "dim[%d]: found %lld, a field has 2 or more", i, (long long)dim[i]);
         }
     }
-    if (four && !has_images) {
-        return fail(CONUS_ERROR_ARGUMENT,
-                    "dim: found 4, a field of FSL's kind, whose numbers mean nothing without its two images: "
-                    "from=IMAGE and to=IMAGE are needed (fields of ITK and SPM have 5 dimensions)");
-    }
-    return five && has_images ? fail(CONUS_ERROR_ARGUMENT,
-                                     "dim: found 5, but from and to are for FSL's fields, which have 4 (X x Y x Z x 3)")
-                              : CONUS_OK;
+    return CONUS_OK;
 }
 
-/* The kind of a field of five dimensions. */
-static conus_status vectors_kind(enum field_kind *out, const struct field_header *header, conus_vectors vectors)
+/* A field whose numbers are mm of FSL's two images. */
+static conus_status flirt_kind(enum field_kind *out, const struct field_header *header, conus_vectors vectors,
+                               conus_file_space space)
 {
-    bool mapping = strcmp(header->intent_name, "Mapping") == 0; /* as SPM calls it */
-    int code = header->intent_code;
-    if (strcmp(header->intent_name, "NREG_TRANS") == 0 && vectors != CONUS_VECTORS_ABSOLUTE) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "intent_name: found \"NREG_TRANS\", NiftyReg's; the positions that "
-                                             "'reg_transform -def' writes are read, with ',absolute'");
+    if (header->dim[0] == 5) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "dim: found 5, but from and to are for FSL's fields, which have 4 (X x Y x Z x 3)");
+    }
+    if (space) {
+        return fail(CONUS_ERROR_ARGUMENT, "space= is for fields in mm of the world, from= and to= for FSL's, which are "
+                                          "in mm of the two images: one of them is needed");
+    }
+    *out = header->intent_code == FNIRT_FIELD && !vectors ? FIELD_FNIRT : FIELD_FSL;
+    return CONUS_OK;
+}
+
+/* What a header says of the vectors; nothing where it does not. */
+struct statement {
+    conus_vectors vectors;
+    conus_file_space space;
+};
+
+static conus_status read_statement(struct statement *out, const struct field_header *header)
+{
+    static const char *const refused[] = {"a control-point grid", "a velocity field", "a velocity field",
+                                          "a grid of velocities", "a control-point grid"};
+    const char *name = header->intent_name;
+    double kind = header->parameter;
+    if (strncmp(name, "NREG_", 5) == 0 && (strcmp(name, "NREG_TRANS") != 0 || (kind != 0 && kind != 1))) {
+        bool is_known = kind >= 2 && kind <= 6 && kind == floor(kind) && strcmp(name, "NREG_TRANS") == 0;
+        return fail(CONUS_ERROR_UNSUPPORTED,
+                    "intent_name: found \"%s\", intent_p1 %g, %s of NiftyReg: 'reg_transform -ref IMAGE -def FILE OUT' "
+                    "makes positions of it, which are read (0), as displacements (1) are",
+                    name, kind, is_known ? refused[(int)kind - 2] : "an unknown kind");
+    }
+    if (strcmp(name, "NREG_TRANS") == 0) {
+        *out = (struct statement){kind == 0 ? CONUS_VECTORS_ABSOLUTE : CONUS_VECTORS_RELATIVE, CONUS_FILE_SPACE_RAS};
+    } else if (strcmp(name, "Mapping") == 0) { /* as SPM calls it */
+        *out = (struct statement){CONUS_VECTORS_ABSOLUTE, CONUS_FILE_SPACE_RAS};
+    } else {
+        *out = (struct statement){0};
+    }
+    return CONUS_OK;
+}
+
+/* The kind of a field in mm of the world. */
+static conus_status vectors_kind(enum field_kind *out, const struct field_header *header, conus_vectors vectors,
+                                 conus_file_space space)
+{
+    struct statement stated;
+    const int code = header->intent_code;
+    const char *name = header->intent_name;
+    conus_status status = read_statement(&stated, header);
+    if (status) {
+        return status;
+    }
+    if (header->dim[0] == 4 && !stated.space && !space) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    code == FNIRT_FIELD
+                        ? "dim: found 4, a field of FSL's kind, whose numbers mean nothing without its two images: "
+                          "from=IMAGE and to=IMAGE are needed (fields of ITK and SPM have 5 dimensions)"
+                        : "dim: found 4, and nothing says whose field it is: from=IMAGE and to=IMAGE are needed for "
+                          "FSL's, ',space=ras,absolute' for positions in RAS mm (MRtrix's warpconvert, EasyReg), "
+                          "',space=ras,relative' for displacements (SynthMorph; VoxelMorph's if in mm, not in voxels)");
+    }
+    if ((vectors && stated.vectors && vectors != stated.vectors) || (space && stated.space && space != stated.space)) {
+        return fail(CONUS_ERROR_ARGUMENT, "intent_name: found \"%s\"%s, %s word for %s in RAS: not %s", name,
+                    name[0] == 'M'           ? ""
+                    : header->parameter != 0 ? ", 1"
+                                             : ", 0",
+                    name[0] == 'M' ? "SPM's" : "NiftyReg's",
+                    stated.vectors == CONUS_VECTORS_ABSOLUTE ? "positions" : "displacements",
+                    space && space != stated.space      ? "LPS"
+                    : vectors == CONUS_VECTORS_RELATIVE ? "relative"
+                                                        : "absolute");
+    }
+    if (code == FNIRT_FIELD && header->dim[0] == 4) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "intent_code: found 2006, fnirt's, whose mm are those of two images: from=IMAGE "
+                    "and to=IMAGE are needed, not space=");
+    }
+    if (code == INTENT_DISPLACEMENT && stated.vectors && !vectors) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "intent_code: found 1006 (displacements), and intent_name \"%s\": ',relative' or ',absolute' is "
+                    "needed",
+                    name);
+    }
+    vectors = vectors ? vectors : stated.vectors;
+    vectors = !vectors && space && code == INTENT_DISPLACEMENT ? CONUS_VECTORS_RELATIVE : vectors;
+    space = space ? space : stated.space;
+    if (space && !vectors) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "space: ',relative' (displacements) or ',absolute' (positions) is needed, too");
     }
     if (code != INTENT_VECTOR && code != INTENT_DISPLACEMENT && !vectors) {
         return fail(CONUS_ERROR_DATA,
@@ -81,12 +164,9 @@ static conus_status vectors_kind(enum field_kind *out, const struct field_header
                     "LPS, as ITK has them, ',absolute' positions in RAS, as SPM has them",
                     code);
     }
-    if (mapping && vectors == CONUS_VECTORS_RELATIVE) {
-        return fail(CONUS_ERROR_ARGUMENT, "intent_name: found \"Mapping\", SPM's word for positions: not relative");
-    }
-    *out = vectors == CONUS_VECTORS_RELATIVE              ? FIELD_ITK
-           : vectors == CONUS_VECTORS_ABSOLUTE || mapping ? FIELD_SPM
-                                                          : FIELD_VECTORS;
+    *out = vectors == CONUS_VECTORS_RELATIVE   ? (space == CONUS_FILE_SPACE_RAS ? FIELD_RAS : FIELD_ITK)
+           : vectors == CONUS_VECTORS_ABSOLUTE ? (space == CONUS_FILE_SPACE_LPS ? FIELD_LPS : FIELD_SPM)
+                                               : FIELD_VECTORS;
     return CONUS_OK;
 }
 
@@ -94,7 +174,12 @@ const char *field_header_words(bool *usable, const struct field_header *header)
 {
     const int64_t *dim = header->dim;
     const int code = header->intent_code;
+    struct statement stated;
     bool vectors = dim[0] == 5 && dim[4] == 1 && dim[5] == 3;
+    if (vectors && read_statement(&stated, header)) {
+        *usable = false;
+        return "a grid or velocities of NiftyReg";
+    }
     *usable = (vectors && (code == INTENT_VECTOR || code == INTENT_DISPLACEMENT)) ||
               (code == FNIRT_FIELD && dim[0] == 4 && dim[4] == 3);
     if (*usable) {
@@ -109,7 +194,7 @@ const char *field_header_words(bool *usable, const struct field_header *header)
 }
 
 conus_status field_header_kind(enum field_kind *out, const struct field_header *header, bool has_images,
-                               conus_vectors vectors)
+                               conus_vectors vectors, conus_file_space space)
 {
     int code = header->intent_code;
     if (code == CUBIC_SPLINES || code == COSINES || code == QUADRATIC_SPLINES) {
@@ -122,15 +207,8 @@ conus_status field_header_kind(enum field_kind *out, const struct field_header *
         return fail(CONUS_ERROR_UNSUPPORTED, "intent_code: found %d, topup's, which moves no points between two images",
                     code);
     }
-    conus_status status = field_check_shape(header, has_images);
-    if (status) {
-        return status;
-    }
-    if (!has_images) {
-        return vectors_kind(out, header, vectors);
-    }
-    *out = code == FNIRT_FIELD && !vectors ? FIELD_FNIRT : FIELD_FSL;
-    return CONUS_OK;
+    conus_status status = field_check_shape(header);
+    return status ? status : (has_images ? flirt_kind : vectors_kind)(out, header, vectors, space);
 }
 
 enum { HEAD_READ = 1 << 16, LATTICE = 64 }; /* LATTICE: nodes along an axis that show what vectors are */
@@ -195,7 +273,7 @@ static conus_status find_kind(enum field_kind *out, const char *path, const conu
         status = fail(CONUS_ERROR_ARGUMENT, "%s=IMAGE is needed, too", options->from ? "to" : "from");
     }
     status = status ? status : field_header_parse(&header, head.data, head.size);
-    status = status ? status : field_header_kind(out, &header, options->from, options->vectors);
+    status = status ? status : field_header_kind(out, &header, options->from, options->vectors, options->space);
     if (!status && options->inverse) {
         status = fail(CONUS_ERROR_UNSUPPORTED,
                       "a deformation field is not inverted; the field of the other direction is needed: "
@@ -320,17 +398,20 @@ static conus_status set_vectors(struct deformation *field, enum field_kind kind,
                     "the vectors look like positions, and the header does not say so: ',absolute' states positions in "
                     "RAS, as SPM has them, ',relative' displacements in LPS, as ITK has them");
     }
-    conus_status status = note_looks(kind == FIELD_SPM, positions, notes);
+    bool absolute = kind == FIELD_SPM || kind == FIELD_LPS;
+    conus_status status = note_looks(absolute, positions, notes);
     if (status) {
         return status;
     }
     mat4_identity(field->linear);
-    if (kind == FIELD_SPM) {
+    if (kind != FIELD_SPM && kind != FIELD_RAS) {
+        field->linear[0] = field->linear[5] = -1;
+    }
+    if (absolute) {
         field->base[15] = 1;
         return CONUS_OK; /* positions may be missing, as in SPM's inverses outside of the brain */
     }
     memcpy(field->base, field->world_from_voxel, sizeof field->base);
-    field->linear[0] = field->linear[5] = -1;
     field->stays_outside = true;
     return check_finite(field);
 }
@@ -392,6 +473,15 @@ static conus_status set_flirt(struct deformation *field, enum field_kind kind, c
     bool stated = kind == FIELD_FNIRT || options->vectors;
     bool positions = stated ? options->vectors == CONUS_VECTORS_ABSOLUTE : look;
     status = note_looks(positions, look, notes);
+    if (!status && positions && 2 * spread(field, grid->world_from_voxel) < spread(field, flirt)) {
+        status =
+            notes_warn(notes, "the positions look like those in RAS mm, as MRtrix has them, and not like FSL's: is "
+                              "',space=ras,absolute' meant, in place of from= and to=?");
+    } else if (!status && !positions && !stated) {
+        status = notes_add(notes, "the header does not say whose field it is; by from= and to= it is taken for FSL's; "
+                                  "for displacements in RAS mm (MRtrix, SynthMorph, VoxelMorph) ',space=ras,relative' "
+                                  "is needed in their place");
+    }
     if (status) {
         return status;
     }
@@ -405,8 +495,8 @@ static conus_status set_flirt(struct deformation *field, enum field_kind kind, c
     return check_finite(field);
 }
 
-conus_status field_file_read(struct deformation *out, conus_volume_info *grid, const char *path,
-                             const conus_transform_options *options, struct file_sums *read, struct notes *notes)
+conus_status field_file_read(struct deformation *out, const char *path, const conus_transform_options *options,
+                             struct file_sums *read, struct notes *notes)
 {
     struct volume_file file = {0};
     struct deformation field = {0};
@@ -427,8 +517,6 @@ conus_status field_file_read(struct deformation *out, conus_volume_info *grid, c
     status = status ? fail_in(status, path) : file_sums_put(read, file.info.path, file.info.sha256);
     status = status ? status : notes_move_in(notes, &found, path);
     if (!status) {
-        *grid = file.info;
-        grid->path = NULL;
         *out = field;
     } else {
         deformation_finish(&field);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A file of a deformation field: ITK's (ANTs), SPM's, or FSL's, as NIfTI. */
+/** @file A file of a deformation field, as NIfTI: ITK's (ANTs), SPM's, NiftyReg's, FSL's, or one in RAS or LPS. */
 #ifndef CONUS_LOADERS_TRANSFORM_FIELD_FILE_H
 #define CONUS_LOADERS_TRANSFORM_FIELD_FILE_H
 
@@ -16,17 +16,19 @@ conus_status field_file_is(bool *out, const char *path);
  * CONUS_ERROR_IO, CONUS_ERROR_MEMORY. */
 conus_status field_file_words(const char **out, bool *usable, const char *path);
 
-/** Reads the field in @p path, for points of where poses are; @p grid describes its nodes. Of @p options, from and to
- * are FSL's images; inverse is refused. What was read goes into @p read, what a careful user should know into
- * @p notes. Errors name path, field, value and what is allowed. End @p out with deformation_finish(). */
-conus_status field_file_read(struct deformation *out, conus_volume_info *grid, const char *path,
-                             const conus_transform_options *options, struct file_sums *read, struct notes *notes);
+/** Reads the field in @p path, for points of where poses are. Of @p options, from and to are FSL's images; inverse is
+ * refused. What was read goes into @p read, what a careful user should know into @p notes. Errors name path, field,
+ * value and what is allowed. End @p out with deformation_finish(). */
+conus_status field_file_read(struct deformation *out, const char *path, const conus_transform_options *options,
+                             struct file_sums *read, struct notes *notes);
 
 /** How vectors are to be read. */
 enum field_kind {
     FIELD_VECTORS, /**< ITK's or SPM's: the header does not say which. */
     FIELD_ITK,     /**< Displacements in mm, LPS.                                                          */
-    FIELD_SPM,     /**< Positions in mm, RAS.                                                              */
+    FIELD_SPM,     /**< Positions in mm, RAS; also MRtrix's and NiftyReg's.                                */
+    FIELD_RAS,     /**< Displacements in mm, RAS.                                                          */
+    FIELD_LPS,     /**< Positions in mm, LPS.                                                              */
     FIELD_FSL,     /**< In FSL's mm of two images; positions or displacements.                             */
     FIELD_FNIRT    /**< The same, displacements.                                                           */
 };
@@ -35,6 +37,7 @@ struct field_header {
     int64_t dim[8];
     int intent_code;
     char intent_name[17];
+    double parameter; /**< intent_p1, by which NiftyReg tells its kinds apart. */
 };
 
 enum { FIELD_HEADER_SIZE = 540 }; /**< Bytes that field_header_parse() wants to see, if there are as many. */
@@ -47,10 +50,11 @@ conus_status field_header_parse(struct field_header *out, const uint8_t *data, s
  * nothing of the kind, as 4-D fields do that FSL's tools but fnirt's write. */
 const char *field_header_words(bool *usable, const struct field_header *header);
 
-/** Finds what the vectors are, by the header and by what is stated: @p has_images, FSL's two. CONUS_ERROR_DATA for a
+/** Finds what the vectors are, by the header and by what is stated: @p has_images, FSL's two. The shape alone does not
+ * say whose field one of 4 dimensions is. CONUS_ERROR_DATA for a
  * file that is no field, CONUS_ERROR_UNSUPPORTED for coefficients of splines, CONUS_ERROR_ARGUMENT where header and
  * statement contradict each other. */
 conus_status field_header_kind(enum field_kind *out, const struct field_header *header, bool has_images,
-                               conus_vectors vectors);
+                               conus_vectors vectors, conus_file_space space);
 
 #endif

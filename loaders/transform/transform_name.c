@@ -39,3 +39,35 @@ bool transform_name_is_mni(struct text space)
 {
     return text_contains(space, text_from("MNI"));
 }
+
+enum ants_kind transform_name_ants(struct text *prefix, const char *path)
+{
+    static const struct {
+        const char *ending;
+        enum ants_kind kind;
+    } endings[] = {
+        {"InverseWarp.nii.gz", ANTS_INVERSE_WARP},
+        {"InverseWarp.nii", ANTS_INVERSE_WARP},
+        {"Warp.nii.gz", ANTS_WARP},
+        {"Warp.nii", ANTS_WARP},
+        {"GenericAffine.mat", ANTS_AFFINE},
+        {"Affine.mat", ANTS_AFFINE},
+        {"Affine.txt", ANTS_AFFINE},
+        {"Rigid.mat", ANTS_AFFINE},
+        {"InverseComposite.h5", ANTS_COMPOSITE},
+        {"Composite.h5", ANTS_COMPOSITE},
+    };
+    size_t size = strlen(path);
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        size_t length = strlen(endings[i].ending);
+        if (size >= length && strcmp(path + size - length, endings[i].ending) == 0) {
+            size -= length;
+            while (size && path[size - 1] >= '0' && path[size - 1] <= '9') {
+                size--;
+            }
+            *prefix = (struct text){path, size};
+            return endings[i].kind;
+        }
+    }
+    return ANTS_NONE;
+}

@@ -11,24 +11,48 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 static const char *const table_endings[] = {"electrodes.tsv", "markers.tsv"};
 static const char system_ending[] = "coordsystem.json";
 
 enum { FILE_LIMIT = 1 << 20 };
 
-/* BIDS, appendix on coordinate systems. */
+/* BIDS, appendix on coordinate systems; names that laboratories give to a subject's own; those of FreeSurfer's
+ * surfaces, which count from the middle of the voxels, not as the scanner does. */
 static const struct {
-    const char *prefix; /* of the name */
+    const char *prefix; /* of the name, or of what is behind its last "_" (sub-01_T1w); in any case */
     enum pose_brain brain;
 } spaces[] = {
-    {"MNI152", POSE_BRAIN_MNI152},       {"Talairach", POSE_BRAIN_TALAIRACH}, {"MNI305", POSE_BRAIN_TEMPLATE},
-    {"MNIColin27", POSE_BRAIN_TEMPLATE}, {"fsaverage", POSE_BRAIN_TEMPLATE},  {"fsLR", POSE_BRAIN_TEMPLATE},
-    {"ICBM452", POSE_BRAIN_TEMPLATE},    {"IXI549", POSE_BRAIN_TEMPLATE},     {"NIHPD", POSE_BRAIN_TEMPLATE},
-    {"OASIS30", POSE_BRAIN_TEMPLATE},    {"UNCInfant", POSE_BRAIN_TEMPLATE},  {"ScanRAS", POSE_BRAIN_SUBJECT},
-    {"scanner", POSE_BRAIN_SUBJECT},     {"individual", POSE_BRAIN_SUBJECT},  {"ACPC", POSE_BRAIN_SUBJECT},
-    {"fsnative", POSE_BRAIN_SUBJECT},    {"Individual", POSE_BRAIN_SUBJECT},
+    {"MNI152", POSE_BRAIN_MNI152},      {"Talairach", POSE_BRAIN_TALAIRACH},
+    {"MNI305", POSE_BRAIN_TEMPLATE},    {"MNIColin27", POSE_BRAIN_TEMPLATE},
+    {"fsaverage", POSE_BRAIN_TEMPLATE}, {"fsLR", POSE_BRAIN_TEMPLATE},
+    {"ICBM452", POSE_BRAIN_TEMPLATE},   {"IXI549", POSE_BRAIN_TEMPLATE},
+    {"NIHPD", POSE_BRAIN_TEMPLATE},     {"OASIS30", POSE_BRAIN_TEMPLATE},
+    {"UNCInfant", POSE_BRAIN_TEMPLATE}, {"ScanRAS", POSE_BRAIN_SUBJECT},
+    {"scanner", POSE_BRAIN_SUBJECT},    {"individual", POSE_BRAIN_SUBJECT},
+    {"ACPC", POSE_BRAIN_SUBJECT},       {"fsnative", POSE_BRAIN_SUBJECT},
+    {"native", POSE_BRAIN_SUBJECT},     {"subject", POSE_BRAIN_SUBJECT},
+    {"patient", POSE_BRAIN_SUBJECT},    {"anat", POSE_BRAIN_SUBJECT},
+    {"orig", POSE_BRAIN_SUBJECT},       {"T1", POSE_BRAIN_SUBJECT},
+    {"T2", POSE_BRAIN_SUBJECT},         {"FLAIR", POSE_BRAIN_SUBJECT},
+    {"CT", POSE_BRAIN_SUBJECT},         {"tk", POSE_BRAIN_OTHER},
+    {"surface", POSE_BRAIN_OTHER},      {"FreeSurfer", POSE_BRAIN_OTHER},
+    {"n/a", POSE_BRAIN_OTHER},
 };
+
+static enum pose_brain brain_of(struct text name)
+{
+    for (size_t i = 0; i < sizeof spaces / sizeof spaces[0]; i++) {
+        size_t length = strlen(spaces[i].prefix);
+        if (name.size >= length && strncasecmp(name.data, spaces[i].prefix, length) == 0) {
+            return spaces[i].brain;
+        }
+    }
+    const char *last = name.size ? memrchr(name.data, '_', name.size) : NULL;
+    size_t skipped = last ? (size_t)(last + 1 - name.data) : 0;
+    return last ? brain_of((struct text){last + 1, name.size - skipped}) : POSE_BRAIN_UNKNOWN;
+}
 
 /* Systems of a head or a helmet, with origins and axes of their own, and pixels: no image's world. */
 static const char *const others[] = {"Pixels",     "CTF",     "ElektaNeuromag", "4DBti",    "KitYokogawa",
@@ -36,14 +60,11 @@ static const char *const others[] = {"Pixels",     "CTF",     "ElektaNeuromag", 
 
 static conus_status set_space(struct pose_space *out, struct text name)
 {
-    *out = pose_space_named(name, POSE_BRAIN_UNKNOWN);
+    *out = pose_space_named(name, brain_of(name));
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         if (text_equal_ignoring_case(name, others[i])) {
             return fail(CONUS_ERROR_DATA, "CoordinateSystem \"%s\" is not the world of an image", others[i]);
         }
-    }
-    for (size_t i = 0; i < sizeof spaces / sizeof spaces[0]; i++) {
-        out->brain = text_starts(name, spaces[i].prefix) ? spaces[i].brain : out->brain;
     }
     return CONUS_OK;
 }
@@ -161,7 +182,9 @@ conus_status pose_coordsystem_find(conus_pose_list *list, const char *path)
         memory_free(beside);
     }
     conus_status status = space_of_name(list, path);
+    bool is_named = list->space.name[0];
     return status ? status
-                  : notes_warn(&list->notes, "no *_%s beside it: positions are taken as mm, and no space is known",
-                               system_ending);
+                  : notes_warn(&list->notes, "no *_%s beside it: positions are taken as mm, and %s%s%s", system_ending,
+                               is_named ? "the space is that of its name, \"" : "no space is known", list->space.name,
+                               is_named ? "\"" : "");
 }

@@ -170,7 +170,7 @@ conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, cons
 {
     struct reading reading = {
         .options = options, .scale = list->space.scale > 0 ? list->space.scale : 1, .columns = table_columns};
-    bool is_named = list->space.brain != POSE_BRAIN_UNKNOWN; /* and by that RAS */
+    bool is_named = list->space.brain != POSE_BRAIN_UNKNOWN && list->space.brain != POSE_BRAIN_OTHER; /* it is RAS */
     reading.lps = options->space == CONUS_SPACE_LPS && !is_named;
     if (options->axis != CONUS_AXIS_OF_FORMAT) {
         return fail(CONUS_ERROR_DATA, "contacts have no axes, so that no axis (%s) is to be chosen",

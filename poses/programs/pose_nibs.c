@@ -201,7 +201,7 @@ conus_status pose_nibs_parse(conus_pose_list *list, struct text text, const conu
     struct text line;
     bool begun = false;
     reading.scale = list->space.scale > 0 ? list->space.scale : 1;
-    bool is_named = list->space.brain != POSE_BRAIN_UNKNOWN; /* and by that RAS */
+    bool is_named = list->space.brain != POSE_BRAIN_UNKNOWN && list->space.brain != POSE_BRAIN_OTHER; /* it is RAS */
     reading.lps = options->space == CONUS_SPACE_LPS && !is_named;
     conus_status status = pose_note_space(&list->notes, options, reading.lps);
     for (size_t number = 1; !status && text_line(&text, &line); number++) {

@@ -112,7 +112,7 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
     }
     const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
     const char *transform = volume ? volume->transform : "it has no volume";
-    if (strstr(transform, ", moved")) {
+    if (strstr(transform, ", moved") || strstr(transform, ", warped")) {
         /* A moved atlas lies where its header does not say: in the space of the poses, as the caller means it. */
         return space->brain == POSE_BRAIN_SUBJECT
                    ? CONUS_OK
@@ -131,7 +131,8 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
     if (space->brain == brain && brain != POSE_BRAIN_TEMPLATE) {
         return CONUS_OK;
     }
-    if (space->brain == POSE_BRAIN_TEMPLATE || (brain == POSE_BRAIN_TEMPLATE && space->brain != POSE_BRAIN_SUBJECT)) {
+    bool is_own = space->brain == POSE_BRAIN_SUBJECT || space->brain == POSE_BRAIN_OTHER;
+    if (space->brain == POSE_BRAIN_TEMPLATE || (brain == POSE_BRAIN_TEMPLATE && !is_own)) {
         return notes_warn(notes, "positions are in \"%s\", the atlas in another template (%s): some mm may lie between",
                           space->name, transform);
     }

@@ -13,7 +13,8 @@ enum pose_brain {
     POSE_BRAIN_SUBJECT, /**< Somebody's own scan. */
     POSE_BRAIN_MNI152,
     POSE_BRAIN_TALAIRACH,
-    POSE_BRAIN_TEMPLATE /**< Another template. */
+    POSE_BRAIN_TEMPLATE, /**< Another template. */
+    POSE_BRAIN_OTHER     /**< Somebody's own, but not, or not surely, in the world of its scan: tkRAS, n/a. */
 };
 
 /** All 0: the file names none. */

@@ -51,7 +51,7 @@ from ._probe import Contacts, Probe, poses_of_probe
 from ._progress import LoadProgress, Progress, telling
 from ._space import frame_of, space_of
 from ._track import Tracker, follow
-from ._tracts import Tractogram, moves, options_of, polylines_of, tractograms_of
+from ._tracts import SPACES, Tractogram, moves, options_of, polylines_of, tractograms_of
 
 if TYPE_CHECKING:
     import pandas
@@ -284,8 +284,8 @@ def load(
         Affines and deformation fields that bring the atlas to the poses: each moves points from where poses are
         towards the atlas, the first one first. Paths (affines of ITK, FreeSurfer, MNI, 4 x 4 numbers; fields of ITK
         and SPM), (4, 4) arrays of RAS mm, or dictionaries with "file" and: "inverse": True of an affine; for FSL's
-        files "from" and "to", the paths of their images; of a field "vectors", "relative" or "absolute", and "grid",
-        the path of a volume with the voxels for the labels. Pathways, context and streamlines
+        files "from" and "to", the paths of their images; of a field "vectors", "relative" or "absolute", "space", their
+        axes, "ras" or "lps", and "grid", the path of a volume with the voxels for the labels. Pathways, context and streamlines
         without "moves" are in the space of the poses.
     max_memory
         Largest file and volume, bytes; 0 = 8 GiB.
@@ -364,9 +364,10 @@ def _transform(atlas: Any, given: Any, max_memory: int) -> None:
         images = [optional(path_of, "transforms", keys.pop(name, None)) for name in ("from", "to", "grid")]
         vectors = choice("transforms: vectors", keys.pop("vectors", "as-stated"), ("as-stated", "relative", "absolute"))
         number = keys.pop("transform", None)
+        options.space = choice("transforms: space", keys.pop("space", SPACES[0]), SPACES)
         if keys:
             raise ArgumentError(
-                f"transforms: {sorted(keys)}, wanted are file, from, to, inverse, vectors, grid and transform"
+                f"transforms: {sorted(keys)}, wanted are file, from, to, inverse, vectors, space, grid and transform"
             )
         if number is not None:
             options.transform = 1 + whole("transforms: transform", number)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ._answers import Array
 from ._conus import ffi, lib
-from ._library import ArgumentError, affine_of, check, flag, numbers, path_of, real, shown, text, unmasked, utf8
+from ._library import ArgumentError, affine_of, check, choice, flag, numbers, path_of, real, shown, text, unmasked, utf8
 
 
 def is_tractogram(path: Any) -> bool:
@@ -38,16 +38,21 @@ def moves(given: Any) -> bool:
     return isinstance(given, Mapping) and flag("streamlines: moves", given.get("moves", False))
 
 
-def _settings(given: Any) -> tuple[Any, float, Any]:
-    """Source, radius and name of an entry of ``streamlines``."""
+SPACES = ("as-stated", "ras", "lps")
+
+
+def _settings(given: Any) -> tuple[Any, float, Any, int]:
+    """Source, radius, name and space of an entry of ``streamlines``."""
     if not isinstance(given, Mapping):
-        return given, 0, None
+        return given, 0, None, 0
     keys = dict(given)
     keys.pop("moves", None)
     source, radius, name = keys.pop("source", None), keys.pop("radius", 0), keys.pop("name", None)
+    space = choice("streamlines: space", keys.pop("space", SPACES[0]), SPACES)
     if keys or source is None:
-        raise ArgumentError(f"streamlines: {sorted(given)}, wanted are source, and perhaps radius, name and moves")
-    return source, real("streamlines: radius", radius), name
+        wanted = "wanted are source, and perhaps radius, name, space and moves"
+        raise ArgumentError(f"streamlines: {sorted(given)}, {wanted}")
+    return source, real("streamlines: radius", radius), name, space
 
 
 def _of_nibabel(tractogram: Any) -> tuple[Array, list[int], list[tuple[str, bool, Any]]]:
@@ -109,8 +114,9 @@ def polylines_of(source: Any) -> tuple[Any, list[Any]]:
 
 def options_of(given: Any, max_memory: int, cache: bool) -> tuple[Any, Any, Any]:
     """The source of an entry of ``streamlines``, its conus_streamlines_options, and what must live as long."""
-    source, radius, name = _settings(given)
+    source, radius, name, space = _settings(given)
     options = ffi.new("conus_streamlines_options *")
+    options.space = space
     options.radius, options.max_memory, options.cache = radius, max_memory, cache
     alive = None if name is None else utf8("streamlines: name", name)
     options.name = ffi.NULL if alive is None else alive

@@ -561,6 +561,7 @@ static conus_atlas bare_atlas(const conus_atlas *atlas)
     bare.meshes = NULL;
     bare.tractograms = NULL;
     bare.warps = NULL;
+    bare.last_transform = NULL;
     bare.objects = NULL;
     bare.places = NULL;
     bare.path = NULL;

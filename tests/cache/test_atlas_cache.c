@@ -336,7 +336,7 @@ static conus_status load_lines_mapped(void *path)
     conus_atlas *atlas = NULL;
     const conus_load_options options = {0};
     assert_ok(file_state_find(&before, path));
-    conus_status status = streamlines_load(&atlas, path, &options, true);
+    conus_status status = streamlines_load(&atlas, path, &options, CONUS_FILE_SPACE_AS_STATED, true);
     if (!status) {
         assert_true(atlas->tractograms[0].is_in_file);
         status = tractogram_hold_points(&atlas->tractograms[0], &before);
@@ -357,7 +357,7 @@ static void points_are_held_only_if_all_are_there(void **state)
     const char *path = write_lines("held.tck");
     test_every_allocation(load_lines_mapped, (void *)path);
     assert_ok(file_state_find(&before, path));
-    assert_ok(streamlines_load(&atlas, path, &options, true));
+    assert_ok(streamlines_load(&atlas, path, &options, CONUS_FILE_SPACE_AS_STATED, true));
     assert_int_equal(truncate(path, TCK_HEADER), 0);
     assert_fails(tractogram_hold_points(&atlas->tractograms[0], &before), CONUS_ERROR_IO);
     assert_non_null(strstr(conus_message(), "held.tck: " FILE_CHANGED));

@@ -189,7 +189,7 @@ open("arc.trx/header.json", "w").write("{\"NB_STREAMLINES\": 2, \"NB_VERTICES\":
     fails 2 'radius=thin is not a number' info slabs.nii.gz --streamlines two.tck,radius=thin
     fails 2 '"radius=0,5" has a comma in it' info slabs.nii.gz --streamlines two.tck,radius=0,5
     fails 2 '"name=A,B" has a comma in it' info slabs.nii.gz --streamlines two.tck,name=A,B,radius=1
-    fails 2 '"threshold=1" is none of radius=R, name=S and moves' info slabs.nii.gz --streamlines two.tck,threshold=1
+    fails 2 '"threshold=1" is none of radius=R, name=S, space=S and moves' info slabs.nii.gz --streamlines two.tck,threshold=1
     fails 2 'name= is empty' info slabs.nii.gz --streamlines two.tck,name=
     fails 2 'names no file' info slabs.nii.gz --streamlines ,name=S
     fails 2 'radius 101 mm, allowed is above 0 to 100' info slabs.nii.gz --streamlines two.tck,radius=101
@@ -202,6 +202,42 @@ open("arc.trx/header.json", "w").write("{\"NB_STREAMLINES\": 2, \"NB_VERTICES\":
     cp two.tck 'a,b.tck'
     answers info slabs.nii.gz --streamlines a,b.tck --format tsv
     [ "$(cell name 3)" = a,b ]
+}
+
+# x 1 to 4 and y 2 to 6 in the file are -4 to -1 and -6 to -2 where these are LPS. The cache keeps each reading by itself.
+@test "a user states the space of a tractogram" {
+    scene
+    printf '# vtk DataFile Version 3.0\nnone\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n1 2 3 4 6 8\nLINES 1 3 2 0 1\n' \
+        >dipy.vtk
+    tck dipy.tck 1,2,3 4,6,8
+    local as_is='x 1 to 4, y 2 to 6, z 3 to 8 mm' turned='x -4 to -1, y -6 to -2, z 3 to 8 mm'
+    for file in dipy.vtk dipy.tck; do
+        for again in 1 2; do
+            answers info slabs.nii.gz --streamlines $file,space=lps
+            has "$turned"
+            [ $file = dipy.vtk ] || has 'points are taken for LPS, as is stated, but the format says RAS'
+            [[ $file = dipy.tck || "$output" != *'does not state its space'* ]]
+            answers info slabs.nii.gz --streamlines $file
+            has "$as_is"
+            [ $file = dipy.tck ] || has 'the file does not state its space; RAS was taken (,space=lps states LPS'
+            answers info slabs.nii.gz --streamlines $file,name=a,space=ras,radius=1
+            has "$as_is"
+            [[ "$output" != *'space'* ]]
+        done
+    done
+    echo '{"conus_atlas": 1, "parcellation": "slabs.nii.gz", "streamlines": [{"file": "dipy.vtk", "space": "lps"}]}' \
+        >scene.atlas.json
+    answers info scene.atlas.json
+    has "$turned"
+    sed -i 's/"lps"/"xyz"/' scene.atlas.json
+    fails 3 'streamlines[0].space: found "xyz"' info scene.atlas.json
+    fails 2 'space=up, allowed are ras and lps' info slabs.nii.gz --streamlines dipy.vtk,space=up
+    conus query slabs.nii.gz $AIM --streamlines dipy.vtk,space=lps -o a.tsv
+    answers verify a.tsv
+    cp "$BATS_TEST_DIRNAME/../fuzz/corpus/tract/plain.trk" placed.trk
+    fails 2 'space: found lps, but the header of this format places its points' info slabs.nii.gz \
+        --streamlines placed.trk,space=lps
+    conus info slabs.nii.gz --streamlines placed.trk,space=ras >/dev/null
 }
 
 @test "no output overwrites a tractogram" {

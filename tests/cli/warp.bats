@@ -96,6 +96,54 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     [ "$(jq '.Atlas.way_to_atlas[1].field.dim == [64, 64, 64]' <<<"$output")" = true ]
 }
 
+# All points go 8 mm to the right, whoever wrote the field: no other word has the same answer.
+@test "a field of four dimensions in mm of the world" {
+    field itk
+    answers query nested.nii.gz --atlas-transform itk.nii.gz $aim --layers all --format tsv --quiet
+    wanted=$output
+    field ras
+    field mrtrix
+    for file in ras.nii.gz,space=ras,relative mrtrix.nii.gz,space=ras,absolute itk.nii.gz,relative,space=lps; do
+        answers query nested.nii.gz --atlas-transform $file $aim --layers all --format tsv --quiet
+        [ "$output" = "$wanted" ]
+    done
+    echo '{"conus_atlas": 1, "parcellation": "nested.nii.gz", "transform": {"file": "mrtrix.nii.gz",
+        "vectors": "absolute", "space": "ras"}}' >moved.atlas.json
+    answers query moved.atlas.json $aim --layers all --format tsv --quiet
+    [ "$output" = "$wanted" ]
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --atlas-transform ras.nii.gz$images $aim
+    [[ "$stderr" == *"taken for FSL's; for displacements in RAS mm (MRtrix, SynthMorph, VoxelMorph)"* ]]
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --atlas-transform mrtrix.nii.gz,absolute$images $aim
+    [[ "$stderr" == *"look like those in RAS mm, as MRtrix has them, and not like FSL's"* ]]
+}
+
+# From the fixed image to the moving one points go through 1Warp and then the affine, back through the inverse affine
+# and then 1InverseWarp: of the eight pairs in which they may be given, two.
+@test "pairs of ANTs's files that do not fit together have a note" {
+    field itk 4
+    cp itk.nii.gz o_1Warp.nii.gz
+    cp itk.nii.gz o_1InverseWarp.nii.gz
+    cp itk.nii.gz other_1Warp.nii.gz
+    printf '#Insight Transform File V1.0\nTransform: TranslationTransform_double_3_3\nParameters: 1 0 0\nFixedParameters:\n' \
+        >o_0GenericAffine.mat
+    local affine warp order
+    for affine in o_0GenericAffine.mat o_0GenericAffine.mat,inverse; do
+        for warp in o_1Warp.nii.gz o_1InverseWarp.nii.gz; do
+            for order in "$affine $warp" "$warp $affine"; do
+                run -0 --separate-stderr "$CONUS" info nested.nii.gz --atlas-transform ${order% *} \
+                    --atlas-transform ${order#* }
+                case $order in
+                "o_0GenericAffine.mat,inverse o_1InverseWarp.nii.gz" | "o_1Warp.nii.gz o_0GenericAffine.mat")
+                    [[ "$output" != *'do not fit together'* ]] ;;
+                *) has "points go through ${order% *} and then ${order#* }, which by their names do not fit together" ;;
+                esac
+            done
+        done
+    done
+    run -0 "$CONUS" info nested.nii.gz --atlas-transform o_0GenericAffine.mat --atlas-transform other_1Warp.nii.gz
+    [[ "$output" != *'do not fit together'* ]]
+}
+
 @test "a mask lies where the moved atlas lies" {
     field itk
     printf '1 0 0 5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >five.txt
@@ -111,7 +159,14 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     field itk
     coarse
     run -0 --separate-stderr "$CONUS" query nested.nii.gz --atlas-transform itk.nii.gz,grid=coarse.nii $aim
-    [[ "$stderr" == *"on a grid of 32 x 32 x 32 voxels of 2 x 2 x 2 mm" ]]
+    [[ "$stderr" == *"on a grid of 32 x 32 x 32 voxels of 2 x 2 x 2 mm"* ]]
+    [[ "$stderr" == *"voxels of this grid are up to 2 times as long as the atlas's"*"grid=IMAGE takes a finer one" ]]
+    # behind an affine there is one field still, and its voxels are taken anew once
+    printf '1 0 0 5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >five.txt
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --atlas-transform five.txt,grid=nested.nii.gz \
+        --atlas-transform itk.nii.gz $aim
+    [ "$(grep -c 'warped by' <<<"$stderr")" = 1 ]
+    [[ "$stderr" == *"five.txt: voxels are taken anew from the atlas's own, once, on a grid of 64 x 64 x 64"* ]]
     printf '1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >same.txt
     fails 2 "grid: nothing is resampled" query nested.nii.gz --atlas-transform same.txt,grid=nested.nii.gz $aim
     fails 2 "--mask coarse.nii would overwrite the input coarse.nii" query nested.nii.gz $aim \
@@ -155,6 +210,14 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     fails 3 "no deformation field" $move two.nii.gz
     fails 3 "a deformation field is not inverted" $move itk.nii.gz,inverse
     fails 2 "from=IMAGE and to=IMAGE are needed" $move rel.nii.gz
+    fails 2 "2006, fnirt's, whose mm are those of two images" $move rel.nii.gz,space=ras,relative
+    fails 2 "one of them is needed" $move rel.nii.gz,space=ras$images
+    field ras
+    for key in '' ,relative ,absolute; do
+        fails 2 "',space=ras,absolute' for positions in RAS mm (MRtrix's warpconvert, EasyReg)" $move ras.nii.gz$key
+    done
+    fails 2 "',relative' (displacements) or ',absolute' (positions) is needed, too" $move ras.nii.gz,space=ras
+    fails 2 'allowed are space=ras and space=lps, once' $move ras.nii.gz,space=RAS,relative
     fails 2 "to=IMAGE is needed, too" $move rel.nii.gz,from=nested.nii.gz
     fails 2 "are for FSL's fields" $move itk.nii.gz$images
     fails 2 'itk.nii.gz: transform is for lists in ITK' $move itk.nii.gz,transform=0
@@ -162,7 +225,7 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     fails 3 "voxel (0, 0, 0): a vector that is not finite" $move nan.nii.gz
     fails 2 "look like positions, and the header does not say so" $move unsaid.nii.gz
     fails 2 "not relative" $move spm.nii.gz,relative
-    fails 3 "NiftyReg's" $move reg.nii.gz
+    fails 3 "intent_p1 2, a control-point grid of NiftyReg" $move reg.nii.gz
     fails 3 "bytes" $move itk.nii.gz --max-memory 1M
     printf '1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >same.txt
     fails 2 "relative and absolute" $move same.txt,absolute

@@ -17,9 +17,9 @@ static void read_header(const uint8_t *data, size_t size)
     if (field_header_parse(&header, data, size)) {
         return;
     }
-    for (int n = 0; n < 6; n++) {
+    for (int n = 0; n < 18; n++) {
         enum field_kind kind;
-        if (!field_header_kind(&kind, &header, n % 2, (conus_vectors)(n / 2)) &&
+        if (!field_header_kind(&kind, &header, n % 2, (conus_vectors)(n / 2 % 3), (conus_file_space)(n / 6)) &&
             !(header.dim[1] > 1 && header.dim[2] > 1 && header.dim[3] > 1)) {
             abort();
         }

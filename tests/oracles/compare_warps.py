@@ -59,10 +59,11 @@ def wave(points):
 
 
 class Field:
-    """A field as numpy has it: where nodes go, RAS mm, as the file's float32 say; linear between nodes."""
+    """A field as numpy has it: where nodes go, RAS mm, as the file's float32 say; linear between nodes. Of displacements
+    `beyond` takes a step between nodes to the place to which they are added."""
 
-    def __init__(self, affine, goes, outside):
-        self.affine, self.goes, self.outside = affine, goes, outside
+    def __init__(self, affine, goes, outside, beyond=np.zeros((4, 4))):
+        self.affine, self.goes, self.outside, self.beyond = affine, goes, outside, beyond[:3, :3]
 
     def __call__(self, points):
         q = apply(np.linalg.inv(self.affine), points)
@@ -76,8 +77,8 @@ class Field:
         for corner in np.ndindex(2, 2, 2):
             weight = np.prod(np.where(corner, part, 1 - part), -1)
             out += weight[..., None] * self.goes[tuple(np.moveaxis(low + corner, -1, 0))]
+        out += (q - inside) @ self.beyond.T
         if self.outside == "stays":
-            out += (q - inside) @ self.affine[:3, :3].T
             return np.where(held[..., None], out, points)
         return np.where(held[..., None], out, np.nan)
 
@@ -97,7 +98,7 @@ def itk(path, affine, goes):
     places = apply(affine, nodes(goes.shape[:3]))
     ways = ((goes - places) * [-1, -1, 1]).astype("f4")
     affine = save(path, ways[..., None, :], affine, 1007)
-    return Field(affine, apply(affine, nodes(goes.shape[:3])) + ways.astype(float) * [-1, -1, 1], "stays")
+    return Field(affine, apply(affine, nodes(goes.shape[:3])) + ways.astype(float) * [-1, -1, 1], "stays", affine)
 
 
 def spm(path, affine, goes):
@@ -125,7 +126,8 @@ def fsl(path, affine, goes, to, absolute, code):
     stored = (apply(there, goes) - (0 if absolute else here)).astype("f4")
     affine = save(path, stored, affine, code)
     there = np.linalg.inv(there)
-    return Field(affine, apply(there, stored.astype(float) + (0 if absolute else here)), "nowhere")
+    return Field(affine, apply(there, stored.astype(float) + (0 if absolute else here)), "nowhere",
+                 0 * own if absolute else there @ own)
 
 
 class Dump:
@@ -163,14 +165,23 @@ def nearest(image, points):
     return np.where(held, np.asarray(image.dataobj)[tuple(np.moveaxis(voxel, -1, 0))], 0)
 
 
+def parted(affine, behind=np.eye(4)):
+    """The grid that the atlas, of 1 mm where affines `behind` lead, gets from nodes at `affine`: each step in so many parts
+    that none is longer than 1.05 mm there, and nodes are centres still."""
+    parts = np.ceil(np.linalg.norm((behind @ affine)[:3, :3], axis=0) / 1.05)
+    return affine @ shift(*-(np.floor(parts / 2) / parts)) @ np.diag([*(1 / parts), 1])
+
+
 def check(dump, image, place, way):
-    """All voxels of the grid at `place` against numpy, which takes their centres `way`. Returns how many."""
-    points = way(apply(place, nodes(dump.labels.shape)))
+    """Voxels of the grid at `place` against numpy, which takes their centres `way`: all, of a large grid every third
+    along each axis. Returns how many."""
+    some = (slice(None, None, 3 if dump.labels.size > 1e6 else 1),) * 3
+    points = way(apply(place, nodes(dump.labels.shape)[some]))
     assert np.allclose(dump.affine, place, rtol=0, atol=1e-9), (dump.affine, place)
-    assert np.array_equal(np.isnan(dump.own), np.isnan(points))
-    assert np.nanmax(np.abs(dump.own - points)) < 1e-6
+    assert np.array_equal(np.isnan(dump.own[some]), np.isnan(points))
+    assert np.nanmax(np.abs(dump.own[some] - points)) < 1e-6
     wanted = nearest(image, points)
-    assert wanted.any() and np.array_equal(dump.labels, wanted), np.count_nonzero(dump.labels != wanted)
+    assert wanted.any() and np.array_equal(dump.labels[some], wanted), np.count_nonzero(dump.labels[some] != wanted)
     return wanted.size
 
 
@@ -203,7 +214,7 @@ def main():
 
         # 1. Each format on an oblique grid. Subject: turned and shifted against the atlas.
         home = turn(2, 0.2) @ turn(0, -0.1) @ shift(4, -6, 3)
-        oblique = shift(-84, -112, -78) @ turn(1, 0.07) @ np.diag([4.8, 4.9, 5.2, 1])
+        oblique = shift(-84, -112, -78) @ turn(1, 0.07) @ np.diag([4.8, 4.9, 5.0, 1])
         goes = wave(apply(home, apply(oblique, nodes())))
         subject = path("subject.nii")
         save(subject, np.zeros(DIM, "u1"), oblique, 0)
@@ -217,7 +228,7 @@ def main():
         for name, (field, images) in fields.items():
             dump = Dump(program, ATLAS, folder, (path(name), *images))
             assert not hasattr(dump, "error"), dump.said
-            compared += check(dump, image, field.affine, field)
+            compared += check(dump, image, parted(field.affine), field)
 
         # 2. On another grid, which reaches beyond the field: there ITK leaves points where they are, and SPM has no
         # position for them.
@@ -234,12 +245,12 @@ def main():
         np.savetxt(path("last.txt"), last, fmt="%.17g")
         one, two = fields["itk.nii.gz"][0], fields["y_spm.nii"][0]
         affines = [(path("first.txt"),), (path("itk.nii.gz"),), (path("last.txt"),)]
-        place = np.linalg.inv(first) @ one.affine
+        place = np.linalg.inv(first) @ parted(one.affine, last)
         compared += check(Dump(program, ATLAS, folder, *affines), image, place, lambda p: apply(last, one(apply(first, p))))
         affines[0] = (path("first.txt"), None, None, path("wide.nii"))
         compared += check(Dump(program, ATLAS, folder, *affines), image, wide, lambda p: apply(last, one(apply(first, p))))
         chain = [(path("itk.nii.gz"),), (path("first.txt"),), (path("y_spm.nii"),), (path("last.txt"),)]
-        compared += check(Dump(program, ATLAS, folder, *chain), image, one.affine,
+        compared += check(Dump(program, ATLAS, folder, *chain), image, parted(one.affine, last @ first),
                           lambda p: apply(last, two(apply(first, one(p)))))
 
         # 4. One map in three formats: the same atlas. All numbers are whole multiples of 1 / 2048 mm, which float32
@@ -254,7 +265,8 @@ def main():
         same = [Dump(program, ATLAS, folder, (path(name), *images)) for name, (_, images) in fields.items()]
         for dump in same[1:]:
             assert np.array_equal(dump.labels, same[0].labels)
-            assert np.allclose(dump.own, same[0].own, rtol=0, atol=1e-9)
+            inner = (slice(2, -2),) * 3  # beyond the last nodes positions stay those of the border, displacements go on
+            assert np.allclose(dump.own[inner], same[0].own[inner], rtol=0, atol=1e-9)
 
         # 5. Vertices: numpy's field must take each of them back to its old place.
         centre = np.array([5.0, -15, 10])

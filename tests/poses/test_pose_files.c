@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses in files of other programs. The devices of the samples (tests/fuzz/corpus/poses) are 80 mm from (0, -20, 10)
  * and look at it. */
+#include "atlas/atlas.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "conus/atlas_info.h"
@@ -362,6 +363,46 @@ static void coordinate_systems_are_read_strictly(void **state)
     assert_int_equal(space.brain, POSE_BRAIN_SUBJECT);
 }
 
+/* Names that a *_coordsystem.json has, and those of a table without one. */
+static void whose_brain_a_name_means(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        enum pose_brain brain;
+    } cases[] = {{"T1w", POSE_BRAIN_SUBJECT},
+                 {"sub-01_ses-2_T1w", POSE_BRAIN_SUBJECT},
+                 {"T2w", POSE_BRAIN_SUBJECT},
+                 {"Scanner", POSE_BRAIN_SUBJECT},
+                 {"individual", POSE_BRAIN_SUBJECT},
+                 {"native", POSE_BRAIN_SUBJECT},
+                 {"orig", POSE_BRAIN_SUBJECT},
+                 {"fsnative", POSE_BRAIN_SUBJECT},
+                 {"CT", POSE_BRAIN_SUBJECT},
+                 {"tkRAS", POSE_BRAIN_OTHER},
+                 {"TkReg", POSE_BRAIN_OTHER},
+                 {"sub-01_tkRAS", POSE_BRAIN_OTHER},
+                 {"surface RAS", POSE_BRAIN_OTHER},
+                 {"surfaceRAS", POSE_BRAIN_OTHER},
+                 {"FreeSurferTkReg", POSE_BRAIN_OTHER},
+                 {"n/a", POSE_BRAIN_OTHER},
+                 {"fsaverage", POSE_BRAIN_TEMPLATE},
+                 {"MNI152NLin6Asym", POSE_BRAIN_MNI152},
+                 {"mni152lin", POSE_BRAIN_MNI152},
+                 {"Talairach", POSE_BRAIN_TALAIRACH},
+                 {"Other", POSE_BRAIN_UNKNOWN},
+                 {"our_lab", POSE_BRAIN_UNKNOWN}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char json[128];
+        struct pose_space space;
+        snprintf(json, sizeof json, "{\"iEEGCoordinateSystem\":\"%s\",\"iEEGCoordinateUnits\":\"mm\"}", cases[i].name);
+        assert_ok(pose_coordsystem_parse(&space, text_from(json)));
+        if (space.brain != cases[i].brain) {
+            fail_msg("%s: %d", cases[i].name, (int)space.brain);
+        }
+    }
+}
+
 #define RAS_LINE                                                                                                       \
     "{\"type\":\"Line\",\"coordinateSystem\":\"RAS\",\"controlPoints\":[{\"position\":[0,0,9]},{\"position\":[0,0,5]}" \
     "]}"
@@ -454,10 +495,24 @@ static void spaces_must_fit(void **state)
     assert_ok(conus_atlas_move(plain, (const double[16]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1}));
     assert_ok(pose_space_match(&notes, &scan, plain)); /* it was moved to where the subject's poses are */
     assert_int_equal(notes.count, 0);
+    const struct pose_space surface = pose_space_named(text_from("tkRAS"), POSE_BRAIN_OTHER); /* not the scan's world */
     assert_ok(pose_space_match(&notes, &mni, plain));
-    assert_int_equal(notes.count, 1);
+    assert_ok(pose_space_match(&notes, &surface, plain));
+    assert_int_equal(notes.count, 2);
     assert_non_null(strstr(notes.lines[0], "they must be where the atlas was moved to"));
+    assert_non_null(strstr(notes.lines[1], "they must be where the atlas was moved to"));
     notes_finish(&notes);
+    char *words = plain->volumes[0].info.transform; /* by a field only: it is where the poses are, too */
+    snprintf(words, sizeof plain->volumes[0].info.transform, "sform, code 4 (MNI 152), warped");
+    assert_ok(pose_space_match(&notes, &scan, plain));
+    assert_int_equal(notes.count, 0);
+    static const char *const templates[] = {"(MNI 152)", "(Talairach)", "(other template)"};
+    for (size_t i = 0; i < sizeof templates / sizeof templates[0]; i++) {
+        snprintf(words, sizeof plain->volumes[0].info.transform, "sform, code 4 %s", templates[i]);
+        assert_fails(pose_space_match(&notes, &scan, plain), CONUS_ERROR_DATA);
+        assert_fails(pose_space_match(&notes, &surface, plain), CONUS_ERROR_DATA);
+    }
+    assert_int_equal(notes.count, 0);
     conus_atlas_destroy(plain);
     assert_ok(conus_atlas_load(&template, test_mricron("aal.nii.gz"), NULL));
     const char *transform = conus_atlas_volume(template, 0)->transform;
@@ -647,6 +702,7 @@ TEST_GROUP(pose_files)
         cmocka_unit_test(contacts_look_along_their_shafts),
         cmocka_unit_test(coordinate_systems_are_found),
         cmocka_unit_test(coordinate_systems_are_read_strictly),
+        cmocka_unit_test(whose_brain_a_name_means),
         cmocka_unit_test(a_named_space_wins),
         cmocka_unit_test(markups_are_lines_and_points),
         cmocka_unit_test(lines_may_be_looked_along_either_way),

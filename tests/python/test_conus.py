@@ -347,6 +347,13 @@ def test_a_warped_atlas_has_the_rows_of_the_program(tmp_path):
         assert len(frame) > 1
         assert_rows_of_the_program(frame, rows)
         assert any("warped by" in note for note in atlas.notes)
+    nibabel.Nifti1Image(way.astype("f4"), grid).to_filename(tmp_path / "synth.nii.gz")
+    same = [conus.load(AAL, transforms=[how]).select((-90, 20, 20), toward=(0, -10, 10), angle=20).to_dataframe()
+            for how in ({"file": tmp_path / "synth.nii.gz", "space": "ras", "vectors": "relative"},
+                        {"file": tmp_path / "itk.nii.gz", "space": "lps", "vectors": "relative"})]
+    assert len(same[0]) > 1 and same[0].equals(same[1])
+    with pytest.raises(conus.ArgumentError, match="MRtrix"):
+        conus.load(AAL, transforms=[tmp_path / "synth.nii.gz"])
     with pytest.raises(conus.UnsupportedError):
         conus.load(AAL, transforms=[{"file": tmp_path / "itk.nii.gz", "inverse": True}])
     with pytest.raises(conus.ArgumentError):

@@ -121,6 +121,20 @@ def test_a_missing_file_and_another_space(tmp_path, caplog):
     assert note in atlas.notes and any(note in record.getMessage() for record in caplog.records)
 
 
+def test_a_space_that_is_stated(tmp_path):
+    """x and y of LPS change their signs, of arrays and of files that do not state a space, as DIPY's VTK."""
+    file = tmp_path / "lines.vtk"
+    file.write_text("# vtk DataFile Version 3.0\nnone\nASCII\nDATASET POLYDATA\nPOINTS 5 float\n"
+                    "0 0 0 3 0 0 3 4 0 0 0 -5 0 0 7\nLINES 2 7 3 0 1 2 2 3 4\n")
+    turned = [[-3, -4, -5], [0, 0, 7]]
+    for source in (file, LINES, tractogram()):
+        first, second = load({"source": source, "space": "lps", "name": "a"}, {"source": source, "name": "b"}).tractograms
+        assert np.array_equal(first.box, turned)
+        assert_lines(second)
+    with pytest.raises(conus.ArgumentError, match="streamlines: space: 'las', allowed is as-stated, ras, lps"):
+        load({"source": LINES, "space": "las"})
+
+
 def test_what_moves_goes_with_the_atlas():
     back = np.eye(4)
     back[0, 3] = -30  # so the atlas is moved by 30 mm along x

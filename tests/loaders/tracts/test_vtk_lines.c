@@ -168,7 +168,7 @@ static void assert_reads(const char *data, size_t size, const char *format)
     assert_ok(parse(&tractogram, data, size, 1 << 20, &notes));
     assert_lines(&tractogram, 1);
     assert_string_equal(tractogram.format, format);
-    assert_non_null(strstr(notes.lines[0], "RAS was taken"));
+    assert_int_equal(tractogram.space, CONUS_FILE_SPACE_AS_STATED);
     tractogram_finish(&tractogram);
     notes_finish(&notes);
 }
@@ -197,7 +197,7 @@ static void binaries(void **state)
     }
 }
 
-/* Connectivity 0, 1, 2 ... needs no copy of the points. x and y of LPS change their signs. */
+/* Connectivity 0, 1, 2 ... needs no copy of the points. */
 static void a_stated_space_and_corners_in_order(void **state)
 {
     (void)state;
@@ -209,6 +209,8 @@ static void a_stated_space_and_corners_in_order(void **state)
     struct notes notes = {0};
     assert_ok(parse(&tractogram, text, sizeof text - 1, 1 << 20, &notes));
     assert_int_equal(notes.count, 0);
+    assert_int_equal(tractogram.space, CONUS_FILE_SPACE_LPS);
+    tractogram_from_lps(&tractogram);
     assert_lines(&tractogram, -1);
     tractogram_finish(&tractogram);
 }
@@ -240,8 +242,8 @@ static void a_packed_file(void **state)
     assert_ok(vtk_lines_read(&tractogram, test_scratch("lines.vtk.gz"), 1 << 20, &notes));
     assert_lines(&tractogram, 1);
     assert_string_equal(tractogram.sha256, sum);
-    assert_int_equal(notes.count, 2);
-    assert_string_equal(notes.lines[1], "1 polygons are not read");
+    assert_int_equal(notes.count, 1);
+    assert_string_equal(notes.lines[0], "1 polygons are not read");
     tractogram_finish(&tractogram);
     notes_finish(&notes);
     assert_fails(vtk_lines_read(&tractogram, test_scratch("lines.vtk.gz"), sizeof text_3 - 2, &notes),
@@ -259,6 +261,40 @@ static void assert_refused(const char *text, conus_status wanted, const char *pa
     }
     assert_int_equal(tractogram.point_count, 77);
     notes_finish(&notes);
+}
+
+/* A point (1, 2, 3) of a file is (-1, -2, 3) where it is LPS: what the user states counts, else what the file does. */
+static void a_user_states_the_space(void **state)
+{
+    (void)state;
+    static const char *const heads[] = {"none", "SPACE=RAS", "SPACE=LPS"};
+    static const double signs[3][3] = {{1, 1, -1}, {1, 1, -1}, {-1, 1, -1}}; /* by file, then by user */
+    static const char *const notes_of[3][3] = {{"does not state its space", NULL, NULL},
+                                               {NULL, NULL, "for LPS, as is stated, but the file says RAS"},
+                                               {NULL, "for RAS, as is stated, but the file says LPS", NULL}};
+    for (int n = 0; n < 9; n++) {
+        char text[256];
+        struct tractogram read;
+        struct notes notes = {0};
+        const int file = n / 3;
+        const int given = n % 3;
+        const double sign = signs[file][given];
+        int size = snprintf(text, sizeof text,
+                            "# vtk DataFile Version 3.0\n%s\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n1 2 3 4 5 6\n"
+                            "LINES 1 3 2 0 1\n",
+                            heads[file]);
+        assert_ok(file_write(test_scratch("space.vtk"), text, (size_t)size));
+        assert_ok(tract_file_read_mapped(&read, test_scratch("space.vtk"), &(const struct bytes){0},
+                                         &(const struct tract_reading){.space = (conus_file_space)given}, &notes));
+        assert_near(read.points[0], sign, 0);
+        assert_near(read.points[4], 5 * sign, 0);
+        assert_near(read.points[5], 6, 0);
+        const char *note = notes_of[file][given];
+        assert_int_equal(notes.count, note != NULL);
+        assert_true(!note || strstr(notes.lines[0], note));
+        tractogram_finish(&read);
+        notes_finish(&notes);
+    }
 }
 
 static void which_files_have_lines(void **state)
@@ -404,6 +440,7 @@ TEST_GROUP(vtk_lines)
         cmocka_unit_test(a_stated_space_and_corners_in_order),
         cmocka_unit_test(corners_in_another_order),
         cmocka_unit_test(a_packed_file),
+        cmocka_unit_test(a_user_states_the_space),
         cmocka_unit_test(which_files_have_lines),
         cmocka_unit_test(refused),
         cmocka_unit_test(memory_has_a_limit),

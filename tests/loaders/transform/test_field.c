@@ -13,6 +13,7 @@
 #include "value_maps.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -81,14 +82,13 @@ static const char *write_field(const struct file *file, bool packed)
 static void check_file(const struct file *file, bool packed)
 {
     struct deformation field = {0};
-    conus_volume_info grid;
     struct file_sums read = {0};
     struct notes notes = {0};
     const conus_transform_options options = {0};
     const char *path = write_field(file, packed);
     double p[3] = {1, 2, 3};
-    assert_ok(field_file_read(&field, &grid, path, &options, &read, &notes));
-    assert_int_equal(grid.dim[0], NX);
+    assert_ok(field_file_read(&field, path, &options, &read, &notes));
+    assert_int_equal(field.dim[0], NX);
     assert_true(deformation_point(p, &field, p));
     assert_near(p[0], 1 + file->shift, 1e-6);
     assert_near(p[1], 2, 1e-6);
@@ -110,32 +110,47 @@ static void both_headers_and_byte_orders_are_read(void **state)
     }
 }
 
-static enum field_kind kind_of(int code, const char *name, conus_vectors vectors)
+static enum field_kind kind_of(int code, const char *name, conus_vectors vectors, conus_file_space space,
+                               double parameter)
 {
-    struct field_header header = {.dim = {5, 9, 9, 9, 1, 3}, .intent_code = code};
+    struct field_header header = {.dim = {5, 9, 9, 9, 1, 3}, .intent_code = code, .parameter = parameter};
     enum field_kind kind = FIELD_FSL;
     strncpy(header.intent_name, name, sizeof header.intent_name - 1);
-    assert_ok(field_header_kind(&kind, &header, false, vectors));
+    assert_ok(field_header_kind(&kind, &header, false, vectors, space));
     return kind;
 }
 
 static void headers_say_whose_field_it_is(void **state)
 {
     (void)state;
-    assert_int_equal(kind_of(1007, "", 0), FIELD_VECTORS);
-    assert_int_equal(kind_of(1006, "", 0), FIELD_VECTORS);
-    assert_int_equal(kind_of(1007, "Mapping", 0), FIELD_SPM);
-    assert_int_equal(kind_of(1007, "", CONUS_VECTORS_RELATIVE), FIELD_ITK);
-    assert_int_equal(kind_of(0, "", CONUS_VECTORS_ABSOLUTE), FIELD_SPM);
-    assert_int_equal(kind_of(1007, "NREG_TRANS", CONUS_VECTORS_ABSOLUTE), FIELD_SPM);
+    assert_int_equal(kind_of(1007, "", 0, 0, 0), FIELD_VECTORS);
+    assert_int_equal(kind_of(1006, "", 0, 0, 0), FIELD_VECTORS);
+    assert_int_equal(kind_of(1007, "Mapping", 0, 0, 0), FIELD_SPM);
+    assert_int_equal(kind_of(1007, "", CONUS_VECTORS_RELATIVE, 0, 0), FIELD_ITK);
+    assert_int_equal(kind_of(0, "", CONUS_VECTORS_ABSOLUTE, 0, 0), FIELD_SPM);
+    assert_int_equal(kind_of(1007, "NREG_TRANS", CONUS_VECTORS_ABSOLUTE, 0, 0), FIELD_SPM);
+    /* NiftyReg's DEF_FIELD and DISP_FIELD (reg_transform -def, -disp), in mm of NIfTI's world */
+    assert_int_equal(kind_of(1007, "NREG_TRANS", 0, 0, 0), FIELD_SPM);
+    assert_int_equal(kind_of(1007, "NREG_TRANS", 0, 0, 1), FIELD_RAS);
+    static const enum field_kind stated[2][2] = {{FIELD_RAS, FIELD_SPM}, {FIELD_ITK, FIELD_LPS}};
+    for (int n = 0; n < 4; n++) {
+        conus_file_space space = n / 2 ? CONUS_FILE_SPACE_LPS : CONUS_FILE_SPACE_RAS;
+        conus_vectors vectors = n % 2 ? CONUS_VECTORS_ABSOLUTE : CONUS_VECTORS_RELATIVE;
+        assert_int_equal(kind_of(n ? 1007 : 0, "", vectors, space, 0), stated[n / 2][n % 2]);
+        const struct field_header four = {.dim = {4, 9, 9, 9, 3}, .intent_code = n ? 0 : 1007};
+        enum field_kind of_four = FIELD_FSL;
+        assert_ok(field_header_kind(&of_four, &four, false, vectors, space));
+        assert_int_equal(of_four, stated[n / 2][n % 2]);
+    }
+    assert_int_equal(kind_of(1006, "", 0, CONUS_FILE_SPACE_RAS, 0), FIELD_RAS); /* nifti1.h: displacements */
     struct field_header header = {.dim = {4, 9, 9, 9, 3, 0}, .intent_code = 2006};
     enum field_kind kind;
-    assert_ok(field_header_kind(&kind, &header, true, 0));
+    assert_ok(field_header_kind(&kind, &header, true, 0, 0));
     assert_int_equal(kind, FIELD_FNIRT);
-    assert_ok(field_header_kind(&kind, &header, true, CONUS_VECTORS_ABSOLUTE));
+    assert_ok(field_header_kind(&kind, &header, true, CONUS_VECTORS_ABSOLUTE, 0));
     assert_int_equal(kind, FIELD_FSL);
     header.intent_code = 0;
-    assert_ok(field_header_kind(&kind, &header, true, 0));
+    assert_ok(field_header_kind(&kind, &header, true, 0, 0));
     assert_int_equal(kind, FIELD_FSL);
 }
 
@@ -143,7 +158,7 @@ static void check_refused(struct field_header header, bool images, conus_vectors
                           const char *words)
 {
     enum field_kind kind = FIELD_FSL;
-    conus_status status = field_header_kind(&kind, &header, images, vectors);
+    conus_status status = field_header_kind(&kind, &header, images, vectors, 0);
     if (status != wanted || !strstr(conus_message(), words) || kind != FIELD_FSL) {
         fail_msg("status %d, \"%s\", wanted: %s", (int)status, conus_message(), words);
     }
@@ -171,8 +186,33 @@ static void bad_headers_say_what_is_wrong(void **state)
     check_refused(good, true, 0, CONUS_ERROR_ARGUMENT, "are for FSL's fields");
     memcpy(bad.intent_name, "Mapping", sizeof "Mapping");
     check_refused(bad, false, CONUS_VECTORS_RELATIVE, CONUS_ERROR_ARGUMENT, "not relative");
+    bad.intent_code = 1006;
+    check_refused(bad, false, 0, CONUS_ERROR_ARGUMENT, "found 1006 (displacements), and intent_name \"Mapping\"");
     memcpy(bad.intent_name, "NREG_TRANS", sizeof "NREG_TRANS");
-    check_refused(bad, false, 0, CONUS_ERROR_UNSUPPORTED, "NiftyReg");
+    check_refused(bad, false, CONUS_VECTORS_RELATIVE, CONUS_ERROR_ARGUMENT, "NiftyReg's word for positions");
+    static const struct {
+        const char *name;
+        double parameter;
+        const char *words;
+    } kinds[] = {{"NREG_TRANS", 2, "a control-point grid"}, {"NREG_TRANS", 3, "a velocity field"},
+                 {"NREG_TRANS", 4, "a velocity field"},     {"NREG_TRANS", 5, "a grid of velocities"},
+                 {"NREG_TRANS", 6, "a control-point grid"}, {"NREG_TRANS", 7, "an unknown kind"},
+                 {"NREG_TRANS", NAN, "an unknown kind"},    {"NREG_CPP_FILE", 0, "an unknown kind"}};
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        bad.parameter = kinds[i].parameter;
+        snprintf(bad.intent_name, sizeof bad.intent_name, "%s", kinds[i].name);
+        check_refused(bad, false, 0, CONUS_ERROR_UNSUPPORTED, kinds[i].words);
+        check_refused(bad, false, CONUS_VECTORS_ABSOLUTE, CONUS_ERROR_UNSUPPORTED, "of NiftyReg");
+    }
+    bad = good;
+    bad.dim[4] = 3; /* MRtrix's warp of both ways */
+    bad.dim[5] = 4;
+    check_refused(bad, false, 0, CONUS_ERROR_UNSUPPORTED, "warpfull2deformation");
+    bad = (struct field_header){.dim = {4, 9, 9, 9, 3}};
+    for (int vectors = 0; vectors < 3; vectors++) { /* nobody says whose it is */
+        check_refused(bad, false, (conus_vectors)vectors, CONUS_ERROR_ARGUMENT, "MRtrix");
+        check_refused(bad, false, (conus_vectors)vectors, CONUS_ERROR_ARGUMENT, "SynthMorph");
+    }
     const struct field_header fsl = {.dim = {4, 9, 9, 9, 3}, .intent_code = 2006};
     check_refused(fsl, false, 0, CONUS_ERROR_ARGUMENT, "from=IMAGE and to=IMAGE are needed");
     static const int others[] = {2007, 2008, 2009, 2016, 2017, 2018};
@@ -272,6 +312,64 @@ static void an_atlas_goes_where_the_field_has_it(void **state)
         conus_atlas_own_point(far, atlas, far);
         assert_true(n ? isnan(far[0]) : far[0] == 90.0); /* SPM does not say; ITK's points stay */
         conus_atlas_destroy(atlas);
+    }
+}
+
+/* The same shift to the right as displacements in RAS, +1.25: only with the right word does x = 2 go to 3.25. */
+static void the_axes_of_vectors_are_stated(void **state)
+{
+    (void)state;
+    const struct file ras = {1, false, 16, false, -1.25, INFINITY}; /* +1.25 in the file */
+    conus_atlas *atlas = make_atlas();
+    const char *path = write_field(&ras, false);
+    assert_fails(conus_atlas_transform(atlas, path, &(conus_transform_options){.space = CONUS_FILE_SPACE_RAS}),
+                 CONUS_ERROR_ARGUMENT);
+    assert_ok(conus_atlas_transform(
+        atlas, path, &(conus_transform_options){.space = CONUS_FILE_SPACE_RAS, .vectors = CONUS_VECTORS_RELATIVE}));
+    check_shifted(atlas);
+    conus_atlas_destroy(atlas);
+}
+
+/* A field of nodes 2 or 3 mm apart that moves nothing, over an atlas of 1 mm whose label is 1 and the number along x:
+ * on the nodes' own grid half of the labels or more would be gone. Parted, with nodes as centres of voxels still, from
+ * -13 to 13 mm, each label keeps its 16 voxels where they were. */
+static void a_coarse_field_leaves_the_atlas_as_fine(void **state)
+{
+    (void)state;
+    for (int step = 2; step <= 3; step++) {
+        struct nifti_builder builder;
+        const int64_t nodes = step == 2 ? 13 : 9;
+        const double apart = step;
+        const double srow[12] = {apart, 0, 0, -12, 0, apart, 0, -12, 0, 0, apart, -12};
+        nifti_begin(&builder, 1, false, 16, (const int64_t[]){nodes, nodes, nodes});
+        for (size_t i = 0; i < 12; i++) {
+            nifti_set(&builder, "srow", i, srow[i]);
+        }
+        nifti_set(&builder, "dim", 0, 5);
+        nifti_set(&builder, "dim", 4, 1);
+        nifti_set(&builder, "dim", 5, 3);
+        nifti_set(&builder, "intent_code", 0, 1007);
+        for (int64_t i = 0; i < 3 * nodes * nodes * nodes; i++) {
+            nifti_voxel(&builder, 0);
+        }
+        const char *path = write_bytes("coarse.nii", &builder.bytes);
+        conus_atlas *atlas = make_atlas();
+        char *words = atlas->volumes[0].info.transform;
+        snprintf(words, sizeof atlas->volumes[0].info.transform, "sform, code 9");
+        assert_ok(conus_atlas_transform(atlas, path, NULL));
+        assert_true(test_has_note(atlas, "on a grid of 27 x 27 x 27 voxels of 1 x 1 x 1 mm"));
+        for (uint32_t label = 1; label <= 4; label++) {
+            assert_int_equal(label_at(atlas, 0, (double)label - 1, 1, 3), label);
+            assert_int_equal(label_at(atlas, 0, (double)label - 1.4, 0.6, 2.6), label); /* within its voxel */
+            assert_int_equal(atlas->objects[label - 1].voxels, 16);
+        }
+        assert_string_equal(conus_atlas_volume(atlas, 0)->transform, "sform, code 9, warped"); /* not the field's */
+        conus_atlas_destroy(atlas);
+        atlas = make_atlas(); /* who asks for the nodes gets them, and hears of it */
+        assert_ok(conus_atlas_transform(atlas, path, &(conus_transform_options){.grid = path}));
+        assert_true(test_has_note(atlas, step == 2 ? "up to 2 times as long as" : "up to 3 times as long as"));
+        conus_atlas_destroy(atlas);
+        buffer_finish(&builder.bytes);
     }
 }
 
@@ -542,6 +640,8 @@ TEST_GROUP(field)
         cmocka_unit_test(bad_headers_say_what_is_wrong),
         cmocka_unit_test(no_prefix_is_a_field),
         cmocka_unit_test(an_atlas_goes_where_the_field_has_it),
+        cmocka_unit_test(the_axes_of_vectors_are_stated),
+        cmocka_unit_test(a_coarse_field_leaves_the_atlas_as_fine),
         cmocka_unit_test(several_fields_are_one_search),
         cmocka_unit_test(what_is_added_later_does_not_move_with_it),
         cmocka_unit_test(thresholds_last),

@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "loaders/transform/transform_file.h"
+#include "loaders/transform/transform_name.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"
@@ -693,6 +694,60 @@ static void a_spline_moves_voxels_and_vertices(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Nodes far apart: points within LPS 0 to 10 km go by 1 mm along LPS x, those of the atlas at -1 mm come from 0. The
+ * grid has what can come to the atlas's 4 voxels a side, and not 10^21 voxels; where points go by up to 1 m it would
+ * have 2 m a side, too many.
+ */
+static void a_wide_spline_has_the_atlas_s_grid(void **state)
+{
+    (void)state;
+    static const char wide[] = "4 4 4 -15000000 -15000000 -15000000 10000000 10000000 10000000 1 0 0 0 1 0 0 0 1";
+    for (int far = 0; far < 2; far++) {
+        char path[64];
+        conus_atlas *atlas = make_atlas();
+        struct buffer text = {0};
+        buffer_format(&text, ITK "Transform: %s\nParameters:", spline_type);
+        for (int i = 0; i < 192; i++) {
+            buffer_text(&text, far ? (i % 2 ? " -1e3" : " 1e3") : i < 64 ? " 1" : " 0");
+        }
+        buffer_format(&text, "\nFixedParameters: %s\n", wide);
+        write_file(path, text.data);
+        if (far) {
+            assert_fails(conus_atlas_transform(atlas, path, NULL), CONUS_ERROR_DATA);
+            assert_non_null(strstr(conus_message(), "grid=IMAGE is needed"));
+        } else {
+            assert_ok(conus_atlas_transform(atlas, path, NULL));
+            const conus_volume_info *info = conus_atlas_volume(atlas, 0);
+            assert_true(info->dim[0] <= 10 && info->dim[1] <= 10 && info->dim[2] <= 10);
+            assert_near(atlas->objects[0].volume_mm3, 64, 1e-9);
+        }
+        unlink(path);
+        buffer_finish(&text);
+        conus_atlas_destroy(atlas);
+    }
+}
+
+static void names_of_ants_have_a_kind(void **state)
+{
+    (void)state;
+    struct text prefix;
+    static const struct {
+        const char *name;
+        enum ants_kind kind;
+    } names[] = {{"d/o_0GenericAffine.mat", ANTS_AFFINE},
+                 {"d/o_1Warp.nii.gz", ANTS_WARP},
+                 {"d/o_1InverseWarp.nii.gz", ANTS_INVERSE_WARP},
+                 {"d/o_3InverseWarp.nii", ANTS_INVERSE_WARP},
+                 {"d/o_Affine.txt", ANTS_AFFINE},
+                 {"d/o_InverseComposite.h5", ANTS_COMPOSITE},
+                 {"d/o_Composite.h5", ANTS_COMPOSITE},
+                 {"d/o_y_T1.nii", ANTS_NONE}};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        assert_int_equal(transform_name_ants(&prefix, names[i].name), names[i].kind);
+        assert_true(names[i].kind == ANTS_NONE || text_equal(prefix, "d/o_"));
+    }
+}
+
 static void a_mirror_is_warned_of(void **state)
 {
     (void)state;
@@ -781,6 +836,8 @@ TEST_GROUP(transform)
         cmocka_unit_test(other_files_are_called_what_they_are),
         cmocka_unit_test(no_prefix_is_a_transform),
         cmocka_unit_test(an_atlas_goes_to_the_poses),
+        cmocka_unit_test(a_wide_spline_has_the_atlas_s_grid),
+        cmocka_unit_test(names_of_ants_have_a_kind),
         cmocka_unit_test(a_mirror_is_warned_of),
         cmocka_unit_test(what_cannot_be_moved_stays),
         cmocka_unit_test(every_failing_allocation_is_survived),
