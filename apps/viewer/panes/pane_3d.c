@@ -395,7 +395,7 @@ static bool use_mouse(struct window *window)
     bool held = ui_surface_held();
     bool moved = mouse.moved_x != 0 || mouse.moved_y != 0;
     bool is_behind = !eye_is_same(&window->pictures.shown, &window->pictures.eye);
-    bool turns = held && mouse.down[0] && frame->pressed_of && mouse.strayed >= click;
+    bool turns = held && mouse.down[0] && frame->pressed_of && mouse.strayed >= click && moved;
     bool pans = held && !mouse.down[0] && moved && (mouse.down[1] || mouse.down[2]);
     if (mouse.pressed[0] && held) {
         press(window, &mouse);
@@ -480,6 +480,9 @@ void pane_3d(struct window *window)
         ui_draw_box(*box, dark, 0);
     }
     bool by_mouse = false;
+    if (ui_mouse_now().pressed[0]) { /* wherever that is */
+        window->frame.pressed_of = NULL;
+    }
     if (ui_surface("surface", *box)) {
         find_hovered(window);
         by_mouse = use_mouse(window);

@@ -471,7 +471,7 @@ async function open(name) {
     pane.objects = new Uint32Array(); // numbers of the atlas before
     mark(pane);
   }
-  unanswered = "not drawn yet";
+  unanswered = "the answer is not there yet";
   fillRows("");
   document.body.classList.replace("empty", "full");
   if (isFirst && toFragment(question, "") === toFragment(START, "")) aimAt(atlas.low, atlas.high);
