@@ -154,8 +154,12 @@ static void a_ball_casts_a_disc(void **state)
             }
         }
     }
-    assert_ok(conus_pose_along(&eye.camera, (double[]){0, 100, 0}, (double[]){0, 1, 0}, NULL)); /* behind the eye */
     assert_near(away[HIGH / 2 * WIDE + WIDE / 2], 80, 0.87 + cells.edge); /* its nearest point, D - r */
+    clear(away, (size_t)WIDE * HIGH);
+    assert_ok(conus_pose_along(&eye.camera, (double[]){0, -100, 0}, (double[]){0, 1, 0}, NULL)); /* from behind, too */
+    cells_cast(away, WIDE, HIGH, &cells, &eye);
+    assert_near(away[HIGH / 2 * WIDE + WIDE / 2], 80, 0.87 + cells.edge);
+    assert_ok(conus_pose_along(&eye.camera, (double[]){0, 100, 0}, (double[]){0, 1, 0}, NULL)); /* behind the eye */
     clear(away, (size_t)WIDE * HIGH);
     cells_cast(away, WIDE, HIGH, &cells, &eye);
     for (size_t pixel = 0; pixel < (size_t)WIDE * HIGH; pixel++) {

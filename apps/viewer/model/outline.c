@@ -63,7 +63,7 @@ void outline_dash(uint8_t *rgba, const uint8_t *mask, const uint8_t *hidden, uin
             size_t pixel = (size_t)y * width + x;
             bool lies = (y > 0 && mask[pixel - width] != mask[pixel]) ||
                         (y + 1 < height && mask[pixel + width] != mask[pixel]); /* and does not stand */
-            if (hidden[pixel] && (lies ? x : y) / OUTLINE_DASH % 2) {
+            if (hidden[pixel] == 1 && (lies ? x : y) / OUTLINE_DASH % 2) {
                 memset(rgba + 4 * pixel, 0, 4);
             }
         }

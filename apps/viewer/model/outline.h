@@ -21,7 +21,7 @@ bool *outline_wanted(const struct viewer *viewer);
  * picture's border. */
 void outline_draw(uint8_t *rgba, struct outline_top *top, const uint8_t *mask, uint32_t width, uint32_t height);
 
-/** Makes dashes of the outline of @p mask that was drawn, where @p hidden, likewise, is 1. */
+/** Makes dashes of the outline of @p mask that was drawn, where @p hidden, [height width], is 1. */
 void outline_dash(uint8_t *rgba, const uint8_t *mask, const uint8_t *hidden, uint32_t width, uint32_t height);
 
 /** A wider outline, two pixels bright, of the @p wanted ones of @p objects, [height width], in a copy of @p rgba that

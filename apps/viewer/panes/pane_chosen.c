@@ -58,7 +58,7 @@ static bool is_hidden(const struct window *window, const float *nearest, uint32_
     return seen < depth - 2 * shadow->cells.edge; /* what lies beside it is as far */
 }
 
-/* Finds where its outline, the pixels of @p rgba that are not empty, is hidden: dash by dash. */
+/* Finds where its outline, the pixels of `rgba` that are not empty, is hidden (1) or not (2): dash by dash. */
 static void find_hidden(uint8_t *hidden, const struct window *window, const uint8_t *rgba, const float *nearest)
 {
     const struct shadow *shadow = &window->pictures.shadow;
@@ -76,9 +76,6 @@ static void find_hidden(uint8_t *hidden, const struct window *window, const uint
                 }
             }
         }
-    }
-    for (size_t pixel = 0; pixel < (size_t)shadow->width * shadow->height; pixel++) {
-        hidden[pixel] = hidden[pixel] == 1;
     }
 }
 
