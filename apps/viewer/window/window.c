@@ -803,12 +803,14 @@ void window_copy(struct window *window, enum copied what)
 }
 
 /* The object in the title: the best hit, or else the chosen one; 0 = neither. */
-static uint32_t find_object(const char **how, const struct viewer *viewer)
+static uint32_t find_object(const char **how, const struct window *window)
 {
+    const struct viewer *viewer = window->viewer;
     const conus_selection *selection = viewer_selection(viewer);
     const conus_result *best = conus_selection_count(selection) ? conus_selection_result(selection, 0) : NULL;
     bool is_hit = best && best->object && best->pixels;
-    *how = !is_hit ? "chosen" : viewer->tools[FIRST_TOOL].held ? "held" : "hit";
+    bool is_old = inputs_is_old(&window->inputs, viewer, FIRST_TOOL);
+    *how = !is_hit ? "chosen" : is_old ? "old answer" : viewer->tools[FIRST_TOOL].held ? "held" : "hit";
     return is_hit ? best->object : viewer->drawn->shown.chosen;
 }
 
@@ -824,7 +826,7 @@ void title_write(char out[TITLE_SIZE], const struct window *window)
     if (window->history.session_path) {
         used += snprintf(out + used, (size_t)(TITLE_SIZE - used), " [%.80s]", path_name(window->history.session_path));
     }
-    uint32_t object = find_object(&how, viewer);
+    uint32_t object = find_object(&how, window);
     if (object) {
         char title[VIEW_ATLAS_TITLE];
         snprintf(out + used, (size_t)(TITLE_SIZE - used), " - %.80s (%s)",

@@ -330,7 +330,8 @@ void window_fill_screen(struct window *window, bool fill);
 void window_eye(const struct window *window, struct eye *out);
 
 /** "conus"; with an atlas "conus - aal.nii.gz [session.json] - Hippocampus_L (held)": its file, the session's if there
- * is one, and the best hit in the drawn atlas (hit, or held) or else the chosen area (chosen). */
+ * is one, and the best hit in the drawn atlas (hit, held, or old answer) or else the chosen area
+ * (chosen). */
 void title_write(char out[TITLE_SIZE], const struct window *window);
 /** Gives the window its title, where that is another one than before. */
 void title_update(struct window *window);
