@@ -63,7 +63,7 @@ static void wait_for(struct loader *loader, struct window *window)
             draw_page(window, loader, seconds);
         }
         glfwWaitEventsTimeout(seconds < patience ? fmin(patience - seconds, progress_s) : progress_s);
-        while (events_take(window)) { /* widgets hear of no events here */
+        for (size_t left = window->events.count; left && events_take(window); left--) { /* there are no widgets here */
         }
     }
     if (glfwWindowShouldClose(window->handle)) { /* the file that is being read is read to its end */
