@@ -254,7 +254,7 @@ static bool go_round(struct window *window, struct script *script, int *code)
 bool loop_run(struct window *window, struct script *script, int *code)
 {
     bool goes_on = true;
-    while (goes_on && !glfwWindowShouldClose(window->handle) && !window_has_request(window)) {
+    while (goes_on && (!glfwWindowShouldClose(window->handle) || window->events.count) && !window_has_request(window)) {
         goes_on = go_round(window, script, code);
     }
     return goes_on && !glfwWindowShouldClose(window->handle);
