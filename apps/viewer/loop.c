@@ -254,8 +254,11 @@ static bool go_round(struct window *window, struct script *script, int *code)
 bool loop_run(struct window *window, struct script *script, int *code)
 {
     bool goes_on = true;
-    while (goes_on && (!glfwWindowShouldClose(window->handle) || window->events.count) && !window_has_request(window)) {
+    while (goes_on && !glfwWindowShouldClose(window->handle) && !window_has_request(window)) {
         goes_on = go_round(window, script, code);
+    }
+    for (size_t left = window->events.count; left && glfwWindowShouldClose(window->handle); left--) {
+        events_take(window); /* what came before */
     }
     return goes_on && !glfwWindowShouldClose(window->handle);
 }
