@@ -825,6 +825,11 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
         option_given(picture->arguments, "legend")) { /* a legend that was asked for is drawn without a cone, too */
         view.legend_rows = UINT32_MAX;
     }
+    if (settings->cuts.cuts && !render_cuts_need_space(&settings->cuts) && !selection && view.legend_rows &&
+        view.legend != CONUS_LEGEND_NONE && !settings->common.quiet) {
+        print_error_line("note: --legend lists no areas in cuts but those that a cone hits (--origin or --pose), "
+                         "unless 3d is beside them");
+    }
     if (settings->turn.frames && selection && !option_given(picture->arguments, "legend")) {
         view.legend = CONUS_LEGEND_BELOW; /* inside, it would change its corner */
     }

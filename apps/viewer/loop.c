@@ -118,15 +118,6 @@ static void navigate(struct window *window)
     }
 }
 
-/* A key that was tapped is down for one frame. */
-static void hold_tapped_key(struct window *window, bool down)
-{
-    if (window->frame.tapped && (down || glfwGetKey(window->handle, window->frame.tapped) != GLFW_PRESS)) {
-        ui_hold_key(window->frame.tapped, down);
-    }
-    window->frame.tapped = down ? window->frame.tapped : 0;
-}
-
 static void draw_panels(struct window *window)
 {
     window->frame.hover = (struct hover){.value = NAN};
@@ -179,9 +170,8 @@ static void draw_window(struct window *window)
     }
     window->screen.next_scale = 0;
     window_clear(window);
-    hold_tapped_key(window, true);
     ui_navigate_lists(window->frame.navigated);
-    ui_begin();
+    ui_begin(window->events.time);
     navigate(window);
     ui_disable(window->files.asked.count > 0); /* the question is before all else */
     draw_panels(window);
@@ -199,7 +189,6 @@ static void draw_window(struct window *window)
         panel_ask(window);
     }
     ui_end();
-    hold_tapped_key(window, false);
     window->frame.ms = 1e3 * (glfwGetTime() - begun);
     times_add(&window->times, TIMED_FRAME, window->frame.ms);
 }
@@ -230,6 +219,7 @@ static bool go_round(struct window *window, struct script *script, int *code)
         glfwPollEvents();
     }
     atomic_store(&awake, false);
+    events_take(window);
     if (window->viewer) {
         hear_devices(window);
         if (window->inputs.station) {
@@ -266,6 +256,9 @@ bool loop_run(struct window *window, struct script *script, int *code)
     bool goes_on = true;
     while (goes_on && !glfwWindowShouldClose(window->handle) && !window_has_request(window)) {
         goes_on = go_round(window, script, code);
+    }
+    for (size_t left = window->events.count; left && glfwWindowShouldClose(window->handle); left--) {
+        events_take(window); /* what came before */
     }
     return goes_on && !glfwWindowShouldClose(window->handle);
 }

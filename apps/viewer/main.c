@@ -187,7 +187,9 @@ static bool open_window(struct window *out, const struct window_options *options
     struct loader *begun = has_display ? open_begin(path, settings) : NULL;
     bool fine = has_display && window_open(out, options);
     out->files.begun = begun;
-    if (!fine) {
+    if (fine) {
+        events_hear(out);
+    } else {
         wait_leave(out);
         print_error_line("conus view needs a display and OpenGL 4.5; conus render draws pictures without a window");
     }

@@ -215,28 +215,25 @@ static conus_status prepare_selector(conus_selector **selector, uint32_t resolut
     return *selector ? CONUS_OK : conus_selector_create(selector, page.atlas, &options);
 }
 
-/* Asks what is in a cone. {} or {"error": ...}; web_rows() has the answer. */
+/* Asks what is in a cone. {} or {"error": ...}; web_rows() has the answer, and pictures the cone. Neither has those of
+ * the question before where this one is refused. */
 EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double toward_x, double toward_y,
                                          double toward_z, double angle, uint32_t resolution, int all_layers)
 {
     conus_pose pose;
-    conus_selection *selection = NULL;
     if (page.resolution != resolution || page.all_layers != (all_layers != 0)) {
         forget_question();
     }
+    conus_selection_destroy(page.selection);
+    page.selection = NULL;
     conus_status status = prepare_selector(&page.selector, resolution, all_layers);
     page.resolution = resolution;
     page.all_layers = all_layers;
     status = status ? status
                     : conus_pose_toward(&pose, (const double[]){x, y, z},
                                         (const double[]){toward_x, toward_y, toward_z}, NULL);
-    status = status ? status : conus_select(&selection, page.selector, &pose, angle * RADIANS);
-    if (status) {
-        return say_error();
-    }
-    conus_selection_destroy(page.selection);
-    page.selection = selection;
-    return "{}";
+    status = status ? status : conus_select(&page.selection, page.selector, &pose, angle * RADIANS);
+    return status ? say_error() : "{}";
 }
 
 static conus_status write_report(conus_format format)
@@ -270,7 +267,7 @@ EMSCRIPTEN_KEEPALIVE const char *web_sidecar(void)
  * 2. The objects of its pixels are web_objects_drawn(). NULL after an error. */
 EMSCRIPTEN_KEEPALIVE const uint8_t *web_cut(int right, int up, double x, double y, double z, uint32_t width,
                                             uint32_t height, double mm_per_pixel, double fill, double black,
-                                            double white, uint32_t chosen)
+                                            double white)
 {
     conus_cut_view view = CONUS_CUT_VIEW_INIT;
     view.centre[0] = x;
@@ -285,7 +282,6 @@ EMSCRIPTEN_KEEPALIVE const uint8_t *web_cut(int right, int up, double x, double 
     view.window[0] = black;
     view.window[1] = white;
     view.selection = page.selection;
-    view.chosen = chosen;
     conus_cutter **cutter = &page.cutters[3 - right - up];
     bool failed = (!*cutter && conus_cutter_create(cutter, page.atlas)) || conus_cutter_draw(*cutter, &view);
     page.cut = *cutter;

@@ -248,7 +248,8 @@ CONUS_CHECKED conus_status conus_render(conus_image **out, conus_renderer *rende
  * @{ */
 
 /** A flat cut through an atlas: the context in grey, areas filled and outlined, surfaces as their contours, filled
- * where they are closed, pathways over them. Labels are looked up, never interpolated. */
+ * where they are closed, pathways over them. Without a context areas lie on a grey. Labels are looked up, never
+ * interpolated. */
 typedef struct conus_cut_view {
     size_t struct_size;  /**< Its size, as #CONUS_CUT_VIEW_INIT sets it; 0 = that of this version. */
     double centre[3];    /**< World position of the picture's middle, mm. */
@@ -311,7 +312,7 @@ typedef struct conus_cut_plane {
  * Draws cuts side by side on one sheet, all at the largest scale at which the box around the atlas and its context fits
  * in each: with the letters of directions outside of the cuts, below each one where its plane is, one scale bar, and
  * with a selection its cone in each cut and one legend. Black at the edges of a cut is the background, if nothing else
- * is there.
+ * is there; without a context all is where nothing is.
  * @param[out] out Channels R, G, B, A, as of conus_render(). End it with conus_image_destroy().
  * @param atlas The atlas.
  * @param planes [count] Where the cuts are, in the order of reading.

@@ -590,7 +590,11 @@ void cut_draw_cone(uint8_t *rgba, const struct cut_place *place, const struct cu
     }
 }
 
-enum { HATCH = 6, PALE = 40 };
+enum {
+    HATCH = 6,
+    PALE = 40,
+    GROUND = 144 /* below areas where there is no context: pale ones are seen on black, too */
+};
 
 /* Lines of surfaces around the areas: a grey that is visible on the context's black and white. */
 static const uint8_t around_rgb[3] = {172, 165, 155};
@@ -699,6 +703,7 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const d
     uint8_t grey = 0;
     uint32_t of = 0;
     double by = 0;
+    const bool has_ground = !atlas_context(cut->atlas) && view->fill > 0;
     for (uint32_t column = 0; column < cut->of.width; column++, at++) {
         uint8_t *pixel = cut->rgba + 4 * at;
         uint32_t object = cut->objects[at];
@@ -712,6 +717,7 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const d
         } else if (object) {
             double opacity = opacity_at(cut, view, opacities, column, row);
             if (object != of || opacity != by || cut->grey[at] != grey) {
+                memset(pixel, has_ground ? GROUND : cut->grey[at], 3);
                 blend(pixel, list[object - 1].rgb, opacity);
                 memcpy(blended, pixel, sizeof blended);
                 of = object;

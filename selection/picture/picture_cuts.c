@@ -235,11 +235,12 @@ static void put_title(char out[TITLE_SIZE], const struct sheet *sheet, const str
     out[0] = '\0';
     for (size_t a = 0; a < 3 && title != TITLE_NONE; a++) {
         if (fabs(beyond[a]) > (1 - 1e-9) * vec3_length(beyond)) {
-            double value = fabs(at[a]) < 1e-9 ? 0 : at[a];
             bool is_fine = frame->space == CONUS_SPACE_CCF;
             const char *axis = conus_space_axis(frame->space, a);
-            char number[TITLE_SIZE / 2];
-            snprintf(number, sizeof number, "%s%.*g", value < 0 ? "\u2212" : "", is_fine ? 5 : 4, fabs(value));
+            char digits[PICTURE_NUMBER];
+            char number[PICTURE_NUMBER + 3];
+            picture_put_place(digits, at[a]);
+            snprintf(number, sizeof number, "%s%s", *digits == '-' ? "\u2212" : "", digits + (*digits == '-'));
             if (title == TITLE_WHOLE) {
                 snprintf(out, TITLE_SIZE, "%s = %s %s", axis, number, is_fine ? "\u00b5m" : "mm");
             } else if (title == TITLE_SHORT) {
@@ -327,11 +328,18 @@ static bool is_empty(const struct cut *cut, size_t pixel)
     return !cut->objects[pixel] && !(cut->contours && cut->contours[pixel]) && !cut->grey[pixel];
 }
 
-/* Makes transparent what is empty from the panel's edges on: a dark ventricle stays. */
+/* Makes transparent what is empty: with a context from the panel's edges on, so that a dark ventricle stays; without
+ * one all, also within areas that are not filled. */
 static void clear_outside(struct sheet *sheet, const struct cut *cut, size_t width, size_t height)
 {
+    const bool has_context = atlas_context(sheet->picture.atlas);
     size_t top = 0;
-    for (size_t i = 0; i < width * height; i++) {
+    for (size_t i = 0; i < width * height && !has_context; i++) {
+        const uint8_t *rgb = sheet->rgba + 4 * i;
+        bool is_unfilled = sheet->look->fill == 0 && !rgb[0] && !rgb[1] && !rgb[2];
+        sheet->rgba[4 * i + 3] = is_empty(cut, i) || is_unfilled ? 0 : 255;
+    }
+    for (size_t i = 0; i < width * height && has_context; i++) {
         size_t column = i % width;
         size_t row = i / width;
         bool is_edge = column == 0 || row == 0 || column + 1 == width || row + 1 == height;

@@ -388,6 +388,25 @@ static size_t add_colours(struct legend_row rows[KEYS * COLOUR_ROWS], struct pic
     return count + add_streamlines(rows + count, out->colours + COLOUR_ROWS, out, picture);
 }
 
+/* Digits after the point with which a number was given; -1 = more than six: it was computed. */
+static int digits_of(double value)
+{
+    for (int digits = 0; digits <= 6; digits++) {
+        if (fabs(rint(value * pow(10, digits)) / pow(10, digits) - value) <= 1e-11 * (1 + fabs(value))) {
+            return digits;
+        }
+    }
+    return -1;
+}
+
+void picture_put_place(char out[PICTURE_NUMBER], double value)
+{
+    double place = digits_of(value) >= 0 ? value : rint(value * 1e3) / 1e3;
+    int digits = digits_of(place);
+    double shown = rint(place * pow(10, digits)) / pow(10, digits);
+    snprintf(out, PICTURE_NUMBER, "%.*f", digits, shown == 0 ? 0 : shown); /* no -0 */
+}
+
 void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, const conus_frame *frame)
 {
     static const char *const places[] = {", RAS mm", ", LPS mm", " \u00b5m in CCF", " mm from bregma"};
@@ -402,8 +421,10 @@ void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, cons
                         rod ? cone->radius : degrees_from_radians(cone->angle), rod ? " mm" : "\u00b0");
     for (size_t a = 0; a < 3; a++) {
         const char *axis = space < CONUS_SPACE_CCF ? "" : conus_space_axis(space, a);
-        size += snprintf(out + size, PICTURE_TEXT - (size_t)size, "%s %s%s%.*g", a ? "," : "", axis, *axis ? " " : "",
-                         space == CONUS_SPACE_CCF ? 6 : 4, at[a]);
+        char number[PICTURE_NUMBER];
+        picture_put_place(number, at[a]);
+        size += snprintf(out + size, PICTURE_TEXT - (size_t)size, "%s %s%s%s", a ? "," : "", axis, *axis ? " " : "",
+                         number);
     }
     snprintf(out + size, PICTURE_TEXT - (size_t)size, "%s", places[space]);
 }

@@ -123,6 +123,13 @@ static void a_small_area_is_found(void **state)
     free(labels);
 }
 
+static void clear(float *away, size_t pixels)
+{
+    for (size_t pixel = 0; pixel < pixels; pixel++) {
+        away[pixel] = INFINITY;
+    }
+}
+
 /* Seen from D = 100 mm a ball of r = 20 mm is a disc about the picture's middle whose edge is asin(r / D) off the axis:
  * at tan of that, 0.2041, from the middle, of the 0.5 that are half of the picture's height. In 200 pixels: 40.8. */
 static void a_ball_casts_a_disc(void **state)
@@ -130,31 +137,40 @@ static void a_ball_casts_a_disc(void **state)
     enum { WIDE = 300, HIGH = 200 };
     conus_atlas *atlas = load("sphere");
     struct eye eye = {.frustum = {-0.75, 0.75, -0.5, 0.5}};
-    uint8_t *mask = calloc(WIDE, HIGH);
+    float *away = malloc((size_t)WIDE * HIGH * sizeof *away);
     struct cells cells;
     (void)state;
+    assert_non_null(away);
+    clear(away, (size_t)WIDE * HIGH);
     assert_ok(conus_pose_along(&eye.camera, (double[]){0, 100, 0}, (double[]){0, -1, 0}, NULL));
     assert_ok(cells_find(&cells, atlas, (bool[]){false, true}));
-    cells_cast(mask, WIDE, HIGH, &cells, &eye);
+    cells_cast(away, WIDE, HIGH, &cells, &eye);
     double wanted = 200 * tan(asin(0.2));
     for (int y = 0; y < HIGH; y++) {
         for (int x = 0; x < WIDE; x++) {
             double r = hypot(x + 0.5 - WIDE / 2.0, y + 0.5 - HIGH / 2.0);
             if (fabs(r - wanted) > 3.5) { /* 0.87 mm of voxels and half a cell are 2.9 pixels at 80 mm, and one more */
-                assert_int_equal(mask[y * WIDE + x], r < wanted);
+                assert_int_equal(isfinite(away[y * WIDE + x]), r < wanted);
             }
         }
     }
+    assert_near(away[HIGH / 2 * WIDE + WIDE / 2], 80, 0.87 + cells.edge); /* its nearest point, D - r */
+    clear(away, (size_t)WIDE * HIGH);
+    assert_ok(conus_pose_along(&eye.camera, (double[]){0, -100, 0}, (double[]){0, 1, 0}, NULL)); /* from behind, too */
+    cells_cast(away, WIDE, HIGH, &cells, &eye);
+    assert_near(away[HIGH / 2 * WIDE + WIDE / 2], 80, 0.87 + cells.edge);
     assert_ok(conus_pose_along(&eye.camera, (double[]){0, 100, 0}, (double[]){0, 1, 0}, NULL)); /* behind the eye */
-    memset(mask, 0, (size_t)WIDE * HIGH);
-    cells_cast(mask, WIDE, HIGH, &cells, &eye);
-    assert_null(memchr(mask, 1, (size_t)WIDE * HIGH));
-    assert_ok(conus_pose_along(&eye.camera, (double[]){0, 0, 0}, (double[]){0, 1, 0}, NULL)); /* around it */
-    cells_cast(mask, WIDE, HIGH, &cells, &eye);
+    clear(away, (size_t)WIDE * HIGH);
+    cells_cast(away, WIDE, HIGH, &cells, &eye);
     for (size_t pixel = 0; pixel < (size_t)WIDE * HIGH; pixel++) {
-        assert_int_equal(mask[pixel], 1);
+        assert_true(isinf(away[pixel]));
     }
-    free(mask);
+    assert_ok(conus_pose_along(&eye.camera, (double[]){0, 0, 0}, (double[]){0, 1, 0}, NULL)); /* around it */
+    cells_cast(away, WIDE, HIGH, &cells, &eye);
+    for (size_t pixel = 0; pixel < (size_t)WIDE * HIGH; pixel++) {
+        assert_true(isfinite(away[pixel]));
+    }
+    free(away);
     cells_finish(&cells);
     conus_atlas_destroy(atlas);
 }
@@ -220,6 +236,34 @@ static void an_outline_is_bright_within_and_dark_beside(void **state)
     assert_false(top.is_there);
 }
 
+/* A square of 16 pixels, its right half hidden: lines that lie are dashed along x, those that stand along y. */
+static void an_outline_is_dashed_where_it_is_hidden(void **state)
+{
+    enum { WIDE = 20, PIXELS = WIDE * WIDE, LOW = 2, HIGH = 18, MIDDLE = 10 };
+    uint8_t mask[PIXELS] = {0};
+    uint8_t hidden[PIXELS] = {0};
+    uint8_t whole[4 * PIXELS] = {0};
+    uint8_t dashed[4 * PIXELS];
+    struct outline_top top;
+    (void)state;
+    for (int pixel = 0; pixel < PIXELS; pixel++) {
+        int x = pixel % WIDE;
+        int y = pixel / WIDE;
+        mask[pixel] = x >= LOW && x < HIGH && y >= LOW && y < HIGH;
+        hidden[pixel] = x >= MIDDLE;
+    }
+    outline_draw(whole, &top, mask, WIDE, WIDE);
+    memcpy(dashed, whole, sizeof whole);
+    outline_dash(dashed, mask, hidden, WIDE, WIDE);
+    for (int pixel = 0; pixel < PIXELS; pixel++) {
+        int x = pixel % WIDE;
+        int y = pixel / WIDE;
+        bool lies = (y <= LOW || y >= HIGH - 1) && x >= LOW && x < HIGH;
+        bool stays = x < MIDDLE || (lies ? x : y) / 4 % 2 == 0;
+        assert_int_equal(dashed[4 * pixel + 3], stays ? whole[4 * pixel + 3] : 0);
+    }
+}
+
 TEST_GROUP(chosen)
 {
     const struct CMUnitTest tests[] = {
@@ -228,6 +272,7 @@ TEST_GROUP(chosen)
         cmocka_unit_test(a_small_area_is_found),
         cmocka_unit_test(a_ball_casts_a_disc),
         cmocka_unit_test(an_outline_is_bright_within_and_dark_beside),
+        cmocka_unit_test(an_outline_is_dashed_where_it_is_hidden),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

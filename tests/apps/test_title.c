@@ -78,6 +78,9 @@ static void the_title_says_what_is_open_and_hit(void **state)
     assert_titled(&window, "conus - nested.nii.gz - Core (chosen)");
     tool_aim_along(&viewer, FIRST_TOOL, (const double[]){0, 90, 0}, (const double[]){0, -1, 0});
     assert_titled(&window, "conus - nested.nii.gz - Shell outer (hit)");
+    viewer.tools[FIRST_TOOL].pointer = POINT_BY_TRACKER; /* and there is none any more */
+    assert_titled(&window, "conus - nested.nii.gz - Shell outer (old answer)");
+    viewer.tools[FIRST_TOOL].pointer = POINT_BY_MOUSE;
     tool_confirm(&viewer, FIRST_TOOL);
     assert_pinned(&viewer, "Shell outer");
     viewer.tools[FIRST_TOOL].held = true;

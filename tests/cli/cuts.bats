@@ -139,3 +139,50 @@ assert len(numpy.unique(both[:, :200][area[:, :200]], axis=0)) > 50  # shaded
 assert len(numpy.unique(both[:, 200:][area[:, 200:]], axis=0)) < 5
 END
 }
+
+@test "a title has the digits of its place, and a legend those of the cone's" {
+    sphere --size 160
+    while read -r given shown; do
+        answers render sphere.nii.gz --cuts "axial:$given" --legend none -q -o title.svg
+        grep -qF ">z = $shown mm<" title.svg || { echo "$given: $(grep -o '>z = [^<]*<' title.svg)"; return 1; }
+    done <<'END'
+-10.26 −10.26
+10.2 10.2
+7 7
+0.0625 0.0625
+-1e-13 0
+12.345678 12.345678
+12.34567891 12.346
+0.50000001 0.5
+END
+    answers render sphere.nii.gz --cuts axial --origin=-90.125,0.0625,-12 --toward 0,0,0 -q -o title.svg
+    grep -qF ' from -90.125, 0.0625, -12, RAS mm<' title.svg
+}
+
+# A ball with a hollow of 12 mm: the hollow, and what is around the ball, is the background, whatever that is. A cone
+# beside it leaves it pale: 0.6 x 40 % of its colour over a grey of 144, in each channel at least 40 from black and white.
+@test "without a context a cut has one background, and pale areas are seen on it" {
+    PYTHONPATH=$BATS_TEST_DIRNAME /usr/bin/python3 -B - <<'END'
+import nifti
+at = lambda i, j, k: (i - 24.5) ** 2 + (j - 24.5) ** 2 + (k - 24.5) ** 2
+nifti.write("hollow.nii", (50, 50, 50), "B", lambda i, j, k: int(12 ** 2 < at(i, j, k) < 22 ** 2))
+END
+    for background in white black '#336699' transparent; do
+        for fill in 0.6 0; do
+            answers render hollow.nii --cuts axial --no-legend --background "$background" --fill $fill --size 200x200 \
+                --origin 100,0,0 --toward 200,0,0 --angle 1 -q -o "hollow$background$fill.png"
+        done
+    done
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+for background in "white", "black", "#336699", "transparent":
+    for fill in 0.6, 0:
+        rgb = oiio.ImageBuf(f"hollow{background}{fill}.png").get_pixels(oiio.UINT8).astype(int)
+        corner, hollow, area = rgb[2, 2], rgb[100, 100], rgb[100, 100 + int(200 / 50 * 17)]
+        assert (corner == hollow).all(), (background, fill, corner, hollow)
+        if fill == 0:
+            assert (area == corner).all(), (background, area)
+        else:
+            assert 40 <= area[:3].min() and area[:3].max() <= 215, (background, area)
+END
+}

@@ -419,3 +419,162 @@ END
     look '.second.on'
     leave
 }
+
+# between_frames COMMAND...: what it sends to the window comes to it between two frames.
+between_frames() {
+    local pid
+    pid=$(xdotool getwindowpid "$window")
+    kill -STOP "$pid"
+    "$@"
+    kill -CONT "$pid"
+}
+
+# quick_mouse WORD...: runs it.
+quick_mouse() {
+    /usr/bin/python3 -B "$BATS_TEST_DIRNAME/quick_mouse.py" "$@"
+}
+
+@test "presses and drags between two frames are taken where and when they were" {
+    local count=10 i=0
+    [ -z "${CONUS_TEST_LONG-}" ] || count=100
+    quick_mouse atlas octants.nii
+    live octants.nii
+    tell 'key f' settle 'save 0.json'
+    quick_mouse actions $count >actions
+    while read -r -u 5 -a action; do
+        i=$((i + 1))
+        between_frames xdotool search --onlyvisible --name '^conus( - .*)?$' "${action[@]}"
+        tell 'wait 8' settle "save $i.json" 'key h' "save $i.h.json" 'key h' settle "times $i.times.json"
+        wait_until "$child" test -e $i.times.json
+    done 5<actions
+    leave
+    [ $i -eq $((2 * count)) ]
+    quick_mouse check $count
+}
+
+# crosshair: sets $crosshair to where the window's is.
+crosshair() {
+    look true
+    crosshair=$(jq -c .crosshair "look$looks.json")
+}
+
+@test "in a cut, too; the wheel before a press counts before it, and all its clicks" {
+    conus phantom slabs -o .
+    live slabs.nii.gz --size 1280x800
+    for at in '835 100' '815 350' '850 640'; do # in the axial, the coronal and the sagittal cut
+        read -r x y <<<"$at"
+        tell 'crosshair 0 0 0'
+        click_at "$x" "$y"
+        crosshair
+        slow=$crosshair
+        [ "$slow" != '[0,0,0]' ]
+        tell 'crosshair 0 0 0'
+        pass
+        xdotool mousemove --window "$window" 400 400
+        between_frames xdotool mousemove --window "$window" "$x" "$y" click 1 mousemove --window "$window" 400 420
+        crosshair
+        [ "$crosshair" = "$slow" ]
+        xdotool mousemove --window "$window" 400 400
+        between_frames xdotool mousemove --window "$window" "$x" "$y" click 4 click 4 click 4 click 1 \
+            mousemove --window "$window" 400 420
+        crosshair
+        jq -en --argjson a "$slow" --argjson b "$crosshair" '[range(3) | $b[.] - $a[.] | . * 1e6 | round / 1e6] | sort == [0, 0, 3]'
+    done
+    leave
+}
+
+@test "keys that are let go before the next frame are not lost" {
+    conus phantom sphere -o .
+    conus phantom slabs -o .
+    live sphere.nii.gz
+    xdotool key --window "$window" ctrl+o
+    pass
+    xdotool type --window "$window" "$PWD/slabs.nii.gz$(printf 'x%.0s' {1..40})"
+    pass
+    between_frames xdotool key --window "$window" $(printf 'BackSpace %.0s' {1..40}) Return
+    pass
+    between_frames xdotool key --window "$window" r
+    look '.objects == 2'
+    tell 'aim 60 3 2 0 0 0' 'key space' 'choose "Slab anterior"'
+    pass
+    between_frames xdotool key --window "$window" slash h
+    look '.hidden == []' # the h is of the search that the slash opens
+    leave
+}
+
+@test "what lies over the 3-D picture belongs to it, and it keeps its shape while the pane changes" {
+    need_window
+    need_pixels
+    conus phantom slabs -o .
+    conus phantom sphere -o .
+    view slabs.nii.gz --size 1000x640 <<'END'
+quiet-status
+choose "Slab anterior"
+settle
+screenshot before.png
+key ctrl+5
+wait 1
+screenshot after.png
+END
+    view sphere.nii.gz --size 1000x640 <<'END'
+background white
+settle
+key f
+wait 1
+screenshot alone.png
+END
+    /usr/bin/python3 - <<'END'
+import numpy
+import OpenImageIO as oiio
+before, after, alone = (oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[..., :3].astype(int) for name in ("before", "after", "alone"))
+changed = (before != after).any(axis=2)[70:520, 60:440].mean() # of the 3-D pane, without buttons and words
+assert changed == 0 or changed > 0.05, changed # nothing yet, or the picture of the view from above, too
+ball = abs(alone - 255).max(axis=2) > 60
+ball[:60] = ball[-60:] = ball[:, :150] = ball[:, -250:] = False # buttons, words, the cross of directions
+high, wide = (numpy.flatnonzero(ball.any(axis=a)).ptp() for a in (1, 0))
+assert abs(wide / high - 1) < 0.05, (wide, high)
+END
+}
+
+@test "the chosen area has no colour of a hit: dashes where it is hidden, and its outline where it is not hit" {
+    need_window
+    need_pixels
+    conus phantom nested -o .
+    conus phantom slabs -o .
+    view nested.nii.gz --size 1000x640 <<'END'
+quiet-status
+aim 0 60 0 0 0 0
+settle
+screenshot before.png
+choose Core
+settle
+screenshot hidden.png
+END
+    view slabs.nii.gz --size 1000x640 <<'END'
+quiet-status
+aim 0 60 0 0 0 0
+orbit 180 20
+crosshair 0 -9 0
+settle
+screenshot unchosen.png
+choose "Slab posterior"
+settle
+screenshot chosen.png
+END
+    /usr/bin/python3 - <<'END'
+import numpy
+import OpenImageIO as oiio
+pixels = lambda name: oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[60:520, 60:440, :3].astype(int) # of the 3-D pane
+before, hidden, unchosen, chosen = map(pixels, ("before", "hidden", "unchosen", "chosen"))
+lines = (before != hidden).any(axis=2)
+y, x = numpy.indices(lines.shape) - numpy.array((248, 255))[:, None, None] # from the pane's middle, and the ball's
+radius = y[lines].max()
+r = numpy.hypot(y, x)
+assert radius > 40 and not lines[r < 0.7 * radius].any() # the outermost ball, as before
+below = lines & (r > 0.7 * radius) & (y > 0) # the name is above
+seen = numpy.unique(numpy.degrees(numpy.arctan2(y[below], x[below])).astype(int)).size
+assert 40 < seen < 150, seen # dashes: of a whole line there are 180
+change = abs(chosen - unchosen).max(axis=2) > 0
+assert 0.001 < change.mean() < 0.1, change.mean() # an outline and a name, not the whole slab
+END
+}

@@ -278,6 +278,38 @@ test("names are text, whatever they look like", async (t) => {
   assert.notEqual(await page.title(), "owned");
 });
 
+test("a refused question has no answer anywhere, and an atlas that is opened then is drawn", { skip }, async (t) => {
+  const page = await visit(template, t);
+  await choose(page);
+  const over = page.locator('[data-pane="0"] .over');
+  const box = await over.boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.locator('[data-pane="0"] .over:not([aria-description=""])[aria-description]').waitFor(WAIT);
+  await page.mouse.move(1200, 400);
+  await page.locator('[data-pane="0"] .over[aria-description=""]').waitFor(WAIT); // the name goes with the mouse
+  const fill = (name, value) => settle(page, () => page.locator(`[name=${name}]`).fill(value));
+  const refused = async (why) => {
+    assert.match(await page.locator("#error").innerText(), why);
+    assert.deepEqual([await page.locator("#said").innerText(), await rows(page), await page.locator("#equal").isVisible(), page.url().includes("#")], ["", [], false, false]);
+  };
+  await fill("toward0", "-90");
+  await fill("toward1", "20");
+  await fill("toward2", "20"); // the start itself
+  await refused(/toward/);
+  await page.locator('[data-save="command"]').click();
+  await refused(/toward/);
+  const before = await page.locator('[data-pane="0"]').screenshot();
+  await settle(page, () => page.locator("#files").setInputFiles(path.join(TEMPLATES, "brodmann.nii.gz")));
+  await refused(/toward/);
+  assert.ok(!before.equals(await page.locator('[data-pane="0"]').screenshot()));
+  await fill("toward0", "0");
+  assert.ok((await rows(page)).length && !(await page.locator("#error").innerText()));
+  await fill("angle", "abc");
+  await refused(/abc/);
+  await fill("angle", "20");
+  assert.ok((await rows(page)).length);
+});
+
 test("what is no atlas is refused in words, and the atlas stays", { skip }, async (t) => {
   const page = await visit(path.join(folder, "aal.html"), t);
   await page.locator("tbody tr").first().waitFor(WAIT);

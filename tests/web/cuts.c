@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * cuts ATLAS [CONTEXT]: a cut with a cone for each 17 doubles of its input: origin, toward, angle, right, up,
- * centre, width, height, mm_per_pixel, fill, chosen. Prints RGBA and objects of all pixels, as the machine has them.
+ * cuts ATLAS [CONTEXT]: a cut with a cone for each 16 doubles of its input: origin, toward, angle, right, up,
+ * centre, width, height, mm_per_pixel, fill. Prints RGBA and objects of all pixels, as the machine has them.
  */
 #include <conus/conus.h>
 
@@ -23,21 +23,20 @@ int main(int argc, char **argv)
     conus_selector *selector = NULL;
     conus_cut_view view = CONUS_CUT_VIEW_INIT;
     conus_selector_options options = CONUS_SELECTOR_OPTIONS_INIT;
-    double given[17];
+    double given[16];
     need(conus_atlas_load(&atlas, argv[1], NULL));
     if (argc > 2) {
         need(conus_atlas_set_context(atlas, argv[2], NULL));
     }
     options.resolution = 16;
     need(conus_selector_create(&selector, atlas, &options));
-    while (fread(given, sizeof *given, 17, stdin) == 17) {
+    while (fread(given, sizeof *given, 16, stdin) == 16) {
         const int right = (int)given[7];
         const int up = (int)given[8];
         view.width = (uint32_t)given[12];
         view.height = (uint32_t)given[13];
         view.mm_per_pixel = given[14];
         view.fill = given[15];
-        view.chosen = (uint32_t)given[16];
         const size_t pixels = (size_t)view.width * view.height;
         uint8_t *rgba = malloc(4 * pixels);
         uint32_t *objects = malloc(4 * pixels);

@@ -15,7 +15,7 @@ execFileSync(CONUS, ["phantom", "brain", "-o", "brain"], { cwd: folder });
 const AXES = [[0, 1], [0, 2], [1, 2]]; // to the right and up: axial, coronal, sagittal
 const PLANES = Number(process.env.CONUS_PLANES ?? 60);
 
-/** Asks both for random planes, sizes, cones and chosen objects. @param {string[]} files the atlas first; @param {string} [context] */
+/** Asks both for random planes, sizes, and cones. @param {string[]} files the atlas first; @param {string} [context] */
 async function compare(files, atlas, context) {
   const conus = await start();
   for (const file of [...files, ...(context ? [context] : [])]) conus.put(file);
@@ -26,17 +26,17 @@ async function compare(files, atlas, context) {
   const within = (margin) => info.low.map((v, a) => Number((v - margin + next() * (info.high[a] - v + 2 * margin)).toFixed(3)));
   const below = (n) => Math.floor(next() * n);
   const planes = Array.from({ length: PLANES }, () => ({ cone: [...within(40), ...within(0), 1 + 60 * next()], axes: AXES[below(3)],
-    view: [...within(-5), 1 + below(400), 1 + below(400), 0.1 + next()], fill: [0, 0.3, 0.55, 1][below(4)], chosen: below(3) ? 0 : 1 + below(info.objects) }));
+    view: [...within(-5), 1 + below(400), 1 + below(400), 0.1 + next()], fill: [0, 0.3, 0.55, 1][below(4)] }));
   const theirs = execFileSync(CUTS, [path.join(path.dirname(files[0]), atlas), ...(context ? [context] : [])], { maxBuffer: 1 << 29, env: { ...process.env, CONUS_CACHE: "off" },
-    input: Buffer.from(Float64Array.from(planes.flatMap(({ cone, axes, view, fill, chosen }) => [...cone, ...axes, ...view, fill, chosen])).buffer) });
+    input: Buffer.from(Float64Array.from(planes.flatMap(({ cone, axes, view, fill }) => [...cone, ...axes, ...view, fill])).buffer) });
   let at = 0;
   const seen = new Set();
   for (const plane of planes) {
-    const { cone, axes, view, fill, chosen } = plane;
+    const { cone, axes, view, fill } = plane;
     const [width, height] = view.slice(3);
     const size = 4 * width * height;
     assert.equal(conus.ask(...cone, 16, 0), "{}");
-    const rgba = conus.cut(...axes, ...view, fill, 0, 0, chosen);
+    const rgba = conus.cut(...axes, ...view, fill, 0, 0);
     const objects = conus.cut_objects();
     assert.ok(rgba && objects);
     for (const from of [rgba, objects]) {

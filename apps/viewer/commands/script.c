@@ -840,7 +840,7 @@ bool script_waits(struct script *script, const struct window *window)
 static bool let_pass(struct script *script, const struct window *window)
 {
     if (script->waiting) {
-        script->waiting--;
+        script->waiting -= !window->events.count; /* frames that take events come before */
         return true;
     }
     if (script->settling && window_is_settled(window)) {

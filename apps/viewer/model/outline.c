@@ -56,6 +56,20 @@ void outline_draw(uint8_t *rgba, struct outline_top *top, const uint8_t *mask, u
     }
 }
 
+void outline_dash(uint8_t *rgba, const uint8_t *mask, const uint8_t *hidden, uint32_t width, uint32_t height)
+{
+    for (uint32_t y = 0; y < height; y++) {
+        for (uint32_t x = 0; x < width; x++) {
+            size_t pixel = (size_t)y * width + x;
+            bool lies = (y > 0 && mask[pixel - width] != mask[pixel]) ||
+                        (y + 1 < height && mask[pixel + width] != mask[pixel]); /* and does not stand */
+            if (hidden[pixel] == 1 && (lies ? x : y) / OUTLINE_DASH % 2) {
+                memset(rgba + 4 * pixel, 0, 4);
+            }
+        }
+    }
+}
+
 uint8_t *outline_cut(struct outline_top *top, const uint8_t *rgba, const uint32_t *objects, uint32_t width,
                      uint32_t height, const bool *wanted)
 {

@@ -344,6 +344,11 @@ void viewer_choose(struct viewer *viewer, uint32_t object)
     }
 }
 
+uint32_t viewer_full(const struct viewer *viewer)
+{
+    return viewer_selection(viewer) ? 0 : viewer->drawn->shown.chosen;
+}
+
 void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object)
 {
     const conus_object *info = conus_atlas_object(viewer->drawn->atlas, object);
@@ -375,7 +380,7 @@ void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane
                          .no_outlines = viewer->display.no_outlines,
                          .window = {grey[0], grey[1]},
                          .selection = viewer_selection(viewer),
-                         .chosen = viewer->drawn->shown.chosen};
+                         .chosen = viewer_full(viewer)};
     memcpy(out->centre, viewer->centre, sizeof out->centre);
     out->centre[2 - (int)plane] = viewer->crosshair[2 - (int)plane];
     memcpy(out->right, axes[plane][0], sizeof out->right);

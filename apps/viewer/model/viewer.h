@@ -172,6 +172,8 @@ bool viewer_voxel(long voxel[3], const struct viewer *viewer, const double at[3]
 /** Chooses an object; the crosshair goes to its middle. */
 void viewer_choose(struct viewer *viewer, uint32_t object);
 
+/** The chosen object where there is no cone; with one only what it hits is in full colour in pictures. 0 = none. */
+uint32_t viewer_full(const struct viewer *viewer);
 /** sRGB of an object, in the palette that is on. */
 void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object);
 

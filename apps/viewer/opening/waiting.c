@@ -24,7 +24,7 @@ static void draw_page(struct window *window, struct loader *loader, double secon
     loader_ask(loader, &progress);
     window_lay_out(window);
     window_clear(window);
-    ui_begin();
+    ui_begin(glfwGetTime());
     ui_panel("loading", (struct ui_box){0, 0, (float)window->screen.width, (float)window->screen.height}, UI_PLAIN);
     float line = ui_line();
     float wide = fminf(420 * window->screen.scale, 0.8F * (float)window->screen.width);
@@ -63,6 +63,8 @@ static void wait_for(struct loader *loader, struct window *window)
             draw_page(window, loader, seconds);
         }
         glfwWaitEventsTimeout(seconds < patience ? fmin(patience - seconds, progress_s) : progress_s);
+        for (size_t left = window->events.count; left && events_take(window); left--) { /* there are no widgets here */
+        }
     }
     if (glfwWindowShouldClose(window->handle)) { /* the file that is being read is read to its end */
         loader_cancel(loader);

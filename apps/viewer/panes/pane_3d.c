@@ -25,7 +25,7 @@ static const ui_colour cross = {90, 220, 120, 160};
 static const double view_rest_ms = 120, others_rest_ms = 300;
 
 static const double arm = 0.12; /* of the crosshair, in radii of the atlas */
-static const float click = 4;   /* pixels that the mouse may move and it is still one */
+static const float click = 4;   /* pixels: a mouse that moves as far from where it was pressed turns the view */
 
 static const char device_caption[] = "what the device sees";
 
@@ -35,7 +35,7 @@ enum { NAMES_SHOWN = 3, INSET = 7 /* pixels on the screen per pixel of the devic
 static void draw_direction(const struct window *window, const float centre[2], size_t axis, int sign)
 {
     static const char letters[3][2][2] = {{"L", "R"}, {"P", "A"}, {"I", "S"}};
-    const double *m = window->pictures.eye.camera.world_from_device;
+    const double *m = window->pictures.shown.camera.world_from_device;
     float x = (float)(sign * m[axis]);
     float y = (float)(-sign * m[4 + axis]);
     bool is_away = sign * m[8 + axis] < 0;
@@ -73,7 +73,7 @@ static void draw_compass(const struct window *window)
         for (int half = 0; half < 12; half++) { /* what points away first */
             size_t axis = (size_t)half % 3;
             int sign = half / 3 % 2 ? 1 : -1;
-            bool is_away = sign * window->pictures.eye.camera.world_from_device[8 + axis] < 0;
+            bool is_away = sign * window->pictures.shown.camera.world_from_device[8 + axis] < 0;
             if (is_away == (half < 6)) {
                 draw_direction(window, centre, axis, sign);
             }
@@ -90,7 +90,7 @@ static void ask_painter(struct window *window, bool moving)
                             .height = (uint32_t)fmaxf(box->height, 1),
                             .fade = viewer->display.fade,
                             .backdrop = viewer->display.backdrop,
-                            .chosen = viewer->drawn->shown.chosen,
+                            .chosen = viewer_full(viewer),
                             .answer = viewer->drawn->answers[FIRST_TOOL],
                             .is_old = inputs_is_old(&window->inputs, viewer, FIRST_TOOL),
                             .answer_number = viewer->tools[FIRST_TOOL].answer_number,
@@ -122,9 +122,35 @@ static void take_picture(struct window *window)
         times_add(times, TIMED_PICTURE, picture.milliseconds);
         times->first_picture = times->first_picture > 0 ? times->first_picture : clock_ms() - times->started;
         texture_set(&window->pictures.painted, picture.rgba, picture.width, picture.height, coarse);
+        window->pictures.drawn = picture.what;
+        window->pictures.around = (ui_colour){picture.rgba[0], picture.rgba[1], picture.rgba[2], 255};
         window->pictures.painted_ms = picture.milliseconds;
         window->pictures.painted_fine = picture.fine && painting_shows_same(&picture.what, &window->pictures.asked);
         free(picture.rgba);
+    }
+}
+
+/* Finds the eye by which the pane is seen, and where the picture lies in it: one of another size than the pane has now
+ * keeps its shape, as large as it fits, in the middle. */
+static void find_shown(struct ui_box *place, struct pictures *pictures, const struct ui_box *box)
+{
+    const struct painting *drawn = &pictures->drawn;
+    bool same = drawn->width == (uint32_t)box->width && drawn->height == (uint32_t)box->height;
+    *place = *box;
+    pictures->shown = pictures->painted.name ? drawn->eye : pictures->eye;
+    if (pictures->painted.name && !same) {
+        float scale = fminf(box->width / (float)drawn->width, box->height / (float)drawn->height);
+        place->width = scale * (float)drawn->width;
+        place->height = scale * (float)drawn->height;
+        place->x += (box->width - place->width) / 2;
+        place->y += (box->height - place->height) / 2;
+        for (int axis = 0; axis < 2; axis++) { /* what is seen beside it */
+            double *edges = pictures->shown.frustum + 2 * axis;
+            double part = (double)(axis ? box->height / place->height : box->width / place->width);
+            double more = (part - 1) * (edges[1] - edges[0]) / 2;
+            edges[0] -= more;
+            edges[1] += more;
+        }
     }
 }
 
@@ -314,8 +340,8 @@ static void find_hovered(struct window *window)
     const double size[2] = {(double)box->width, (double)box->height};
     const double at[2] = {(double)(mouse.x - box->x), (double)(mouse.y - box->y)};
     struct hover *hover = &window->frame.hover;
-    memcpy(hover->eye, window->pictures.eye.camera.world_from_device + 12, sizeof hover->eye);
-    eye_ray(hover->direction, &window->pictures.eye, size, at);
+    memcpy(hover->eye, window->pictures.shown.camera.world_from_device + 12, sizeof hover->eye);
+    eye_ray(hover->direction, &window->pictures.shown, size, at);
     hover->by_ray = true;
     hover->has_place = viewer_pick(&hover->object, hover->at, window->viewer, hover->eye, hover->direction);
     if (hover->object) {
@@ -323,27 +349,39 @@ static void find_hovered(struct window *window)
     }
 }
 
-/* A click that did not turn the view sets the crosshair to the place under it, and holds the mouse's cone or lets it
- * go. Presses on a panel do not come here. */
-static void use_click(struct window *window, const struct ui_mouse *mouse)
+static void point_at(struct window *window, const struct hover *hover)
+{
+    inputs_point(&window->inputs, window->viewer, hover->eye, hover->direction);
+}
+
+/* The left button is pressed: this place counts, in the picture that is seen now, whatever comes before it is let go.
+ */
+static void press(struct window *window, const struct ui_mouse *mouse)
+{
+    window->frame.pressed = window->frame.hover;
+    window->frame.pressed_of = window->viewer->drawn;
+    window->frame.turned[0] = mouse->x;
+    window->frame.turned[1] = mouse->y;
+    window->frame.points_again = false;
+    point_at(window, &window->frame.pressed); /* the picture may be another one than when the mouse came there */
+}
+
+/* A click that did not turn the view sets the crosshair to the place that was pressed, and holds the mouse's cone there
+ * or lets it go. */
+static void use_click(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    const struct hover *hover = &window->frame.hover;
-    bool is_click = mouse->released[0] && window->frame.click_left > 0;
-    float left = mouse->pressed[0] ? click : window->frame.click_left - fabsf(mouse->moved_x) - fabsf(mouse->moved_y);
-    window->frame.click_left = mouse->released[0] ? 0 : fmaxf(left, 0);
-    if (!is_click) {
-        return;
-    }
+    const struct hover *pressed = &window->frame.pressed;
     enum tool_number tool = tool_moved_by(viewer, POINT_BY_MOUSE);
     if (tool < TOOL_COUNT && viewer->tools[tool].has_pose && !viewer->measure.on) {
         tool_hold(viewer, tool);
+        point_at(window, pressed); /* of one that was let go */
     }
-    if (hover->has_place && viewer->measure.on) {
-        viewer_measure(viewer, hover->at);
-    } else if (hover->has_place) {
-        viewer_cross(viewer, hover->at);
-        viewer->drawn->shown.chosen = hover->object ? hover->object : viewer->drawn->shown.chosen;
+    if (pressed->has_place && viewer->measure.on) {
+        viewer_measure(viewer, pressed->at);
+    } else if (pressed->has_place) {
+        viewer_cross(viewer, pressed->at);
+        viewer->drawn->shown.chosen = pressed->object ? pressed->object : viewer->drawn->shown.chosen;
     }
 }
 
@@ -351,29 +389,50 @@ static void use_click(struct window *window, const struct ui_mouse *mouse)
 static bool use_mouse(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    struct ui_mouse mouse = ui_mouse_now();
+    const struct ui_mouse mouse = ui_mouse_now();
+    struct frame_state *frame = &window->frame;
     double height = (double)window->screen.panes[PANE_3D].height;
     bool held = ui_surface_held();
     bool moved = mouse.moved_x != 0 || mouse.moved_y != 0;
-    if (viewer->head.on && viewer->head.known && ((held && moved) || mouse.wheel != 0)) {
+    bool is_behind = !eye_is_same(&window->pictures.shown, &window->pictures.eye);
+    bool turns = held && mouse.down[0] && frame->pressed_of && mouse.strayed >= click && moved;
+    bool pans = held && !mouse.down[0] && moved && (mouse.down[1] || mouse.down[2]);
+    if (mouse.pressed[0] && held) {
+        press(window, &mouse);
+    }
+    if (viewer->head.on && viewer->head.known && (turns || pans || mouse.wheel != 0)) {
         viewer_say(viewer, "the head moves the view; T gives it to the mouse");
         return false;
     }
-    if (held && moved && mouse.down[0]) {
-        orbit_turn(&viewer->orbit, (double)mouse.moved_x, (double)mouse.moved_y, height);
-    } else if (held && moved && (mouse.down[1] || mouse.down[2])) {
+    if (turns) {
+        orbit_turn(&viewer->orbit, (double)(mouse.x - frame->turned[0]), (double)(mouse.y - frame->turned[1]), height);
+        frame->turned[0] = mouse.x;
+        frame->turned[1] = mouse.y;
+    } else if (pans) {
         orbit_pan(&viewer->orbit, (double)mouse.moved_x, (double)mouse.moved_y, height);
-    } else if (!held && moved) {
-        inputs_point(&window->inputs, viewer, window->frame.hover.eye, window->frame.hover.direction);
+    } else if (!held && (moved || (frame->points_again && !is_behind))) {
+        point_at(window, &frame->hover);
+        frame->points_again = is_behind;
     }
     if (mouse.wheel != 0) {
         orbit_zoom(&viewer->orbit, (double)mouse.wheel);
     }
-    use_click(window, &mouse);
     if (mouse.doubled) {
         tool_confirm(viewer, FIRST_TOOL);
     }
     return moved || mouse.wheel != 0;
+}
+
+/* The button may be let go anywhere. */
+static void use_release(struct window *window)
+{
+    const struct ui_mouse mouse = ui_mouse_now();
+    if (mouse.released[0]) {
+        if (window->frame.pressed_of == window->viewer->drawn && mouse.strayed < click) {
+            use_click(window);
+        }
+        window->frame.pressed_of = NULL;
+    }
 }
 
 /* Names what is under the mouse; where the cone follows the mouse, it has its name there already. */
@@ -408,21 +467,28 @@ static void note_moves(struct window *window, bool by_mouse)
 void pane_3d(struct window *window)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
+    struct ui_box place;
     orbit_fit(&window->viewer->orbit, (double[]){(double)box->width, (double)box->height});
     window_eye(window, &window->pictures.eye);
     take_picture(window);
+    find_shown(&place, &window->pictures, box);
     ui_panel("3d", *box, UI_PLAIN);
     if (window->pictures.painted.name) {
-        ui_draw_image(window->pictures.painted.name, *box);
+        ui_draw_box(*box, window->pictures.around, 0);
+        ui_draw_image(window->pictures.painted.name, place);
     } else {
         ui_draw_box(*box, dark, 0);
     }
     bool by_mouse = false;
+    if (ui_mouse_now().pressed[0]) { /* wherever that is */
+        window->frame.pressed_of = NULL;
+    }
     if (ui_surface("surface", *box)) {
         find_hovered(window);
         by_mouse = use_mouse(window);
         show_hover_tip(window);
     }
+    use_release(window);
     note_moves(window, by_mouse);
     ask_painter(window, window->pictures.moving);
     reserve_places(window);

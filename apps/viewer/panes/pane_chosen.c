@@ -2,6 +2,7 @@
 /* The chosen area over the picture of the 3-D pane, seen through what lies before it, and its name. */
 #include "viewer/panes/panes.h"
 
+#include "viewer/model/picker.h"
 #include "viewer/pictures/cells.h"
 
 #include <math.h>
@@ -9,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COARSE = 2 /* pixels of the pane per pixel of the shadow */, OPACITY = 80 /* of 255, within the outline */ };
+enum { COARSE = 2 /* pixels of the pane per pixel of the shadow */ };
 
 /* Finds the cells anew where another area is chosen, or the atlas changed. */
 static void find_cells(struct shadow *shadow, struct viewer *viewer)
@@ -29,43 +30,97 @@ static void find_cells(struct shadow *shadow, struct viewer *viewer)
         viewer_say(viewer, "%s", conus_message());
     }
     free(wanted);
+    const conus_atlas *atlas = viewer->drawn->atlas;
+    shadow->has_middle = !shadow->cells.count && shadow->chosen && !conus_atlas_is_hidden(atlas, shadow->chosen) &&
+                         !conus_atlas_centre(shadow->middle, atlas, shadow->chosen);
 }
 
-/* Draws the shadow in its colour, with its outline. */
+/* Whether something else lies before the nearest cell beside a pixel. */
+static bool is_hidden(const struct window *window, const float *nearest, uint32_t x, uint32_t y)
+{
+    const struct shadow *shadow = &window->pictures.shadow;
+    const double *from = shadow->eye.camera.world_from_device + 12;
+    double depth = INFINITY;
+    double direction[3];
+    double at[3];
+    uint32_t object;
+    for (uint32_t j = y > 0 ? y - 1 : 0; j <= y + 1 && j < shadow->height; j++) {
+        for (uint32_t i = x > 0 ? x - 1 : 0; i <= x + 1 && i < shadow->width; i++) {
+            depth = fmin(depth, (double)nearest[(size_t)j * shadow->width + i]);
+        }
+    }
+    eye_ray(direction, &shadow->eye, (double[]){shadow->width, shadow->height}, (double[]){x + 0.5, y + 0.5});
+    if (!viewer_pick(&object, at, window->viewer, from, direction) ||
+        (object && viewer_is_below(window->viewer, object, shadow->chosen))) {
+        return false;
+    }
+    double seen = hypot(hypot(at[0] - from[0], at[1] - from[1]), at[2] - from[2]);
+    return seen < depth - 2 * shadow->cells.edge; /* what lies beside it is as far */
+}
+
+/* Finds where its outline, the pixels of `rgba` that are not empty, is hidden (1) or not (2): dash by dash. */
+static void find_hidden(uint8_t *hidden, const struct window *window, const uint8_t *rgba, const float *nearest)
+{
+    const struct shadow *shadow = &window->pictures.shadow;
+    for (uint32_t y = 0; y < shadow->height; y++) {
+        for (uint32_t x = 0; x < shadow->width; x++) {
+            size_t pixel = (size_t)y * shadow->width + x;
+            if (!rgba[4 * pixel + 3] || hidden[pixel]) {
+                continue;
+            }
+            uint8_t is = is_hidden(window, nearest, x, y) ? 1 : 2;
+            for (uint32_t j = y; j < shadow->height && j / OUTLINE_DASH == y / OUTLINE_DASH; j++) {
+                uint32_t left = x / OUTLINE_DASH * OUTLINE_DASH;
+                for (uint32_t i = left; i < shadow->width && i < left + OUTLINE_DASH; i++) {
+                    hidden[(size_t)j * shadow->width + i] = is;
+                }
+            }
+        }
+    }
+}
+
+/* Draws the outline. There is no colour within: what lies there in the picture may be another area. */
 static void cast(struct window *window, uint32_t width, uint32_t height)
 {
     struct shadow *shadow = &window->pictures.shadow;
-    uint8_t *mask = calloc((size_t)width * height + 1, 1);
-    uint8_t *rgba = malloc((size_t)4 * width * height + 1);
+    size_t pixels = (size_t)width * height;
+    uint8_t *mask = calloc(pixels + 1, 2); /* and what is hidden of it */
+    uint8_t *rgba = calloc(pixels + 1, 4);
+    float *nearest = malloc((pixels + 1) * sizeof *nearest);
     shadow->top.is_there = false;
     shadow->width = width;
     shadow->height = height;
-    shadow->eye = window->pictures.eye;
-    if (mask && rgba) {
-        uint8_t rgb[3];
-        viewer_colour(rgb, window->viewer, shadow->chosen);
-        cells_cast(mask, width, height, &shadow->cells, &shadow->eye);
-        /* Only the outline of a bundle, since its streamlines may have colours of their own. */
-        bool is_bundle = conus_atlas_object(shadow->of->atlas, shadow->chosen)->kind == CONUS_KIND_BUNDLE;
-        for (size_t pixel = 0; pixel < (size_t)width * height; pixel++) {
-            memcpy(rgba + 4 * pixel, rgb, 3);
-            rgba[4 * pixel + 3] = mask[pixel] && !is_bundle ? OPACITY : 0;
+    shadow->eye = window->pictures.shown;
+    if (mask && rgba && nearest) {
+        for (size_t pixel = 0; pixel < pixels; pixel++) {
+            nearest[pixel] = INFINITY;
+        }
+        cells_cast(nearest, width, height, &shadow->cells, &shadow->eye);
+        for (size_t pixel = 0; pixel < pixels; pixel++) {
+            mask[pixel] = isfinite(nearest[pixel]);
         }
         outline_draw(rgba, &shadow->top, mask, width, height);
+        find_hidden(mask + pixels, window, rgba, nearest);
+        outline_dash(rgba, mask, mask + pixels, width, height);
         texture_set(&shadow->texture, rgba, width, height, true);
     }
     free(mask);
     free(rgba);
+    free(nearest);
 }
 
 void pane_chosen_name(struct window *window)
 {
     const struct shadow *shadow = &window->pictures.shadow;
     const struct ui_box *box = &window->screen.panes[PANE_3D];
-    if (shadow->cells.count && shadow->top.is_there) {
+    float at[2] = {box->x + (float)(COARSE * shadow->top.x), box->y + (float)(COARSE * shadow->top.y)};
+    bool has_outline = shadow->cells.count && shadow->top.is_there;
+    if (has_outline || (shadow->has_middle && window_point(at, window, shadow->middle))) {
         char title[VIEW_ATLAS_TITLE];
-        const float at[2] = {box->x + (float)(COARSE * shadow->top.x), box->y + (float)(COARSE * shadow->top.y)};
-        pane_name(&window->frame.labels, box, at, true, theme_shaded[THEME_AMBER], shadow->chosen,
+        if (!has_outline) {
+            ui_draw_circle(at, 4, theme_shaded[THEME_AMBER], 1.5F);
+        }
+        pane_name(&window->frame.labels, box, at, has_outline, theme_shaded[THEME_AMBER], shadow->chosen,
                   view_atlas_title(title, window->viewer->drawn, shadow->chosen));
     }
 }
@@ -96,7 +151,7 @@ void pane_chosen(struct window *window)
     if (!shadow->cells.count) {
         return;
     }
-    if (shadow->width != width || shadow->height != height || !eye_is_same(&shadow->eye, &window->pictures.eye)) {
+    if (shadow->width != width || shadow->height != height || !eye_is_same(&shadow->eye, &window->pictures.shown)) {
         cast(window, width, height);
     }
     if (shadow->top.is_there) {

@@ -175,6 +175,15 @@ static void draw_crosshair(const struct window *window, const struct cut *cut)
     ui_draw_line((float[]){at[0], at[1] + 6}, (float[]){at[0], box->y + box->height}, cross, 1);
 }
 
+/* As everywhere, or with up to three digits after the point where that is the place: "-36.1" of a click, "-100.26". */
+static size_t put_place(char *out, size_t size, const struct viewer *viewer, double value)
+{
+    size_t used = viewer_put_coordinate(out, size, viewer, value);
+    double given = rint(value * 1e3) / 1e3;
+    bool is_other = fabs(strtod(out, NULL) - value) > 1e-6 && fabs(given - value) < 1e-6;
+    return is_other ? (size_t)snprintf(out, size, "%.12g", given) : used;
+}
+
 /* Writes the coordinate that a plane's points share: "z = 1.0 mm", "DV = 332 um". */
 static void put_depth(char *out, size_t size, const struct viewer *viewer, enum plane plane)
 {
@@ -188,7 +197,7 @@ static void put_depth(char *out, size_t size, const struct viewer *viewer, enum 
         axis++;
     }
     size_t used = (size_t)snprintf(out, size, "%s = ", name);
-    used += viewer_put_coordinate(out + used, size - used, viewer, at[axis]);
+    used += put_place(out + used, size - used, viewer, at[axis]);
     snprintf(out + used, size - used, " %s", conus_space_unit(space));
 }
 
@@ -300,7 +309,8 @@ static void use_mouse(struct window *window, const struct cut *cut, enum plane p
         viewer->version++;
     } else if (mouse.wheel != 0) {
         double next[3] = {viewer->crosshair[0], viewer->crosshair[1], viewer->crosshair[2]};
-        next[2 - (int)plane] += mouse.wheel > 0 ? 1 : -1;
+        double clicks = round((double)mouse.wheel); /* there may be several in a frame */
+        next[2 - (int)plane] += clicks != 0 ? clicks : mouse.wheel > 0 ? 1 : -1;
         viewer_cross(viewer, next);
     }
     if (drag_grey(window, &mouse)) {

@@ -115,7 +115,7 @@ void pane_second_3d(struct window *window)
 {
     struct shell shell;
     float apex[2];
-    const double *eye = window->pictures.eye.camera.world_from_device + 12;
+    const double *eye = window->pictures.shown.camera.world_from_device + 12;
     if (!shows(window)) {
         return;
     }

@@ -193,7 +193,7 @@ static uint32_t clamped(double pixel, uint32_t size)
     return (uint32_t)fmin(fmax(pixel, 0), size);
 }
 
-void cells_cast(uint8_t *mask, uint32_t width, uint32_t height, const struct cells *cells, const struct eye *eye)
+void cells_cast(float *nearest, uint32_t width, uint32_t height, const struct cells *cells, const struct eye *eye)
 {
     const double *m = eye->camera.world_from_device;
     const double size[2] = {width, height};
@@ -216,7 +216,10 @@ void cells_cast(uint8_t *mask, uint32_t width, uint32_t height, const struct cel
         uint32_t right = clamped(floor(at[0] + half + 0.5), width);
         uint32_t bottom = clamped(floor(at[1] + half + 0.5), height);
         for (uint32_t y = clamped(floor(at[1] - half + 0.5), height); y < bottom; y++) {
-            memset(mask + (size_t)y * width + left, 1, right - left);
+            for (uint32_t x = left; x < right; x++) {
+                float *pixel = nearest + (size_t)y * width + x;
+                *pixel = fminf(*pixel, (float)away);
+            }
         }
     }
 }

@@ -18,7 +18,8 @@ struct cells {
 conus_status cells_find(struct cells *out, const conus_atlas *atlas, const bool *wanted);
 void cells_finish(struct cells *cells); /**< One that is all 0 is fine. */
 
-/** Sets what they cover in a picture to 1, in @p mask, [height width], top row first, whose other pixels stay. */
-void cells_cast(uint8_t *mask, uint32_t width, uint32_t height, const struct cells *cells, const struct eye *eye);
+/** Sets how far from the eye the nearest of them is, mm, in @p nearest, [height width], top row first, where what
+ * stands there is farther: INFINITY = nothing. */
+void cells_cast(float *nearest, uint32_t width, uint32_t height, const struct cells *cells, const struct eye *eye);
 
 #endif

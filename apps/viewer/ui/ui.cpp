@@ -12,10 +12,13 @@
 #include <imgui_internal.h>
 
 #include <algorithm>
+#include <cfloat>
 #include <climits>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
+#include <iterator>
 
 static ImU32 packed(ui_colour c)
 {
@@ -57,6 +60,38 @@ static bool end_labelled(bool used, const char *label, const char *tip)
     return used;
 }
 
+#if IMGUI_VERSION_NUM < 18700 // later ones have a queue
+static void put_mouse(ImVec2 at)
+{
+    ImGuiIO &io = ImGui::GetIO();
+    io.MousePos = at;
+    for (int b = 0; b < 3 && at.x > -FLT_MAX; b++) { // also where it comes back before the frame
+        ImVec2 apart(at.x - io.MouseClickedPos[b].x, at.y - io.MouseClickedPos[b].y);
+        io.MouseDragMaxDistanceSqr[b] =
+            std::max(io.MouseDragMaxDistanceSqr[b], io.MouseDown[b] ? apart.x * apart.x + apart.y * apart.y : 0);
+    }
+}
+
+static void press_button(int button, bool down)
+{
+    if (button >= 0 && button < IM_ARRAYSIZE(ImGui::GetIO().MouseDown)) {
+        ImGui::GetIO().MouseDown[button] = down;
+    }
+}
+#else
+static void put_mouse(ImVec2 at)
+{
+    ImGui::GetIO().AddMousePosEvent(at.x, at.y);
+}
+
+static void press_button(int button, bool down)
+{
+    if (button >= 0 && button < ImGuiMouseButton_COUNT) {
+        ImGui::GetIO().AddMouseButtonEvent(button, down);
+    }
+}
+#endif
+
 /* Whether Enter was pressed in the line before. */
 static bool is_entered()
 {
@@ -70,8 +105,15 @@ bool ui_create(void *window, float scale)
     IMGUI_CHECKVERSION();
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;
-    return ui_style(scale) && ImGui_ImplGlfw_InitForOpenGL(static_cast<GLFWwindow *>(window), true) &&
-           ImGui_ImplOpenGL3_Init("#version 450 core");
+    bool fine = ui_style(scale) && ImGui_ImplGlfw_InitForOpenGL(static_cast<GLFWwindow *>(window), false) &&
+                ImGui_ImplOpenGL3_Init("#version 450 core");
+#if IMGUI_VERSION_NUM >= 18700
+    if (fine) { // or else it asks GLFW where the mouse is, and deals out events by rules of its own
+        ImGui_ImplGlfw_CursorEnterCallback(static_cast<GLFWwindow *>(window), GLFW_TRUE);
+        ImGui::GetIO().ConfigInputTrickleEventQueue = false;
+    }
+#endif
+    return fine;
 }
 
 void ui_destroy(void)
@@ -93,10 +135,53 @@ bool ui_set_scale(float scale)
     return ui_style(scale) && ImGui_ImplOpenGL3_CreateFontsTexture();
 }
 
-void ui_begin(void)
+void ui_take(void *window, const struct ui_event *event)
 {
+    auto *handle = static_cast<GLFWwindow *>(window);
+    ImGuiIO &io = ImGui::GetIO();
+    bool is_held = io.MouseDown[0] || io.MouseDown[1] || io.MouseDown[2];
+    switch (event->kind) {
+    case UI_MOVE:
+        put_mouse(ImVec2(event->x, event->y));
+        break;
+    case UI_ENTRY:
+        if (!event->action && !is_held) { // nothing is below it any more
+            put_mouse(ImVec2(-FLT_MAX, -FLT_MAX));
+        }
+        break;
+    case UI_BUTTON:
+        press_button(event->code, event->action != GLFW_RELEASE);
+        break;
+    case UI_WHEEL:
+        ImGui_ImplGlfw_ScrollCallback(handle, static_cast<double>(event->x), static_cast<double>(event->y));
+        break;
+    case UI_KEY:
+        ImGui_ImplGlfw_KeyCallback(handle, event->code, event->scancode, event->action, event->mods);
+        break;
+    case UI_LETTER:
+        ImGui_ImplGlfw_CharCallback(handle, static_cast<unsigned>(event->code));
+        break;
+    case UI_FOCUS:
+        ImGui_ImplGlfw_WindowFocusCallback(handle, event->action);
+        break;
+    }
+}
+
+void ui_begin(double now)
+{
+    ImGuiIO &io = ImGui::GetIO();
+#if IMGUI_VERSION_NUM < 18700 // it asks GLFW for the mouse as it is now, later than the frame's events
+    ImVec2 at = io.MousePos;
+    bool down[IM_ARRAYSIZE(io.MouseDown)];
+    std::copy(std::begin(io.MouseDown), std::end(io.MouseDown), down);
+#endif
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
+#if IMGUI_VERSION_NUM < 18700
+    io.MousePos = at;
+    std::copy(std::begin(down), std::end(down), io.MouseDown);
+#endif
+    io.DeltaTime = static_cast<float>(std::max(now - ImGui::GetTime(), 1e-5)); // two clicks are double by their times
     ImGui::NewFrame();
 }
 
@@ -620,6 +705,7 @@ struct ui_mouse ui_mouse_now(void)
         mouse.released[b] = ImGui::IsMouseReleased(b);
     }
     mouse.doubled = ImGui::IsMouseDoubleClicked(0);
+    mouse.strayed = std::sqrt(io.MouseDragMaxDistanceSqr[0]);
     mouse.doubled_middle = ImGui::IsMouseDoubleClicked(2);
     mouse.shift = io.KeyShift;
     mouse.control = io.KeyCtrl;
@@ -685,16 +771,6 @@ void ui_navigate_lists(bool also_panels)
 bool ui_navigates(void)
 {
     return ImGui::GetIO().ConfigFlags & ImGuiConfigFlags_NavEnableKeyboard;
-}
-
-void ui_hold_key(int key, bool down)
-{
-#if IMGUI_VERSION_NUM < 18700 // later ones have a queue
-    ImGui::GetIO().KeysDown[key] = down;
-#else
-    (void)key;
-    (void)down;
-#endif
 }
 
 bool ui_navigates_deep(void)

@@ -27,7 +27,28 @@ void ui_destroy(void);
 /** Another scale from the next frame on; not between ui_begin() and ui_end(). */
 bool ui_set_scale(float scale);
 
-void ui_begin(void);
+enum ui_event_kind {
+    UI_MOVE = 0, /**< To x, y.                                                */
+    UI_WHEEL,    /**< By so much to the right and up.                         */
+    UI_BUTTON,   /**< `code` was pressed or let go.                           */
+    UI_KEY,      /**< Likewise, or goes on being held.                        */
+    UI_LETTER,   /**< `code` of Unicode was typed.                            */
+    UI_ENTRY,    /**< The mouse came into the window (`action`) or left it.   */
+    UI_FOCUS     /**< The window got the keyboard (`action`) or lost it.      */
+};
+
+/** What mouse or keyboard did, with GLFW's numbers. */
+struct ui_event {
+    enum ui_event_kind kind;
+    float x, y;
+    int code, scancode, action, mods;
+    double time; /**< By GLFW's clock, s. */
+};
+
+/** Before ui_begin(): the frame has this event of @p window, behind those that it has already. */
+void ui_take(void *window, const struct ui_event *event);
+/** Begins a frame of time @p now, s. */
+void ui_begin(double now);
 /** Draws everything into the window's framebuffer. */
 void ui_end(void);
 
@@ -136,6 +157,7 @@ struct ui_mouse {
     float x, y, moved_x, moved_y, wheel;
     bool down[3], pressed[3], released[3]; /**< Left, right, middle. */
     bool doubled, doubled_middle;          /**< Left; middle. */
+    float strayed; /**< How far it was at most, pixels, from where the left button was pressed last. */
     bool shift, control;
 };
 
@@ -154,9 +176,6 @@ bool ui_navigate(const char *title);
 /** Before ui_begin(): those keys go to an open list of choices in any case, and to the panel only where they did. */
 void ui_navigate_lists(bool also_panels);
 bool ui_navigates(void);
-/** For the frame that begins next a key of GLFW is down, or up again. Without that, one that is pressed and let go
- * between two frames does nothing. */
-void ui_hold_key(int key, bool down);
 /** Whether Escape is for the widgets: a choice or a list that was entered, a number that is typed. */
 bool ui_navigates_deep(void);
 

@@ -79,7 +79,7 @@ static conus_status draw_3d(conus_image **out, const char **refusal, const struc
     conus_renderer *renderer = NULL;
     struct eye eye;
     conus_view view = {.selection = viewer_selection(viewer),
-                       .chosen = viewer->drawn->shown.chosen,
+                       .chosen = viewer_full(viewer),
                        .fade = viewer->display.fade,
                        .measured = measured(viewer)};
     window_eye(window, &eye);

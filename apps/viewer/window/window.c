@@ -156,122 +156,9 @@ void window_eye(const struct window *window, struct eye *out)
 
 enum { STATUS_HEIGHT = 24 };
 
-static void want_frames(GLFWwindow *handle)
-{
-    struct window *window = glfwGetWindowUserPointer(handle);
-    if (window) {
-        window->frame.frames_wanted = FRAMES_PER_EVENT;
-    }
-}
-
-static void want_frames_by_mouse(GLFWwindow *handle, double x, double y)
-{
-    (void)x;
-    (void)y;
-    want_frames(handle);
-}
-
-static void want_frames_by_button(GLFWwindow *handle, int button, int action, int mods)
-{
-    (void)button;
-    (void)action;
-    (void)mods;
-    want_frames(handle);
-}
-
-static void want_frames_by_number(GLFWwindow *handle, int number)
-{
-    (void)number;
-    want_frames(handle);
-}
-
-static void want_frames_by_numbers(GLFWwindow *handle, int x, int y)
-{
-    (void)x;
-    (void)y;
-    want_frames(handle);
-}
-
 bool window_press(struct window *window, const char *key)
 {
     return window->press && window->press(window, key);
-}
-
-/* With Control: what is written on the key, so that Z is where the keyboard has it; of letters that are not Latin, what
- * the key has on a keyboard that is. A plus is one with Shift and without. */
-static void name_with_control(char name[KEY_LIMIT], int key, int scancode, int mods)
-{
-    const char *written = glfwGetKeyName(key, scancode);
-    char letter = (char)(key >= GLFW_KEY_A && key <= GLFW_KEY_Z ? 'a' + key - GLFW_KEY_A : '\0');
-    letter = written && written[0] > ' ' && written[0] < 127 && !written[1] ? written[0] : letter;
-    bool is_plus = letter == '=' || letter == '+';
-    bool with_shift = (mods & GLFW_MOD_SHIFT) && !is_plus;
-    snprintf(name, letter ? KEY_LIMIT : 1, "ctrl+%s%c", with_shift ? "shift+" : "", is_plus ? '+' : letter);
-}
-
-static const char *name_of_key(int key)
-{
-    static const struct {
-        int key;
-        const char *name;
-    } names[] = {{GLFW_KEY_ENTER, "enter"}, {GLFW_KEY_KP_ENTER, "enter"}, {GLFW_KEY_SPACE, "space"},
-                 {GLFW_KEY_TAB, "tab"},     {GLFW_KEY_F1, "f1"},          {GLFW_KEY_F11, "f11"},
-                 {GLFW_KEY_F2, "f2"},       {GLFW_KEY_F3, "f3"},          {GLFW_KEY_F4, "f4"},
-                 {GLFW_KEY_F5, "f5"},       {GLFW_KEY_F7, "f7"},          {GLFW_KEY_F8, "f8"},
-                 {GLFW_KEY_F9, "f9"},       {GLFW_KEY_UP, "up"},          {GLFW_KEY_DOWN, "down"},
-                 {GLFW_KEY_LEFT, "left"},   {GLFW_KEY_RIGHT, "right"},    {GLFW_KEY_ESCAPE, "escape"},
-                 {GLFW_KEY_F6, "f6"},       {GLFW_KEY_PAGE_UP, "pageup"}, {GLFW_KEY_PAGE_DOWN, "pagedown"}};
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        if (names[i].key == key) {
-            return names[i].name;
-        }
-    }
-    return "";
-}
-
-static bool is_move(int key)
-{
-    return key >= GLFW_KEY_RIGHT && key <= GLFW_KEY_PAGE_DOWN; /* arrows, Page Up and Down */
-}
-
-/* Keys that move between widgets and press them. */
-static bool is_for_widgets(int key)
-{
-    bool presses = key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER || key == GLFW_KEY_SPACE || key == GLFW_KEY_TAB;
-    return (ui_navigates() && (presses || is_move(key))) || (key == GLFW_KEY_ESCAPE && ui_navigates_deep());
-}
-
-static void press_named(GLFWwindow *handle, int key, int scancode, int action, int mods)
-{
-    struct window *window = glfwGetWindowUserPointer(handle);
-    char name[KEY_LIMIT] = "";
-    want_frames(handle);
-    const char *with = !is_move(key) ? "" : mods & GLFW_MOD_SHIFT ? "shift+" : mods & GLFW_MOD_CONTROL ? "ctrl+" : "";
-    snprintf(name, sizeof name, "%s%s", with, name_of_key(key));
-    if (!name[0] && (mods & GLFW_MOD_CONTROL) && !(mods & (GLFW_MOD_ALT | GLFW_MOD_SUPER))) {
-        name_with_control(name, key, scancode, mods);
-    }
-    if (action == GLFW_PRESS && is_for_widgets(key)) {
-        bool takes = ui_lists() && (key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER);
-        window->frame.tapped = takes ? GLFW_KEY_SPACE : key; /* both take the marked choice of a list */
-    }
-    /* Held down these do nothing more: Escape leaves a page, and shall not clear the cone behind it, too. */
-    bool acts_once =
-        key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER || key == GLFW_KEY_ESCAPE || key == GLFW_KEY_SPACE;
-    bool counts = action == GLFW_PRESS || (action == GLFW_REPEAT && !acts_once);
-    if (name[0] && counts && !ui_wants_keys() && !is_for_widgets(key)) {
-        window_press(window, name);
-    }
-}
-
-static void press_character(GLFWwindow *handle, unsigned character)
-{
-    struct window *window = glfwGetWindowUserPointer(handle);
-    const char key[2] = {(char)character, '\0'};
-    want_frames(handle);
-    if (character > ' ' && character < 127 && !ui_wants_keys()) {
-        window_press(window, key);
-    }
 }
 
 /* Sets the size of texts from the next frame on, within limits where they can be read and some fit. */
@@ -290,44 +177,12 @@ void window_zoom(struct window *window, int steps)
     use_zoom(window, steps ? window->screen.zoom * pow(1.1, steps) : 1);
 }
 
-/* The window came to a screen of another density. */
-static void note_scale(GLFWwindow *handle, float x, float y)
+void window_rescale(struct window *window, float content)
 {
-    struct window *window = glfwGetWindowUserPointer(handle);
-    (void)y;
-    if (window && !window->screen.scale_given && x > 0) {
-        window->screen.screen_scale = window_screen_scale(window, x);
+    if (!window->screen.scale_given) {
+        window->screen.screen_scale = window_screen_scale(window, content);
         use_zoom(window, window->screen.zoom);
     }
-    want_frames(handle);
-}
-
-static void take_drop(GLFWwindow *handle, int count, const char **paths)
-{
-    struct window *window = glfwGetWindowUserPointer(handle);
-    want_frames(handle);
-    if (window) {
-        window_request_files(window, (size_t)count, paths);
-    }
-}
-
-/* Each event asks for frames. Called before ui_create(): Dear ImGui sets callbacks of its own then, and calls these
- * from them. The panes ask it for the mouse (ui_mouse_now()). */
-static void hear_events(GLFWwindow *handle)
-{
-    glfwSetKeyCallback(handle, press_named);
-    glfwSetCharCallback(handle, press_character);
-    glfwSetCursorPosCallback(handle, want_frames_by_mouse);
-    glfwSetScrollCallback(handle, want_frames_by_mouse);
-    glfwSetMouseButtonCallback(handle, want_frames_by_button);
-    glfwSetCursorEnterCallback(handle, want_frames_by_number);
-    glfwSetWindowFocusCallback(handle, want_frames_by_number);
-    glfwSetWindowIconifyCallback(handle, want_frames_by_number);
-    glfwSetFramebufferSizeCallback(handle, want_frames_by_numbers);
-    glfwSetWindowPosCallback(handle, want_frames_by_numbers); /* a tracked head sees another part */
-    glfwSetWindowRefreshCallback(handle, want_frames);
-    glfwSetWindowContentScaleCallback(handle, note_scale);
-    glfwSetDropCallback(handle, take_drop);
 }
 
 static void print_glfw_error(int code, const char *text)
@@ -452,7 +307,6 @@ bool window_open(struct window *out, const struct window_options *options)
     glfwSwapInterval(1);
     put_on_screen(&window, options);
     find_scale(&window, options);
-    hear_events(window.handle);
     theme_use(options->theme);
     if (!ui_create(window.handle, window.screen.scale)) {
         print_error_line("window: no font for its texts");
@@ -496,6 +350,7 @@ void window_close(struct window *window)
     dialog_finish(&window->dialog);
     free(window->files.saves_as);
     free(window->files.saved_last);
+    free(window->events.list);
     ui_destroy();
     glfwDestroyWindow(window->handle);
     glfwTerminate();
@@ -609,7 +464,7 @@ static bool is_behind(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     const struct frame_state *frame = &window->frame;
-    return frame->frames_wanted ||
+    return frame->frames_wanted || window->events.count ||
            (viewer &&
             (frame->shown_version != viewer->version || frame->shown_said != viewer->said ||
              frame->shown_head != viewer->head.number || frame->shown_second != viewer->tools[SECOND_TOOL].version));
@@ -948,12 +803,14 @@ void window_copy(struct window *window, enum copied what)
 }
 
 /* The object in the title: the best hit, or else the chosen one; 0 = neither. */
-static uint32_t find_object(const char **how, const struct viewer *viewer)
+static uint32_t find_object(const char **how, const struct window *window)
 {
+    const struct viewer *viewer = window->viewer;
     const conus_selection *selection = viewer_selection(viewer);
     const conus_result *best = conus_selection_count(selection) ? conus_selection_result(selection, 0) : NULL;
     bool is_hit = best && best->object && best->pixels;
-    *how = !is_hit ? "chosen" : viewer->tools[FIRST_TOOL].held ? "held" : "hit";
+    bool is_old = inputs_is_old(&window->inputs, viewer, FIRST_TOOL);
+    *how = !is_hit ? "chosen" : is_old ? "old answer" : viewer->tools[FIRST_TOOL].held ? "held" : "hit";
     return is_hit ? best->object : viewer->drawn->shown.chosen;
 }
 
@@ -969,7 +826,7 @@ void title_write(char out[TITLE_SIZE], const struct window *window)
     if (window->history.session_path) {
         used += snprintf(out + used, (size_t)(TITLE_SIZE - used), " [%.80s]", path_name(window->history.session_path));
     }
-    uint32_t object = find_object(&how, viewer);
+    uint32_t object = find_object(&how, window);
     if (object) {
         char title[VIEW_ATLAS_TITLE];
         snprintf(out + used, (size_t)(TITLE_SIZE - used), " - %.80s (%s)",
@@ -992,7 +849,7 @@ bool window_point(float out[2], const struct window *window, const double world[
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     double at[2];
-    bool visible = eye_project(at, &window->pictures.eye, (double[]){(double)box->width, (double)box->height}, world);
+    bool visible = eye_project(at, &window->pictures.shown, (double[]){(double)box->width, (double)box->height}, world);
     out[0] = box->x + (float)at[0];
     out[1] = box->y + (float)at[1];
     return visible;

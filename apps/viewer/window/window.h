@@ -14,6 +14,7 @@
 #include "viewer/ui/ui.h"
 #include "viewer/window/changes.h"
 #include "viewer/window/dialog.h"
+#include "viewer/window/events.h"
 #include "viewer/window/labels.h"
 #include "viewer/window/place.h"
 #include "viewer/window/start.h"
@@ -39,7 +40,7 @@ struct cut_pane {
     struct outline_top top; /**< Top of the chosen area. */
 };
 
-/** The chosen area over the 3-D picture. */
+/** The chosen area over the 3-D picture: its outline, in dashes where something lies before it. */
 struct shadow {
     struct cells cells;
     const struct view_atlas *of; /**< Whose cells they are, */
@@ -49,6 +50,8 @@ struct shadow {
     uint32_t width, height; /**< Size of the texture; 0 = it is to be drawn anew. */
     struct eye eye;         /**< That it shows. */
     struct outline_top top;
+    bool has_middle; /**< Without cells, such as a surface that is not closed: its name is there. */
+    double middle[3];
 };
 
 /** The object under the mouse. */
@@ -143,8 +146,12 @@ struct pictures {
     struct texture painted, device_view;
     struct shadow shadow;
     const struct view_atlas *painted_of; /**< The atlas that painted shows. */
-    struct eye eye;                      /**< The eye of the 3-D pane in this frame. */
+    struct eye eye;                      /**< The eye of the 3-D pane that the next picture shall have. */
     struct painting asked;               /**< The last request to the painter. */
+    struct painting drawn;               /**< What `painted` shows, without the answer, */
+    ui_colour around;                    /**< and its background. */
+    struct eye shown; /**< The eye of the pane as it is seen: of `painted`, for the pane's size. What lies over the
+                           picture is drawn by it, and the mouse points by it. */
     double painted_ms;
     bool painted_fine;     /**< The picture is what was asked last, as fine as it gets. */
     unsigned noted_answer; /**< The newest answer that was looked at for moves of the cone. */
@@ -161,13 +168,15 @@ struct frame_state {
     double ms;                          /**< That it took. */
     struct hover hover;
     struct labels labels; /**< Labels of the 3-D pane. */
-    float click_left;     /**< Pixels that the mouse, pressed on the 3-D pane, may move and it is a click;
-                               0 = it is not pressed there. */
-    bool searches;        /**< The line that searches areas takes the keyboard. */
-    int navigated;        /**< The panel that keys go to, from 1: areas, hits; 0 = none. */
-    bool navigates_anew;  /**< From the next frame on. */
-    int tapped;      /**< The key of GLFW that was pressed last for the widgets; 0 = none since the newest frame. */
-    uint32_t listed; /**< The object that the list of areas was scrolled to last. */
+    struct hover pressed; /**< What was under the mouse when its left button was pressed on the 3-D pane, */
+    const struct view_atlas *pressed_of; /**< of which atlas; NULL = it is not pressed there. */
+    float turned[2];                     /**< The place, from there on, that the view was turned to. */
+    bool points_again; /**< The mouse pointed while the picture was one from before: it does again in that which comes.
+                        */
+    bool searches;     /**< The line that searches areas takes the keyboard. */
+    int navigated;     /**< The panel that keys go to, from 1: areas, hits; 0 = none. */
+    bool navigates_anew;                /**< From the next frame on. */
+    uint32_t listed;                    /**< The object that the list of areas was scrolled to last. */
     const struct view_atlas *listed_of; /**< In the list of this atlas. */
     char title[TITLE_SIZE];             /**< As title_write() gave it last; "" = none yet. */
     unsigned sent_answer;               /**< The answer that was sent to the station last. */
@@ -203,6 +212,7 @@ struct window {
     struct dialog dialog; /**< In place of the start page and all panels, while it is on. */
     struct sheet sheet;   /**< For figures. */
     struct times times;
+    struct events events;
     bool quiet_status; /**< The status line leaves out what differs from run to run: times and the device. */
 
     /* as long as the viewer is shown: window_show() begins anew */
@@ -272,6 +282,8 @@ void window_place(const struct window *window, struct place *out);
 void window_close(struct window *window);
 /** Makes texts and panels larger by so many steps, a tenth each, or smaller; 0 = as large as they were at first. */
 void window_zoom(struct window *window, int steps);
+/** Says how large the desktop wants texts on the screen that the window came to. */
+void window_rescale(struct window *window, float content);
 /** Presses a key: a character as typed ("?"), or "escape", "f1", "ctrl+shift+s", ... False if it means nothing. */
 bool window_press(struct window *window, const char *key);
 /** Lays everything out for the window's size now. */
@@ -318,7 +330,8 @@ void window_fill_screen(struct window *window, bool fill);
 void window_eye(const struct window *window, struct eye *out);
 
 /** "conus"; with an atlas "conus - aal.nii.gz [session.json] - Hippocampus_L (held)": its file, the session's if there
- * is one, and the best hit in the drawn atlas (hit, or held) or else the chosen area (chosen). */
+ * is one, and the best hit in the drawn atlas (hit, held, or old answer) or else the chosen area
+ * (chosen). */
 void title_write(char out[TITLE_SIZE], const struct window *window);
 /** Gives the window its title, where that is another one than before. */
 void title_update(struct window *window);

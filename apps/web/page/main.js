@@ -33,8 +33,9 @@ let files = [];
 /** Those that came last, of which one may be opened. @type {[string, ArrayBuffer, boolean?][]} */
 let offered = [];
 let atlasFile = "";
-let linked = ""; // the atlas that the link is for
-let refused = ""; // why the question has no rows, until somebody changes it: its link is for another atlas
+let linked = ""; // the atlas that the link is for, until it is open: so long the address stays as it is
+let refused = ""; // why the question has no rows, until somebody changes it: its link is for another atlas, or a field is wrong
+let unanswered = ""; // why the newest pictures have no answer
 let given = null; // the question and rows that the program wrote into the page
 /** @type {any[]} */
 let rows = [];
@@ -107,8 +108,10 @@ function describeAnswer() {
   const hits = rows.filter((row) => row.kind !== "unassigned" && (row.pixels > 0 || question.layers === "all"));
   const first = hits.slice(0, 3).map((row) => `${row.name} ${(100 * row.share).toFixed(1)} %`).join(", ");
   const words = hits.length ? `${first}; ${hits.length} ${hits.length === 1 ? "area" : "areas"}` : "Nothing is in the cone.";
+  $("#equal").hidden = true; // compare() may show it
   clearTimeout(speaking);
-  speaking = window.setTimeout(() => { $("#said").textContent = words; }, $("#said").textContent ? SPEAK : 0);
+  if (unanswered) $("#said").textContent = "";
+  else speaking = window.setTimeout(() => { $("#said").textContent = words; }, $("#said").textContent ? SPEAK : 0);
 }
 
 // Table
@@ -190,7 +193,7 @@ function redraw(isMoving = false) {
 /** The content of a picture; a picture with the same content is not drawn again. @param {Cut | View} pane @param {boolean} isMoving */
 function wanted(pane, isMoving) {
   const request = pane instanceof Cut ? { ...pane.request(question, isMoving && detail, 0.55, atlas.window ?? [0, 0]) } : pane.request(isMoving);
-  return { pane, request, key: JSON.stringify([request, edition, chosen, pane instanceof Cut && { ...question, cut: 0 }]) };
+  return { pane, request, key: JSON.stringify([request, edition, chosen, pane instanceof Cut && (refused || { ...question, cut: 0 })]) };
 }
 
 /** The worker draws while this thread draws what lies over its pictures. */
@@ -214,39 +217,45 @@ async function answer() {
   const solid = needed.find((need) => !isCut(need));
   try {
     const given = spare.splice(0);
-    const drawn = await ask("draw", { question, cuts: needed.filter(isCut).map(({ request }) => request), view: solid?.request ?? null, chosen, given }, given);
+    const why = refused; // and then conus is asked what it refuses
+    const drawn = await ask("draw", { question: why ? { ...question, toward: question.origin } : question, cuts: needed.filter(isCut).map(({ request }) => request), view: solid?.request ?? null, chosen, given }, given);
     spare.push(...needed.filter(isCut).flatMap(({ pane, request }, i) => pane.show(drawn.cuts[i], request.width)));
     if (solid) spare.push(...view.show(drawn.view, solid.request));
     for (const { pane, key } of needed) pane.key = key;
     again ||= isFirst;
+    unanswered = why || drawn.refused || "";
+    view.hasCone = !unanswered;
+    panes.forEach(mark);
     if (!moving) for (const pane of panes) pane.annotate(question, end, objects); // which says what it shows
     fillRows(drawn.rows);
-    sayOfAnswer(refused);
+    sayOfAnswer(unanswered);
     const took = performance.now() - began;
     if (moving) detail = Math.min(1, Math.max(0.4, detail * (took > BUSY ? 0.85 : 1.02)));
     document.body.dataset.took = took.toFixed(1);
     document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1);
   } catch (error) {
+    unanswered = /** @type {Error} */ (error).message;
     fillRows("");
-    sayOfAnswer(/** @type {Error} */ (error).message);
+    sayOfAnswer(unanswered);
   }
   busy = false;
   if (again) answer();
-  else if (!moving && !document.body.classList.contains("embed") && !isInside) history.replaceState(null, "", `#${toFragment(question, identity())}`);
+  else if (!moving && !document.body.classList.contains("embed") && !isInside && !linked) {
+    history.replaceState(null, "", unanswered ? location.pathname + location.search : `#${toFragment(question, identity())}`);
+  }
 }
 
-/** Shows rows, and what follows from them. @param {string} text */
+/** Shows rows, and what follows from them; none of a question that is refused. @param {string} text */
 function fillRows(text) {
-  const key = JSON.stringify([text, edition, chosen, refused]);
+  const key = JSON.stringify([text, edition, chosen]);
   if (key !== rowsKey) {
     rowsKey = key;
     rowsText = text;
-    rows = refused ? [] : text.trim().split("\n").filter(Boolean).map((row) => JSON.parse(row));
+    rows = text.trim().split("\n").filter(Boolean).map((row) => JSON.parse(row));
     fillTable();
   }
-  if (!text) return;
-  if (!refused) describeAnswer();
-  compare(text);
+  describeAnswer();
+  if (!unanswered) compare(text);
 }
 
 // Fields
@@ -278,12 +287,13 @@ form.addEventListener("input", (/** @type {Event} */ event) => {
     else if (field.name === "resolution") question.resolution = Number(field.value);
     else end = /** @type {any} */ (field.value);
     field.removeAttribute("aria-invalid");
-    refused = "";
+    refused = linked = "";
     say("");
   } catch (error) {
     field.setAttribute("aria-invalid", "true");
-    say(/** @type {Error} */ (error).message);
-    return;
+    refused = /** @type {Error} */ (error).message;
+    linked = "";
+    sayOfAnswer(refused);
   }
   if (end === "toward" && field.name.startsWith("toward")) question.cut = [...question.toward];
   redraw();
@@ -294,7 +304,7 @@ form.addEventListener("submit", (/** @type {Event} */ event) => event.preventDef
 
 /** @param {"origin" | "toward" | "cut"} which @param {import("./state.js").Point} position */
 function put(which, position) {
-  refused = "";
+  refused = linked = "";
   if (!$("#error").hidden) say("");
   question[which] = /** @type {any} */ (position.map((v) => Number(v.toFixed(2))));
   if (which === "toward") question.cut = [...question.toward];
@@ -306,11 +316,20 @@ function pointOf(over, event) {
   return [event.clientX - box.left, event.clientY - box.top];
 }
 
+/** Names what is under the pointer, in the picture that is shown. Returns whether that is another name. @param {Cut | View} pane */
+function mark(pane) {
+  const number = !pane.pointer ? 0 : pane instanceof Cut ? pane.object(pane.pointer) : pane.pick(pane.pointer)?.object ?? 0;
+  const under = objects[number - 1]?.[0] ?? "";
+  const isOther = under !== pane.under;
+  pane.under = under;
+  if (isOther) pane.over.setAttribute("aria-description", under);
+  return isOther;
+}
+
 panes.forEach((pane, number) => {
   const over = pane.over;
   const touches = new Map();
   let drag = /** @type {any} */ (null);
-  const nameAt = (/** @type {number[]} */ at) => objects[(pane instanceof Cut ? pane.object(at) : pane.pick(at)?.object ?? 0) - 1]?.[0] ?? "";
   over.addEventListener("pointerdown", (event) => {
     over.setPointerCapture(event.pointerId);
     touches.set(event.pointerId, pointOf(over, event));
@@ -322,12 +341,8 @@ panes.forEach((pane, number) => {
   });
   over.addEventListener("pointermove", (event) => {
     const at = pointOf(over, event);
-    const under = nameAt(at);
-    if (under !== pane.under) {
-      pane.under = under;
-      over.setAttribute("aria-description", under);
-      if (!drag) pane.annotate(question, end, objects);
-    }
+    pane.pointer = at;
+    if (mark(pane) && !drag) pane.annotate(question, end, objects);
     if (!drag || !touches.has(event.pointerId)) return;
     touches.set(event.pointerId, at);
     if (touches.size === 2) {
@@ -371,6 +386,10 @@ panes.forEach((pane, number) => {
     }
     if (!touches.size) drag = null;
   };
+  over.addEventListener("pointerleave", () => {
+    pane.pointer = null;
+    if (mark(pane) && atlas) pane.annotate(question, end, objects);
+  });
   over.addEventListener("pointerup", release);
   over.addEventListener("pointercancel", release);
   over.addEventListener("wheel", (event) => {
@@ -447,7 +466,13 @@ async function open(name) {
   files = offered;
   atlasFile = name;
   chosen = 0;
-  for (const pane of panes) pane.frame(atlas.low, atlas.high);
+  for (const pane of panes) {
+    pane.frame(atlas.low, atlas.high);
+    pane.objects = new Uint32Array(); // numbers of the atlas before
+    mark(pane);
+  }
+  unanswered = "the answer is not there yet";
+  fillRows("");
   document.body.classList.replace("empty", "full");
   if (isFirst && toFragment(question, "") === toFragment(START, "")) aimAt(atlas.low, atlas.high);
   layOut();
@@ -465,8 +490,9 @@ function aimAt(low, high) {
 
 /** A link's question is for its atlas alone. */
 function checkLink() {
-  if (linked && linked !== identity()) refused = `This link is for ${linked}, not for ${identity()}, so that no rows are shown. Open that atlas, or change the question.`;
-  linked = "";
+  if (!linked) return;
+  refused = linked === identity() ? "" : `This link is for ${linked}, not for ${identity()}, so that no rows are shown. Open that atlas, or change the question.`;
+  if (!refused) linked = "";
 }
 
 /** @param {[string, File][]} list */
@@ -574,6 +600,7 @@ function picture() {
 /** @param {string} kind */
 const save = (kind) => attempt(async () => {
   if (!atlas) throw new Error("open an atlas first");
+  if (unanswered && kind !== "png") throw new Error(unanswered);
   const name = `conus-${atlas.name.replace(/\..*/, "")}`;
   const copy = (/** @type {string} */ text) => navigator.clipboard.writeText(text)
     .then(() => { $("#said").textContent = `The ${kind} is copied.`; }, () => { window.prompt("Copy this:", text); });
@@ -599,11 +626,16 @@ function readLink() {
   document.body.classList.toggle("embed", link.embed);
 }
 
-addEventListener("hashchange", () => attempt(async () => {
-  readLink();
-  if (atlas) checkLink();
+addEventListener("hashchange", () => {
+  refused = linked = "";
+  try {
+    readLink();
+    if (atlas) checkLink();
+  } catch (error) {
+    refused = /** @type {Error} */ (error).message;
+  }
   redraw();
-}));
+});
 
 /** Opens what is inside the page. Conus is compiled while its worker starts and the files are unpacked. */
 async function start() {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The three cuts and the 3-D view: canvases, what a pointer and keys do in them, and the handles of the cone.
+import { digits } from "./state.js";
 
 /** @typedef {import("./state.js").Point} Point */
 /** @typedef {{origin: Point, toward: Point, angle: number, cut: Point}} Aim */
@@ -42,7 +43,9 @@ export class Cut {
     this.fit = 1;
     /** @type {Uint32Array} */
     this.objects = new Uint32Array();
-    this.under = ""; // the name of what is under the pointer
+    /** Where the pointer is. @type {number[] | null} */
+    this.pointer = null;
+    this.under = ""; // the name of what is under it
   }
 
   /** Shows the whole of a box of the world, mm. @param {Point} low @param {Point} high */
@@ -119,7 +122,7 @@ export class Cut {
     line(c, "#fff", 2, [[12, side - 12], [12 + mm / this.mmPerPoint, side - 12]]);
     c.textAlign = "left";
     outlined(c, `${mm} mm`, 12, side - 18);
-    const title = `${this.plane.name}, ${"xyz"[this.plane.through]} = ${Number(aim.cut[this.plane.through].toFixed(1))} mm`;
+    const title = `${this.plane.name}, ${"xyz"[this.plane.through]} = ${digits(aim.cut[this.plane.through])} mm`;
     caption(c, title, this.under, side);
     const area = names[this.object([x, y]) - 1]?.[0] ?? "no area";
     this.over.setAttribute("aria-label", `${title}: ${area} at the crosshair. Arrows move the chosen end of the cone.`);
@@ -200,7 +203,10 @@ export class View {
     this.canvas = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas"));
     this.over = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas.over"));
     this.angle = 30;
+    /** @type {number[] | null} */
+    this.pointer = null;
     this.under = "";
+    this.hasCone = false; // of a question that has an answer
     this.objects = new Uint32Array();
     this.distances = new Float32Array();
     this.frame([-70, -100, -50], [70, 70, 80]);
@@ -277,7 +283,7 @@ export class View {
   /** @param {Aim} aim @param {string} chosenEnd */
   annotate(aim, chosenEnd) {
     const c = cleared(this.over, this.side);
-    if (aim.angle < 120) {
+    if (this.hasCone && aim.angle < 120) {
       const rim = circle(aim).map((p) => this.place(p));
       line(c, "#f0a030", 2, [...rim, rim[0]]);
       for (let i = 0; i < rim.length; i += 6) line(c, "rgba(240,160,48,0.6)", 1, [this.place(aim.origin), rim[i]]);

@@ -7,7 +7,7 @@ const FOLDER = "/atlas/";
 const SIGNATURES = {
   open: ["string", ["string"]], add_context: ["string", ["string"]], objects: ["string", []], use_safe_colours: [null, ["number"]],
   ask: ["string", Array(9).fill("number")], rows: ["string", ["number"]], sidecar: ["string", []], error: ["string", []],
-  cut: ["number", Array(12).fill("number")], cut_objects: ["number", []],
+  cut: ["number", Array(11).fill("number")], cut_objects: ["number", []],
   view: ["number", Array(9).fill("number")], view_objects: ["number", []], view_distances: ["number", []],
 };
 const NDJSON = 4;
@@ -56,14 +56,14 @@ const CALLS = {
     conus.use_safe_colours(safe ? 1 : 0);
     return { objects: JSON.parse(conus.objects()) };
   },
-  /** The answer to a question and all pictures of it. */
+  /** The answer to a question and all pictures of it; of one that is refused why, and pictures without a cone. */
   draw({ question: q, cuts, view, chosen, given }) {
     spare = given;
-    parse(conus.ask(...q.origin, ...q.toward, q.angle, q.resolution, q.layers === "all" ? 1 : 0));
-    const out = { rows: conus.rows(NDJSON), cuts: [] };
+    const { error: refused } = JSON.parse(conus.ask(...q.origin, ...q.toward, q.angle, q.resolution, q.layers === "all" ? 1 : 0));
+    const out = { refused, rows: refused ? "" : conus.rows(NDJSON), cuts: [] };
     for (const c of cuts) {
       const size = 4 * c.width * c.height;
-      const rgba = pixels(conus.cut(c.right, c.up, ...c.centre, c.width, c.height, c.mm, c.fill, c.window[0], c.window[1], chosen), size);
+      const rgba = pixels(conus.cut(c.right, c.up, ...c.centre, c.width, c.height, c.mm, c.fill, c.window[0], c.window[1]), size);
       out.cuts.push({ rgba, objects: pixels(conus.cut_objects(), size) });
     }
     if (view) {

@@ -51,11 +51,24 @@ static void test_errors_are_words(void **state)
     assert_string_equal(web_ask(3, 50, 4, 3, 0, 4, 1, 16, 0), "{}"); /* the atlas is still open */
 }
 
+/* The cone of 90 degrees from y = 40 down has its wall 14 mm beside the axis at y = 26: there is a line in the cut,
+ * which has nothing else there, and there is none once a question was refused. */
+static void test_a_refused_question_takes_the_answer_away(void **state)
+{
+    (void)state;
+    const size_t at = 4 * ((32 - 26) * 64 + 32 + 14);
+    assert_string_equal(web_ask(0, 40, 0, 0, 0, 0, 90, 16, 0), "{}");
+    assert_true(web_cut(0, 1, 0, 0, 0, 64, 64, 1, 0.5, 0, 0)[at] > 100);
+    assert_non_null(strstr(web_ask(1, 1, 1, 1, 1, 1, 90, 16, 0), "{\"error\": \"toward"));
+    assert_int_equal(web_cut(0, 1, 0, 0, 0, 64, 64, 1, 0.5, 0, 0)[at], 0);
+    assert_null(strstr(web_rows(CONUS_FORMAT_CSV), "Slab"));
+}
+
 /* One pixel a mm, x to the right and y to the top: y = 9 is 9 rows above the middle. */
 static void test_cut_has_its_top_row_first(void **state)
 {
     (void)state;
-    assert_non_null(web_cut(0, 1, 0, 0, 0, 64, 64, 1, 0.5, 0, 0, 0));
+    assert_non_null(web_cut(0, 1, 0, 0, 0, 64, 64, 1, 0.5, 0, 0));
     const uint32_t *objects = web_cut_objects();
     assert_int_equal(objects[23 * 64 + 32], 1);
     assert_int_equal(objects[32 * 64 + 32], 0);
@@ -122,6 +135,7 @@ int main(void)
         cmocka_unit_test(test_objects_have_names_and_colours),
         cmocka_unit_test(test_rows_of_an_answer),
         cmocka_unit_test(test_errors_are_words),
+        cmocka_unit_test(test_a_refused_question_takes_the_answer_away),
         cmocka_unit_test(test_cut_has_its_top_row_first),
         cmocka_unit_test(test_view_is_upright_and_not_mirrored),
         cmocka_unit_test(test_view_is_lit_from_the_eye),
