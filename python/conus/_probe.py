@@ -86,7 +86,7 @@ class Contacts(Answers):
         query = np.repeat(np.arange(len(probe)), np.diff(self.starts))
         holds = (self.results["kind"] == _AREA) & (self.results["distance"] == 0)
         first[query[holds][::-1]] = self.results["object"][holds][::-1]  # the best is written last
-        self.areas = first  #: (n,) number of the area that holds the contact, of several the best; 0 = none
+        self.areas = first  #: (n,) object number of the area that holds the contact, of several the best; 0 = none
 
     def __repr__(self) -> str:
         return f"<conus.Contacts: {np.count_nonzero(self.areas)} of {len(self)} in an area>"
