@@ -226,9 +226,25 @@ static bool is_quoted(struct text text)
     return text.size >= 2 && text.data[0] == '"' && text.data[text.size - 1] == '"';
 }
 
+/* Whether a name begins as FSLeyes's three colours do, with decimal commas: "0,1 0,93 1 Frontal Pole". */
+static bool begins_as_colours(struct text name)
+{
+    struct text word;
+    int numbers = 0;
+    bool comma = false;
+    for (; numbers < 3 && text_word(&name, &word) && word.size; numbers++) {
+        for (size_t i = 0; i < word.size; i++) {
+            if (word.data[i] != ',' && (word.data[i] < '0' || word.data[i] > '9')) {
+                return false;
+            }
+            comma = comma || word.data[i] == ',';
+        }
+    }
+    return comma && numbers == 3;
+}
+
 static conus_status parse_plain_row(struct label *label, const struct row *row, const char *where, const void *data)
 {
-    (void)where;
     const bool *coded = data;
     struct text name = row->rest;
     if (*coded) {
@@ -236,6 +252,9 @@ static conus_status parse_plain_row(struct label *label, const struct row *row, 
     }
     if (is_quoted(name)) {
         name = (struct text){name.data + 1, name.size - 2};
+    }
+    if (begins_as_colours(name)) {
+        return fail(CONUS_ERROR_DATA, "%s: \"%.*s\": decimals are written with a point", where, TEXT_SHOW(name, 40));
     }
     return label_set_text(&label->name, name);
 }

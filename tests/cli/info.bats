@@ -116,3 +116,13 @@ assert (b["path"], b["closed"], b["vertices"], b["high"]) == ("skin.obj", True, 
     fails 2 'skin.obj: a surface does not block rays' query sphere.nii.gz --context skin.obj --context-blocks 1 \
         --origin 0,0,90 --toward 0,0,0
 }
+
+# 4 MiB are 4,194,304 bytes.
+@test "an atlas XML of more than 4 MiB is no ATLAS, but a table of labels" {
+    sphere --size 16
+    { echo '<atlas><header><name>a</name><type>Label</type></header><data><label index="1" x="0" y="0" z="0">Ball</label>'
+      head -c 4194304 /dev/zero | tr '\0' ' '
+      echo '</data></atlas>'; } >large.xml
+    fails 3 'allowed are 4194304' info large.xml
+    conus info sphere.nii.gz --labels large.xml --format tsv | grep -qP '^area\t1\tBall\t'
+}
