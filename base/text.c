@@ -191,6 +191,15 @@ bool text_contains(struct text text, struct text part)
     return false;
 }
 
+bool text_has_only(struct text text, const char *these)
+{
+    size_t i = 0;
+    while (i < text.size && text.data[i] && strchr(these, text.data[i])) {
+        i++;
+    }
+    return i == text.size;
+}
+
 static unsigned char lower_case(char c)
 {
     return (unsigned char)(c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c);

@@ -55,14 +55,15 @@ struct header {
     int indices[SYNONYM_COUNT + 1]; /* fields that could be the index, the preferred one first; "value" is the last */
 };
 
-/* The next line that is neither empty nor a comment. Below a header with colours in front, "#ff0000" begins a row. */
+/* The next line that is neither empty nor a comment; of an empty row spreadsheets write the separators. Below a header
+ * with colours in front, "#ff0000" begins a row. */
 static bool next_row(struct text *rest, size_t *number, struct text *line, const struct header *header)
 {
     bool has_comments = !header || header->at[COLOUR] != 0;
     while (text_line(rest, line)) {
         ++*number;
         struct text trimmed = text_trim(*line);
-        if (trimmed.size && !(has_comments && trimmed.data[0] == '#')) {
+        if (!text_has_only(trimmed, ",;\t ") && !(has_comments && trimmed.data[0] == '#')) {
             return true;
         }
     }

@@ -232,13 +232,9 @@ static bool begins_as_colours(struct text name)
     struct text word;
     int numbers = 0;
     bool comma = false;
-    for (; numbers < 3 && text_word(&name, &word) && word.size; numbers++) {
-        for (size_t i = 0; i < word.size; i++) {
-            if (word.data[i] != ',' && (word.data[i] < '0' || word.data[i] > '9')) {
-                return false;
-            }
-            comma = comma || word.data[i] == ',';
-        }
+    while (numbers < 3 && text_word(&name, &word) && text_has_only(word, "0123456789,")) {
+        comma = comma || text_mentions(word, ",");
+        numbers++;
     }
     return comma && numbers == 3;
 }

@@ -112,7 +112,7 @@ conus_status pose_fcsv_parse(conus_pose_list *list, struct text text, const conu
                                      pose_axis_name(options->axis));
     reading.columns = (struct pose_columns){.names = names, .count = COLUMNS, .separator = ',', .may_end_early = true};
     for (size_t number = 1; !status && text_line(&text, &line); number++) {
-        if (!text_trim(line).size) {
+        if (text_has_only(line, ",\t\r ")) {
             continue;
         }
         if (line.data[0] == '#') {

@@ -169,7 +169,8 @@ conus_status pose_lines_next(struct pose_lines *lines, struct pose_line *line, b
     struct text text = {lines->data, too_long ? POSE_LINE_LIMIT : length};
     struct text trimmed = text_trim(text);
     bool is_comment = trimmed.size && trimmed.data[0] == '#';
-    *line = (struct pose_line){.number = ++lines->number, .too_long = too_long, .blank = !trimmed.size || is_comment};
+    bool is_empty = text_has_only(trimmed, ",;\t "); /* as spreadsheets write an empty row */
+    *line = (struct pose_line){.number = ++lines->number, .too_long = too_long, .blank = is_empty || is_comment};
     if (too_long) {
         line->blank = is_comment; /* what else may come is not known */
         line->text = (struct text){"", 0};

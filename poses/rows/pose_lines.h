@@ -32,7 +32,7 @@ struct pose_line {
     struct text text; /**< "" when too long. */
     size_t number;    /**< From 1. */
     bool too_long;
-    bool blank; /**< White space only, or it begins with #: no data. */
+    bool blank; /**< White space and separators only, or it begins with #: no data. */
 };
 
 /** Lines of an open file, from @p offset where it is seekable: then CONUS_ERROR_IO once it changes.
