@@ -16,6 +16,7 @@ static uint64_t memory_of(struct text text)
 conus_status json_text_load(json_t **out, struct text text)
 {
     json_error_t error;
+    text = text_from_bytes((const uint8_t *)text.data, text.size); /* without a byte order mark */
     if (memory_of(text) > JSON_TEXT_MEMORY) {
         return fail(CONUS_ERROR_MEMORY, "JSON text of %zu bytes that would take %llu in memory, allowed are %d",
                     text.size, (unsigned long long)memory_of(text), JSON_TEXT_MEMORY);
