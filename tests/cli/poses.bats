@@ -307,6 +307,16 @@ same_answers() {
     [[ "$stderr" != *'in metres'* ]]
 }
 
+@test "a table without a coordsystem.json has the space of its name, and the note says which" {
+    sphere --size 16
+    printf 'name\tx\ty\tz\nA\t5\t3\t1\n' | tee sub-1_electrodes.tsv >sub-1_space-MNI152Lin_electrodes.tsv
+    note='no *_coordsystem.json beside it: positions are taken as mm, and'
+    run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose sub-1_electrodes.tsv --radius 2
+    [[ "$stderr" == *"sub-1_electrodes.tsv: $note no space is known"* ]]
+    run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose sub-1_space-MNI152Lin_electrodes.tsv --radius 2
+    [[ "$stderr" == *"sub-1_space-MNI152Lin_electrodes.tsv: $note the space is that of its name, \"MNI152Lin\""* ]]
+}
+
 # The ball of 20 mm reaches from x = -20 to 20. First two of five points are farther right than 25 mm, then one of five.
 @test "points of which more than a fifth lie outside of the atlas have a note, in query and in batch" {
     sphere
