@@ -7,6 +7,7 @@
 #include "options/output.h"
 #include "settings/atlas_input.h"
 #include "settings/atlases.h"
+#include "settings/notes.h"
 #include "settings/settings.h"
 
 #include "conus/streamlines.h"
@@ -437,6 +438,9 @@ static int load_and_write(const struct atlas_name *name, const struct info_setti
         return code;
     }
     code = context_choice_load(atlas, &settings->context, &settings->atlas);
+    if (settings->format == INFO_TSV || settings->format == INFO_TREE) { /* which have no place for them */
+        atlas_notes_say(atlas, &settings->common);
+    }
     if (!code) {
         code = output_put(put_atlas, &(struct atlas_text){atlas, name->atlas, (enum info_format)settings->format});
     }

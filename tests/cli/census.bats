@@ -116,7 +116,7 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
     counted=$(awk -F'\t' 'NR == 1 { for (i = 1; i <= NF; i++) c[$i] = i; next }
         $c["kind"] == "area" { sum += $c["voxels"] } END { print sum }' <<<"$output")
     [ "$(jq .Voxels roi_mask.json)/$(jq -r .Type roi_mask.json)" = "$counted/ROI" ]
-    answers info roi_mask.nii.gz --format tsv
+    run -0 --separate-stderr "$CONUS" info roi_mask.nii.gz --format tsv
     [ "$(cell index 1)/$(cell voxels 1)" = "1/$counted" ]
     nothing_left nested.nii.gz nested.tsv nested.json roi_mask.nii.gz roi_mask.json
 }

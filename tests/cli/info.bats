@@ -56,6 +56,17 @@ load helpers
     fails 3 'none.txt: cannot open' info sphere.nii.gz --labels none.txt
 }
 
+@test "rows and trees leave their notes to stderr" {
+    sphere --size 32
+    printf '1\tBall\n9\tNowhere\n' >names.txt
+    for format in tsv tree; do
+        run -0 --separate-stderr "$CONUS" info sphere.nii.gz --labels names.txt --format $format
+        check_message 'areas of the label table without a voxel: 1 (9)'
+        has Ball
+        not grep -q 'without a voxel' <<<"$output"
+    done
+}
+
 @test "a pipe that closes early is an exit code, and no message" {
     need_aal
     run -3 --separate-stderr bash -c "exec 3> >(:); wait \$!; '$CONUS' info '$aal' --format json >&3"

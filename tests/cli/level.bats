@@ -71,13 +71,13 @@ nested() {
     has 'area tree of 3 depths; --format tree shows it'
     answers info nested.nii.gz --labels tree.tsv --format json
     tr -d ' \n' <<<"$output" | grep -q '"index":1,"name":"Outer,the","named":true,"abbreviation":"O","hemisphere":null,"parent":20,"depth":3'
-    answers info nested.nii.gz --labels tree.tsv --format tree
+    run -0 --separate-stderr "$CONUS" info nested.nii.gz --labels tree.tsv --format tree
     [ "${#lines[@]}" -eq 6 ]
     grep -qE '^ +1 +40 +4 +57856  Ball \(B\)$' <<<"$output"
     grep -qE '^ +2 +20 +2 +[0-9]+    Shell \(S\)$' <<<"$output"
     grep -qE '^ +3 +1 +0 +[0-9]+      Outer, the \(O\)$' <<<"$output"
     need_aal
-    answers info "$aal" --format tree --hemispheres merged
+    run -0 --separate-stderr "$CONUS" info "$aal" --format tree --hemispheres merged
     [ "${#lines[@]}" -eq 171 ]
     grep -qE '^ +1 +3001 +2 +55232  Precentral$' <<<"$output"
     grep -qE '^ +1 +1 +0 +28174    Precentral_L$' <<<"$output"
@@ -144,7 +144,7 @@ nested() {
 
 @test "hemispheres split: Brodmann's areas have two halves" {
     need_aal
-    answers info "$TEMPLATES/brodmann.nii.gz" --hemispheres split --format tsv
+    run -0 --separate-stderr "$CONUS" info "$TEMPLATES/brodmann.nii.gz" --hemispheres split --format tsv
     [ "${#lines[@]}" -eq 83 ]
     [ "$(cell name 4)/$(cell index 4)/$(cell hemisphere 4)" = "4 left/104/L" ]
     [ "$(cell name 45)/$(cell index 45)/$(cell hemisphere 45)" = "4 right/204/R" ]

@@ -137,7 +137,7 @@ END
     said 'brain-pathway.nii.gz: pathway, mostly zero'
     answers info brain/found.atlas.json
     has '11, of them 11 closed; 234444 triangles'
-    answers info brain/brain.atlas.json --format tsv
+    run -0 --separate-stderr "$CONUS" info brain/brain.atlas.json --format tsv
     [ "$(grep -c ^area <<<"$output")" -eq 11 ]
     [ "$(grep -c ^pathway <<<"$output")" -eq 1 ]
     answers query --quiet brain/brain.atlas.json --origin 120,20,40 --toward 0,-18,10 --angle 30 --format tsv
@@ -152,7 +152,7 @@ END
     cp brain/brain-0[2468]-*.gii set/right
     mv set/right/brain-02-AntR.surf.gii set/right/anterior.surf.gii # one has no number
     makes set
-    answers info set/set.atlas.json --format tsv
+    run -0 --separate-stderr "$CONUS" info set/set.atlas.json --format tsv
     [ "$(grep -c ^area <<<"$output")" -eq 9 ]
     [ "$(cut -f 2 <<<"$output" | sort | uniq -d | wc -l)" -eq 0 ]
 }

@@ -84,7 +84,7 @@ scaled() {
     scene
     answers query slabs.nii.gz $AIM --pathway sphere.nii.gz,name='left tract',threshold=1 --pathway=sphere.nii.gz
     [ "$(cell name 1)" = 'left tract' ]
-    answers info slabs.nii.gz --format tsv --pathway sphere.nii.gz,name=a --pathway sphere.nii.gz,threshold=1,name=b
+    run -0 --separate-stderr "$CONUS" info slabs.nii.gz --format tsv --pathway sphere.nii.gz,name=a --pathway sphere.nii.gz,threshold=1,name=b
     [ "$(cell name 3)/$(cell index 3)/$(cell kind 3)" = a/1/pathway ]
     [ "$(cell name 4)/$(cell index 4)/$(cell kind 4)" = b/2/pathway ]
 }
@@ -128,13 +128,13 @@ scaled() {
     head -c 4096 /dev/zero >>four.nii
     printf '\004\000\020\000\020\000\020\000\002\000' | dd of=four.nii bs=1 seek=40 conv=notrunc status=none
     fails 2 'four.nii: ' info four.nii
-    answers info four.nii,volume=0 --labels sphere.tsv --format tsv
+    run -0 --separate-stderr "$CONUS" info four.nii,volume=0 --labels sphere.tsv --format tsv
     [ "$(cell name 1)" = Sphere ]
     [ "$(cell voxels 1)" -gt 0 ]
-    answers info four.nii,volume=1 --labels sphere.tsv --format tsv
+    run -0 --separate-stderr "$CONUS" info four.nii,volume=1 --labels sphere.tsv --format tsv
     [ "$(cell voxels 1)" = 0 ]
     fails 2 'four.nii: volume: found 2, allowed are 0 to 1' info four.nii,volume=2
-    answers info sphere.nii.gz --pathway four.nii,volume=0,name=p --format tsv
+    run -0 --separate-stderr "$CONUS" info sphere.nii.gz --pathway four.nii,volume=0,name=p --format tsv
     [ "$(cell name 2)/$(cell kind 2)" = p/pathway ]
     fails 3 'four.nii: its largest value is 0, a pathway needs values above 0' info sphere.nii.gz --pathway four.nii,volume=1
 }

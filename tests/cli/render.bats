@@ -73,9 +73,9 @@ session() {
     [ "$(echo ./*.exr)" = './fig-1-left.exr ./fig-2-top.exr ./fig-4-_._a_b_c.exr ./fig-5-left.exr ./fig-6-6.exr' ]
     gl render sphere.nii.gz --origin 0,0,60 --toward 0,0,0 --angle 20 -o alone.exr $SMALL
     answers diff alone.exr fig-2-top.exr
-    gl render sphere.nii.gz --pose session.csv --row 5 -o fifth.exr $SMALL
+    gl render sphere.nii.gz --pose session.csv --row 5 -o fifth.exr $SMALL -q
     answers diff fifth.exr fig-5-left.exr
-    gl render sphere.nii.gz --poses session.csv --query-id top -o 'x-{query}.exr' $SMALL
+    gl render sphere.nii.gz --poses session.csv --query-id top -o 'x-{query}.exr' $SMALL -q
     cmp x-top.exr fig-2-top.exr
     run -1 conus diff fig-1-left.exr fig-5-left.exr
 }
@@ -101,8 +101,8 @@ session() {
     fails 2 '--angle has no effect: every pose in session.csv has its own' "${render[@]}" -o '{row}.png' --angle 5
     cp session.csv session.png
     fails 2 '--output session.png would overwrite the input session.png' \
-        render sphere.nii.gz --poses session.png --query-id top -o 'session.png'
-    fails 3 'session.csv:4: toward: is the origin itself' "${render[@]}" -o a.png --row 3
+        render sphere.nii.gz --poses session.png --query-id top -o 'session.png' -q
+    fails 3 'session.csv:4: toward: is the origin itself' "${render[@]}" -o a.png --row 3 -q
     [ ! -e a.png ] && [ ! -e 1.png ] && [ ! -e left.png ]
 }
 

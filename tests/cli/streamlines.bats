@@ -243,7 +243,7 @@ open("arc.trx/header.json", "w").write("{\"NB_STREAMLINES\": 2, \"NB_VERTICES\":
 @test "no output overwrites a tractogram" {
     scene
     # shellcheck disable=SC2086
-    fails 2 'a tractogram' query slabs.nii.gz $AIM --streamlines two.tck --format tsv -o two.tck
+    fails 2 'the input two.tck' query slabs.nii.gz $AIM --streamlines two.tck --format tsv -o two.tck
 }
 
 @test "what is in another space is noted, with its name" {
@@ -312,7 +312,7 @@ END
     printf '1 0 0 -5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >shift.txt
     fails 2 '"moves" is none of' info slabs.nii.gz --streamlines two.tck,moves,moves --atlas-transform shift.txt
     tck more.tck 0,0,20 0,0,10
-    answers info slabs.nii.gz --streamlines two.tck --streamlines more.tck,moves --atlas-transform shift.txt --format tsv
+    run -0 --separate-stderr "$CONUS" info slabs.nii.gz --streamlines two.tck --streamlines more.tck,moves --atlas-transform shift.txt --format tsv
     [ "$(cell name 3)/$(cell index 3)/$(cell name 4)/$(cell index 4)" = more/1/two/2 ]
 }
 
@@ -407,7 +407,7 @@ END
     run -0 --separate-stderr "$CONUS" manifest .
     [ "$(grep -c ': streamlines$' <<<"$stderr")" = 5 ]
     not grep -q 'left out' <<<"$stderr"
-    answers info ./*.atlas.json --format tsv
+    run -0 --separate-stderr "$CONUS" info ./*.atlas.json --format tsv
     local names=
     for row in {3..10}; do
         [ "$(cell kind "$row")" = bundle ]
@@ -521,7 +521,7 @@ lines 2 0 n/a 0 3 0 n/a 100.04499 bundle 1" ]
 @test "where no streamlines can be written, nothing is" {
     lines
     # shellcheck disable=SC2086
-    fails 2 'a tractogram' query slabs.nii.gz $TUBE --streamlines-out lines.tck
+    fails 2 'the input lines.tck' query slabs.nii.gz $TUBE --streamlines-out lines.tck
     # shellcheck disable=SC2086
     fails 2 '--streamlines-out' query slabs.nii.gz $TUBE --streamlines-out in.trk
     fails 2 '--streamlines-out: streamlines: there is no bundle' query slabs.nii.gz --point 0,0,0 --radius 5 \
