@@ -47,8 +47,8 @@ static void append_item(struct file_trace *trace, struct traced item, const char
     trace->broken = true;
 }
 
-static void keep_in(struct file_trace *trace, enum trace_kind kind, const char *path, const char *more,
-                    const struct file_state *state, const char *sum)
+static void keep(enum trace_kind kind, const char *path, const char *more, const struct file_state *state,
+                 const char *sum)
 {
     struct traced item = {.kind = kind, .path = memory_text(path, strlen(path))};
     item.more = more ? memory_text(more, strlen(more)) : NULL;
@@ -58,13 +58,13 @@ static void keep_in(struct file_trace *trace, enum trace_kind kind, const char *
     if (sum) {
         memcpy(item.sum, sum, sizeof item.sum);
     }
-    append_item(trace, item, more);
+    append_item(open_trace, item, more);
 }
 
-static void keep(enum trace_kind kind, const char *path, const char *more, const struct file_state *state,
-                 const char *sum)
+static void keep_file(struct file_trace *trace, const char *path, const struct file_state *state)
 {
-    keep_in(open_trace, kind, path, more, state, sum);
+    append_item(trace, (struct traced){.kind = TRACE_FILE, .path = memory_text(path, strlen(path)), .state = *state},
+                NULL);
 }
 
 static enum trace_kind kind_of(struct file_state *out, const struct stat *info)
@@ -105,7 +105,7 @@ static void add_input(const char *path, const struct file_state *state)
 {
     pthread_mutex_lock(&inputs_lock);
     if (inputs && !is_product(state)) {
-        keep_in(inputs, TRACE_FILE, path, NULL, state, NULL);
+        keep_file(inputs, path, state);
     }
     pthread_mutex_unlock(&inputs_lock);
 }
@@ -116,7 +116,7 @@ void file_trace_product(const char *path)
     struct file_state state;
     pthread_mutex_lock(&inputs_lock);
     if (inputs && stat(path, &info) == 0 && kind_of(&state, &info) == TRACE_FILE) {
-        keep_in(products, TRACE_FILE, "", NULL, &state, NULL);
+        keep_file(products, path, &state);
     }
     pthread_mutex_unlock(&inputs_lock);
 }
