@@ -91,20 +91,14 @@ void file_trace_path(const char *path, const struct stat *info)
     }
 }
 
-/* What the process itself has made may be made anew. */
-static bool is_product(const struct file_state *state)
-{
-    bool found = false;
-    for (size_t i = 0; i < products->count && !found; i++) {
-        found = file_state_equal(&products->items[i].state, state);
-    }
-    return found;
-}
-
 static void add_input(const char *path, const struct file_state *state)
 {
+    bool is_product = false; /* what the process itself has made may be made anew */
     pthread_mutex_lock(&inputs_lock);
-    if (inputs && !is_product(state)) {
+    for (size_t i = 0; inputs && i < products->count; i++) {
+        is_product = is_product || file_state_equal(&products->items[i].state, state);
+    }
+    if (inputs && !is_product) {
         keep_file(inputs, path, state);
     }
     pthread_mutex_unlock(&inputs_lock);
@@ -143,10 +137,9 @@ bool file_trace_search(bool searches)
 
 void file_trace_take(const char *path)
 {
-    struct stat info;
     if (is_searching) {
         is_searching = false;
-        file_trace_input(path, stat(path, &info) ? NULL : &info);
+        conus_inputs_add(path);
         is_searching = true;
     }
 }
