@@ -164,12 +164,13 @@ static bool is_input(const struct traced *input, const struct file_state *state)
 }
 
 /* The name of the input that is this file; with no memory for all inputs, any file may be one. */
-static const char *find_input(const char *path, const struct stat *info)
+const char *conus_inputs_find(const char *path)
 {
+    struct stat info;
     struct file_state state;
     const char *found = NULL;
     pthread_mutex_lock(&inputs_lock);
-    if (inputs && kind_of(&state, info) == TRACE_FILE) {
+    if (inputs && path && stat(path, &info) == 0 && kind_of(&state, &info) == TRACE_FILE) {
         found = inputs->broken ? path : NULL;
         for (size_t i = 0; i < inputs->count && !found; i++) {
             found = is_input(&inputs->items[i], &state) ? inputs->items[i].path : NULL;
@@ -177,12 +178,6 @@ static const char *find_input(const char *path, const struct stat *info)
     }
     pthread_mutex_unlock(&inputs_lock);
     return found;
-}
-
-conus_status file_trace_check_output(const char *path, const struct stat *info)
-{
-    const char *input = find_input(path, info);
-    return input ? fail(CONUS_ERROR_ARGUMENT, "%s would overwrite the input %s", path, input) : CONUS_OK;
 }
 
 static void lock_inputs(void)
@@ -213,12 +208,6 @@ void conus_inputs_add(const char *path)
     if (path && stat(path, &info) == 0) {
         file_trace_input(path, &info);
     }
-}
-
-const char *conus_inputs_find(const char *path)
-{
-    struct stat info;
-    return path && stat(path, &info) == 0 ? find_input(path, &info) : NULL;
 }
 
 const char *conus_inputs_at(size_t index)
