@@ -157,7 +157,7 @@ static int add_file(struct page *page, const char *path, bool is_context)
 {
     char *whole = whole_path(path);
     if (!whole) {
-        return print_no_memory();
+        return print_system_error(path, "find");
     }
     for (size_t i = 0; i < page->count; i++) {
         if (page->files[i].is_context == is_context && strcmp(page->files[i].whole, whole) == 0) {
@@ -482,7 +482,7 @@ static void say_files(const struct page *page)
 static int run_page(const void *given, const struct arguments *arguments)
 {
     struct page_settings settings = *(const struct page_settings *)given;
-    const struct atlas_settings atlas_settings = {0};
+    const struct atlas_settings atlas_settings = {.no_cache = true}; /* its entries have their inputs in another order */
     struct page page = {.settings = &settings};
     struct atlas_name name = {0};
     char *template = NULL;
