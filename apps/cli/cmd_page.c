@@ -482,7 +482,7 @@ static void say_files(const struct page *page)
 static int run_page(const void *given, const struct arguments *arguments)
 {
     struct page_settings settings = *(const struct page_settings *)given;
-    const struct atlas_settings atlas_settings = {.no_cache = true}; /* its entries have their inputs in another order */
+    const struct atlas_settings atlas_settings = {.no_cache = true}; /* which has inputs in another order */
     struct page page = {.settings = &settings};
     struct atlas_name name = {0};
     char *template = NULL;
