@@ -270,6 +270,20 @@ static int keep(conus_sites *sites, const char *what, bool inside, const struct 
     return print_status(status);
 }
 
+/* Vertices and voxels have been counted by their files, which are smaller. */
+static int check_memory(const struct place *place, const char *option, const struct request *request)
+{
+    enum { SITE_BYTES = 64 };
+    uint64_t most = request->settings->atlas.max_memory ? request->settings->atlas.max_memory : UINT64_C(8) << 30;
+    size_t count = conus_sites_count(place->sites);
+    if (count <= most / SITE_BYTES) {
+        return EXIT_DONE;
+    }
+    print_error_line("--%s: %s: %zu points take %d bytes each, allowed are %llu bytes (--max-memory)", option,
+                     place->path, count, SITE_BYTES, (unsigned long long)most);
+    return exit_code_of(CONUS_ERROR_MEMORY);
+}
+
 static int thin_out(struct place *place, const char *option, const struct request *request)
 {
     if (!conus_sites_count(place->sites)) {
@@ -279,7 +293,7 @@ static int thin_out(struct place *place, const char *option, const struct reques
     for (size_t i = 0; !request->settings->common.quiet && conus_sites_note(place->sites, i); i++) {
         print_error_line("note: %s", conus_sites_note(place->sites, i));
     }
-    return print_status(status);
+    return status ? print_status(status) : check_memory(place, option, request);
 }
 
 static int load_entries(struct place *place, const struct request *request)
@@ -359,20 +373,6 @@ static int load_targets(struct place *place, const struct request *request, cons
     return thin_out(place, "toward", request);
 }
 
-/* Vertices and voxels have been counted by their files, which are smaller. */
-static int check_memory(const struct place *place, const char *option, const struct request *request)
-{
-    enum { SITE_BYTES = 64 };
-    uint64_t most = request->settings->atlas.max_memory ? request->settings->atlas.max_memory : UINT64_C(8) << 30;
-    size_t count = conus_sites_count(place->sites);
-    if (count <= most / SITE_BYTES) {
-        return EXIT_DONE;
-    }
-    print_error_line("--%s: %s: %zu points take %d bytes each, allowed are %llu bytes (--max-memory)", option,
-                     place->path, count, SITE_BYTES, (unsigned long long)most);
-    return exit_code_of(CONUS_ERROR_MEMORY);
-}
-
 int candidates_open(struct candidates *candidates, struct request *request, const struct constraints *constraints)
 {
     bool is_normal = strcmp(candidates->toward.path, "normal") == 0;
@@ -384,11 +384,6 @@ int candidates_open(struct candidates *candidates, struct request *request, cons
                               .frame = &request->frame};
     int code = load_entries(&candidates->from, request);
     code = code || is_normal ? code : load_targets(&candidates->toward, request, constraints);
-    if (code) {
-        return code;
-    }
-    code = check_memory(&candidates->from, "from", request);
-    code = code || is_normal ? code : check_memory(&candidates->toward, "toward", request);
     if (code) {
         return code;
     }

@@ -310,7 +310,6 @@ static int check_paths(const struct merge *merge)
     code = code ? code : output_check_file(merge->sidecar);
     code = code ? code : outputs_check_sidecar(merge->sidecar);
     for (size_t i = 0; i < merge->count; i++) {
-        conus_inputs_add(merge->parts[i].path);
         conus_inputs_add(merge->parts[i].sidecar);
     }
     if (!code && !(output_spares_inputs("--output", output) &&

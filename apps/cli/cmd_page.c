@@ -109,15 +109,6 @@ static const struct option_group groups[] = {
     {0},
 };
 
-static size_t count_inputs(void)
-{
-    size_t count = 0;
-    while (conus_inputs_at(count)) {
-        count++;
-    }
-    return count;
-}
-
 /* A file that was read. */
 struct page_file {
     const char *path; /* by which it was read */
@@ -131,6 +122,7 @@ struct page {
     conus_atlas *atlas;
     struct page_file files[FILE_LIMIT]; /* the one to open first, and those of --context at the end */
     size_t count;
+    size_t seen;                /* of all inputs of the program */
     const char *context_folder; /* what stands before the names of those */
     FILE *out;
 };
@@ -165,7 +157,7 @@ static int add_file(struct page *page, const char *path, bool is_context)
 {
     char *whole = whole_path(path);
     if (!whole) {
-        return print_no_memory();
+        return print_system_error(path, "find");
     }
     for (size_t i = 0; i < page->count; i++) {
         if (page->files[i].is_context == is_context && strcmp(page->files[i].whole, whole) == 0) {
@@ -188,9 +180,9 @@ static bool is_of_freesurfer(const struct page_file *file)
     return home && *home && strncmp(file->path, home, strlen(home)) == 0;
 }
 
-/* Adds what was read from input `from` on: `path`, which is opened first, and what was read with it. They keep their
- * places below the folder that all are in. */
-static int list_files(struct page *page, const char *path, size_t from, bool is_context)
+/* Adds what was read since: `path`, which is opened first, and what was read with it. They keep their places below the
+ * folder that all are in. */
+static int list_files(struct page *page, const char *path, bool is_context)
 {
     size_t first = page->count;
     const char *input;
@@ -201,7 +193,7 @@ static int list_files(struct page *page, const char *path, size_t from, bool is_
                                 path);
     }
     int code = add_file(page, path, is_context);
-    for (size_t i = from; !code && (input = conus_inputs_at(i)); i++) {
+    for (; !code && (input = conus_inputs_at(page->seen)); page->seen++) {
         code = add_file(page, input, is_context);
     }
     if (code) {
@@ -257,7 +249,6 @@ static int open_as_page(struct page *page, const struct stage *stage)
     char *path = NULL;
     char *context = NULL;
     const char *input = NULL;
-    size_t from = count_inputs();
     bool made = true;
     for (size_t i = 0; i < page->count && made; i++) {
         const struct page_file *file = &page->files[i];
@@ -285,7 +276,7 @@ static int open_as_page(struct page *page, const struct stage *stage)
                                 : strstr(why, "CONUS_HDF5") ? "no page reads HDF5"
                                                             : why);
     }
-    for (size_t i = from; !code && (input = conus_inputs_at(i)); i++) {
+    for (; !code && (input = conus_inputs_at(page->seen)); page->seen++) {
         if (strncmp(input, stage->folder, strlen(stage->folder)) != 0) {
             code = print_data_error("%s: a page cannot open it: %s is named by its path from the root on; name it by "
                                     "one from the folder of its manifest",
@@ -491,7 +482,7 @@ static void say_files(const struct page *page)
 static int run_page(const void *given, const struct arguments *arguments)
 {
     struct page_settings settings = *(const struct page_settings *)given;
-    const struct atlas_settings atlas_settings = {0};
+    const struct atlas_settings atlas_settings = {.no_cache = true}; /* which has inputs in another order */
     struct page page = {.settings = &settings};
     struct atlas_name name = {0};
     char *template = NULL;
@@ -503,13 +494,14 @@ static int run_page(const void *given, const struct arguments *arguments)
         return print_usage_error("%s is there already; --force replaces it", settings.output);
     }
     int code = read_template(&template, settings.template);
-    size_t from = count_inputs();
+    while (conus_inputs_at(page.seen)) {
+        page.seen++;
+    }
     code = code ? code : atlas_name_find(&name, arguments->operands[0]);
     code = code ? code : atlas_input_load(&page.atlas, arguments->operands[0], &atlas_settings);
-    code = code ? code : list_files(&page, name.path, from, false);
-    from = count_inputs();
+    code = code ? code : list_files(&page, name.path, false);
     code = code ? code : atlas_input_load_context(page.atlas, settings.context, 0, &atlas_settings);
-    code = code || !settings.context ? code : list_files(&page, settings.context, from, true);
+    code = code || !settings.context ? code : list_files(&page, settings.context, true);
     place_context(&page);
     code = code || output_spares_inputs("--output", settings.output) ? code : EXIT_USAGE;
     code = code ? code : check_size(&page);

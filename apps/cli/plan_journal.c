@@ -170,34 +170,27 @@ int plan_journal_init(struct plan_journal *out, bool *replaces, const struct jou
     return EXIT_DONE;
 }
 
-/* Whether the file of the journal is the one that was locked. */
-static bool is_locked(const struct plan_journal *journal, int lock)
+/* Whether the file of the journal is the one behind the descriptor, which is locked. */
+static int check_lock(const struct plan_journal *journal, int lock)
 {
     struct stat own;
     struct stat named;
-    return fstat(lock, &own) == 0 && stat(journal->path, &named) == 0 && own.st_dev == named.st_dev &&
-           own.st_ino == named.st_ino;
-}
-
-static int print_other(const struct plan_journal *journal)
-{
-    return print_data_error("%s: another conus is writing this file", journal->path);
+    bool is_own = lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) == 0 && fstat(lock, &own) == 0 &&
+                  stat(journal->path, &named) == 0 && own.st_dev == named.st_dev && own.st_ino == named.st_ino;
+    return is_own ? EXIT_DONE : print_data_error("%s: another conus is writing this file", journal->path);
 }
 
 /* Locks the file, of which each write makes a new one. */
 static int lock_file(struct plan_journal *journal)
 {
     int lock = open(journal->path, O_RDONLY | O_CLOEXEC);
-    bool locked = lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) == 0 && is_locked(journal, lock);
-    if (!locked) {
-        close(lock);
-        return print_other(journal);
+    int code = check_lock(journal, lock);
+    int unused = code ? lock : journal->lock;
+    if (unused > 0) {
+        close(unused);
     }
-    if (journal->lock) {
-        close(journal->lock);
-    }
-    journal->lock = lock;
-    return EXIT_DONE;
+    journal->lock = code ? journal->lock : lock;
+    return code;
 }
 
 /* Hashes all that the list depends on but paths, threads and the shard. */
@@ -368,8 +361,8 @@ int plan_journal_write(struct plan_journal *journal, conus_plan *plan, bool now)
     if (!journal->path || !(now || begun >= journal->next)) {
         return EXIT_DONE;
     }
-    if (journal->lock && !is_locked(journal, journal->lock)) {
-        return print_other(journal);
+    if (journal->lock && check_lock(journal, journal->lock)) {
+        return EXIT_DATA;
     }
     conus_status status = conus_plan_state(&state, &size, plan);
     if (status) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Loads the atlas, its pathways and streamlines, and finds out whether a file is one of them. */
+/* Loads the atlas, its pathways and streamlines. */
 #include "settings/atlas_input.h"
 
 #include "options/messages.h"
@@ -9,7 +9,6 @@
 
 #include "conus/streamlines.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>

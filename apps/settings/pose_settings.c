@@ -136,18 +136,20 @@ static const char *note_of_stream(const void *poses, size_t index)
 }
 
 /* A note about one atlas is not said again for the next. */
-static void say_notes(const void *poses, note_at *at, const char *path, const struct atlases *atlases)
+static size_t say_notes(const void *poses, note_at *at, const char *path, bool once, size_t first)
 {
     const char *note;
-    for (size_t i = 0; (note = at(poses, i)); i++) {
+    size_t i = first;
+    for (; (note = at(poses, i)); i++) {
         bool said = false;
-        for (size_t k = 0; k < i && atlases->count > 1 && !said; k++) {
+        for (size_t k = 0; k < i && once && !said; k++) {
             said = strcmp(at(poses, k), note) == 0;
         }
         if (!said) {
             print_error_line("note: %s: %s", pose_settings_file_name(path), note);
         }
     }
+    return i;
 }
 
 int pose_settings_match_list(conus_pose_list *poses, const char *path, const struct atlases *atlases,
@@ -159,7 +161,7 @@ int pose_settings_match_list(conus_pose_list *poses, const char *path, const str
         }
     }
     if (!common->quiet) {
-        say_notes(poses, note_of_list, path, atlases);
+        say_notes(poses, note_of_list, path, atlases->count > 1, 0);
     }
     return EXIT_DONE;
 }
@@ -167,9 +169,8 @@ int pose_settings_match_list(conus_pose_list *poses, const char *path, const str
 void pose_settings_say_late(const conus_pose_stream *poses, const char *path, size_t said,
                             const struct common_settings *common)
 {
-    const char *note;
-    for (; !common->quiet && (note = conus_pose_stream_note(poses, said)); said++) {
-        print_error_line("note: %s: %s", pose_settings_file_name(path), note);
+    if (!common->quiet) {
+        say_notes(poses, note_of_stream, path, false, said);
     }
 }
 
@@ -181,11 +182,6 @@ int pose_settings_match_stream(size_t *said, conus_pose_stream *poses, const cha
             return print_match_error(path, &atlases->items[i], true);
         }
     }
-    if (!common->quiet) {
-        say_notes(poses, note_of_stream, path, atlases);
-    }
-    for (*said = 0; conus_pose_stream_note(poses, *said);) {
-        ++*said;
-    }
+    *said = common->quiet ? 0 : say_notes(poses, note_of_stream, path, atlases->count > 1, 0);
     return EXIT_DONE;
 }

@@ -323,8 +323,9 @@ static conus_status write_file(const char *path, const void *data, size_t size, 
     if (exists && !S_ISREG(info.st_mode)) {
         return write_directly(path, data, size);
     }
-    conus_status status = how & WRITE_NEW ? CONUS_OK : file_trace_check_output(path, exists ? &info : NULL);
-    status = status ? status : write_regular(path, data, size, how);
+    const char *input = how & WRITE_NEW ? NULL : conus_inputs_find(path);
+    conus_status status = input ? fail(CONUS_ERROR_ARGUMENT, "%s would overwrite the input %s", path, input)
+                                : write_regular(path, data, size, how);
     if (!status) {
         file_trace_product(path);
     }

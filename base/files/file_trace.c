@@ -47,8 +47,8 @@ static void append_item(struct file_trace *trace, struct traced item, const char
     trace->broken = true;
 }
 
-static void keep_in(struct file_trace *trace, enum trace_kind kind, const char *path, const char *more,
-                    const struct file_state *state, const char *sum)
+static void keep(enum trace_kind kind, const char *path, const char *more, const struct file_state *state,
+                 const char *sum)
 {
     struct traced item = {.kind = kind, .path = memory_text(path, strlen(path))};
     item.more = more ? memory_text(more, strlen(more)) : NULL;
@@ -58,13 +58,13 @@ static void keep_in(struct file_trace *trace, enum trace_kind kind, const char *
     if (sum) {
         memcpy(item.sum, sum, sizeof item.sum);
     }
-    append_item(trace, item, more);
+    append_item(open_trace, item, more);
 }
 
-static void keep(enum trace_kind kind, const char *path, const char *more, const struct file_state *state,
-                 const char *sum)
+static void keep_file(struct file_trace *trace, const char *path, const struct file_state *state)
 {
-    keep_in(open_trace, kind, path, more, state, sum);
+    append_item(trace, (struct traced){.kind = TRACE_FILE, .path = memory_text(path, strlen(path)), .state = *state},
+                NULL);
 }
 
 static enum trace_kind kind_of(struct file_state *out, const struct stat *info)
@@ -91,21 +91,15 @@ void file_trace_path(const char *path, const struct stat *info)
     }
 }
 
-/* What the process itself has made may be made anew. */
-static bool is_product(const struct file_state *state)
-{
-    bool found = false;
-    for (size_t i = 0; i < products->count && !found; i++) {
-        found = file_state_equal(&products->items[i].state, state);
-    }
-    return found;
-}
-
 static void add_input(const char *path, const struct file_state *state)
 {
+    bool is_product = false; /* what the process itself has made may be made anew */
     pthread_mutex_lock(&inputs_lock);
-    if (inputs && !is_product(state)) {
-        keep_in(inputs, TRACE_FILE, path, NULL, state, NULL);
+    for (size_t i = 0; inputs && i < products->count; i++) {
+        is_product = is_product || file_state_equal(&products->items[i].state, state);
+    }
+    if (inputs && !is_product) {
+        keep_file(inputs, path, state);
     }
     pthread_mutex_unlock(&inputs_lock);
 }
@@ -116,7 +110,7 @@ void file_trace_product(const char *path)
     struct file_state state;
     pthread_mutex_lock(&inputs_lock);
     if (inputs && stat(path, &info) == 0 && kind_of(&state, &info) == TRACE_FILE) {
-        keep_in(products, TRACE_FILE, "", NULL, &state, NULL);
+        keep_file(products, path, &state);
     }
     pthread_mutex_unlock(&inputs_lock);
 }
@@ -143,10 +137,9 @@ bool file_trace_search(bool searches)
 
 void file_trace_take(const char *path)
 {
-    struct stat info;
     if (is_searching) {
         is_searching = false;
-        file_trace_input(path, stat(path, &info) ? NULL : &info);
+        conus_inputs_add(path);
         is_searching = true;
     }
 }
@@ -171,12 +164,13 @@ static bool is_input(const struct traced *input, const struct file_state *state)
 }
 
 /* The name of the input that is this file; with no memory for all inputs, any file may be one. */
-static const char *find_input(const char *path, const struct stat *info)
+const char *conus_inputs_find(const char *path)
 {
+    struct stat info;
     struct file_state state;
     const char *found = NULL;
     pthread_mutex_lock(&inputs_lock);
-    if (inputs && kind_of(&state, info) == TRACE_FILE) {
+    if (inputs && path && stat(path, &info) == 0 && kind_of(&state, &info) == TRACE_FILE) {
         found = inputs->broken ? path : NULL;
         for (size_t i = 0; i < inputs->count && !found; i++) {
             found = is_input(&inputs->items[i], &state) ? inputs->items[i].path : NULL;
@@ -184,12 +178,6 @@ static const char *find_input(const char *path, const struct stat *info)
     }
     pthread_mutex_unlock(&inputs_lock);
     return found;
-}
-
-conus_status file_trace_check_output(const char *path, const struct stat *info)
-{
-    const char *input = find_input(path, info);
-    return input ? fail(CONUS_ERROR_ARGUMENT, "%s would overwrite the input %s", path, input) : CONUS_OK;
 }
 
 static void lock_inputs(void)
@@ -220,12 +208,6 @@ void conus_inputs_add(const char *path)
     if (path && stat(path, &info) == 0) {
         file_trace_input(path, &info);
     }
-}
-
-const char *conus_inputs_find(const char *path)
-{
-    struct stat info;
-    return path && stat(path, &info) == 0 ? find_input(path, &info) : NULL;
 }
 
 const char *conus_inputs_at(size_t index)

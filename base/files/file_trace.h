@@ -82,9 +82,6 @@ void file_trace_failed(void);
 void file_trace_tell(const struct file_trace *trace);
 /** The file @p path has been made by this process, which may read it and make it again. */
 void file_trace_product(const char *path);
-/** CONUS_ERROR_ARGUMENT where a new file @p path, which is what stat() says there, would take the place of an input of
- * this process. */
-conus_status file_trace_check_output(const char *path, const struct stat *info);
 /** getenv(). */
 const char *file_trace_environment(const char *name);
 /** realpath() into @p out, [PATH_MAX]; false where there is none. */

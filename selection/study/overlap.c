@@ -114,11 +114,10 @@ static size_t first_crossing(const struct mesh_lines *lines, size_t line)
 }
 
 /* Makes counting->crossed of the line's crossings. */
-static void enter_line(struct counting *counting, size_t column, size_t row)
+static void enter_line(struct counting *counting, size_t line)
 {
     const struct mesh_lines *lines = &counting->lines;
-    size_t line = column + lines->count[0] * row;
-    counting->quarter = (unsigned)(column % 2 + 2 * (row % 2));
+    counting->quarter = (unsigned)(line % lines->count[0] % 2 + 2 * (line / lines->count[0] % 2));
     counting->crossed_count = 0;
     for (size_t i = first_crossing(lines, line); i < lines->crossing_count && lines->crossings[i].line == line; i++) {
         const struct line_crossing *crossing = &lines->crossings[i];
@@ -226,7 +225,7 @@ static conus_status count_line(struct counting *counting, size_t i, size_t j)
     const size_t *dim = roi->volume.info.dim;
     size_t column = roi->low[0] + i / counting->per_voxel + dim[0] * (roi->low[1] + j / counting->per_voxel);
     conus_status status = CONUS_OK;
-    enter_line(counting, i, j);
+    enter_line(counting, i + counting->lines.count[0] * j);
     for (size_t k = roi->low[2]; !status && k <= roi->high[2]; k++) {
         counting->voxel = column + dim[0] * dim[1] * k;
         if (roi_has(roi, counting->voxel)) {
@@ -271,7 +270,7 @@ static conus_status count_piece_of_mesh(struct counting *counting, const struct 
     size_t bar = axis < 2 ? (size_t)fmax(floor((high + 0.5) / step), 0) : 0;
     conus_status status = CONUS_OK;
     if (axis == 2) {
-        enter_line(counting, line % lines->count[0], line / lines->count[0]);
+        enter_line(counting, line);
     }
     for (double low = high; !status && low < piece->high[axis]; low = high, bar++) {
         struct convex part;

@@ -26,6 +26,17 @@ are_kept() {
     [ "$(entries)" -ge "$1" ]
 }
 
+@test "a page is the same with and without the cache" {
+    local atlas=$TEMPLATES/aal.nii.gz
+    [ -e "$atlas" ] || skip "no $atlas"
+    own_cache
+    echo '<!-- atlas -->' >template.html
+    "$CONUS" page "$atlas" --template template.html -o first.html -q
+    is_kept "$atlas" "${AIM[@]}"
+    "$CONUS" page "$atlas" --template template.html -o second.html -q
+    cmp first.html second.html
+}
+
 @test "answers are the same from the cache" {
     local atlas=$TEMPLATES/aal.nii.gz
     [ -e "$atlas" ] || skip "no $atlas"

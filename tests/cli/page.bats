@@ -76,6 +76,7 @@ inside() {
     status_wanted=3 refused 'Debian package conus-page' slabs.nii.gz -o page.html
     status_wanted=3 refused 'nothing.html' slabs.nii.gz -o page.html --template nothing.html
     status_wanted=3 refused 'atlas -->' slabs.nii.gz -o page.html --template slabs.nii.gz
+    TMPDIR=$PWD/none status_wanted=3 refused 'cannot make' slabs.nii.gz -o page.html --template template.html
     status_wanted=2 refused 'toward' slabs.nii.gz -o page.html --template template.html --origin 0,0,0
     status_wanted=2 refused '.html' slabs.nii.gz -o page.txt --template template.html
     status_wanted=2 refused 'toward' slabs.nii.gz -o page.html --template template.html --origin 1,1,1 --toward 1,1,1

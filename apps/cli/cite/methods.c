@@ -727,34 +727,6 @@ static void put_tractograms(FILE *out, const json_t *tractograms, bool has_rays)
 }
 
 /* How the atlas came to where it was asked. */
-/* The files that moved the atlas, as points go through them, which is from the last note about one to the first; and
- * the grid that it is on, which the last note about one has. */
-static void put_way_files(FILE *out, const json_t *notes)
-{
-    static const char *const words[][2] = {{"moved by ", ": what was 1 mm^3 "}, {"warped by ", ": voxels are those "}};
-    static const char on[] = ", on a grid of ";
-    const char *grid = NULL;
-    size_t count = 0;
-    for (size_t i = json_array_size(notes); i-- > 0;) {
-        const char *note = json_string_value(json_array_get(notes, i));
-        const char *at = note ? strstr(note, on) : NULL;
-        grid = grid ? grid : at;
-        for (size_t k = 0; note && k < sizeof words / sizeof words[0]; k++) {
-            size_t begin = strlen(words[k][0]);
-            const char *end = strncmp(note, words[k][0], begin) == 0 ? strstr(note, words[k][1]) : NULL;
-            const char *name = end ? memrchr(note + begin, '/', (size_t)(end - note) - begin) : NULL;
-            name = name ? name + 1 : note + begin;
-            if (end) {
-                fprintf(out, "%s%.*s", count++ ? ", then " : " Points went through ", (int)(end - name), name);
-            }
-        }
-    }
-    fputs(count ? "." : "", out);
-    if (grid) {
-        fprintf(out, " The atlas was%s.", grid + 1);
-    }
-}
-
 static void put_way(FILE *out, const json_t *atlas)
 {
     size_t fields = 0;
@@ -783,7 +755,6 @@ static void put_way(FILE *out, const json_t *atlas)
     } else if (json_object_get(atlas, "atlas_from_world")) {
         fputs(" It was brought into the space of the positions by an affine transform, without resampling.", out);
     }
-    put_way_files(out, json_object_get(atlas, "notes"));
 }
 
 static void put_treatment(FILE *out, const struct citation *citation, const json_t *atlas)

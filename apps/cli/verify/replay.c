@@ -117,6 +117,7 @@ static bool make_cwd(struct stage *out, const struct record *record)
 bool stage_begin(struct stage *out)
 {
     const char *temporary = getenv("TMPDIR");
+    *out = (struct stage){0};
     if (asprintf(&out->folder, "%s/conus-verify-XXXXXX", temporary && *temporary == '/' ? temporary : "/tmp") < 0) {
         out->folder = NULL;
         return refuse("not enough memory");
@@ -132,7 +133,6 @@ bool stage_begin(struct stage *out)
 
 bool stage_make(struct stage *out, const struct record *record, const struct found_file *found)
 {
-    *out = (struct stage){0};
     bool made = stage_begin(out) && make_cwd(out, record);
     for (size_t i = 0; i < record->input_count; i++) {
         const char *path = record->inputs[i].path;
@@ -500,15 +500,11 @@ static int answer_in_child(const struct replay *replay, const struct stage *stag
 /* Leaves out what stands in quotation marks: words of files that the one who wrote the sidecar may not have. */
 static void drop_quotes(char *line)
 {
-    char *to = line;
-    bool is_quoted = false;
-    for (const char *from = line; *from; from++) {
-        is_quoted = is_quoted != (*from == '"');
-        if (!is_quoted || *from == '"') {
-            *to++ = *from;
-        }
+    while ((line = strchr(line, '"'))) {
+        char *end = line + 1 + strcspn(line + 1, "\"");
+        memmove(line + 1, end, strlen(end) + 1);
+        line += 1 + (line[1] == '"');
     }
-    *to = '\0';
 }
 
 /* The last line that the child said, without "conus: ". */
