@@ -59,9 +59,13 @@ static struct text declared_encoding(struct text text)
     return close ? (struct text){at + 1, (size_t)(close - at - 1)} : (struct text){0};
 }
 
-static conus_status say(const struct census *census, struct notes *notes)
+/* `doubted`: it is what XML declares, but the letters are those of UTF-8, too. */
+static conus_status say(const struct census *census, bool is_declared, bool doubted, struct notes *notes)
 {
-    return !notes ? CONUS_OK
+    return !notes || (is_declared && !doubted) ? CONUS_OK
+           : doubted                           ? notes_warn(notes,
+                                                            "the text is read as Windows-1252, as its XML declares, but its letters are those of "
+                                                                                      "UTF-8, too: they may be wrong")
            : census->letters
                ? notes_warn(notes,
                             "line %zu: a byte that is not UTF-8 in a text that has letters in UTF-8, too: such bytes "
@@ -87,8 +91,9 @@ conus_status encoding_decode(char **owned, struct text *text, struct notes *note
                     "line %zu: byte 0x%02X is of neither UTF-8 nor Windows-1252: save the text as UTF-8",
                     census.unknown, census.byte);
     }
+    bool doubted = is_declared && census.size > whole.size && text_is_utf8(whole); /* letters beyond ASCII grow */
     char *copy = memory_raw(census.size + 1, 1);
-    conus_status status = !copy ? CONUS_ERROR_MEMORY : is_declared ? CONUS_OK : say(&census, notes);
+    conus_status status = copy ? say(&census, is_declared, doubted, notes) : CONUS_ERROR_MEMORY;
     if (status) {
         memory_free(copy);
         return status;
