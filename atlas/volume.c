@@ -188,10 +188,10 @@ void value_spread_add(struct value_spread *spread, const struct value_map *map, 
     spread->least = fmin(spread->least, info->minimum);
     spread->largest = fmax(spread->largest, info->maximum);
     spread->voxels += map->count;
-    double own[VALUE_BOUNDS];
+    double own[sizeof bounds / sizeof bounds[0]];
     memcpy(own, bounds, sizeof bounds);
-    own[COUNTED] = info->intercept != 0 ? fmax(own[COUNTED], fabs(info->slope)) : own[COUNTED]; /* nor of 0 codes */
-    value_map_spread(spread->above, map, own, VALUE_BOUNDS);
+    own[COUNTED] = info->intercept != 0 ? fmax(own[COUNTED], fabs(info->slope)) : own[COUNTED]; /* nor a step */
+    value_map_spread(spread->above, map, own, sizeof own / sizeof own[0]);
 }
 
 /* One voxel of a hundred that count decides nothing about the others. */

@@ -59,19 +59,25 @@ static struct text declared_encoding(struct text text)
     return close ? (struct text){at + 1, (size_t)(close - at - 1)} : (struct text){0};
 }
 
-/* `doubted`: it is what XML declares, but the letters are those of UTF-8, too. */
-static conus_status say(const struct census *census, bool is_declared, bool doubted, struct notes *notes)
+static conus_status say(const struct census *census, struct notes *notes)
 {
-    return !notes || (is_declared && !doubted) ? CONUS_OK
-           : doubted                           ? notes_warn(notes,
-                                                            "the text is read as Windows-1252, as its XML declares, but its letters are those of "
-                                                                                      "UTF-8, too: they may be wrong")
+    return !notes ? CONUS_OK
            : census->letters
                ? notes_warn(notes,
                             "line %zu: a byte that is not UTF-8 in a text that has letters in UTF-8, too: such bytes "
                             "(%zu) are read as Windows-1252, and letters may be wrong",
                             census->line, census->stray)
                : notes_add(notes, "the text is not UTF-8: it is read as Windows-1252");
+}
+
+/* XML that declares Windows-1252 while `text` has letters, all of them in UTF-8, too. */
+static conus_status say_declared(const struct census *census, struct text text, struct notes *notes)
+{
+    bool has_letters = census->size > text.size; /* each grows */
+    return !notes || !has_letters || !text_is_utf8(text)
+               ? CONUS_OK
+               : notes_warn(notes, "the text is read as Windows-1252, as its XML declares, but its letters are those "
+                                   "of UTF-8, too: they may be wrong");
 }
 
 conus_status encoding_decode(char **owned, struct text *text, struct notes *notes)
@@ -91,9 +97,10 @@ conus_status encoding_decode(char **owned, struct text *text, struct notes *note
                     "line %zu: byte 0x%02X is of neither UTF-8 nor Windows-1252: save the text as UTF-8",
                     census.unknown, census.byte);
     }
-    bool doubted = is_declared && census.size > whole.size && text_is_utf8(whole); /* letters beyond ASCII grow */
     char *copy = memory_raw(census.size + 1, 1);
-    conus_status status = copy ? say(&census, is_declared, doubted, notes) : CONUS_ERROR_MEMORY;
+    conus_status status = !copy         ? CONUS_ERROR_MEMORY
+                          : is_declared ? say_declared(&census, whole, notes)
+                                        : say(&census, notes);
     if (status) {
         memory_free(copy);
         return status;

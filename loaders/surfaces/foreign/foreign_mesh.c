@@ -385,17 +385,16 @@ enum mesh_space foreign_space_in(struct text text)
     enum { WORD = sizeof "SPACE" - 1, VALUE = sizeof "LPS" - 1 };
     for (size_t i = 0; i + WORD < text.size; i++) {
         size_t at = i + WORD;
+        if (strncasecmp(text.data + i, "SPACE", WORD) != 0 || (i && isalnum((unsigned char)text.data[i - 1]))) {
+            continue;
+        }
         while (at < text.size && memchr("= \t", text.data[at], 3)) {
             at++;
         }
-        bool is_whole = at > i + WORD && text.size - at >= VALUE &&
-                        (text.size - at == VALUE || !isalnum((unsigned char)text.data[at + VALUE])) &&
-                        (i == 0 || !isalnum((unsigned char)text.data[i - 1]));
-        if (is_whole && strncasecmp(text.data + i, "SPACE", WORD) == 0) {
-            const struct text value = {text.data + at, VALUE};
-            if (text_is_one_of(value, "RAS/LPS", false)) {
-                return text_equal_ignoring_case(value, "RAS") ? MESH_SPACE_RAS : MESH_SPACE_LPS;
-            }
+        const struct text value = {text.data + at, text.size - at < VALUE ? text.size - at : VALUE};
+        bool ends = text.size - at <= VALUE || !isalnum((unsigned char)text.data[at + VALUE]);
+        if (at > i + WORD && ends && text_is_one_of(value, "RAS/LPS", false)) {
+            return text_equal_ignoring_case(value, "RAS") ? MESH_SPACE_RAS : MESH_SPACE_LPS;
         }
     }
     return MESH_SPACE_UNSTATED;
