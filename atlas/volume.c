@@ -174,9 +174,9 @@ bool volume_find_voxel(size_t *voxel, const struct volume *volume, const double 
 }
 
 /* The places of the bounds in value_spread.above. The first counts all voxels that are not below 0. */
-enum { NOT_BELOW, ABOVE_0, ABOVE_1, BEYOND_1, ABOVE_100, BEYOND_100, BEYOND_HALF };
+enum { NOT_BELOW, COUNTED, ABOVE_1, BEYOND_1, ABOVE_100, BEYOND_100, BEYOND_HALF };
 static const double bounds[] = {[NOT_BELOW] = -TOLERANCE,
-                                [ABOVE_0] = 0,
+                                [COUNTED] = 0.01, /* what a spline leaves of 0 is no value */
                                 [ABOVE_1] = 1 + TOLERANCE,
                                 [BEYOND_1] = 1.5, /* splines overshoot by less */
                                 [ABOVE_100] = 100 * (1 + TOLERANCE),
@@ -188,13 +188,16 @@ void value_spread_add(struct value_spread *spread, const struct value_map *map, 
     spread->least = fmin(spread->least, info->minimum);
     spread->largest = fmax(spread->largest, info->maximum);
     spread->voxels += map->count;
-    value_map_spread(spread->above, map, bounds, sizeof bounds / sizeof bounds[0]);
+    double own[sizeof bounds / sizeof bounds[0]];
+    memcpy(own, bounds, sizeof bounds);
+    own[COUNTED] = info->intercept != 0 ? fmax(own[COUNTED], fabs(info->slope)) : own[COUNTED]; /* nor a step */
+    value_map_spread(spread->above, map, own, sizeof own / sizeof own[0]);
 }
 
-/* One voxel of a hundred that are above 0 decides nothing about the others. */
+/* One voxel of a hundred that count decides nothing about the others. */
 static bool are_few(uint64_t voxels, const struct value_spread *spread)
 {
-    return voxels <= spread->above[ABOVE_0] / 100;
+    return voxels <= spread->above[COUNTED] / 100;
 }
 
 static bool is_stored_as(const conus_volume_info *info, const char *datatype)
@@ -209,7 +212,7 @@ struct value_scale value_scale_of(const struct value_spread *spread, const conus
     if (are_few(above[BEYOND_1], spread)) {
         return (struct value_scale){1, true, "values up to 1, taken as probabilities"};
     }
-    if (above[BEYOND_1] < above[ABOVE_0] / 20) {
+    if (above[BEYOND_1] < above[COUNTED] / 20) {
         return (struct value_scale){0, false, "too many values above 1 for probabilities, and too few for percent"};
     }
     if (!above[ABOVE_100] || (!is_byte && are_few(above[BEYOND_100], spread))) {

@@ -70,6 +70,16 @@ static conus_status say(const struct census *census, struct notes *notes)
                : notes_add(notes, "the text is not UTF-8: it is read as Windows-1252");
 }
 
+/* XML that declares Windows-1252 while `text` has letters, all of them in UTF-8, too. */
+static conus_status say_declared(const struct census *census, struct text text, struct notes *notes)
+{
+    bool has_letters = census->size > text.size; /* each grows */
+    return !notes || !has_letters || !text_is_utf8(text)
+               ? CONUS_OK
+               : notes_warn(notes, "the text is read as Windows-1252, as its XML declares, but its letters are those "
+                                   "of UTF-8, too: they may be wrong");
+}
+
 conus_status encoding_decode(char **owned, struct text *text, struct notes *notes)
 {
     static const char windows[] = "windows-1252/cp1252/ISO-8859-1/ISO_8859-1/ISO8859-1/latin1/latin-1";
@@ -88,7 +98,9 @@ conus_status encoding_decode(char **owned, struct text *text, struct notes *note
                     census.unknown, census.byte);
     }
     char *copy = memory_raw(census.size + 1, 1);
-    conus_status status = !copy ? CONUS_ERROR_MEMORY : is_declared ? CONUS_OK : say(&census, notes);
+    conus_status status = !copy         ? CONUS_ERROR_MEMORY
+                          : is_declared ? say_declared(&census, whole, notes)
+                                        : say(&census, notes);
     if (status) {
         memory_free(copy);
         return status;

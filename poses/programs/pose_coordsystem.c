@@ -148,18 +148,29 @@ static conus_status load_system(conus_pose_list *list, const char *path)
     return status;
 }
 
-/* Without a file: what the table's own name says after "space-", if anything. */
-static conus_status space_of_name(conus_pose_list *list, const char *path)
+/* What the table's own name says behind "space-", or nothing. */
+static struct text space_in_name(const char *path)
 {
     struct text rest = text_from(path_base(path));
     struct text entity;
     for (bool more = true; text_field(&rest, '_', &more, &entity);) {
         if (text_starts(entity, "space-")) {
             enum { SKIPPED = sizeof "space-" - 1 };
-            return set_space(&list->space, (struct text){entity.data + SKIPPED, entity.size - SKIPPED});
+            return (struct text){entity.data + SKIPPED, entity.size - SKIPPED};
         }
     }
-    return CONUS_OK;
+    return (struct text){"", 0};
+}
+
+/* The file's space counts; a table whose name states another one may not be what the file describes. */
+static conus_status note_other_space(conus_pose_list *list, const char *path)
+{
+    struct text name = space_in_name(path);
+    enum pose_brain brain = brain_of(name);
+    return brain == POSE_BRAIN_UNKNOWN || brain == list->space.brain
+               ? CONUS_OK
+               : notes_warn(&list->notes, "its name says space \"%.*s\", but %s says \"%s\", which is taken",
+                            POSE_QUOTE(name), path_base(list->coordsystem), list->space.name);
 }
 
 conus_status pose_coordsystem_find(conus_pose_list *list, const char *path)
@@ -177,11 +188,13 @@ conus_status pose_coordsystem_find(conus_pose_list *list, const char *path)
         }
         if (file_exists(beside)) {
             list->coordsystem = beside;
-            return load_system(list, beside);
+            conus_status status = load_system(list, beside);
+            return status ? status : note_other_space(list, path);
         }
         memory_free(beside);
     }
-    conus_status status = space_of_name(list, path);
+    struct text name = space_in_name(path);
+    conus_status status = name.size ? set_space(&list->space, name) : CONUS_OK;
     bool is_named = list->space.name[0];
     return status ? status
                   : notes_warn(&list->notes, "no *_%s beside it: positions are taken as mm, and %s%s%s", system_ending,

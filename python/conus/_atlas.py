@@ -268,8 +268,9 @@ def load(
     streamlines
         Tractograms; each is a bundle, or one for each group of its file. Paths, what ``nibabel.streamlines`` loads
         or makes, lists of (n, 3) arrays of RAS mm, or dictionaries with "source", one of these, and: "radius", mm
-        (a ray hits what is nearer than this to a streamline; default 0.5), "name", and "moves": True of streamlines
-        in the space of the atlas's files, which ``transforms`` move, too.
+        (a ray hits what is nearer than this to a streamline; default 0.5), "name", "space", "ras" or "lps", the axes of
+        a file that does not state them, and "moves": True of streamlines in the space of the atlas's files, which
+        ``transforms`` move, too.
     context, context_blocks, context_opacity
         The context drawn around the areas: a path or nibabel image of a volume, the path of a surface, or a
         list of these with at most one volume. Its voxels with values from ``context_blocks`` on block

@@ -276,7 +276,8 @@ static void texts_are_utf8_or_windows_1252(void **state)
          "<?xml version=\"1.0\" encoding=\"UTF-8\"       ?><a>\xe2\x80\x99</a>", NULL},
         /* what it declares holds for letters that would be one of UTF-8, too */
         {" <?xml version='1.0' encoding='ISO-8859-1' ?><a>\xc3\xbc</a>",
-         "<?xml version='1.0' encoding='UTF-8'      ?><a>\xc3\x83\xc2\xbc</a>", NULL},
+         "<?xml version='1.0' encoding='UTF-8'      ?><a>\xc3\x83\xc2\xbc</a>", "letters are those of UTF-8, too"},
+        {"<?xml encoding=\"latin1\"?><a>a</a>", "<?xml encoding=\"UTF-8\" ?><a>a</a>", NULL},
         {"<?xml encoding=\"UTF-8\"?><a>\xfc</a>", NULL, NULL}, /* expat's to refuse */
         {"<a>\x80</a>", "<a>\xe2\x82\xac</a>", "it is read as Windows-1252"},
         {"\xff\xfe<", NULL, NULL},

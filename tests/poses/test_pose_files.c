@@ -341,6 +341,39 @@ static void coordinate_systems_are_found(void **state)
     }
 }
 
+/* A table whose name states a space that is not that of the file beside it: the file's is taken, with a warning. */
+static void a_name_contradicts_its_coordinate_system(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *system;
+        bool is_told;
+    } cases[] = {{"ACPC", "MNI152Lin", true},
+                 {"MNI152Lin", "ACPC", true},
+                 {"ACPC", "Other", true},
+                 {"ACPC", "T1w", false},
+                 {"MNI152Lin", "MNI152NLin2009cAsym", false},
+                 {"ours", "ACPC", false}};
+    char table[4096];
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char text[128];
+        snprintf(text, sizeof text, "sub-07_space-%s_electrodes.tsv", cases[i].name);
+        snprintf(table, sizeof table, "%s", test_scratch(text));
+        write_text(table, "name\tx\ty\tz\nA1\t2\t3\t4\n");
+        snprintf(text, sizeof text, "{\"iEEGCoordinateSystem\":\"%s\",\"iEEGCoordinateUnits\":\"mm\"}",
+                 cases[i].system);
+        write_text(test_scratch("sub-07_coordsystem.json"), text);
+        conus_pose_list *list = NULL;
+        assert_ok(conus_pose_list_load(&list, table, NULL));
+        snprintf(text, sizeof text,
+                 "its name says space \"%s\", but sub-07_coordsystem.json says \"%s\", which is taken", cases[i].name,
+                 cases[i].system);
+        assert_int_equal(pose_has_note(list, text), cases[i].is_told);
+        conus_pose_list_destroy(list);
+    }
+    remove(test_scratch("sub-07_coordsystem.json"));
+}
+
 static void coordinate_systems_are_read_strictly(void **state)
 {
     (void)state;
@@ -701,6 +734,7 @@ TEST_GROUP(pose_files)
         cmocka_unit_test(positions_on_a_probe_are_refused),
         cmocka_unit_test(contacts_look_along_their_shafts),
         cmocka_unit_test(coordinate_systems_are_found),
+        cmocka_unit_test(a_name_contradicts_its_coordinate_system),
         cmocka_unit_test(coordinate_systems_are_read_strictly),
         cmocka_unit_test(whose_brain_a_name_means),
         cmocka_unit_test(a_named_space_wins),

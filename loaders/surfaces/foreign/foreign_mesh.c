@@ -5,7 +5,9 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 
+#include <ctype.h>
 #include <string.h>
+#include <strings.h>
 
 struct polygon_corner {
     double at[3];
@@ -380,21 +382,19 @@ conus_status foreign_array_reserve(struct foreign_lines *lines, struct foreign_a
 
 enum mesh_space foreign_space_in(struct text text)
 {
-    static const char word[] = "SPACE";
-    enum { LENGTH = sizeof word - 1 };
-    while (text_mentions(text, word)) {
-        const char *at = memmem(text.data, text.size, word, LENGTH);
-        text.size -= (size_t)(at + LENGTH - text.data);
-        text.data = at + LENGTH;
-        struct text value = text;
-        while (value.size && strchr("= \t", *value.data) && *value.data) {
-            value = (struct text){value.data + 1, value.size - 1};
+    enum { WORD = sizeof "SPACE" - 1, VALUE = sizeof "LPS" - 1 };
+    for (size_t i = 0; i + WORD < text.size; i++) {
+        size_t at = i + WORD;
+        if (strncasecmp(text.data + i, "SPACE", WORD) != 0 || (i && isalnum((unsigned char)text.data[i - 1]))) {
+            continue;
         }
-        if (value.size < text.size && text_starts(value, "RAS")) {
-            return MESH_SPACE_RAS;
+        while (at < text.size && memchr("= \t", text.data[at], 3)) {
+            at++;
         }
-        if (value.size < text.size && text_starts(value, "LPS")) {
-            return MESH_SPACE_LPS;
+        const struct text value = {text.data + at, text.size - at < VALUE ? text.size - at : VALUE};
+        bool ends = text.size - at <= VALUE || !isalnum((unsigned char)text.data[at + VALUE]);
+        if (at > i + WORD && ends && text_is_one_of(value, "RAS/LPS", false)) {
+            return text_equal_ignoring_case(value, "RAS") ? MESH_SPACE_RAS : MESH_SPACE_LPS;
         }
     }
     return MESH_SPACE_UNSTATED;

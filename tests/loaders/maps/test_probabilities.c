@@ -190,6 +190,34 @@ static void the_spread_decides_about_the_scale(void **state)
     }
 }
 
+/* 40 of 10,000 voxels have 2.5 %, 5 % ... 100 %: 31 reach a quarter. All others are what a spline leaves of 0, in
+ * float32, or the code next to 0, 0.15, where int8 has steps of 0.5 and an offset. They are 99.6 % of what is above 0.
+ */
+static void what_is_left_of_0_does_not_decide_about_the_scale(void **state)
+{
+    (void)state;
+    test_folder("left");
+    for (int is_coded = 0; is_coded < 2; is_coded++) {
+        struct nifti_builder builder;
+        nifti_begin(&builder, 1, false, is_coded ? 256 : 16, (int64_t[]){10, 10, 100});
+        nifti_set(&builder, "scl_slope", 0, is_coded ? 0.5 : 1);
+        nifti_set(&builder, "scl_inter", 0, is_coded ? 50.15 : 0);
+        for (int v = 0; v < 10000; v++) {
+            nifti_voxel(&builder, is_coded ? (v < 40 ? 5 * (v + 1) - 100 : -100) : (v < 40 ? 2.5 * (v + 1) : 1e-9));
+        }
+        assert_ok(conus_write_file(test_in("m_probseg.nii"), builder.bytes.data, builder.bytes.size));
+        buffer_finish(&builder.bytes);
+        conus_atlas *atlas = load("m_probseg.nii");
+        assert_int_equal(conus_atlas_object(atlas, 1)->voxels, 31);
+        assert_note(atlas, "(values: percent)");
+        conus_atlas_destroy(atlas);
+        assert_ok(conus_atlas_create(&atlas, NULL, NULL, 0, NULL));
+        assert_ok(conus_atlas_add_pathway(atlas, test_in("m_probseg.nii"), NULL));
+        assert_int_equal(conus_atlas_object(atlas, 1)->voxels, 31);
+        conus_atlas_destroy(atlas);
+    }
+}
+
 /* The code times the scale that was meant is T; the scale in float32 makes it 2e-8 less, or more. That voxel belongs to
  * T and more, and not to what is below T. */
 static void what_is_written_as_a_threshold_reaches_it(void **state)
@@ -579,6 +607,7 @@ TEST_GROUP(probabilities)
         cmocka_unit_test(an_fsl_atlas_has_areas),
         cmocka_unit_test(scales_are_told_apart),
         cmocka_unit_test(the_spread_decides_about_the_scale),
+        cmocka_unit_test(what_is_left_of_0_does_not_decide_about_the_scale),
         cmocka_unit_test(what_is_written_as_a_threshold_reaches_it),
         cmocka_unit_test(the_largest_value_decides_about_the_scale),
         cmocka_unit_test(masks_of_any_value_are_areas),

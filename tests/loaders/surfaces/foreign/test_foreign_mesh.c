@@ -157,8 +157,10 @@ static void the_space_is_found(void **state)
         enum mesh_space space;
     } cases[] = {{"", MESH_SPACE_UNSTATED},           {"SPACE=RAS", MESH_SPACE_RAS},
                  {"x SPACE = \tLPS", MESH_SPACE_LPS}, {"SPACELPS", MESH_SPACE_UNSTATED},
-                 {"SPACE=SPACE=LPS", MESH_SPACE_LPS}, {"SPACE=ras", MESH_SPACE_UNSTATED},
-                 {"space=LPS", MESH_SPACE_UNSTATED},  {"SPACE=", MESH_SPACE_UNSTATED}};
+                 {"SPACE=SPACE=LPS", MESH_SPACE_LPS}, {"SPACE=ras", MESH_SPACE_RAS},
+                 {"space=LPS", MESH_SPACE_LPS},       {"SPACE=", MESH_SPACE_UNSTATED},
+                 {"SPACE=LPSX", MESH_SPACE_UNSTATED}, {"NOSPACE=LPS", MESH_SPACE_UNSTATED},
+                 {"SPACE=LP", MESH_SPACE_UNSTATED},   {"x;Space=lps;", MESH_SPACE_LPS}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         assert_int_equal(foreign_space_in(text_from(cases[i].text)), cases[i].space);
     }
