@@ -115,7 +115,7 @@ static int check_files(const struct batch_task *task)
     char option[64];
     struct outputs all;
     if (!task->output) {
-        return EXIT_DONE;
+        return output_spares_inputs("standard output", "/dev/stdout") ? EXIT_DONE : EXIT_USAGE;
     }
     snprintf(option, sizeof option, "--%s", settings->of_axis ? settings->of_axis->option : "output");
     outputs_collect(&all, task->arguments); /* those of later runs, too */

@@ -25,6 +25,19 @@ static void add_output(struct outputs *out, const char *form, const char *option
     snprintf(output->what, sizeof output->what, form, option);
 }
 
+/* Adds each @FILE in a list of names, which may be read late. */
+static void add_lists(const char *value)
+{
+    for (const char *item = value; item && *item; item += *item == ',') {
+        item += strspn(item, " ");
+        size_t length = strcspn(item, ",");
+        char *path = *item == '@' ? strndup(item + 1, length - 1) : NULL;
+        conus_inputs_add(path);
+        free(path);
+        item += length;
+    }
+}
+
 int outputs_begin(const struct arguments *arguments)
 {
     conus_status status = conus_inputs_keep();
@@ -37,8 +50,9 @@ int outputs_begin(const struct arguments *arguments)
     for (size_t i = 0; i < arguments->use_count; i++) {
         const struct option_use *use = &arguments->uses[i];
         if (use->option->role >= OPTION_READS && use->option->role <= OPTION_READS_POSES) {
-            conus_inputs_add(use->value + (*use->value == '@'));
+            conus_inputs_add(use->value);
         }
+        add_lists(use->value);
     }
     return print_status(status);
 }
@@ -85,7 +99,7 @@ bool output_spares_inputs(const char *what, const char *path)
 
 bool outputs_spare_inputs(const struct outputs *outputs)
 {
-    bool spared = true;
+    bool spared = output_spares_inputs("standard output", "/dev/stdout"); /* of >> and <> */
     for (size_t i = 0; i < outputs->count && spared; i++) {
         spared = output_spares_inputs(outputs->items[i].what, outputs->items[i].path);
     }

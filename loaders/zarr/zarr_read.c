@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SPACE = 3, PIECE = 1 << 20 };
+enum { SPACE = 3, PIECE = 1 << 20, FILES = 1 << 22 /* some seconds, where hardly any is there */ };
 
 /* An entry of the index of a shard: where a chunk lies; both are all ones where it has the fill value. */
 struct entry {
@@ -108,6 +108,10 @@ static conus_status reading_init(struct reading *reading, uint64_t volume)
         return fail(CONUS_ERROR_DATA,
                     "chunk_shape: chunks of %zu bytes, %.0f in all, far larger than the array of %.0f",
                     array->chunk_bytes, chunks, data);
+    }
+    if (reading->found.wanted > FILES) {
+        return fail(CONUS_ERROR_DATA, "chunk_shape: %llu files of chunks, allowed are %d",
+                    (unsigned long long)reading->found.wanted, FILES);
     }
     if (!fits || bytes > reading->limit - index) {
         return fail(CONUS_ERROR_MEMORY,

@@ -27,6 +27,7 @@ struct tally_of_pieces {
     uint64_t last; /* piece, from 1, that was counted last: an object that is met twice there counts once */
     size_t peak;   /* voxel or tetrahedron, where has_peak */
     bool has_peak;
+    bool meets;                /* bounds of two of its surfaces do */
     double by_lines[QUARTERS]; /* how much of the volume lines have decided, by every second of them along i and j */
 };
 
@@ -41,7 +42,8 @@ struct crossed {
  * and in that of all objects. Of a surface in that of an area above it nothing is. */
 struct measured {
     bool of_group, of_all;
-    double off; /* its volume by lines less that; of a surface that is not summed up its volume by lines */
+    bool has_part; /* in the region */
+    double off;    /* its volume by lines less that; of a surface that is not summed up its volume by lines */
 };
 
 struct counting {
@@ -330,10 +332,35 @@ static conus_status measure_mesh(struct counting *counting, uint32_t number, con
             add_share(counting, tally, voxel, box.inside[i]);
             counting->tallies[0].volume -= measured->of_all ? box.inside[i] : 0;
             measured->off -= box.inside[i];
+            measured->has_part = true;
         }
     }
     memory_free(box.inside);
     return status;
+}
+
+static bool bounds_meet(const struct mesh *a, const struct mesh *b)
+{
+    bool meet = true;
+    for (int i = 0; i < 3 && meet; i++) {
+        meet = a->shape.low[i] < b->shape.high[i] && b->shape.low[i] < a->shape.high[i];
+    }
+    return meet;
+}
+
+/* Notes what surface `number` may have in common with one before it, which all lines may pass by. */
+static void meet_meshes(struct counting *counting, uint32_t number)
+{
+    const conus_atlas *atlas = counting->selector->atlas;
+    const uint32_t *groups = level_group(counting->selector->level);
+    const struct measured *is_measured = counting->is_measured;
+    for (uint32_t before = 1; before < number && is_measured[number].has_part; before++) {
+        if (is_measured[before].has_part &&
+            bounds_meet(atlas_object_mesh(atlas, before), atlas_object_mesh(atlas, number))) {
+            counting->tallies[0].meets |= is_measured[before].of_all && is_measured[number].of_all;
+            counting->tallies[groups[number]].meets |= groups[before] == groups[number];
+        }
+    }
 }
 
 /* Measures the surfaces that have a volume. */
@@ -348,6 +375,7 @@ static conus_status measure_meshes(struct counting *counting)
             measured->of_group = !selector_lies_in_mesh(counting->selector, number, false);
             measured->of_all = !selector_lies_in_mesh(counting->selector, number, true);
             status = measured->of_group ? measure_mesh(counting, number, mesh) : CONUS_OK;
+            meet_meshes(counting, number);
         }
     }
     return status;
@@ -363,18 +391,19 @@ static double error_of(const struct counting *counting, uint32_t object, double 
     double sum = 0;
     double squares = 0;
     double off = 0;
-    bool is_exact = true;
+    bool is_apart = true; /* as far as lines tell */
     for (int i = 0; i < QUARTERS; i++) {
         sum += tally->by_lines[i];
-        is_exact = is_exact && tally->by_lines[i] == 0;
+        is_apart = is_apart && tally->by_lines[i] == 0;
     }
-    if (is_exact) {
+    if (is_apart && !tally->meets) {
         return 0;
     }
     for (uint32_t number = 1; number <= counting->selector->atlas->object_count; number++) {
         const struct measured *measured = &counting->is_measured[number];
         bool counts = object ? measured->of_group && groups[number] == object : measured->of_all;
-        off = counts ? fmax(off, fabs(measured->off)) : off;
+        double more = counts ? fabs(measured->off) : 0;
+        off = is_apart ? off + more : fmax(off, more);
     }
     for (int i = 0; i < QUARTERS; i++) {
         squares += (QUARTERS * tally->by_lines[i] - sum) * (QUARTERS * tally->by_lines[i] - sum);

@@ -302,6 +302,9 @@ no_store() {
     no_store 'no chunk of this array is there: it was not downloaded'
     mkfifo store.zarr/c/0/0/0
     no_store 'c/0/0/0: cannot read: is a device or pipe'
+    # a voxel a file: each would be looked for, 162 x 161 x 161 are just more than 2^22
+    store '[162, 161, 161]' '[1, 1, 1]' '["bytes"]'
+    no_store 'chunk_shape: 4199202 files of chunks, allowed are 4194304'
     # 8 chunks of 200 MB stand for 8 bytes: no more than 256 MB and 16 times the array are unpacked
     store '[2, 2, 2]' '[1, 1, 200000000]' '["bytes", "gzip"]'
     no_store 'chunk_shape: chunks of 200000000 bytes, 800000000 in all, far larger than the array of 8'

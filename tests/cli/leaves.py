@@ -14,7 +14,7 @@ import sys
 import tempfile
 
 SEALED = ["Space", "GeneratedBy", "Atlas", "Atlases", "Settings", "Queries", "Batch", "Inputs", "Outputs", "Sources",
-          "Question"]
+          "Question", "Plan"]
 
 
 class Real(str):

@@ -52,6 +52,20 @@ load helpers
     done
 }
 
+@test "standard output that is sent back into a file that is read keeps it" {
+    conus phantom u-shape -o . --size 16
+    printf 'x\ty\tz\tdx\tdy\tdz\tfar\n40\t0\t0\t-1\t0\t0\t45\n' | tee poses.tsv >before
+    local command
+    for command in 'batch --poses' 'plan --reach Ball --poses' 'query --pose' 'sweep --pose'; do
+        # shellcheck disable=SC2086,SC2094 # words, and this is what is refused
+        "$CONUS" ${command%% *} u-shape.nii.gz ${command#* } poses.tsv >>poses.tsv 2>message && false
+        [ "$(cat message)" = 'conus: standard output /dev/stdout would overwrite the input poses.tsv' ]
+        cmp poses.tsv before
+    done
+    # what is no file may be both
+    "$CONUS" query u-shape.nii.gz --pose - <poses.tsv >/dev/null
+}
+
 @test "in a table of batches no row writes what another reads" {
     conus phantom u-shape -o . --size 16
     printf 'x\ty\tz\tdx\tdy\tdz\n40\t0\t0\t-1\t0\t0\n' | tee a.tsv >b.tsv

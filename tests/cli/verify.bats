@@ -25,6 +25,7 @@ inputs() {
     printf 'query_id\tx\ty\tz\ttx\tty\ttz\tangle\terror_deg\n' >poses.tsv
     printf 'front\t0\t100\t0\t0\t0\t0\t5\t1\nlost\t0\t0\t0\t0\t0\t0\t5\t1\nleft\t-90\t9\t9\t0\t0\t0\tn/a\t2\n' >>poses.tsv
     printf 'time_s\tx\ty\tz\ttx\tty\ttz\ttrigger\n0\t0\t0\t90\t0\t0\t0\t0\n0.1\t0\t0\t90\t0\t9\t0\t0\n0.3\t0\t0\t90\t3\t0\t0\t1\n' >hand.tsv
+    printf 'query_id\tx\ty\tz\ttx\tty\ttz\tfar\nfront\t0\t100\t0\t0\t0\t0\t99\nside\t0\t0\t90\t0\t9\t0\t80\n' >needles.tsv
     printf 'name\tx\ty\tz\tsize\nR1\t80\t0\t0\t1\nR2\t70\t0\t0\t1\n' >in_electrodes.tsv
     printf '{"iEEGCoordinateSystem": "Other", "iEEGCoordinateUnits": "mm"}\n' >in_coordsystem.json
     printf 'name\tx\ty\tz\tsize\nA0\t0\t-12\t0.5\t1\nA1\t0\t-11\t0.5\t1\nA2\t0\t-10\t0.5\t1\n' >probe.tsv
@@ -50,6 +51,7 @@ setup_file() {
     make layers.tsv query $N $aim --layers all --voxels out/voxels.tsv --voxels-of all --image out/seen.exr \
         --deep out/deep.exr --mask out/in_dseg.nii.gz
     make mask.tsv query $N $aim --mask out/in_mask.nii.gz --mask-object Core --image out/seen.png
+    make plan.tsv plan $S --poses needles.tsv --reach Sphere,length=5
     make range.tsv query $S $aim --range 70,95 --aperture square --resolution 40
     make tube.tsv query $S --origin=-90,1,2 --direction=1,0.1,0 --up 0,1,1 --radius 4
     make slices.tsv query $S $aim --sampling slices --slices 90 --slice-fraction 0.5
@@ -261,7 +263,7 @@ says() {
 # each kind of sidecar is changed alone.
 @test "every value of a sidecar that is changed is noticed, with the checksum recomputed" {
     study
-    run -0 python3 "$BATS_TEST_DIRNAME/leaves.py" "$CONUS" out/{several,batch,merged,job1,sweep,track,passed,ends-rows}.tsv \
+    run -0 python3 "$BATS_TEST_DIRNAME/leaves.py" "$CONUS" out/{several,batch,merged,job1,sweep,track,plan,passed,ends-rows}.tsv \
         out/regions.json out/in_mask.nii.gz
     echo "$output"
     count=$(sed -nE 's/^([0-9]+) values changed, \1 noticed$/\1/p' <<<"$output")

@@ -321,6 +321,35 @@ static void what_overlaps_is_off_by_no_more_than_is_said(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Boxes with a sheet of 0.2 mm in common, 10 x 10 mm, between the lines of voxels of 1 mm, which are at -4.875 and
+ * -4.625: no line sees it, so that it is counted twice, and 20 mm^3 are what the row may be off at least. A third box
+ * that only touches is exact: its bounds meet no others. */
+static void what_lines_pass_by_is_said(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    add_box(atlas, (const double[]){-5, -5, -5}, (const double[]){-4.65, 5, 5});
+    add_box(atlas, (const double[]){-4.85, -5, -5}, (const double[]){5, 5, 5});
+    add_box(atlas, (const double[]){5, -5, -5}, (const double[]){7, 5, 5});
+    for (uint32_t label = 9; label < 11; label++) {
+        assert_ok(atlas_add_group(
+            atlas, &(conus_object){.kind = CONUS_KIND_AREA, .label = label, .name = "all", .abbreviation = ""}));
+    }
+    atlas->objects[0].parent = atlas->objects[1].parent = 4;
+    atlas->objects[2].parent = 5;
+    conus_roi *roi = region_scene_whole(20, 1, (const double[]){-9.5, -9.5, -9.5});
+    conus_overlap *overlap = region_scene_overlap(atlas, roi, "1");
+    const conus_coverage *both = region_scene_find(overlap, 4);
+    const conus_coverage *none = region_scene_find(overlap, 0);
+    assert_near(both->volume, 1000, both->volume_error + 1e-6);
+    assert_near(none->volume, 8000 - 1200, none->volume_error + 1e-6);
+    assert_in_range(both->volume_error * 1000, 20 * 999, 40000);
+    assert_near(region_scene_find(overlap, 5)->volume_error, 0, 0);
+    conus_overlap_destroy(overlap);
+    conus_roi_destroy(roi);
+    conus_atlas_destroy(atlas);
+}
+
 static void closed_surfaces_are_left_as_often_as_entered(void **state)
 {
     (void)state;
@@ -574,6 +603,7 @@ TEST_GROUP(overlap)
         cmocka_unit_test(a_level_counts_what_is_in_two_parts_once),
         cmocka_unit_test(what_does_not_overlap_is_exact),
         cmocka_unit_test(what_overlaps_is_off_by_no_more_than_is_said),
+        cmocka_unit_test(what_lines_pass_by_is_said),
         cmocka_unit_test(closed_surfaces_are_left_as_often_as_entered),
         cmocka_unit_test(what_is_no_region_is_refused),
         cmocka_unit_test(every_failing_allocation_is_survived),
