@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { DEVICE_LIMIT = 32, ATTEMPTS_SIZE = 512, REMARK_LIMIT = 16 };
+enum { DEVICE_LIMIT = 32, ATTEMPTS_SIZE = 512 };
 
 struct gl_context {
     EGLDisplay display;
@@ -16,8 +16,6 @@ struct gl_context {
     conus_log log;
     void *log_user;
     char renderer[128];
-    uint64_t remarks[REMARK_LIMIT]; /* kinds that were logged */
-    size_t remark_count;
 };
 
 conus_status gl_context_use(struct gl_context *context, struct gl_current *previous)
@@ -91,38 +89,18 @@ static conus_status find_libraries(void)
     return CONUS_OK;
 }
 
-/* A driver may make a remark of a kind at every call. */
-static bool is_news(struct gl_context *context, uint64_t remark)
-{
-    for (size_t i = 0; i < context->remark_count; i++) {
-        if (context->remarks[i] == remark) {
-            return false;
-        }
-    }
-    if (context->remark_count == REMARK_LIMIT) {
-        return false;
-    }
-    context->remarks[context->remark_count++] = remark;
-    return true;
-}
-
-/* Drivers speak of their speed and of where they keep what (PERFORMANCE, OTHER) in any severity: nothing is wrong. */
 static void GLAPIENTRY receive_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length,
                                        const GLchar *message, const void *user)
 {
-    (void)source, (void)length;
-    struct gl_context *context = (struct gl_context *)user;
-    bool is_remark = type == GL_DEBUG_TYPE_PERFORMANCE || type == GL_DEBUG_TYPE_OTHER;
+    (void)source, (void)id, (void)length;
+    const struct gl_context *context = user;
     char line[512];
-    if (is_remark && !is_news(context, (uint64_t)type << 32 | id)) {
-        return;
-    }
     snprintf(line, sizeof line, "OpenGL %s%s: %s", type == GL_DEBUG_TYPE_ERROR ? "error" : "message",
-             severity == GL_DEBUG_SEVERITY_HIGH && !is_remark ? " (high severity)" : "", message);
+             severity == GL_DEBUG_SEVERITY_HIGH ? " (high severity)" : "", message);
     for (char *at = line; *at; at++) {
         *at = (unsigned char)*at < 0x20 ? ' ' : *at;
     }
-    const conus_note note = {.severity = is_remark ? CONUS_SEVERITY_NOTE : CONUS_SEVERITY_WARNING, .line = line};
+    const conus_note note = {.severity = CONUS_SEVERITY_WARNING, .line = line};
     context->log(context->log_user, &note);
 }
 
@@ -190,6 +168,9 @@ static bool set_up(struct gl_context *context, const char *name, char attempts[A
         glEnable(GL_DEBUG_OUTPUT);
         glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
         glDebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DEBUG_SEVERITY_NOTIFICATION, 0, NULL, GL_FALSE);
+        /* remarks on speed and memory, of any severity and at every call: nothing is wrong */
+        glDebugMessageControl(GL_DONT_CARE, GL_DEBUG_TYPE_PERFORMANCE, GL_DONT_CARE, 0, NULL, GL_FALSE);
+        glDebugMessageControl(GL_DONT_CARE, GL_DEBUG_TYPE_OTHER, GL_DONT_CARE, 0, NULL, GL_FALSE);
         glDebugMessageCallback(receive_message, context);
     }
     gl_current_restore(&previous);

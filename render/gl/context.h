@@ -21,9 +21,9 @@ struct gl_current {
     EGLenum api;
 };
 
-/** Makes a context; it is not current afterwards. The driver's messages about our calls (KHR_debug) go to
- * @p log, one line each: what is wrong as a warning; remarks on speed and memory as a note, each kind once. NULL asks
- * for no such messages. CONUS_ERROR_GL: the message says what was tried. */
+/** Makes a context; it is not current afterwards. The driver's messages about our calls (KHR_debug), but for
+ * remarks on speed and memory, go to @p log, one line each; NULL asks for no such messages. CONUS_ERROR_GL: the message
+ * says what was tried. */
 conus_status gl_context_create(struct gl_context **out, conus_log log, void *log_user);
 
 /** NULL is fine. GL objects made in the context go with it. */
