@@ -6,33 +6,24 @@
 #include "cache/atlas_cache.h"
 #include "loaders/scene/load_streamlines.h"
 
-/* The kinds of entries: an atlas, and streamlines in each of the spaces that may be stated, which are other ones. */
-static const char *const streamlines_kinds[] = {"streamlines", "streamlines in RAS", "streamlines in LPS"};
+/* The kinds of entries: streamlines in each conus_file_space, which are other ones, and an atlas. */
+static const char *const kinds[] = {"streamlines", "streamlines in RAS", "streamlines in LPS", "atlas"};
+enum { ATLAS = CONUS_FILE_SPACE_LPS + 1 };
 
-static conus_status read_files(conus_atlas **out, const char *path, const char *kind, const conus_load_options *options)
-{
-    for (int space = CONUS_FILE_SPACE_AS_STATED; space <= CONUS_FILE_SPACE_LPS; space++) {
-        if (kind == streamlines_kinds[space]) {
-            return streamlines_load(out, path, options, (conus_file_space)space,
-                                    options->cache && atlas_cache_leaves_points(path));
-        }
-    }
-    return atlas_load_files(out, path, options);
-}
-
-static conus_status find_or_load(conus_atlas **out, const char *path, const char *kind,
-                                 const conus_load_options *options)
+static conus_status find_or_load(conus_atlas **out, const char *path, int kind, const conus_load_options *options)
 {
     struct atlas_cache cache;
     conus_status status = options->cache ? cache_check_limit() : CONUS_OK;
     if (status) {
         return status;
     }
-    atlas_cache_init(&cache, path, kind, options);
+    atlas_cache_init(&cache, path, kinds[kind], options);
     conus_atlas *atlas = atlas_cache_find(&cache);
     if (!atlas) {
         atlas_cache_begin_reading(&cache);
-        status = read_files(&atlas, path, kind, &cache.options);
+        bool maps = cache.options.cache && atlas_cache_leaves_points(path);
+        status = kind == ATLAS ? atlas_load_files(&atlas, path, &cache.options)
+                               : streamlines_load(&atlas, path, &cache.options, (conus_file_space)kind, maps);
         atlas_cache_end_reading(&cache);
         if (!status) {
             status = atlas_cache_keep(&cache, &atlas);
@@ -50,7 +41,7 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     if (!out || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_load: a result and a path are needed");
     }
-    return find_or_load(out, path, "atlas", options_of(conus_load_options, options));
+    return find_or_load(out, path, ATLAS, options_of(conus_load_options, options));
 }
 
 /* The streamlines of a file, in an atlas of their own. */
@@ -62,7 +53,7 @@ static conus_status load_streamlines(conus_atlas **out, const char *path, const 
         return fail(CONUS_ERROR_ARGUMENT, "%s: space %d, allowed are CONUS_FILE_SPACE_AS_STATED (0), _RAS and _LPS",
                     path, (int)options->space);
     }
-    return find_or_load(out, path, streamlines_kinds[options->space], &load);
+    return find_or_load(out, path, (int)options->space, &load);
 }
 
 conus_status conus_tractogram_load(conus_tractogram **out, const char *path, const conus_streamlines_options *options)
