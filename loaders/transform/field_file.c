@@ -80,32 +80,20 @@ static conus_status flirt_kind(enum field_kind *out, const struct field_header *
     return CONUS_OK;
 }
 
-/* What a header says of the vectors; nothing where it does not. */
-struct statement {
-    conus_vectors vectors;
-    conus_file_space space;
-};
-
-static conus_status read_statement(struct statement *out, const struct field_header *header)
+/* What a header says of vectors that are in RAS then. */
+static conus_status read_statement(conus_vectors *out, const struct field_header *header)
 {
-    static const char *const refused[] = {"a control-point grid", "a velocity field", "a velocity field",
-                                          "a grid of velocities", "a control-point grid"};
     const char *name = header->intent_name;
-    double kind = header->parameter;
-    if (strncmp(name, "NREG_", 5) == 0 && (strcmp(name, "NREG_TRANS") != 0 || (kind != 0 && kind != 1))) {
-        bool is_known = kind >= 2 && kind <= 6 && kind == floor(kind) && strcmp(name, "NREG_TRANS") == 0;
+    const double kind = header->parameter;
+    bool is_reg = strcmp(name, "NREG_TRANS") == 0 && (kind == 0 || kind == 1);
+    if (strncmp(name, "NREG_", 5) == 0 && !is_reg) {
         return fail(CONUS_ERROR_UNSUPPORTED,
-                    "intent_name: found \"%s\", intent_p1 %g, %s of NiftyReg: 'reg_transform -ref IMAGE -def FILE OUT' "
-                    "makes positions of it, which are read (0), as displacements (1) are",
-                    name, kind, is_known ? refused[(int)kind - 2] : "an unknown kind");
+                    "intent_name: found \"%s\", intent_p1 %g, a grid or velocities of NiftyReg: 'reg_transform -ref "
+                    "IMAGE -def FILE OUT' makes positions of it, which are read (0), as displacements (1) are",
+                    name, kind);
     }
-    if (strcmp(name, "NREG_TRANS") == 0) {
-        *out = (struct statement){kind == 0 ? CONUS_VECTORS_ABSOLUTE : CONUS_VECTORS_RELATIVE, CONUS_FILE_SPACE_RAS};
-    } else if (strcmp(name, "Mapping") == 0) { /* as SPM calls it */
-        *out = (struct statement){CONUS_VECTORS_ABSOLUTE, CONUS_FILE_SPACE_RAS};
-    } else {
-        *out = (struct statement){0};
-    }
+    bool is_absolute = is_reg ? kind == 0 : strcmp(name, "Mapping") == 0; /* as SPM calls it */
+    *out = is_absolute ? CONUS_VECTORS_ABSOLUTE : is_reg ? CONUS_VECTORS_RELATIVE : CONUS_VECTORS_AS_STATED;
     return CONUS_OK;
 }
 
@@ -113,14 +101,14 @@ static conus_status read_statement(struct statement *out, const struct field_hea
 static conus_status vectors_kind(enum field_kind *out, const struct field_header *header, conus_vectors vectors,
                                  conus_file_space space)
 {
-    struct statement stated;
+    conus_vectors stated;
     const int code = header->intent_code;
     const char *name = header->intent_name;
     conus_status status = read_statement(&stated, header);
     if (status) {
         return status;
     }
-    if (header->dim[0] == 4 && !stated.space && !space) {
+    if (header->dim[0] == 4 && (code == FNIRT_FIELD || !(stated || space))) {
         return fail(CONUS_ERROR_ARGUMENT,
                     code == FNIRT_FIELD
                         ? "dim: found 4, a field of FSL's kind, whose numbers mean nothing without its two images: "
@@ -129,31 +117,23 @@ static conus_status vectors_kind(enum field_kind *out, const struct field_header
                           "FSL's, ',space=ras,absolute' for positions in RAS mm (MRtrix's warpconvert, EasyReg), "
                           "',space=ras,relative' for displacements (SynthMorph; VoxelMorph's if in mm, not in voxels)");
     }
-    if ((vectors && stated.vectors && vectors != stated.vectors) || (space && stated.space && space != stated.space)) {
-        return fail(CONUS_ERROR_ARGUMENT, "intent_name: found \"%s\"%s, %s word for %s in RAS: not %s", name,
-                    name[0] == 'M'           ? ""
-                    : header->parameter != 0 ? ", 1"
-                                             : ", 0",
-                    name[0] == 'M' ? "SPM's" : "NiftyReg's",
-                    stated.vectors == CONUS_VECTORS_ABSOLUTE ? "positions" : "displacements",
-                    space && space != stated.space      ? "LPS"
-                    : vectors == CONUS_VECTORS_RELATIVE ? "relative"
-                                                        : "absolute");
+    if (stated && ((vectors && vectors != stated) || space == CONUS_FILE_SPACE_LPS)) {
+        bool positions = stated == CONUS_VECTORS_ABSOLUTE;
+        return fail(CONUS_ERROR_ARGUMENT, "intent_name: found \"%s\", intent_p1 %g: %s in RAS, not %s", name,
+                    header->parameter, positions ? "positions" : "displacements",
+                    space == CONUS_FILE_SPACE_LPS ? "LPS"
+                    : positions                   ? "relative"
+                                                  : "absolute");
     }
-    if (code == FNIRT_FIELD && header->dim[0] == 4) {
-        return fail(CONUS_ERROR_ARGUMENT,
-                    "intent_code: found 2006, fnirt's, whose mm are those of two images: from=IMAGE "
-                    "and to=IMAGE are needed, not space=");
-    }
-    if (code == INTENT_DISPLACEMENT && stated.vectors && !vectors) {
+    if (code == INTENT_DISPLACEMENT && stated && !vectors) {
         return fail(CONUS_ERROR_ARGUMENT,
                     "intent_code: found 1006 (displacements), and intent_name \"%s\": ',relative' or ',absolute' is "
                     "needed",
                     name);
     }
-    vectors = vectors ? vectors : stated.vectors;
+    vectors = vectors ? vectors : stated;
     vectors = !vectors && space && code == INTENT_DISPLACEMENT ? CONUS_VECTORS_RELATIVE : vectors;
-    space = space ? space : stated.space;
+    space = space ? space : stated ? CONUS_FILE_SPACE_RAS : CONUS_FILE_SPACE_AS_STATED;
     if (space && !vectors) {
         return fail(CONUS_ERROR_ARGUMENT,
                     "space: ',relative' (displacements) or ',absolute' (positions) is needed, too");
@@ -174,7 +154,7 @@ const char *field_header_words(bool *usable, const struct field_header *header)
 {
     const int64_t *dim = header->dim;
     const int code = header->intent_code;
-    struct statement stated;
+    conus_vectors stated;
     bool vectors = dim[0] == 5 && dim[4] == 1 && dim[5] == 3;
     if (vectors && read_statement(&stated, header)) {
         *usable = false;

@@ -210,7 +210,7 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     fails 3 "no deformation field" $move two.nii.gz
     fails 3 "a deformation field is not inverted" $move itk.nii.gz,inverse
     fails 2 "from=IMAGE and to=IMAGE are needed" $move rel.nii.gz
-    fails 2 "2006, fnirt's, whose mm are those of two images" $move rel.nii.gz,space=ras,relative
+    fails 2 "whose numbers mean nothing without its two images" $move rel.nii.gz,space=ras,relative
     fails 2 "one of them is needed" $move rel.nii.gz,space=ras$images
     field ras
     for key in '' ,relative ,absolute; do
@@ -225,7 +225,7 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     fails 3 "voxel (0, 0, 0): a vector that is not finite" $move nan.nii.gz
     fails 2 "look like positions, and the header does not say so" $move unsaid.nii.gz
     fails 2 "not relative" $move spm.nii.gz,relative
-    fails 3 "intent_p1 2, a control-point grid of NiftyReg" $move reg.nii.gz
+    fails 3 "intent_p1 2, a grid or velocities of NiftyReg" $move reg.nii.gz
     fails 3 "bytes" $move itk.nii.gz --max-memory 1M
     printf '1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >same.txt
     fails 2 "relative and absolute" $move same.txt,absolute

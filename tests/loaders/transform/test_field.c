@@ -185,23 +185,21 @@ static void bad_headers_say_what_is_wrong(void **state)
     check_refused(bad, false, 0, CONUS_ERROR_DATA, "intent_code: found 0");
     check_refused(good, true, 0, CONUS_ERROR_ARGUMENT, "are for FSL's fields");
     memcpy(bad.intent_name, "Mapping", sizeof "Mapping");
-    check_refused(bad, false, CONUS_VECTORS_RELATIVE, CONUS_ERROR_ARGUMENT, "not relative");
+    check_refused(bad, false, CONUS_VECTORS_RELATIVE, CONUS_ERROR_ARGUMENT, "positions in RAS, not relative");
     bad.intent_code = 1006;
     check_refused(bad, false, 0, CONUS_ERROR_ARGUMENT, "found 1006 (displacements), and intent_name \"Mapping\"");
     memcpy(bad.intent_name, "NREG_TRANS", sizeof "NREG_TRANS");
-    check_refused(bad, false, CONUS_VECTORS_RELATIVE, CONUS_ERROR_ARGUMENT, "NiftyReg's word for positions");
+    check_refused(bad, false, CONUS_VECTORS_RELATIVE, CONUS_ERROR_ARGUMENT,
+                  "intent_p1 0: positions in RAS, not relative");
     static const struct {
         const char *name;
         double parameter;
-        const char *words;
-    } kinds[] = {{"NREG_TRANS", 2, "a control-point grid"}, {"NREG_TRANS", 3, "a velocity field"},
-                 {"NREG_TRANS", 4, "a velocity field"},     {"NREG_TRANS", 5, "a grid of velocities"},
-                 {"NREG_TRANS", 6, "a control-point grid"}, {"NREG_TRANS", 7, "an unknown kind"},
-                 {"NREG_TRANS", NAN, "an unknown kind"},    {"NREG_CPP_FILE", 0, "an unknown kind"}};
+    } kinds[] = {{"NREG_TRANS", 2}, {"NREG_TRANS", 3}, {"NREG_TRANS", 4},   {"NREG_TRANS", 5},
+                 {"NREG_TRANS", 6}, {"NREG_TRANS", 7}, {"NREG_TRANS", NAN}, {"NREG_CPP_FILE", 0}};
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
         bad.parameter = kinds[i].parameter;
         snprintf(bad.intent_name, sizeof bad.intent_name, "%s", kinds[i].name);
-        check_refused(bad, false, 0, CONUS_ERROR_UNSUPPORTED, kinds[i].words);
+        check_refused(bad, false, 0, CONUS_ERROR_UNSUPPORTED, "a grid or velocities of NiftyReg");
         check_refused(bad, false, CONUS_VECTORS_ABSOLUTE, CONUS_ERROR_UNSUPPORTED, "of NiftyReg");
     }
     bad = good;
