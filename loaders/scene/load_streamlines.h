@@ -20,8 +20,8 @@ conus_status streamlines_radius(double *out, double wanted, const char *path);
 conus_status streamlines_add(conus_atlas *atlas, struct tractogram *tractogram, const char *name, struct notes *notes);
 
 /** Reads the tractogram @p path, of which @p space is stated, into an atlas that has nothing else, and makes it ready
- * for bundles. With @p maps the
- * points may stay in the file (is_in_file): nobody should read them before tractogram_hold_points(). */
+ * for bundles. With @p maps the points may stay in the file (is_in_file): nobody should read them before
+ * tractogram_hold_points(). */
 conus_status streamlines_load(conus_atlas **out, const char *path, const conus_load_options *options,
                               conus_file_space space, bool maps);
 

@@ -109,17 +109,17 @@ static conus_status settle_space(struct tractogram *tractogram, const struct tra
 }
 
 static conus_status read_format(struct tractogram *out, const struct tract_format *format, const char *path,
-                                const struct bytes *mapped, const struct tract_reading *how, struct notes *notes)
+                                const struct bytes *mapped, uint64_t max_memory, conus_file_space space,
+                                struct notes *notes)
 {
     struct tractogram tractogram = {0};
-    const uint64_t max_memory = how->max_memory;
     conus_status status;
     if (format->open) {
         status = format->open(&tractogram, path, memory_limit(max_memory), notes);
     } else {
         struct byte_stream stream = {0};
         status = byte_stream_open(&stream, path);
-        bool stays = how->space != CONUS_FILE_SPACE_LPS; /* points that are turned cannot stay in the file */
+        bool stays = space != CONUS_FILE_SPACE_LPS; /* points that are turned cannot stay in the file */
         stream.mapped = stays ? mapped->data : NULL;
         stream.mapped_size = stays ? mapped->size : 0;
         status = status ? status : read_stream(&tractogram, format, &stream, max_memory, notes);
@@ -128,7 +128,7 @@ static conus_status read_format(struct tractogram *out, const struct tract_forma
     }
     if (!status) {
         tractogram.states_mm = tractogram.states_mm || format->states_mm;
-        status = settle_space(&tractogram, format, how->space, notes);
+        status = settle_space(&tractogram, format, space, notes);
         status = status ? status : check(&tractogram, notes);
         tractogram.path = status ? NULL : memory_text(path, strlen(path));
         status = status || tractogram.path ? status : CONUS_ERROR_MEMORY;
@@ -143,7 +143,7 @@ static conus_status read_format(struct tractogram *out, const struct tract_forma
 }
 
 conus_status tract_file_read_mapped(struct tractogram *out, const char *path, const struct bytes *mapped,
-                                    const struct tract_reading *how, struct notes *notes)
+                                    uint64_t max_memory, conus_file_space space, struct notes *notes)
 {
     struct bytes head = {0};
     conus_status status = read_head(&head, path);
@@ -153,7 +153,7 @@ conus_status tract_file_read_mapped(struct tractogram *out, const char *path, co
         return status;
     }
     if (format) {
-        return read_format(out, format, path, mapped, how, notes);
+        return read_format(out, format, path, mapped, max_memory, space, notes);
     }
     struct bytes stored = {0};
     status = file_read_head(&stored, path, FILE_KIND_HEAD);
@@ -167,8 +167,7 @@ conus_status tract_file_read_mapped(struct tractogram *out, const char *path, co
 
 conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
 {
-    return tract_file_read_mapped(out, path, &(const struct bytes){0},
-                                  &(const struct tract_reading){.max_memory = max_memory}, notes);
+    return tract_file_read_mapped(out, path, &(const struct bytes){0}, max_memory, CONUS_FILE_SPACE_AS_STATED, notes);
 }
 
 conus_status tract_file_parse(struct tractogram *out, const uint8_t *data, size_t size, uint64_t max_memory,

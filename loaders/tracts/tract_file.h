@@ -14,17 +14,11 @@
  * CONUS_ERROR_UNSUPPORTED, CONUS_ERROR_MEMORY. @p out is the caller's to tractogram_finish(), untouched on failure. */
 conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes);
 
-/** How a tractogram is read. */
-struct tract_reading {
-    uint64_t max_memory;
-    conus_file_space space; /**< The axes of its numbers, which count before those that the file states; refused where
-                               they contradict a header that places the points. */
-};
-
 /** The same of a file that is mapped. Points may stay there (is_in_file), as those of a .tck of Float32LE do, but count
- * for max_memory. @p mapped is the caller's; empty where there is none. */
+ * for max_memory. @p mapped is the caller's; empty where there is none. @p space are the axes of its numbers, which
+ * count before those that the file states; refused where they contradict a header that places the points. */
 conus_status tract_file_read_mapped(struct tractogram *out, const char *path, const struct bytes *mapped,
-                                    const struct tract_reading *how, struct notes *notes);
+                                    uint64_t max_memory, conus_file_space space, struct notes *notes);
 
 /** True where @p path begins like a tractogram that tract_file_read() reads; of zip archives those whose name ends in
  * .trx, of VTK's files those with lines and no polygons. False also where it cannot be read. */

@@ -51,9 +51,8 @@ conus_status field_header_parse(struct field_header *out, const uint8_t *data, s
 const char *field_header_words(bool *usable, const struct field_header *header);
 
 /** Finds what the vectors are, by the header and by what is stated: @p has_images, FSL's two. The shape alone does not
- * say whose field one of 4 dimensions is. CONUS_ERROR_DATA for a
- * file that is no field, CONUS_ERROR_UNSUPPORTED for coefficients of splines, CONUS_ERROR_ARGUMENT where header and
- * statement contradict each other. */
+ * say whose field one of 4 dimensions is. CONUS_ERROR_DATA for a file that is no field, CONUS_ERROR_UNSUPPORTED for
+ * coefficients of splines, CONUS_ERROR_ARGUMENT where header and statement contradict each other. */
 conus_status field_header_kind(enum field_kind *out, const struct field_header *header, bool has_images,
                                conus_vectors vectors, conus_file_space space);
 

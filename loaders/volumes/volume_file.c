@@ -731,11 +731,13 @@ conus_status volume_file_header(conus_volume_info *out, const char *path)
     return status;
 }
 
-/* Opens `path`, which may end in a selector such as ",volume=K". */
+/* Opens `path`, which may end in a selector such as ",volume=K"; a series begins with its first volume all the same. */
 static conus_status open_by_selector(struct volume_file *out, const char *path, struct opening *opening,
                                      struct notes *notes)
 {
     conus_status status = volume_selector_parse(&opening->selector, path);
+    opening->selector.volume = opening->all ? 0 : opening->selector.volume;
+    opening->selector.chosen = opening->all || opening->selector.chosen;
     opening->use = opening->selector.chosen ? opening->use : STORED_PLAIN;
     status = status ? status : volume_selector_refuse_field(&opening->selector, opening->selector.path);
     if (status) {
@@ -786,11 +788,7 @@ conus_status volume_file_open_series(struct volume_file *out, const char *path, 
 {
     struct opening opening = {
         .limit = memory_limit(options->max_memory), .all = true, .use = options->cache ? STORED_INDEX : STORED_PLAIN};
-    conus_status status = volume_selector_parse(&opening.selector, path);
-    opening.selector.chosen = true;
-    opening.selector.volume = 0;
-    status = status ? status : volume_selector_refuse_field(&opening.selector, opening.selector.path);
-    return status ? status : open_with_retry(out, opening.selector.path, &opening, notes);
+    return open_by_selector(out, path, &opening, notes);
 }
 
 conus_status volume_file_select(struct volume_file *file, size_t volume)

@@ -359,7 +359,7 @@ static conus_status read_mapped(struct tractogram *out, const char *path, size_t
     assert_ok(file_state_find(&before, path));
     struct bytes mapped = {.data = file_map(path, &before), .size = size};
     assert_non_null(mapped.data);
-    conus_status status = tract_file_read_mapped(out, path, &mapped, &(const struct tract_reading){0}, &notes);
+    conus_status status = tract_file_read_mapped(out, path, &mapped, 0, CONUS_FILE_SPACE_AS_STATED, &notes);
     assert_true(status || out->is_in_file == stays);
     if (!status && stays) {
         assert_ptr_equal((uint8_t *)out->points, mapped.data + out->file_offset);

@@ -284,8 +284,8 @@ static void a_user_states_the_space(void **state)
                             "LINES 1 3 2 0 1\n",
                             heads[file]);
         assert_ok(file_write(test_scratch("space.vtk"), text, (size_t)size));
-        assert_ok(tract_file_read_mapped(&read, test_scratch("space.vtk"), &(const struct bytes){0},
-                                         &(const struct tract_reading){.space = (conus_file_space)given}, &notes));
+        assert_ok(tract_file_read_mapped(&read, test_scratch("space.vtk"), &(const struct bytes){0}, 0,
+                                         (conus_file_space)given, &notes));
         assert_near(read.points[0], sign, 0);
         assert_near(read.points[4], 5 * sign, 0);
         assert_near(read.points[5], 6, 0);
