@@ -33,35 +33,36 @@ static conus_status count_named(size_t *out, struct label_table *table, const st
     return status;
 }
 
-conus_status label_choose(size_t *out, size_t *named, label_trial *trial, void *user, size_t count,
-                          const struct label_voxels *voxels)
+conus_status label_choose(size_t *best, label_trial *trial, void *user, size_t count, const struct label_voxels *voxels,
+                          struct notes *notes)
 {
-    *named = 0;
+    const size_t usual = *best;
+    struct text names[2] = {{0}}; /* of the usual one, and of the best */
+    size_t most = 0;
     for (size_t i = 0; i < count; i++) {
         struct label_table table = {0};
         struct notes silent = {0};
+        struct text called = {0};
         size_t found = 0;
-        conus_status status = trial(&table, user, i, &silent);
+        conus_status status = trial(&table, &called, user, i, &silent);
         status = status ? status : count_named(&found, &table, voxels, &silent);
         label_table_finish(&table);
         notes_finish(&silent);
         if (status == CONUS_ERROR_MEMORY) {
             return status;
         }
-        if (!status && found > *named) {
-            *named = found;
-            *out = i;
+        names[0] = i == usual ? called : names[0];
+        if (!status && found > most) {
+            most = found;
+            *best = i;
+            names[1] = called;
         }
     }
-    return CONUS_OK;
-}
-
-conus_status label_note_choice(struct notes *notes, struct text chosen, size_t named, struct text usual)
-{
-    return notes_warn(notes,
-                      "label table: \"%.*s\" is the label's number, which names more labels of the volume (%zu) than "
-                      "\"%.*s\"; FILE,label=COLUMN chooses",
-                      TEXT_SHOW(chosen, SHOWN), named, TEXT_SHOW(usual, SHOWN));
+    return *best == usual ? CONUS_OK
+                          : notes_warn(notes,
+                                       "label table: \"%.*s\" is the label's number, which names more labels of the "
+                                       "volume (%zu) than \"%.*s\"; FILE,label=COLUMN chooses",
+                                       TEXT_SHOW(names[1], SHOWN), most, TEXT_SHOW(names[0], SHOWN));
 }
 
 conus_status label_cell_channel(uint8_t *out, struct text cell, const char *channel, const char *where)

@@ -36,16 +36,15 @@ conus_status label_entry_start(struct label_entry *entry, const struct xml_event
 conus_status label_entry_end(struct label_entry *entry, struct label_table *table, struct text name,
                              struct notes *notes);
 
-/** Parses a table whose numbers stand in candidate @p number of several; none where there is no such one. */
-typedef conus_status label_trial(struct label_table *out, void *user, size_t number, struct notes *notes);
+/** Parses a table whose numbers stand in candidate @p number of several, @p called so; none where there is no such one.
+ */
+typedef conus_status label_trial(struct label_table *out, struct text *called, void *user, size_t number,
+                                 struct notes *notes);
 
-/** The candidate of @p count whose table names most labels of the voxels, and how many; of equal ones the first. One
- * that cannot be parsed names none. */
-conus_status label_choose(size_t *out, size_t *named, label_trial *trial, void *user, size_t count,
-                          const struct label_voxels *voxels);
-
-/** Says that @p chosen is the number and not @p usual, where another candidate would be taken without voxels. */
-conus_status label_note_choice(struct notes *notes, struct text chosen, size_t named, struct text usual);
+/** The candidate of @p count whose table names most labels of the voxels; of equal ones the first. One that cannot be
+ * parsed names none. *best is the one that is taken without voxels, and where none names any; a note tells another. */
+conus_status label_choose(size_t *best, label_trial *trial, void *user, size_t count, const struct label_voxels *voxels,
+                          struct notes *notes);
 
 /** Values of cells. @p where ("line 7", "entry 3") starts the message. */
 conus_status label_cell_number(uint32_t *out, struct text cell, const char *where);

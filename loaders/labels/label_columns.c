@@ -49,10 +49,13 @@ struct header {
     char separator;
     int at[COLUMN_COUNT]; /* field of each column, or NO_COLUMN */
     int count;
-    const char *twice;              /* a column that two fields claim, or NULL */
-    bool disputed[2];               /* a rival of the index, or of the name, has been noted */
-    bool by_value;                  /* the index is called value */
-    int indices[SYNONYM_COUNT + 1]; /* fields that could be the index, the preferred one first; "value" is the last */
+    const char *twice; /* a column that two fields claim, or NULL */
+    bool disputed[2];  /* a rival of the index, or of the name, has been noted */
+    bool by_value;     /* the index is called value */
+    struct candidate {
+        int at;
+        struct text name;
+    } indices[SYNONYM_COUNT + 1]; /* fields that could be the index, the preferred one first; "value" is the last */
 };
 
 /* The next line that is neither empty nor a comment; of an empty row spreadsheets write the separators. Below a header
@@ -84,8 +87,8 @@ static void match_column(struct header *header, int ranks[COLUMN_COUNT], struct 
             if (named && column <= NAME) {
                 header->at[RIVAL + column] = rank < ranks[column] ? header->at[column] : at;
             }
-            if (named && column == INDEX && header->indices[rank] == NO_COLUMN) {
-                header->indices[rank] = at;
+            if (named && column == INDEX && !header->indices[rank].name.size) {
+                header->indices[rank] = (struct candidate){at, field};
             }
             if (named && rank < ranks[column]) {
                 ranks[column] = rank;
@@ -109,17 +112,15 @@ static bool read_header_row(struct header *header, struct text line, char separa
         header->at[column] = NO_COLUMN;
         ranks[column] = SYNONYM_COUNT;
     }
-    for (int rank = 0; rank <= SYNONYM_COUNT; rank++) {
-        header->indices[rank] = NO_COLUMN;
-    }
     struct text field;
     struct text first = {0};
     enum text_quotes quotes;
     for (bool more = true; text_quoted_field(&line, header->separator, &more, &field, &quotes);) {
         first = header->count ? first : field;
         if (header->count < FIELD_LIMIT) {
-            bool is_value = text_equal_ignoring_case(field, "value");
-            header->indices[SYNONYM_COUNT] = is_value ? header->count : header->indices[SYNONYM_COUNT];
+            if (text_equal_ignoring_case(field, "value")) {
+                header->indices[SYNONYM_COUNT] = (struct candidate){header->count, field};
+            }
             match_column(header, ranks, field, header->count++);
         }
     }
@@ -402,16 +403,6 @@ static char best_separator(struct text line)
     return best;
 }
 
-static struct text field_at(struct text line, char separator, int at)
-{
-    struct text field = {"", 0};
-    enum text_quotes quotes;
-    for (bool more = true; at >= 0 && text_quoted_field(&line, separator, &more, &field, &quotes);) {
-        at--;
-    }
-    return field;
-}
-
 /* Which field of `line` is called `column`; NO_COLUMN if none is. */
 static int find_column(struct text line, char separator, struct text column)
 {
@@ -434,31 +425,16 @@ struct trial {
     size_t number; /* of the header's line */
 };
 
-static conus_status try_index(struct label_table *out, void *user, size_t candidate, struct notes *notes)
+static conus_status try_index(struct label_table *out, struct text *called, void *user, size_t candidate,
+                              struct notes *notes)
 {
     const struct trial *trial = user;
     struct header tried = *trial->header;
-    tried.at[INDEX] = tried.indices[candidate];
-    return tried.at[INDEX] == NO_COLUMN || tried.at[INDEX] == tried.at[NAME]
+    *called = tried.indices[candidate].name;
+    tried.at[INDEX] = tried.indices[candidate].at;
+    return !called->size || tried.at[INDEX] == tried.at[NAME]
                ? CONUS_OK
                : parse_below(out, &tried, trial->below, trial->number, notes);
-}
-
-/* Of several columns that could be the number the one that fits the volume. */
-static conus_status choose_index(struct header *header, struct text line, const struct trial *trial,
-                                 const struct label_voxels *voxels, struct notes *notes)
-{
-    size_t best;
-    size_t named;
-    int usual = header->at[INDEX];
-    conus_status status = label_choose(&best, &named, try_index, (void *)trial, SYNONYM_COUNT + 1, voxels);
-    if (status || !named || header->indices[best] == usual) {
-        return status;
-    }
-    header->at[INDEX] = header->indices[best];
-    header->at[RIVAL] = NO_COLUMN;
-    return label_note_choice(notes, field_at(line, header->separator, header->at[INDEX]), named,
-                             field_at(line, header->separator, usual));
 }
 
 static conus_status parse_table(struct label_table *out, struct text text, const struct label_use *use,
@@ -483,9 +459,21 @@ static conus_status parse_table(struct label_table *out, struct text text, const
     if (header.twice && !is_chosen) {
         return fail(CONUS_ERROR_DATA, "line %zu: two columns are called %s", number, header.twice);
     }
-    conus_status status = use->columns[INDEX].size || !use->voxels
-                              ? CONUS_OK
-                              : choose_index(&header, line, &(struct trial){&header, text, number}, use->voxels, notes);
+    conus_status status = CONUS_OK;
+    if (use->voxels && !use->columns[INDEX].size) { /* of several columns that could be the number the one that fits */
+        size_t best = 0;
+        while (best < SYNONYM_COUNT &&
+               (!header.indices[best].name.size || header.indices[best].at != header.at[INDEX])) {
+            best++;
+        }
+        const size_t usual = best;
+        status = label_choose(&best, try_index, &(struct trial){&header, text, number}, SYNONYM_COUNT + 1, use->voxels,
+                              notes);
+        if (best != usual) {
+            header.at[INDEX] = header.indices[best].at;
+            header.at[RIVAL] = NO_COLUMN;
+        }
+    }
     return status ? status : parse_below(out, &header, text, number, notes);
 }
 

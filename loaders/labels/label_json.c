@@ -312,28 +312,15 @@ struct trial {
     const json_t *first;
 };
 
-static conus_status try_field(struct label_table *out, void *user, size_t candidate, struct notes *notes)
+static conus_status try_field(struct label_table *out, struct text *called, void *user, size_t candidate,
+                              struct notes *notes)
 {
     const struct trial *trial = user;
+    *called = text_from(number_fields[candidate]);
     struct fields tried = {.number = number_fields[candidate], .name = trial->fields->name};
     return json_is_integer(json_object_get(trial->first, tried.number))
                ? parse_nodes(out, trial->root, "object", fill_object, &tried, notes)
                : CONUS_OK;
-}
-
-/* Of several fields that could be the number the one that fits the volume. */
-static conus_status choose_field(struct fields *fields, struct trial *trial, const struct label_voxels *voxels,
-                                 struct notes *notes)
-{
-    size_t best;
-    size_t named;
-    const char *usual = fields->number;
-    conus_status status = label_choose(&best, &named, try_field, trial, NUMBER_FIELDS, voxels);
-    if (status || !named || number_fields[best] == usual) {
-        return status;
-    }
-    *fields = (struct fields){.number = number_fields[best], .name = fields->name};
-    return label_note_choice(notes, text_from(fields->number), named, text_from(usual));
 }
 
 static conus_status parse_objects(struct label_table *out, struct text text, const struct label_use *use,
@@ -347,8 +334,16 @@ static conus_status parse_objects(struct label_table *out, struct text text, con
         status =
             fail(CONUS_ERROR_DATA, "the first object has no whole number (index, LabelValue, id, key, label) and name");
     }
-    bool is_open = !status && use->voxels && fields.number && fields.name;
-    status = !is_open ? status : choose_field(&fields, &(struct trial){&fields, root, first}, use->voxels, notes);
+    if (!status && use->voxels) { /* of several fields that could be the number the one that fits the volume */
+        size_t best = 0;
+        while (number_fields[best] != fields.number) {
+            best++;
+        }
+        status =
+            label_choose(&best, try_field, &(struct trial){&fields, root, first}, NUMBER_FIELDS, use->voxels, notes);
+        fields.rival = number_fields[best] == fields.number ? fields.rival : NULL;
+        fields.number = number_fields[best];
+    }
     status = status ? status : parse_nodes(out, root, "object", fill_object, &fields, notes);
     json_decref(root);
     return status;
