@@ -143,7 +143,7 @@ static conus_status reserve_warps(struct warp_way *way, conus_atlas *atlas, cons
     return CONUS_OK;
 }
 
-conus_status atlas_warp_all(conus_atlas *atlas, struct deformation *fields, size_t count, const struct warp_plan *plan)
+conus_status atlas_warp(conus_atlas *atlas, struct deformation *fields, size_t count, const struct warp_plan *plan)
 {
     struct parts parts = {0};
     struct warp_way way;
@@ -181,11 +181,6 @@ conus_status atlas_warp_all(conus_atlas *atlas, struct deformation *fields, size
     warped_tracts_finish(&parts.tracts, atlas->tractogram_count);
     notes_finish(&parts.notes);
     return status;
-}
-
-conus_status atlas_warp(conus_atlas *atlas, struct deformation *field, const struct warp_plan *plan)
-{
-    return atlas_warp_all(atlas, field, 1, plan);
 }
 
 conus_status atlas_move_onto(conus_atlas *atlas, const double atlas_from_world[16], const struct warp_plan *plan)

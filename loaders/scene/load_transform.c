@@ -84,7 +84,7 @@ static conus_status warp_along(conus_atlas *atlas, struct deformation *fields, s
         }
         whole.grid = &own;
     }
-    return atlas_warp_all(atlas, fields, count, &whole);
+    return atlas_warp(atlas, fields, count, &whole);
 }
 
 /* Moves the atlas by all of a chain, or not at all. */

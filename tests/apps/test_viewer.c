@@ -535,7 +535,7 @@ static conus_atlas *warped_phantom(double shift)
     }
     assert_ok(deformation_measure(&field));
     conus_atlas *atlas = phantom("nested", "nested.nii.gz");
-    assert_ok(atlas_warp(atlas, &field, &plan));
+    assert_ok(atlas_warp(atlas, &field, 1, &plan));
     return atlas;
 }
 

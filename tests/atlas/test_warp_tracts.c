@@ -116,7 +116,7 @@ static void points_go_back_through_the_field(void **state)
     conus_atlas *atlas = make_atlas(&tractogram);
     struct deformation field = make_field(false);
     const uint64_t *kept = atlas->tractograms[0].first;
-    assert_ok(atlas_warp(atlas, &field, &plan));
+    assert_ok(atlas_warp(atlas, &field, 1, &plan));
     for (uint64_t i = 0; i < POINTS; i++) {
         assert_went_back(atlas, i, &near_points[3 * i]);
     }
@@ -139,7 +139,7 @@ static void a_streamline_with_a_lost_point_is_left_out(void **state)
     tractogram.points[3 * 4] = 400;
     conus_atlas *atlas = make_atlas(&tractogram);
     struct deformation field = make_field(false);
-    assert_ok(atlas_warp(atlas, &field, &plan));
+    assert_ok(atlas_warp(atlas, &field, 1, &plan));
     const struct tractogram *moved = &atlas->tractograms[0];
     static const uint64_t shorter[] = {0, 3, 3, 7};
     assert_int_equal(moved->streamline_count, 3);
@@ -177,7 +177,7 @@ static void points_outside_of_a_field_of_ants_stay(void **state)
     tractogram.points[3 * 4] = 400;
     conus_atlas *atlas = make_atlas(&tractogram);
     struct deformation field = make_field(true);
-    assert_ok(atlas_warp(atlas, &field, &plan));
+    assert_ok(atlas_warp(atlas, &field, 1, &plan));
     const float *stayed = atlas->tractograms[0].points + 12;
     assert_int_equal(atlas->tractograms[0].streamline_count, 4);
     assert_true(stayed[0] == 400 && stayed[1] == 2 && stayed[2] == 2);
@@ -197,7 +197,7 @@ static void an_atlas_that_would_be_empty_is_unchanged(void **state)
     tractogram.first[2] = 4; /* and none without a point */
     conus_atlas *atlas = make_atlas(&tractogram);
     struct deformation field = make_field(false);
-    assert_fails(atlas_warp(atlas, &field, &plan), CONUS_ERROR_DATA);
+    assert_fails(atlas_warp(atlas, &field, 1, &plan), CONUS_ERROR_DATA);
     assert_string_equal(conus_message(), "t.trk: no streamline is where the field leads to");
     assert_true(atlas->tractograms[0].points[0] == 400);
     assert_int_equal(atlas->tractograms[0].streamline_count, STREAMLINES);
@@ -214,7 +214,7 @@ struct attempt {
 static conus_status try_warping(void *data)
 {
     struct attempt *attempt = data;
-    conus_status status = atlas_warp(attempt->atlas, &attempt->field, &plan);
+    conus_status status = atlas_warp(attempt->atlas, &attempt->field, 1, &plan);
     if (status) {
         assert_int_equal(attempt->atlas->tractograms[0].streamline_count, STREAMLINES);
         assert_int_equal(attempt->atlas->notes.count, 0);
