@@ -124,7 +124,7 @@ conus_status streamlines_load(conus_atlas **out, const char *path, const conus_l
     if (maps && !file_state_find(&before, path) && (mapped.data = file_map(path, &before))) {
         mapped.size = (size_t)before.size;
     }
-    conus_status status = tract_file_read_mapped(tractogram, path, &mapped, options->max_memory, space, &notes);
+    conus_status status = tract_file_read(tractogram, path, &mapped, options->max_memory, space, &notes);
     status = status ? status : notes_move(&atlas->notes, &notes);
     status = status ? status : file_sums_move(&atlas->files, &tractogram->files);
     status = status ? status : bundles_ready(tractogram);

@@ -119,7 +119,7 @@ static conus_status read_format(struct tractogram *out, const struct tract_forma
     } else {
         struct byte_stream stream = {0};
         status = byte_stream_open(&stream, path);
-        bool stays = space != CONUS_FILE_SPACE_LPS; /* points that are turned cannot stay in the file */
+        bool stays = mapped && space != CONUS_FILE_SPACE_LPS; /* points that are turned cannot stay in the file */
         stream.mapped = stays ? mapped->data : NULL;
         stream.mapped_size = stays ? mapped->size : 0;
         status = status ? status : read_stream(&tractogram, format, &stream, max_memory, notes);
@@ -142,8 +142,8 @@ static conus_status read_format(struct tractogram *out, const struct tract_forma
     return CONUS_OK;
 }
 
-conus_status tract_file_read_mapped(struct tractogram *out, const char *path, const struct bytes *mapped,
-                                    uint64_t max_memory, conus_file_space space, struct notes *notes)
+conus_status tract_file_read(struct tractogram *out, const char *path, const struct bytes *mapped, uint64_t max_memory,
+                             conus_file_space space, struct notes *notes)
 {
     struct bytes head = {0};
     conus_status status = read_head(&head, path);
@@ -163,11 +163,6 @@ conus_status tract_file_read_mapped(struct tractogram *out, const char *path, co
     }
     bytes_finish(&stored);
     return status;
-}
-
-conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
-{
-    return tract_file_read_mapped(out, path, &(const struct bytes){0}, max_memory, CONUS_FILE_SPACE_AS_STATED, notes);
 }
 
 conus_status tract_file_parse(struct tractogram *out, const uint8_t *data, size_t size, uint64_t max_memory,

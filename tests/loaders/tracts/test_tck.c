@@ -104,7 +104,7 @@ static void numbers_of_both_sizes_and_orders(void **state)
         append_triples(&bytes, three[0], 7, i / 2 > 1, i / 2 & 1);
         const char *path = (i & 1 ? write_packed : write_bytes)("x.tck", &bytes);
         assert_true(tract_file_is(path) && conus_path_is_tractogram(path));
-        assert_ok(tract_file_read(&out, path, 0, &notes));
+        assert_ok(tract_file_read(&out, path, NULL, 0, 0, &notes));
         assert_int_equal(notes.count, 1); /* short streamlines; no count is no lie */
         assert_three(&out);
         snprintf(words, sizeof words, "MRtrix %s%s", types[i / 2], i & 1 ? ", gzip" : "");
@@ -256,16 +256,16 @@ static void what_is_no_tractogram_is_said(void **state)
     buffer_text(&bytes, "solid thing\n");
     const char *path = write_bytes("surface.tck", &bytes);
     assert_false(tract_file_is(path));
-    assert_fails(tract_file_read(&out, path, 0, &notes), CONUS_ERROR_DATA);
+    assert_fails(tract_file_read(&out, path, NULL, 0, 0, &notes), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "surface.tck: this is an STL surface"));
     assert_non_null(
         strstr(conus_message(), "needed is a tractogram: TrackVis, MRtrix, DSI Studio, TRX or polylines of VTK"));
     assert_false(tract_file_is(test_scratch("none.tck")) || conus_path_is_tractogram(test_scratch("none.tck")));
     assert_false(conus_path_is_tractogram(NULL));
-    assert_fails(tract_file_read(&out, test_scratch("none.tck"), 0, &notes), CONUS_ERROR_IO);
+    assert_fails(tract_file_read(&out, test_scratch("none.tck"), NULL, 0, 0, &notes), CONUS_ERROR_IO);
     test_folder("folder.tck");
     assert_false(tract_file_is(test_in("")));
-    assert_fails(tract_file_read(&out, test_in(""), 0, &notes), CONUS_ERROR_IO);
+    assert_fails(tract_file_read(&out, test_in(""), NULL, 0, 0, &notes), CONUS_ERROR_IO);
     assert_non_null(strstr(conus_message(), "is a folder"));
     buffer_clear(&bytes);
     buffer_append(&bytes, "mrtrix tracks\0", 14);
@@ -294,7 +294,7 @@ static void more_than_a_block(void **state)
         struct tractogram out = {0};
         struct notes notes = {0};
         const char *path = (packed ? write_packed : write_bytes)("long.tck", &bytes);
-        assert_ok(tract_file_read(&out, path, 0, &notes));
+        assert_ok(tract_file_read(&out, path, NULL, 0, 0, &notes));
         assert_int_equal(out.point_count, COUNT);
         assert_int_equal(out.streamline_count, ends);
         for (size_t i = 0; i < COUNT; i++) {
@@ -304,7 +304,7 @@ static void more_than_a_block(void **state)
             assert_int_equal(out.first[k + 1] - out.first[k], k % 7 + 1);
         }
         tractogram_finish(&out);
-        assert_fails(tract_file_read(&out, path, 12 * COUNT, &notes), CONUS_ERROR_MEMORY);
+        assert_fails(tract_file_read(&out, path, NULL, 12 * COUNT, 0, &notes), CONUS_ERROR_MEMORY);
         assert_non_null(strstr(conus_message(), "that are allowed (--max-memory)"));
         notes_finish(&notes);
     }
@@ -359,7 +359,7 @@ static conus_status read_mapped(struct tractogram *out, const char *path, size_t
     assert_ok(file_state_find(&before, path));
     struct bytes mapped = {.data = file_map(path, &before), .size = size};
     assert_non_null(mapped.data);
-    conus_status status = tract_file_read_mapped(out, path, &mapped, 0, CONUS_FILE_SPACE_AS_STATED, &notes);
+    conus_status status = tract_file_read(out, path, &mapped, 0, CONUS_FILE_SPACE_AS_STATED, &notes);
     assert_true(status || out->is_in_file == stays);
     if (!status && stays) {
         assert_ptr_equal((uint8_t *)out->points, mapped.data + out->file_offset);

@@ -284,8 +284,7 @@ static void a_user_states_the_space(void **state)
                             "LINES 1 3 2 0 1\n",
                             heads[file]);
         assert_ok(file_write(test_scratch("space.vtk"), text, (size_t)size));
-        assert_ok(tract_file_read_mapped(&read, test_scratch("space.vtk"), &(const struct bytes){0}, 0,
-                                         (conus_file_space)given, &notes));
+        assert_ok(tract_file_read(&read, test_scratch("space.vtk"), NULL, 0, (conus_file_space)given, &notes));
         assert_near(read.points[0], sign, 0);
         assert_near(read.points[4], 5 * sign, 0);
         assert_near(read.points[5], 6, 0);
@@ -306,11 +305,11 @@ static void which_files_have_lines(void **state)
     struct notes notes = {0};
     assert_ok(file_write(test_scratch("surface.vtk"), surface, sizeof surface - 1));
     assert_false(tract_file_is(test_scratch("surface.vtk")));
-    assert_fails(tract_file_read(&tractogram, test_scratch("surface.vtk"), 0, &notes), CONUS_ERROR_DATA);
+    assert_fails(tract_file_read(&tractogram, test_scratch("surface.vtk"), NULL, 0, 0, &notes), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "surface.vtk: a surface and no lines"));
     assert_ok(file_write(test_scratch("lines.vtk"), lines, sizeof lines - 1));
     assert_true(tract_file_is(test_scratch("lines.vtk")));
-    assert_ok(tract_file_read(&tractogram, test_scratch("lines.vtk"), 0, &notes));
+    assert_ok(tract_file_read(&tractogram, test_scratch("lines.vtk"), NULL, 0, 0, &notes));
     assert_string_equal(tractogram.path, test_scratch("lines.vtk"));
     tractogram_finish(&tractogram);
     notes_finish(&notes);
