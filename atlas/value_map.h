@@ -14,8 +14,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+enum { VALUE_BOUNDS = 8 }; /**< Of value_map_spread(). */
 /** Voxels of a run, and runs of a page. */
-enum { VALUE_BOUNDS = 8 };
 enum { VALUE_RUN = 64, VALUE_RUNS = 64, VALUE_PAGE = VALUE_RUN * VALUE_RUNS };
 
 struct value_map {

@@ -48,10 +48,7 @@ static struct census recode(char *out, struct text text, bool all)
 static struct text declared_encoding(struct text text)
 {
     const char *end = text_starts(text, "<?xml") ? memmem(text.data, text.size, "?>", 2) : NULL;
-    struct text rest = {text.data, end ? (size_t)(end - text.data) : 0};
-    static const char word[] = "encoding";
-    const char *at = rest.size ? memmem(rest.data, rest.size, word, sizeof word - 1) : NULL;
-    at = at ? at + sizeof word - 1 : NULL;
+    const char *at = end ? memmem(text.data, (size_t)(end - text.data), "encoding", strlen("encoding")) : NULL;
     while (at && at < end && *at != '"' && *at != '\'') {
         at++;
     }
