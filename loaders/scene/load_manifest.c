@@ -7,6 +7,7 @@
 #include "base/files/file.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
+#include "loaders/labels/label_find.h"
 #include "loaders/manifest/manifest.h"
 #include "loaders/maps/fsl_maps.h"
 #include "loaders/maps/load_probability.h"
@@ -591,6 +592,26 @@ conus_status probabilities_load(conus_atlas **out, const char *path, struct load
     return load_entry(out, path, &entry, NULL, progress);
 }
 
+/* One map has no labels: a table in or beside its file may tell that it is none. */
+static conus_status warn_of_table(const conus_atlas *atlas, struct notes *notes)
+{
+    struct label_table table = {0};
+    struct label_volume volume = {.info = &atlas->volumes[0].info};
+    struct notes ignored = {0};
+    char *source = NULL;
+    conus_status status = label_table_of_volume(&table, &source, &volume, NULL, NULL, &ignored);
+    if (!status && table.count) {
+        status = notes_warn(notes,
+                            "%s: its values are stated to be probabilities, so %s, which names %zu labels, is not used",
+                            path_base(volume.info->path), source, table.count);
+    }
+    label_table_finish(&table);
+    label_volume_finish(&volume);
+    notes_finish(&ignored);
+    memory_free(source);
+    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
+}
+
 conus_status named_maps_load(conus_atlas **out, const char *path, struct named_maps *maps,
                              struct load_progress *progress)
 {
@@ -604,6 +625,7 @@ conus_status named_maps_load(conus_atlas **out, const char *path, struct named_m
                       "%s: --probability states that its values are probabilities, but none is %g or more (up to %g)",
                       path, progress->options->probability, atlas->volumes[0].info.maximum);
     }
+    status = status || !maps->is_one ? status : warn_of_table(atlas, &maps->notes);
     status = status ? status : notes_move(&atlas->notes, &maps->notes);
     status = status ? status : file_sums_move(&atlas->files, &maps->read);
     return atlas_give(out, atlas, status);

@@ -99,6 +99,10 @@ row() {
     fails 2 'as its name or --probability states, and nothing names them: --labels FILE does' query maps_probseg.nii $AIM
     fails 2 'states that its values are probabilities, but none is 1 or more (up to 0.88)' \
         query maps.nii,volume=0 $AIM --probability 1
+    # Labels are taken by the user's word, too, and the table that says what they are is named.
+    sphere --size 16
+    run -0 --separate-stderr "$CONUS" info sphere.nii.gz --probability 0.5 --format tsv
+    [[ "$stderr" == *'sphere.nii.gz: its values are stated to be probabilities, so BIDS label table in sphere.tsv, which names 1 label'* ]]
 }
 
 @test "conus manifest writes probabilities, and pathways beside a parcellation" {
