@@ -204,6 +204,7 @@ void test_own_cache(void)
     if (getcwd(here, sizeof here)) {
         snprintf(cache, sizeof cache, "%s/%s", here, own);
         setenv("XDG_CACHE_HOME", cache, 1);
+        setenv("HOME", cache, 1); /* for a test that takes the former away */
     }
 }
 
