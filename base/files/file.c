@@ -71,24 +71,29 @@ conus_status file_state_check(const struct file_state *before, const char *path)
     return status || file_state_equal(&now, before) ? status : fail(CONUS_ERROR_IO, "%s: " FILE_CHANGED, path);
 }
 
-conus_status file_open(struct open_file *out, const char *path)
+static conus_status fail_read(const char *action)
+{
+    return fail(CONUS_ERROR_IO, "cannot %s: %s", action, strerror(errno));
+}
+
+conus_status file_open_here(struct open_file *out, const char *path)
 {
     struct stat info;
     int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0) {
-        conus_status status = fail_errno(path, "open");
+        conus_status status = fail_read("open");
         file_trace_path(path, NULL);
         return status;
     }
     if (fstat(descriptor, &info)) {
-        conus_status status = fail_errno(path, "read");
+        conus_status status = fail_read("read");
         close(descriptor);
         return status;
     }
     file_trace_input(path, &info);
     if (!S_ISREG(info.st_mode)) {
         close(descriptor);
-        return fail(CONUS_ERROR_IO, "%s: cannot read: %s, a regular file is needed", path,
+        return fail(CONUS_ERROR_IO, "cannot read: %s, a regular file is needed",
                     S_ISDIR(info.st_mode) ? "is a folder" : "is a device or pipe");
     }
     *out = (struct open_file){.path = path, .descriptor = descriptor};
@@ -96,28 +101,34 @@ conus_status file_open(struct open_file *out, const char *path)
     return CONUS_OK;
 }
 
+conus_status file_open(struct open_file *out, const char *path)
+{
+    conus_status status = file_open_here(out, path);
+    return status ? fail_in(status, path) : CONUS_OK;
+}
+
 void file_close(const struct open_file *file)
 {
     close(file->descriptor);
 }
 
-conus_status file_read_open(struct bytes *out, const struct open_file *file, size_t most, uint64_t limit,
+conus_status file_read_here(struct bytes *out, const struct open_file *file, size_t most, uint64_t limit,
                             const char *option)
 {
     struct file_state now;
     uint64_t whole = file->before.size;
     if (whole > limit) {
-        return fail(CONUS_ERROR_MEMORY, "%s: file of %llu bytes, allowed are %llu%s", file->path,
-                    (unsigned long long)whole, (unsigned long long)limit, option);
+        return fail(CONUS_ERROR_MEMORY, "file of %llu bytes, allowed are %llu%s", (unsigned long long)whole,
+                    (unsigned long long)limit, option);
     }
     size_t size = whole < most ? (size_t)whole : most;
     struct bytes bytes = {.data = memory_raw(size, 1)};
-    conus_status status = bytes.data ? CONUS_OK : fail_in(CONUS_ERROR_MEMORY, file->path);
+    conus_status status = bytes.data ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status && !read_fully(file->descriptor, bytes.data, 0, size, &bytes.size)) {
-        status = fail_errno(file->path, "read");
+        status = fail_read("read");
     }
     if (!status && !(file_state_of(&now, file->descriptor) && file_state_equal(&now, &file->before))) {
-        status = fail(CONUS_ERROR_IO, "%s: " FILE_CHANGED, file->path);
+        status = fail(CONUS_ERROR_IO, FILE_CHANGED);
     }
     if (status) {
         bytes_finish(&bytes);
@@ -128,16 +139,29 @@ conus_status file_read_open(struct bytes *out, const struct open_file *file, siz
     return CONUS_OK;
 }
 
-conus_status file_read_part(uint8_t *out, const struct open_file *file, uint64_t from, size_t size)
+conus_status file_read_open(struct bytes *out, const struct open_file *file, size_t most, uint64_t limit,
+                            const char *option)
+{
+    conus_status status = file_read_here(out, file, most, limit, option);
+    return status ? fail_in(status, file->path) : CONUS_OK;
+}
+
+conus_status file_part_here(uint8_t *out, const struct open_file *file, uint64_t from, size_t size)
 {
     struct file_state now;
     size_t got = 0;
     if (!read_fully(file->descriptor, out, from, size, &got)) {
         file_trace_failed();
-        return fail_errno(file->path, "read");
+        return fail_read("read");
     }
     bool same = file_state_of(&now, file->descriptor) && file_state_equal(&now, &file->before);
-    return same && got == size ? CONUS_OK : fail(CONUS_ERROR_IO, "%s: " FILE_CHANGED, file->path);
+    return same && got == size ? CONUS_OK : fail(CONUS_ERROR_IO, FILE_CHANGED);
+}
+
+conus_status file_read_part(uint8_t *out, const struct open_file *file, uint64_t from, size_t size)
+{
+    conus_status status = file_part_here(out, file, from, size);
+    return status ? fail_in(status, file->path) : CONUS_OK;
 }
 
 static conus_status read_path(struct bytes *out, const char *path, size_t most, uint64_t limit, const char *option)

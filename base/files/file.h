@@ -64,6 +64,13 @@ conus_status file_read_open(struct bytes *out, const struct open_file *file, siz
  * file_read(). */
 conus_status file_read_part(uint8_t *out, const struct open_file *file, uint64_t from, size_t size);
 
+/** @name The same three for a caller whose messages have the path already: theirs do not name it. @{ */
+conus_status file_open_here(struct open_file *out, const char *path);
+conus_status file_read_here(struct bytes *out, const struct open_file *file, size_t most, uint64_t limit,
+                            const char *option);
+conus_status file_part_here(uint8_t *out, const struct open_file *file, uint64_t from, size_t size);
+/** @} */
+
 /** Reads the regular file @p path, which may not be larger than @p limit bytes. @p out is the caller's to finish.
  * Errors: CONUS_ERROR_IO (message with the path) when it cannot be read or changes meanwhile, CONUS_ERROR_MEMORY above
  * the limit. */

@@ -63,6 +63,7 @@ LIBRARY = {
     "base/cache": "base base/files",
     "base/child": "base base/files",
     "base/formats": "base base/files base/child",
+    "base/job": "base base/files base/formats",
     "atlas/surface": "base base/geometry",
     "atlas/deformation": "base base/geometry",
     "atlas/tracts": "base base/files base/geometry base/simd",
@@ -88,7 +89,7 @@ LIBRARY = {
     " loaders loaders/tiff loaders/zarr loaders/brainglobe loaders/volumes/text loaders/formats loaders/labels",
     "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/labels atlas/labels"
     " loaders/formats",
-    "loaders/labels": "base base/files base/geometry base/formats atlas/labels loaders/formats",
+    "loaders/labels": "base base/job base/files base/geometry base/formats atlas/labels loaders/formats",
     "loaders/child": "base base/files base/cache base/child atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/files base/geometry base/formats atlas/labels atlas/surface loaders",
     "loaders/surfaces": "base base/files base/geometry base/formats atlas/labels atlas/surface atlas loaders"

@@ -2,6 +2,7 @@
 /* The helpers of test.h: tolerance, failing allocations, paths and random numbers. */
 #include "test.h"
 
+#include "base/job/job.h"
 #include "base/memory.h"
 #include "conus/atlas_info.h"
 #include "loaders/child/mesh_child.h"
@@ -83,6 +84,42 @@ void test_fail_allocation(long n)
 {
     fail_at = n;
     has_failed = false;
+}
+
+static size_t primitives, failing_primitive; /* 0 = none fails */
+static conus_status primitive_fails_as;
+
+bool __wrap_job_step(struct job *job);
+
+/* In the place of base/job/job_step.c. */
+bool __wrap_job_step(struct job *job)
+{
+    if (job_ok(job) && ++primitives == failing_primitive) {
+        job_fail(job, primitive_fails_as, "primitive %zu fails", primitives);
+    }
+    return job_ok(job);
+}
+
+size_t test_every_primitive(conus_status (*attempt)(void *data), void *data)
+{
+    primitives = 0;
+    failing_primitive = 0;
+    assert_ok(attempt(data));
+    size_t count = primitives;
+    for (size_t k = 1; k <= count; k++) {
+        primitives = 0;
+        failing_primitive = k;
+        primitive_fails_as = CONUS_ERROR_MEMORY;
+        assert_fails(attempt(data), CONUS_ERROR_MEMORY);
+        primitives = 0;
+        primitive_fails_as = CONUS_ERROR_DATA;
+        conus_status status = attempt(data);
+        if (status) { /* else an attempt went on */
+            assert_fails(status, CONUS_ERROR_DATA);
+        }
+    }
+    failing_primitive = 0;
+    return count;
 }
 
 void test_limit_allocations(size_t size)

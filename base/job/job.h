@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * A piece of work: a load, a parse, a question. It owns what the work allocates, its first error with the place where
+ * that happened, its notes, and the list of the files that its result is made of.
+ *
+ *     struct job job = {.sink = sink};
+ *     struct table *table = job_new(&job, struct table);
+ *     read_rows(&job, table, text);
+ *     return job_close(&job, notes, NULL);
+ *
+ * A primitive is a function that takes a job, or a reader of one. After a failure every primitive does nothing: numbers
+ * are 0, texts "", arrays NULL with a count of 0 that the same call sets, and LIST_ADD() gives a spare element that is
+ * in no list. A list itself stays as it was. So a straight line of calls needs no question in between. Three things do:
+ * a loop over a count from a file asks job_ok(); a value that was refused, or may be 0 after a failure, is no index,
+ * length or divisor, so return before; and a pointer that a primitive gives is not followed unseen. One job is one
+ * thread's. */
+#ifndef CONUS_BASE_JOB_JOB_H
+#define CONUS_BASE_JOB_JOB_H
+
+#include "base/files/file_sums.h"
+#include "base/notes.h"
+#include "base/text.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#define JOB_ALONE SIZE_MAX /**< The index of a place that is no entry of a list. */
+
+enum { JOB_PLACES = 16, JOB_MESSAGE = 1024, JOB_SPARE = 512 };
+
+struct job_place {
+    const char *word; /**< A key or a path; borrowed. */
+    size_t index;     /**< "word[index]", or JOB_ALONE. */
+};
+
+struct job_block {
+    void *data; /**< NULL = given away. */
+    size_t size;
+    void (*end)(void *); /**< Instead of memory_free(). */
+};
+
+/** All 0 is a job that begins. */
+struct job {
+    conus_status status;
+    char message[JOB_MESSAGE];
+    const struct note_sink *sink; /**< Receives the notes, once no attempt is open; NULL = they wait for job_close(). */
+    struct notes notes;
+    struct file_sums files; /**< The files that the result is made of. */
+    struct job_place places[JOB_PLACES];
+    size_t depth;
+    unsigned attempts; /**< Open ones. */
+    struct job_block *blocks;
+    size_t block_count, block_capacity;
+    uint8_t *chunk; /**< The rest of the arena's last block. */
+    size_t chunk_left;
+    char nothing[1];                       /**< "". */
+    _Alignas(16) uint8_t spare[JOB_SPARE]; /**< The element of no list. */
+};
+
+/** Frees all that the job owns; it is all 0 then. */
+void job_end(struct job *job);
+
+/** Ends the job at the border to functions that report a status: its notes go to @p notes, its files to @p files, if
+ * these are not NULL, and its error becomes the thread's message. */
+conus_status job_close(struct job *job, struct notes *notes, struct file_sums *files);
+
+static inline bool job_ok(const struct job *job)
+{
+    return !job->status;
+}
+
+/** Begins a primitive: false where it is to do nothing. */
+bool job_step(struct job *job);
+
+/** @name Errors
+ * The first one stays. The message is one line: "PLACE: PLACE: what was found, what is allowed". @{ */
+void job_fail(struct job *job, conus_status status, const char *format, ...) __attribute__((format(printf, 3, 4)));
+#define job_bad(job, ...) job_fail(job, CONUS_ERROR_DATA, __VA_ARGS__)
+#define job_refuse(job, ...) job_fail(job, CONUS_ERROR_UNSUPPORTED, __VA_ARGS__)
+
+/** The bridge to functions that report a status: calls one, unless the job has failed, and takes its error, whose
+ * message comes behind the places. True where all is well. */
+#define JOB_CALL(job, call) (job_step(job) && job_took(job, call))
+bool job_took(struct job *job, conus_status status);
+
+/** Errors happen at @p word[@p index] from now on, within the places of before. job_out() goes back to where the mark
+ * was made, whatever was entered and not left since. */
+size_t job_in(struct job *job, const char *word, size_t index);
+void job_out(struct job *job, size_t mark);
+/** Changes the innermost place: to the next entry. */
+void job_at(struct job *job, const char *word, size_t index);
+/** @} */
+
+/** @name Notes
+ * They have no places. @{ */
+void job_put(struct job *job, conus_severity severity, const char *format, ...) __attribute__((format(printf, 3, 4)));
+#define job_note(job, ...) job_put(job, CONUS_SEVERITY_NOTE, __VA_ARGS__)
+#define job_warn(job, ...) job_put(job, CONUS_SEVERITY_WARNING, __VA_ARGS__)
+/** @} */
+
+/** @name Attempts
+ * Between job_try() and one of the others, errors, notes, places and files are the attempt's. Memory is the job's. What
+ * lies outside may be read, but is changed only after the attempt was kept. Both ends stand in one function. An attempt
+ * that begins after a failure does nothing. @{ */
+struct attempt {
+    size_t notes, files, depth;
+    bool is_void; /**< The job had failed before. */
+};
+struct attempt job_try(struct job *job);
+/** Notes, files and an error become those of what is around it. */
+void job_kept(struct job *job, const struct attempt *attempt);
+/** Forgets notes, files and the error, and gives the error's message, "" if there was none. An error of memory or of
+ * cancelling stays. */
+const char *job_dropped(struct job *job, const struct attempt *attempt);
+/** Keeps the attempt unless it has failed: NULL then, else as job_dropped(). */
+const char *job_tried(struct job *job, const struct attempt *attempt);
+/** @} */
+
+/** @name Memory
+ * It lives as long as the job. @{ */
+void *job_raw(struct job *job, size_t count, size_t size);
+void *job_zeroed(struct job *job, size_t count, size_t size);
+#define job_new(job, type) ((type *)job_zeroed(job, 1, sizeof(type)))
+/** *count elements, not zeroed; *count becomes 0 where that fails. */
+void *job_array(struct job *job, size_t *count, size_t size);
+/** A larger block with the elements of @p block, which came from this function or is NULL. NULL, and @p block as it
+ * was, on failure. */
+void *job_grow(struct job *job, void *block, size_t count, size_t size);
+/** Takes over @p data of memory_raw() and its kind; NULL, and the data is freed, after a failure. */
+void *job_adopt(struct job *job, void *data);
+/** Calls end(thing) when the job ends; at once after a failure. */
+void job_own(struct job *job, void (*end)(void *), void *thing);
+/** Gives @p array of @p size bytes to the caller, to memory_free(). What lies in the arena is copied. */
+void *job_give(struct job *job, void *array, size_t size);
+
+/** Frees what was allocated since the mark was made, except older blocks that have grown. */
+struct job_mark {
+    size_t blocks, chunk_left;
+    uint8_t *chunk;
+};
+struct job_mark job_mark(const struct job *job);
+void job_release(struct job *job, struct job_mark mark);
+
+/** Texts, never NULL. */
+char *job_format(struct job *job, const char *format, ...) __attribute__((format(printf, 2, 3)));
+char *job_copy(struct job *job, struct text text);
+/** A name for results, trimmed, as text_to_utf8() makes it; NULL where nothing is left. */
+char *job_name(struct job *job, struct text text);
+/** @} */
+
+/** @name Lists
+ * A list that grows is a pointer, a count and a capacity, all 0 at first. @{ */
+#define LIST(type)                                                                                                     \
+    struct {                                                                                                           \
+        type *at;                                                                                                      \
+        size_t count, capacity;                                                                                        \
+    }
+/** A new element, all 0, at the end of the list; after a failure a spare one. Keep this pointer: after a failure there
+ * is none at count - 1. It is valid until the next call. */
+#define LIST_ADD(job, list)                                                                                            \
+    ((__typeof__((list)->at))list_add(job, &(list)->at, &(list)->count, &(list)->capacity, sizeof *(list)->at))
+/** @p array points to the pointer to the elements. */
+void *list_add(struct job *job, void *array, size_t *count, size_t *capacity, size_t size);
+/** @} */
+
+/** @name Files @{ */
+bool job_has_file(struct job *job, const char *path);
+/** The bytes of a file that may not be larger than @p limit; @p option as for file_read_open(). The path is a place,
+ * which the caller enters before: messages of openers do not name it. */
+struct bytes job_read(struct job *job, const char *path, uint64_t limit, const char *option);
+/** The result is made of @p content, the bytes of @p path. */
+void job_made_of(struct job *job, const char *path, const struct bytes *content);
+/** @} */
+
+#endif

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Label tables (atlas/labels/labels.h) that a job makes. Table and texts are the job's until the table is moved
+ * out of it: `*out = *table; *table = (struct label_table){0};` gives them to who calls label_table_finish(). */
+#ifndef CONUS_LOADERS_LABELS_LABELS_ON_JOB_H
+#define CONUS_LOADERS_LABELS_LABELS_ON_JOB_H
+
+#include "atlas/labels/labels.h"
+#include "base/job/job.h"
+
+/** An empty table; after a failure one that is none of the job's. */
+struct label_table *labels_new(struct job *job);
+
+/** As label_table_add(); after a failure a spare entry. */
+struct label *labels_add(struct job *job, struct label_table *table, uint32_t number);
+
+/** As label_set_text(). */
+void labels_set(struct job *job, char **field, struct text text);
+
+/** As label_table_sort(), with notes of the job. */
+void labels_sort(struct job *job, struct label_table *table);
+
+#endif

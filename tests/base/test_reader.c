@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The reader: numbers of both orders, lines and words over the ends of blocks, gzip of several members, every prefix,
+ * and each primitive failing. */
+#include "base/job/reader.h"
+
+#include "base/buffer.h"
+#include "base/memory.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <zlib.h>
+
+static void numbers_come_in_either_order(void **state)
+{
+    (void)state;
+    /* 1; 0x0102; 0x01020304; 0x0102030405060708; 1.5 as IEEE 754 (0x3fc00000): by hand, the highest byte first. */
+    static const char bytes[] = "\x01\x01\x02\x01\x02\x03\x04\x01\x02\x03\x04\x05\x06\x07\x08\x3f\xc0\0\0";
+    struct job job = {0};
+    struct reader r = reader_of(&job, (struct text){bytes, sizeof bytes - 1});
+    r.swapped = BIG_ENDIAN_IS_SWAPPED;
+    assert_int_equal(reader_u8(&r), 1);
+    assert_int_equal(reader_u16(&r), 0x0102);
+    assert_int_equal(reader_u32(&r), 0x01020304);
+    assert_true(reader_u64(&r) == 0x0102030405060708);
+    assert_near(reader_f32(&r), 1.5, 0);
+    assert_int_equal(reader_at(&r), sizeof bytes - 1);
+    assert_int_equal(reader_u16(&r), 0);
+    assert_int_equal(reader_at(&r), sizeof bytes - 1);
+    assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_DATA);
+    assert_string_equal(conus_message(), "cut off at byte 19, where 2 more are needed");
+}
+
+static void lines_end_as_they_do_elsewhere(void **state)
+{
+    (void)state;
+    static const char *const wanted[] = {"a b", "", "c\rd", "e"};
+    struct job job = {0};
+    struct reader r = reader_of(&job, text_from("a b\n\r\nc\rd\r\ne"));
+    struct text line;
+    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
+        assert_true(reader_line(&r, &line));
+        assert_true(text_equal(line, wanted[i]));
+    }
+    assert_false(reader_line(&r, &line));
+    assert_int_equal(line.size, 0);
+    job_end(&job);
+}
+
+static void a_count_is_no_more_than_can_follow(void **state)
+{
+    (void)state;
+    static const char bytes[] = "\x02\0\0\0\0\0\x80\x3f\0\0\0\x40"; /* 2 floats, the lowest byte first: 1 and 2 */
+    for (size_t size = 0; size < sizeof bytes; size++) {
+        struct job job = {0};
+        struct reader r = reader_of(&job, (struct text){bytes, size});
+        r.swapped = !BIG_ENDIAN_IS_SWAPPED;
+        size_t count = reader_count(&r, sizeof(float));
+        float *values = reader_f32s(&r, &count);
+        bool whole = size == sizeof bytes - 1;
+        assert_int_equal(count, whole ? 2 : 0);
+        assert_int_equal(job_ok(&job), whole);
+        assert_true(whole ? values[0] == 1 && values[1] == 2 : !values);
+        job_end(&job);
+    }
+}
+
+/* Appends `size` bytes as a member of gzip. */
+static void append_packed(struct buffer *out, const char *data, size_t size)
+{
+    uint8_t packed[4096];
+    z_stream z = {
+        .next_in = (z_const Bytef *)data, .avail_in = (uInt)size, .next_out = packed, .avail_out = sizeof packed};
+    assert_int_equal(deflateInit2(&z, 9, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY), Z_OK);
+    assert_int_equal(deflate(&z, Z_FINISH), Z_STREAM_END);
+    buffer_append(out, packed, sizeof packed - z.avail_out);
+    assert_int_equal(deflateEnd(&z), Z_OK);
+}
+
+/* 500 words of 1 to 9 letters, each on a line, so that words and lines lie over the ends of blocks of 64 bytes. */
+static void append_words(struct buffer *out)
+{
+    for (size_t i = 0; i < 500; i++) {
+        buffer_append(out, "abcdefghi", 1 + i % 9);
+        buffer_append(out, "\n", 1);
+    }
+}
+
+static const char *write_scratch(const char *name, const struct buffer *content)
+{
+    const char *path = test_scratch(name);
+    assert_ok(file_write(path, content->data, content->size));
+    return path;
+}
+
+static void check_words(const char *path)
+{
+    struct job job = {0};
+    struct reader r = reader_open(&job, path);
+    struct text text;
+    for (size_t i = 0; i < 500; i++) {
+        assert_true(i % 2 ? reader_line(&r, &text) : reader_word(&r, &text));
+        assert_int_equal(text.size, 1 + i % 9);
+        assert_memory_equal(text.data, "abcdefghi", text.size);
+        if (i % 2 == 0) {
+            assert_int_equal(reader_u8(&r), '\n');
+        }
+    }
+    assert_false(reader_has(&r, 1));
+    assert_true(job_ok(&job));
+    job_end(&job);
+}
+
+static void words_and_lines_cross_blocks_and_members(void **state)
+{
+    (void)state;
+    struct buffer plain = {0};
+    struct buffer packed = {0};
+    append_words(&plain);
+    check_words(write_scratch("plain", &plain));
+    for (size_t at = 0, size = 0; at < plain.size; at += size) { /* in members of 700 bytes */
+        size = plain.size - at < 700 ? plain.size - at : 700;
+        append_packed(&packed, plain.data + at, size);
+    }
+    check_words(write_scratch("packed", &packed));
+    buffer_append(&packed, "\0\0\0\0", 4);
+    check_words(write_scratch("padded", &packed));
+    buffer_finish(&plain);
+    buffer_finish(&packed);
+}
+
+static void every_prefix_of_a_packed_file_is_cut_off(void **state)
+{
+    (void)state;
+    struct buffer packed = {0};
+    append_packed(&packed, "one line\n", 9);
+    for (size_t size = 3; size < packed.size; size++) {
+        const struct buffer prefix = {.data = packed.data, .size = size};
+        struct job job = {0};
+        struct reader r = reader_open(&job, write_scratch("cut", &prefix));
+        reader_skip(&r, 10);
+        assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_DATA);
+        assert_string_equal(conus_message(), "gzip: cut off, an intact file is needed");
+    }
+    packed.data[packed.size - 5] ^= 1; /* the sum of the bytes */
+    struct job job = {0};
+    struct reader r = reader_open(&job, write_scratch("damaged", &packed));
+    reader_skip(&r, 10);
+    assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_DATA);
+    assert_string_equal(conus_message(), "gzip: damaged (incorrect data check), an intact file is needed");
+    buffer_finish(&packed);
+}
+
+static void some_come_in_whole_things(void **state)
+{
+    (void)state;
+    struct job job = {0};
+    struct reader r = reader_of(&job, text_from("abcdefgh"));
+    size_t size;
+    assert_memory_equal(reader_some(&r, 7, 3, &size), "abcdef", 6);
+    assert_int_equal(size, 6);
+    assert_null(reader_some(&r, 100, 3, &size)); /* two are left */
+    assert_int_equal(size, 0);
+    reader_skip(&r, 2);
+    assert_true(job_ok(&job));
+    reader_skip(&r, 1);
+    assert_false(job_ok(&job));
+    assert_null(reader_some(&r, 100, 1, &size));
+    assert_int_equal(reader_at(&r), 8); /* the end, so that loops stop */
+    job_end(&job);
+}
+
+/* Reads a packed file in each way. */
+static conus_status read_all(void *data)
+{
+    struct job job = {0};
+    struct reader r = reader_open(&job, data);
+    struct text text;
+    size_t count = 2;
+    size_t size = 1;
+    (void)reader_line(&r, &text);
+    (void)reader_word(&r, &text);
+    (void)reader_u32(&r);
+    (void)reader_f32s(&r, &count);
+    while (reader_some(&r, 50, 1, &size)) {
+    }
+    return job_close(&job, NULL, NULL);
+}
+
+static void every_failing_primitive_and_allocation(void **state)
+{
+    (void)state;
+    struct buffer plain = {0};
+    struct buffer packed = {0};
+    char path[256];
+    append_words(&plain);
+    append_packed(&packed, plain.data, plain.size);
+    snprintf(path, sizeof path, "%s", write_scratch("all", &packed));
+    assert_true(test_every_primitive(read_all, path) > 10);
+    test_every_allocation(read_all, path);
+    buffer_finish(&plain);
+    buffer_finish(&packed);
+}
+
+TEST_GROUP(reader)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_come_in_either_order),
+        cmocka_unit_test(lines_end_as_they_do_elsewhere),
+        cmocka_unit_test(a_count_is_no_more_than_can_follow),
+        cmocka_unit_test(words_and_lines_cross_blocks_and_members),
+        cmocka_unit_test(every_prefix_of_a_packed_file_is_cut_off),
+        cmocka_unit_test(some_come_in_whole_things),
+        cmocka_unit_test(every_failing_primitive_and_allocation),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
