@@ -225,7 +225,7 @@ static void *allocate(struct job *job, size_t count, size_t size, bool zeroed)
     if (bytes > SMALL || JOB_APART) {
         return add_block(job, bytes, zeroed);
     }
-    bytes = (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    bytes = bytes ? (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT : ALIGNMENT;
     if (bytes > job->chunk_left) {
         job->chunk = add_block(job, CHUNK, false);
         job->chunk_left = job->chunk ? CHUNK : 0;

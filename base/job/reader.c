@@ -255,7 +255,7 @@ bool reader_line(struct reader *r, struct text *line)
     }
     const char *data = (const char *)r->at;
     r->at += length + ended;
-    bool returns = ended && length && data[length - 1] == '\r';
+    bool returns = length && data[length - 1] == '\r';
     *line = (struct text){data, length - returns};
     return job_step(r->job);
 }

@@ -88,7 +88,7 @@ size_t reader_count(struct reader *r, size_t bytes_each);
  * have them; NULL, and *count 0, on failure. */
 float *reader_f32s(struct reader *r, size_t *count);
 
-/** The next line, without LF or CRLF; false at the end. A line of more than 16 MiB is a failure. */
+/** The next line, without its LF and a CR before that; false at the end. A line of more than 16 MiB is a failure. */
 bool reader_line(struct reader *r, struct text *line);
 
 /** The next run without white space; false where only white space is left. */

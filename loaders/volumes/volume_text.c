@@ -19,41 +19,60 @@
 #include <stdio.h>
 #include <string.h>
 
+/* A header and the job whose memory it is. */
+struct parsed {
+    struct text_volume volume;
+    struct job job;
+};
+
 void volume_text_finish(struct text_volume **text)
 {
-    text_volume_finish(*text);
-    memory_free(*text);
+    struct parsed *parsed = (struct parsed *)(void *)*text;
+    if (parsed) {
+        job_end(&parsed->job);
+    }
+    memory_free(parsed);
     *text = NULL;
 }
 
+static conus_status describe_text(struct volume_header *out, const struct text_volume *text)
+{
+    const int64_t dim[7] = {text->dim[0], text->dim[1], text->dim[2], text->count, 1, 1, 1};
+    bool native = text->encoding == TEXT_NUMBERS || text->type.size == 1;
+    out->swapped = !native && text->big_endian == BIG_ENDIAN_IS_SWAPPED;
+    out->offset = text->file || text->brik ? 0 : text->header_size;
+    out->info.slope = 1;
+    out->info.space_code = text->space_code;
+    snprintf(out->info.format, sizeof out->info.format, "%s", text->format);
+    conus_status status = volume_header_set_datatype(out, volume_datatype_of(text->type.kind, text->type.size));
+    status = status ? status : volume_header_set_dim(out, dim);
+    return status ? status : space_describe(&out->info, text->world_from_voxel, text->transform);
+}
+
+/* Bridge: the headers of text are read on a job, which lives on in out->text. */
 conus_status volume_text_parse(struct volume_header *out, const struct bytes *head, struct notes *notes)
 {
-    struct text_volume *text = memory_zeroed(1, sizeof *text);
-    struct volume_header header = {.text = text};
-    if (!text) {
+    struct parsed *parsed = memory_zeroed(1, sizeof *parsed);
+    if (!parsed) {
         return CONUS_ERROR_MEMORY;
     }
-    conus_status status = nrrd_is(head->data, head->size)   ? nrrd_parse(text, head->data, head->size, notes)
-                          : afni_is(head->data, head->size) ? afni_parse(text, head->data, head->size, notes)
-                                                            : metaimage_parse(text, head->data, head->size, notes);
-    if (!status) {
-        const int64_t dim[7] = {text->dim[0], text->dim[1], text->dim[2], text->count, 1, 1, 1};
-        bool native = text->encoding == TEXT_NUMBERS || text->type.size == 1;
-        header.swapped = !native && text->big_endian == BIG_ENDIAN_IS_SWAPPED;
-        header.offset = text->file || text->brik ? 0 : text->header_size;
-        header.info.slope = 1;
-        header.info.space_code = text->space_code;
-        snprintf(header.info.format, sizeof header.info.format, "%s", text->format);
-        status = volume_header_set_datatype(&header, volume_datatype_of(text->type.kind, text->type.size));
-        status = status ? status : volume_header_set_dim(&header, dim);
-        status = status ? status : space_describe(&header.info, text->world_from_voxel, text->transform);
+    struct volume_header header = {.text = &parsed->volume};
+    struct job *job = &parsed->job;
+    (nrrd_is(head->data, head->size) ? nrrd_parse
+     : afni_is(head->data, head->size)
+         ? afni_parse
+         : metaimage_parse)(job, header.text, (struct text){(const char *)head->data, head->size});
+    (void)JOB_CALL(job, describe_text(&header, header.text));
+    if (job_ok(job)) {
+        (void)JOB_CALL(job, notes_move(notes, &job->notes));
     }
-    if (status) {
-        volume_text_finish(&header.text);
-    } else {
-        *out = header;
+    if (!job_ok(job)) {
+        conus_status status = job_close(job, notes, NULL);
+        memory_free(parsed);
+        return status;
     }
-    return status;
+    *out = header;
+    return CONUS_OK;
 }
 
 /* Reads the header in the first `limit` bytes of what must be unpacked, or read, for it. */

@@ -83,7 +83,7 @@ LIBRARY = {
     "loaders/zarr": "base base/formats",
     "loaders/brainglobe": "base base/files base/geometry base/formats",
     "loaders/tracts": "base base/files base/geometry base/formats atlas/tracts loaders loaders/surfaces/foreign",
-    "loaders/volumes/text": "base base/geometry atlas/labels atlas",
+    "loaders/volumes/text": "base/job base/geometry atlas/labels atlas",
     "loaders/volumes/stored": "base base/files base/cache base/formats",
     "loaders/volumes": "base base/files base/child base/geometry base/formats atlas/labels atlas loaders/volumes/stored"
     " loaders loaders/tiff loaders/zarr loaders/brainglobe loaders/volumes/text loaders/formats loaders/labels",

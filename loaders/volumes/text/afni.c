@@ -2,7 +2,6 @@
 /* Reads and checks AFNI's headers, by a table of their attributes. */
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
-#include "base/memory.h"
 #include "loaders/volumes/text/header_text.h"
 #include "loaders/volumes/text/text_volume.h"
 
@@ -11,19 +10,18 @@
 
 enum { VOLUME_LIMIT = 1 << 20 };
 
-/* An attribute: the text of its numbers, or its string, and how many of them it says it has. */
+/* An attribute: its numbers or its string, the job's. */
 struct value {
     const char *name;
-    struct text text; /* data is NULL where it is missing */
-    size_t count;
-    bool is_string;
+    bool is_there, is_string;
+    struct text text;
+    LIST(double) numbers;
 };
 
 /* The attributes that are used. */
 struct header {
     struct value dimensions, rank, types, factors, byte_order, orient, origin, delta, matrix, label_table, atlas_table,
         titles, scene, template;
-    size_t volumes;
 };
 
 #define AT(member) offsetof(struct header, member)
@@ -53,112 +51,117 @@ static struct value *afni_value_of(struct header *header, size_t row)
     return (struct value *)(void *)((char *)header + rows[row].place);
 }
 
-/* The value of the next line, which must be "NAME = value". */
-static conus_status read_assignment(struct text *value, struct text *rest, const char *name, size_t *lines)
+/* The value of the next line, which must be "NAME = value"; the job's. */
+static struct text read_assignment(struct reader *r, const char *name, size_t *lines)
 {
     struct text line = {0};
     struct text word;
-    conus_status status = CONUS_OK;
-    bool there = header_line(rest, &line, lines, &status);
+    bool there = header_line(r, &line, lines);
     struct text tail = line;
     bool right = there && text_word(&tail, &word) && text_equal(word, name) && text_starts(text_trim(tail), "=");
-    if (status || !right) {
-        return status ? status
-                      : fail(CONUS_ERROR_DATA, "header: found the line \"%.*s\", needed is \"%s = ...\"",
-                             HEADER_SHOW(line), name);
+    if (!right) {
+        job_bad(r->job, "header: found the line \"%.*s\", needed is \"%s = ...\"", HEADER_SHOW(line), name);
+        return (struct text){0};
     }
     tail = text_trim(tail);
-    *value = text_trim((struct text){tail.data + 1, tail.size - 1});
-    return CONUS_OK;
+    tail = text_trim((struct text){tail.data + 1, tail.size - 1});
+    return (struct text){job_copy(r->job, tail), tail.size};
+}
+
+static void skip_space(struct reader *r)
+{
+    while (reader_has(r, 1) && !text_trim((struct text){(const char *)r->at, 1}).size) {
+        r->at++;
+    }
 }
 
 /* Exactly `count` bytes behind an apostrophe. */
-static conus_status read_string(struct value *out, struct text *rest, size_t count, struct text name)
+static void read_string(struct reader *r, struct value *out, size_t count, struct text name)
 {
-    *rest = text_trim(*rest);
-    if (!rest->size || rest->data[0] != '\'' || rest->size - 1 < count) {
-        return fail(CONUS_ERROR_DATA, "%.*s: found no string of %zu characters", HEADER_SHOW(name), count);
+    skip_space(r);
+    bool there = reader_has(r, 1 + count) && *r->at == '\'';
+    const uint8_t *data = there ? reader_take(r, 1 + count) : NULL;
+    if (!data) {
+        job_bad(r->job, "%.*s: found no string of %zu characters", HEADER_SHOW(name), count);
+        return;
     }
-    *out = (struct value){.text = {rest->data + 1, count}, .count = count, .is_string = true};
-    *rest = (struct text){rest->data + 1 + count, rest->size - 1 - count};
-    return CONUS_OK;
+    out->text = (struct text){job_copy(r->job, (struct text){(const char *)data + 1, count}), count};
 }
 
 /* `count` numbers, over several lines. */
-static conus_status afni_read_numbers(struct value *out, struct text *rest, size_t count, struct text name)
+static void afni_read_numbers(struct reader *r, struct value *out, size_t count, struct text name)
 {
     struct text word;
-    *out = (struct value){.text = {rest->data, 0}, .count = count};
-    for (size_t i = 0; i < count; i++) {
-        double number;
-        if (!text_word(rest, &word) || !text_to_double(word, &number)) {
-            return fail(CONUS_ERROR_DATA, "%.*s: found %zu numbers, its count is %zu", HEADER_SHOW(name), i, count);
+    double number;
+    while (job_ok(r->job) && out->numbers.count < count) {
+        if (!reader_word(r, &word) || !text_to_double(word, &number)) {
+            job_bad(r->job, "%.*s: found %zu numbers, its count is %zu", HEADER_SHOW(name), out->numbers.count, count);
+            return;
         }
-        out->text.size = (size_t)(word.data + word.size - out->text.data);
+        *LIST_ADD(r->job, &out->numbers) = number;
     }
-    return CONUS_OK;
 }
 
-static conus_status read_attribute(struct header *header, struct text *rest, size_t *lines)
+static void read_attribute(struct reader *r, struct header *header, size_t *lines)
 {
-    struct text type;
-    struct text name;
-    struct text counted;
-    struct value value;
+    struct job *job = r->job;
+    struct job_mark mark = job_mark(job);
+    bool is_used = false;
     uint64_t count = 0;
-    conus_status status = read_assignment(&type, rest, "type", lines);
-    status = status ? status : read_assignment(&name, rest, "name", lines);
-    status = status ? status : read_assignment(&counted, rest, "count", lines);
-    if (!status && !text_to_uint(counted, HEADER_TEXT_LIMIT, &count)) {
-        return fail(CONUS_ERROR_DATA, "%.*s: count: found \"%.*s\", allowed are whole numbers", HEADER_SHOW(name),
-                    HEADER_SHOW(counted));
+    struct text type = read_assignment(r, "type", lines);
+    struct text name = read_assignment(r, "name", lines);
+    struct text counted = read_assignment(r, "count", lines);
+    if (!text_to_uint(counted, HEADER_TEXT_LIMIT, &count)) {
+        job_bad(job, "%.*s: count: found \"%.*s\", allowed are whole numbers", HEADER_SHOW(name), HEADER_SHOW(counted));
     }
-    bool string = !status && text_equal(type, "string-attribute");
-    if (!status && !string && !text_equal(type, "integer-attribute") && !text_equal(type, "float-attribute")) {
-        return fail(CONUS_ERROR_DATA, "%.*s: type: found \"%.*s\", allowed are string-, integer- and float-attribute",
-                    HEADER_SHOW(name), HEADER_SHOW(type));
+    struct value value = {.is_there = true, .is_string = text_equal(type, "string-attribute")};
+    if (value.is_string) {
+        read_string(r, &value, (size_t)count, name);
+    } else if (text_equal(type, "integer-attribute") || text_equal(type, "float-attribute")) {
+        afni_read_numbers(r, &value, (size_t)count, name);
+    } else {
+        job_bad(job, "%.*s: type: found \"%.*s\", allowed are string-, integer- and float-attribute", HEADER_SHOW(name),
+                HEADER_SHOW(type));
     }
-    if (!status) {
-        status = (string ? read_string : afni_read_numbers)(&value, rest, (size_t)count, name);
-    }
-    for (size_t i = 0; !status && i < ROWS; i++) {
-        if (text_equal_ignoring_case(name, rows[i].name)) {
-            struct value *slot = afni_value_of(header, i);
-            value.name = slot->name;
-            status = header_once(&slot->text, value.text, name);
-            *slot = status ? *slot : value;
+    for (size_t i = 0; i < ROWS; i++) {
+        struct value *slot = afni_value_of(header, i);
+        if (!text_equal_ignoring_case(name, rows[i].name)) {
+            continue;
         }
+        if (slot->is_there) {
+            job_bad(job, "%.*s: found twice, allowed is once", HEADER_SHOW(name));
+        }
+        value.name = slot->name;
+        *slot = value;
+        is_used = true;
     }
-    return status;
+    if (!is_used) {
+        job_release(job, mark);
+    }
 }
 
-/* The first `count` numbers; more may follow. */
-static conus_status afni_take_numbers(double *out, size_t count, const struct value *value)
+/* The first `count` numbers, of which there may be more. */
+static const double *afni_take_numbers(struct job *job, size_t count, const struct value *value)
 {
-    struct text rest = value->text;
-    struct text word;
-    if (!value->text.data || value->is_string || value->count < count) {
-        return fail(CONUS_ERROR_DATA, "%s: %s, %zu numbers are needed", value->name,
-                    value->text.data ? "found fewer or a string" : "missing", count);
+    if (!value->is_there || value->is_string || value->numbers.count < count) {
+        job_bad(job, "%s: %s, %zu numbers are needed", value->name,
+                value->is_there ? "found fewer or a string" : "missing", count);
     }
-    for (size_t i = 0; i < count && text_word(&rest, &word); i++) {
-        (void)text_to_double(word, &out[i]); /* it did so before */
-    }
-    return CONUS_OK;
+    return job_ok(job) ? value->numbers.at : NULL;
 }
 
-static conus_status afni_take_whole(int64_t *out, size_t count, const struct value *value, int64_t least, int64_t most)
+static void afni_take_whole(struct job *job, int64_t *out, size_t count, const struct value *value, int64_t least,
+                            int64_t most)
 {
-    double numbers[8] = {0};
-    conus_status status = afni_take_numbers(numbers, count, value);
-    for (size_t i = 0; !status && i < count; i++) {
+    const double *numbers = afni_take_numbers(job, count, value);
+    for (size_t i = 0; job_ok(job) && i < count; i++) {
         if (!(numbers[i] >= (double)least && numbers[i] <= (double)most && numbers[i] == floor(numbers[i]))) {
-            return fail(CONUS_ERROR_DATA, "%s: found %g, allowed are whole numbers from %lld to %lld", value->name,
-                        numbers[i], (long long)least, (long long)most);
+            job_bad(job, "%s: found %g, allowed are whole numbers from %lld to %lld", value->name, numbers[i],
+                    (long long)least, (long long)most);
+            return;
         }
         out[i] = (int64_t)numbers[i];
     }
-    return status;
 }
 
 /* A string without the '~' that stands for its end. */
@@ -171,188 +174,175 @@ static struct text string_of(const struct value *value)
     return value->is_string ? text : (struct text){0};
 }
 
-static conus_status read_sizes(struct text_volume *out, struct header *header)
+static void read_sizes(struct job *job, struct text_volume *out, const struct header *header)
 {
     int64_t rank[2] = {0};
-    conus_status status = afni_take_whole(out->dim, 3, &header->dimensions, 1, INT32_MAX);
-    status = status ? status : afni_take_whole(rank, 2, &header->rank, 1, VOLUME_LIMIT);
-    if (!status && rank[0] != 3) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "DATASET_RANK: found %lld, allowed is 3", (long long)rank[0]);
+    afni_take_whole(job, out->dim, 3, &header->dimensions, 1, INT32_MAX);
+    afni_take_whole(job, rank, 2, &header->rank, 1, VOLUME_LIMIT);
+    if (rank[0] != 3) {
+        job_refuse(job, "DATASET_RANK: found %lld, allowed is 3", (long long)rank[0]);
     }
     out->count = rank[1];
-    header->volumes = (size_t)rank[1];
-    return status;
 }
 
 /* Type and byte order. */
-static conus_status read_type(struct text_volume *out, const struct header *header)
+static void read_type(struct job *job, struct text_volume *out, const struct header *header)
 {
     static const struct text_type types[] = {{'u', 1}, {'i', 2}, {'i', 4}, {'f', 4}, {'f', 8}};
-    double *codes = memory_zeroed(header->volumes, sizeof *codes);
-    conus_status status = codes ? afni_take_numbers(codes, header->volumes, &header->types) : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < header->volumes; i++) {
+    const double *codes = afni_take_numbers(job, (size_t)out->count, &header->types);
+    for (size_t i = 0; job_ok(job) && i < (size_t)out->count; i++) {
         if (codes[i] != 0 && codes[i] != 1 && codes[i] != 2 && codes[i] != 3 && codes[i] != 4) {
-            status = fail(CONUS_ERROR_UNSUPPORTED,
-                          "BRICK_TYPES: found %g, allowed are 0 (byte), 1 (short), 2 (int), 3 (float) and 4 (double)",
-                          codes[i]);
+            job_refuse(job, "BRICK_TYPES: found %g, allowed are 0 (byte), 1 (short), 2 (int), 3 (float) and 4 (double)",
+                       codes[i]);
         } else if (codes[i] != codes[0]) {
-            status =
-                fail(CONUS_ERROR_UNSUPPORTED, "BRICK_TYPES: found %g and %g, allowed is one type", codes[0], codes[i]);
+            job_refuse(job, "BRICK_TYPES: found %g and %g, allowed is one type", codes[0], codes[i]);
         }
     }
-    if (!status) {
-        out->type = types[(size_t)codes[0]];
+    if (!job_ok(job)) {
+        return;
     }
-    memory_free(codes);
-    if (status) {
-        return status;
-    }
+    out->type = types[(size_t)codes[0]];
     struct text order = string_of(&header->byte_order);
     out->big_endian = text_equal(order, "MSB_FIRST");
-    return out->big_endian || text_equal(order, "LSB_FIRST") || (!order.data && out->type.size == 1)
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "BYTEORDER_STRING: found \"%.*s\", allowed are LSB_FIRST and MSB_FIRST",
-                      HEADER_SHOW(order));
+    if (!out->big_endian && !text_equal(order, "LSB_FIRST") && (order.data || out->type.size > 1)) {
+        job_bad(job, "BYTEORDER_STRING: found \"%.*s\", allowed are LSB_FIRST and MSB_FIRST", HEADER_SHOW(order));
+    }
 }
 
 /* 0 means: not scaled. */
-static conus_status read_factors(struct text_volume *out, const struct header *header)
+static void read_factors(struct job *job, struct text_volume *out, const struct header *header)
 {
-    if (!header->factors.text.data) {
-        return CONUS_OK;
+    size_t count = (size_t)out->count;
+    if (!header->factors.is_there) {
+        return;
     }
-    out->slopes = memory_zeroed(header->volumes, sizeof *out->slopes);
-    conus_status status =
-        out->slopes ? afni_take_numbers(out->slopes, header->volumes, &header->factors) : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < header->volumes; i++) {
-        if (!isfinite(out->slopes[i])) {
-            return fail(CONUS_ERROR_DATA, "BRICK_FLOAT_FACS: found %g, allowed are finite numbers", out->slopes[i]);
+    const double *factors = afni_take_numbers(job, count, &header->factors);
+    out->slopes = job_array(job, &count, sizeof *out->slopes);
+    for (size_t i = 0; job_ok(job) && i < count; i++) {
+        if (!isfinite(factors[i])) {
+            job_bad(job, "BRICK_FLOAT_FACS: found %g, allowed are finite numbers", factors[i]);
         }
-        out->slopes[i] = out->slopes[i] == 0 ? 1 : out->slopes[i];
+        out->slopes[i] = factors[i] == 0 ? 1 : factors[i];
     }
-    return status;
 }
 
 /* ORIENT_SPECIFIC, ORIGIN and DELTA: axes along those of DICOM, LPS. Codes: R to L, L to R, P to A, A to P, I to S, S
  * to I; a step towards R, A or I is negative. */
-static conus_status read_plumb(double lps[16], const struct header *header)
+static void read_plumb(struct job *job, double lps[16], const struct header *header)
 {
     static const double signs[6] = {1, -1, -1, 1, 1, -1};
-    int64_t codes[3];
-    double origin[3];
-    double delta[3];
-    conus_status status = afni_take_whole(codes, 3, &header->orient, 0, 5);
-    status = status ? status : afni_take_numbers(origin, 3, &header->origin);
-    status = status ? status : afni_take_numbers(delta, 3, &header->delta);
-    if (status) {
-        return status;
-    }
+    int64_t codes[3] = {0};
+    afni_take_whole(job, codes, 3, &header->orient, 0, 5);
+    const double *origin = afni_take_numbers(job, 3, &header->origin);
+    const double *delta = afni_take_numbers(job, 3, &header->delta);
     memset(lps, 0, 16 * sizeof *lps);
     lps[15] = 1;
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; job_ok(job) && i < 3; i++) {
         size_t world = (size_t)codes[i] / 2;
         if (!(delta[i] * signs[codes[i]] > 0)) {
-            return fail(CONUS_ERROR_DATA, "DELTA: found %g, ORIENT_SPECIFIC %lld needs a step of the other sign",
-                        delta[i], (long long)codes[i]);
+            job_bad(job, "DELTA: found %g, ORIENT_SPECIFIC %lld needs a step of the other sign", delta[i],
+                    (long long)codes[i]);
         }
         lps[4 * i + world] = delta[i];
         lps[12 + world] = origin[i];
     }
-    return CONUS_OK;
 }
 
-/* Transform and space. IJK_TO_DICOM_REAL is the scanner's; the plumb axes are those that AFNI's own programs show
- * oblique data with. */
-static conus_status afni_place(struct text_volume *out, const struct header *header, struct notes *notes)
+/* The transform. IJK_TO_DICOM_REAL is the scanner's; the plumb axes are those that AFNI's own programs show oblique
+ * data with. */
+static void afni_place(struct job *job, struct text_volume *out, const struct header *header)
 {
     static const double tolerance = 1;
-    double matrix[12] = {0};
     double plumb[16];
-    bool real = header->matrix.text.data;
-    bool has_plumb = !real || (header->orient.text.data && header->origin.text.data && header->delta.text.data);
-    conus_status status = has_plumb ? read_plumb(plumb, header) : CONUS_OK;
-    if (real && status) {
-        has_plumb = false;
-        status = notes_warn(notes, "IJK_TO_DICOM_REAL was used; %s", conus_message());
-    }
-    if (real && !status) {
-        status = afni_take_numbers(matrix, 12, &header->matrix);
-    }
-    if (status) {
-        return status;
-    }
     double *lps = out->world_from_voxel;
-    const size_t dim[3] = {(size_t)out->dim[0], (size_t)out->dim[1], (size_t)out->dim[2]};
+    bool real = header->matrix.is_there;
+    bool has_plumb = !real || (header->orient.is_there && header->origin.is_there && header->delta.is_there);
     mat4_identity(lps);
-    for (size_t i = 0; i < 12; i++) {
-        size_t at = 4 * (i % 4) + i / 4;
-        lps[at] = real ? matrix[i] : plumb[at];
-    }
-    double gap = !has_plumb ? 0 : space_corner_distance(dim, lps, plumb);
-    header_turn_lps(out->world_from_voxel);
     snprintf(out->transform, sizeof out->transform, "%s",
              real ? "IJK_TO_DICOM_REAL" : "ORIENT_SPECIFIC, ORIGIN, DELTA");
-    if (gap > tolerance && notes_warn(notes,
-                                      "IJK_TO_DICOM_REAL was used; ORIENT_SPECIFIC, ORIGIN and DELTA, with which AFNI "
-                                      "shows oblique data, put a corner of the grid %.1f mm away",
-                                      gap)) {
-        return CONUS_ERROR_MEMORY;
+    if (!real) {
+        read_plumb(job, lps, header);
+        header_turn_lps(lps);
+        return;
     }
+    if (has_plumb) {
+        struct attempt attempt = job_try(job);
+        read_plumb(job, plumb, header);
+        const char *why = job_tried(job, &attempt);
+        has_plumb = !why;
+        if (why) {
+            job_warn(job, "IJK_TO_DICOM_REAL was used; %s", why);
+        }
+    }
+    const double *matrix = afni_take_numbers(job, 12, &header->matrix);
+    for (size_t i = 0; job_ok(job) && i < 12; i++) {
+        lps[4 * (i % 4) + i / 4] = matrix[i];
+    }
+    const size_t dim[3] = {(size_t)out->dim[0], (size_t)out->dim[1], (size_t)out->dim[2]};
+    double gap = has_plumb ? space_corner_distance(dim, lps, plumb) : 0;
+    header_turn_lps(lps);
+    if (gap > tolerance) {
+        job_warn(
+            job,
+            "IJK_TO_DICOM_REAL was used; ORIENT_SPECIFIC, ORIGIN and DELTA, with which AFNI shows oblique data, put "
+            "a corner of the grid %.1f mm away",
+            gap);
+    }
+}
+
+/* NIfTI's code of the space. */
+static int read_space(struct job *job, const struct header *header)
+{
     int64_t view = 0;
     struct text space = string_of(&header->template);
     bool mni = text_starts(space, "MNI");
     bool talairach = !space.data || text_starts(space, "TLRC") || text_starts(space, "TT");
-    status = header->scene.text.data ? afni_take_whole(&view, 1, &header->scene, 0, INT32_MAX) : CONUS_OK;
-    out->space_code = view == 0 ? 1 : view == 1 ? 2 : mni ? 4 : talairach ? 3 : 5; /* NIfTI's */
-    return status;
+    if (header->scene.is_there) {
+        afni_take_whole(job, &view, 1, &header->scene, 0, INT32_MAX);
+    }
+    return view == 0 ? 1 : view == 1 ? 2 : mni ? 4 : talairach ? 3 : 5;
 }
 
 /* Names of the volumes, each ended by '~', and the table of labels: the atlas's, which is the richer one, if there are
  * two. */
-static conus_status read_names(struct text_volume *out, const struct header *header)
+static void read_names(struct job *job, struct text_volume *out, const struct header *header)
 {
     struct text rest = string_of(&header->titles);
+    struct text table = string_of(&header->atlas_table);
     struct text field;
     bool more = true;
-    out->titles = rest.size ? memory_zeroed(header->volumes, sizeof *out->titles) : NULL;
-    conus_status status = !rest.size || out->titles ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; out->titles && !status && i < header->volumes && text_field(&rest, '~', &more, &field); i++) {
-        status = label_set_text(&out->titles[i], field);
+    if (rest.size) {
+        out->titles = job_zeroed(job, (size_t)out->count, sizeof *out->titles);
     }
-    if (status) {
-        return status;
+    for (int64_t i = 0; out->titles && i < out->count && text_field(&rest, '~', &more, &field); i++) {
+        out->titles[i] = job_name(job, field);
     }
-    struct text table = string_of(&header->atlas_table);
     table = table.size ? table : string_of(&header->label_table);
-    out->labels = table.size ? memory_text(table.data, table.size) : NULL;
-    return table.size && !out->labels ? CONUS_ERROR_MEMORY : CONUS_OK;
+    out->labels = table.size ? job_copy(job, table) : NULL;
 }
 
-conus_status afni_parse(struct text_volume *out, const uint8_t *data, size_t size, struct notes *notes)
+void afni_parse(struct job *job, struct text_volume *out, struct text bytes)
 {
     struct header header = {0};
-    struct text rest = text_trim((struct text){(const char *)data, size});
-    struct text_volume volume = {.format = "AFNI", .brik = true, .header_size = size};
+    struct reader r = reader_of(job, bytes);
     size_t lines = 0;
-    conus_status status = size < HEADER_TEXT_LIMIT
-                              ? CONUS_OK
-                              : fail(CONUS_ERROR_DATA, "header: found %zu bytes or more, allowed are fewer", size);
+    *out = (struct text_volume){.format = "AFNI", .brik = true, .header_size = bytes.size};
+    if (bytes.size >= HEADER_TEXT_LIMIT) {
+        job_bad(job, "header: found %zu bytes or more, allowed are fewer", bytes.size);
+    }
     for (size_t i = 0; i < ROWS; i++) {
         afni_value_of(&header, i)->name = rows[i].name;
     }
-    while (!status && rest.size) {
-        status = read_attribute(&header, &rest, &lines);
-        rest = text_trim(rest);
+    for (skip_space(&r); reader_has(&r, 1); skip_space(&r)) {
+        read_attribute(&r, &header, &lines);
     }
-    status = status ? status : read_sizes(&volume, &header);
-    status = status ? status : read_type(&volume, &header);
-    status = status ? status : read_factors(&volume, &header);
-    status = status ? status : afni_place(&volume, &header, notes);
-    status = status ? status : read_names(&volume, &header);
-    if (status) {
-        text_volume_finish(&volume);
-    } else {
-        *out = volume;
+    read_sizes(job, out, &header);
+    read_type(job, out, &header);
+    read_factors(job, out, &header);
+    if (!job_ok(job)) {
+        return;
     }
-    return status;
+    afni_place(job, out, &header);
+    out->space_code = read_space(job, &header);
+    read_names(job, out, &header);
 }

@@ -4,8 +4,7 @@
 #ifndef CONUS_LOADERS_VOLUMES_TEXT_HEADER_TEXT_H
 #define CONUS_LOADERS_VOLUMES_TEXT_HEADER_TEXT_H
 
-#include "base/status.h"
-#include "base/text.h"
+#include "base/job/reader.h"
 
 enum {
     HEADER_TEXT_LIMIT = 1 << 24, /**< Bytes of a header of text. */
@@ -20,7 +19,7 @@ enum {
 
 /** How a value is written, and the member that it becomes. */
 enum header_kind {
-    HEADER_TEXT,     /**< struct text, inside the header's bytes. */
+    HEADER_TEXT,     /**< struct text, the job's. */
     HEADER_WORD,     /**< int: the value of one of row.words. */
     HEADER_INTEGER,  /**< int64_t, row.least or more. */
     HEADER_INTEGERS, /**< struct header_list of such. */
@@ -50,7 +49,7 @@ struct header_row {
     bool exact;           /**< Upper and lower case of words differ. */
     int64_t least;
     /** Called after the value is taken, also where the key is missing (value.data NULL); NULL = nothing to do. */
-    conus_status (*check)(void *header, struct text value);
+    void (*check)(struct job *job, void *header, struct text value);
 };
 
 struct header_table {
@@ -59,44 +58,43 @@ struct header_table {
     bool exact; /**< Upper and lower case of keys differ. */
 };
 
-/** The value of each row, inside the header's bytes; data is NULL where it is missing. */
+/** The value of each row, the job's; data is NULL where it is missing. */
 struct header_values {
     struct text of[HEADER_ROW_LIMIT];
 };
 
-/** Takes the next line off @p rest, without its LF and a CR before that. False at the end. @p count counts the lines;
- * more than HEADER_LINE_LIMIT make @p status an error. */
-bool header_line(struct text *rest, struct text *line, size_t *count, conus_status *status);
+/** The next line, as of reader_line(); false at the end. @p count counts the lines, at most HEADER_LINE_LIMIT. */
+bool header_line(struct reader *r, struct text *line, size_t *count);
 
-/** Puts @p value into the row of the key @p name; *known is false where there is none. */
-conus_status header_keep(struct header_values *values, bool *known, const struct header_table *table, struct text name,
-                         struct text value);
+/** Puts a copy of @p value into the row of the key @p name; false where there is none. */
+bool header_keep(struct job *job, struct header_values *values, const struct header_table *table, struct text name,
+                 struct text value);
 
 /** Whether there is a value of the row whose first name is @p name. */
 bool header_has(const struct header_values *values, const struct header_table *table, const char *name);
 
 /** Reads the values into the format's struct @p header, row by row. */
-conus_status header_take(void *header, const struct header_table *table, const struct header_values *values);
+void header_take(struct job *job, void *header, const struct header_table *table, const struct header_values *values);
 
 /** The value of the word that is @p text; -1 if none is. */
 int header_word(const struct header_word *words, struct text text, bool exact);
 
-/** Puts @p value into @p slot, which must be empty (data NULL): a key may stand only once. */
-conus_status header_once(struct text *slot, struct text value, struct text name);
+/** Puts a copy of @p value into @p slot, which must be empty (data NULL): a key may stand only once. */
+void header_once(struct job *job, struct text *slot, struct text value, struct text name);
 
-/** CONUS_ERROR_DATA if @p value has no data: "type: missing, ALLOWED". */
-conus_status header_need(struct text value, const char *name, const char *allowed);
+/** An error if @p value has no data: "type: missing, ALLOWED". */
+void header_need(struct job *job, struct text value, const char *name, const char *allowed);
 
 /** Exactly @p count numbers with white space between them. */
-conus_status header_numbers(double *out, size_t count, struct text value, const char *name);
+void header_numbers(struct job *job, double *out, size_t count, struct text value, const char *name);
 
 /** A whole number from @p least to 2^62. */
-conus_status header_integer(int64_t *out, struct text value, int64_t least, const char *name);
+int64_t header_integer(struct job *job, struct text value, int64_t least, const char *name);
 
-/** Copies the name of the voxels' file, which must lie in the header's folder or below it. A list or pattern of files,
- * as "LIST" (with @p exact in capitals only) and "%03d.raw 1 9 1" are, is CONUS_ERROR_UNSUPPORTED: "@p name: found ...,
+/** The name of the voxels' file, which must lie in the header's folder or below it. A list or pattern of files, as
+ * "LIST" (with @p exact in capitals only) and "%03d.raw 1 9 1" are, is CONUS_ERROR_UNSUPPORTED: "@p name: found ...,
  * @p allowed". */
-conus_status header_file(char **out, struct text value, const char *name, const char *allowed, bool exact);
+char *header_file(struct job *job, struct text value, const char *name, const char *allowed, bool exact);
 
 /** Millimetres in a unit ("mm", "um", "micron"), 0 if it is not known. */
 double header_unit(struct text unit);

@@ -12,7 +12,6 @@ enum { AXES = 4 };
 /* The values of a header. */
 struct metaimage {
     struct text_volume *out;
-    struct notes *notes;
     int object_type, type; /* type: kind << 8 | bytes */
     int binary, compressed;
     int big_endian; /* -1 = not said */
@@ -26,58 +25,54 @@ struct metaimage {
     double mm; /* of a unit */
 };
 
-static conus_status read_packed_size(void *header, struct text value)
+static void read_packed_size(struct job *job, void *header, struct text value)
 {
     const struct metaimage *meta = header;
-    int64_t size = 0;
     if (meta->compressed && !meta->binary) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "CompressedData: found True beside BinaryData = False");
+        job_refuse(job, "CompressedData: found True beside BinaryData = False");
     }
-    conus_status status =
-        meta->compressed && value.data ? header_integer(&size, value, 0, "CompressedDataSize") : CONUS_OK;
     meta->out->encoding = meta->compressed ? TEXT_ZLIB : meta->binary ? TEXT_RAW : TEXT_NUMBERS;
-    meta->out->packed_size = (uint64_t)size;
-    return status;
+    if (meta->compressed && value.data) {
+        meta->out->packed_size = (uint64_t)header_integer(job, value, 0, "CompressedDataSize");
+    }
 }
 
-static conus_status check_dimensions(void *header, struct text value)
+static void check_dimensions(struct job *job, void *header, struct text value)
 {
     int64_t axes = ((const struct metaimage *)header)->dimensions;
     (void)value;
-    return axes == 3 || axes == AXES
-               ? CONUS_OK
-               : fail(CONUS_ERROR_UNSUPPORTED, "NDims: found %lld, allowed are 3 and 4", (long long)axes);
+    if (axes != 3 && axes != AXES) {
+        job_refuse(job, "NDims: found %lld, allowed are 3 and 4", (long long)axes);
+    }
 }
 
-static conus_status metaimage_check_sizes(void *header, struct text value)
+static void metaimage_check_sizes(struct job *job, void *header, struct text value)
 {
     const struct metaimage *meta = header;
     (void)value;
-    return meta->sizes.count == (size_t)meta->dimensions
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "DimSize: found %zu numbers, NDims is %lld", meta->sizes.count,
-                      (long long)meta->dimensions);
+    if (meta->sizes.count != (size_t)meta->dimensions) {
+        job_bad(job, "DimSize: found %zu numbers, NDims is %lld", meta->sizes.count, (long long)meta->dimensions);
+    }
 }
 
 /* ElementSpacing, or ElementSize, whose value this is. */
-static conus_status read_spacing(void *header, struct text value)
+static void read_spacing(struct job *job, void *header, struct text value)
 {
     struct metaimage *meta = header;
     bool spacing = meta->spacing_text.data;
     const char *name = spacing ? "ElementSpacing" : "ElementSize";
     value = spacing ? meta->spacing_text : value;
-    conus_status status = header_need(value, "ElementSpacing", "the size of a voxel is needed");
-    status = status ? status : header_numbers(meta->spacing, (size_t)meta->dimensions, value, name);
-    for (size_t i = 0; !status && i < 3; i++) {
+    header_need(job, value, "ElementSpacing", "the size of a voxel is needed");
+    header_numbers(job, meta->spacing, (size_t)meta->dimensions, value, name);
+    for (size_t i = 0; i < 3; i++) {
         if (!(meta->spacing[i] > 0) || !isfinite(meta->spacing[i])) {
-            return fail(CONUS_ERROR_DATA, "%s: found %g, allowed are finite numbers above 0", name, meta->spacing[i]);
+            job_bad(job, "%s: found %g, allowed are finite numbers above 0", name, meta->spacing[i]);
         }
     }
-    return status;
 }
 
 /* A fourth axis must not lead into space, nor space into it. */
-static conus_status metaimage_read_matrix(void *header, struct text value)
+static void metaimage_read_matrix(struct job *job, void *header, struct text value)
 {
     struct metaimage *meta = header;
     double *matrix = meta->matrix;
@@ -86,42 +81,43 @@ static conus_status metaimage_read_matrix(void *header, struct text value)
         for (size_t i = 0; i < axes; i++) {
             matrix[i * axes + i] = 1;
         }
-        return notes_warn(meta->notes, "TransformMatrix is missing: ITK's default was used, i to the left, j to the "
-                                       "back, k up");
+        job_warn(job, "TransformMatrix is missing: ITK's default was used, i to the left, j to the back, k up");
+        return;
     }
-    conus_status status = header_numbers(matrix, axes * axes, value, "TransformMatrix");
-    for (size_t i = 0; !status && axes == AXES && i < 3; i++) {
+    header_numbers(job, matrix, axes * axes, value, "TransformMatrix");
+    for (size_t i = 0; axes == AXES && i < 3; i++) {
         if (matrix[i * AXES + 3] != 0 || matrix[3 * AXES + i] != 0) {
-            return fail(CONUS_ERROR_UNSUPPORTED, "TransformMatrix: found a fourth axis that leads into space");
+            job_refuse(job, "TransformMatrix: found a fourth axis that leads into space");
         }
     }
-    return status;
 }
 
-static conus_status read_offset(void *header, struct text value)
+static void read_offset(struct job *job, void *header, struct text value)
 {
     struct metaimage *meta = header;
-    return value.data ? header_numbers(meta->offset, (size_t)meta->dimensions, value, "Offset")
-                      : notes_warn(meta->notes, "Offset is missing: ITK's default was used, the first voxel at the "
-                                                "origin");
+    if (value.data) {
+        header_numbers(job, meta->offset, (size_t)meta->dimensions, value, "Offset");
+    } else {
+        job_warn(job, "Offset is missing: ITK's default was used, the first voxel at the origin");
+    }
 }
 
-static conus_status read_unit(void *header, struct text value)
+static void read_unit(struct job *job, void *header, struct text value)
 {
     double *mm = &((struct metaimage *)header)->mm;
     bool unknown = !value.data || text_equal(value, "?") || text_equal(value, "");
     *mm = unknown ? 1 : header_unit(value);
-    return *mm > 0 ? CONUS_OK
-                   : fail(CONUS_ERROR_UNSUPPORTED, "DistanceUnits: found \"%.*s\", allowed are mm, um, cm and m",
-                          HEADER_SHOW(value));
+    if (!(*mm > 0)) {
+        job_refuse(job, "DistanceUnits: found \"%.*s\", allowed are mm, um, cm and m", HEADER_SHOW(value));
+    }
 }
 
-static conus_status metaimage_read_file(void *header, struct text value)
+static void metaimage_read_file(struct job *job, void *header, struct text value)
 {
-    struct text_volume *out = ((struct metaimage *)header)->out;
-    return text_equal_ignoring_case(value, "LOCAL")
-               ? CONUS_OK
-               : header_file(&out->file, value, "ElementDataFile", "allowed are LOCAL and one file", false);
+    if (!text_equal_ignoring_case(value, "LOCAL")) {
+        ((struct metaimage *)header)->out->file =
+            header_file(job, value, "ElementDataFile", "allowed are LOCAL and one file", false);
+    }
 }
 
 #define TYPE(kind, size) ((kind) << 8 | (size))
@@ -171,15 +167,14 @@ static const struct header_row rows[] = {
 static const struct header_table table = {rows, sizeof rows / sizeof rows[0], .exact = true};
 
 /* ITK's code of an axis says from where it comes, others write where it leads: only what fits neither is strange. */
-static conus_status check_orientation(const struct metaimage *meta)
+static void check_orientation(struct job *job, const struct metaimage *meta)
 {
-    const struct text_volume *out = meta->out;
-    struct text value = meta->orientation;
     static const char ends[2][4] = {"LPI", "RAS"};
+    struct text value = meta->orientation;
     bool from = value.size == 3;
     bool to = from;
     for (size_t i = 0; i < 3 && (from || to); i++) {
-        const double *column = out->world_from_voxel + 4 * i;
+        const double *column = meta->out->world_from_voxel + 4 * i;
         size_t world = 0;
         for (size_t k = 1; k < 3; k++) {
             world = fabs(column[k]) > fabs(column[world]) ? k : world;
@@ -187,16 +182,14 @@ static conus_status check_orientation(const struct metaimage *meta)
         to = to && value.data[i] == ends[column[world] > 0][world];
         from = from && value.data[i] == ends[column[world] <= 0][world];
     }
-    return !value.data || from || to || text_equal(value, "???")
-               ? CONUS_OK
-               : notes_warn(meta->notes,
-                            "AnatomicalOrientation says %.*s, which TransformMatrix contradicts; the matrix was "
-                            "used",
-                            HEADER_SHOW(value));
+    if (value.data && !from && !to && !text_equal(value, "???")) {
+        job_warn(job, "AnatomicalOrientation says %.*s, which TransformMatrix contradicts; the matrix was used",
+                 HEADER_SHOW(value));
+    }
 }
 
 /* LPS = Offset + directions * spacing * voxel. */
-static conus_status metaimage_place(const struct metaimage *meta)
+static void metaimage_place(const struct metaimage *meta)
 {
     struct text_volume *out = meta->out;
     mat4_identity(out->world_from_voxel);
@@ -207,16 +200,14 @@ static conus_status metaimage_place(const struct metaimage *meta)
     vec3_scale(out->world_from_voxel + 12, meta->offset, meta->mm);
     header_turn_lps(out->world_from_voxel);
     snprintf(out->transform, sizeof out->transform, "TransformMatrix, LPS");
-    return check_orientation(meta);
 }
 
 /* The line of ElementDataFile ends the header. */
-static conus_status metaimage_read_lines(struct header_values *values, struct text *rest)
+static void metaimage_read_lines(struct reader *r, struct header_values *values)
 {
     struct text line;
     size_t lines = 0;
-    conus_status status = CONUS_OK;
-    while (!header_has(values, &table, "ElementDataFile") && header_line(rest, &line, &lines, &status)) {
+    while (!header_has(values, &table, "ElementDataFile") && header_line(r, &line, &lines)) {
         if (!text_trim(line).size) {
             continue;
         }
@@ -224,70 +215,60 @@ static conus_status metaimage_read_lines(struct header_values *values, struct te
         size_t length = equals ? (size_t)(equals - line.data) : 0;
         struct text name = text_trim((struct text){line.data, length});
         if (!name.size) {
-            return fail(CONUS_ERROR_DATA, "header: found the line \"%.*s\", allowed is \"key = value\"",
-                        HEADER_SHOW(line));
+            job_bad(r->job, "header: found the line \"%.*s\", allowed is \"key = value\"", HEADER_SHOW(line));
+            return;
         }
-        bool known;
-        struct text value = text_trim((struct text){equals + 1, line.size - length - 1});
-        status = header_keep(values, &known, &table, name, value);
+        header_keep(r->job, values, &table, name, text_trim((struct text){equals + 1, line.size - length - 1}));
     }
-    return status;
+    if (!header_has(values, &table, "ElementDataFile")) {
+        header_need(r->job, (struct text){0}, "ElementDataFile", "it ends the header");
+    }
 }
 
 /* Checks values against each other. */
-static conus_status check_metaimage(const struct metaimage *meta)
+static void check_metaimage(struct job *job, const struct metaimage *meta)
 {
+    bool scaled = meta->slope != 1;
     if (meta->binary && meta->big_endian < 0 && (meta->type & 0xff) > 1) {
-        return fail(CONUS_ERROR_DATA, "BinaryDataByteOrderMSB: missing, allowed are True and False");
+        job_bad(job, "BinaryDataByteOrderMSB: missing, allowed are True and False");
     }
     if (meta->header_size && meta->out->encoding != TEXT_RAW) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "HeaderSize: found %lld, which only plain binary voxels allow",
-                    (long long)meta->header_size);
+        job_refuse(job, "HeaderSize: found %lld, which only plain binary voxels allow", (long long)meta->header_size);
     }
     if (meta->header_size > 0 && !meta->out->file) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "HeaderSize: found %lld beside LOCAL voxels, allowed is 0",
-                    (long long)meta->header_size);
+        job_refuse(job, "HeaderSize: found %lld beside LOCAL voxels, allowed is 0", (long long)meta->header_size);
     }
-    bool scaled = meta->slope != 1;
     if (scaled || meta->intercept != 0) {
-        return fail(CONUS_ERROR_UNSUPPORTED,
-                    "ElementToIntensityFunction%s: found %g, allowed is %d: ITK applies no scale",
-                    scaled ? "Slope" : "Offset", scaled ? meta->slope : meta->intercept, scaled);
+        job_refuse(job, "ElementToIntensityFunction%s: found %g, allowed is %d: ITK applies no scale",
+                   scaled ? "Slope" : "Offset", scaled ? meta->slope : meta->intercept, scaled);
     }
-    return meta->channels > 1 && meta->dimensions == AXES
-               ? fail(CONUS_ERROR_UNSUPPORTED, "ElementNumberOfChannels: found %lld beside NDims = 4, allowed is 1",
-                      (long long)meta->channels)
-               : CONUS_OK;
+    if (meta->channels > 1 && meta->dimensions == AXES) {
+        job_refuse(job, "ElementNumberOfChannels: found %lld beside NDims = 4, allowed is 1",
+                   (long long)meta->channels);
+    }
 }
 
-conus_status metaimage_parse(struct text_volume *out, const uint8_t *data, size_t size, struct notes *notes)
+void metaimage_parse(struct job *job, struct text_volume *out, struct text bytes)
 {
-    struct text rest = {(const char *)data, size < HEADER_TEXT_LIMIT ? size : HEADER_TEXT_LIMIT};
+    bytes.size = bytes.size < HEADER_TEXT_LIMIT ? bytes.size : HEADER_TEXT_LIMIT;
+    struct reader r = reader_of(job, bytes);
     struct header_values values = {0};
-    struct text_volume volume = {.format = "MetaImage"};
-    struct metaimage meta = {
-        .out = &volume, .notes = notes, .binary = true, .big_endian = -1, .channels = 1, .slope = 1};
-    conus_status status = metaimage_read_lines(&values, &rest);
-    if (!status && !header_has(&values, &table, "ElementDataFile")) {
-        status = header_need((struct text){0}, "ElementDataFile", "it ends the header");
+    struct metaimage meta = {.out = out, .binary = true, .big_endian = -1, .channels = 1, .slope = 1};
+    *out = (struct text_volume){.format = "MetaImage"};
+    metaimage_read_lines(&r, &values);
+    header_take(job, &meta, &table, &values);
+    check_metaimage(job, &meta);
+    if (!job_ok(job)) {
+        return;
     }
-    status = status ? status : header_take(&meta, &table, &values);
-    status = status ? status : check_metaimage(&meta);
-    if (!status) {
-        volume.header_size = (uint64_t)(rest.data - (const char *)data);
-        volume.type = (struct text_type){(char)(meta.type >> 8), (size_t)meta.type & 0xff};
-        volume.big_endian = meta.big_endian > 0;
-        volume.at_end = meta.header_size < 0;
-        volume.byte_skip = volume.at_end ? 0 : (uint64_t)meta.header_size;
-        memcpy(volume.dim, meta.sizes.values, sizeof volume.dim);
-        volume.count = meta.dimensions == AXES ? meta.sizes.values[3] : meta.channels;
-        volume.interleaved = meta.channels > 1;
-        status = metaimage_place(&meta);
-    }
-    if (status) {
-        text_volume_finish(&volume);
-    } else {
-        *out = volume;
-    }
-    return status;
+    out->header_size = reader_at(&r);
+    out->type = (struct text_type){(char)(meta.type >> 8), (size_t)meta.type & 0xff};
+    out->big_endian = meta.big_endian > 0;
+    out->at_end = meta.header_size < 0;
+    out->byte_skip = out->at_end ? 0 : (uint64_t)meta.header_size;
+    memcpy(out->dim, meta.sizes.values, sizeof out->dim);
+    out->count = meta.dimensions == AXES ? meta.sizes.values[3] : meta.channels;
+    out->interleaved = meta.channels > 1;
+    metaimage_place(&meta);
+    check_orientation(job, &meta);
 }

@@ -2,9 +2,7 @@
 /* Reads and checks NRRD headers: a table of their keys, the axes (which are space, which one is the list of volumes,
  * and where they lie), and 3D Slicer's segments (Segment0_Name:=..., _LabelValue, _Layer, _Color). */
 #include "atlas/frame.h"
-#include "base/buffer.h"
 #include "base/geometry/math3.h"
-#include "base/memory.h"
 #include "loaders/volumes/text/header_text.h"
 #include "loaders/volumes/text/text_volume.h"
 
@@ -17,7 +15,7 @@ enum { AXES = 4, SEGMENT_LIMIT = 1 << 12 };
 enum segment_field { SEGMENT_NAME, SEGMENT_ID, SEGMENT_VALUE, SEGMENT_LAYER, SEGMENT_COLOUR, SEGMENT_FIELDS };
 
 struct segment {
-    struct text fields[SEGMENT_FIELDS]; /* inside the header's bytes */
+    struct text fields[SEGMENT_FIELDS];
 };
 
 /* The values of a header. */
@@ -35,8 +33,7 @@ struct nrrd {
     double origin[3];
     double mm; /* of a unit */
     bool has_units;
-    struct segment *segments;
-    size_t segment_count, segment_capacity;
+    LIST(struct segment) segments;
 };
 
 /* "none" or "(x,y,z)", which `rest` begins with. */
@@ -66,32 +63,31 @@ static bool read_vector(double out[3], bool *none, struct text *rest)
     return count == 3;
 }
 
-static conus_status check_dimension(void *header, struct text value)
+static void check_dimension(struct job *job, void *header, struct text value)
 {
     int64_t dimension = ((const struct nrrd *)header)->dimension;
     (void)value;
-    return dimension == 3 || dimension == AXES
-               ? CONUS_OK
-               : fail(CONUS_ERROR_UNSUPPORTED, "dimension: found %lld, allowed are 3 and 4", (long long)dimension);
+    if (dimension != 3 && dimension != AXES) {
+        job_refuse(job, "dimension: found %lld, allowed are 3 and 4", (long long)dimension);
+    }
 }
 
-static conus_status nrrd_check_sizes(void *header, struct text value)
+static void nrrd_check_sizes(struct job *job, void *header, struct text value)
 {
     const struct nrrd *nrrd = header;
     (void)value;
-    return nrrd->sizes.count == (size_t)nrrd->dimension
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "sizes: found %zu numbers, the dimension is %lld", nrrd->sizes.count,
-                      (long long)nrrd->dimension);
+    if (nrrd->sizes.count != (size_t)nrrd->dimension) {
+        job_bad(job, "sizes: found %zu numbers, the dimension is %lld", nrrd->sizes.count, (long long)nrrd->dimension);
+    }
 }
 
-static conus_status keep_space_word(void *header, struct text value)
+static void keep_space_word(struct job *job, void *header, struct text value)
 {
+    (void)job;
     ((struct nrrd *)header)->space_word = value;
-    return CONUS_OK;
 }
 
-static conus_status read_directions(void *header, struct text value)
+static void read_directions(struct job *job, void *header, struct text value)
 {
     struct nrrd *nrrd = header;
     struct text rest = value;
@@ -101,27 +97,28 @@ static conus_status read_directions(void *header, struct text value)
     for (size_t i = 0; i < axes; i++) {
         bool none = false;
         if (!read_vector(nrrd->directions[i], &none, &rest)) {
-            return fail(CONUS_ERROR_DATA, "space directions: found \"%.*s\", for each axis (x,y,z) or none is needed",
-                        HEADER_SHOW(value));
+            job_bad(job, "space directions: found \"%.*s\", for each axis (x,y,z) or none is needed",
+                    HEADER_SHOW(value));
+            return;
         }
         nrrd->is_space[i] = !none;
         nrrd->list = none ? i : nrrd->list;
         spaces += !none;
     }
     if (text_trim(rest).size) {
-        return fail(CONUS_ERROR_DATA, "space directions: found more than the %zu axes have", axes);
+        job_bad(job, "space directions: found more than the %zu axes have", axes);
     }
     bool middle = axes == AXES && nrrd->list != 0 && nrrd->list != AXES - 1;
-    return spaces == 3 && !middle
-               ? CONUS_OK
-               : fail(CONUS_ERROR_UNSUPPORTED,
-                      "space directions: found \"%.*s\", needed are three directions, and none of the first or the "
-                      "last axis where there are four",
-                      HEADER_SHOW(value));
+    if (spaces != 3 || middle) {
+        job_refuse(job,
+                   "space directions: found \"%.*s\", needed are three directions, and none of the first or the last "
+                   "axis where there are four",
+                   HEADER_SHOW(value));
+    }
 }
 
 /* Kinds of one number per voxel and volume; colours and matrices are read as no values. */
-static conus_status check_kinds(void *header, struct text value)
+static void check_kinds(struct job *job, void *header, struct text value)
 {
     static const struct header_word known[] = {
         {"domain/space/none/???", 1},
@@ -135,41 +132,42 @@ static conus_status check_kinds(void *header, struct text value)
     for (struct text rest = value; value.data && text_word(&rest, &word); count++) {
         int kind = header_word(known, word, false);
         if (kind < 0 || (kind == 0 && count < axes && nrrd->is_space[count])) {
-            return fail(CONUS_ERROR_UNSUPPORTED,
-                        "kinds: found \"%.*s\", allowed are domain and space of an axis with "
-                        "a direction, list, time and vectors of another",
-                        HEADER_SHOW(word));
+            job_refuse(job,
+                       "kinds: found \"%.*s\", allowed are domain and space of an axis with a direction, list, time "
+                       "and vectors of another",
+                       HEADER_SHOW(word));
         }
     }
-    return !value.data || count == axes ? CONUS_OK
-                                        : fail(CONUS_ERROR_DATA, "kinds: found %zu, the dimension is %zu", count, axes);
+    if (value.data && count != axes) {
+        job_bad(job, "kinds: found %zu, the dimension is %zu", count, axes);
+    }
 }
 
 /* Spacings beside directions say the same twice, or are nan. */
-static conus_status check_spacings(void *header, struct text value)
+static void check_spacings(struct job *job, void *header, struct text value)
 {
     const struct nrrd *nrrd = header;
-    double spacings[AXES];
+    double spacings[AXES] = {0};
     size_t axes = value.data ? (size_t)nrrd->dimension : 0;
-    conus_status status = value.data ? header_numbers(spacings, axes, value, "spacings") : CONUS_OK;
-    for (size_t i = 0; !status && i < axes; i++) {
+    if (value.data) {
+        header_numbers(job, spacings, axes, value, "spacings");
+    }
+    for (size_t i = 0; job_ok(job) && i < axes; i++) {
         double length = vec3_length(nrrd->directions[i]);
         bool same = isnan(spacings[i]) || !nrrd->is_space[i] || fabs(spacings[i] - length) <= 1e-3 * length;
         if (!same) {
-            return fail(CONUS_ERROR_DATA, "spacings: found %g of axis %zu, whose space direction has length %g",
-                        spacings[i], i, length);
+            job_bad(job, "spacings: found %g of axis %zu, whose space direction has length %g", spacings[i], i, length);
         }
     }
-    return status;
 }
 
 /* "mm" "mm" "mm": one unit. */
-static conus_status read_units(void *header, struct text value)
+static void read_units(struct job *job, void *header, struct text value)
 {
     struct nrrd *nrrd = header;
     nrrd->has_units = value.data;
     nrrd->mm = 1;
-    for (int i = 0; value.data && i < 3; i++) {
+    for (int i = 0; value.data && i < 3 && job_ok(job); i++) {
         struct text unit;
         struct text before;
         bool more = true;
@@ -177,29 +175,27 @@ static conus_status read_units(void *header, struct text value)
         bool unknown = found && (!unit.size || text_equal(unit, "???"));
         double factor = unknown ? 1 : found ? header_unit(unit) : 0;
         if (factor == 0 || text_trim(before).size || (i && factor != nrrd->mm)) {
-            return fail(CONUS_ERROR_UNSUPPORTED,
-                        "space units: needed are three times the same, of \"mm\", \"um\", \"cm\" and \"m\"");
+            job_refuse(job, "space units: needed are three times the same, of \"mm\", \"um\", \"cm\" and \"m\"");
         }
         nrrd->mm = factor;
     }
-    return CONUS_OK;
 }
 
-static conus_status read_origin(void *header, struct text value)
+static void read_origin(struct job *job, void *header, struct text value)
 {
     bool none = false;
     struct text rest = value;
-    return read_vector(((struct nrrd *)header)->origin, &none, &rest) && !none && !text_trim(rest).size
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "space origin: found \"%.*s\", a point (x,y,z) is needed", HEADER_SHOW(value));
+    if (!read_vector(((struct nrrd *)header)->origin, &none, &rest) || none || text_trim(rest).size) {
+        job_bad(job, "space origin: found \"%.*s\", a point (x,y,z) is needed", HEADER_SHOW(value));
+    }
 }
 
 /* One file; lists and patterns of files are for slices. */
-static conus_status nrrd_read_file(void *header, struct text value)
+static void nrrd_read_file(struct job *job, void *header, struct text value)
 {
-    return value.data
-               ? header_file(&((struct nrrd *)header)->out->file, value, "data file", "allowed is one file", true)
-               : CONUS_OK;
+    if (value.data) {
+        ((struct nrrd *)header)->out->file = header_file(job, value, "data file", "allowed is one file", true);
+    }
 }
 
 #define TYPE(kind, size) ((kind) << 8 | (size))
@@ -267,8 +263,8 @@ static const struct header_table table = {rows, sizeof rows / sizeof rows[0], .e
 
 /* The Allen Institute's volumes count micrometres and call AP, DV and ML x, y and z: "space directions" of 25, 0, 0 and
  * so on. No other brain is that large, and they are placed as they are meant: from the corner backward, downward and to
- * the right. *done is false for others. */
-static conus_status place_ccf(struct text_volume *out, bool *done, struct notes *notes)
+ * the right. False for others. */
+static bool place_ccf(struct job *job, struct text_volume *out)
 {
     double *m = out->world_from_voxel;
     double size[3];
@@ -280,9 +276,8 @@ static conus_status place_ccf(struct text_volume *out, bool *done, struct notes 
         plain = plain && (fabs(step[0]) == length || fabs(step[1]) == length || fabs(step[2]) == length);
         size[i] = length * (double)out->dim[i];
     }
-    *done = plain && frame_is_ccf_size(size);
-    if (!*done) {
-        return CONUS_OK;
+    if (!plain || !frame_is_ccf_size(size)) {
+        return false;
     }
     double steps[3];
     for (size_t i = 0; i < 3; i++) {
@@ -292,16 +287,17 @@ static conus_status place_ccf(struct text_volume *out, bool *done, struct notes 
         0, -steps[0], 0, 0, 0, 0, -steps[1], 0, steps[2], 0, 0, 0, steps[2] / 2, -steps[0] / 2, -steps[1] / 2, 1};
     memcpy(m, placed, sizeof placed);
     snprintf(out->transform, sizeof out->transform, "the Allen CCF's grid");
-    return notes_add(notes,
-                     "space directions: the grid is the Allen CCF's in micrometres, and is placed as that one: x = "
-                     "ML, y = -AP, z = -DV from its corner, in mm");
+    job_note(job,
+             "space directions: the grid is the Allen CCF's in micrometres, and is placed as that one: x = ML, y = "
+             "-AP, z = -DV from its corner, in mm");
+    return true;
 }
 
-static conus_status nrrd_place(struct text_volume *out, const struct nrrd *nrrd, struct notes *notes)
+static void nrrd_place(struct job *job, struct text_volume *out, const struct nrrd *nrrd)
 {
+    static const double most = 1000; /* a brain is not larger than a metre: the numbers mean something else */
     const double signs[3] = {nrrd->space > 0 ? -1 : 1, nrrd->space > 1 ? -1 : 1, 1}; /* of x and y that lead to RAS */
     size_t axis = nrrd->list == 0;
-    bool done = false;
     mat4_identity(out->world_from_voxel);
     for (size_t column = 0; column < 4; column++, axis++) {
         for (size_t row = 0; row < 3; row++) {
@@ -310,88 +306,75 @@ static conus_status nrrd_place(struct text_volume *out, const struct nrrd *nrrd,
         }
     }
     snprintf(out->transform, sizeof out->transform, "space directions, %.*s", HEADER_SHOW(nrrd->space_word));
-    if (nrrd->has_units) {
-        return CONUS_OK;
+    if (nrrd->has_units || place_ccf(job, out)) {
+        return;
     }
-    conus_status status = place_ccf(out, &done, notes);
-    if (status || done) {
-        return status;
-    }
-    static const double most = 1000; /* a brain is not larger than a metre: the numbers mean something else */
     double largest = 0;
     for (size_t i = 0; i < 3; i++) {
         largest = fmax(largest, vec3_length(out->world_from_voxel + 4 * i) * (double)out->dim[i]);
     }
-    return largest > most ? notes_warn(notes,
-                                       "space directions: the grid is %g mm long: are they micrometres? The header "
-                                       "has no \"space units\", so they were taken as millimetres",
-                                       largest)
-                          : CONUS_OK;
+    if (largest > most) {
+        job_warn(
+            job,
+            "space directions: the grid is %g mm long: are they micrometres? The header has no \"space units\", so "
+            "they were taken as millimetres",
+            largest);
+    }
 }
 
 /* "\n" and "\\" stand for what no line can hold. */
-static conus_status set_name(char **out, struct text value)
+static char *unescape_name(struct job *job, struct text value)
 {
-    struct buffer plain = {0};
-    for (size_t i = 0; i < value.size; i++) {
-        bool escaped =
-            value.data[i] == '\\' && i + 1 < value.size && (value.data[i + 1] == 'n' || value.data[i + 1] == '\\');
-        i += escaped;
-        char c = escaped && value.data[i] == 'n' ? ' ' : value.data[i];
-        buffer_append(&plain, &c, 1);
+    char *plain = job_copy(job, value);
+    size_t size = 0;
+    for (size_t i = 0; job_ok(job) && i < value.size; i++) {
+        char next = i + 1 < value.size && value.data[i] == '\\' ? value.data[i + 1] : '\0';
+        i += next == 'n' || next == '\\';
+        plain[size++] = next == 'n' ? ' ' : value.data[i];
     }
-    conus_status status = buffer_status(&plain);
-    status = status || !plain.size ? status : label_set_text(out, (struct text){plain.data, plain.size});
-    buffer_finish(&plain);
-    return status;
+    return job_name(job, (struct text){plain, size});
 }
 
 /* Reads one segment. `legacy`: it is label 1 in a volume of its own. */
-static conus_status take_segment(struct text_segment *out, const struct text fields[SEGMENT_FIELDS], size_t number,
-                                 int64_t volumes, bool legacy)
+static void take_segment(struct job *job, struct text_segment *out, const struct text fields[SEGMENT_FIELDS],
+                         size_t number, int64_t volumes, bool legacy)
 {
     char name[40];
     int64_t value = 1;
     int64_t layer = legacy ? (int64_t)number : 0;
-    struct text title = fields[SEGMENT_NAME].size ? fields[SEGMENT_NAME] : fields[SEGMENT_ID];
+    double rgb[3] = {0};
     snprintf(name, sizeof name, "Segment%zu_LabelValue", number);
-    conus_status status;
-    if (!legacy && ((status = header_need(fields[SEGMENT_VALUE], name, "a label is needed")) ||
-                    (status = header_integer(&value, fields[SEGMENT_VALUE], 1, name)))) {
-        return status;
+    if (!legacy) {
+        header_need(job, fields[SEGMENT_VALUE], name, "a label is needed");
+        value = header_integer(job, fields[SEGMENT_VALUE], 1, name);
     }
     if (value > UINT32_MAX) {
-        return fail(CONUS_ERROR_DATA, "%s: found %lld, allowed are 1 to 4294967295", name, (long long)value);
+        job_bad(job, "%s: found %lld, allowed are 1 to 4294967295", name, (long long)value);
     }
     snprintf(name, sizeof name, "Segment%zu_Layer", number);
-    bool told = fields[SEGMENT_LAYER].data;
-    if (!told && !legacy && volumes != 1) {
-        return header_need((struct text){0}, name, "a layer is needed");
-    }
-    if (told && (status = header_integer(&layer, fields[SEGMENT_LAYER], 0, name))) {
-        return status;
+    if (fields[SEGMENT_LAYER].data) {
+        layer = header_integer(job, fields[SEGMENT_LAYER], 0, name);
+    } else if (!legacy && volumes != 1) {
+        header_need(job, fields[SEGMENT_LAYER], name, "a layer is needed");
     }
     if (layer >= volumes) {
-        return fail(CONUS_ERROR_DATA, "%s: found %lld, allowed are 0 to %lld", name, (long long)layer,
-                    (long long)volumes - 1);
+        job_bad(job, "%s: found %lld, allowed are 0 to %lld", name, (long long)layer, (long long)volumes - 1);
     }
+    out->label.name = unescape_name(job, fields[SEGMENT_NAME].size ? fields[SEGMENT_NAME] : fields[SEGMENT_ID]);
     snprintf(name, sizeof name, "Segment%zu_Color", number);
-    bool coloured = fields[SEGMENT_COLOUR].data;
-    double rgb[3] = {0};
-    if ((status = set_name(&out->label.name, title)) ||
-        (coloured && (status = header_numbers(rgb, 3, fields[SEGMENT_COLOUR], name)))) {
-        return status;
+    out->label.has_rgb = fields[SEGMENT_COLOUR].data;
+    if (out->label.has_rgb) {
+        header_numbers(job, rgb, 3, fields[SEGMENT_COLOUR], name);
     }
-    for (int i = 0; coloured && i < 3; i++) {
+    for (int i = 0; job_ok(job) && i < 3; i++) {
         if (!(rgb[i] >= 0 && rgb[i] <= 1)) {
-            return fail(CONUS_ERROR_DATA, "%s: found %g, allowed are 0 to 1", name, rgb[i]);
+            job_bad(job, "%s: found %g, allowed are 0 to 1", name, rgb[i]);
+            return;
         }
         out->label.rgb[i] = (uint8_t)(rgb[i] * 255 + 0.5);
     }
-    out->label.has_rgb = coloured;
     out->label.number = (uint32_t)value;
     out->volume = (size_t)layer;
-    return CONUS_OK;
 }
 
 static int compare_segments(const void *a, const void *b)
@@ -402,48 +385,47 @@ static int compare_segments(const void *a, const void *b)
     return order ? order : (left->label.number > right->label.number) - (left->label.number < right->label.number);
 }
 
-/* Turns the segments into out->segments; out->count is known. Segments that contradict each other or the volumes are
- * CONUS_ERROR_DATA: names would be wrong. */
-static conus_status take_segments(struct text_volume *out, const struct nrrd *nrrd)
+static bool has_field(const struct segment *segment)
 {
-    if (!nrrd->segment_count) {
-        return CONUS_OK;
+    bool has = false;
+    for (int k = 0; k < SEGMENT_FIELDS; k++) {
+        has = has || segment->fields[k].data;
     }
-    bool legacy = (int64_t)nrrd->segment_count == out->count; /* a volume of each, as before Slicer had layers */
-    for (size_t i = 0; i < nrrd->segment_count; i++) {
-        const struct text *fields = nrrd->segments[i].fields;
+    return has;
+}
+
+/* Turns the segments into out->segments; out->count is known. Segments that contradict each other or the volumes are
+ * errors: names would be wrong. */
+static void take_segments(struct job *job, struct text_volume *out, const struct nrrd *nrrd)
+{
+    size_t count = nrrd->segments.count;
+    bool legacy = (int64_t)count == out->count; /* a volume of each, as before Slicer had layers */
+    for (size_t i = 0; i < count; i++) {
+        const struct text *fields = nrrd->segments.at[i].fields;
         legacy = legacy && !fields[SEGMENT_VALUE].data && !fields[SEGMENT_LAYER].data;
     }
-    out->segments = memory_zeroed(nrrd->segment_count, sizeof *out->segments);
-    conus_status status = out->segments ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < nrrd->segment_count; i++) {
-        const struct text *fields = nrrd->segments[i].fields;
-        bool there = false;
-        for (int k = 0; k < SEGMENT_FIELDS; k++) {
-            there = there || fields[k].data;
-        }
-        if (there) {
-            status = take_segment(&out->segments[out->segment_count++], fields, i, out->count, legacy);
+    out->segments = job_zeroed(job, count, sizeof *out->segments);
+    for (size_t i = 0; job_ok(job) && i < count; i++) {
+        if (has_field(&nrrd->segments.at[i])) {
+            take_segment(job, &out->segments[out->segment_count++], nrrd->segments.at[i].fields, i, out->count, legacy);
         }
     }
-    if (status) {
-        return status;
+    if (!job_ok(job)) {
+        return;
     }
     qsort(out->segments, out->segment_count, sizeof *out->segments, compare_segments);
     for (size_t i = 1; i < out->segment_count; i++) {
         const struct text_segment *segment = &out->segments[i];
         const char *before = segment[-1].label.name;
-        if (compare_segments(&out->segments[i - 1], &out->segments[i]) == 0) {
-            return fail(CONUS_ERROR_DATA, "segments: label %u of layer %zu is both \"%s\" and \"%s\"",
-                        segment->label.number, segment->volume, before ? before : "",
-                        segment->label.name ? segment->label.name : "");
+        if (compare_segments(segment - 1, segment) == 0) {
+            job_bad(job, "segments: label %u of layer %zu is both \"%s\" and \"%s\"", segment->label.number,
+                    segment->volume, before ? before : "", segment->label.name ? segment->label.name : "");
         }
     }
-    return CONUS_OK;
 }
 
 /* Keeps a line "key:=value" if it is one of a segment, as "Segment12_Name" is. */
-static conus_status keep_segment(struct nrrd *nrrd, struct text key, struct text value)
+static void keep_segment(struct job *job, struct nrrd *nrrd, struct text key, struct text value)
 {
     static const struct header_word known[] = {{"Name", SEGMENT_NAME},        {"ID", SEGMENT_ID},
                                                {"LabelValue", SEGMENT_VALUE}, {"Layer", SEGMENT_LAYER},
@@ -454,110 +436,99 @@ static conus_status keep_segment(struct nrrd *nrrd, struct text key, struct text
     size_t end = line ? (size_t)(line - key.data) : 0;
     uint64_t number;
     if (end <= start || !text_to_uint((struct text){key.data + start, end - start}, UINT32_MAX, &number)) {
-        return CONUS_OK;
+        return;
     }
     if (number >= SEGMENT_LIMIT) {
-        return fail(CONUS_ERROR_DATA, "%.*s: allowed are segments 0 to %d", HEADER_SHOW(key), SEGMENT_LIMIT - 1);
+        job_bad(job, "%.*s: allowed are segments 0 to %d", HEADER_SHOW(key), SEGMENT_LIMIT - 1);
     }
     int field = header_word(known, (struct text){line + 1, key.size - end - 1}, false);
-    if (field < 0) {
-        return CONUS_OK;
+    while (job_ok(job) && field >= 0 && nrrd->segments.count <= number) {
+        (void)LIST_ADD(job, &nrrd->segments);
     }
-    if (!memory_reserve(&nrrd->segments, &nrrd->segment_capacity, (size_t)number + 1, sizeof *nrrd->segments)) {
-        return CONUS_ERROR_MEMORY;
+    if (job_ok(job) && field >= 0) {
+        header_once(job, &nrrd->segments.at[number].fields[field], value, key);
     }
-    for (; nrrd->segment_count <= number; nrrd->segment_count++) {
-        nrrd->segments[nrrd->segment_count] = (struct segment){0};
-    }
-    return header_once(&nrrd->segments[number].fields[field], value, key);
 }
 
 /* "field: value" or "key:=value". */
-static conus_status nrrd_read_line(struct header_values *values, struct nrrd *nrrd, struct text line)
+static void nrrd_read_line(struct job *job, struct header_values *values, struct nrrd *nrrd, struct text line)
 {
     const char *colon = memchr(line.data, ':', line.size);
     size_t length = colon ? (size_t)(colon - line.data) : 0;
     bool spaced = colon && line.size >= length + 2;
-    bool known = false;
     struct text name = {line.data, length};
     struct text value = spaced ? (struct text){colon + 2, line.size - length - 2} : line;
     if (spaced && colon[1] == '=') {
-        return keep_segment(nrrd, name, value);
+        keep_segment(job, nrrd, name, value);
+    } else if (!spaced || colon[1] != ' ') {
+        job_bad(job, "header: found the line \"%.*s\", allowed are \"field: value\", \"key:=value\"",
+                HEADER_SHOW(line));
+    } else if (!header_keep(job, values, &table, name, text_trim(value))) {
+        job_bad(job, "header: found the field \"%.*s\", which NRRD does not have", HEADER_SHOW(name));
     }
-    if (!spaced || colon[1] != ' ') {
-        return fail(CONUS_ERROR_DATA, "header: found the line \"%.*s\", allowed are \"field: value\", \"key:=value\"",
-                    HEADER_SHOW(line));
-    }
-    conus_status status = header_keep(values, &known, &table, name, text_trim(value));
-    return known ? status
-                 : fail(CONUS_ERROR_DATA, "header: found the field \"%.*s\", which NRRD does not have",
-                        HEADER_SHOW(name));
 }
 
 /* Up to the empty line, or to the end where the voxels lie in another file. */
-static conus_status nrrd_read_lines(struct header_values *values, struct nrrd *nrrd, struct text *rest)
+static void nrrd_read_lines(struct reader *r, struct header_values *values, struct nrrd *nrrd)
 {
+    struct job *job = r->job;
     struct text line = {0};
     size_t lines = 0;
     bool ended = false;
-    conus_status status = CONUS_OK;
-    bool known = header_line(rest, &line, &lines, &status) && line.size == 8 && line.data[6] == '0' &&
-                 line.data[7] >= '1' && line.data[7] <= '5';
+    bool known = header_line(r, &line, &lines) && line.size == 8 && line.data[6] == '0' && line.data[7] >= '1' &&
+                 line.data[7] <= '5';
     if (!known) {
-        return fail(CONUS_ERROR_DATA, "magic: found \"%.*s\", allowed are NRRD0001 to NRRD0005", HEADER_SHOW(line));
+        job_bad(job, "magic: found \"%.*s\", allowed are NRRD0001 to NRRD0005", HEADER_SHOW(line));
     }
-    while (!ended && header_line(rest, &line, &lines, &status)) {
+    while (!ended && header_line(r, &line, &lines)) {
         ended = line.size == 0;
-        status = ended || line.data[0] == '#' ? CONUS_OK : nrrd_read_line(values, nrrd, line);
+        if (!ended && line.data[0] != '#') {
+            nrrd_read_line(job, values, nrrd, line);
+        }
     }
-    return status || ended || header_has(values, &table, "data file")
-               ? status
-               : fail(CONUS_ERROR_DATA, "header: found no empty line at its end, and no \"data file\"");
+    if (!ended && !header_has(values, &table, "data file")) {
+        job_bad(job, "header: found no empty line at its end, and no \"data file\"");
+    }
 }
 
 /* Checks values against each other. */
-static conus_status check_nrrd(const struct nrrd *nrrd)
+static void check_nrrd(struct job *job, const struct nrrd *nrrd)
 {
     if (nrrd->big_endian < 0 && (nrrd->type & 0xff) > 1 && nrrd->encoding != TEXT_NUMBERS) {
-        return fail(CONUS_ERROR_DATA, "endian: missing, allowed are little and big");
+        job_bad(job, "endian: missing, allowed are little and big");
     }
     if (nrrd->byte_skip < 0 && nrrd->encoding != TEXT_RAW) {
-        return fail(CONUS_ERROR_DATA, "byte skip: found -1, which only the encoding raw allows");
+        job_bad(job, "byte skip: found -1, which only the encoding raw allows");
     }
-    return nrrd->space_dimension.data
-               ? fail(CONUS_ERROR_DATA, "space dimension: found beside \"space\", allowed is one of them")
-               : CONUS_OK;
+    if (nrrd->space_dimension.data) {
+        job_bad(job, "space dimension: found beside \"space\", allowed is one of them");
+    }
 }
 
-conus_status nrrd_parse(struct text_volume *out, const uint8_t *data, size_t size, struct notes *notes)
+void nrrd_parse(struct job *job, struct text_volume *out, struct text bytes)
 {
-    struct text rest = {(const char *)data, size < HEADER_TEXT_LIMIT ? size : HEADER_TEXT_LIMIT};
+    bytes.size = bytes.size < HEADER_TEXT_LIMIT ? bytes.size : HEADER_TEXT_LIMIT;
+    struct reader r = reader_of(job, bytes);
     struct header_values values = {0};
-    struct text_volume volume = {.format = "NRRD"};
-    struct nrrd nrrd = {.out = &volume, .big_endian = -1};
-    conus_status status = nrrd_read_lines(&values, &nrrd, &rest);
-    status = status ? status : header_take(&nrrd, &table, &values);
-    status = status ? status : check_nrrd(&nrrd);
-    if (!status) {
-        size_t first = nrrd.list == 0;
-        volume.header_size = (uint64_t)(rest.data - (const char *)data);
-        volume.type = (struct text_type){(char)(nrrd.type >> 8), (size_t)nrrd.type & 0xff};
-        volume.encoding = (enum text_encoding)nrrd.encoding;
-        volume.big_endian = nrrd.big_endian > 0;
-        volume.line_skip = (uint64_t)nrrd.line_skip;
-        volume.at_end = nrrd.byte_skip < 0;
-        volume.byte_skip = volume.at_end ? 0 : (uint64_t)nrrd.byte_skip;
-        memcpy(volume.dim, nrrd.sizes.values + first, sizeof volume.dim);
-        volume.count = nrrd.list < AXES ? nrrd.sizes.values[nrrd.list] : 1;
-        volume.interleaved = first && volume.count > 1;
-        status = nrrd_place(&volume, &nrrd, notes);
+    struct nrrd nrrd = {.out = out, .big_endian = -1};
+    *out = (struct text_volume){.format = "NRRD"};
+    nrrd_read_lines(&r, &values, &nrrd);
+    header_take(job, &nrrd, &table, &values);
+    check_nrrd(job, &nrrd);
+    if (!job_ok(job)) {
+        return;
     }
-    status = status ? status : take_segments(&volume, &nrrd);
-    memory_free(nrrd.segments);
-    if (status) {
-        text_volume_finish(&volume);
-    } else {
-        *out = volume;
-    }
-    return status;
+    size_t first = nrrd.list == 0;
+    out->header_size = reader_at(&r);
+    out->type = (struct text_type){(char)(nrrd.type >> 8), (size_t)nrrd.type & 0xff};
+    out->encoding = (enum text_encoding)nrrd.encoding;
+    out->big_endian = nrrd.big_endian > 0;
+    out->line_skip = (uint64_t)nrrd.line_skip;
+    out->at_end = nrrd.byte_skip < 0;
+    out->byte_skip = out->at_end ? 0 : (uint64_t)nrrd.byte_skip;
+    memcpy(out->dim, nrrd.sizes.values + first, sizeof out->dim);
+    out->count = nrrd.list < AXES ? nrrd.sizes.values[nrrd.list] : 1;
+    out->interleaved = first && out->count > 1;
+    nrrd_place(job, out, &nrrd);
+    take_segments(job, out, &nrrd);
 }

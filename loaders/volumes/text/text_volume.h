@@ -4,7 +4,7 @@
 #define CONUS_LOADERS_VOLUMES_TEXT_TEXT_VOLUME_H
 
 #include "atlas/labels/labels.h"
-#include "base/notes.h"
+#include "base/job/job.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -31,6 +31,7 @@ struct text_segment {
     size_t volume;
 };
 
+/** Texts and arrays are those of the job that has read it. */
 struct text_volume {
     const char *format; /**< "NRRD"; static.                                                                   */
     struct text_type type;
@@ -56,26 +57,22 @@ struct text_volume {
     char *labels;   /**< A label table as text; NULL if none.                                                   */
 };
 
-/** Finishes @p volume, which may be NULL, but does not free it. */
-void text_volume_finish(struct text_volume *volume);
-
 /** The labels that the header gives to volume @p index, sorted, into @p out; empty if there are none. */
 conus_status text_volume_labels(struct label_table *out, const struct text_volume *volume, size_t index,
                                 struct notes *notes);
 
-/* The parsers of the formats, which loaders/formats/signatures.h tells apart. @p out is the caller's to finish. Errors
- * name the field. */
+/* The parsers of the formats, which loaders/formats/signatures.h tells apart. Errors name the field. */
 
 /** NRRD, attached (.nrrd) and detached (.nhdr), versions 1 to 5 (teem, "Definition of NRRD File Format"), with the
  * segments that 3D Slicer writes into them (.seg.nrrd). */
-conus_status nrrd_parse(struct text_volume *out, const uint8_t *data, size_t size, struct notes *notes);
+void nrrd_parse(struct job *job, struct text_volume *out, struct text bytes);
 
 /** MetaImage, with the voxels behind the header (.mha) or in another file (.mhd): "key = value" lines of ITK's MetaIO,
  * of which the first but comments is ObjectType or NDims. ITK places them in LPS. */
-conus_status metaimage_parse(struct text_volume *out, const uint8_t *data, size_t size, struct notes *notes);
+void metaimage_parse(struct job *job, struct text_volume *out, struct text bytes);
 
-/** AFNI's headers (.HEAD), whose voxels lie in a .BRIK (AFNI, "README.attributes"): they begin with "type = ". @p data
- * is the whole of one. AFNI's DICOM order is LPS. */
-conus_status afni_parse(struct text_volume *out, const uint8_t *data, size_t size, struct notes *notes);
+/** AFNI's headers (.HEAD), whose voxels lie in a .BRIK (AFNI, "README.attributes"): they begin with "type = ". @p bytes
+ * are the whole of one. AFNI's DICOM order is LPS. */
+void afni_parse(struct job *job, struct text_volume *out, struct text bytes);
 
 #endif

@@ -47,7 +47,7 @@ static conus_status parse_bent(struct text_volume *out, const char *from, const 
     struct buffer bytes = {0};
     append_bent(&bytes, plain, from, to);
     buffer_text(&bytes, more);
-    conus_status status = afni_parse(out, (const uint8_t *)bytes.data, bytes.size, notes);
+    conus_status status = parse_header(out, afni_parse, &bytes, notes);
     buffer_finish(&bytes);
     return status;
 }
@@ -93,11 +93,11 @@ static void plumb_axes_follow_their_codes(void **state)
         append_bent(&text, plain, " 1 2 4\n", cases[i].orient);
         struct buffer both = {0};
         append_bent(&both, text.data, " -2 -3 4\n", cases[i].delta);
-        assert_ok(afni_parse(&volume, (const uint8_t *)both.data, both.size, &notes));
+        assert_ok(parse_header(&volume, afni_parse, &both, &notes));
         for (int k = 0; k < 9; k++) {
             assert_near(volume.world_from_voxel[4 * (k / 3) + k % 3], cases[i].matrix[k], 1e-12);
         }
-        text_volume_finish(&volume);
+        end_header();
         buffer_finish(&both);
         buffer_finish(&text);
     }
@@ -107,7 +107,7 @@ static void plumb_axes_follow_their_codes(void **state)
     assert_near(volume.world_from_voxel[12], -10, 1e-12);
     assert_near(volume.world_from_voxel[13], -20, 1e-12);
     assert_near(volume.world_from_voxel[14], 30, 1e-12);
-    text_volume_finish(&volume);
+    end_header();
 }
 
 /* The matrix wins over the plumb axes; that they differ is noted. Rows (0 -2 0 10), (3 0 0 20), (0 0 4 30) of LPS. */
@@ -123,7 +123,7 @@ static void the_real_matrix_wins(void **state)
     }
     assert_int_equal(notes.count, 1);
     assert_non_null(strstr(notes.lines[0], "IJK_TO_DICOM_REAL was used; ORIENT_SPECIFIC"));
-    text_volume_finish(&volume);
+    end_header();
     notes_finish(&notes);
 }
 
@@ -140,7 +140,7 @@ static void broken_plumb_axes_are_noted_beside_the_matrix(void **state)
     assert_int_equal(notes.count, 1);
     assert_string_equal(notes.lines[0], "IJK_TO_DICOM_REAL was used; DELTA: found 2, ORIENT_SPECIFIC 1 needs a step of "
                                         "the other sign");
-    text_volume_finish(&volume);
+    end_header();
     notes_finish(&notes);
     for (size_t i = 0; i < 3; i++) {
         struct notes none = {0};
@@ -148,7 +148,7 @@ static void broken_plumb_axes_are_noted_beside_the_matrix(void **state)
         assert_ok(parse_bent(&volume, gone[i][0], gone[i][1], real, &none));
         assert_string_equal(conus_message(), "before");
         assert_int_equal(none.count, 0);
-        text_volume_finish(&volume);
+        end_header();
     }
 }
 
@@ -173,7 +173,7 @@ static void the_space_follows_view_and_template(void **state)
         }
         assert_ok(parse_bent(&volume, NULL, NULL, more, &notes));
         assert_int_equal(volume.space_code, cases[i].code);
-        text_volume_finish(&volume);
+        end_header();
     }
 }
 
@@ -316,7 +316,8 @@ static void every_prefix_is_refused(void **state)
         struct text_volume volume;
         struct notes notes = {0};
         char *prefix = memory_text(plain, size);
-        assert_fails(afni_parse(&volume, (const uint8_t *)prefix, size, &notes), CONUS_ERROR_DATA);
+        assert_fails(parse_header(&volume, afni_parse, &(struct buffer){.data = prefix, .size = size}, &notes),
+                     CONUS_ERROR_DATA);
         memory_free(prefix);
     }
     write_head("p+orig.HEAD", "");
@@ -339,8 +340,10 @@ static void every_failing_allocation(void **state)
     write_brik("f+orig.BRIK.gz", 24, true);
     snprintf(path, sizeof path, "%s,volume=1", test_scratch("f+orig.HEAD"));
     test_every_allocation(open_and_close, path);
+    assert_true(test_every_primitive(open_and_close, path) > 0);
     snprintf(path, sizeof path, "%s,volume=1", test_scratch("f+orig.BRIK.gz"));
     test_every_allocation(open_and_close, path);
+    assert_true(test_every_primitive(open_and_close, path) > 0);
     buffer_finish(&more);
 }
 

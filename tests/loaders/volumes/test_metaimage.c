@@ -31,7 +31,7 @@ static conus_status parse_bent(struct text_volume *out, const char *from, const 
 {
     struct buffer bytes = {0};
     append_bent(&bytes, plain, from, to);
-    conus_status status = metaimage_parse(out, (const uint8_t *)bytes.data, bytes.size, notes);
+    conus_status status = parse_header(out, metaimage_parse, &bytes, notes);
     buffer_finish(&bytes);
     return status;
 }
@@ -84,7 +84,7 @@ static void placement_is_itks(void **state)
         for (int k = 0; k < 16; k++) {
             assert_near(volume.world_from_voxel[k], wanted[k], 1e-12);
         }
-        text_volume_finish(&volume);
+        end_header();
     }
 }
 
@@ -103,7 +103,7 @@ static void truth_has_several_words(void **state)
         snprintf(line, sizeof line, "MSB = %s", words[i].word);
         assert_ok(parse_bent(&volume, "MSB = False", line, &notes));
         assert_int_equal(volume.big_endian, words[i].big);
-        text_volume_finish(&volume);
+        end_header();
     }
 }
 
@@ -115,7 +115,7 @@ static void units_scale_the_matrix(void **state)
     assert_ok(parse_bent(&volume, "DimSize", "DistanceUnits = um\nDimSize", &notes));
     assert_near(volume.world_from_voxel[1], -0.002, 1e-12);
     assert_near(volume.world_from_voxel[14], 0.03, 1e-12);
-    text_volume_finish(&volume);
+    end_header();
 }
 
 static void defaults_are_noted(void **state)
@@ -135,7 +135,7 @@ static void defaults_are_noted(void **state)
         assert_int_equal(notes.count, 1);
         assert_non_null(strstr(notes.lines[0], cases[i][2]));
         notes_finish(&notes);
-        text_volume_finish(&volume);
+        end_header();
     }
 }
 
@@ -343,7 +343,7 @@ static void bad_grids_are_refused(void **state)
     append_bent(&text, plain, "BinaryDataByteOrderMSB = False\n", "");
     struct buffer wide = {0};
     append_bent(&wide, text.data, "MET_UCHAR", "MET_SHORT");
-    assert_fails(metaimage_parse(&volume, (const uint8_t *)wide.data, wide.size, &notes), CONUS_ERROR_DATA);
+    assert_fails(parse_header(&volume, metaimage_parse, &wide, &notes), CONUS_ERROR_DATA);
     assert_said("BinaryDataByteOrderMSB: missing");
     buffer_finish(&wide);
     buffer_finish(&text);
@@ -381,11 +381,13 @@ static void every_failing_allocation(void **state)
     append_zlib(&bytes, &voxels);
     snprintf(path, sizeof path, "%s", write_bytes("all.mha", &bytes));
     test_every_allocation(open_and_close, path);
+    assert_true(test_every_primitive(open_and_close, path) > 0);
     buffer_finish(&bytes);
     append_bent(&bytes, plain, "LOCAL", "all.raw");
     write_bytes("all.raw", &voxels);
     snprintf(path, sizeof path, "%s", write_bytes("all.mhd", &bytes));
     test_every_allocation(open_and_close, path);
+    assert_true(test_every_primitive(open_and_close, path) > 0);
     buffer_finish(&bytes);
     buffer_finish(&head);
     buffer_finish(&voxels);

@@ -31,7 +31,7 @@ static conus_status parse_bent(struct text_volume *out, const char *text, const 
     struct buffer bytes = {0};
     struct notes notes = {0};
     append_bent(&bytes, text, from, to);
-    conus_status status = nrrd_parse(out, (const uint8_t *)bytes.data, bytes.size, &notes);
+    conus_status status = parse_header(out, nrrd_parse, &bytes, &notes);
     buffer_finish(&bytes);
     notes_finish(&notes);
     return status;
@@ -64,7 +64,7 @@ static void placement_follows_the_space(void **state)
         for (int k = 0; k < 16; k++) {
             assert_near(volume.world_from_voxel[k], wanted[k], 1e-12);
         }
-        text_volume_finish(&volume);
+        end_header();
     }
 }
 
@@ -75,7 +75,7 @@ static void units_scale_the_matrix(void **state)
     assert_ok(parse_bent(&volume, plain, "endian", "space units: \"um\" \"um\" \"um\"\nendian"));
     assert_near(volume.world_from_voxel[0], -0.002, 1e-12);
     assert_near(volume.world_from_voxel[14], 0.03, 1e-12);
-    text_volume_finish(&volume);
+    end_header();
 }
 
 static void a_grid_of_metres_is_noted(void **state)
@@ -85,10 +85,10 @@ static void a_grid_of_metres_is_noted(void **state)
     struct notes notes = {0};
     struct text_volume volume;
     append_bent(&bytes, plain, "(2,0,0)", "(501,0,0)");
-    assert_ok(nrrd_parse(&volume, (const uint8_t *)bytes.data, bytes.size, &notes));
+    assert_ok(parse_header(&volume, nrrd_parse, &bytes, &notes));
     assert_int_equal(notes.count, 1);
     assert_non_null(strstr(notes.lines[0], "the grid is 1002 mm long: are they micrometres?"));
-    text_volume_finish(&volume);
+    end_header();
     notes_finish(&notes);
     buffer_finish(&bytes);
 }
@@ -112,17 +112,17 @@ static void the_ccf_is_placed_from_its_corner(void **state)
     for (int i = 0; i < 16; i++) {
         assert_near(volume.world_from_voxel[i], wanted[i], 1e-12);
     }
-    text_volume_finish(&volume);
+    end_header();
     /* the same grid with correct anatomical axes, but without the unit */
     assert_ok(parse_bent(&volume, allen, "(200,0,0) (0,200,0) (0,0,200)", "(0,200,0) (0,0,-200) (-200,0,0)"));
     for (int i = 0; i < 16; i++) {
         assert_near(volume.world_from_voxel[i], wanted[i], 1e-12);
     }
-    text_volume_finish(&volume);
+    end_header();
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         if (parse_bent(&volume, allen, others[i][0], others[i][1]) == CONUS_OK) {
             assert_int_equal(volume.world_from_voxel[9] == 0 && volume.world_from_voxel[8] == 0.2, false);
-            text_volume_finish(&volume);
+            end_header();
         }
     }
 }
@@ -460,7 +460,7 @@ static void a_million_lines_are_refused(void **state)
     for (int i = 0; i < 1000000; i++) {
         buffer_text(&bytes, "k:=v\n");
     }
-    assert_fails(nrrd_parse(&volume, (const uint8_t *)bytes.data, bytes.size, &notes), CONUS_ERROR_DATA);
+    assert_fails(parse_header(&volume, nrrd_parse, &bytes, &notes), CONUS_ERROR_DATA);
     assert_said("header: found more than 65536 lines");
     buffer_finish(&bytes);
 }
@@ -507,6 +507,7 @@ static void every_failing_allocation(void **state)
     write_raw("all.raw.gz", 0, true);
     snprintf(path, sizeof path, "%s", write_bytes("all.nhdr", &text));
     test_every_allocation(open_and_close, path);
+    assert_true(test_every_primitive(open_and_close, path) > 0);
     buffer_finish(&text);
     append_bent(&text, plain, "encoding: raw", "encoding: text");
     buffer_text(&text, "1 2 3 4 5 6 7 8 9 10 11 12");
@@ -517,6 +518,7 @@ static void every_failing_allocation(void **state)
     assert_said("allowed there are raw voxels");
     snprintf(path, sizeof path, "%s", write_bytes("text.nrrd", &text));
     test_every_allocation(open_and_close, path);
+    assert_true(test_every_primitive(open_and_close, path) > 0);
     buffer_finish(&text);
 }
 

@@ -24,7 +24,7 @@ static conus_status parse_bent(struct text_volume *out, const char *text, const 
     struct buffer bytes = {0};
     struct notes notes = {0};
     append_bent(&bytes, text, from, to);
-    conus_status status = nrrd_parse(out, (const uint8_t *)bytes.data, bytes.size, &notes);
+    conus_status status = parse_header(out, nrrd_parse, &bytes, &notes);
     buffer_finish(&bytes);
     notes_finish(&notes);
     return status;
@@ -53,7 +53,7 @@ static void each_layer_has_its_own_names(void **state)
     assert_int_equal(table.count, 1);
     assert_string_equal(table.entries[0].name, "Vessel");
     label_table_finish(&table);
-    text_volume_finish(&volume);
+    end_header();
 }
 
 static void a_layer_is_an_atlas(void **state)
@@ -97,7 +97,7 @@ static void segments_without_layers_are_volumes(void **state)
         assert_string_equal(table.entries[0].name, k ? "B" : "A");
         label_table_finish(&table);
     }
-    text_volume_finish(&volume);
+    end_header();
     buffer_finish(&text);
 }
 
@@ -163,6 +163,7 @@ static void every_failing_allocation(void **state)
     buffer_append(&bytes, "\1\0\1\1\0\1\7\1", 8);
     snprintf(path, sizeof path, "%s,volume=1", write_bytes("layers.seg.nrrd", &bytes));
     test_every_allocation(attempt, path);
+    assert_true(test_every_primitive(attempt, path) > 0);
     buffer_finish(&bytes);
 }
 

@@ -26,3 +26,21 @@ void assert_said(const char *part)
         fail_msg("\"%s\" does not say \"%s\"", conus_message(), part);
     }
 }
+
+static struct job header_job;
+
+void end_header(void)
+{
+    job_end(&header_job);
+}
+
+conus_status parse_header(struct text_volume *out, void (*parse)(struct job *, struct text_volume *, struct text),
+                          const struct buffer *bytes, struct notes *notes)
+{
+    end_header();
+    parse(&header_job, out, (struct text){bytes->data, bytes->size});
+    if (notes && header_job.notes.count) {
+        assert_ok(notes_move(notes, &header_job.notes));
+    }
+    return header_job.status ? job_close(&header_job, NULL, NULL) : CONUS_OK;
+}
