@@ -2,6 +2,7 @@
 /* corpus FOLDER: asks each file of a folder of the corpus what `conus info --format json` says of it, and compares with
  * the folder's facts.json (README.md). Then it asks the same of every prefix of the file, and with every allocation
  * failing. */
+#include "atlas/atlas.h"
 #include "base/files/file.h"
 #include "cli/answers/info_json.h"
 #include "options/messages.h"
@@ -86,6 +87,35 @@ int __wrap_print_status(conus_status status)
     return __real_print_status(status);
 }
 
+/* The label of a voxel, 0 for none; its value where the volume has values. */
+static json_t *voxel_of(const conus_atlas *atlas, const struct volume *volume, size_t v)
+{
+    if (volume_has_values(volume)) {
+        float value = volume_value(volume, v);
+        return isfinite(value) ? json_real(value) : json_null();
+    }
+    const conus_object *object = conus_atlas_object(atlas, volume_object(volume, v));
+    return json_integer(object ? object->label : 0);
+}
+
+/* Adds to each small volume of the JSON its "voxels", the first index fastest. */
+static void add_voxels(json_t *json, const conus_atlas *atlas)
+{
+    enum { MOST = 1000 };
+    json_t *volume;
+    size_t i;
+    json_array_foreach(json_object_get(json, "volumes"), i, volume)
+    {
+        const struct volume *from = &atlas->volumes[i];
+        const size_t count = from->info.dim[0] * from->info.dim[1] * from->info.dim[2];
+        json_t *voxels = json_array();
+        for (size_t v = 0; v < count && count <= MOST; v++) {
+            json_array_append_new(voxels, voxel_of(atlas, from, v));
+        }
+        json_object_set_new(volume, "voxels", voxels);
+    }
+}
+
 /* Loads what the settings say; the allocation number `failing` and all later ones fail, none if it is -1. */
 static void load(struct answer *out, const struct entry *entry, const struct question *question, const char *path,
                  long failing)
@@ -100,10 +130,11 @@ static void load(struct answer *out, const struct entry *entry, const struct que
     out->code = out->code ? out->code : context_choice_load(atlas, &question->context, &question->atlas);
     out->unharmed = !test_allocation_failed();
     test_fail_allocation(-1);
-    out->memory = said == CONUS_ERROR_MEMORY || strstr(error_line(), "not enough memory");
+    out->memory = said == CONUS_ERROR_MEMORY || strstr(error_line(), "memory");
     char *text = out->code ? NULL : info_json(atlas, NULL);
     out->json = text ? json_loads(text, 0, NULL) : NULL;
     free(text);
+    add_voxels(out->json, atlas);
     conus_atlas_destroy(atlas);
     out->line = out->code ? strdup(error_line()) : NULL;
     if (out->code && (!*error_line() || (said && strpbrk(conus_message(), "\n\r")))) {
@@ -192,12 +223,33 @@ static void compare_refusal(const struct entry *entry, const struct answer *answ
     }
 }
 
-/* Whether the only note is the long one that says where a label table was looked for. */
-static bool is_search(json_t *notes)
+static bool is_search(json_t *note)
 {
     static const char start[] = "no label table found: ";
-    return json_array_size(notes) == 1 &&
-           strncmp(json_string_value(json_array_get(notes, 0)), start, strlen(start)) == 0;
+    return strncmp(json_string_value(note), start, strlen(start)) == 0;
+}
+
+/* Compares all notes; the long one that says where a label table was looked for only if the facts have it. */
+static void compare_notes(const struct entry *entry, json_t *notes, json_t *facts)
+{
+    json_t *found = json_array();
+    json_t *wanted = facts ? json_incref(facts) : json_array();
+    json_t *note;
+    size_t i;
+    bool is_stated = false;
+    json_array_foreach(wanted, i, note)
+    {
+        is_stated = is_stated || is_search(note);
+    }
+    json_array_foreach(notes, i, note)
+    {
+        if (is_stated || !is_search(note)) {
+            json_array_append(found, note);
+        }
+    }
+    compare(entry, "notes", found, wanted);
+    json_decref(found);
+    json_decref(wanted);
 }
 
 static void check_facts(const struct entry *entry, const struct answer *answer)
@@ -222,19 +274,13 @@ static void check_facts(const struct entry *entry, const struct answer *answer)
         compare_refusal(entry, answer);
         return;
     }
-    json_t *none = json_array();
-    json_t *notes = json_object_get(entry->facts, "notes");
     json_t *facts = json_object_get(entry->facts, "facts");
-    json_t *found = json_object_get(answer->json, "notes");
-    if (notes || !is_search(found)) {
-        compare(entry, "notes", found, notes ? notes : none);
-    }
+    compare_notes(entry, json_object_get(answer->json, "notes"), json_object_get(entry->facts, "notes"));
     if (json_object_size(facts)) {
         compare(entry, "", answer->json, facts);
     } else {
         report(entry, "has no facts");
     }
-    json_decref(none);
 }
 
 /* Takes away what differs between a file and its prefix even if all that is said of them is the same. */
