@@ -411,18 +411,23 @@ static void copy(const struct entry *entry, const char *name)
     }
 }
 
-/* The files of the folder that nftw() walks through. */
+/* The file or folder that nftw() walks through. Of a folder with several entries, the files that are no entry are cut
+ * by the first one alone. */
 static struct {
     const struct entry *entry;
     const struct answer *whole;
+    json_t *all; /* The entries of facts.json. */
+    char top[PATH_SIZE];
+    bool is_cut;
 } walked;
 
 static int check_part(const char *path, const struct stat *info, int type, struct FTW *walk)
 {
     (void)info;
     (void)walk;
-    if (type == FTW_F) {
-        check_prefixes(walked.entry, walked.whole, path, strcmp(path, walked.entry->file) == 0);
+    bool main = strcmp(path, walked.entry->file) == 0;
+    if (type == FTW_F && (main || !(walked.is_cut || json_object_get(walked.all, path)))) {
+        check_prefixes(walked.entry, walked.whole, path, main);
     }
     return 0;
 }
@@ -444,6 +449,8 @@ static void check_entry(struct entry *entry)
         walked.entry = entry;
         walked.whole = &whole;
         snprintf(top, sizeof top, "%.*s", (int)strcspn(entry->file, "/"), entry->file);
+        walked.is_cut = strcmp(top, walked.top) == 0;
+        snprintf(walked.top, sizeof walked.top, "%s", top);
         nftw(top, check_part, OPEN_FOLDERS, FTW_PHYS);
         check_allocations(entry, &whole);
     }
@@ -518,6 +525,7 @@ int main(int argc, char **argv)
         unsetenv(elsewhere[i]);
     }
     messages_hold(true);
+    walked.all = all;
     json_object_foreach(all, file, facts)
     {
         json_t *each;
