@@ -154,7 +154,7 @@ struct text text_from_bytes(const uint8_t *data, size_t size)
 
 bool text_mentions(struct text text, const char *part)
 {
-    return text.size && memmem(text.data, text.size, part, strlen(part));
+    return text.size && text_find(text, part);
 }
 
 int text_compare(struct text a, struct text b)
@@ -179,16 +179,6 @@ bool text_starts(struct text text, const char *prefix)
 {
     size_t size = strlen(prefix);
     return text.size >= size && memcmp(text.data, prefix, size) == 0;
-}
-
-bool text_contains(struct text text, struct text part)
-{
-    for (size_t i = 0; part.size <= text.size && i <= text.size - part.size; i++) {
-        if (strncasecmp(text.data + i, part.data, part.size) == 0) {
-            return true;
-        }
-    }
-    return false;
 }
 
 bool text_has_only(struct text text, const char *these)
