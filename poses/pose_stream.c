@@ -9,6 +9,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "base/path.h"
 #include "conus/file.h"
 #include "poses/pose_candidates.h"
 #include "poses/pose_table.h"
@@ -351,9 +352,8 @@ static conus_status note_extent(conus_pose_stream *stream)
     if (!near_origin && !near_each_other) {
         return CONUS_OK;
     }
-    const char *source = conus_pose_list_coordsystem(&stream->list); /* says that they are in mm; "" if none does */
-    const char *slash = strrchr(source, '/');
-    source = slash ? slash + 1 : source;
+    /* Says that they are in mm; "" if none does. */
+    const char *source = path_base(conus_pose_list_coordsystem(&stream->list));
     return notes_warn(&stream->list.notes,
                       "all positions lie within %s, as if they were in metres; they are taken as mm%s%s%s",
                       near_origin ? "1 mm of the origin" : "0.2 mm of each other", source[0] ? ", as " : "", source,

@@ -3,6 +3,7 @@
 #include "base/cache/cache_folder.h"
 
 #include "base/memory.h"
+#include "base/path.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -16,9 +17,9 @@ conus_status cache_folder_path(struct buffer *out)
 {
     const char *cache = getenv("XDG_CACHE_HOME");
     const char *home = getenv("HOME");
-    if (cache && cache[0] == '/') { /* the specification: relative ones are ignored */
+    if (path_is_whole(cache)) { /* the specification: relative ones are ignored */
         buffer_format(out, "%s/conus", cache);
-    } else if (home && home[0] == '/') {
+    } else if (path_is_whole(home)) {
         buffer_format(out, "%s/.cache/conus", home);
     }
     return buffer_status(out);
@@ -44,19 +45,15 @@ int cache_folder_open(const char *path, bool *theirs)
     return folder;
 }
 
+static bool make_folder(void *user, const char *path)
+{
+    (void)user;
+    return mkdir(path, 0700) == 0 || errno == EEXIST;
+}
+
 bool cache_folder_make(char *path)
 {
-    for (char *c = path + 1; *c; c++) {
-        if (*c == '/') {
-            *c = '\0';
-            bool there = mkdir(path, 0700) == 0 || errno == EEXIST;
-            *c = '/';
-            if (!there) {
-                return false;
-            }
-        }
-    }
-    return true;
+    return path_each_folder(path, make_folder, NULL);
 }
 
 void cache_listing_finish(struct cache_listing *listing)

@@ -6,6 +6,7 @@
 #include "base/cache/cache_folder.h"
 #include "base/files/file_trace.h"
 #include "base/memory.h"
+#include "base/path.h"
 #include "conus/version.h"
 
 #include <errno.h>
@@ -120,7 +121,7 @@ void cache_key_path(struct buffer *out, const uint8_t *key, size_t size)
     enum { HERE = 3, PATH = 4 };
     const char *here = key_string(key, size, HERE);
     const char *path = key_string(key, size, PATH);
-    if (path && path[0] != '/' && here && here[0]) {
+    if (path && !path_is_whole(path) && here && here[0]) {
         buffer_format(out, "%s/", here);
     }
     buffer_text(out, path ? path : "");
@@ -129,17 +130,16 @@ void cache_key_path(struct buffer *out, const uint8_t *key, size_t size)
 /* The name of the entry in its folder. */
 static const char *name_in_folder(const struct cache_store *store)
 {
-    return strrchr(store->path.data, '/') + 1;
+    return path_base(store->path.data);
 }
 
 /* The folder, -1 where it is not there, or not ours alone. */
 static int open_folder(const struct cache_store *store)
 {
     bool theirs;
-    char *end = strrchr(store->path.data, '/');
-    *end = '\0';
+    char *cut = path_cut(store->path.data);
     int folder = cache_folder_open(store->path.data, &theirs);
-    *end = '/';
+    path_join_again(cut);
     return folder;
 }
 
@@ -298,7 +298,7 @@ static bool write_and_rename(struct cache_store *store, int folder, struct cache
     int file = buffer_status(&temporary) ? -1 : mkostemps(temporary.data, (int)strlen(store->ending), O_CLOEXEC);
     bool written = file >= 0 && write_entry(file, entry, store->small, write, user);
     if (file >= 0) {
-        const char *name = strrchr(temporary.data, '/') + 1;
+        const char *name = path_base(temporary.data);
         written = close(file) == 0 && written;
         if (!written || renameat(folder, name, folder, name_in_folder(store))) {
             unlinkat(folder, name, 0);
@@ -321,10 +321,9 @@ static bool make_space(struct cache_store *store, int folder, uint64_t size)
         size / disk.f_frsize >= disk.f_bavail / 2) {
         return false;
     }
-    char *end = strrchr(store->path.data, '/');
-    *end = '\0';
+    char *cut = path_cut(store->path.data);
     conus_status status = cache_folder_fit(store->path.data, store->ending, store->limit - size);
-    *end = '/';
+    path_join_again(cut);
     return !status;
 }
 

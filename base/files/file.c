@@ -4,6 +4,7 @@
 
 #include "base/files/file_trace.h"
 #include "base/memory.h"
+#include "base/path.h"
 #include "conus/file.h"
 
 #include <errno.h>
@@ -235,8 +236,7 @@ static int open_temporary(char *temporary, size_t length, const char *path)
  * the file system has no such files. */
 static int open_nameless(char *folder, const char *path)
 {
-    const char *slash = strrchr(path, '/');
-    size_t length = slash ? (size_t)(slash - path) + 1 : 0;
+    size_t length = path_folder_length(path);
     memcpy(folder, path, length);
     memcpy(folder + length, ".", sizeof ".");
     return access("/proc/self/fd", F_OK) ? -1 : open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
@@ -393,8 +393,7 @@ bool file_is_folder(const char *path)
 
 char *file_beside(const char *path, const char *name)
 {
-    const char *slash = strrchr(path, '/');
-    size_t folder = slash && name[0] != '/' ? (size_t)(slash - path) + 1 : 0;
+    size_t folder = path_is_whole(name) ? 0 : path_folder_length(path);
     char *joined = memory_raw(folder + strlen(name) + 1, 1);
     if (joined) {
         memcpy(joined, path, folder);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lists the names in a folder, and takes paths apart. */
+/* Lists the names in a folder, and makes paths. */
 #include "base/files/folder.h"
 
 #include "base/memory.h"
@@ -7,7 +7,6 @@
 #include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 void names_finish(struct names *names)
 {
@@ -65,8 +64,8 @@ conus_status names_read(struct names *out, const char *folder, const char *endin
 
 char *path_folder(const char *path)
 {
-    const char *slash = strrchr(path, '/');
-    return slash ? memory_text(path, (size_t)(slash - path) + 1) : memory_text("./", 2);
+    size_t length = path_folder_length(path);
+    return length ? memory_text(path, length) : memory_text("./", 2);
 }
 
 char *path_with_ending(const char *path, size_t length, const char *ending)
@@ -79,33 +78,7 @@ char *path_with_ending(const char *path, size_t length, const char *ending)
     return joined;
 }
 
-bool path_ends_in(const char *path, const char *ending)
-{
-    size_t length = strlen(path);
-    size_t tail = strlen(ending);
-    return length > tail && strcasecmp(path + length - tail, ending) == 0;
-}
-
-size_t path_ending_length(const char *path, const char *endings)
-{
-    size_t length = strlen(path);
-    for (const char *at = endings; *at;) {
-        size_t tail = strcspn(at, "/");
-        if (length > tail && strncasecmp(path + length - tail, at, tail) == 0) {
-            return tail;
-        }
-        at += tail + (at[tail] == '/');
-    }
-    return 0;
-}
-
 size_t volume_stem_length(const char *path)
 {
     return strlen(path) - path_ending_length(path, VOLUME_ENDINGS);
-}
-
-const char *path_base(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
 }

@@ -5,6 +5,7 @@
 #include "base/buffer.h"
 #include "base/formats/json_text.h"
 #include "base/memory.h"
+#include "base/path.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -108,12 +109,11 @@ static conus_status find_root(char **out, char **name, const char *folder)
         return fail(CONUS_ERROR_IO, "cannot open: %s", strerror(errno));
     }
     for (int i = 0; i < LEVELS_TO_ROOT; i++) {
-        char *slash = strrchr(real, '/');
+        char *cut = path_cut(real);
         if (i == 1) {
-            *name = memory_text(slash + 1, strlen(slash + 1));
+            *name = memory_text(cut + 1, strlen(cut + 1));
         }
-        *slash = '\0';
-        if (slash == real) {
+        if (cut == real) {
             break;
         }
     }

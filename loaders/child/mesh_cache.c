@@ -6,6 +6,7 @@
 #include "base/cache/cache_folder.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
+#include "base/path.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -152,12 +153,11 @@ conus_status mesh_cache_keep_within(const char *key, const struct buffer *conten
     int folder = -1;
     conus_status status = entry_path(&path, key);
     if (!status && path.size && content->size + TAIL_SIZE <= limit && cache_folder_make(path.data)) {
-        char *end = strrchr(path.data, '/');
-        *end = '\0';
+        char *cut = path_cut(path.data);
         status = open_folder(&folder, path.data, &said);
-        *end = '/';
+        path_join_again(cut);
         status = status || folder < 0 ? status : write_entry(&path, content);
-        *end = '\0';
+        cut = path_cut(path.data);
         status = status || folder < 0 ? status : cache_folder_fit(path.data, ending, limit);
     }
     if (folder >= 0) {
