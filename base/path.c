@@ -33,9 +33,8 @@ size_t path_length_above(const char *path, size_t length)
     return length;
 }
 
-size_t path_plain_length(const char *path)
+size_t path_plain_length(const char *path, size_t length)
 {
-    size_t length = strlen(path);
     while (length > 1 && path[length - 1] == '/') {
         length--;
     }
@@ -61,10 +60,18 @@ void path_join_again(char *cut)
     *cut = '/';
 }
 
-bool path_each_folder(char *path, bool (*take)(void *user, const char *folder), void *user)
+bool path_part(const char **rest, const char **part, size_t *size)
+{
+    *part = *rest;
+    *size = strcspn(*rest, "/");
+    *rest += *size + ((*rest)[*size] == '/');
+    return *rest > *part;
+}
+
+bool path_each_folder(char *path, size_t from, bool (*take)(void *user, const char *folder), void *user)
 {
     bool goes_on = true;
-    for (char *at = path[0] ? strchr(path + 1, '/') : NULL; at && goes_on; at = strchr(at + 1, '/')) {
+    for (char *at = strchr(path + from, '/'); at && goes_on; at = strchr(at + 1, '/')) {
         *at = '\0';
         goes_on = take(user, path);
         *at = '/';

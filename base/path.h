@@ -21,8 +21,8 @@ size_t path_folder_length(const char *path);
 /** Length of the first @p length bytes of @p path without the name that they end with: "a/b/" of "a/b/c". */
 size_t path_length_above(const char *path, size_t length);
 
-/** Length of @p path without a '/' at its end, but for the root's. */
-size_t path_plain_length(const char *path);
+/** Length of the first @p length bytes of @p path without a '/' at their end, but for the root's. */
+size_t path_plain_length(const char *path, size_t length);
 
 /** What stands between the first @p length bytes of @p folder and a name in it: '/', or nothing where they end in one
  * or are none. */
@@ -34,9 +34,12 @@ char *path_cut(char *path);
 /** Puts the '/' back that path_cut() took. */
 void path_join_again(char *cut);
 
-/** Calls @p take with each folder above @p path, from the highest on ("a", "a/b" of "a/b/c"), but for the root, while
- * it returns true; @p path is cut meanwhile, and whole again at the end. */
-bool path_each_folder(char *path, bool (*take)(void *user, const char *folder), void *user);
+/** Takes the next part off *rest, up to a '/' or the end. False when nothing is left. */
+bool path_part(const char **rest, const char **part, size_t *size);
+
+/** Calls @p take with each folder above @p path that has @p from bytes or more ("a", "a/b" of "a/b/c"), from the
+ * highest on, while it returns true; false where it did not. @p path is cut meanwhile, and whole again at the end. */
+bool path_each_folder(char *path, size_t from, bool (*take)(void *user, const char *folder), void *user);
 
 /** Whether @p path, longer than @p ending, ends in it; upper and lower case are the same. */
 bool path_ends_in(const char *path, const char *ending);

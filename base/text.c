@@ -14,11 +14,6 @@
 
 enum { NUMBER_LIMIT = 63, DISTANCE_LIMIT = 255 };
 
-struct text text_from(const char *string)
-{
-    return (struct text){string, strlen(string)};
-}
-
 /* Splits rest at `length` bytes and drops `ending` more. */
 static struct text take_bytes(struct text *rest, size_t length, size_t ending)
 {

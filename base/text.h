@@ -9,6 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <string.h>
 
 /** A text inside bytes that someone else owns; not NUL-terminated. */
 struct text {
@@ -20,7 +21,10 @@ struct text {
 #define TEXT_SHOW(t, most) (int)((t).size < (most) ? (t).size : (most)), (t).size ? (t).data : ""
 
 /** A text over a C string. */
-struct text text_from(const char *string);
+static inline struct text text_from(const char *string)
+{
+    return (struct text){string, strlen(string)};
+}
 
 /** @p data as text: without a byte order mark of UTF-8, and without NULs and white space at its end. */
 struct text text_from_bytes(const uint8_t *data, size_t size);

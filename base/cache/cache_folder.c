@@ -53,7 +53,7 @@ static bool make_folder(void *user, const char *path)
 
 bool cache_folder_make(char *path)
 {
-    return path_each_folder(path, make_folder, NULL);
+    return path_each_folder(path, 1, make_folder, NULL);
 }
 
 void cache_listing_finish(struct cache_listing *listing)

@@ -220,7 +220,7 @@ conus_status volume_zarr_open(struct volume_zarr *out, struct volume_header *hea
     struct search search = {.read = read};
     struct zarr_array array = {0};
     const struct ome_level *level = NULL;
-    search.folder = memory_text(path, path_plain_length(path));
+    search.folder = memory_text(path, path_plain_length(path, strlen(path)));
     conus_status status = search.folder ? CONUS_OK : CONUS_ERROR_MEMORY;
     status = status ? status : read_metadata(&search.array, search.folder, array_files, read);
     if (!status && is_array(&search.array)) {

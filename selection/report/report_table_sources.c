@@ -16,7 +16,7 @@ enum { NAMED_LIMIT = 3 };
  * A file's name may hold anything. */
 static void write_file_of(struct buffer *out, const char *path)
 {
-    size_t end = path_plain_length(path);
+    size_t end = path_plain_length(path, strlen(path));
     size_t start = path_length_above(path, end);
     bool is_version = strspn(path + start, "0123456789_") == end - start;
     start = path_length_above(path, start - (is_version && start > 1));
