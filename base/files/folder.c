@@ -3,8 +3,8 @@
 #include "base/files/folder.h"
 
 #include "base/memory.h"
+#include "base/system/system.h"
 
-#include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,20 +46,30 @@ conus_status names_add(struct names *names, const char *name)
     return CONUS_OK;
 }
 
+/* What names_read() looks for. */
+struct wanted {
+    struct names *out;
+    const char *ending;
+    conus_status status;
+};
+
+static bool take_name(void *user, const char *name)
+{
+    struct wanted *wanted = user;
+    if (ends_with(name, wanted->ending)) {
+        wanted->status = names_add(wanted->out, name);
+    }
+    return !wanted->status && wanted->out->count < NAMES_LIMIT;
+}
+
 conus_status names_read(struct names *out, const char *folder, const char *ending)
 {
-    DIR *directory = opendir(folder);
-    conus_status status = CONUS_OK;
-    for (struct dirent *entry; directory && !status && out->count < NAMES_LIMIT && (entry = readdir(directory));) {
-        status = ends_with(entry->d_name, ending) ? names_add(out, entry->d_name) : CONUS_OK;
-    }
-    if (directory) {
-        closedir(directory);
-    }
-    if (!status && out->count) {
+    struct wanted wanted = {.out = out, .ending = ending};
+    system_list(folder, take_name, &wanted);
+    if (!wanted.status && out->count) {
         qsort(out->names, out->count, sizeof *out->names, compare_names);
     }
-    return status;
+    return wanted.status;
 }
 
 char *path_folder(const char *path)
