@@ -4,6 +4,7 @@
 
 #include "atlas/space.h"
 #include "atlas/volume_sample.h"
+#include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
@@ -11,7 +12,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 
 static void object_finish(conus_object *object)
 {
@@ -55,7 +55,7 @@ void conus_atlas_destroy(conus_atlas *atlas)
     file_sums_finish(&atlas->files);
     notes_finish(&atlas->notes);
     if (atlas->mapped) {
-        munmap((void *)atlas->mapped, atlas->mapped_size);
+        file_unmap(atlas->mapped, atlas->mapped_size);
     }
     memory_free(atlas);
 }

@@ -3,12 +3,11 @@
 #include "base/memory.h"
 
 #include "base/status.h"
+#include "base/system/system.h"
 
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 static void *check_block(void *block, size_t count, size_t size)
 {
@@ -26,13 +25,9 @@ void *memory_zeroed(size_t count, size_t size)
 void *memory_sparse(size_t size)
 {
     uint8_t *block = memory_zeroed(size, 1);
-#if defined(MADV_NOHUGEPAGE)
-    const size_t page = (size_t)sysconf(_SC_PAGESIZE);
-    size_t skipped = (page - (uintptr_t)block % page) % page;
-    if (block && size > skipped) {
-        (void)madvise(block + skipped, size - skipped, MADV_NOHUGEPAGE); /* or a byte would take 2 MiB */
+    if (block) {
+        system_make_sparse(block, size);
     }
-#endif
     return block;
 }
 

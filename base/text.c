@@ -14,11 +14,6 @@
 
 enum { NUMBER_LIMIT = 63, DISTANCE_LIMIT = 255 };
 
-struct text text_from(const char *string)
-{
-    return (struct text){string, strlen(string)};
-}
-
 /* Splits rest at `length` bytes and drops `ending` more. */
 static struct text take_bytes(struct text *rest, size_t length, size_t ending)
 {
@@ -154,7 +149,7 @@ struct text text_from_bytes(const uint8_t *data, size_t size)
 
 bool text_mentions(struct text text, const char *part)
 {
-    return text.size && memmem(text.data, text.size, part, strlen(part));
+    return text.size && text_find(text, part);
 }
 
 int text_compare(struct text a, struct text b)
@@ -179,16 +174,6 @@ bool text_starts(struct text text, const char *prefix)
 {
     size_t size = strlen(prefix);
     return text.size >= size && memcmp(text.data, prefix, size) == 0;
-}
-
-bool text_contains(struct text text, struct text part)
-{
-    for (size_t i = 0; part.size <= text.size && i <= text.size - part.size; i++) {
-        if (strncasecmp(text.data + i, part.data, part.size) == 0) {
-            return true;
-        }
-    }
-    return false;
 }
 
 bool text_has_only(struct text text, const char *these)

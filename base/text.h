@@ -8,6 +8,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <string.h>
 
 /** A text inside bytes that someone else owns; not NUL-terminated. */
 struct text {
@@ -19,7 +21,10 @@ struct text {
 #define TEXT_SHOW(t, most) (int)((t).size < (most) ? (t).size : (most)), (t).size ? (t).data : ""
 
 /** A text over a C string. */
-struct text text_from(const char *string);
+static inline struct text text_from(const char *string)
+{
+    return (struct text){string, strlen(string)};
+}
 
 /** @p data as text: without a byte order mark of UTF-8, and without NULs and white space at its end. */
 struct text text_from_bytes(const uint8_t *data, size_t size);
@@ -56,6 +61,35 @@ bool text_starts(struct text text, const char *prefix);
 
 /** Whether @p text is one of @p words, which have '/' between them; @p exact: upper and lower case differ. */
 bool text_is_one_of(struct text text, const char *words, bool exact);
+
+/* What GNU's C library has for text, and others have not. */
+
+/** Where @p part begins first in @p text; NULL = nowhere. */
+const char *text_find(struct text text, const char *part);
+
+/** Where @p c stands last in @p text; NULL = nowhere. */
+const char *text_last(struct text text, char c);
+
+/** Takes the next word off *rest, up to one of @p separators, in whose place a NUL is written. *rest is NULL behind the
+ * last word, which may be empty; then NULL is returned. */
+char *text_next(char **rest, const char *separators);
+
+/** A copy of the first @p most bytes of @p text, or fewer where it ends earlier. free() it; NULL without memory. */
+char *text_copy(const char *text, size_t most);
+
+/** Reads up to and with the next @p end, or to the end of the file, into *line, which grows to *capacity; both begin as
+ * 0, and the caller frees *line. Its length; -1 where nothing is left, at an error and without memory. */
+ptrdiff_t text_read_line(char **line, size_t *capacity, char end, FILE *in);
+
+enum text_matching {
+    TEXT_ANY_CASE = 1, /**< Upper and lower case (of ASCII) are the same. */
+    TEXT_NO_DOT = 2    /**< Only a '.' of the pattern stands for one that the name begins with. */
+};
+
+/** Whether all of @p name matches @p pattern: '*' is any bytes, '?' one byte, "[a-z_]" one of them, "[!a-z]" one that
+ * is none of them, "[[:digit:]]" one of a class of ASCII; a backslash takes the meaning of the next byte. @p how is a
+ * sum of enum text_matching. */
+bool text_matches(const char *name, const char *pattern, unsigned how);
 
 /** True when @p part stands somewhere in @p text. */
 bool text_mentions(struct text text, const char *part);

@@ -2,17 +2,11 @@
 /* Starts threads for the pieces of some work, and waits for them. */
 #include "base/threads.h"
 
-#include <sched.h>
-#include <signal.h>
+#include "base/system/system.h"
 
 size_t threads_for(uint64_t count, uint64_t least)
 {
-#ifdef __EMSCRIPTEN__ /* whose pages have no threads here */
-    uint64_t processors = 1;
-#else
-    cpu_set_t set;
-    uint64_t processors = sched_getaffinity(0, sizeof set, &set) == 0 ? (uint64_t)CPU_COUNT(&set) : 1;
-#endif
+    uint64_t processors = system_processors();
     uint64_t wanted = count / least;
     wanted = wanted < processors ? wanted : processors;
     wanted = wanted < THREADS_MOST ? wanted : THREADS_MOST;
@@ -26,16 +20,10 @@ static void *run(void *user)
     return NULL;
 }
 
-/* Signals are for the program's own threads. */
 void threads_start(struct thread_piece *out, threads_work *work, void *user, size_t piece)
 {
-    sigset_t all;
-    sigset_t before;
-    sigfillset(&all);
     *out = (struct thread_piece){.work = work, .user = user, .number = piece};
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    out->has_thread = pthread_create(&out->thread, NULL, run, out) == 0;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    out->has_thread = system_thread(&out->thread, 0, run, out);
 }
 
 void threads_wait(struct thread_piece *piece)

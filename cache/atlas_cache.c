@@ -2,6 +2,7 @@
 /* Finds atlases that were kept, and keeps them. */
 #include "cache/atlas_cache.h"
 
+#include "base/path.h"
 #include "selection/batch/atlas_pack.h"
 
 #include <assert.h>
@@ -15,7 +16,7 @@ static_assert(sizeof(conus_load_options) <= offsetof(conus_load_options, cache) 
 
 static bool is_relative(const char *path)
 {
-    return path && path[0] != '/';
+    return path && !path_is_whole(path);
 }
 
 /* The head of a note; its strings follow. Sizes count a final NUL; a path of size 0 is NULL. */
@@ -172,7 +173,7 @@ conus_atlas *atlas_cache_find(struct atlas_cache *cache)
 /* A folder that stands for a manifest has no bytes of its own. */
 static bool was_watched(const struct file_trace *trace, const char *path)
 {
-    return !path || !*path || path[strlen(path) - 1] == '/' || file_trace_find(trace, path);
+    return !path || !*path_base(path) || file_trace_find(trace, path);
 }
 
 /* Whether the trace has all files that the atlas says it was read from, so that no reader went past the trace.

@@ -4,17 +4,12 @@
 #include "base/cache/cache_folder.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
+#include "base/system/system.h"
 #include "cache/atlas_cache.h"
 #include "conus/cache.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <limits.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 struct conus_cache {
     struct buffer folder;
@@ -47,12 +42,12 @@ void conus_cache_destroy(conus_cache *cache)
  * memory. */
 static char *plain_path(const char *path)
 {
-    char real[PATH_MAX];
+    char real[SYSTEM_PATH];
     struct buffer plain = {0};
     char *folder = path_folder(path);
-    if (realpath(path, real)) {
+    if (system_real_path(real, path)) {
         buffer_text(&plain, real);
-    } else if (folder && realpath(folder, real)) {
+    } else if (folder && system_real_path(real, folder)) {
         buffer_format(&plain, "%s/%s", strcmp(real, "/") == 0 ? "" : real, path_base(path));
     } else {
         buffer_text(&plain, path);
@@ -67,18 +62,18 @@ static char *plain_path(const char *path)
 static char *path_of(int folder, const char *name)
 {
     /* to be listed is not to be used: the time of use says what leaves first */
-    int file = openat(folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC | O_NOATIME);
-    struct stat info;
-    bool readable = file >= 0 && cache_is_ours(file, S_IFREG) && fstat(file, &info) == 0 && info.st_size > 0;
-    size_t size = readable ? (size_t)info.st_size : 0;
-    void *memory = readable ? mmap(NULL, size, PROT_READ, MAP_SHARED, file, 0) : MAP_FAILED;
+    int file = system_open_in(folder, name, SYSTEM_READ | SYSTEM_NO_LINK | SYSTEM_AT_ONCE | SYSTEM_UNUSED);
+    struct system_stat info;
+    bool readable = file >= 0 && system_stat_open(&info, file) && info.kind == SYSTEM_FILE && info.ours_alone;
+    size_t size = readable ? (size_t)info.size : 0;
+    void *memory = size ? system_map(file, size) : NULL;
     struct cache_entry entry;
     struct buffer path = {0};
-    if (memory != MAP_FAILED) {
+    if (memory) {
         if (cache_entry_parse(&entry, memory, size)) {
             cache_key_path(&path, entry.key.data, entry.key.size);
         }
-        munmap(memory, size);
+        system_unmap(memory, size);
     }
     if (file >= 0) {
         close(file);
@@ -177,7 +172,7 @@ conus_status conus_cache_clear(void)
     int folder = !status && cache->folder.size ? cache_folder_open(cache->folder.data, &theirs) : -1;
     for (size_t i = 0; folder >= 0 && i < cache->count; i++) {
         const char *name = cache->entries[i].file;
-        if (unlinkat(folder, name, 0) && errno != ENOENT) {
+        if (!system_remove_in(folder, name) && errno != ENOENT) {
             status = fail(CONUS_ERROR_IO, "%s/%s: cannot remove: %s", cache->folder.data, name, strerror(errno));
         }
     }

@@ -9,6 +9,8 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "base/path.h"
+#include "base/system/system.h"
 #include "conus/file.h"
 #include "poses/pose_candidates.h"
 #include "poses/pose_table.h"
@@ -18,13 +20,9 @@
 #include "poses/rows/pose_row.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/eventfd.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static conus_status parse_matrix(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
@@ -235,12 +233,12 @@ struct conus_pose_stream {
     conus_pose_options options; /* with a frame, this: */
     conus_frame frame;
     conus_pose_format format;
-    char *name;       /* for messages; NULL for a text */
-    const char *path; /* while it is opened; NULL for a text and stdin */
-    int descriptor;   /* -1 for a text */
-    bool owned;       /* it is ours to close */
-    int stop;         /* of a pipe: can be read once the stream is stopped; -1 of others */
-    uint64_t start;   /* of the text in the file */
+    char *name;              /* for messages; NULL for a text */
+    const char *path;        /* while it is opened; NULL for a text and stdin */
+    int descriptor;          /* -1 for a text */
+    bool owned;              /* it is ours to close */
+    struct system_wake stop; /* of a pipe: once the stream is stopped; of others none */
+    uint64_t start;          /* of the text in the file */
     struct text text;
     struct pose_lines lines;
     struct pose_table table;
@@ -351,9 +349,8 @@ static conus_status note_extent(conus_pose_stream *stream)
     if (!near_origin && !near_each_other) {
         return CONUS_OK;
     }
-    const char *source = conus_pose_list_coordsystem(&stream->list); /* says that they are in mm; "" if none does */
-    const char *slash = strrchr(source, '/');
-    source = slash ? slash + 1 : source;
+    /* Says that they are in mm; "" if none does. */
+    const char *source = path_base(conus_pose_list_coordsystem(&stream->list));
     return notes_warn(&stream->list.notes,
                       "all positions lie within %s, as if they were in metres; they are taken as mm%s%s%s",
                       near_origin ? "1 mm of the origin" : "0.2 mm of each other", source[0] ? ", as " : "", source,
@@ -429,17 +426,16 @@ static conus_status fail_errno(const char *action)
 
 static conus_status begin_file(conus_pose_stream *stream)
 {
-    struct stat info;
-    if (fstat(stream->descriptor, &info)) {
+    struct system_stat info;
+    if (!system_stat_open(&info, stream->descriptor)) {
         return fail_errno("read");
     }
-    if (S_ISDIR(info.st_mode)) {
+    if (info.kind == SYSTEM_FOLDER) {
         return fail(CONUS_ERROR_IO, "cannot read: is a folder, a file is needed");
     }
-    off_t at = S_ISREG(info.st_mode) ? lseek(stream->descriptor, 0, SEEK_CUR) : -1;
+    off_t at = info.kind == SYSTEM_FILE ? lseek(stream->descriptor, 0, SEEK_CUR) : -1;
     stream->start = at > 0 ? (uint64_t)at : 0;
-    stream->stop = at < 0 ? eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK) : -1;
-    if (at < 0 && stream->stop < 0) {
+    if (at < 0 && !system_wake_begin(&stream->stop)) {
         return fail_errno("read");
     }
     conus_status status = pose_lines_init(&stream->lines, stream->descriptor, at >= 0, stream->start);
@@ -466,7 +462,7 @@ static conus_status open_path(conus_pose_stream *stream, const char *path)
     }
     stream->list.sink.path = stream->name;
     stream->path = is_stdin(path) ? NULL : path;
-    stream->descriptor = is_stdin(path) ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
+    stream->descriptor = is_stdin(path) ? STDIN_FILENO : system_open(path, SYSTEM_READ);
     stream->owned = !is_stdin(path) && stream->descriptor >= 0;
     conus_inputs_add(is_stdin(path) ? "/dev/stdin" : path);
     return fail_of(stream, stream->descriptor < 0 ? fail_errno("open") : begin_file(stream));
@@ -500,7 +496,7 @@ static conus_status create_stream(conus_pose_stream **out, const conus_pose_opti
     stream->options.frame = &stream->frame;
     stream->options.space = frame.space;
     stream->descriptor = -1;
-    stream->stop = -1;
+    stream->stop.file = SYSTEM_NO_FILE;
     stream->lines.descriptor = -1;
     stream->list.sink = (struct note_sink){options->log, options->log_user, NULL};
     stream->list.notes.sink = &stream->list.sink;
@@ -558,8 +554,8 @@ void conus_pose_stream_destroy(conus_pose_stream *stream)
     if (stream->owned) {
         close(stream->descriptor);
     }
-    if (stream->stop >= 0) {
-        close(stream->stop);
+    if (stream->stop.file >= 0) {
+        system_wake_end(&stream->stop);
     }
     pose_lines_finish(&stream->lines);
     pose_list_finish(&stream->block);
@@ -710,17 +706,13 @@ const char *conus_pose_stream_space(const conus_pose_stream *stream)
 
 bool conus_pose_stream_is_live(const conus_pose_stream *stream)
 {
-    return stream->stop >= 0 && !is_read_whole(stream);
+    return stream->stop.file >= 0 && !is_read_whole(stream);
 }
 
 void conus_pose_stream_stop(conus_pose_stream *stream)
 {
-    if (stream->stop >= 0) {
-        const uint64_t one = 1;
-        int error = errno; /* of what a signal interrupts */
-        ssize_t written = write(stream->stop, &one, sizeof one);
-        (void)written; /* it fails only where it has been stopped 2^64 times already */
-        errno = error;
+    if (stream->stop.file >= 0) {
+        system_wake(&stream->stop);
     }
 }
 

@@ -240,7 +240,8 @@ static conus_status note_ignored(struct notes *notes, const struct pose_table *t
     snprintf(reason, sizeof reason, "%s", status ? conus_message() : "");
     conus_status listed = list_columns(&list, table, line, status != CONUS_OK);
     if (!listed && list.size && status) {
-        bool is_mouse = strcasestr(list.data, "\"ap\"") != NULL; /* which the spaces of the CCF know */
+        bool is_mouse = text_contains((struct text){list.data, list.size},
+                                      text_from("\"ap\"")); /* which the spaces of the CCF know */
         status = fail(status, "%s; columns found: %s%s", reason, list.data,
                       is_mouse ? "; ap, dv and ml are read in space ccf or bregma" : "");
     } else if (!listed && list.size) {

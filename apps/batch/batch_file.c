@@ -2,6 +2,7 @@
 /* The rows' file and its journal: beginning, appending whole blocks, resuming, finishing. */
 #include "batch/batch_file.h"
 
+#include "base/text.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/options.h"
@@ -88,7 +89,7 @@ static void write_first_line(char out[LINE_SIZE], const char *fingerprint)
 /* Takes the next word of a line that is cut up on the way; "" if there is none. */
 static const char *take_word(char **line)
 {
-    char *word = strsep(line, " ");
+    char *word = text_next(line, " ");
     return word ? word : "";
 }
 

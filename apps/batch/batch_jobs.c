@@ -2,6 +2,7 @@
 /* Parses a table of batches. */
 #include "batch/batch_jobs.h"
 
+#include "base/text.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/provenance.h"
@@ -24,7 +25,7 @@ void batch_jobs_finish(struct batch_jobs *jobs)
 static bool split_fields(char *fields[COLUMNS], char *line)
 {
     size_t count = 0;
-    for (char *field; (field = strsep(&line, "\t")); count++) {
+    for (char *field; (field = text_next(&line, "\t")); count++) {
         if (count < COLUMNS) {
             fields[count] = field;
         }
@@ -151,7 +152,7 @@ int batch_jobs_parse(struct batch_jobs *out, const char *path, char *text, size_
         print_error_line("%s: %s", path, size ? "a zero byte: not a table of batches" : "cannot read: it is empty");
     }
     char *first = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? text + 3 : text; /* behind a byte order mark */
-    for (char *rest = first, *line; whole && (line = strsep(&rest, "\n"));) {
+    for (char *rest = first, *line; whole && (line = text_next(&rest, "\n"));) {
         number++;
         line[strcspn(line, "\r")] = '\0';
         if (number == 1) {

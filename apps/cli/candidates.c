@@ -2,6 +2,7 @@
 /* Makes the candidates of a plan from entries and targets, and writes the poses that it lists. */
 #include "cli/candidates.h"
 
+#include "base/path.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/notes.h"
@@ -246,7 +247,7 @@ static int keep(conus_sites *sites, const char *what, bool inside, const struct 
     conus_status status = CONUS_OK;
     bool is_labels = false;
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        is_labels = is_labels || path_ends(what, endings[i]) || (strchr(what, ',') && strstr(what, endings[i]));
+        is_labels = is_labels || path_ends_in(what, endings[i]) || (strchr(what, ',') && strstr(what, endings[i]));
     }
     if (is_labels) {
         status = conus_sites_keep_labelled(sites, what, inside);
@@ -571,11 +572,11 @@ int candidates_write(const char *path, const conus_plan *plan, const conus_frame
     if (!out) {
         return print_no_memory();
     }
-    if (path_ends(path, ".tsv")) {
+    if (path_ends_in(path, ".tsv")) {
         put_table(out, plan, frame);
-    } else if (path_ends(path, ".json")) {
+    } else if (path_ends_in(path, ".json")) {
         put_lines(out, plan, constraints);
-    } else if (path_ends(path, ".vtk")) {
+    } else if (path_ends_in(path, ".vtk")) {
         put_polylines(out, plan, constraints);
     } else if (conus_plan_count(plan)) {
         put_matrix(out, plan);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus cite: the paragraph of methods about a result, and what it should cite. */
+#include "base/path.h"
 #include "cli/cite/citation.h"
 #include "cli/commands.h"
 #include "cli/verify/verdict.h"
@@ -82,7 +83,7 @@ static char *stem_of(const char *path)
     char *name = strdup(path_name(path));
     static const char *const endings[] = {".gz", ".nii", ".json", ".atlas", ".xml", ".mgz", ".nrrd", ".tif", ".tiff"};
     for (size_t i = 0; name && i < sizeof endings / sizeof endings[0]; i++) {
-        if (path_ends(name, endings[i])) {
+        if (path_ends_in(name, endings[i])) {
             name[strlen(name) - strlen(endings[i])] = '\0';
         }
     }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus manifest: writes the first manifest of a folder. */
+#include "base/path.h"
 #include "cli/commands.h"
 #include "conus/file.h"
 #include "conus/manifest.h"
@@ -45,9 +46,8 @@ static int write_manifest(const char *folder, const char *name, const struct man
 {
     const conus_manifest_options options = {.max_memory = settings->max_memory,
                                             .log = settings->common.quiet ? NULL : log_note};
-    bool slash = folder[strlen(folder) - 1] == '/';
     char *path = NULL;
-    if (asprintf(&path, "%s%s%s.atlas.json", folder, slash ? "" : "/", name) < 0) {
+    if (asprintf(&path, "%s%s%s.atlas.json", folder, path_joint(folder, strlen(folder)), name) < 0) {
         return print_no_memory();
     }
     conus_status status = conus_manifest_write(path, &options);
@@ -66,18 +66,18 @@ static int run_manifest(const void *given, const struct arguments *arguments)
 {
     const struct manifest_settings *settings = given;
     const char *folder = arguments->operands[0];
-    if (settings->name && (strchr(settings->name, '/') || !settings->name[0])) {
+    if (settings->name && (!path_is_name(settings->name) || !settings->name[0])) {
         return print_usage_error("--name: \"%s\", a name without / is needed", settings->name);
     }
     if (settings->name) {
         return write_manifest(folder, settings->name, settings);
     }
     char *full = realpath(folder, NULL);
-    const char *slash = full ? strrchr(full, '/') : NULL;
-    if (!slash) {
+    const char *own = full ? path_base(full) : NULL;
+    if (!own) {
         return print_data_error("%s: there is no such folder", folder);
     }
-    int code = write_manifest(folder, slash[1] ? slash + 1 : "atlas", settings); /* the last part of the full path */
+    int code = write_manifest(folder, own[0] ? own : "atlas", settings); /* the last part of the full path */
     free(full);
     return code;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus merge: checks the shards of a batch and joins them into one file. */
+#include "base/text.h"
 #include "batch/batch_file.h"
 #include "batch/batch_record.h"
 #include "cli/commands.h"
@@ -157,7 +158,7 @@ static int check_errors(const struct part *part)
     if (!file) {
         return EXIT_DATA;
     }
-    while (getline(&line, &capacity, file) > 0) {
+    while (text_read_line(&line, &capacity, '\n', file) > 0) {
         form = form.is_error ? form : form_after(line);
         errors += form.is_error(&form, line);
     }

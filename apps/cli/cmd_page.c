@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus page: one HTML file with the atlas, a question and its answer inside. */
+#include "base/path.h"
+#include "base/text.h"
 #include "cli/commands.h"
 #include "cli/verify/replay.h"
 #include "options/messages.h"
@@ -131,20 +133,23 @@ struct page {
  * the caller frees it. */
 static char *whole_path(const char *path)
 {
-    char *cwd = *path == '/' ? strdup("") : getcwd(NULL, 0);
-    char *out = cwd ? malloc(strlen(cwd) + strlen(path) + 2) : NULL;
-    char *end = out ? stpcpy(out, cwd) : NULL;
+    char *cwd = path_is_whole(path) ? strdup("") : getcwd(NULL, 0);
+    size_t size = cwd ? strlen(cwd) : 0;
+    char *out = cwd ? malloc(size + strlen(path) + 2) : NULL;
+    char *end = out ? (char *)memcpy(out, cwd, size) + size : NULL;
     free(cwd);
-    for (const char *at = path; out && *at;) {
-        size_t length = strcspn(at, "/");
+    const char *rest = path;
+    const char *at;
+    size_t length;
+    while (out && path_part(&rest, &at, &length)) {
         if (length == 2 && at[0] == '.' && at[1] == '.') {
-            while (end > out && *--end != '/') {
-            }
+            size_t above = path_length_above(out, (size_t)(end - out));
+            end = out + above - (above > 0);
         } else if (length && !(length == 1 && at[0] == '.')) {
-            *end++ = '/';
-            end = mempcpy(end, at, length);
+            *end = '/';
+            memcpy(end + 1, at, length);
+            end += 1 + length;
         }
-        at += length + (at[length] == '/');
     }
     if (out) {
         *end = '\0';
@@ -204,8 +209,7 @@ static int list_files(struct page *page, const char *path, bool is_context)
     for (size_t i = first + 1; i < page->count; i++) {
         const struct page_file *file = &page->files[i];
         while (!is_of_freesurfer(file) && strncmp(file->whole, whole, folder) != 0) {
-            for (folder--; whole[folder - 1] != '/'; folder--) {
-            }
+            folder = path_length_above(whole, folder - 1);
         }
     }
     for (size_t i = first; i < page->count; i++) {
@@ -423,7 +427,7 @@ static int read_template(char **out, const char *given)
         return print_data_error(
             "the page's template is not installed: no %s (Debian package conus-page); --template names one", name);
     }
-    if (!in || getdelim(&text, &size, '\0', in) < 0 || !strstr(text, mark)) {
+    if (!in || text_read_line(&text, &size, '\0', in) < 0 || !strstr(text, mark)) {
         print_error_line("%s: %s", name,
                          in ? "no template of a page, which has the line <!-- atlas -->" : strerror(errno));
         if (in) {

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus plan: which poses reach some structures and stay clear of others, and how far they may be off. */
+#include "base/path.h"
+#include "base/text.h"
 #include "batch/batch_task.h"
 #include "cli/answers/ends.h"
 #include "cli/candidates.h"
@@ -496,7 +498,7 @@ static void put_misses(FILE *out, const conus_plan *plan, const conus_report *re
 static void say_lines(FILE *stream, char **text)
 {
     if (stream && !fclose(stream)) {
-        for (char *rest = *text, *line; (line = strsep(&rest, "\n"));) {
+        for (char *rest = *text, *line; (line = text_next(&rest, "\n"));) {
             print_error_line("%s", line);
         }
     }
@@ -652,7 +654,7 @@ static int check_maps(const struct planning *planning)
     if (fill && !from->spacing) {
         return print_usage_error("--map: fill has no effect without spacing=MM of --from");
     }
-    bool is_volume = map && (path_ends(map, ".nii") || path_ends(map, ".nii.gz"));
+    bool is_volume = map && (path_ends_in(map, ".nii") || path_ends_in(map, ".nii.gz"));
     bool has_voxels = conus_sites_have_voxels(from->sites);
     if (map && (is_volume ? !has_voxels : !conus_sites_normals(from->sites))) {
         return print_usage_error("--map: %s is no %s", from->path,

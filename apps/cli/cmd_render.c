@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus render: draws an atlas, with or without a cone, into a picture file. */
+#include "base/path.h"
+#include "base/text.h"
 #include "cli/commands.h"
 #include "cli/render_cuts.h"
 #include "cli/render_turn.h"
@@ -253,7 +255,7 @@ static bool split_value(char **name, const char **value, const char *text)
 {
     const char *equals = strrchr(text, '=');
     *value = equals ? equals + 1 : text;
-    *name = equals ? strndup(text, (size_t)(equals - text)) : NULL;
+    *name = equals ? text_copy(text, (size_t)(equals - text)) : NULL;
     return !equals || *name;
 }
 
@@ -833,7 +835,7 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
     if (settings->turn.frames && selection && !option_given(picture->arguments, "legend")) {
         view.legend = CONUS_LEGEND_BELOW; /* inside, it would change its corner */
     }
-    view.shapes = path_ends(path, ".svg") || path_ends(path, ".pdf");
+    view.shapes = path_ends_in(path, ".svg") || path_ends_in(path, ".pdf");
     if (settings->cuts.cuts && !option_given(picture->arguments, "size") &&
         !option_given(picture->arguments, "height-mm")) {
         view.height = 0;

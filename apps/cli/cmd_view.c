@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Starts the window: a program of its own, so that other commands need not load its libraries. */
+#include "base/path.h"
 #include "cli/commands.h"
 #include "options/messages.h"
 
@@ -16,9 +17,9 @@ static int become_view(char **words)
 {
     char path[PATH_MAX]; /* beside this program, if its own path is known */
     ssize_t length = readlink("/proc/self/exe", path, PATH_MAX - 1);
-    char *slash = length > 0 ? memrchr(path, '/', (size_t)length) : NULL;
-    if (slash && (size_t)(slash - path) + 1 + sizeof program <= PATH_MAX) {
-        memcpy(slash + 1, program, sizeof program);
+    size_t folder = length > 0 ? path_length_above(path, (size_t)length) : 0;
+    if (folder && folder + sizeof program <= PATH_MAX) {
+        memcpy(path + folder, program, sizeof program);
         if (access(path, X_OK) == 0) {
             execv(path, words);
         }

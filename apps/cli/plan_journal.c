@@ -2,6 +2,7 @@
 /* The journal of a plan: written now and then, resumed, and joined with those of other shards. */
 #include "cli/plan_journal.h"
 
+#include "base/text.h"
 #include "batch/batch_record.h"
 #include "conus/file.h"
 #include "options/clock.h"
@@ -66,20 +67,20 @@ static bool take_apart(struct journal *out, size_t size)
 {
     char sum[SHA256_TEXT];
     char *rest = out->text;
-    char *line = strsep(&rest, "\n");
+    char *line = text_next(&rest, "\n");
     if (!line || !rest || strncmp(line, mark, sizeof mark - 1) != 0) {
         return false;
     }
     provenance_hash(sum, rest, size - (size_t)(rest - out->text));
     line += sizeof mark - 1;
-    out->fingerprint = strsep(&line, " ");
-    const char *index = line ? strsep(&line, "/") : "";
-    const char *count = line ? strsep(&line, " ") : "";
-    const char *rows = line ? strsep(&line, " ") : "";
+    out->fingerprint = text_next(&line, " ");
+    const char *index = line ? text_next(&line, "/") : "";
+    const char *count = line ? text_next(&line, " ") : "";
+    const char *rows = line ? text_next(&line, " ") : "";
     bool fits = line && strcmp(line, sum) == 0 && count_parse(index, UINT32_MAX, &out->shard.index) &&
                 count_parse(count, UINT32_MAX, &out->shard.count) && count_parse(rows, INT64_MAX, &out->rows) &&
                 out->shard.index < out->shard.count;
-    strsep(&rest, "\n"); /* the command line, for people */
+    text_next(&rest, "\n"); /* the command line, for people */
     out->state = rest;
     out->state_size = rest ? size - (size_t)(rest - out->text) : 0;
     return fits && rest;

@@ -2,6 +2,8 @@
 /* Parses a command line by a command's table of options. */
 #include "options/options.h"
 
+#include "base/path.h"
+#include "base/text.h"
 #include "conus/version.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -142,7 +144,7 @@ static int cut_key(struct option_use *use)
     if (strlen(option->key) != length || memcmp(option->key, comma + 1, length) != 0) {
         return print_usage_error("--%s: \"%s\" is no key of %s", option->name, comma + 1, option->value);
     }
-    use->file = strndup(use->value, (size_t)(comma - use->value));
+    use->file = text_copy(use->value, (size_t)(comma - use->value));
     use->value = use->file;
     use->key = comma + 1 + length + 1;
     return use->file ? CONTINUE : print_no_memory();
@@ -380,7 +382,7 @@ static bool check_ending(const struct arguments *arguments, const struct option 
         char ending[16];
         size_t length = strcspn(at, " ");
         snprintf(ending, sizeof ending, "%.*s", (int)length, at);
-        if (path_ends(path, ending)) {
+        if (path_ends_in(path, ending)) {
             return true;
         }
         at += length + (at[length] == ' ');

@@ -2,6 +2,8 @@
 /* Writes to stdout or files, and compares paths. */
 #include "options/output.h"
 
+#include "base/path.h"
+#include "base/text.h"
 #include "conus/file.h"
 #include "options/messages.h"
 #include "options/table_fit.h"
@@ -116,20 +118,13 @@ int output_check_file(const char *path)
 
 const char *path_name(const char *path)
 {
-    const char *slash = strrchr(path, '/');
-    return slash && slash[1] ? slash + 1 : path;
-}
-
-bool path_ends(const char *path, const char *ending)
-{
-    size_t length = strlen(path);
-    size_t tail = strlen(ending);
-    return length > tail && strcasecmp(path + length - tail, ending) == 0;
+    const char *name = path_base(path);
+    return *name ? name : path;
 }
 
 bool path_is_picture(const char *path)
 {
-    return path_ends(path, ".exr") || path_ends(path, ".png");
+    return path_ends_in(path, ".exr") || path_ends_in(path, ".png");
 }
 
 bool output_is_no_file(const char *path)
@@ -146,7 +141,7 @@ bool output_format(conus_format *out, const char *path)
     } endings[] = {{".tsv", CONUS_FORMAT_TSV},       {".csv", CONUS_FORMAT_CSV},      {".json", CONUS_FORMAT_JSON},
                    {".ndjson", CONUS_FORMAT_NDJSON}, {".jsonl", CONUS_FORMAT_NDJSON}, {".txt", CONUS_FORMAT_TABLE}};
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (path_ends(path, endings[i].ending)) {
+        if (path_ends_in(path, endings[i].ending)) {
             *out = endings[i].format;
             return true;
         }
@@ -164,6 +159,12 @@ bool format_is_of_probe(conus_format format)
     return format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS;
 }
 
+static char *folder_of(const char *path)
+{
+    size_t length = path_folder_length(path);
+    return length ? text_copy(path, length) : text_copy(".", 1);
+}
+
 bool path_find_place(struct path_place *out, const char *path)
 {
     struct stat info;
@@ -174,14 +175,13 @@ bool path_find_place(struct path_place *out, const char *path)
         }
         out->name = "";
     } else { /* a new file: its folder, and its name there */
-        const char *slash = strrchr(path, '/');
-        char *folder = slash ? strndup(path, (size_t)(slash + 1 - path)) : strdup(".");
+        char *folder = folder_of(path);
         bool found = folder && stat(folder, &info) == 0;
         free(folder);
         if (!found) {
             return true;
         }
-        out->name = slash ? slash + 1 : path;
+        out->name = path_base(path);
     }
     out->device = info.st_dev;
     out->inode = info.st_ino;
@@ -204,8 +204,7 @@ bool paths_equal(const char *a, const char *b)
 
 int output_check_folder(const char *path, int mode)
 {
-    const char *slash = strrchr(path, '/');
-    char *folder = slash ? strndup(path, (size_t)(slash + 1 - path)) : strdup(".");
+    char *folder = folder_of(path);
     if (!folder) {
         return print_no_memory();
     }

@@ -54,9 +54,6 @@ bool format_is_of_probe(conus_format format);
 /** The part of @p path behind its last slash; all of it where nothing follows that slash. */
 const char *path_name(const char *path);
 
-/** Whether @p path ends in @p ending (".png"), in any case. */
-bool path_ends(const char *path, const char *ending);
-
 /** Whether @p path ends in .exr or .png. */
 bool path_is_picture(const char *path);
 

@@ -2,6 +2,7 @@
 /* Checks the files that are about to be written. */
 #include "options/outputs.h"
 
+#include "base/text.h"
 #include "conus/file.h"
 #include "options/input_file.h"
 #include "options/messages.h"
@@ -31,7 +32,7 @@ static void add_lists(const char *value)
     for (const char *item = value; item && *item; item += *item == ',') {
         item += strspn(item, " ");
         size_t length = strcspn(item, ",");
-        char *path = *item == '@' ? strndup(item + 1, length - 1) : NULL;
+        char *path = *item == '@' ? text_copy(item + 1, length - 1) : NULL;
         conus_inputs_add(path);
         free(path);
         item += length;

@@ -2,6 +2,8 @@
 /* Completes sidecars with what was read and written, seals them, and writes reports with them. */
 #include "options/provenance.h"
 
+#include "base/path.h"
+#include "base/text.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -75,7 +77,7 @@ bool provenance_checksum(char out[SHA256_TEXT], const json_t *root)
 
 char *provenance_path(const char *output)
 {
-    bool is_table = path_ends(output, ".tsv") || path_ends(output, ".csv");
+    bool is_table = path_ends_in(output, ".tsv") || path_ends_in(output, ".csv");
     size_t length = strlen(output) - (is_table ? strlen(".tsv") : 0);
     char *path = NULL;
     return asprintf(&path, "%.*s.json", (int)length, output) < 0 ? NULL : path;
@@ -249,7 +251,7 @@ const char *provenance_json_rows(const char *text, size_t size)
 {
     static const char mark[] = "\n \"Rows\": [";
     bool is_object = size > 1 && text[0] == '{' && text[1] == '\n'; /* no table begins so, and no NDJSON */
-    return is_object ? memmem(text, size, mark, sizeof mark - 1) : NULL;
+    return is_object ? text_find((struct text){text, size}, mark) : NULL;
 }
 
 json_t *provenance_parse(const char *text, size_t size, json_error_t *error)
@@ -275,10 +277,10 @@ static char *join(const char *object, const char *rest, size_t size, bool are_ro
     size_t length = strlen(object) - (are_rows ? 2 : 0);
     char *joined = malloc(length + size + 2);
     if (joined) {
-        char *end = mempcpy(joined, object, length);
-        *end = ',';
-        end += are_rows;
-        *(char *)mempcpy(end, rest, size) = '\0';
+        memcpy(joined, object, length);
+        joined[length] = ',';
+        memcpy(joined + length + are_rows, rest, size);
+        joined[length + are_rows + size] = '\0';
     }
     return joined;
 }

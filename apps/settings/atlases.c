@@ -2,6 +2,8 @@
 /* Names and loads several atlases, and compares their spaces. */
 #include "settings/atlases.h"
 
+#include "base/path.h"
+#include "base/text.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/outputs.h"
@@ -20,7 +22,7 @@ static size_t stem_length(const char *name)
         ".HEAD",   ".BRIK",       ".tif",       ".tiff",     ".gii",      ".annot",   ".obj", ".ply",
         ".stl",    ".off",        ".mz3",       ".vtk",      ".vtp",      ".json",    ".xml"};
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (path_ends(name, endings[i])) {
+        if (path_ends_in(name, endings[i])) {
             return strlen(name) - strlen(endings[i]);
         }
     }
@@ -39,14 +41,9 @@ static char *name_of_path(const char *path)
         const char *key = strstr(path, keys[i]);
         end = key && (size_t)(key - path) < end ? (size_t)(key - path) : end;
     }
-    while (end > 1 && path[end - 1] == '/') {
-        end--;
-    }
-    size_t start = end;
-    while (start > 0 && path[start - 1] != '/') {
-        start--;
-    }
-    char *name = strndup(path + start, end - start);
+    end = path_plain_length(path, end);
+    size_t start = path_length_above(path, end);
+    char *name = text_copy(path + start, end - start);
     if (name && !is_folder) {
         name[stem_length(name)] = '\0';
     }

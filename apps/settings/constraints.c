@@ -2,6 +2,7 @@
 /* Takes the constraints of a plan from the command line, and words them. */
 #include "settings/constraints.h"
 
+#include "base/text.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/settings.h"
@@ -307,7 +308,7 @@ static int read_shanks(struct constraints *out, const char *text)
     int code = out->shanks && copy ? EXIT_DONE : print_no_memory();
     char *rest = copy;
     for (size_t i = 0; i < count && !code; i++) {
-        const char *word = strsep(&rest, ";");
+        const char *word = text_next(&rest, ";");
         code = numbers_parse(out->shanks + 2 * i, 2, word, ',') == 2
                    ? EXIT_DONE
                    : print_usage_error("--shanks: \"%s\" is not two numbers X,Y", word);

@@ -2,6 +2,7 @@
 /* The options of files of poses, and the check that poses and atlas share a space. */
 #include "settings/pose_settings.h"
 
+#include "base/path.h"
 #include "conus/streamlines.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -65,7 +66,7 @@ static bool is_atlas(const char *path)
     static const char *const endings[] = {".nii", ".nii.gz", ".mgz", ".mgh",   ".nrrd",
                                           ".mha", ".HEAD",   ".gii", ".annot", ".atlas.json"};
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (path_ends(path, endings[i])) {
+        if (path_ends_in(path, endings[i])) {
             return true;
         }
     }

@@ -12,7 +12,6 @@
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
-#include <sys/mman.h>
 
 void tract_tree_finish(struct tract_tree *tree)
 {
@@ -71,10 +70,10 @@ void tractogram_finish(struct tractogram *tractogram)
     memory_free(tractogram->groups);
     memory_free(tractogram->path);
     if (tractogram->mapped) {
-        munmap((void *)tractogram->mapped, tractogram->mapped_size);
+        file_unmap(tractogram->mapped, tractogram->mapped_size);
     }
     if (tractogram->file_mapped) {
-        munmap((void *)tractogram->file_mapped, tractogram->file_mapped_size);
+        file_unmap(tractogram->file_mapped, tractogram->file_mapped_size);
     }
     file_sums_finish(&tractogram->files);
     *tractogram = (struct tractogram){0};
@@ -117,7 +116,7 @@ conus_status tractogram_hold_points(struct tractogram *tractogram, const struct 
         memory_free(points);
         return status;
     }
-    munmap((void *)tractogram->file_mapped, tractogram->file_mapped_size);
+    file_unmap(tractogram->file_mapped, tractogram->file_mapped_size);
     tractogram->file_mapped = NULL;
     tractogram->points = points;
     tractogram->is_in_file = false;

@@ -2,12 +2,11 @@
 /* Writes and checks the bytes of an entry. */
 #include "base/cache/cache_entry.h"
 
-#include <fcntl.h>
+#include "base/system/system.h"
+
 #include <libdeflate.h>
 #include <stddef.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static const char magic[16] = "conus-cache 1\n";
 
@@ -109,35 +108,14 @@ void cache_entry_write(struct buffer *out, const struct cache_entry *entry)
     }
 }
 
-static bool find_boot(uint8_t out[CACHE_STAMP_SIZE])
-{
-    char text[36]; /* 8-4-4-4-12 digits */
-    size_t digits = 0;
-    int file = open("/proc/sys/kernel/random/boot_id", O_RDONLY | O_CLOEXEC);
-    bool whole = file >= 0 && read(file, text, sizeof text) == (ssize_t)sizeof text;
-    if (file >= 0) {
-        close(file);
-    }
-    memset(out, 0, CACHE_STAMP_SIZE);
-    for (size_t i = 0; whole && i < sizeof text && digits < 2 * CACHE_STAMP_SIZE; i++) {
-        static const char hex[] = "0123456789abcdef";
-        const char *digit = memchr(hex, text[i], sizeof hex - 1);
-        if (digit) {
-            out[digits / 2] = (uint8_t)(out[digits / 2] << 4 | (digit - hex));
-            digits++;
-        }
-    }
-    return digits == 2 * CACHE_STAMP_SIZE;
-}
-
 bool cache_stamp_find(uint8_t out[CACHE_STAMP_SIZE], int descriptor, const struct timespec *written)
 {
-    struct stat info;
-    if (!find_boot(out) || fstat(descriptor, &info)) {
+    struct system_stat info;
+    if (!system_boot(out) || !system_stat_open(&info, descriptor)) {
         return false;
     }
     const uint64_t own[CACHE_STAMP_SIZE / sizeof(uint64_t)] = {
-        info.st_ino, (uint64_t)written->tv_sec * UINT64_C(1000000000) + (uint64_t)written->tv_nsec};
+        info.inode, (uint64_t)written->tv_sec * UINT64_C(1000000000) + (uint64_t)written->tv_nsec};
     for (size_t i = 0; i < CACHE_STAMP_SIZE; i++) {
         out[i] ^= (uint8_t)(own[i / 8] >> 8 * (i % 8));
     }

@@ -3,40 +3,31 @@
 #include "base/cache/cache_folder.h"
 
 #include "base/memory.h"
+#include "base/path.h"
+#include "base/system/system.h"
 
-#include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 conus_status cache_folder_path(struct buffer *out)
 {
     const char *cache = getenv("XDG_CACHE_HOME");
     const char *home = getenv("HOME");
-    if (cache && cache[0] == '/') { /* the specification: relative ones are ignored */
+    if (path_is_whole(cache)) { /* the specification: relative ones are ignored */
         buffer_format(out, "%s/conus", cache);
-    } else if (home && home[0] == '/') {
+    } else if (path_is_whole(home)) {
         buffer_format(out, "%s/.cache/conus", home);
     }
     return buffer_status(out);
 }
 
-bool cache_is_ours(int descriptor, mode_t kind)
-{
-    struct stat info;
-    return fstat(descriptor, &info) == 0 && (info.st_mode & S_IFMT) == kind && info.st_uid == geteuid() &&
-           !(info.st_mode & (S_IWGRP | S_IWOTH));
-}
-
 int cache_folder_open(const char *path, bool *theirs)
 {
-    int folder = open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-    struct stat info;
-    bool is_link = folder < 0 && lstat(path, &info) == 0 && S_ISLNK(info.st_mode);
-    *theirs = folder >= 0 ? !cache_is_ours(folder, S_IFDIR) : is_link;
+    int folder = system_open_folder(path);
+    struct system_stat info;
+    bool is_link = folder < 0 && system_stat_link(&info, SYSTEM_HERE, path) && info.kind == SYSTEM_LINK;
+    *theirs = folder >= 0 ? !(system_stat_open(&info, folder) && info.ours_alone) : is_link;
     if (folder >= 0 && *theirs) {
         close(folder);
         folder = -1;
@@ -44,19 +35,15 @@ int cache_folder_open(const char *path, bool *theirs)
     return folder;
 }
 
+static bool make_folder(void *user, const char *path)
+{
+    (void)user;
+    return system_make_folder(path, true) || errno == EEXIST;
+}
+
 bool cache_folder_make(char *path)
 {
-    for (char *c = path + 1; *c; c++) {
-        if (*c == '/') {
-            *c = '\0';
-            bool there = mkdir(path, 0700) == 0 || errno == EEXIST;
-            *c = '/';
-            if (!there) {
-                return false;
-            }
-        }
-    }
-    return true;
+    return path_each_folder(path, 1, make_folder, NULL);
 }
 
 void cache_listing_finish(struct cache_listing *listing)
@@ -73,46 +60,59 @@ static int compare_use(const void *a, const void *b)
     return order ? order : (x->used_ns > y->used_ns) - (x->used_ns < y->used_ns);
 }
 
+/* What cache_folder_list() looks for, and where. */
+struct search {
+    struct cache_listing *out;
+    const char *ending;
+    int folder;
+    conus_status status;
+};
+
+static bool take_entry(void *user, const char *name)
+{
+    struct search *search = user;
+    struct cache_listing *out = search->out;
+    struct system_stat info;
+    struct cache_item item = {0};
+    size_t length = strlen(name);
+    size_t tail = strlen(search->ending);
+    if (length >= sizeof item.name || length <= tail || strcmp(name + length - tail, search->ending) != 0 ||
+        !system_stat_link(&info, search->folder, name) || info.kind != SYSTEM_FILE) {
+        return true;
+    }
+    if (!memory_reserve(&out->items, &out->capacity, out->count + 1, sizeof item)) {
+        search->status = CONUS_ERROR_MEMORY;
+        return false;
+    }
+    memcpy(item.name, name, length + 1);
+    item.used_s = info.used.tv_sec;
+    item.used_ns = info.used.tv_nsec;
+    item.size = info.size;
+    out->size += item.size;
+    out->items[out->count++] = item;
+    return true;
+}
+
 conus_status cache_folder_list(struct cache_listing *out, const char *path, const char *ending)
 {
-    DIR *folder = opendir(path);
-    size_t tail = strlen(ending);
-    conus_status status = CONUS_OK;
-    for (struct dirent *entry; folder && !status && (entry = readdir(folder));) {
-        struct stat info;
-        struct cache_item item = {0};
-        size_t length = strlen(entry->d_name);
-        if (length >= sizeof item.name || length <= tail || strcmp(entry->d_name + length - tail, ending) != 0 ||
-            fstatat(dirfd(folder), entry->d_name, &info, AT_SYMLINK_NOFOLLOW) || !S_ISREG(info.st_mode)) {
-            continue;
-        }
-        if (!memory_reserve(&out->items, &out->capacity, out->count + 1, sizeof item)) {
-            status = CONUS_ERROR_MEMORY;
-            break;
-        }
-        memcpy(item.name, entry->d_name, length + 1);
-        item.used_s = info.st_atim.tv_sec;
-        item.used_ns = info.st_atim.tv_nsec;
-        item.size = (uint64_t)info.st_size;
-        out->size += item.size;
-        out->items[out->count++] = item;
-    }
-    if (folder) {
-        closedir(folder);
+    struct search search = {.out = out, .ending = ending, .folder = system_open(path, SYSTEM_READ | SYSTEM_AT_ONCE)};
+    if (search.folder >= 0) {
+        system_list(path, take_entry, &search);
+        close(search.folder);
     }
     if (out->count) {
         qsort(out->items, out->count, sizeof *out->items, compare_use);
     }
-    return status;
+    return search.status;
 }
 
 conus_status cache_folder_fit(const char *path, const char *ending, uint64_t limit)
 {
     struct cache_listing list = {0};
     conus_status status = cache_folder_list(&list, path, ending);
-    int folder = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    int folder = system_open(path, SYSTEM_READ | SYSTEM_AT_ONCE);
     for (size_t i = 0; !status && folder >= 0 && list.size > limit && i < list.count; i++) {
-        unlinkat(folder, list.items[i].name, 0);
+        system_remove_in(folder, list.items[i].name);
         list.size -= list.items[i].size;
     }
     if (folder >= 0) {

@@ -7,16 +7,11 @@
 
 #include "base/buffer.h"
 
-#include <sys/types.h>
-
 /** The folder's path; "" in a buffer without data where the environment names none. */
 conus_status cache_folder_path(struct buffer *out);
 
 /** Opens the folder @p path; -1 if there is none. One that is not the user's alone is not opened, and @p theirs set. */
 int cache_folder_open(const char *path, bool *theirs);
-
-/** Whether an open file is of @p kind (S_IFREG, S_IFDIR), the user's, and nobody else may write to it. */
-bool cache_is_ours(int descriptor, mode_t kind);
 
 /** Makes the folders above the file @p path, for the user only; the text is as before on return. */
 bool cache_folder_make(char *path);

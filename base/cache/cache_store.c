@@ -6,22 +6,17 @@
 #include "base/cache/cache_folder.h"
 #include "base/files/file_trace.h"
 #include "base/memory.h"
+#include "base/path.h"
+#include "base/system/system.h"
 #include "conus/version.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/resource.h>
-#include <sys/stat.h>
-#include <sys/statvfs.h>
-#include <unistd.h>
 
 #if defined __x86_64__
 #define CPU "x86-64"
@@ -68,7 +63,7 @@ void cache_key_append(struct buffer *key, const char *text)
 bool cache_store_begin(struct cache_store *store, const char *ending, const char *path, bool relative)
 {
     char build[BUILD_ID_SIZE];
-    char here[PATH_MAX] = "";
+    char here[SYSTEM_PATH] = "";
     *store = (struct cache_store){.ending = ending, .small = CACHE_SMALL};
     if (!cache_limit(&store->limit) || !store->limit || !build_id_find(build)) {
         return false;
@@ -76,7 +71,7 @@ bool cache_store_begin(struct cache_store *store, const char *ending, const char
     cache_key_append(&store->key, "conus " CONUS_VERSION);
     cache_key_append(&store->key, build);
     cache_key_append(&store->key, BYTE_ORDER == LITTLE_ENDIAN ? CPU " little" : CPU " big");
-    cache_key_append(&store->key, relative && getcwd(here, sizeof here) ? here : NULL);
+    cache_key_append(&store->key, relative && system_here(here) ? here : NULL);
     cache_key_append(&store->key, path);
     return true;
 }
@@ -120,7 +115,7 @@ void cache_key_path(struct buffer *out, const uint8_t *key, size_t size)
     enum { HERE = 3, PATH = 4 };
     const char *here = key_string(key, size, HERE);
     const char *path = key_string(key, size, PATH);
-    if (path && path[0] != '/' && here && here[0]) {
+    if (path && !path_is_whole(path) && here && here[0]) {
         buffer_format(out, "%s/", here);
     }
     buffer_text(out, path ? path : "");
@@ -129,17 +124,16 @@ void cache_key_path(struct buffer *out, const uint8_t *key, size_t size)
 /* The name of the entry in its folder. */
 static const char *name_in_folder(const struct cache_store *store)
 {
-    return strrchr(store->path.data, '/') + 1;
+    return path_base(store->path.data);
 }
 
 /* The folder, -1 where it is not there, or not ours alone. */
 static int open_folder(const struct cache_store *store)
 {
     bool theirs;
-    char *end = strrchr(store->path.data, '/');
-    *end = '\0';
+    char *cut = path_cut(store->path.data);
     int folder = cache_folder_open(store->path.data, &theirs);
-    *end = '/';
+    path_join_again(cut);
     return folder;
 }
 
@@ -159,24 +153,17 @@ static bool sources_hold(const struct cache_entry *entry, const struct cache_par
     return same;
 }
 
-/* The file's time of writing, which whatever writes to it later changes. */
-static bool set_written(int file, const struct timespec *written)
-{
-    return futimens(file, (const struct timespec[]){{.tv_nsec = UTIME_OMIT}, *written}) == 0;
-}
-
-/* Writes into the open entry that all of it was verified. */
+/* Writes into the open entry that all of it was verified. Whatever writes to it later changes the file's time of
+ * writing. */
 static void mark_verified(int descriptor)
 {
-    char path[32];
-    snprintf(path, sizeof path, "/proc/self/fd/%d", descriptor);
-    int file = open(path, O_WRONLY | O_CLOEXEC);
+    int file = system_open_again(descriptor);
     if (file >= 0) {
         uint8_t stamp[CACHE_STAMP_SIZE];
         struct timespec now;
         bool marked = clock_gettime(CLOCK_REALTIME, &now) == 0 && cache_stamp_find(stamp, file, &now) &&
-                      pwrite(file, stamp, sizeof stamp, (off_t)cache_entry_stamp_at()) == (ssize_t)sizeof stamp &&
-                      set_written(file, &now);
+                      system_write_at(file, stamp, sizeof stamp, cache_entry_stamp_at()) &&
+                      system_set_changed(file, &now);
         (void)marked; /* else it is verified again */
         close(file);
     }
@@ -186,8 +173,8 @@ static void mark_verified(int descriptor)
 static bool verify(const struct cache_entry *entry, uint64_t small, int descriptor)
 {
     uint8_t stamp[CACHE_STAMP_SIZE];
-    struct stat info;
-    bool verified = fstat(descriptor, &info) == 0 && cache_stamp_find(stamp, descriptor, &info.st_mtim) &&
+    struct system_stat info;
+    bool verified = system_stat_open(&info, descriptor) && cache_stamp_find(stamp, descriptor, &info.changed) &&
                     memcmp(stamp, entry->stamp, sizeof stamp) == 0;
     if (verified && entry->packed.size > small) {
         return true;
@@ -204,22 +191,22 @@ static bool verify(const struct cache_entry *entry, uint64_t small, int descript
 void cache_mapping_finish(struct cache_mapping *mapping)
 {
     if (mapping->memory) {
-        munmap(mapping->memory, mapping->size);
+        system_unmap(mapping->memory, mapping->size);
     }
     *mapping = (struct cache_mapping){0};
 }
 
 static bool map_believed(struct cache_mapping *out, const struct cache_store *store, int descriptor)
 {
-    struct stat info;
-    if (!cache_is_ours(descriptor, S_IFREG) || fstat(descriptor, &info) || info.st_size <= 0) {
+    struct system_stat info;
+    if (!system_stat_open(&info, descriptor) || info.kind != SYSTEM_FILE || !info.ours_alone || !info.size) {
         return false;
     }
-    void *memory = mmap(NULL, (size_t)info.st_size, PROT_READ, MAP_SHARED, descriptor, 0);
-    if (memory == MAP_FAILED) {
+    void *memory = system_map(descriptor, (size_t)info.size);
+    if (!memory) {
         return false;
     }
-    struct cache_mapping mapping = {.memory = memory, .size = (size_t)info.st_size};
+    struct cache_mapping mapping = {.memory = memory, .size = (size_t)info.size};
     bool believed = cache_entry_parse(&mapping.entry, mapping.memory, mapping.size) &&
                     mapping.entry.key.size == store->key.size &&
                     memcmp(mapping.entry.key.data, store->key.data, mapping.entry.key.size) == 0 &&
@@ -228,8 +215,7 @@ static bool map_believed(struct cache_mapping *out, const struct cache_store *st
         cache_mapping_finish(&mapping);
         return false;
     }
-    futimens(descriptor,
-             (const struct timespec[]){{.tv_nsec = UTIME_NOW}, {.tv_nsec = UTIME_OMIT}}); /* used just now */
+    system_set_used(descriptor);
     *out = mapping;
     return true;
 }
@@ -237,7 +223,8 @@ static bool map_believed(struct cache_mapping *out, const struct cache_store *st
 bool cache_store_map(struct cache_mapping *out, const struct cache_store *store)
 {
     int folder = store->path.size ? open_folder(store) : -1;
-    int entry = folder < 0 ? -1 : openat(folder, name_in_folder(store), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    int entry =
+        folder < 0 ? -1 : system_open_in(folder, name_in_folder(store), SYSTEM_READ | SYSTEM_NO_LINK | SYSTEM_AT_ONCE);
     bool believed = entry >= 0 && map_believed(out, store, entry);
     if (entry >= 0) {
         close(entry);
@@ -255,7 +242,7 @@ static bool sum_file(uint32_t *out, int file, size_t at, size_t size)
     uint8_t *chunk = memory_raw(CHUNK, 1);
     uint32_t sum = 0;
     while (chunk && size) {
-        ssize_t n = pread(file, chunk, size < CHUNK ? size : CHUNK, (off_t)at);
+        ptrdiff_t n = system_read_at(file, chunk, size < CHUNK ? size : CHUNK, at);
         if (n <= 0) {
             break;
         }
@@ -278,15 +265,15 @@ static bool write_entry(int file, struct cache_entry *entry, uint64_t small, cac
     struct timespec now = {0};
     clock_gettime(CLOCK_REALTIME, &now);
     cache_stamp_find(entry->stamp, file, &now); /* else it is verified each time */
-    if (posix_fallocate(file, 0, (off_t)size) || !write(user, file, at) ||
+    if (!system_reserve(file, size) || !write(user, file, at) ||
         !sum_file(&entry->packed_crc, file, at, entry->packed.size)) {
         return false;
     }
     struct buffer ahead = {0};
     cache_entry_write(&ahead, entry);
-    bool written = !buffer_status(&ahead) && pwrite(file, ahead.data, ahead.size, 0) == (ssize_t)ahead.size;
+    bool written = !buffer_status(&ahead) && system_write_at(file, ahead.data, ahead.size, 0);
     buffer_finish(&ahead);
-    return written && (entry->packed.size <= small || fdatasync(file) == 0) && set_written(file, &now);
+    return written && (entry->packed.size <= small || system_to_disk(file)) && system_set_changed(file, &now);
 }
 
 /* Under a name of its own at first; an entry like others, should it be left behind. */
@@ -295,13 +282,13 @@ static bool write_and_rename(struct cache_store *store, int folder, struct cache
 {
     struct buffer temporary = {0};
     buffer_format(&temporary, "%s.XXXXXX%s", store->path.data, store->ending);
-    int file = buffer_status(&temporary) ? -1 : mkostemps(temporary.data, (int)strlen(store->ending), O_CLOEXEC);
+    int file = buffer_status(&temporary) ? -1 : system_open_temporary(temporary.data, strlen(store->ending), true);
     bool written = file >= 0 && write_entry(file, entry, store->small, write, user);
     if (file >= 0) {
-        const char *name = strrchr(temporary.data, '/') + 1;
+        const char *name = path_base(temporary.data);
         written = close(file) == 0 && written;
-        if (!written || renameat(folder, name, folder, name_in_folder(store))) {
-            unlinkat(folder, name, 0);
+        if (!written || !system_rename_in(folder, name, name_in_folder(store))) {
+            system_remove_in(folder, name);
             written = false;
         }
     }
@@ -314,17 +301,12 @@ static bool write_and_rename(struct cache_store *store, int folder, struct cache
  * as much again for others. */
 static bool make_space(struct cache_store *store, int folder, uint64_t size)
 {
-    struct rlimit limit;
-    struct statvfs disk;
-    if (size > store->limit || getrlimit(RLIMIT_FSIZE, &limit) ||
-        (limit.rlim_cur != RLIM_INFINITY && size > limit.rlim_cur) || fstatvfs(folder, &disk) || !disk.f_frsize ||
-        size / disk.f_frsize >= disk.f_bavail / 2) {
+    if (size > store->limit || !system_has_room(folder, size)) {
         return false;
     }
-    char *end = strrchr(store->path.data, '/');
-    *end = '\0';
+    char *cut = path_cut(store->path.data);
     conus_status status = cache_folder_fit(store->path.data, store->ending, store->limit - size);
-    *end = '/';
+    path_join_again(cut);
     return !status;
 }
 

@@ -3,6 +3,7 @@
 #include "base/child/child.h"
 
 #include "base/memory.h"
+#include "base/path.h"
 #include "base/text.h"
 
 #include <errno.h>
@@ -78,10 +79,8 @@ conus_status child_find(char **path, const struct child_program *program)
     char *found = NULL;
     char self[PATH_SIZE];
     ssize_t length = readlink("/proc/self/exe", self, sizeof self);
-    while (length > 0 && self[length - 1] != '/') {
-        length--;
-    }
-    conus_status status = length > 1 ? look_in(&found, program->name, self, (size_t)length - 1) : CONUS_OK;
+    size_t folder_length = length > 0 ? path_length_above(self, (size_t)length) : 0;
+    conus_status status = folder_length > 1 ? look_in(&found, program->name, self, folder_length - 1) : CONUS_OK;
     const char *list = getenv("PATH");
     struct text rest = text_from(list ? list : "");
     struct text folder;

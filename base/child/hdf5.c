@@ -6,6 +6,7 @@
 #include "base/child/child.h"
 #include "base/memory.h"
 #include "base/order.h"
+#include "base/system/system.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -385,7 +386,7 @@ conus_status hdf5_read_bytes(struct hdf5 **out, struct text file, const char *co
                              uint64_t max_memory)
 {
     struct open_file copy = {.descriptor = child_create_input("conus-hdf5")};
-    bool is_there = copy.descriptor >= 0 && file_write_fully(copy.descriptor, file.data, file.size) &&
+    bool is_there = copy.descriptor >= 0 && system_write(copy.descriptor, file.data, file.size) &&
                     file_state_of(&copy.before, copy.descriptor);
     conus_status status = is_there ? hdf5_read(out, &copy, wanted, count, max_memory)
                                    : fail(CONUS_ERROR_IO, "HDF5: cannot copy the file: %s", strerror(errno));

@@ -4,18 +4,14 @@
 
 #include "base/files/file_trace.h"
 #include "base/memory.h"
+#include "base/path.h"
+#include "base/system/system.h"
 #include "conus/file.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
-#include <limits.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 void bytes_finish(struct bytes *bytes)
 {
@@ -28,26 +24,10 @@ static conus_status fail_errno(const char *path, const char *action)
     return fail(CONUS_ERROR_IO, "%s: cannot %s: %s", path, action, strerror(errno));
 }
 
-/* Reads up to `size` bytes from byte `from` on; fewer only at the end of the file. */
-static bool read_fully(int descriptor, uint8_t *data, uint64_t from, size_t size, size_t *got)
+/* Recorded by a trace. */
+static bool stat_traced(struct system_stat *info, const char *path)
 {
-    for (*got = 0; *got < size;) {
-        ssize_t n = pread(descriptor, data + *got, size - *got, (off_t)(from + *got));
-        if (n < 0 && errno != EINTR) {
-            return false;
-        }
-        if (n == 0) {
-            break;
-        }
-        *got += n > 0 ? (size_t)n : 0;
-    }
-    return true;
-}
-
-/* stat(), recorded by a trace. */
-static bool stat_traced(struct stat *info, const char *path)
-{
-    bool found = stat(path, info) == 0;
+    bool found = system_stat(info, path);
     int error = errno;
     file_trace_path(path, found ? info : NULL);
     errno = error;
@@ -56,7 +36,7 @@ static bool stat_traced(struct stat *info, const char *path)
 
 conus_status file_state_find(struct file_state *out, const char *path)
 {
-    struct stat info;
+    struct system_stat info;
     if (!stat_traced(&info, path)) {
         return fail_errno(path, "open");
     }
@@ -78,23 +58,23 @@ static conus_status fail_read(const char *action)
 
 conus_status file_open_here(struct open_file *out, const char *path)
 {
-    struct stat info;
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    struct system_stat info;
+    int descriptor = system_open(path, SYSTEM_READ | SYSTEM_AT_ONCE);
     if (descriptor < 0) {
         conus_status status = fail_read("open");
         file_trace_path(path, NULL);
         return status;
     }
-    if (fstat(descriptor, &info)) {
+    if (!system_stat_open(&info, descriptor)) {
         conus_status status = fail_read("read");
         close(descriptor);
         return status;
     }
     file_trace_input(path, &info);
-    if (!S_ISREG(info.st_mode)) {
+    if (info.kind != SYSTEM_FILE) {
         close(descriptor);
         return fail(CONUS_ERROR_IO, "cannot read: %s, a regular file is needed",
-                    S_ISDIR(info.st_mode) ? "is a folder" : "is a device or pipe");
+                    info.kind == SYSTEM_FOLDER ? "is a folder" : "is a device or pipe");
     }
     *out = (struct open_file){.path = path, .descriptor = descriptor};
     file_state_take(&out->before, &info);
@@ -124,9 +104,9 @@ conus_status file_read_here(struct bytes *out, const struct open_file *file, siz
     size_t size = whole < most ? (size_t)whole : most;
     struct bytes bytes = {.data = memory_raw(size, 1)};
     conus_status status = bytes.data ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status && !read_fully(file->descriptor, bytes.data, 0, size, &bytes.size)) {
-        status = fail_read("read");
-    }
+    ptrdiff_t got = status ? 0 : system_read_at(file->descriptor, bytes.data, size, 0);
+    status = got < 0 ? fail_read("read") : status;
+    bytes.size = got < 0 ? 0 : (size_t)got;
     if (!status && !(file_state_of(&now, file->descriptor) && file_state_equal(&now, &file->before))) {
         status = fail(CONUS_ERROR_IO, FILE_CHANGED);
     }
@@ -149,13 +129,13 @@ conus_status file_read_open(struct bytes *out, const struct open_file *file, siz
 conus_status file_part_here(uint8_t *out, const struct open_file *file, uint64_t from, size_t size)
 {
     struct file_state now;
-    size_t got = 0;
-    if (!read_fully(file->descriptor, out, from, size, &got)) {
+    ptrdiff_t got = system_read_at(file->descriptor, out, size, from);
+    if (got < 0) {
         file_trace_failed();
         return fail_read("read");
     }
     bool same = file_state_of(&now, file->descriptor) && file_state_equal(&now, &file->before);
-    return same && got == size ? CONUS_OK : fail(CONUS_ERROR_IO, FILE_CHANGED);
+    return same && (size_t)got == size ? CONUS_OK : fail(CONUS_ERROR_IO, FILE_CHANGED);
 }
 
 conus_status file_read_part(uint8_t *out, const struct open_file *file, uint64_t from, size_t size)
@@ -190,46 +170,19 @@ conus_status file_read_head(struct bytes *out, const char *path, size_t most)
     return read_path(out, path, most, UINT64_MAX, "");
 }
 
-bool file_write_fully(int descriptor, const void *data, size_t size)
-{
-    const uint8_t *at = data;
-    while (size) {
-        ssize_t n = write(descriptor, at, size);
-        if (n < 0 && errno != EINTR) {
-            return false;
-        }
-        at += n > 0 ? n : 0;
-        size -= n > 0 ? (size_t)n : 0;
-    }
-    return true;
-}
-
 static conus_status write_directly(const char *path, const void *data, size_t size)
 {
-    int descriptor = open(path, O_WRONLY | O_APPEND | O_CLOEXEC);
+    int descriptor = system_open(path, SYSTEM_WRITE | SYSTEM_APPEND);
     if (descriptor < 0) {
         return fail_errno(path, "open");
     }
-    bool written = file_write_fully(descriptor, data, size);
+    bool written = system_write(descriptor, data, size);
     conus_status status = written ? CONUS_OK : fail_errno(path, "write");
     close(descriptor);
     return status;
 }
 
 enum { WRITE_WAIT = 1, WRITE_NEW = 2, WRITE_NAMELESS = 4 };
-
-/* Gives the finished file its name. */
-static bool name_file(const char *path, const char *temporary, unsigned how)
-{
-    if (!(how & WRITE_NEW)) {
-        return rename(temporary, path) == 0;
-    }
-    bool linked = link(temporary, path) == 0; /* unlike rename(), never in the place of another */
-    int error = errno;
-    unlink(temporary);
-    errno = error;
-    return linked;
-}
 
 enum { ATTEMPTS = 100 };
 
@@ -238,7 +191,7 @@ enum { ATTEMPTS = 100 };
 static bool find_name(char *out, size_t length, const char *path)
 {
     uint32_t number;
-    if (getentropy(&number, sizeof number) != 0) {
+    if (!system_random(&number, sizeof number)) {
         return false;
     }
     snprintf(out, length, "%s.%08" PRIx32 ".part", path, number);
@@ -250,7 +203,7 @@ static int open_temporary(char *temporary, size_t length, const char *path)
     int descriptor = -1;
     errno = EEXIST;
     for (int i = 0; i < ATTEMPTS && descriptor < 0 && errno == EEXIST && find_name(temporary, length, path); i++) {
-        descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        descriptor = system_open(temporary, SYSTEM_WRITE | SYSTEM_NEW);
     }
     return descriptor;
 }
@@ -259,28 +212,25 @@ static int open_temporary(char *temporary, size_t length, const char *path)
  * the file system has no such files. */
 static int open_nameless(char *folder, const char *path)
 {
-    const char *slash = strrchr(path, '/');
-    size_t length = slash ? (size_t)(slash - path) + 1 : 0;
+    size_t length = path_folder_length(path);
     memcpy(folder, path, length);
     memcpy(folder + length, ".", sizeof ".");
-    return access("/proc/self/fd", F_OK) ? -1 : open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
+    return system_open_nameless(folder);
 }
 
 /* Gives it the name `path`; where a file is there that it replaces, by way of another name. */
 static bool name_nameless(const char *path, char *temporary, size_t length, int descriptor, unsigned how)
 {
-    char own[32];
-    snprintf(own, sizeof own, "/proc/self/fd/%d", descriptor);
-    bool named = linkat(AT_FDCWD, own, AT_FDCWD, path, AT_SYMLINK_FOLLOW) == 0;
+    bool named = system_name(descriptor, path);
     if (named || errno != EEXIST || (how & WRITE_NEW)) {
         return named;
     }
     for (int i = 0; i < ATTEMPTS && !named && errno == EEXIST && find_name(temporary, length, path); i++) {
-        named = linkat(AT_FDCWD, own, AT_FDCWD, temporary, AT_SYMLINK_FOLLOW) == 0;
+        named = system_name(descriptor, temporary);
     }
-    if (named && rename(temporary, path)) {
+    if (named && !system_rename(temporary, path, true)) {
         int error = errno;
-        unlink(temporary);
+        system_remove(temporary);
         errno = error;
         named = false;
     }
@@ -295,15 +245,15 @@ static conus_status write_and_name(const char *path, char *temporary, size_t len
     if (descriptor < 0) {
         return fail_errno(path, "write");
     }
-    bool written = file_write_fully(descriptor, data, size) && (!(how & WRITE_WAIT) || fsync(descriptor) == 0);
+    bool written = system_write(descriptor, data, size) && (!(how & WRITE_WAIT) || system_to_disk(descriptor));
     written = written && (!nameless || name_nameless(path, temporary, length, descriptor, how));
     written = close(descriptor) == 0 && written;
-    if (!written || (!nameless && !name_file(path, temporary, how))) {
+    if (!written || (!nameless && !system_rename(temporary, path, !(how & WRITE_NEW)))) {
         conus_status status = errno == EEXIST
                                   ? fail(CONUS_ERROR_IO, "%s: there is a file already, which is not replaced", path)
                                   : fail_errno(path, "write");
         if (!nameless) {
-            unlink(temporary);
+            system_remove(temporary);
         }
         return status;
     }
@@ -325,26 +275,26 @@ static conus_status replace_file(const char *path, const void *data, size_t size
 
 static conus_status write_regular(const char *path, const void *data, size_t size, unsigned how)
 {
-    struct stat info;
-    if ((how & WRITE_NEW) || lstat(path, &info) || !S_ISLNK(info.st_mode)) {
+    struct system_stat info;
+    if ((how & WRITE_NEW) || !system_stat_link(&info, SYSTEM_HERE, path) || info.kind != SYSTEM_LINK) {
         return replace_file(path, data, size, how);
     }
     /* An open file's name in /dev or /proc: what is there belongs to whoever opened it. */
     if (strncmp(path, "/dev/", strlen("/dev/")) == 0 || strncmp(path, "/proc/", strlen("/proc/")) == 0) {
         return write_directly(path, data, size);
     }
-    char real[PATH_MAX]; /* the file that a link leads to is replaced, not the link */
-    return realpath(path, real) ? replace_file(real, data, size, how) : fail_errno(path, "write");
+    char real[SYSTEM_PATH]; /* the file that a link leads to is replaced, not the link */
+    return system_real_path(real, path) ? replace_file(real, data, size, how) : fail_errno(path, "write");
 }
 
 static conus_status write_file(const char *path, const void *data, size_t size, unsigned how)
 {
-    struct stat info;
-    bool exists = stat(path, &info) == 0;
-    if (exists && S_ISDIR(info.st_mode)) {
+    struct system_stat info;
+    bool exists = system_stat(&info, path);
+    if (exists && info.kind == SYSTEM_FOLDER) {
         return fail(CONUS_ERROR_IO, "%s: cannot write: is a folder", path);
     }
-    if (exists && !S_ISREG(info.st_mode)) {
+    if (exists && info.kind != SYSTEM_FILE) {
         return write_directly(path, data, size);
     }
     const char *input = how & WRITE_NEW ? NULL : conus_inputs_find(path);
@@ -384,7 +334,7 @@ conus_status file_write_new(const char *path, const void *data, size_t size)
 
 conus_status file_make_folder(const char *path)
 {
-    if (mkdir(path, 0777) == 0 || (errno == EEXIST && file_is_folder(path))) {
+    if (system_make_folder(path, false) || (errno == EEXIST && file_is_folder(path))) {
         return CONUS_OK;
     }
     return fail(CONUS_ERROR_IO, "%s: cannot make this folder: %s", path, strerror(errno));
@@ -398,27 +348,31 @@ void *file_map(const char *path, const struct file_state *before)
         return NULL;
     }
     bool is_same = file_state_of(&now, file.descriptor) && file_state_equal(&now, before);
-    void *mapped = is_same ? mmap(NULL, (size_t)before->size, PROT_READ, MAP_SHARED, file.descriptor, 0) : MAP_FAILED;
+    void *mapped = is_same ? system_map(file.descriptor, (size_t)before->size) : NULL;
     file_close(&file);
-    return mapped == MAP_FAILED ? NULL : mapped;
+    return mapped;
+}
+
+void file_unmap(const void *memory, size_t size)
+{
+    system_unmap(memory, size);
 }
 
 bool file_exists(const char *path)
 {
-    struct stat info;
-    return stat_traced(&info, path) && S_ISREG(info.st_mode);
+    struct system_stat info;
+    return stat_traced(&info, path) && info.kind == SYSTEM_FILE;
 }
 
 bool file_is_folder(const char *path)
 {
-    struct stat info;
-    return stat_traced(&info, path) && S_ISDIR(info.st_mode);
+    struct system_stat info;
+    return stat_traced(&info, path) && info.kind == SYSTEM_FOLDER;
 }
 
 char *file_beside(const char *path, const char *name)
 {
-    const char *slash = strrchr(path, '/');
-    size_t folder = slash && name[0] != '/' ? (size_t)(slash - path) + 1 : 0;
+    size_t folder = path_is_whole(name) ? 0 : path_folder_length(path);
     char *joined = memory_raw(folder + strlen(name) + 1, 1);
     if (joined) {
         memcpy(joined, path, folder);

@@ -26,10 +26,9 @@ struct file_state {
 
 #define FILE_CHANGED "changed while it was read"
 
-struct stat;
+struct system_stat;
 
-/** The state in a result of stat(). */
-void file_state_take(struct file_state *out, const struct stat *info);
+void file_state_take(struct file_state *out, const struct system_stat *info);
 
 conus_status file_state_find(struct file_state *out, const char *path);
 /** The same of an open file; false (errno) when that fails. */
@@ -50,8 +49,10 @@ conus_status file_open(struct open_file *out, const char *path);
 void file_close(const struct open_file *file);
 
 /** Maps the regular file @p path for reading, if that is as it was: @p before. NULL where it is not, or cannot be
- * mapped. The caller unmaps its before->size bytes. Who reads where the file was cut off meanwhile ends by SIGBUS. */
+ * mapped. End it with file_unmap() of its before->size bytes. Who reads where the file was cut off meanwhile ends by
+ * SIGBUS. */
 void *file_map(const char *path, const struct file_state *before);
+void file_unmap(const void *memory, size_t size);
 
 #define FILE_MAX_MEMORY " (--max-memory)" /**< An option for file_read_open(). */
 
@@ -91,9 +92,6 @@ conus_status file_write(const char *path, const void *data, size_t size);
 /** The same without waiting for the disk, for many files that are cheap to make again: a crash of the whole machine in
  * the next seconds may lose them. */
 conus_status file_write_soon(const char *path, const void *data, size_t size);
-
-/** Writes all of it to an open file; false (errno) where that fails. */
-bool file_write_fully(int descriptor, const void *data, size_t size);
 
 /** file_write() of @p content as @p name in @p folder; fails as the content did if that has failed. */
 conus_status file_write_in(const char *folder, const char *name, const struct buffer *content);

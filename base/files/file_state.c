@@ -2,24 +2,25 @@
 /* A file's identity: its state, and the SHA-256 of its bytes. */
 #include "base/files/file.h"
 
+#include "base/system/system.h"
+
 #include <nettle/sha2.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
-void file_state_take(struct file_state *out, const struct stat *info)
+void file_state_take(struct file_state *out, const struct system_stat *info)
 {
     *out =
-        (struct file_state){(uint64_t)info->st_dev,
-                            (uint64_t)info->st_ino,
-                            (uint64_t)info->st_size,
-                            {info->st_mtim.tv_sec, info->st_mtim.tv_nsec, info->st_ctim.tv_sec, info->st_ctim.tv_nsec}};
+        (struct file_state){info->device,
+                            info->inode,
+                            info->size,
+                            {info->changed.tv_sec, info->changed.tv_nsec, info->altered.tv_sec, info->altered.tv_nsec}};
 }
 
 bool file_state_of(struct file_state *out, int descriptor)
 {
-    struct stat info;
-    bool found = fstat(descriptor, &info) == 0;
+    struct system_stat info;
+    bool found = system_stat_open(&info, descriptor);
     if (found) {
         file_state_take(out, &info);
     }

@@ -3,16 +3,12 @@
 #include "base/files/file_trace.h"
 
 #include "base/memory.h"
+#include "base/system/system.h"
 #include "conus/file.h"
 
-#include <fcntl.h>
-#include <limits.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <sys/vfs.h>
-#include <unistd.h>
 
 static _Thread_local struct file_trace *open_trace; /* of this thread; NULL = none */
 static _Thread_local bool is_searching;
@@ -67,22 +63,22 @@ static void keep_file(struct file_trace *trace, const char *path, const struct f
                 NULL);
 }
 
-static enum trace_kind kind_of(struct file_state *out, const struct stat *info)
+static enum trace_kind kind_of(struct file_state *out, const struct system_stat *info)
 {
     *out = (struct file_state){0};
     if (!info) {
         return TRACE_NOTHING;
     }
-    if (S_ISREG(info->st_mode)) {
+    if (info->kind == SYSTEM_FILE) {
         file_state_take(out, info);
         return TRACE_FILE;
     }
-    out->device = (uint64_t)info->st_dev;
-    out->inode = (uint64_t)info->st_ino;
-    return S_ISDIR(info->st_mode) ? TRACE_FOLDER : TRACE_OTHER;
+    out->device = info->device;
+    out->inode = info->inode;
+    return info->kind == SYSTEM_FOLDER ? TRACE_FOLDER : TRACE_OTHER;
 }
 
-void file_trace_path(const char *path, const struct stat *info)
+void file_trace_path(const char *path, const struct system_stat *info)
 {
     struct file_state state;
     if (open_trace) {
@@ -106,16 +102,16 @@ static void add_input(const char *path, const struct file_state *state)
 
 void file_trace_product(const char *path)
 {
-    struct stat info;
+    struct system_stat info;
     struct file_state state;
     pthread_mutex_lock(&inputs_lock);
-    if (inputs && stat(path, &info) == 0 && kind_of(&state, &info) == TRACE_FILE) {
+    if (inputs && system_stat(&info, path) && kind_of(&state, &info) == TRACE_FILE) {
         keep_file(products, path, &state);
     }
     pthread_mutex_unlock(&inputs_lock);
 }
 
-void file_trace_input(const char *path, const struct stat *info)
+void file_trace_input(const char *path, const struct system_stat *info)
 {
     struct file_state state;
     file_trace_path(path, info);
@@ -156,21 +152,20 @@ void file_trace_tell(const struct file_trace *trace)
 /* Whether a file with the state is this input: not another one, with its number, after the input was removed. */
 static bool is_input(const struct traced *input, const struct file_state *state)
 {
-    struct stat info;
+    struct system_stat info;
     return input->state.device == state->device && input->state.inode == state->inode &&
            (file_state_equal(&input->state, state) ||
-            (stat(input->path, &info) == 0 && (uint64_t)info.st_dev == state->device &&
-             (uint64_t)info.st_ino == state->inode));
+            (system_stat(&info, input->path) && info.device == state->device && info.inode == state->inode));
 }
 
 /* The name of the input that is this file; with no memory for all inputs, any file may be one. */
 const char *conus_inputs_find(const char *path)
 {
-    struct stat info;
+    struct system_stat info;
     struct file_state state;
     const char *found = NULL;
     pthread_mutex_lock(&inputs_lock);
-    if (inputs && path && stat(path, &info) == 0 && kind_of(&state, &info) == TRACE_FILE) {
+    if (inputs && path && system_stat(&info, path) && kind_of(&state, &info) == TRACE_FILE) {
         found = inputs->broken ? path : NULL;
         for (size_t i = 0; i < inputs->count && !found; i++) {
             found = is_input(&inputs->items[i], &state) ? inputs->items[i].path : NULL;
@@ -204,8 +199,8 @@ conus_status conus_inputs_keep(void)
 
 void conus_inputs_add(const char *path)
 {
-    struct stat info;
-    if (path && stat(path, &info) == 0) {
+    struct system_stat info;
+    if (path && system_stat(&info, path)) {
         file_trace_input(path, &info);
     }
 }
@@ -260,7 +255,7 @@ const char *file_trace_environment(const char *name)
 
 bool file_trace_real_path(char *out, const char *path)
 {
-    bool found = realpath(path, out);
+    bool found = system_real_path(out, path);
     if (open_trace) {
         keep(TRACE_REAL_PATH, path, found ? out : NULL, NULL, NULL);
     }
@@ -335,32 +330,8 @@ const struct traced *file_trace_find(const struct file_trace *trace, const char 
     return found && found->kind == TRACE_FILE ? found : NULL;
 }
 
-/* Whether the file system takes its times from this machine's clock (linux/magic.h, and ZFS and bcachefs). Size, inode,
- * mtime and ctime do not show a second change within one step of the clock, so a file must have rested for a while. A
- * server's clock may be wrong, and does not say for how long. */
-static bool has_own_clock(const char *path)
-{
-    static const uint64_t magics[] = {0xef53 /* ext2 to ext4 */,
-                                      0x58465342 /* XFS */,
-                                      0x9123683e /* Btrfs */,
-                                      0xf2f52010 /* F2FS */,
-                                      0x01021994 /* tmpfs */,
-                                      0x794c7630 /* overlay */,
-                                      0x4d44 /* FAT */,
-                                      0x2011bab0 /* exFAT */,
-                                      0x73717368 /* SquashFS */,
-                                      0x9660 /* ISO 9660 */,
-                                      0xe0f5e1e2 /* EROFS */,
-                                      0x2fc12fc1 /* ZFS */,
-                                      0xca451a4e /* bcachefs */};
-    struct statfs info;
-    bool found = false;
-    for (size_t i = 0; statfs(path, &info) == 0 && i < sizeof magics / sizeof magics[0] && !found; i++) {
-        found = (uint64_t)(uint32_t)info.f_type == magics[i];
-    }
-    return found;
-}
-
+/* Size, inode, mtime and ctime do not show a second change within one step of the clock, so a file must have rested for
+ * a while. A server's clock may be wrong, and does not say for how long. */
 bool file_trace_is_settled(const struct file_trace *trace)
 {
     bool settled = !trace->broken;
@@ -371,7 +342,8 @@ bool file_trace_is_settled(const struct file_trace *trace)
             const int64_t *times = item->state.times;
             int64_t last = times[0] > times[2] ? times[0] : times[2];
             int64_t rest = (int64_t)trace->begun.tv_sec - last; /* at least, but for a second */
-            settled = rest > TRACE_REST_ELSEWHERE_SECONDS || (rest > TRACE_REST_SECONDS && has_own_clock(item->path));
+            settled =
+                rest > TRACE_REST_ELSEWHERE_SECONDS || (rest > TRACE_REST_SECONDS && system_has_own_clock(item->path));
         }
     }
     return settled;
@@ -379,14 +351,14 @@ bool file_trace_is_settled(const struct file_trace *trace)
 
 static bool find_kind(enum trace_kind *out, struct file_state *state, const char *path)
 {
-    struct stat info;
-    bool found = stat(path, &info) == 0;
+    struct system_stat info;
+    bool found = system_stat(&info, path);
     *out = kind_of(state, found ? &info : NULL);
-    int descriptor = *out == TRACE_FILE ? open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY) : -1;
+    int descriptor = *out == TRACE_FILE ? system_open(path, SYSTEM_READ | SYSTEM_AT_ONCE) : -1;
     if (*out != TRACE_FILE) {
         return true;
     }
-    found = descriptor >= 0 && fstat(descriptor, &info) == 0;
+    found = descriptor >= 0 && system_stat_open(&info, descriptor);
     *out = kind_of(state, found ? &info : NULL);
     if (descriptor >= 0) {
         close(descriptor);
@@ -409,12 +381,12 @@ static bool holds(const struct traced *item)
 {
     struct file_state state;
     enum trace_kind kind;
-    char real[PATH_MAX];
+    char real[SYSTEM_PATH];
     switch (item->kind) {
     case TRACE_NAMES:
         return same_names(item);
     case TRACE_REAL_PATH:
-        return compare_texts(realpath(item->path, real) ? real : NULL, item->more) == 0;
+        return compare_texts(system_real_path(real, item->path) ? real : NULL, item->more) == 0;
     case TRACE_ENVIRONMENT:
         return compare_texts(getenv(item->path), item->more) == 0;
     case TRACE_NOTHING:

@@ -67,11 +67,11 @@ void file_trace_write(struct buffer *out, const struct file_trace *trace);
 bool file_trace_parse(struct file_trace *out, const uint8_t *data, size_t size);
 
 /** @name Functions for those who ask the file system; they do nothing on a thread without a trace. @{ */
-struct stat;
+struct system_stat;
 /** @p info is what stat() says of @p path; NULL = it found nothing. */
-void file_trace_path(const char *path, const struct stat *info);
+void file_trace_path(const char *path, const struct system_stat *info);
 /** The same of a file that is opened to be read: it is an input, unless the thread searches. */
-void file_trace_input(const char *path, const struct stat *info);
+void file_trace_input(const char *path, const struct system_stat *info);
 /** While a thread searches, it reads files to find out whether they belong to what it makes. Those that do become
  * inputs by file_trace_take(), which does nothing at other times. Gives what was, to be set again. */
 bool file_trace_search(bool searches);
@@ -84,7 +84,7 @@ void file_trace_tell(const struct file_trace *trace);
 void file_trace_product(const char *path);
 /** getenv(). */
 const char *file_trace_environment(const char *name);
-/** realpath() into @p out, [PATH_MAX]; false where there is none. */
+/** system_real_path() into @p out, [SYSTEM_PATH]. */
 bool file_trace_real_path(char *out, const char *path);
 /** @} */
 

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lists the names in a folder, and takes paths apart. */
+/* Lists the names in a folder, and makes paths. */
 #include "base/files/folder.h"
 
 #include "base/memory.h"
+#include "base/system/system.h"
 
-#include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 void names_finish(struct names *names)
 {
@@ -47,26 +46,36 @@ conus_status names_add(struct names *names, const char *name)
     return CONUS_OK;
 }
 
+/* What names_read() looks for. */
+struct wanted {
+    struct names *out;
+    const char *ending;
+    conus_status status;
+};
+
+static bool take_name(void *user, const char *name)
+{
+    struct wanted *wanted = user;
+    if (ends_with(name, wanted->ending)) {
+        wanted->status = names_add(wanted->out, name);
+    }
+    return !wanted->status && wanted->out->count < NAMES_LIMIT;
+}
+
 conus_status names_read(struct names *out, const char *folder, const char *ending)
 {
-    DIR *directory = opendir(folder);
-    conus_status status = CONUS_OK;
-    for (struct dirent *entry; directory && !status && out->count < NAMES_LIMIT && (entry = readdir(directory));) {
-        status = ends_with(entry->d_name, ending) ? names_add(out, entry->d_name) : CONUS_OK;
-    }
-    if (directory) {
-        closedir(directory);
-    }
-    if (!status && out->count) {
+    struct wanted wanted = {.out = out, .ending = ending};
+    system_list(folder, take_name, &wanted);
+    if (!wanted.status && out->count) {
         qsort(out->names, out->count, sizeof *out->names, compare_names);
     }
-    return status;
+    return wanted.status;
 }
 
 char *path_folder(const char *path)
 {
-    const char *slash = strrchr(path, '/');
-    return slash ? memory_text(path, (size_t)(slash - path) + 1) : memory_text("./", 2);
+    size_t length = path_folder_length(path);
+    return length ? memory_text(path, length) : memory_text("./", 2);
 }
 
 char *path_with_ending(const char *path, size_t length, const char *ending)
@@ -79,33 +88,7 @@ char *path_with_ending(const char *path, size_t length, const char *ending)
     return joined;
 }
 
-bool path_ends_in(const char *path, const char *ending)
-{
-    size_t length = strlen(path);
-    size_t tail = strlen(ending);
-    return length > tail && strcasecmp(path + length - tail, ending) == 0;
-}
-
-size_t path_ending_length(const char *path, const char *endings)
-{
-    size_t length = strlen(path);
-    for (const char *at = endings; *at;) {
-        size_t tail = strcspn(at, "/");
-        if (length > tail && strncasecmp(path + length - tail, at, tail) == 0) {
-            return tail;
-        }
-        at += tail + (at[tail] == '/');
-    }
-    return 0;
-}
-
 size_t volume_stem_length(const char *path)
 {
     return strlen(path) - path_ending_length(path, VOLUME_ENDINGS);
-}
-
-const char *path_base(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
 }

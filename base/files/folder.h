@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The entries of a folder, and the parts of a path. */
+/** @file The entries of a folder, and paths made of others. */
 #ifndef CONUS_BASE_FOLDER_H
 #define CONUS_BASE_FOLDER_H
 
+#include "base/path.h"
 #include "base/status.h"
 
 /** File names, owned. */
@@ -30,19 +31,10 @@ char *path_folder(const char *path);
 /** The first @p length bytes of @p path and @p ending behind them. NULL without memory; memory_free() it. */
 char *path_with_ending(const char *path, size_t length, const char *ending);
 
-/** Whether @p path, longer than @p ending, ends in it; upper and lower case are the same. */
-bool path_ends_in(const char *path, const char *ending);
-
-/** Length of the first of @p endings, with '/' between them, in which @p path ends as in path_ends_in(); 0 = none. */
-size_t path_ending_length(const char *path, const char *endings);
-
-/** The endings of volumes, as such a list. */
+/** The endings of volumes, as a list for path_ending_length(). */
 #define VOLUME_ENDINGS                                                                                                 \
     ".nii.gz/.hdr.gz/.img.gz/.mgh.gz/.nii/.hdr/.img/.mgz/.mgh/.seg.nrrd/.nrrd/.nhdr/.mha/.mhd/.HEAD/.BRIK/.BRIK.gz/"   \
     ".tiff/.tif"
-
-/** The part after the last '/'. */
-const char *path_base(const char *path);
 
 /** Length of @p path without the ending of a volume (.nii.gz, .mgz, ...). */
 size_t volume_stem_length(const char *path);

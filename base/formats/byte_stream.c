@@ -5,15 +5,13 @@
 #include "base/files/file_trace.h"
 #include "base/formats/gzip.h"
 #include "base/memory.h"
+#include "base/system/system.h"
 #include "base/threads.h"
 
 #include <assert.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <nettle/sha2.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <zlib.h>
 
 enum { STORED_BLOCK = 1 << 18, MAGIC_SIZE = 3, INFLATE_RATIO = 1032 /* a match of 258 bytes takes at least 2 bits */ };
@@ -41,7 +39,7 @@ static conus_status read_unsummed(struct byte_source *source, uint8_t *out, size
 {
     size_t size = smaller_of(most, source->stored_left);
     for (size_t got = 0; got < size;) {
-        ssize_t n = (ssize_t)(size - got);
+        ptrdiff_t n = (ptrdiff_t)(size - got);
         if (source->descriptor < 0) {
             memcpy(out, source->memory, size);
             source->memory += size;
@@ -280,11 +278,11 @@ conus_status byte_stream_of(struct byte_stream *out, const uint8_t *data, size_t
 
 conus_status byte_stream_open(struct byte_stream *out, const char *path)
 {
-    struct stat info;
-    struct byte_source source = {.descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
-    bool found = source.descriptor >= 0 && fstat(source.descriptor, &info) == 0;
+    struct system_stat info;
+    struct byte_source source = {.descriptor = system_open(path, SYSTEM_READ | SYSTEM_AT_ONCE)};
+    bool found = source.descriptor >= 0 && system_stat_open(&info, source.descriptor);
     conus_status status = found ? CONUS_OK : fail(CONUS_ERROR_IO, "cannot open: %s", strerror(errno));
-    if (!status && !S_ISREG(info.st_mode)) {
+    if (!status && info.kind != SYSTEM_FILE) {
         status = fail(CONUS_ERROR_IO, "cannot read: a regular file is needed");
     }
     if (!status) {

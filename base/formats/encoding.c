@@ -47,8 +47,8 @@ static struct census recode(char *out, struct text text, bool all)
 /* The encoding that XML declares, within its marks; empty if it declares none. */
 static struct text declared_encoding(struct text text)
 {
-    const char *end = text_starts(text, "<?xml") ? memmem(text.data, text.size, "?>", 2) : NULL;
-    const char *at = end ? memmem(text.data, (size_t)(end - text.data), "encoding", strlen("encoding")) : NULL;
+    const char *end = text_starts(text, "<?xml") ? text_find(text, "?>") : NULL;
+    const char *at = end ? text_find((struct text){text.data, (size_t)(end - text.data)}, "encoding") : NULL;
     while (at && at < end && *at != '"' && *at != '\'') {
         at++;
     }

@@ -4,13 +4,13 @@
 
 #include "base/byte_order.h"
 #include "base/memory.h"
+#include "base/system/system.h"
 
 #include <assert.h>
 #include <errno.h>
 #include <libdeflate.h>
 #include <stdalign.h>
 #include <string.h>
-#include <unistd.h>
 #include <zlib.h>
 
 enum { WINDOW_LEVEL = 6, GZIP = 16 + MAX_WBITS, RAW = -MAX_WBITS, TRAILER = 8, LAST_BITS = 7 };
@@ -181,10 +181,7 @@ static conus_status fail_mismatch(void)
 /* Reads the next packed bytes, which are there. */
 static conus_status feed(struct follower *follower)
 {
-    ssize_t got;
-    do {
-        got = pread(follower->descriptor, follower->stored, STORED_BLOCK, (off_t)follower->packed);
-    } while (got < 0 && errno == EINTR);
+    ptrdiff_t got = system_read_at(follower->descriptor, follower->stored, STORED_BLOCK, follower->packed);
     if (got <= 0) {
         return got ? fail(CONUS_ERROR_IO, "cannot read: %s", strerror(errno)) : fail_mismatch();
     }
@@ -250,7 +247,7 @@ bool gzip_index_fits(const struct gzip_index *index, int descriptor)
     for (size_t i = 0; i < index->count; i++) {
         sum = crc32_combine(sum, index->points[i].sum, (z_off_t)(span_end(index, i) - index->points[i].unpacked));
     }
-    return pread(descriptor, stored, sizeof stored, (off_t)index->trailer) == (ssize_t)sizeof stored &&
+    return system_read_at(descriptor, stored, sizeof stored, index->trailer) == (ptrdiff_t)sizeof stored &&
            order_u32(stored, SWAPPED) == sum && order_u32(stored + 4, SWAPPED) == (uint32_t)index->unpacked;
 }
 

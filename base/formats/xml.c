@@ -162,7 +162,7 @@ struct text xml_root(struct text text)
                              : text_starts(text, "<!--") ? "-->"
                              : has_subset                ? "]>"
                                                          : ">";
-        const char *end = memmem(text.data, text.size, ending, strlen(ending));
+        const char *end = text_find(text, ending);
         if (!end) {
             return (struct text){0};
         }

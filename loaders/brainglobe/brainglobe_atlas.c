@@ -5,9 +5,10 @@
 #include "base/buffer.h"
 #include "base/formats/json_text.h"
 #include "base/memory.h"
+#include "base/path.h"
+#include "base/system/system.h"
 
 #include <errno.h>
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -92,9 +93,9 @@ conus_status brainglobe_atlas_parse(struct brainglobe_atlas *out, struct text te
 /* A place that is not there is whoever opens it to say. */
 static conus_status check_link(const char *root, const char *place)
 {
-    char real[PATH_MAX];
+    char real[SYSTEM_PATH];
     char *path = place ? join(root, place, "") : NULL;
-    bool leaves = path && realpath(path, real) && strncmp(real, root, strlen(root)) != 0;
+    bool leaves = path && system_real_path(real, path) && strncmp(real, root, strlen(root)) != 0;
     conus_status status = place && !path ? CONUS_ERROR_MEMORY : CONUS_OK;
     memory_free(path);
     return leaves ? fail(CONUS_ERROR_DATA, "%s%s: a link leads to %s, out of that folder", root, place, real) : status;
@@ -103,17 +104,16 @@ static conus_status check_link(const char *root, const char *place)
 /* The real folder above atlases/NAME/1_2, and NAME. Near "/" both are short. */
 static conus_status find_root(char **out, char **name, const char *folder)
 {
-    char real[PATH_MAX];
-    if (!realpath(folder, real)) {
+    char real[SYSTEM_PATH];
+    if (!system_real_path(real, folder)) {
         return fail(CONUS_ERROR_IO, "cannot open: %s", strerror(errno));
     }
     for (int i = 0; i < LEVELS_TO_ROOT; i++) {
-        char *slash = strrchr(real, '/');
+        char *cut = path_cut(real);
         if (i == 1) {
-            *name = memory_text(slash + 1, strlen(slash + 1));
+            *name = memory_text(cut + 1, strlen(cut + 1));
         }
-        *slash = '\0';
-        if (slash == real) {
+        if (cut == real) {
             break;
         }
     }

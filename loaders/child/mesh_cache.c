@@ -6,15 +6,14 @@
 #include "base/cache/cache_folder.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
+#include "base/path.h"
+#include "base/system/system.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <libdeflate.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 /* An entry: the content, then these bytes, u64 bytes of content and u32 their CRC-32, both little-endian, u32 0. */
 static const char magic[8] = "CONUSMC1";
@@ -74,28 +73,26 @@ static conus_status open_folder(int *out, const char *path, struct notes *notes)
 /* Takes the content of an open entry; none if it cannot be read. */
 static conus_status take_entry(struct bytes *out, int descriptor, const char *path, struct notes *notes)
 {
-    struct stat info;
-    if (!cache_is_ours(descriptor, S_IFREG)) {
+    struct system_stat info;
+    if (!system_stat_open(&info, descriptor) || info.kind != SYSTEM_FILE || !info.ours_alone) {
         return note_others(notes, path);
     }
-    if (fstat(descriptor, &info) || info.st_size < TAIL_SIZE || (uint64_t)info.st_size > MESH_CACHE_LIMIT) {
+    if (info.size < TAIL_SIZE || info.size > MESH_CACHE_LIMIT) {
         return CONUS_OK;
     }
-    struct bytes entry = {memory_raw((size_t)info.st_size, 1), 0};
+    struct bytes entry = {memory_raw((size_t)info.size, 1), 0};
     if (!entry.data) {
         return CONUS_ERROR_MEMORY;
     }
-    for (ssize_t got = 1; got > 0 || (got < 0 && errno == EINTR);) {
-        got = read(descriptor, entry.data + entry.size, (size_t)info.st_size - entry.size);
-        entry.size += got > 0 ? (size_t)got : 0;
-    }
+    ptrdiff_t got = system_read_at(descriptor, entry.data, (size_t)info.size, 0);
+    entry.size = got > 0 ? (size_t)got : 0;
     size_t size = mesh_cache_content(entry.data, entry.size);
     if (size == SIZE_MAX) {
         memory_free(entry.data);
         return CONUS_OK;
     }
     *out = (struct bytes){entry.data, size};
-    futimens(descriptor, NULL); /* used just now */
+    system_set_used(descriptor);
     return CONUS_OK;
 }
 
@@ -110,7 +107,7 @@ conus_status mesh_cache_find(struct bytes *out, const char *key, struct notes *n
         status = open_folder(&folder, folder_path.data, notes);
     }
     if (folder >= 0) {
-        int entry = openat(folder, path_base(path.data), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+        int entry = system_open_in(folder, path_base(path.data), SYSTEM_READ | SYSTEM_NO_LINK | SYSTEM_AT_ONCE);
         status = entry >= 0       ? take_entry(out, entry, path.data, notes)
                  : errno == ELOOP ? note_others(notes, path.data)
                                   : CONUS_OK;
@@ -131,14 +128,14 @@ static conus_status write_entry(const struct buffer *path, const struct buffer *
     uint8_t tail[TAIL_SIZE];
     buffer_format(&temporary, "%s.XXXXXX%s", path->data, ending); /* an entry like others, should it be left behind */
     conus_status status = buffer_status(&temporary);
-    int descriptor = status ? -1 : mkostemps(temporary.data, (int)strlen(ending), O_CLOEXEC);
+    int descriptor = status ? -1 : system_open_temporary(temporary.data, strlen(ending), true);
     if (descriptor >= 0) {
         write_tail(tail, content->data, content->size);
-        bool written = file_write_fully(descriptor, content->data, content->size) &&
-                       file_write_fully(descriptor, tail, sizeof tail);
+        bool written =
+            system_write(descriptor, content->data, content->size) && system_write(descriptor, tail, sizeof tail);
         written = close(descriptor) == 0 && written;
-        if (!written || rename(temporary.data, path->data)) {
-            unlink(temporary.data);
+        if (!written || !system_rename(temporary.data, path->data, true)) {
+            system_remove(temporary.data);
         }
     }
     buffer_finish(&temporary);
@@ -152,12 +149,11 @@ conus_status mesh_cache_keep_within(const char *key, const struct buffer *conten
     int folder = -1;
     conus_status status = entry_path(&path, key);
     if (!status && path.size && content->size + TAIL_SIZE <= limit && cache_folder_make(path.data)) {
-        char *end = strrchr(path.data, '/');
-        *end = '\0';
+        char *cut = path_cut(path.data);
         status = open_folder(&folder, path.data, &said);
-        *end = '/';
+        path_join_again(cut);
         status = status || folder < 0 ? status : write_entry(&path, content);
-        *end = '\0';
+        cut = path_cut(path.data);
         status = status || folder < 0 ? status : cache_folder_fit(path.data, ending, limit);
     }
     if (folder >= 0) {

@@ -3,10 +3,10 @@
 #include "loaders/child/mesh_child.h"
 
 #include "base/child/child.h"
+#include "base/system/system.h"
 
 #include <errno.h>
 #include <string.h>
-#include <unistd.h>
 
 static const struct child_program program = {"conus-mesh", "CONUS_MESH", "VTK"};
 
@@ -74,8 +74,8 @@ static conus_status take_frames(void *user, size_t *used, size_t *wanted, const 
 static int request_file(const struct mesh_child_request *request)
 {
     int descriptor = child_create_input(program.name);
-    if (descriptor >= 0 && !(file_write_fully(descriptor, request->head.data, request->head.size) &&
-                             file_write_fully(descriptor, request->voxels, request->size))) {
+    if (descriptor >= 0 && !(system_write(descriptor, request->head.data, request->head.size) &&
+                             system_write(descriptor, request->voxels, request->size))) {
         close(descriptor);
         return -1;
     }

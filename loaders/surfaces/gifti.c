@@ -9,6 +9,7 @@
 #include "base/formats/xml.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/path.h"
 #include "base/text.h"
 #include "loaders/labels/label_cells.h"
 
@@ -395,7 +396,7 @@ static conus_status read_external(struct parsing *parsing, const struct xml_even
         return fail(CONUS_ERROR_UNSUPPORTED,
                     "Encoding: found ExternalFileBinary, arrays in other files are not read unless that is allowed");
     }
-    if (!name || !*name || *name == '.' || strchr(name, '/')) {
+    if (!name || !*name || *name == '.' || !path_is_name(name)) {
         return fail(CONUS_ERROR_DATA,
                     "ExternalFileName: found \"%.60s\", allowed is the name of a file beside this one",
                     name ? name : "");

@@ -172,7 +172,7 @@ struct trx {
 /* Cuts the last part behind a '.' off @p name. */
 static bool cut_part(struct text *name, struct text *part)
 {
-    const char *dot = name->size ? memrchr(name->data, '.', name->size) : NULL;
+    const char *dot = text_last(*name, '.');
     if (!dot) {
         return false;
     }

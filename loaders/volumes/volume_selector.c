@@ -3,6 +3,7 @@
 #include "loaders/volumes/volume_selector.h"
 
 #include "base/memory.h"
+#include "base/path.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -94,8 +95,7 @@ enum { KEYS = sizeof keys / sizeof keys[0] };
 /* The first ",key=" in the name, or its end. Folders may be called anything. */
 static const char *find_keys(const char *text)
 {
-    const char *slash = strrchr(text, '/');
-    for (const char *at = slash ? slash : text; (at = strchr(at, ',')); at++) {
+    for (const char *at = path_base(text); (at = strchr(at, ',')); at++) {
         for (size_t i = 0; i < KEYS; i++) {
             if (strncmp(at + 1, keys[i].key, strlen(keys[i].key)) == 0) {
                 return at;

@@ -126,8 +126,8 @@ static conus_status look_above(const struct ome_level **out, struct search *sear
     conus_status status = CONUS_OK;
     const char *end = search->folder + strlen(search->folder);
     for (int up = 0; !status && !search->ome.count && up < ABOVE && end > search->folder; up++) {
-        while (end > search->folder && *--end != '/') {
-        }
+        size_t above = path_length_above(search->folder, (size_t)(end - search->folder));
+        end = search->folder + above - (above > 0);
         bytes_finish(&search->group);
         status = look_into(out, search, (size_t)(end - search->folder));
     }
@@ -220,11 +220,7 @@ conus_status volume_zarr_open(struct volume_zarr *out, struct volume_header *hea
     struct search search = {.read = read};
     struct zarr_array array = {0};
     const struct ome_level *level = NULL;
-    size_t length = strlen(path);
-    while (length > 1 && path[length - 1] == '/') {
-        length--;
-    }
-    search.folder = memory_text(path, length);
+    search.folder = memory_text(path, path_plain_length(path, strlen(path)));
     conus_status status = search.folder ? CONUS_OK : CONUS_ERROR_MEMORY;
     status = status ? status : read_metadata(&search.array, search.folder, array_files, read);
     if (!status && is_array(&search.array)) {

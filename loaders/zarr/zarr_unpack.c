@@ -2,9 +2,9 @@
 /* Unpacks a chunk into exactly the bytes that it must have. */
 #include "base/byte_order.h"
 #include "base/memory.h"
+#include "base/system/system.h"
 #include "loaders/zarr/zarr.h"
 
-#include <dlfcn.h>
 #include <libdeflate.h>
 #include <string.h>
 #include <zstd.h>
@@ -12,7 +12,6 @@
 struct zarr_unpacker {
     ZSTD_DCtx *zstd;
     struct libdeflate_decompressor *deflate;
-    void *blosc; /* the library, once a chunk needs it */
     int (*blosc_check)(const void *data, size_t size, size_t *unpacked);
     int (*blosc_unpack)(const void *data, void *out, size_t size, int threads);
 };
@@ -37,9 +36,6 @@ void zarr_unpacker_destroy(struct zarr_unpacker *unpacker)
     if (unpacker) {
         ZSTD_freeDCtx(unpacker->zstd);
         libdeflate_free_decompressor(unpacker->deflate);
-        if (unpacker->blosc) {
-            dlclose(unpacker->blosc);
-        }
         memory_free(unpacker);
     }
 }
@@ -47,12 +43,9 @@ void zarr_unpacker_destroy(struct zarr_unpacker *unpacker)
 /* The library is looked for only here: few stores need it, and linked it would slow down every start. */
 static conus_status load_blosc(struct zarr_unpacker *unpacker)
 {
-    if (!unpacker->blosc) {
-        unpacker->blosc = dlopen("libblosc.so.1", RTLD_LAZY | RTLD_LOCAL);
-    }
-    if (unpacker->blosc) {
-        *(void **)&unpacker->blosc_check = dlsym(unpacker->blosc, "blosc_cbuffer_validate");
-        *(void **)&unpacker->blosc_unpack = dlsym(unpacker->blosc, "blosc_decompress_ctx");
+    if (!unpacker->blosc_check || !unpacker->blosc_unpack) {
+        *(void **)&unpacker->blosc_check = system_function("libblosc.so.1", "blosc_cbuffer_validate");
+        *(void **)&unpacker->blosc_unpack = system_function("libblosc.so.1", "blosc_decompress_ctx");
     }
     return unpacker->blosc_check && unpacker->blosc_unpack
                ? CONUS_OK

@@ -49,7 +49,7 @@ static enum pose_brain brain_of(struct text name)
             return spaces[i].brain;
         }
     }
-    const char *last = name.size ? memrchr(name.data, '_', name.size) : NULL;
+    const char *last = text_last(name, '_');
     size_t skipped = last ? (size_t)(last + 1 - name.data) : 0;
     return last ? brain_of((struct text){last + 1, name.size - skipped}) : POSE_BRAIN_UNKNOWN;
 }

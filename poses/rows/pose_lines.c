@@ -3,11 +3,10 @@
 #include "poses/rows/pose_lines.h"
 
 #include "base/memory.h"
+#include "base/system/system.h"
 
 #include <errno.h>
-#include <poll.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { CAPACITY = 4 * (POSE_LINE_LIMIT + 1) };
 
@@ -22,8 +21,12 @@ conus_status pose_lines_init(struct pose_lines *lines, int descriptor, bool seek
     if (!own) {
         return CONUS_ERROR_MEMORY;
     }
-    *lines = (struct pose_lines){
-        .descriptor = descriptor, .seekable = seekable, .stop = -1, .offset = offset, .own = own, .data = own};
+    *lines = (struct pose_lines){.descriptor = descriptor,
+                                 .seekable = seekable,
+                                 .stop = {SYSTEM_NO_FILE},
+                                 .offset = offset,
+                                 .own = own,
+                                 .data = own};
     sha256_init(&lines->hash);
     return !seekable || file_state_of(&lines->state, descriptor) ? CONUS_OK : fail_to_read();
 }
@@ -39,24 +42,14 @@ void pose_lines_finish(struct pose_lines *lines)
     *lines = (struct pose_lines){.descriptor = -1};
 }
 
-/* Waits until a pipe has something, also one that was made not to wait; false if it is to be read no more. */
-static bool wait_for_bytes(const struct pose_lines *lines)
-{
-    struct pollfd wanted[] = {{.fd = lines->descriptor, .events = POLLIN}, {.fd = lines->stop, .events = POLLIN}};
-    int count;
-    do {
-        count = poll(wanted, 2, -1);
-    } while (count < 0 && errno == EINTR);
-    return !(count > 0 && wanted[1].revents);
-}
-
-static ssize_t read_some(const struct pose_lines *lines, char *at, size_t size, bool *stopped)
+/* Waits until a pipe has something, also one that was made not to wait. */
+static ptrdiff_t read_some(const struct pose_lines *lines, char *at, size_t size, bool *stopped)
 {
     for (;;) {
-        *stopped = !lines->seekable && !wait_for_bytes(lines);
-        ssize_t got = *stopped          ? 0
-                      : lines->seekable ? pread(lines->descriptor, at, size, (off_t)lines->offset)
-                                        : read(lines->descriptor, at, size);
+        *stopped = !lines->seekable && !system_wait(lines->descriptor, &lines->stop);
+        ptrdiff_t got = *stopped          ? 0
+                        : lines->seekable ? system_read_at(lines->descriptor, at, size, lines->offset)
+                                          : read(lines->descriptor, at, size);
         if (got >= 0 || (errno != EINTR && errno != EAGAIN)) {
             return got;
         }
@@ -71,7 +64,7 @@ static conus_status read_more(struct pose_lines *lines)
     }
     lines->data = lines->own;
     bool stopped = false;
-    ssize_t got = read_some(lines, lines->own + lines->size, CAPACITY - lines->size, &stopped);
+    ptrdiff_t got = read_some(lines, lines->own + lines->size, CAPACITY - lines->size, &stopped);
     if (got < 0) {
         return fail_to_read();
     }

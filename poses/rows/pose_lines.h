@@ -4,6 +4,7 @@
 #define CONUS_POSES_ROWS_POSE_LINES_H
 
 #include "base/files/file.h"
+#include "base/system/system.h"
 #include "base/text.h"
 
 #include <nettle/sha2.h>
@@ -13,11 +14,11 @@ enum { POSE_LINE_LIMIT = 65535 }; /**< Longest line that is read, in bytes, with
 /** Where lines come from. All 0 but `descriptor` = -1 is an empty text. What is stopped ends behind its last whole
  * line. */
 struct pose_lines {
-    int descriptor;   /**< Borrowed; -1: all there is lies in `data`.                        */
-    bool seekable;    /**< A regular file: read at `offset`, without moving the descriptor.  */
-    int stop;         /**< Not seekable: while this one can be read, there is nothing more; borrowed, -1 = none. */
-    uint64_t offset;  /**< Where in it the bytes after those in `data` are.                  */
-    const char *data; /**< Bytes not yet taken; in `own`, or borrowed.                       */
+    int descriptor;          /**< Borrowed; -1: all there is lies in `data`.                        */
+    bool seekable;           /**< A regular file: read at `offset`, without moving the descriptor.  */
+    struct system_wake stop; /**< Not seekable: once woken, there is nothing more; borrowed. */
+    uint64_t offset;         /**< Where in it the bytes after those in `data` are.                  */
+    const char *data;        /**< Bytes not yet taken; in `own`, or borrowed.                       */
     size_t size;
     char *own; /**< NULL where `data` is borrowed. */
     bool ended;

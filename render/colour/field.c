@@ -4,9 +4,9 @@
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/system/system.h"
 
 #include <math.h>
-#include <signal.h>
 #include <string.h>
 
 void bricks_finish(struct bricks *bricks)
@@ -626,25 +626,19 @@ static void *run(void *user)
     return NULL;
 }
 
-/* Signals are for the program's own threads. */
 void field_task_start(struct field_task *task)
 {
-    sigset_t all;
-    sigset_t before;
     if (!task->volume) {
         return;
     }
     pthread_mutex_init(&task->lock, NULL);
     pthread_cond_init(&task->changed, NULL);
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
     task->has_thread = true;
-    if (pthread_create(&task->thread, NULL, run, task)) {
+    if (!system_thread(&task->thread, 0, run, task)) {
         task->has_thread = false;
         pthread_cond_destroy(&task->changed);
         pthread_mutex_destroy(&task->lock);
     }
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
 /* Messages belong to the thread that fails. */

@@ -5,6 +5,7 @@
 #include "atlas/atlas.h"
 #include "base/files/file.h"
 #include "base/memory.h"
+#include "base/path.h"
 #include "base/text.h"
 #include "render/image/image_srgb.h"
 
@@ -189,7 +190,7 @@ conus_status transfer_load(struct transfer *out, const char *name)
     if (!status) {
         status = transfer_parse(out, bytes.data, bytes.size);
         status = status ? fail_in(status, name) : status;
-    } else if (!strchr(name, '/') && !strchr(name, '.')) {
+    } else if (path_is_name(name) && !strchr(name, '.')) {
         status = fail(CONUS_ERROR_ARGUMENT,
                       "transfer function \"%s\" is neither a file nor brain, surface, grey, heat, bright", name);
     }

@@ -3,8 +3,8 @@
 #include "render/gl/context.h"
 
 #include "base/memory.h"
+#include "base/system/system.h"
 
-#include <dlfcn.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -75,16 +75,13 @@ static conus_status find_libraries(void)
 {
     static const char *const needed[][2] = {{"libEGL.so.1", "libEGL.so.1"}, {"libOpenGL.so.0", "libGL.so.1"}};
     for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++) {
-        void *library = dlopen(needed[i][0], RTLD_LAZY | RTLD_LOCAL);
-        library = library ? library : dlopen(needed[i][1], RTLD_LAZY | RTLD_LOCAL);
-        if (!library) {
+        if (!system_function(needed[i][0], NULL) && !system_function(needed[i][1], NULL)) {
             return fail(
                 CONUS_ERROR_GL,
                 "no OpenGL 4.5 core context: %s cannot be loaded; needed are EGL and a driver (Debian: libegl1, "
                 "libopengl0, libgl1-mesa-dri), or use the rays engine",
                 needed[i][0]);
         }
-        dlclose(library);
     }
     return CONUS_OK;
 }

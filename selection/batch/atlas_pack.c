@@ -8,13 +8,13 @@
 #include "atlas/tracts/tract_node.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "base/system/system.h"
 #include "conus/version.h"
 #include "selection/engine/voxels/distance_map.h"
 
 #include <assert.h>
 #include <errno.h>
 #include <string.h>
-#include <unistd.h>
 #include <zlib.h>
 
 enum { PACK_LINE = 64, PACK_BEHIND = 64 }; /* alignment of arrays; readable bytes behind each */
@@ -122,15 +122,8 @@ static bool pack_whether(struct pack_walk *walk, const void *thing)
 /* Writes to the block's offset `at`. */
 static void pack_write_at(struct pack_walk *walk, size_t at, const uint8_t *data, size_t size)
 {
-    while (!walk->status && size) {
-        ssize_t n = pwrite(walk->file, data, size, (off_t)(walk->file_at + at));
-        if (n < 0 && errno != EINTR) {
-            walk->status = fail(CONUS_ERROR_IO, "cannot write a packed atlas: %s", strerror(errno));
-        }
-        size_t done = n > 0 ? (size_t)n : 0;
-        data += done;
-        at += done;
-        size -= done;
+    if (!walk->status && !system_write_at(walk->file, data, size, walk->file_at + at)) {
+        walk->status = fail(CONUS_ERROR_IO, "cannot write a packed atlas: %s", strerror(errno));
     }
 }
 

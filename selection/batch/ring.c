@@ -4,9 +4,9 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "base/system/system.h"
 
 #include <pthread.h>
-#include <signal.h>
 #include <stdio.h>
 
 enum { STACK = 1 << 20 }; /* bytes of a thread */
@@ -92,24 +92,13 @@ static void *work(void *data)
     }
 }
 
-/* Signals are for the program's own threads. Stacks do not depend on `ulimit -s`. */
+/* Stacks do not depend on `ulimit -s`. */
 static size_t start_threads(struct pool *pool, pthread_t *threads, size_t wanted)
 {
-    sigset_t all;
-    sigset_t before;
-    pthread_attr_t attributes;
     size_t count = 0;
-    if (pthread_attr_init(&attributes)) {
-        return 0;
-    }
-    (void)pthread_attr_setstacksize(&attributes, STACK);
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    while (count < wanted && pthread_create(&threads[count], &attributes, work, pool) == 0) {
+    while (count < wanted && system_thread(&threads[count], STACK, work, pool)) {
         count++;
     }
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    pthread_attr_destroy(&attributes);
     return count;
 }
 

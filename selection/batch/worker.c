@@ -5,11 +5,10 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "base/system/system.h"
 #include "selection/rank.h"
 #include "selection/selection.h"
 #include "selection/selector.h"
-
-#include <sched.h>
 
 enum { THREAD_LIMIT = 1024, DEFAULT_BLOCK = 256, DEFAULT_ANGLE_DEG = 10 };
 
@@ -26,10 +25,8 @@ conus_status batch_check_options(uint32_t *threads, uint32_t *block, double *ang
                     selector->ranking.formula.text);
     }
     if (!*threads) { /* as many as processors that the process may use: a job's share of a cluster's node, say */
-        cpu_set_t set;
-        CPU_ZERO(&set);
-        int count = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
-        *threads = count < 1 ? 1 : count > THREAD_LIMIT ? THREAD_LIMIT : (uint32_t)count;
+        size_t count = system_processors();
+        *threads = count > THREAD_LIMIT ? THREAD_LIMIT : (uint32_t)count;
     }
     *threads = selector->options.engine == CONUS_ENGINE_GL ? 1 : *threads;
     *block = *block ? *block : DEFAULT_BLOCK;

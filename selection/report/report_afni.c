@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Answers in the two blocks of AFNI's whereami -tab. */
 #include "atlas/atlas.h"
+#include "base/path.h"
 #include "selection/report/report_writers.h"
 
 #include <math.h>
@@ -26,8 +27,7 @@ static struct text atlas_name(const conus_report *report, const conus_object *ob
     if (object->kind == CONUS_KIND_PATHWAY || !path) {
         return text_from(object->kind == CONUS_KIND_PATHWAY ? "pathway" : "atlas");
     }
-    const char *slash = strrchr(path, '/');
-    struct text name = text_from(slash ? slash + 1 : path);
+    struct text name = text_from(path_base(path));
     const char *dot = memchr(name.data, '.', name.size);
     name.size = dot && dot > name.data ? (size_t)(dot - name.data) : name.size;
     return name;

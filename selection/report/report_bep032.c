@@ -6,6 +6,7 @@
 #include "atlas/frame.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/path.h"
 #include "conus/version.h"
 
 #include <stdio.h>
@@ -48,11 +49,11 @@ static bool is_centred(const conus_atlas *atlas)
 static char *make_method(const conus_atlas *atlas)
 {
     const char *path = atlas_path(atlas);
-    const char *slash = strrchr(path, '/');
+    const char *name = path_base(path);
     const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
     struct buffer text = {0};
     buffer_format(&text, "conus %s: the area that holds the centre of the contact, in %s", CONUS_VERSION,
-                  slash && slash[1] ? slash + 1 : path);
+                  name[0] ? name : path);
     if (volume && volume->sha256[0]) {
         buffer_format(&text, " with sha256 %s", volume->sha256);
     }

@@ -2,6 +2,7 @@
 /* The lines below a table for people: which atlas, pathways and bundles its answers rest on. */
 #include "atlas/bundles.h"
 #include "base/memory.h"
+#include "base/path.h"
 #include "selection/report/report_table.h"
 #include "selection/report/report_writers.h"
 
@@ -15,18 +16,10 @@ enum { NAMED_LIMIT = 3 };
  * A file's name may hold anything. */
 static void write_file_of(struct buffer *out, const char *path)
 {
-    size_t end = strlen(path);
-    while (end > 1 && path[end - 1] == '/') {
-        end--;
-    }
-    size_t start = end;
-    while (start > 0 && path[start - 1] != '/') {
-        start--;
-    }
+    size_t end = path_plain_length(path, strlen(path));
+    size_t start = path_length_above(path, end);
     bool is_version = strspn(path + start, "0123456789_") == end - start;
-    for (start -= is_version && start > 1; start > 0 && path[start - 1] != '/';) {
-        start--;
-    }
+    start = path_length_above(path, start - (is_version && start > 1));
     char *name = text_to_utf8((struct text){path + start, end - start});
     buffer_text(out, name ? name : "");
     out->failed = out->failed || !name;

@@ -2,6 +2,7 @@
 /* Damaged, foreign or exchanged entries of the cache are never used; failing to write one is no error. */
 #include "base/cache/cache_entry.h"
 #include "base/files/file.h"
+#include "base/system/system.h"
 #include "builders/cache_builder.h"
 #include "conus/atlas_info.h"
 #include "conus/cache.h"
@@ -40,7 +41,7 @@ static void overwrite(const char *entry, const void *data, size_t size)
 {
     int file = open(entry, O_WRONLY | O_TRUNC | O_CLOEXEC);
     assert_true(file >= 0);
-    assert_true(file_write_fully(file, data, size));
+    assert_true(system_write(file, data, size));
     close(file);
 }
 

@@ -3,6 +3,7 @@
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
+#include "base/system/system.h"
 #include "poses/pose_stream.h"
 #include "poses/rows/pose_lines.h"
 #include "test.h"
@@ -138,12 +139,12 @@ static void pipes_are_read_as_they_fill(void **state)
     assert_int_equal(pipe(ends), 0);
     snprintf(path, sizeof path, "/dev/fd/%d", ends[0]);
     const char first[] = "query_id\tx\ty\tz\tdx\tdy\tdz\nfirst\t1\t2\t3\t0\t1\t0\nsec";
-    assert_true(file_write_fully(ends[1], first, sizeof first - 1));
+    assert_true(system_write(ends[1], first, sizeof first - 1));
     assert_ok(conus_pose_stream_open(&stream, path, NULL));
     assert_string_equal(read_one(stream).id, "first");
     assert_fails(conus_pose_stream_count(&count, stream), CONUS_ERROR_UNSUPPORTED);
     const char second[] = "ond\t1\t2\t3\t0\t1\t0"; /* no line feed at the end */
-    assert_true(file_write_fully(ends[1], second, sizeof second - 1));
+    assert_true(system_write(ends[1], second, sizeof second - 1));
     close(ends[1]);
     assert_string_equal(read_one(stream).id, "second");
     assert_ended(stream);
@@ -170,7 +171,7 @@ static void pipes_can_be_stopped(void **state)
         const char text[] = "query_id\tx\ty\tz\tdx\tdy\tdz\nfirst\t1\t2\t3\t0\t1\t0\nsecond\t1\t2\t3\t0\t1\t0";
         assert_int_equal(pipe(ends), 0);
         snprintf(path, sizeof path, "/dev/fd/%d", ends[0]);
-        assert_true(file_write_fully(ends[1], text, sizeof text - 1));
+        assert_true(system_write(ends[1], text, sizeof text - 1));
         assert_ok(conus_pose_stream_open(&stream, path, NULL));
         assert_true(conus_pose_stream_is_live(stream));
         if (early) {
@@ -203,9 +204,9 @@ static void cuts_do_not_matter(void **state)
         assert_int_equal(pipe(ends), 0);
         struct pose_lines lines;
         assert_ok(pose_lines_init(&lines, ends[0], false, 0));
-        assert_true(file_write_fully(ends[1], text, cut));
+        assert_true(system_write(ends[1], text, cut));
         assert_ok(cut ? pose_lines_fill(&lines, cut) : CONUS_OK);
-        assert_true(file_write_fully(ends[1], text + cut, sizeof text - 1 - cut));
+        assert_true(system_write(ends[1], text + cut, sizeof text - 1 - cut));
         close(ends[1]);
         struct pose_line line;
         bool found = true;

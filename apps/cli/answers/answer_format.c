@@ -2,6 +2,7 @@
 /* The options --format and --output. */
 #include "cli/answers/answer_format.h"
 
+#include "base/path.h"
 #include "options/messages.h"
 #include "options/output.h"
 
@@ -78,7 +79,7 @@ int answer_sidecar(char **out, conus_format format, const struct answer_settings
     if (given && format == CONUS_FORMAT_JSON) {
         return print_usage_error("--sidecar has no effect with JSON, which says everything itself");
     }
-    if (given && (output_is_stdout(given) || !path_ends(given, ".json"))) {
+    if (given && (output_is_stdout(given) || !path_ends_in(given, ".json"))) {
         return print_usage_error("--sidecar: \"%s\" does not end in .json", given);
     }
     if ((!given && (!output || output_is_no_file(output))) || format == CONUS_FORMAT_JSON) {

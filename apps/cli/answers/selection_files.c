@@ -2,6 +2,7 @@
 /* Files that show one selection: --image, --deep, --mask with its sidecar, --streamlines-out. */
 #include "cli/answers/selection_files.h"
 
+#include "base/path.h"
 #include "options/messages.h"
 #include "options/output.h"
 
@@ -65,7 +66,7 @@ const struct option selection_file_options[] = {
 /* Length of the path without .nii or .nii.gz, one of which it has. */
 static size_t stem_length(const char *path)
 {
-    return strlen(path) - strlen(path_ends(path, ".nii.gz") ? ".nii.gz" : ".nii");
+    return strlen(path) - strlen(path_ends_in(path, ".nii.gz") ? ".nii.gz" : ".nii");
 }
 
 static bool stem_ends(const char *path, const char *ending)

@@ -2,6 +2,8 @@
 /* Reads references out of manifests, BrainGlobe's metadata and BIDS's descriptions. */
 #include "cli/cite/citation.h"
 
+#include "base/path.h"
+#include "base/text.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -22,7 +24,7 @@ static void add_text(struct references *out, const json_t *value)
     while (kept < length && kept && ((unsigned char)text[kept] & 0xc0) == 0x80) { /* no part of a character */
         kept--;
     }
-    char *line = length && out->count < REFERENCES ? strndup(text, kept) : NULL;
+    char *line = length && out->count < REFERENCES ? text_copy(text, kept) : NULL;
     if (line) {
         make_plain_line(line);
         out->items[out->count++] = line;
@@ -71,21 +73,13 @@ static void read_keys(struct references *out, char *path, const char *needed, co
 static char *path_in(const char *folder, size_t length, const char *name)
 {
     char *path = NULL;
-    return asprintf(&path, "%.*s%s%s", (int)length, folder, length && folder[length - 1] != '/' ? "/" : "", name) < 0
-               ? NULL
-               : path;
+    return asprintf(&path, "%.*s%s%s", (int)length, folder, path_joint(folder, length), name) < 0 ? NULL : path;
 }
 
 /* Length of the folder that `length` bytes of the path are in; 0 for none. */
 static size_t folder_of(const char *path, size_t length)
 {
-    while (length && path[length - 1] == '/') {
-        length--;
-    }
-    while (length && path[length - 1] != '/') {
-        length--;
-    }
-    return length;
+    return path_length_above(path, path_plain_length(path, length));
 }
 
 static void read_brainglobe(struct references *out, const char *path, size_t folder)
@@ -128,18 +122,17 @@ void references_find(struct references *out, const char *path)
     struct stat info;
     size_t length = strlen(path);
     bool is_folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
-    const char *slash = strrchr(path, '/');
     *out = (struct references){0};
     read_keys(out, strdup(path), "conus_atlas", keys);
     if (is_folder && !out->count) {
         read_brainglobe(out, path, length);
     }
-    bool is_beside = path_ends(path, ".tif") || path_ends(path, ".tiff") || path_ends(path, "manifest.json");
+    bool is_beside = path_ends_in(path, ".tif") || path_ends_in(path, ".tiff") || path_ends_in(path, "manifest.json");
     if ((is_folder || is_beside) && !out->count) {
         read_brainglobe(out, path, folder_of(path, length)); /* beside the stack; of FOLDER/meshes, in FOLDER */
     }
     if (!out->count) {
-        read_bids(out, path, slash ? slash + 1 : path);
+        read_bids(out, path, path_base(path));
     }
 }
 

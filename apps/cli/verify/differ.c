@@ -2,6 +2,7 @@
 /* Compares texts line by line, and lines of tables cell by cell. */
 #include "cli/verify/differ.h"
 
+#include "base/text.h"
 #include "cli/verify/record.h"
 #include "options/output.h"
 #include "options/provenance.h"
@@ -63,7 +64,7 @@ static struct piece cell_at(struct piece line, char separator, size_t index)
 
 static char *text_of(struct piece piece, size_t limit)
 {
-    return piece.at ? strndup(piece.at, piece.size < limit ? piece.size : limit) : NULL;
+    return piece.at ? text_copy(piece.at, piece.size < limit ? piece.size : limit) : NULL;
 }
 
 /* Appends the cell of the column `name`, if there is one that says something. */

@@ -2,6 +2,8 @@
 /* Tries the places where a file may be, by its size first and then by its SHA-256. */
 #include "cli/verify/find_file.h"
 
+#include "base/path.h"
+#include "base/text.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/provenance.h"
@@ -90,13 +92,11 @@ void places_finish(struct places *places)
 
 char *base_folder(const char *recorded, const char *actual)
 {
-    const char *name = recorded ? strrchr(recorded, '/') : NULL;
-    const char *own = strrchr(actual, '/');
-    size_t folders = name ? (size_t)(name - recorded) + 1 : 0; /* "out/" of "out/rows.tsv" */
-    size_t length = own ? (size_t)(own - actual) + 1 : 0;
-    bool fits = length >= folders && (length == folders || !folders || actual[length - folders - 1] == '/') &&
+    size_t folders = recorded ? path_folder_length(recorded) : 0; /* "out/" of "out/rows.tsv" */
+    size_t length = path_folder_length(actual);
+    bool fits = length >= folders && !*path_joint(actual, length - folders) &&
                 memcmp(actual + length - folders, recorded ? recorded : "", folders) == 0;
-    return fits && !(recorded && *recorded == '/') ? strndup(actual, length - folders) : NULL;
+    return fits && !path_is_whole(recorded) ? text_copy(actual, length - folders) : NULL;
 }
 
 static bool has_sum(const struct recorded_file *file, const char *path, int64_t bytes)
@@ -147,7 +147,8 @@ bool file_find(struct found_file *out, const struct recorded_file *file, const s
     *out = (struct found_file){.state = FILE_MISSING};
     bool found = !output_is_stdout(file->path) && try_path(out, file, strdup(file->path), FILE_SAME);
     char *path = NULL;
-    if (!found && places->base && *file->path != '/' && asprintf(&path, "%s%s", places->base, file->path) >= 0) {
+    if (!found && places->base && !path_is_whole(file->path) &&
+        asprintf(&path, "%s%s", places->base, file->path) >= 0) {
         found = try_path(out, file, path, FILE_SAME);
     }
     for (size_t i = 0; i < 2 && !found; i++) {
@@ -170,8 +171,8 @@ static char *folder_of(const char *path, const char *rest)
 {
     size_t size = path ? strlen(path) : 0;
     size_t length = strlen(rest);
-    bool fits = *rest == '/' && size > length && strcmp(path + size - length, rest) == 0;
-    return fits ? strndup(path, size - length) : NULL;
+    bool fits = path_is_whole(rest) && size > length && strcmp(path + size - length, rest) == 0;
+    return fits ? text_copy(path, size - length) : NULL;
 }
 
 void files_find_folders(struct found_file *found, const struct recorded_file *files, size_t count)

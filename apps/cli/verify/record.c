@@ -25,7 +25,8 @@ static bool take_word(char **to, const char **from)
     }
     while (!bare && *at == '\'') {
         size_t length = strcspn(at + 1, "'");
-        *to = mempcpy(*to, at + 1, length);
+        memcpy(*to, at + 1, length);
+        *to += length;
         at += 1 + length;
         if (*at != '\'') {
             return false;

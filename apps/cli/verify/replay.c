@@ -3,6 +3,7 @@
  */
 #include "cli/verify/replay.h"
 
+#include "base/path.h"
 #include "conus/catalogue.h"
 #include "conus/version.h"
 #include "options/messages.h"
@@ -31,46 +32,43 @@ static const char root[] = "/root"; /* of absolute paths */
 static size_t levels_up(const char *path)
 {
     size_t count = 0;
-    for (const char *at = path; *at;) {
-        size_t length = strcspn(at, "/");
-        count += length == 2 && at[0] == '.' && at[1] == '.';
-        at += length + (at[length] == '/');
+    const char *part;
+    for (size_t length; path_part(&path, &part, &length);) {
+        count += length == 2 && part[0] == '.' && part[1] == '.';
     }
     return count;
+}
+
+static bool make_folder(void *user, const char *path)
+{
+    (void)user;
+    return mkdir(path, 0700) == 0 || errno == EEXIST;
 }
 
 /* Makes every folder that `path` names before its last slash, from `from` on. */
 static bool make_folders(char *path, size_t from)
 {
-    for (char *slash = path + from; (slash = strchr(slash, '/')); slash++) {
-        *slash = '\0';
-        bool made = mkdir(path, 0700) == 0 || errno == EEXIST;
-        *slash = '/';
-        if (!made) {
-            return false;
-        }
-    }
-    return true;
+    return path_each_folder(path, from, make_folder, NULL);
+}
+
+static bool is_no_link(void *user, const char *path)
+{
+    struct stat info;
+    (void)user;
+    return lstat(path, &info) || !S_ISLNK(info.st_mode);
 }
 
 /* Whether a folder of the path, from `from` on, is a link: to a store, whose files are there with it. */
 static bool is_in_link(char *path, size_t from)
 {
-    struct stat info;
-    bool is = false;
-    for (char *slash = path + from; !is && (slash = strchr(slash, '/')); slash++) {
-        *slash = '\0';
-        is = lstat(path, &info) == 0 && S_ISLNK(info.st_mode);
-        *slash = '/';
-    }
-    return is;
+    return !path_each_folder(path, from, is_no_link, NULL);
 }
 
 /* Refuses ".." behind the first folder of a path: it could lead out of the replay's folder. Paths that conus writes
  * have none there. */
 bool stage_link(const struct stage *stage, const char *path, const char *target)
 {
-    bool absolute = *path == '/';
+    bool absolute = path_is_whole(path);
     const char *below = absolute ? stage->folder : stage->cwd;
     char *link = NULL;
     if (absolute && levels_up(path)) {
@@ -93,7 +91,7 @@ static bool make_cwd(struct stage *out, const struct record *record)
     size_t levels = 1;
     for (size_t i = 0; i < record->input_count; i++) {
         const char *path = record->inputs[i].path;
-        size_t up = *path == '/' ? 0 : 1 + levels_up(path);
+        size_t up = path_is_whole(path) ? 0 : 1 + levels_up(path);
         levels = up > levels ? up : levels;
     }
     if (levels > LEVELS) {
@@ -104,13 +102,15 @@ static bool make_cwd(struct stage *out, const struct record *record)
     if (!out->cwd) {
         return refuse("not enough memory");
     }
-    char *end = stpcpy(stpcpy(out->cwd, out->folder), "/files");
-    for (size_t i = 0; i < levels; i++) {
-        end = stpcpy(end, "/d");
+    memcpy(out->cwd, out->folder, length);
+    memcpy(out->cwd + length, "/files", strlen("/files"));
+    size_t end = length + strlen("/files");
+    for (; levels; levels--, end += 2) {
+        memcpy(out->cwd + end, "/d", 2);
     }
-    *end = '/';
+    out->cwd[end] = '/';
     bool made = make_folders(out->cwd, length + 1);
-    *end = '\0';
+    out->cwd[end] = '\0';
     return made || (print_system_error(out->cwd, "make"), false);
 }
 
@@ -118,7 +118,7 @@ bool stage_begin(struct stage *out)
 {
     const char *temporary = getenv("TMPDIR");
     *out = (struct stage){0};
-    if (asprintf(&out->folder, "%s/conus-verify-XXXXXX", temporary && *temporary == '/' ? temporary : "/tmp") < 0) {
+    if (asprintf(&out->folder, "%s/conus-verify-XXXXXX", path_is_whole(temporary) ? temporary : "/tmp") < 0) {
         out->folder = NULL;
         return refuse("not enough memory");
     }
@@ -136,13 +136,14 @@ bool stage_make(struct stage *out, const struct record *record, const struct fou
     bool made = stage_begin(out) && make_cwd(out, record);
     for (size_t i = 0; i < record->input_count; i++) {
         const char *path = record->inputs[i].path;
-        char *here = *path == '/' && found[i].path ? realpath(path, NULL) : NULL;
-        out->is_moved = out->is_moved || (*path == '/' && found[i].path && (!here || strcmp(here, found[i].path) != 0));
+        char *here = path_is_whole(path) && found[i].path ? realpath(path, NULL) : NULL;
+        out->is_moved =
+            out->is_moved || (path_is_whole(path) && found[i].path && (!here || strcmp(here, found[i].path) != 0));
         free(here);
     }
     for (size_t i = 0; i < record->input_count && made; i++) {
         const char *path = record->inputs[i].path;
-        bool links = found[i].path && (*path != '/' || out->is_moved);
+        bool links = found[i].path && (!path_is_whole(path) || out->is_moved);
         made = !links || stage_link(out, path, found[i].path);
     }
     return made;
@@ -163,7 +164,7 @@ char *stage_word(const struct stage *stage, const char *given)
     FILE *out = open_memstream(&word, &size);
     for (const char *at = given; out && *at; at++) {
         bool begins = at == given || at[-1] == '=' || at[-1] == '@';
-        if (*at == '/' && begins && stage->is_moved) {
+        if (path_is_whole(at) && begins && stage->is_moved) {
             fprintf(out, "%s%s", stage->folder, root);
         }
         fputc(*at, out);
@@ -178,7 +179,8 @@ char *stage_word(const struct stage *stage, const char *given)
 char *stage_output(const struct stage *stage, const char *option, const char *name)
 {
     char *path = NULL;
-    const char *own = !*name || strcmp(name, ".") == 0 || strcmp(name, "..") == 0 || strchr(name, '/') ? "rows" : name;
+    const char *own =
+        !*name || strcmp(name, ".") == 0 || strcmp(name, "..") == 0 || !path_is_name(name) ? "rows" : name;
     if (asprintf(&path, "%s/out/%s/%s", stage->folder, option, own) < 0) {
         return NULL;
     }
@@ -201,7 +203,7 @@ char *stage_find_output(const char *folder, const char *option)
     int count = scandir(path, &entries, NULL, alphasort);
     for (int i = 0; i < count; i++) {
         const char *name = entries[i]->d_name;
-        bool is_sidecar = path_ends(name, ".json") && count > 3; /* with . and .. */
+        bool is_sidecar = path_ends_in(name, ".json") && count > 3; /* with . and .. */
         if (name[0] != '.' && !is_sidecar && !found && asprintf(&found, "%s/%s", path, name) < 0) {
             found = NULL;
         }
@@ -351,7 +353,7 @@ static char *atlas_word(const struct writing *out, const char *given, size_t ind
 {
     const char *recorded = record_atlas(out->replay->record, index);
     size_t length = recorded ? strlen(recorded) : 0;
-    bool is_name = recorded && !strchr(given, '/') && strncmp(given, recorded, length) != 0;
+    bool is_name = recorded && path_is_name(given) && strncmp(given, recorded, length) != 0;
     if (is_name) {
         const conus_installed *atlas = NULL;
         conus_catalogue *catalogue = NULL;

@@ -2,6 +2,7 @@
 /* Reads a result and its sidecar, finds the files, answers again, and gathers what is not as it was. */
 #include "cli/verify/verdict.h"
 
+#include "base/path.h"
 #include "cli/verify/differ.h"
 #include "conus/file.h"
 #include "conus/image.h"
@@ -73,7 +74,7 @@ static char *path_without_ending(const char *result)
     size_t length = strlen(result);
     char *path = NULL;
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (path_ends(result, endings[i])) {
+        if (path_ends_in(result, endings[i])) {
             length -= strlen(endings[i]);
             break;
         }
@@ -84,7 +85,7 @@ static char *path_without_ending(const char *result)
 char *sidecar_find(const char *result)
 {
     char *beside = NULL;
-    if (path_ends(result, ".json") && access(result, F_OK) == 0) {
+    if (path_ends_in(result, ".json") && access(result, F_OK) == 0) {
         return strdup(result);
     }
     if (asprintf(&beside, "%s.json", result) < 0) {
@@ -212,7 +213,7 @@ static bool say_other_outputs(struct checking *checking, const struct places *pl
         const struct recorded_file *output = &record->outputs[i];
         struct found_file found = {0};
         bool is_other =
-            output != checking->output && output->path && output->sha256 && !path_ends(output->path, ".json");
+            output != checking->output && output->path && output->sha256 && !path_ends_in(output->path, ".json");
         done = !is_other || file_find(&found, output, places);
         if (done && is_other && found.state == FILE_CHANGED) {
             say(&verdict->notes, "%s, which the same command wrote, was changed; with --sidecar %s it is verified, too",

@@ -2,6 +2,7 @@
 /* The table of keys, what each does, and the page that lists them. */
 #include "viewer/commands/keys.h"
 
+#include "base/text.h"
 #include "viewer/model/hemispheres.h"
 #include "viewer/model/plans.h"
 #include "viewer/model/query_settings.h"
@@ -630,7 +631,8 @@ bool keys_press(struct window *window, const char *key)
 /* Whether a row has the text that is searched, in its key or in what it does. */
 static bool is_found(const struct key *key, const char *shown, const char *search)
 {
-    return key->help && (!search[0] || strcasestr(key->help, search) || strcasestr(shown, search));
+    return key->help && (!search[0] || text_contains(text_from(key->help), text_from(search)) ||
+                         text_contains(text_from(shown), text_from(search)));
 }
 
 void keys_draw_help(struct window *window)

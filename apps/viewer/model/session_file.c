@@ -2,6 +2,7 @@
 /* Reads which atlas a session belongs to, and finds that atlas again. */
 #include "viewer/model/session_file.h"
 
+#include "base/path.h"
 #include "options/output.h"
 #include "options/provenance.h"
 
@@ -23,7 +24,7 @@ bool session_file_read(struct session_file *out, const char *path)
 {
     struct stat info;
     bool may_be =
-        path_ends(path, ".json") && stat(path, &info) == 0 && S_ISREG(info.st_mode) && info.st_size <= FILE_LIMIT;
+        path_ends_in(path, ".json") && stat(path, &info) == 0 && S_ISREG(info.st_mode) && info.st_size <= FILE_LIMIT;
     json_t *root = may_be ? json_load_file(path, JSON_REJECT_DUPLICATES, NULL) : NULL;
     const json_t *opened = json_object_get(root, "opened");
     const json_t *options = json_object_get(opened, "options");
@@ -71,7 +72,7 @@ static bool is_there(const char *path)
 
 static bool put_path(char out[PATH_MAX], const char *folder, const char *name)
 {
-    bool joins = folder[0] && name[0] != '/';
+    bool joins = folder[0] && !path_is_whole(name);
     int size = snprintf(out, PATH_MAX, "%s%s%s", joins ? folder : "", joins ? "/" : "", name);
     return size > 0 && size < PATH_MAX;
 }
@@ -102,12 +103,10 @@ static bool find_in_folder(char out[PATH_MAX], const struct session_file *file, 
 static bool find_beside(char out[PATH_MAX], const struct session_file *file, const char *session)
 {
     char folder[PATH_MAX];
-    const char *slash = strrchr(session, '/');
-    const char *last = strrchr(file->atlas, '/');
-    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - session) + (slash == session) : 1,
-             slash ? session : ".");
+    size_t length = path_folder_length(session);
+    snprintf(folder, sizeof folder, "%.*s", length > 1 ? (int)length - 1 : 1, length ? session : ".");
     return (put_path(out, folder, file->atlas) && is_there(out)) ||
-           (put_path(out, folder, last ? last + 1 : file->atlas) && is_there(out)) || find_in_folder(out, file, folder);
+           (put_path(out, folder, path_base(file->atlas)) && is_there(out)) || find_in_folder(out, file, folder);
 }
 
 bool session_file_find(char out[PATH_MAX], const struct session_file *file, const char *session,

@@ -2,6 +2,7 @@
 /* Finds out what files are, loads them while the window says how far that is, and shows them in place of others. */
 #include "viewer/opening/open.h"
 
+#include "base/path.h"
 #include "conus/streamlines.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -189,7 +190,7 @@ static bool find_session_atlas(char out[PATH_MAX], const struct session_file *fi
         others[count++] = conus_catalogue_atlas(start.catalogue, i)->path;
     }
     bool found = session_file_find(out, file, session, others, count);
-    if (!found && start.catalogue && !strchr(file->atlas, '/') &&
+    if (!found && start.catalogue && path_is_name(file->atlas) &&
         !conus_catalogue_find(&named, start.catalogue, file->atlas)) {
         found = snprintf(out, PATH_MAX, "%s", file->atlas) < PATH_MAX;
     }
@@ -430,7 +431,7 @@ static void prepare_session(void *user)
                          : find_session_atlas(of->path, file, of->session);
     of->missing = !of->fine;
     if (of->missing) {
-        const char *joint = file->folder[0] && file->atlas[0] != '/' ? "/" : "";
+        const char *joint = file->folder[0] && !path_is_whole(file->atlas) ? "/" : "";
         snprintf(of->why, RESUME_WHY,
                  "%.100s: its atlas is not found: %.150s%s%.150s. It was looked for there, beside the session, and "
                  "among recent and installed atlases. Open or drop it, and the session goes on.",

@@ -2,6 +2,7 @@
 /* Options become words with absolute paths, and words options again. */
 #include "viewer/opening/view_words.h"
 
+#include "base/path.h"
 #include "options/messages.h"
 
 #include <assert.h>
@@ -93,7 +94,7 @@ static void put_absolute(FILE *out, const char *text)
         for (size_t k = 1; k < sizeof keys / sizeof keys[0] && piece; k++) {
             before = strncmp(text, keys[k], strlen(keys[k])) == 0 ? strlen(keys[k]) : before;
         }
-        bool may_be = (!piece || before) && text[before] != '/' && length > before;
+        bool may_be = (!piece || before) && !path_is_whole(text + before) && length > before;
         int size = snprintf(path, sizeof path, "%.*s", (int)(length - before), text + before);
         bool prefixed = may_be && is_known && size < PATH_MAX && access(path, F_OK) == 0;
         fprintf(out, "%.*s%s%s%.*s", (int)before, text, prefixed ? folder : "", prefixed ? "/" : "",
@@ -118,7 +119,7 @@ static bool add_word(json_t *words, const struct option *option, const char *val
     bool is_transfer =
         strcmp(option->name, "transfer") == 0; /* a name here is never a file, even if one is called so */
     fprintf(out, "--%s%s", option->name, value ? "=" : "");
-    if (value && is_text && (!is_transfer || strchr(value, '.') || strchr(value, '/'))) {
+    if (value && is_text && (!is_transfer || strchr(value, '.') || !path_is_name(value))) {
         put_absolute(out, value);
     } else if (value) {
         fputs(value, out);

@@ -2,6 +2,8 @@
 /* Reads folders; what the dialog lists and answers, without how it looks. */
 #include "viewer/window/dialog.h"
 
+#include "base/path.h"
+#include "base/text.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "viewer/window/state_file.h"
@@ -23,11 +25,11 @@ bool folder_can_open(const char *name)
                                           ".vtp", ".json", ".xml",  ".trk",  ".tck",  ".trx",  ".tt"};
     char plain[NAME_MAX + 1];
     snprintf(plain, sizeof plain, "%s", name);
-    if (path_ends(plain, ".gz")) {
+    if (path_ends_in(plain, ".gz")) {
         plain[strlen(plain) - 3] = '\0';
     }
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (path_ends(plain, endings[i])) {
+        if (path_ends_in(plain, endings[i])) {
             return true;
         }
     }
@@ -36,7 +38,7 @@ bool folder_can_open(const char *name)
 
 bool folder_fits(const char *name, const char *text)
 {
-    return !*text || strcasestr(name, text);
+    return !*text || text_contains(text_from(name), text_from(text));
 }
 
 static bool is_folder(const char *path)
@@ -87,7 +89,7 @@ void folder_read(struct folder *folder, const char *path, enum folder_filter fil
         int size = snprintf(whole, sizeof whole, "%s/%s", path, name);
         bool goes_in = name[0] != '.' && may_be_folder && size < PATH_MAX && is_folder(whole);
         bool fits = goes_in || filter == FOLDER_ALL ||
-                    (filter == FOLDER_SESSIONS ? path_ends(name, ".json") : folder_can_open(name));
+                    (filter == FOLDER_SESSIONS ? path_ends_in(name, ".json") : folder_can_open(name));
         folder->failed = name[0] != '.' && fits && !add_entry(folder, name, goes_in);
     }
     if (entries) {
@@ -107,23 +109,13 @@ void folder_finish(struct folder *folder)
     *folder = (struct folder){.path = ""};
 }
 
-/* The text behind the last slash. */
-static const char *leaf(const char *text)
-{
-    const char *slash = strrchr(text, '/');
-    return slash ? slash + 1 : text;
-}
-
 void dialog_here(char path[PATH_MAX], const struct dialog *dialog)
 {
     char whole[PATH_MAX];
     if (!typed_path(whole, dialog->text)) {
         whole[0] = '\0';
     }
-    size_t length = (size_t)(leaf(whole) - whole);
-    while (length > 1 && whole[length - 1] == '/') {
-        length--;
-    }
+    size_t length = path_plain_length(whole, path_folder_length(whole));
     snprintf(path, PATH_MAX, "%.*s", length ? (int)length : 1, length ? whole : ".");
 }
 
@@ -141,7 +133,7 @@ static void go_to(struct dialog *dialog, const char *folder)
 {
     char text[PATH_MAX];
     size_t length = strlen(folder);
-    if (snprintf(text, sizeof text, "%s%s", folder, length && folder[length - 1] == '/' ? "" : "/") < PATH_MAX) {
+    if (snprintf(text, sizeof text, "%s%s", folder, length ? path_joint(folder, length) : "/") < PATH_MAX) {
         dialog_set(dialog, text);
         memcpy(dialog->prefilled, text, strlen(text) + 1);
     }
@@ -169,7 +161,7 @@ void dialog_look(struct dialog *dialog)
 bool dialog_fits(const struct dialog *dialog, size_t index)
 {
     const struct folder *folder = &dialog->folder;
-    const char *part = leaf(dialog->text);
+    const char *part = path_base(dialog->text);
     bool is_taken = dialog->marked < folder->count && strcmp(folder->entries[dialog->marked].name, part) == 0;
     return dialog->purpose == DIALOG_SAVE || is_taken || folder_fits(folder->entries[index].name, part);
 }
@@ -194,9 +186,8 @@ void dialog_leave(struct dialog *dialog)
     char here[PATH_MAX];
     char resolved[PATH_MAX];
     dialog_here(here, dialog);
-    char *slash = realpath(here, resolved) ? strrchr(resolved, '/') : NULL;
-    if (slash) {
-        slash[slash == resolved] = '\0';
+    if (realpath(here, resolved)) {
+        resolved[path_plain_length(resolved, path_folder_length(resolved))] = '\0';
         go_to(dialog, resolved);
     }
 }
@@ -207,7 +198,7 @@ void dialog_take(struct dialog *dialog, size_t index)
     char here[PATH_MAX];
     const struct folder_entry *entry = &dialog->folder.entries[index];
     dialog_here(here, dialog);
-    if (snprintf(path, sizeof path, "%s%s%s", here, strcmp(here, "/") == 0 ? "" : "/", entry->name) >= PATH_MAX) {
+    if (snprintf(path, sizeof path, "%s%s%s", here, path_joint(here, strlen(here)), entry->name) >= PATH_MAX) {
         return;
     }
     if (entry->is_folder) {
@@ -237,7 +228,7 @@ static void complain(struct dialog *dialog, const char *text, const char *path)
 static bool answer_save(char path[PATH_MAX], struct dialog *dialog)
 {
     const char *ending = dialog->ending ? dialog->ending : ".json";
-    if (!path_ends(path, ending)) {
+    if (!path_ends_in(path, ending)) {
         size_t length = strlen(path);
         if (length + strlen(ending) >= PATH_MAX) {
             complain(dialog, "too long", path);
@@ -258,7 +249,7 @@ static bool may_be_opened(const char *path)
 {
     char file[PATH_MAX];
     snprintf(file, sizeof file, "%.*s", (int)strcspn(path, ","), path);
-    return !strchr(path, '/') || access(path, F_OK) == 0 || access(file, F_OK) == 0;
+    return path_is_name(path) || access(path, F_OK) == 0 || access(file, F_OK) == 0;
 }
 
 bool dialog_enter(char path[PATH_MAX], struct dialog *dialog)
@@ -274,11 +265,11 @@ bool dialog_enter(char path[PATH_MAX], struct dialog *dialog)
     }
     if (dialog->marked < dialog->folder.count) {
         dialog_take(dialog, dialog->marked);
-        if (!leaf(dialog->text)[0]) { /* a folder */
+        if (!path_base(dialog->text)[0]) { /* a folder */
             return false;
         }
     }
-    if (!typed_path(path, dialog->text) || !leaf(path)[0]) {
+    if (!typed_path(path, dialog->text) || !path_base(path)[0]) {
         dialog->takes_keys = dialog->is_set = true;
         return false;
     }
@@ -311,9 +302,9 @@ static void find_places(struct dialog *dialog, const struct start *start)
     for (size_t i = 0; i < start->recent.count && i + 4 < DIALOG_PLACES; i++) {
         char folder[PATH_MAX];
         snprintf(folder, sizeof folder, "%s", start->recent.paths[i]);
-        char *slash = strrchr(folder, '/');
-        if (slash) {
-            slash[slash == folder] = '\0';
+        size_t length = path_plain_length(folder, path_folder_length(folder));
+        folder[length] = '\0';
+        if (length) {
             add_place(dialog, folder);
         }
     }
@@ -340,7 +331,7 @@ void dialog_show(struct dialog *dialog, enum dialog_purpose purpose, const char 
     folder_finish(&dialog->folder); /* to be read anew */
     if (path) {                     /* a name is proposed: what is typed takes its place */
         dialog_set(dialog, path);
-        dialog->selected = (size_t)(leaf(path) - path);
+        dialog->selected = (size_t)(path_base(path) - path);
         memcpy(dialog->prefilled, path, dialog->selected);
         dialog->prefilled[dialog->selected] = '\0';
     } else {

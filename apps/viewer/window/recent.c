@@ -2,6 +2,7 @@
 /* Reads, changes and writes the list of atlases that were opened lately. */
 #include "viewer/window/recent.h"
 
+#include "base/path.h"
 #include "viewer/window/state_file.h"
 
 #include <jansson.h>
@@ -24,7 +25,7 @@ bool recent_parse(struct recent *out, const char *text, size_t size)
                 version == VERSION && json_is_array(list) && json_array_size(list) <= RECENT_LIMIT;
     for (size_t i = 0; fine && i < json_array_size(list); i++) {
         const char *path = json_string_value(json_array_get(list, i));
-        fine = path && path[0] == '/' && json_string_length(json_array_get(list, i)) < PATH_MAX;
+        fine = path_is_whole(path) && json_string_length(json_array_get(list, i)) < PATH_MAX;
         if (fine) {
             memcpy(recent.paths[recent.count++], path, strlen(path) + 1);
         }
@@ -52,14 +53,15 @@ static bool make_absolute(char out[PATH_MAX], const char *path)
 {
     char here[PATH_MAX] = "";
     int size = 0;
-    if (path[0] == '/' || getcwd(here, sizeof here)) {
+    if (path_is_whole(path) || getcwd(here, sizeof here)) {
         path += strncmp(path, "./", 2) == 0 ? 2 : 0;
         size = snprintf(out, PATH_MAX, "%s%s%s", here, here[0] ? "/" : "", path);
     }
-    while (size > 1 && size < PATH_MAX && out[size - 1] == '/') {
-        out[--size] = '\0';
+    bool fits = size > 0 && size < PATH_MAX;
+    if (fits) {
+        out[path_plain_length(out, (size_t)size)] = '\0';
     }
-    return size > 0 && size < PATH_MAX;
+    return fits;
 }
 
 void recent_add(const char *path)

@@ -2,6 +2,7 @@
 /* Looks for what the start page can offer, and searches the catalogue by what is typed. */
 #include "viewer/window/start.h"
 
+#include "base/path.h"
 #include "conus/phantom.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -173,7 +174,7 @@ const char *start_words(char words[PATH_MAX], const struct start *start, size_t 
 
 const char *start_words_typed(const struct start *start)
 {
-    return strchr(start->typed, '/') || start->typed[0] == '~' ? "" : start->typed;
+    return !path_is_name(start->typed) || start->typed[0] == '~' ? "" : start->typed;
 }
 
 size_t start_picked(struct start *start)

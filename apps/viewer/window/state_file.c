@@ -2,6 +2,7 @@
 /* Finds, reads and writes the files of the window's state. */
 #include "viewer/window/state_file.h"
 
+#include "base/path.h"
 #include "conus/file.h"
 #include "options/input_file.h"
 #include "options/messages.h"
@@ -17,21 +18,27 @@ static bool find_path(char path[PATH_MAX], const char *name)
     const char *state = getenv("XDG_STATE_HOME");
     const char *home = getenv("HOME");
     int size = 0;
-    if (state && state[0] == '/') { /* the specification: relative ones are ignored */
+    if (path_is_whole(state)) { /* the specification: relative ones are ignored */
         size = snprintf(path, PATH_MAX, "%s/conus/%s", state, name);
-    } else if (home && home[0] == '/') {
+    } else if (path_is_whole(home)) {
         size = snprintf(path, PATH_MAX, "%s/.local/state/conus/%s", home, name);
     }
     return size > 0 && size < PATH_MAX;
 }
 
+/* Whether it is there now, who opens a file in it will see. */
+static bool make_folder(void *user, const char *path)
+{
+    (void)user;
+    mkdir(path, 0700);
+    return true;
+}
+
 bool state_file_path(char path[PATH_MAX], const char *name)
 {
     bool fine = find_path(path, name);
-    for (char *slash = fine ? strchr(path + 1, '/') : NULL; slash; slash = strchr(slash + 1, '/')) {
-        *slash = '\0';
-        mkdir(path, 0700);
-        *slash = '/';
+    if (fine) {
+        path_each_folder(path, 1, make_folder, NULL);
     }
     return fine;
 }
@@ -58,7 +65,7 @@ void state_file_write(const char *name, const char *text, size_t size)
 bool typed_path(char path[PATH_MAX], const char *text)
 {
     const char *home = getenv("HOME");
-    bool at_home = home && text[0] == '~' && (!text[1] || text[1] == '/');
+    bool at_home = home && text[0] == '~' && (!text[1] || path_is_whole(text + 1));
     int size = snprintf(path, PATH_MAX, "%s%s", at_home ? home : "", text + at_home);
     return size > 0 && size < PATH_MAX;
 }

@@ -381,7 +381,7 @@ static const char appended_tag[] = "<AppendedData";
 /* Appended data are no XML: the document in `out` ends where they begin. */
 static conus_status split_appended(struct buffer *out, struct vtp *vtp, struct text text)
 {
-    const char *tag = text.size ? memmem(text.data, text.size, appended_tag, sizeof appended_tag - 1) : NULL;
+    const char *tag = text_find(text, appended_tag);
     if (!tag) {
         buffer_append(out, text.data, text.size);
         return buffer_status(out);
@@ -395,7 +395,7 @@ static conus_status split_appended(struct buffer *out, struct vtp *vtp, struct t
     /* raw or base64 data end with the closing tags, so that a file that is cut off is known */
     static const char last[] = "/VTKFile>";
     struct text rest = text_trim((struct text){mark + 1, (size_t)(end - mark) - 1});
-    const char *slash = rest.size ? memrchr(rest.data, '/', rest.size) : NULL;
+    const char *slash = text_last(rest, '/');
     if (!slash || !text_mentions(rest, "</AppendedData>") ||
         !text_equal((struct text){slash, (size_t)(rest.data + rest.size - slash)}, last)) {
         return fail(CONUS_ERROR_DATA, "AppendedData: the file ends before </VTKFile>");
@@ -815,8 +815,7 @@ static conus_status vtp_on_end(void *user, const struct xml_event *event)
 /* How the appended data are stored stands in their tag, which is behind the arrays. */
 static bool is_raw(struct text document)
 {
-    const char *tag =
-        document.size ? memmem(document.data, document.size, appended_tag, sizeof appended_tag - 1) : NULL;
+    const char *tag = text_find(document, appended_tag);
     struct text rest = {tag, tag ? (size_t)(document.data + document.size - tag) : 0};
     return text_mentions(rest, "\"raw\"") || text_mentions(rest, "'raw'");
 }

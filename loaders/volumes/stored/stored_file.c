@@ -4,15 +4,11 @@
 
 #include "base/files/file_trace.h"
 #include "base/memory.h"
+#include "base/system/system.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <limits.h>
 #include <nettle/sha2.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 /* The entry of `path`, whose name does not depend on how the file is called; without a path where nothing is kept. */
 static void find_store(struct cache_store *out, const char *real, const struct bytes *header)
@@ -50,13 +46,13 @@ static bool map_index(struct kept_index *out, const char *real, const struct byt
 
 bool kept_index_open(struct kept_index *out, const char *path, const struct bytes *header)
 {
-    char real[PATH_MAX];
-    struct stat info;
-    struct kept_index kept = {.descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
-    bool found = kept.descriptor >= 0 && fstat(kept.descriptor, &info) == 0 && S_ISREG(info.st_mode);
+    char real[SYSTEM_PATH];
+    struct system_stat info;
+    struct kept_index kept = {.descriptor = system_open(path, SYSTEM_READ | SYSTEM_AT_ONCE)};
+    bool found = kept.descriptor >= 0 && system_stat_open(&info, kept.descriptor) && info.kind == SYSTEM_FILE;
     if (found) {
         file_state_take(&kept.before, &info);
-        found = realpath(path, real) && map_index(&kept, real, header);
+        found = system_real_path(real, path) && map_index(&kept, real, header);
     }
     if (!found) {
         kept_index_finish(&kept);
@@ -85,12 +81,12 @@ void kept_index_finish(struct kept_index *kept)
 
 void index_keeper_begin(struct index_keeper *out, const char *path, const struct bytes *header)
 {
-    char real[PATH_MAX];
-    struct stat info;
+    char real[SYSTEM_PATH];
+    struct system_stat info;
     *out = (struct index_keeper){0};
     struct traced *item = memory_zeroed(1, sizeof *item);
     clock_gettime(CLOCK_REALTIME, &out->trace.begun);
-    if (!item || !realpath(path, real) || stat(real, &info) || !S_ISREG(info.st_mode)) {
+    if (!item || !system_real_path(real, path) || !system_stat(&info, real) || info.kind != SYSTEM_FILE) {
         memory_free(item);
         return;
     }
@@ -114,7 +110,7 @@ void index_keeper_finish(struct index_keeper *keeper)
 static bool write_index(void *user, int file, size_t at)
 {
     const struct buffer *index = user;
-    return pwrite(file, index->data, index->size, (off_t)at) == (ssize_t)index->size;
+    return system_write_at(file, index->data, index->size, at);
 }
 
 /* A file that is not packed, read slab by slab: it is never in memory as a whole. */
@@ -129,15 +125,10 @@ enum { TESTED = 540 };
 /* Reads `size` bytes, which the file has. */
 static conus_status read_at(const struct plain_file *plain, uint8_t *out, size_t size, uint64_t at)
 {
-    while (size) {
-        ssize_t got = pread(plain->descriptor, out, size, (off_t)at);
-        if (got == 0 || (got < 0 && errno != EINTR)) {
-            file_trace_failed();
-            return got ? fail(CONUS_ERROR_IO, "cannot read: %s", strerror(errno)) : fail(CONUS_ERROR_IO, FILE_CHANGED);
-        }
-        out += got > 0 ? got : 0;
-        at += got > 0 ? (uint64_t)got : 0;
-        size -= got > 0 ? (size_t)got : 0;
+    ptrdiff_t got = system_read_at(plain->descriptor, out, size, at);
+    if (got < 0 || (size_t)got < size) {
+        file_trace_failed();
+        return got < 0 ? fail(CONUS_ERROR_IO, "cannot read: %s", strerror(errno)) : fail(CONUS_ERROR_IO, FILE_CHANGED);
     }
     return CONUS_OK;
 }
@@ -299,7 +290,7 @@ static conus_status open_slabs(struct stored *out, const char *path, const struc
     struct plain_file plain = {.descriptor = file->descriptor, .before = file->before};
     size_t size = smaller_of(sizeof head, plain.before.size);
     if (plain.before.size <= STORED_LARGE || read_at(&plain, head, size, 0) || !test(head, size) ||
-        (plain.descriptor = fcntl(file->descriptor, F_DUPFD_CLOEXEC, 0)) < 0) {
+        (plain.descriptor = system_copy(file->descriptor)) < 0) {
         return open_whole(out, path, file, limit, use, NULL);
     }
     struct stored stored = {.path = memory_text(path, strlen(path)), .plain = memory_copy(&plain, 1, sizeof plain)};

@@ -2,6 +2,7 @@
 /* Makes a packed 4-D file, its index, and opens volumes of it. */
 #include "builders/series_builder.h"
 
+#include "base/system/system.h"
 #include "builders/nifti_builder.h"
 #include "conus/cache.h"
 #include "loaders/volumes/stored/stored_file.h"
@@ -278,7 +279,7 @@ void overwrite_file(const char *path, const void *data, size_t size)
 {
     int file = open(path, O_WRONLY | O_TRUNC | O_CLOEXEC);
     assert_true(file >= 0);
-    assert_true(file_write_fully(file, data, size));
+    assert_true(system_write(file, data, size));
     close(file);
 }
 

@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * What operating systems do differently. Nothing else includes their headers, but base/child (processes), apps/link
+ * (sockets) and the programs that only one system has. What they have alike comes in through this header: read(),
+ * write(), close(), dup(), lseek(), ftruncate(), fdopen(), isatty(), clock_gettime() and nanosleep().
+ *
+ * Paths are UTF-8 with '/'. What fails returns false or -1, with errno set, and its text is the caller's. Nothing here
+ * needs anything else of conus, so that programs have it, too. */
+#ifndef CONUS_BASE_SYSTEM_H
+#define CONUS_BASE_SYSTEM_H
+
+#include <pthread.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <time.h>
+#include <unistd.h>
+
+enum {
+    SYSTEM_PATH = 4096,  /**< The most bytes of a path, with its NUL. */
+    SYSTEM_NO_FILE = -1, /**< No open file. */
+    SYSTEM_HERE = -100   /**< As a folder: names count from the current one. */
+};
+
+enum system_kind { SYSTEM_FILE, SYSTEM_FOLDER, SYSTEM_LINK, SYSTEM_PIPE, SYSTEM_OTHER };
+
+struct system_stat {
+    uint64_t device, inode, size, links;
+    struct timespec changed, altered, used; /**< Last change of the bytes, of anything about it, and last reading. */
+    enum system_kind kind;
+    bool ours_alone; /**< It is the user's, and nobody else may write to it. */
+};
+
+/** The file or folder that @p path leads to. */
+bool system_stat(struct system_stat *out, const char *path);
+/** The same of a name in an open folder; a link is one. */
+bool system_stat_link(struct system_stat *out, int folder, const char *name);
+bool system_stat_open(struct system_stat *out, int file);
+
+/** Whether all that @p how asks for is allowed: a sum of SYSTEM_READ, SYSTEM_WRITE and SYSTEM_RUN; 0 = it is there. */
+bool system_allows(const char *path, unsigned how);
+
+enum {
+    SYSTEM_READ = 1,
+    SYSTEM_WRITE = 2,
+    SYSTEM_RUN = 4,       /**< Of system_allows() only. */
+    SYSTEM_APPEND = 8,    /**< Each writing goes to the end. */
+    SYSTEM_MAKE = 16,     /**< It is made where it is not there, */
+    SYSTEM_NEW = 32,      /**< and must not be there. */
+    SYSTEM_EMPTY = 64,    /**< What is in it goes. */
+    SYSTEM_NO_LINK = 128, /**< A link is not followed: ELOOP. */
+    SYSTEM_AT_ONCE = 256, /**< Neither opening nor reading waits for the other end of a pipe. */
+    SYSTEM_UNUSED = 512   /**< Reading is no use: it leaves the time. */
+};
+
+/** Opens @p name in an open folder; programs that are started do not get it. @p how is a sum of the above. */
+int system_open_in(int folder, const char *name, unsigned how);
+static inline int system_open(const char *path, unsigned how)
+{
+    return system_open_in(SYSTEM_HERE, path, how);
+}
+/** Opens a folder, no link, for the functions that take one. */
+int system_open_folder(const char *path);
+/** Opens a new file, for the user alone or with the rights of any new one, whose name has other letters in place of the
+ * XXXXXX before its last @p ending bytes. */
+int system_open_temporary(char *path, size_t ending, bool for_us_alone);
+/** Opens a new file in @p folder that has no name, so that nothing is left of it when the process is killed. -1 where
+ * the file system has no such files. */
+int system_open_nameless(const char *folder);
+/** Gives it a name, which must not be there. */
+bool system_name(int file, const char *path);
+/** An open file once more, for writing: where it is open for reading only. */
+int system_open_again(int file);
+/** Another number for the same open file. */
+int system_copy(int file);
+
+/** fopen(), whose file programs that are started do not get. */
+FILE *system_stream(const char *path, const char *how);
+
+/** Reads @p size bytes from byte @p at on; their number, which is smaller only at the end of the file. */
+ptrdiff_t system_read_at(int file, void *out, size_t size, uint64_t at);
+/** Write all of it, from byte @p at on or where the file stands. */
+bool system_write_at(int file, const void *data, size_t size, uint64_t at);
+bool system_write(int file, const void *data, size_t size);
+/** What was written is on the disk. */
+bool system_to_disk(int file);
+/** Takes room on the disk for the first @p size bytes. */
+bool system_reserve(int file, uint64_t size);
+/** Whether a file of @p size bytes in an open folder is below the process's limit, and leaves as much room again. */
+bool system_has_room(int folder, uint64_t size);
+/** Locks an open file for this process, at once or not at all, until it is closed. */
+bool system_lock(int file);
+/** Sets the last change of its bytes. */
+bool system_set_changed(int file, const struct timespec *changed);
+/** Sets the last use, to now. */
+bool system_set_used(int file);
+
+/** Gives a file the name @p to, in the place of another only if @p replace; one move, between names in one folder. */
+bool system_rename(const char *from, const char *to, bool replace);
+bool system_rename_in(int folder, const char *from, const char *to);
+/** Removes a file or a link. */
+bool system_remove_in(int folder, const char *name);
+static inline bool system_remove(const char *path)
+{
+    return system_remove_in(SYSTEM_HERE, path);
+}
+bool system_make_folder(const char *path, bool for_us_alone);
+/** Gives each name in a folder, "." and ".." too, while @p take returns true. */
+bool system_list(const char *folder, bool (*take)(void *user, const char *name), void *user);
+/** The path from the root on, without links, "." and "..". */
+bool system_real_path(char out[SYSTEM_PATH], const char *path);
+/** The current folder. */
+bool system_here(char out[SYSTEM_PATH]);
+/** The path of the program that runs. */
+bool system_program(char out[SYSTEM_PATH]);
+
+/** The first @p size bytes of an open file, for reading; NULL where that fails. Who reads where the file was cut off
+ * meanwhile ends by SIGBUS. */
+void *system_map(int file, size_t size);
+void system_unmap(const void *memory, size_t size);
+/** Has memory take space by the smallest pages: parts that are not written to take none. */
+void system_make_sparse(void *memory, size_t size);
+
+/** Whether the file system takes its times from this machine's clock: a server's may be wrong. */
+bool system_has_own_clock(const char *path);
+/** What no other start of this machine has; false where that is not known. */
+bool system_boot(uint8_t out[16]);
+bool system_random(void *out, size_t size);
+
+/** Processors that the process may use. */
+size_t system_processors(void);
+/** pthread_create(), of a thread that gets no signals; @p stack bytes of stack, 0 = as many as threads have. */
+bool system_thread(pthread_t *out, size_t stack, void *(*run)(void *user), void *user);
+
+/** A function of a library that is loaded when it is needed, or its data; NULL where that is not there. Without a name,
+ * not NULL where the library is there. */
+void *system_function(const char *library, const char *name);
+
+/** What ends a wait from another thread, or from a signal's handler. */
+struct system_wake {
+    int file; /**< Of eventfd(). */
+};
+bool system_wake_begin(struct system_wake *out);
+void system_wake(const struct system_wake *wake);
+void system_wake_end(const struct system_wake *wake);
+/** Waits until a file can be read, or until system_wake(): false then. */
+bool system_wait(int file, const struct system_wake *wake);
+
+/* Of programs, not of the library. */
+
+/** Has a broken pipe and a limit on files be errors of writing, not a sudden end. */
+void system_begin(void);
+/** Has @p call hear of the first SIGINT or SIGTERM; not of one that is ignored. */
+void system_interrupt(void (*call)(int number));
+/** Whether the first thread's stack has less than @p size bytes. */
+bool system_stack_is_below(size_t size);
+/** Leaves all signals to other threads. */
+bool system_leave_signals(void);
+/** Has the calling thread run when others do not need the processor. */
+void system_run_last(void);
+/** Columns of a terminal; 0 = none, or not known. */
+unsigned system_columns(int file);
+
+/** A text that is written as a stream. */
+struct system_text {
+    FILE *stream;
+    char *data; /**< Once the stream is closed; with a NUL behind its size. */
+    size_t size;
+};
+
+/** The stream; NULL without memory. */
+FILE *system_text_open(struct system_text *out);
+/** Closes the stream. The text is the caller's to free(); NULL without memory, or where opening or writing failed. */
+char *system_text_close(struct system_text *text);
+
+#endif

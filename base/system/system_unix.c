@@ -1,0 +1,461 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The system as POSIX has it, and what only Linux or macOS have. */
+#include "base/system/system.h"
+
+#include <dirent.h>
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <sys/vfs.h>
+
+_Static_assert(SYSTEM_HERE == AT_FDCWD, "SYSTEM_HERE is AT_FDCWD");
+
+static bool take_stat(struct system_stat *out, const struct stat *info, bool found)
+{
+    if (found) {
+        *out = (struct system_stat){.device = (uint64_t)info->st_dev,
+                                    .inode = (uint64_t)info->st_ino,
+                                    .size = (uint64_t)info->st_size,
+                                    .links = (uint64_t)info->st_nlink,
+                                    .changed = info->st_mtim,
+                                    .altered = info->st_ctim,
+                                    .used = info->st_atim,
+                                    .kind = S_ISREG(info->st_mode)    ? SYSTEM_FILE
+                                            : S_ISDIR(info->st_mode)  ? SYSTEM_FOLDER
+                                            : S_ISLNK(info->st_mode)  ? SYSTEM_LINK
+                                            : S_ISFIFO(info->st_mode) ? SYSTEM_PIPE
+                                                                      : SYSTEM_OTHER,
+                                    .ours_alone = info->st_uid == geteuid() && !(info->st_mode & (S_IWGRP | S_IWOTH))};
+    }
+    return found;
+}
+
+bool system_stat(struct system_stat *out, const char *path)
+{
+    struct stat info;
+    return take_stat(out, &info, stat(path, &info) == 0);
+}
+
+bool system_stat_link(struct system_stat *out, int folder, const char *name)
+{
+    struct stat info;
+    return take_stat(out, &info, fstatat(folder, name, &info, AT_SYMLINK_NOFOLLOW) == 0);
+}
+
+bool system_stat_open(struct system_stat *out, int file)
+{
+    struct stat info;
+    return take_stat(out, &info, fstat(file, &info) == 0);
+}
+
+bool system_allows(const char *path, unsigned how)
+{
+    return access(path, (how & SYSTEM_READ ? R_OK : 0) | (how & SYSTEM_WRITE ? W_OK : 0) |
+                            (how & SYSTEM_RUN ? X_OK : 0)) == 0;
+}
+
+int system_open_in(int folder, const char *name, unsigned how)
+{
+    static const int flags[] = {O_APPEND, O_CREAT, O_CREAT | O_EXCL, O_TRUNC, O_NOFOLLOW, O_NONBLOCK, O_NOATIME};
+    int all = O_CLOEXEC | O_NOCTTY | (!(how & SYSTEM_WRITE) ? O_RDONLY : how & SYSTEM_READ ? O_RDWR : O_WRONLY);
+    for (size_t i = 0; i < sizeof flags / sizeof flags[0]; i++) {
+        all |= how & (unsigned)SYSTEM_APPEND << i ? flags[i] : 0;
+    }
+    return openat(folder, name, all, 0666);
+}
+
+int system_open_folder(const char *path)
+{
+    return open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+}
+
+int system_open_temporary(char *path, size_t ending, bool for_us_alone)
+{
+    int file = mkostemps(path, (int)ending, O_CLOEXEC);
+    if (file >= 0 && !for_us_alone) {
+        mode_t mask = umask(0);
+        umask(mask);
+        if (fchmod(file, 0666 & ~mask)) {
+            int error = errno;
+            close(file);
+            unlink(path);
+            errno = error;
+            file = -1;
+        }
+    }
+    return file;
+}
+
+int system_open_nameless(const char *folder)
+{
+#ifdef O_TMPFILE
+    return access("/proc/self/fd", F_OK) ? -1 : open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
+#else
+    (void)folder;
+    errno = ENOSYS;
+    return -1;
+#endif
+}
+
+/* The name by which an open file can be opened again. */
+static void name_open(char out[32], int file)
+{
+    snprintf(out, 32, "/proc/self/fd/%d", file);
+}
+
+bool system_name(int file, const char *path)
+{
+    char own[32];
+    name_open(own, file);
+    return linkat(AT_FDCWD, own, AT_FDCWD, path, AT_SYMLINK_FOLLOW) == 0;
+}
+
+int system_open_again(int file)
+{
+    char own[32];
+    name_open(own, file);
+    return system_open(own, SYSTEM_WRITE);
+}
+
+int system_copy(int file)
+{
+    return fcntl(file, F_DUPFD_CLOEXEC, 0);
+}
+
+FILE *system_stream(const char *path, const char *how)
+{
+    char all[8];
+    snprintf(all, sizeof all, "%se", how);
+    return fopen(path, all);
+}
+
+ptrdiff_t system_read_at(int file, void *out, size_t size, uint64_t at)
+{
+    size_t got = 0;
+    for (ssize_t n = 1; n && got<size; got += n> 0 ? (size_t)n : 0) {
+        n = pread(file, (char *)out + got, size - got, (off_t)(at + got));
+        if (n < 0 && errno != EINTR) {
+            return -1;
+        }
+    }
+    return (ptrdiff_t)got;
+}
+
+bool system_write_at(int file, const void *data, size_t size, uint64_t at)
+{
+    for (size_t done = 0; done < size;) {
+        ssize_t n = pwrite(file, (const char *)data + done, size - done, (off_t)(at + done));
+        if (n < 0 && errno != EINTR) {
+            return false;
+        }
+        done += n > 0 ? (size_t)n : 0;
+    }
+    return true;
+}
+
+bool system_write(int file, const void *data, size_t size)
+{
+    for (size_t done = 0; done < size;) {
+        ssize_t n = write(file, (const char *)data + done, size - done);
+        if (n < 0 && errno != EINTR) {
+            return false;
+        }
+        done += n > 0 ? (size_t)n : 0;
+    }
+    return true;
+}
+
+bool system_to_disk(int file)
+{
+    return fsync(file) == 0;
+}
+
+bool system_reserve(int file, uint64_t size)
+{
+    return posix_fallocate(file, 0, (off_t)size) == 0;
+}
+
+bool system_has_room(int folder, uint64_t size)
+{
+    struct rlimit limit;
+    struct statvfs disk;
+    return getrlimit(RLIMIT_FSIZE, &limit) == 0 && (limit.rlim_cur == RLIM_INFINITY || size <= limit.rlim_cur) &&
+           fstatvfs(folder, &disk) == 0 && disk.f_frsize && size / disk.f_frsize < disk.f_bavail / 2;
+}
+
+bool system_lock(int file)
+{
+    return flock(file, LOCK_EX | LOCK_NB) == 0;
+}
+
+bool system_set_changed(int file, const struct timespec *changed)
+{
+    return futimens(file, (const struct timespec[]){{.tv_nsec = UTIME_OMIT}, *changed}) == 0;
+}
+
+bool system_set_used(int file)
+{
+    return futimens(file, (const struct timespec[]){{.tv_nsec = UTIME_NOW}, {.tv_nsec = UTIME_OMIT}}) == 0;
+}
+
+/* Unlike rename(), link() never takes the place of another. */
+bool system_rename(const char *from, const char *to, bool replace)
+{
+    return replace ? rename(from, to) == 0 : link(from, to) == 0 && unlink(from) == 0;
+}
+
+bool system_rename_in(int folder, const char *from, const char *to)
+{
+    return renameat(folder, from, folder, to) == 0;
+}
+
+bool system_remove_in(int folder, const char *name)
+{
+    return unlinkat(folder, name, 0) == 0;
+}
+
+bool system_make_folder(const char *path, bool for_us_alone)
+{
+    return mkdir(path, for_us_alone ? 0700 : 0777) == 0;
+}
+
+bool system_list(const char *folder, bool (*take)(void *user, const char *name), void *user)
+{
+    DIR *entries = opendir(folder);
+    if (!entries) {
+        return false;
+    }
+    for (const struct dirent *entry; (entry = readdir(entries)) && take(user, entry->d_name);) {
+    }
+    closedir(entries);
+    return true;
+}
+
+bool system_real_path(char out[SYSTEM_PATH], const char *path)
+{
+    return realpath(path, out);
+}
+
+bool system_here(char out[SYSTEM_PATH])
+{
+    return getcwd(out, SYSTEM_PATH);
+}
+
+bool system_program(char out[SYSTEM_PATH])
+{
+    ssize_t length = readlink("/proc/self/exe", out, SYSTEM_PATH - 1);
+    out[length > 0 ? length : 0] = '\0';
+    return length > 0;
+}
+
+void *system_map(int file, size_t size)
+{
+    void *memory = mmap(NULL, size, PROT_READ, MAP_SHARED, file, 0);
+    return memory == MAP_FAILED ? NULL : memory;
+}
+
+void system_unmap(const void *memory, size_t size)
+{
+    munmap((void *)memory, size);
+}
+
+void system_make_sparse(void *memory, size_t size)
+{
+#ifdef MADV_NOHUGEPAGE
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    size_t skipped = (page - (uintptr_t)memory % page) % page;
+    if (size > skipped) {
+        (void)madvise((char *)memory + skipped, size - skipped, MADV_NOHUGEPAGE); /* or a byte would take 2 MiB */
+    }
+#else
+    (void)memory;
+    (void)size;
+#endif
+}
+
+/* Those of linux/magic.h, and ZFS and bcachefs. */
+bool system_has_own_clock(const char *path)
+{
+    static const uint64_t magics[] = {0xef53 /* ext2 to ext4 */,
+                                      0x58465342 /* XFS */,
+                                      0x9123683e /* Btrfs */,
+                                      0xf2f52010 /* F2FS */,
+                                      0x01021994 /* tmpfs */,
+                                      0x794c7630 /* overlay */,
+                                      0x4d44 /* FAT */,
+                                      0x2011bab0 /* exFAT */,
+                                      0x73717368 /* SquashFS */,
+                                      0x9660 /* ISO 9660 */,
+                                      0xe0f5e1e2 /* EROFS */,
+                                      0x2fc12fc1 /* ZFS */,
+                                      0xca451a4e /* bcachefs */};
+    struct statfs info;
+    bool found = false;
+    for (size_t i = 0; statfs(path, &info) == 0 && i < sizeof magics / sizeof magics[0] && !found; i++) {
+        found = (uint64_t)(uint32_t)info.f_type == magics[i];
+    }
+    return found;
+}
+
+bool system_boot(uint8_t out[16])
+{
+    char text[36] = ""; /* 8-4-4-4-12 digits */
+    size_t digits = 0;
+    int file = system_open("/proc/sys/kernel/random/boot_id", SYSTEM_READ);
+    bool whole = file >= 0 && read(file, text, sizeof text) == (ssize_t)sizeof text;
+    if (file >= 0) {
+        close(file);
+    }
+    memset(out, 0, 16);
+    for (size_t i = 0; whole && i < sizeof text && digits < 32; i++) {
+        static const char hex[] = "0123456789abcdef";
+        const char *digit = memchr(hex, text[i], sizeof hex - 1);
+        if (digit) {
+            out[digits / 2] = (uint8_t)(out[digits / 2] << 4 | (digit - hex));
+            digits++;
+        }
+    }
+    return digits == 32;
+}
+
+bool system_random(void *out, size_t size)
+{
+    return getentropy(out, size) == 0;
+}
+
+size_t system_processors(void)
+{
+#ifdef __EMSCRIPTEN__ /* whose pages have no threads here */
+    return 1;
+#else
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    int count = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+    return count > 0 ? (size_t)count : 1;
+#endif
+}
+
+bool system_thread(pthread_t *out, size_t stack, void *(*run)(void *user), void *user)
+{
+    sigset_t all;
+    sigset_t before;
+    pthread_attr_t attributes;
+    if (pthread_attr_init(&attributes)) {
+        return false;
+    }
+    if (stack) {
+        (void)pthread_attr_setstacksize(&attributes, stack);
+    }
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    bool runs = pthread_create(out, &attributes, run, user) == 0;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    pthread_attr_destroy(&attributes);
+    return runs;
+}
+
+void *system_function(const char *library, const char *name)
+{
+    void *loaded = dlopen(library, RTLD_LAZY | RTLD_LOCAL); /* stays */
+    return loaded && name ? dlsym(loaded, name) : loaded;
+}
+
+bool system_wake_begin(struct system_wake *out)
+{
+    out->file = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    return out->file >= 0;
+}
+
+void system_wake(const struct system_wake *wake)
+{
+    const uint64_t one = 1;
+    int error = errno; /* of what a signal interrupts */
+    ssize_t written = write(wake->file, &one, sizeof one);
+    (void)written; /* it fails only where it was woken 2^64 times already */
+    errno = error;
+}
+
+void system_wake_end(const struct system_wake *wake)
+{
+    close(wake->file);
+}
+
+bool system_wait(int file, const struct system_wake *wake)
+{
+    struct pollfd wanted[] = {{.fd = file, .events = POLLIN}, {.fd = wake->file, .events = POLLIN}};
+    int count;
+    do {
+        count = poll(wanted, 2, -1);
+    } while (count < 0 && errno == EINTR);
+    return !(count > 0 && wanted[1].revents);
+}
+
+void system_begin(void)
+{
+    struct sigaction ignore = {.sa_handler = SIG_IGN};
+    sigaction(SIGPIPE, &ignore, NULL);
+    sigaction(SIGXFSZ, &ignore, NULL);
+}
+
+void system_interrupt(void (*call)(int number))
+{
+    static const int numbers[] = {SIGINT, SIGTERM};
+    struct sigaction action = {.sa_handler = call, .sa_flags = SA_RESTART | (int)SA_RESETHAND};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        struct sigaction before;
+        if (sigaction(numbers[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN) {
+            sigaction(numbers[i], &action, NULL);
+        }
+    }
+}
+
+bool system_stack_is_below(size_t size)
+{
+    struct rlimit limit;
+    return getrlimit(RLIMIT_STACK, &limit) == 0 && limit.rlim_cur < size;
+}
+
+bool system_leave_signals(void)
+{
+    sigset_t all;
+    sigfillset(&all);
+    return pthread_sigmask(SIG_SETMASK, &all, NULL) == 0;
+}
+
+unsigned system_columns(int file)
+{
+    struct winsize size = {0};
+    return isatty(file) && ioctl(file, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+}
+
+FILE *system_text_open(struct system_text *out)
+{
+    *out = (struct system_text){0};
+    out->stream = open_memstream(&out->data, &out->size);
+    return out->stream;
+}
+
+char *system_text_close(struct system_text *text)
+{
+    bool failed = !text->stream || ferror(text->stream);
+    failed = (text->stream && fclose(text->stream)) || failed;
+    text->stream = NULL;
+    if (failed) {
+        free(text->data);
+        text->data = NULL;
+        text->size = 0;
+    }
+    return text->data;
+}
