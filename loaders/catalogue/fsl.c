@@ -22,6 +22,15 @@ struct images {
     size_t count;
 };
 
+/* Bridge: to label tables on a job. */
+static conus_status find_image(char **out, const char *xml_path, const char *written)
+{
+    struct job job = {0};
+    char *path = fsl_image_find(&job, xml_path, written);
+    *out = path ? job_give(&job, path, strlen(path) + 1) : NULL;
+    return job_close(&job, NULL, NULL);
+}
+
 static double voxel_mm3(const struct image *image)
 {
     return image->spacing[0] * image->spacing[1] * image->spacing[2];
@@ -33,7 +42,7 @@ static conus_status add_image(struct images *images, const char *xml_path, const
     struct image image = {0};
     struct stat info;
     bool labels = false;
-    conus_status status = fsl_image_find(&image.path, xml_path, written);
+    conus_status status = find_image(&image.path, xml_path, written);
     if (!status && image.path && stat(image.path, &info) == 0 && info.st_size) {
         image.id = catalogue_id_of(&info);
         status = volume_marks_find(&labels, image.spacing, image.path, true);
@@ -82,7 +91,7 @@ static conus_status find_maps(bool *found, const struct fsl_atlas *atlas, const 
     *found = false;
     for (size_t i = 0; !status && !*found && !atlas->is_label && i < atlas->image_count; i++) {
         char *path = NULL;
-        status = atlas->images[i].image ? fsl_image_find(&path, xml_path, atlas->images[i].image) : CONUS_OK;
+        status = atlas->images[i].image ? find_image(&path, xml_path, atlas->images[i].image) : CONUS_OK;
         *found = path;
         memory_free(path);
     }
@@ -136,17 +145,18 @@ static conus_status take_atlas(conus_catalogue *catalogue, const char *xml_path,
 conus_status fsl_look(conus_catalogue *catalogue, const char *xml_path)
 {
     struct bytes bytes = {0};
-    struct fsl_atlas atlas = {0};
+    struct job job = {0}; /* Bridge: to label tables on a job. */
     conus_status status = file_read(&bytes, xml_path, FSL_ATLAS_LIMIT);
     struct text text = text_from_bytes(bytes.data, bytes.size);
     bool is = !status && text_equal(xml_root(text), "atlas");
-    status = is ? fsl_atlas_parse(&atlas, text) : status;
+    const struct fsl_atlas *atlas = is ? fsl_atlas_parse(&job, text) : NULL;
+    status = is ? job.status : status;
     if (is && !status) {
-        status = take_atlas(catalogue, xml_path, &atlas);
+        status = take_atlas(catalogue, xml_path, atlas);
     } else if (status != CONUS_ERROR_MEMORY) {
         status = CONUS_OK;
     }
-    fsl_atlas_finish(&atlas);
+    job_end(&job);
     bytes_finish(&bytes);
     return status;
 }

@@ -205,8 +205,12 @@ static conus_status read_color(void *field, const json_t *value, const struct sc
     struct label *label = field;
     const char *text = json_string_value(value);
     label->has_rgb = text && text[0] == '#' && strlen(text) == 7 && strspn(text + 1, "0123456789abcdefABCDEF") == 6;
-    return label->has_rgb ? label_cell_colour(label->rgb, text_from(text), place->key)
-                          : schema_fail(place, value, "\"#rrggbb\"");
+    if (!label->has_rgb) {
+        return schema_fail(place, value, "\"#rrggbb\"");
+    }
+    struct job job = {0}; /* Bridge: to label tables on a job. */
+    label_cell_colour(&job, label->rgb, text_from(text));
+    return job_close(&job, NULL, NULL);
 }
 
 static conus_status read_hemisphere(void *field, const json_t *value, const struct schema_place *place)
