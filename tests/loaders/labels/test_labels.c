@@ -30,10 +30,11 @@ static void real_tables_are_read(void **state)
         {"labelvol/julich31/Julich.json", "NiiVue labels", 207, "Area 3b (PostCG)", "Area TeI (STG)"},
     };
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        struct job job = {0};
         struct label_table table = {0};
-        struct notes notes = {0};
         const char *format = NULL;
-        assert_ok(label_file_read(&table, &format, test_shared(files[i].path), NULL, &notes));
+        label_file_read(&job, &table, &format, test_shared(files[i].path), NULL);
+        assert_ok(job_close(&job, NULL, NULL));
         assert_string_equal(format, files[i].format);
         assert_true(!files[i].count || files[i].count == table.count);
         assert_string_equal(table.entries[0].name, files[i].first);
@@ -41,23 +42,22 @@ static void real_tables_are_read(void **state)
             assert_string_equal(table.entries[table.count - 1].name, files[i].last);
         }
         label_table_finish(&table);
-        notes_finish(&notes);
     }
 }
 
 static void a_lut_beside_an_override_colours_it(void **state)
 {
     (void)state;
+    struct job job = {0};
     struct label_table table = {0};
-    struct notes notes = {0};
     const char *format = NULL;
-    assert_ok(label_file_read(&table, &format, test_mricron("aal.nii.txt"), NULL, &notes));
+    label_file_read(&job, &table, &format, test_mricron("aal.nii.txt"), NULL);
+    assert_ok(job_close(&job, NULL, NULL));
     assert_int_equal(table.count, 116);
     assert_string_equal(table.entries[115].name, "Vermis_10");
     assert_true(table.entries[0].has_rgb);
     assert_int_equal(table.entries[0].rgb[0], 204);
     label_table_finish(&table);
-    notes_finish(&notes);
 }
 
 static void fsl_atlases_name_their_images(void **state)
@@ -78,20 +78,19 @@ static void fsl_atlases_name_their_images(void **state)
     };
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         struct bytes bytes = {0};
-        struct notes notes = {0};
-        struct fsl_atlas atlas = {0};
+        struct job job = {0};
         assert_ok(file_read(&bytes, test_shared(files[i].path), 1 << 20));
-        assert_ok(fsl_atlas_parse(&atlas, text_from_bytes(bytes.data, bytes.size)));
-        assert_ok(fsl_atlas_number(&atlas, &(struct label_use){0}, &notes));
-        assert_int_equal(atlas.is_label, files[i].is_label);
-        assert_int_equal(atlas.image_count, files[i].images);
-        assert_int_equal(atlas.labels.count, files[i].labels);
-        assert_string_equal(atlas.images[0].image, files[i].image);
-        assert_string_equal(atlas.images[0].summary, files[i].summary);
-        assert_int_equal(atlas.labels.entries[0].number, 1);
-        assert_string_equal(atlas.labels.entries[0].name, files[i].first);
-        fsl_atlas_finish(&atlas);
-        notes_finish(&notes);
+        struct fsl_atlas *atlas = fsl_atlas_parse(&job, text_from_bytes(bytes.data, bytes.size));
+        fsl_atlas_number(&job, atlas, &(struct label_use){0});
+        assert_true(job_ok(&job));
+        assert_int_equal(atlas->is_label, files[i].is_label);
+        assert_int_equal(atlas->image_count, files[i].images);
+        assert_int_equal(atlas->labels.count, files[i].labels);
+        assert_string_equal(atlas->images[0].image, files[i].image);
+        assert_string_equal(atlas->images[0].summary, files[i].summary);
+        assert_int_equal(atlas->labels.entries[0].number, 1);
+        assert_string_equal(atlas->labels.entries[0].name, files[i].first);
+        job_end(&job);
         bytes_finish(&bytes);
     }
 }
