@@ -102,7 +102,7 @@ conus_status volume_text_parse_stored(struct volume_header *out, const struct st
         return notes_move(notes, &found);
     }
     notes_finish(&found);
-    return parse_text_of(out, stored, VOLUME_TEXT_HEAD, notes);
+    return status == CONUS_ERROR_MEMORY ? status : parse_text_of(out, stored, VOLUME_TEXT_HEAD, notes);
 }
 
 /* Length of `path` without the ending "HEAD", or "BRIK" perhaps with ".gz"; 0 if it has another. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* corpus FOLDER: asks each file of a folder of the corpus what `conus info --format json` says of it, and compares with
- * the folder's facts.json (README.md). Then it asks the same of every prefix of the file, and with every allocation
- * failing. */
+ * the folder's facts.json (README.md). Then it asks the same of every prefix of the file, with every allocation
+ * failing, and with every primitive of a job failing (base/job/job.h). */
 #include "atlas/atlas.h"
 #include "base/files/file.h"
 #include "cli/answers/info_json.h"
@@ -60,7 +60,7 @@ struct entry {
 };
 
 static struct {
-    size_t entries, prefixes, failures, faults;
+    size_t entries, prefixes, failures, primitives, faults;
     json_t *cut; /* Names and sums of files in folders whose prefixes were asked. */
 } total;
 
@@ -397,6 +397,26 @@ static void check_allocations(const struct entry *entry, const struct answer *wh
     }
 }
 
+/* Asks with each primitive of a job failing: for want of memory the answer says so; by bad data there is none, or that
+ * of what is done instead. */
+static void check_primitives(const struct entry *entry)
+{
+    bool reached = true;
+    for (size_t k = 1; reached; k += 1 + k / FAILURES, total.primitives += 2) {
+        for (int data = 0; data < 2; data++) {
+            struct answer answer;
+            test_fail_primitive(k, data ? CONUS_ERROR_DATA : CONUS_ERROR_MEMORY);
+            ask(&answer, entry, -1);
+            reached = test_primitives() >= k;
+            if (!data && reached && said != CONUS_ERROR_MEMORY) {
+                report(entry, "primitive %zu without memory: %s", k, answer.code ? answer.line : "an answer");
+            }
+            answer_finish(&answer);
+        }
+    }
+    test_fail_primitive(0, CONUS_OK);
+}
+
 /* The folder that nftw() copies, to the folder of the process. */
 static size_t root_length;
 
@@ -471,6 +491,7 @@ static void check_entry(struct entry *entry)
         snprintf(walked.top, sizeof walked.top, "%s", top);
         nftw(top, check_part, OPEN_FOLDERS, FTW_PHYS);
         check_allocations(entry, &whole);
+        check_primitives(entry);
     }
     answer_finish(&whole);
     total.entries++;
@@ -564,7 +585,8 @@ int main(int argc, char **argv)
     json_decref(all);
     json_decref(total.cut);
     free(folder);
-    printf("%zu entries, %zu prefixes, %zu failing allocations, %.1f s; %zu faults\n", total.entries, total.prefixes,
-           total.failures, (double)clock() / CLOCKS_PER_SEC, total.faults);
+    printf("%zu entries, %zu prefixes, %zu failing allocations, %zu failing primitives, %.1f s; %zu faults\n",
+           total.entries, total.prefixes, total.failures, total.primitives, (double)clock() / CLOCKS_PER_SEC,
+           total.faults);
     return total.entries && !total.faults ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -86,7 +86,7 @@ void test_fail_allocation(long n)
     has_failed = false;
 }
 
-static size_t primitives, failing_primitive; /* 0 = none fails */
+static size_t primitives, failing_primitive; /* so far; 0 = none fails */
 static conus_status primitive_fails_as;
 
 bool __wrap_job_step(struct job *job);
@@ -100,25 +100,33 @@ bool __wrap_job_step(struct job *job)
     return job_ok(job);
 }
 
-size_t test_every_primitive(conus_status (*attempt)(void *data), void *data)
+void test_fail_primitive(size_t k, conus_status as)
 {
     primitives = 0;
-    failing_primitive = 0;
+    failing_primitive = k;
+    primitive_fails_as = as;
+}
+
+size_t test_primitives(void)
+{
+    return primitives;
+}
+
+size_t test_every_primitive(conus_status (*attempt)(void *data), void *data)
+{
+    test_fail_primitive(0, CONUS_OK);
     assert_ok(attempt(data));
     size_t count = primitives;
     for (size_t k = 1; k <= count; k++) {
-        primitives = 0;
-        failing_primitive = k;
-        primitive_fails_as = CONUS_ERROR_MEMORY;
+        test_fail_primitive(k, CONUS_ERROR_MEMORY);
         assert_fails(attempt(data), CONUS_ERROR_MEMORY);
-        primitives = 0;
-        primitive_fails_as = CONUS_ERROR_DATA;
+        test_fail_primitive(k, CONUS_ERROR_DATA);
         conus_status status = attempt(data);
         if (status) { /* else an attempt went on */
             assert_fails(status, CONUS_ERROR_DATA);
         }
     }
-    failing_primitive = 0;
+    test_fail_primitive(0, CONUS_OK);
     return count;
 }
 

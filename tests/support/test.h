@@ -48,6 +48,11 @@ void test_limit_allocations(size_t size);
  * time it must return CONUS_ERROR_MEMORY, or CONUS_OK if it can do without. @p attempt cleans up after itself. */
 void test_every_allocation(conus_status (*attempt)(void *data), void *data);
 
+/** Makes the @p k-th primitive of jobs (base/job/job.h) from now on fail as @p as; 0 = none. */
+void test_fail_primitive(size_t k, conus_status as);
+/** Primitives since the last test_fail_primitive(). */
+size_t test_primitives(void);
+
 /** Runs @p attempt, which must succeed, and then with the k-th primitive of its jobs (base/job/job.h) failing, for
  * every k: for want of memory it must return CONUS_ERROR_MEMORY, and by bad data CONUS_ERROR_DATA, or CONUS_OK where
  * something else did instead. Gives the number of primitives. */
