@@ -469,7 +469,14 @@ static void check_entry(struct entry *entry)
     total.entries++;
 }
 
-/* Puts the words of the command line together: {} in one stands for the file, which is else the first. */
+/* The place of {}, which stands for the file, or of {/}, its folder, in a word; NULL without. */
+static const char *find_place(const char *word)
+{
+    const char *file = strstr(word, "{}");
+    return file ? file : strstr(word, "{/}");
+}
+
+/* Puts the words of the command line together; the file is the first if it has no place in another. */
 static void take_words(struct entry *entry)
 {
     json_t *with = json_object_get(entry->facts, "with");
@@ -478,7 +485,7 @@ static void take_words(struct entry *entry)
     bool is_placed = false;
     json_array_foreach(with, i, word)
     {
-        is_placed = is_placed || strstr(json_string_value(word), "{}");
+        is_placed = is_placed || find_place(json_string_value(word));
     }
     entry->words[entry->word_count++] = strdup("conus");
     entry->words[entry->word_count++] = strdup("info");
@@ -489,9 +496,14 @@ static void take_words(struct entry *entry)
     {
         char text[PATH_SIZE];
         const char *given = json_string_value(word);
-        const char *place = strstr(given, "{}");
-        snprintf(text, sizeof text, "%.*s%s%s", place ? (int)(place - given) : (int)strlen(given), given,
-                 place ? entry->file : "", place ? place + 2 : "");
+        const char *place = find_place(given);
+        const size_t before = place ? (size_t)(place - given) : strlen(given);
+        const char *slash = strrchr(entry->file, '/');
+        const size_t length = !place                     ? 0
+                              : place[1] == '/' && slash ? (size_t)(slash - entry->file)
+                                                         : strlen(entry->file);
+        snprintf(text, sizeof text, "%.*s%.*s%s", (int)before, given, (int)length, entry->file,
+                 place ? strchr(place, '}') + 1 : "");
         entry->words[entry->word_count++] = strdup(text);
         assert(entry->word_count < WORD_LIMIT);
     }
