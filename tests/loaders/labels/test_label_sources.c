@@ -27,7 +27,7 @@ static void a_manifest_is_written_with_the_proved_names(void **state)
 {
     (void)state;
     test_folder("compared");
-    row_write("v.nii", 5, 1, NULL);
+    row_write("v.nii", 5, 1);
     row_text(test_in("a.xml"), swapped);
     row_text(test_in("v.xml"), proved);
     assert_ok(conus_manifest_write(test_in("m.atlas.json"), NULL));
@@ -159,7 +159,7 @@ static void tables_take_no_more_memory_than_is_allowed(void **state)
     (void)state;
     enum { MILLION = 1 << 20, MIB = 1 << 20 };
     test_folder("large");
-    row_write("v.nii", 4, 1, NULL);
+    row_write("v.nii", 4, 1);
     write_repeated("rows.txt", "2 b\n3 c\n", "1 a\n", MILLION - 1, "");
     assert_too_large("rows.txt", 0, "more than 1048576 labels");
     assert_too_large("rows.txt", 64 * MIB, "file of 4194308 bytes, allowed are 1048576 (--max-memory)");
