@@ -24,8 +24,17 @@
 #include <time.h>
 #include <unistd.h>
 
-/* PREFIXES, FAILURES: as many of a file are tried one by one; of more, some. */
-enum { PATH_SIZE = 1024, LINE_SIZE = 2048, WORD_LIMIT = 64, PREFIXES = 4096, FAILURES = 2000, LARGEST = 1 << 26 };
+/* PREFIXES, FEW, FAILURES: as many of a file are tried one by one; of more, some. FEW are tried of a file that is
+ * refused, or of one beside the file of the entry: their like is read in other entries. */
+enum {
+    PATH_SIZE = 1024,
+    LINE_SIZE = 2048,
+    WORD_LIMIT = 64,
+    PREFIXES = 4096,
+    FEW = 512,
+    FAILURES = 2000,
+    LARGEST = 1 << 26
+};
 
 /* The options of `conus info` that say what is loaded. */
 struct question {
@@ -355,7 +364,7 @@ static void check_prefixes(const struct entry *entry, const struct answer *whole
         report(entry, "%s", conus_message());
         return;
     }
-    size_t step = bytes.size / PREFIXES + 1;
+    size_t step = bytes.size / (main && !whole->code ? PREFIXES : FEW) + 1;
     size_t end = strchr(path, '/') && was_cut(path, &bytes) ? 0 : bytes.size;
     for (size_t cut = 1; cut <= end; cut += step, total.prefixes++) {
         struct answer answer;
@@ -429,18 +438,20 @@ static void copy(const struct entry *entry, const char *name)
     }
 }
 
-/* The files of the folder that nftw() walks through. */
+/* The file or folder that nftw() walks through. A file with an entry of its own is cut by that. */
 static struct {
     const struct entry *entry;
     const struct answer *whole;
+    json_t *all; /* The entries of facts.json. */
 } walked;
 
 static int check_part(const char *path, const struct stat *info, int type, struct FTW *walk)
 {
     (void)info;
     (void)walk;
-    if (type == FTW_F) {
-        check_prefixes(walked.entry, walked.whole, path, strcmp(path, walked.entry->file) == 0);
+    bool main = strcmp(path, walked.entry->file) == 0;
+    if (type == FTW_F && (main || !json_object_get(walked.all, path))) {
+        check_prefixes(walked.entry, walked.whole, path, main);
     }
     return 0;
 }
@@ -538,6 +549,7 @@ int main(int argc, char **argv)
     setenv("CONUS_CACHE", "off", 1);
     total.cut = json_object();
     messages_hold(true);
+    walked.all = all;
     json_object_foreach(all, file, facts)
     {
         json_t *each;
