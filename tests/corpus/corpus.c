@@ -24,9 +24,10 @@
 #include <time.h>
 #include <unistd.h>
 
-/* PREFIXES, FAILURES: as many of a file are tried one by one; of more, some. CHILD_PREFIXES, CHILD_FAILURES: likewise
- * of one that another process reads, which takes longer. */
-enum { PREFIXES = 4096, FAILURES = 2000, CHILD_PREFIXES = 8, CHILD_FAILURES = 8 };
+/* PREFIXES, FEW, FAILURES: as many of a file are tried one by one; of more, some. FEW are tried of a file that is
+ * refused, or of one beside the file of the entry: their like is read in other entries. CHILD_PREFIXES, CHILD_FAILURES:
+ * likewise of one that another process reads, which takes longer. */
+enum { PREFIXES = 4096, FEW = 512, FAILURES = 2000, CHILD_PREFIXES = 8, CHILD_FAILURES = 8 };
 enum { PATH_SIZE = 1024, WORD_LIMIT = 64, LARGEST = 1 << 26 };
 
 /* The options of `conus info` that say what is loaded. */
@@ -362,7 +363,8 @@ static void check_prefixes(const struct entry *entry, const struct answer *whole
         report(entry, "%s", conus_message());
         return;
     }
-    size_t step = bytes.size / (has_child(entry) ? CHILD_PREFIXES : PREFIXES) + 1;
+    size_t most = has_child(entry) ? CHILD_PREFIXES : main && !whole->code ? PREFIXES : FEW;
+    size_t step = bytes.size / most + 1;
     size_t end = strchr(path, '/') && was_cut(path, &bytes) ? 0 : bytes.size;
     for (size_t cut = 1; cut <= end; cut += step, total.prefixes++) {
         struct answer answer;
