@@ -411,8 +411,9 @@ static void check_allocations(const struct entry *entry, const struct answer *wh
  * of what is done instead. */
 static void check_primitives(const struct entry *entry)
 {
+    const size_t most = has_child(entry) ? CHILD_FAILURES : FAILURES;
     bool reached = true;
-    for (size_t k = 1; reached; k += 1 + k / FAILURES, total.primitives += 2) {
+    for (size_t k = 1; reached; k += 1 + k / most, total.primitives += 2) {
         for (int data = 0; data < 2; data++) {
             struct answer answer;
             test_fail_primitive(k, data ? CONUS_ERROR_DATA : CONUS_ERROR_MEMORY);
