@@ -385,6 +385,19 @@ bool job_has_file(struct job *job, const char *path)
     return job_step(job) && file_exists(path);
 }
 
+struct names job_names(struct job *job, const char *folder, const char *ending)
+{
+    struct names found = {0};
+    (void)JOB_CALL(job, names_list(&found, folder, ending));
+    struct names names = {.count = found.count};
+    names.names = job_array(job, &names.count, sizeof *names.names);
+    for (size_t i = 0; i < names.count; i++) {
+        names.names[i] = job_copy(job, text_from(found.names[i]));
+    }
+    names_finish(&found);
+    return names;
+}
+
 struct bytes job_read(struct job *job, const char *path, uint64_t limit, const char *option)
 {
     struct open_file file;

@@ -18,6 +18,7 @@
 #define CONUS_BASE_JOB_JOB_H
 
 #include "base/files/file_sums.h"
+#include "base/files/folder.h"
 #include "base/notes.h"
 #include "base/text.h"
 
@@ -169,6 +170,8 @@ void *list_add(struct job *job, void *array, size_t *count, size_t *capacity, si
 /** The path file_beside() of @p path and @p name. */
 char *job_beside(struct job *job, const char *path, const char *name);
 bool job_has_file(struct job *job, const char *path);
+/** As names_list(); none after a failure. */
+struct names job_names(struct job *job, const char *folder, const char *ending);
 /** The bytes of a file that may not be larger than @p limit; @p option as for file_read_open(). The path is a place,
  * which the caller enters before: messages of openers do not name it. */
 struct bytes job_read(struct job *job, const char *path, uint64_t limit, const char *option);

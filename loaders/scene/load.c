@@ -172,6 +172,7 @@ static conus_status surface_load(conus_atlas **out, const char *path, const stru
 static conus_status cifti_load(conus_atlas **out, const char *path, struct load_progress *progress)
 {
     struct cifti_file file = {0};
+    struct job job = {0}; /* Bridge: owns the manifest */
     struct manifest manifest = {0};
     struct notes notes = {.sink = &progress->sink};
     conus_atlas *atlas = NULL;
@@ -180,14 +181,14 @@ static conus_status cifti_load(conus_atlas **out, const char *path, struct load_
         return fail(CONUS_ERROR_ARGUMENT, "--labels %s: %s names its labels itself", progress->options->labels, path);
     }
     conus_status status = cifti_file_open(&file, path, max_memory, &notes);
-    status = status ? status : plan_cifti(&manifest, &file, max_memory, &notes);
+    status = status ? status : plan_cifti(&job, &manifest, &file, max_memory, &notes);
     char *file_path = file.path;
     file.path = NULL;
     cifti_file_finish(&file); /* before the surfaces need memory */
     status = status ? status : manifest_load_made(&atlas, &manifest, file_path, "the label table in it", progress);
     status = status ? status : notes_move(&atlas->notes, &notes);
     notes_finish(&notes);
-    manifest_finish(&manifest);
+    job_end(&job);
     memory_free(file_path);
     return atlas_give(out, atlas, status);
 }
@@ -249,8 +250,10 @@ static conus_status load_json(conus_atlas **out, const struct open_file *file, s
 static conus_status note_hemispheres(conus_atlas *atlas, const char *folder)
 {
     char *path = file_beside(folder, "hemispheres.tiff");
-    bool voxels = false;
-    conus_status status = path ? brainglobe_has_voxels(&voxels, folder) : CONUS_ERROR_MEMORY;
+    struct job job = {0}; /* Bridge */
+    bool voxels = brainglobe_has_voxels(&job, folder);
+    conus_status status = job_close(&job, NULL, NULL);
+    status = status || path ? status : CONUS_ERROR_MEMORY;
     if (!status && voxels && file_exists(path)) {
         status = notes_add(&atlas->notes, "%s (1 is left, 2 is right) is not used: areas are of both sides", path);
     }
@@ -295,39 +298,36 @@ static conus_status find_brainglobe(char **out, const char *path)
 /* Loads the atlas whose manifest.json is in `folder`. */
 static conus_status load_brainglobe(conus_atlas **out, const char *folder, struct load_progress *progress)
 {
+    struct job job = {0}; /* Bridge: owns the manifest */
     struct manifest manifest = {0};
     struct file_sums read = {0};
     struct notes notes = {.sink = &progress->sink};
     conus_atlas *atlas = NULL;
     char *root = NULL;
-    conus_status status = plan_brainglobe(&manifest, &root, folder, &read, &notes);
+    conus_status status = plan_brainglobe(&job, &manifest, &root, folder, &read, &notes);
     status = status ? status : manifest_load_made(&atlas, &manifest, root, "terminology.csv", progress);
     status = status ? status : notes_move(&atlas->notes, &notes);
     status = status ? status : file_sums_move(&atlas->files, &read);
     notes_finish(&notes);
     file_sums_finish(&read);
-    manifest_finish(&manifest);
+    job_end(&job);
     memory_free(root);
     return atlas_give(out, atlas, status);
 }
 
 static conus_status load_folder(conus_atlas **out, const char *path, struct load_progress *progress)
 {
-    struct buffer folder = {0};
-    struct buffer text = {0};
+    struct job job = {0}; /* Bridge */
     conus_atlas *atlas = NULL;
-    char *whole = NULL; /* the folder whose meshes these are */
     size_t length = strlen(path);
-    conus_status status = brainglobe_of_meshes(&whole, path);
-    buffer_format(&folder, "%s%s", whole ? whole : path, whole || path[length - 1] == '/' ? "" : "/");
-    status = status ? status : buffer_status(&folder);
-    status = status ? status : manifest_of_folder(&text, folder.data, whole != NULL);
+    const char *whole = brainglobe_of_meshes(&job, path); /* the folder whose meshes these are */
+    const char *folder = whole ? whole : job_format(&job, "%s%s", path, path[length - 1] == '/' ? "" : "/");
+    struct text text = manifest_of_folder(&job, folder, whole != NULL);
     const struct bytes bytes = {(uint8_t *)text.data, text.size};
-    status = status ? status : manifest_load(&atlas, folder.data, &bytes, progress);
-    status = status || whole ? status : note_hemispheres(atlas, folder.data);
-    buffer_finish(&text);
-    buffer_finish(&folder);
-    memory_free(whole);
+    conus_status status =
+        job_ok(&job) ? manifest_load(&atlas, folder, &bytes, progress) : fail(job.status, "%s", job.message);
+    status = status || whole ? status : note_hemispheres(atlas, folder);
+    job_end(&job);
     return atlas_give(out, atlas, status);
 }
 

@@ -544,10 +544,11 @@ static conus_status load_scene(conus_atlas **out, struct loading *loading)
 conus_status manifest_load(conus_atlas **out, const char *path, const struct bytes *file,
                            struct load_progress *progress)
 {
+    struct job job = {0}; /* Bridge: of the parser */
     struct manifest manifest;
-    conus_status status = manifest_parse(&manifest, text_from_bytes(file->data, file->size));
-    if (status) {
-        return fail_in(status, path);
+    manifest_parse(&job, &manifest, text_from_bytes(file->data, file->size));
+    if (!job_ok(&job)) {
+        return fail_in(job_close(&job, NULL, NULL), path);
     }
     struct loading loading = {.manifest = &manifest,
                               .path = path,
@@ -555,8 +556,8 @@ conus_status manifest_load(conus_atlas **out, const char *path, const struct byt
                               .names = "the manifest",
                               .options = progress->options,
                               .progress = progress};
-    status = load_scene(out, &loading);
-    manifest_finish(&manifest);
+    conus_status status = load_scene(out, &loading);
+    job_end(&job);
     return status;
 }
 

@@ -69,16 +69,23 @@ static conus_status find_array(bool *there, const char *path, const struct brain
     return status;
 }
 
-static conus_status set_source(struct manifest_volume *out, const char *place, const char *name,
-                               const struct brainglobe_metadata *metadata)
+/* Bridge: the state of the job as a status. */
+static conus_status state_of(const struct job *job)
 {
-    out->file = join("", place, name);
-    out->orientation = memory_text(axes, strlen(axes));
-    memcpy(out->resolution, metadata->resolution, sizeof out->resolution);
-    return out->file && out->orientation ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return job_ok(job) ? CONUS_OK : fail(job->status, "%s", job->message);
 }
 
-static conus_status plan_annotation(struct manifest *out, const struct brainglobe_atlas *atlas, const char *root)
+static conus_status set_source(struct job *job, struct manifest_volume *out, const char *place, const char *name,
+                               const struct brainglobe_metadata *metadata)
+{
+    out->file = job_format(job, "%s/%s", place, name);
+    out->orientation = job_format(job, "%s", axes);
+    memcpy(out->resolution, metadata->resolution, sizeof out->resolution);
+    return state_of(job);
+}
+
+static conus_status plan_annotation(struct job *job, struct manifest *out, const struct brainglobe_atlas *atlas,
+                                    const char *root)
 {
     bool there = false;
     char *path = join(root, atlas->annotation, annotations);
@@ -94,19 +101,18 @@ static conus_status plan_annotation(struct manifest *out, const struct brainglob
         return status;
     }
     out->single = true;
-    out->parcellations = memory_zeroed(1, sizeof *out->parcellations);
+    out->parcellations = job_new(job, struct manifest_parcellation);
     if (!out->parcellations) {
-        return CONUS_ERROR_MEMORY;
+        return state_of(job);
     }
     out->parcellation_count = 1;
-    out->parcellations->labels = join("", atlas->terminology, "terminology.csv");
-    status = set_source(&out->parcellations->source, atlas->annotation, annotations, &atlas->metadata);
-    return out->parcellations->labels ? status : CONUS_ERROR_MEMORY;
+    out->parcellations->labels = job_format(job, "%s/terminology.csv", atlas->terminology);
+    return set_source(job, &out->parcellations->source, atlas->annotation, annotations, &atlas->metadata);
 }
 
 /* Takes the template as the context. Nobody needs it for an answer, so one that is not there is a note. */
-static conus_status plan_template(struct manifest *out, const struct brainglobe_atlas *atlas, const char *root,
-                                  struct notes *notes)
+static conus_status plan_template(struct job *job, struct manifest *out, const struct brainglobe_atlas *atlas,
+                                  const char *root, struct notes *notes)
 {
     bool there = false;
     char *path = join(root, atlas->template, "template.ome.zarr");
@@ -121,12 +127,12 @@ static conus_status plan_template(struct manifest *out, const struct brainglobe_
     if (status || !there) {
         return status;
     }
-    out->contexts = memory_zeroed(1, sizeof *out->contexts);
+    out->contexts = job_new(job, struct manifest_context);
     if (!out->contexts) {
-        return CONUS_ERROR_MEMORY;
+        return state_of(job);
     }
     out->context_count = 1;
-    return set_source(&out->contexts->source, atlas->template, "template.ome.zarr", &atlas->metadata);
+    return set_source(job, &out->contexts->source, atlas->template, "template.ome.zarr", &atlas->metadata);
 }
 
 /* Notes what of the atlas is not heeded. */
@@ -150,19 +156,18 @@ static conus_status note_rest(const struct brainglobe_atlas *atlas, const char *
     return status;
 }
 
-conus_status plan_brainglobe(struct manifest *out, char **root, const char *folder, struct file_sums *read,
-                             struct notes *notes)
+conus_status plan_brainglobe(struct job *job, struct manifest *out, char **root, const char *folder,
+                             struct file_sums *read, struct notes *notes)
 {
     struct brainglobe_atlas atlas = {0};
     struct manifest manifest = {0};
     char *above = NULL;
     conus_status status = brainglobe_atlas_read(&atlas, &above, folder, read);
-    status = status ? status : plan_annotation(&manifest, &atlas, above);
-    status = status || !atlas.template ? status : plan_template(&manifest, &atlas, above, notes);
+    status = status ? status : plan_annotation(job, &manifest, &atlas, above);
+    status = status || !atlas.template ? status : plan_template(job, &manifest, &atlas, above, notes);
     status = status ? status : note_rest(&atlas, above, folder, notes);
     brainglobe_atlas_finish(&atlas);
     if (status) {
-        manifest_finish(&manifest);
         memory_free(above);
         return status;
     }

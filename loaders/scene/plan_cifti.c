@@ -15,16 +15,21 @@ struct planning {
     struct surface_list surfaces;
     struct manifest manifest;
     struct notes *notes;
+    struct job *job; /* Bridge: owns the manifest */
     uint32_t *taken; /* labels of the areas planned so far, sorted */
     size_t taken_count;
 };
 
 /* "FILE,map=K", without the folder. */
-static char *name_map(const struct cifti_file *file)
+static char *name_map(struct job *job, const struct cifti_file *file)
 {
-    struct buffer name = {0};
-    buffer_format(&name, "%s,map=%zu", path_base(file->path), file->choice.map);
-    return name.failed ? (buffer_finish(&name), NULL) : name.data;
+    return job_format(job, "%s,map=%zu", path_base(file->path), file->choice.map);
+}
+
+/* Bridge: the state of the job as a status. */
+static conus_status state_of(const struct job *job)
+{
+    return job_ok(job) ? CONUS_OK : fail(job->status, "%s", job->message);
 }
 
 /* The least multiple of the step by which no label of `list`, sorted, becomes one that is taken: 0 if none is; else
@@ -65,17 +70,16 @@ static conus_status take_labels(struct planning *planning, const uint32_t *list,
 static conus_status add_area(struct planning *planning, const char *surface, uint32_t offset)
 {
     struct manifest *manifest = &planning->manifest;
-    struct manifest_area *areas = memory_resize(manifest->areas, manifest->area_count + 1, sizeof *areas);
+    struct manifest_area *areas = job_grow(planning->job, manifest->areas, manifest->area_count + 1, sizeof *areas);
     if (!areas) {
-        return CONUS_ERROR_MEMORY;
+        return state_of(planning->job);
     }
     manifest->areas = areas;
-    areas[manifest->area_count++] = (struct manifest_area){.file = memory_text(surface, strlen(surface)),
-                                                           .vertex_labels = name_map(planning->file),
+    areas[manifest->area_count++] = (struct manifest_area){.file = job_format(planning->job, "%s", surface),
+                                                           .vertex_labels = name_map(planning->job, planning->file),
                                                            .noted = true,
                                                            .label_offset = offset};
-    const struct manifest_area *area = &areas[manifest->area_count - 1];
-    return area->file && area->vertex_labels ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return state_of(planning->job);
 }
 
 static conus_status plan_surface(struct planning *planning, const struct cifti_model *model, const uint32_t *list,
@@ -102,16 +106,16 @@ static conus_status plan_surface(struct planning *planning, const struct cifti_m
     return status ? status : add_area(planning, surface->name, offset);
 }
 
-static conus_status add_voxels(struct manifest *manifest, const struct cifti_file *file)
+static conus_status add_voxels(struct job *job, struct manifest *manifest, const struct cifti_file *file)
 {
-    manifest->parcellations = memory_zeroed(1, sizeof *manifest->parcellations);
+    manifest->parcellations = job_new(job, struct manifest_parcellation);
     if (!manifest->parcellations) {
-        return CONUS_ERROR_MEMORY;
+        return state_of(job);
     }
     manifest->parcellation_count = 1;
     manifest->single = true;
-    manifest->parcellations[0] = (struct manifest_parcellation){.source.file = name_map(file), .noted = true};
-    return manifest->parcellations[0].source.file ? CONUS_OK : CONUS_ERROR_MEMORY;
+    manifest->parcellations[0] = (struct manifest_parcellation){.source.file = name_map(job, file), .noted = true};
+    return state_of(job);
 }
 
 /* Plans a surface, or all voxels where `model` is NULL. */
@@ -126,16 +130,17 @@ static conus_status plan_model(struct planning *planning, const struct cifti_mod
     } else if (!status && model) {
         status = plan_surface(planning, model, list, count);
     } else if (!status) {
-        status = add_voxels(&planning->manifest, planning->file);
+        status = add_voxels(planning->job, &planning->manifest, planning->file);
         status = status ? status : take_labels(planning, list, count, 0);
     }
     memory_free(list);
     return status;
 }
 
-conus_status plan_cifti(struct manifest *out, const struct cifti_file *file, uint64_t max_memory, struct notes *notes)
+conus_status plan_cifti(struct job *job, struct manifest *out, const struct cifti_file *file, uint64_t max_memory,
+                        struct notes *notes)
 {
-    struct planning planning = {.file = file, .notes = notes};
+    struct planning planning = {.file = file, .notes = notes, .job = job};
     char *folder = path_folder(file->path);
     conus_status status = folder ? surface_list_make(&planning.surfaces, folder, max_memory) : CONUS_ERROR_MEMORY;
     const struct cifti_choice *choice = &file->choice;
@@ -152,7 +157,6 @@ conus_status plan_cifti(struct manifest *out, const struct cifti_file *file, uin
     memory_free(planning.taken);
     memory_free(folder);
     if (status) {
-        manifest_finish(&planning.manifest);
         return status;
     }
     *out = planning.manifest;

@@ -11,6 +11,7 @@
  * left out. A surface that shares labels with the voxels or with a surface before it gets a label_offset. Names in the
  * manifest are relative to the file's folder. @p notes gets which surfaces were taken; notes about the file itself are
  * the caller's. Errors carry the path. */
-conus_status plan_cifti(struct manifest *out, const struct cifti_file *file, uint64_t max_memory, struct notes *notes);
+conus_status plan_cifti(struct job *job, struct manifest *out, const struct cifti_file *file, uint64_t max_memory,
+                        struct notes *notes); /* Bridge: the manifest is the job's */
 
 #endif
