@@ -202,19 +202,3 @@ bool conus_path_is_tractogram(const char *path)
 {
     return path && tract_file_is(path);
 }
-
-conus_status streamlines_add_entry(conus_atlas *atlas, const struct manifest_streamlines *entry, const char *path,
-                                   struct load_progress *progress)
-{
-    const conus_streamlines_options options = {
-        .name = entry->name, .log = progress->options->log, .log_user = progress->options->log_user};
-    char *file = file_beside(path, entry->file);
-    conus_atlas *alone = NULL;
-    double radius = 0;
-    conus_status status = file ? load_progress_report(progress, file, 1) : CONUS_ERROR_MEMORY;
-    status = status ? status : streamlines_radius(&radius, entry->radius, file);
-    status = status ? status : streamlines_load(&alone, file, progress->options, entry->space, false);
-    status = status ? status : streamlines_take(atlas, alone, radius, &options);
-    memory_free(file);
-    return status;
-}

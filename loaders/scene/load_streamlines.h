@@ -5,8 +5,6 @@
 
 #include "atlas/bundles.h"
 #include "conus/streamlines.h"
-#include "loaders/manifest/manifest.h"
-#include "loaders/scene/load_progress.h"
 
 /** Length of a file's name without ".gz", and without the ending of a tractogram before it. */
 size_t streamlines_stem_length(const char *name);
@@ -37,9 +35,5 @@ struct conus_tractogram {
 
 /** Makes an atlas like @p alone, whose arrays it borrows, for streamlines_take(). CONUS_ERROR_MEMORY. */
 conus_status streamlines_borrow(conus_atlas **out, const conus_atlas *alone);
-
-/** Adds a tractogram of the manifest @p path. */
-conus_status streamlines_add_entry(conus_atlas *atlas, const struct manifest_streamlines *entry, const char *path,
-                                   struct load_progress *progress);
 
 #endif

@@ -203,25 +203,30 @@ static bool draft_fsl_has(const struct manifest_draft *draft, const char *name)
  * XML has taken the volume. The log says why it is not the XML. *name is the caller's to memory_free(). */
 static conus_status draft_fsl_choose(char **name, const struct manifest_draft *draft, const char *xml)
 {
-    struct parcellation parts = {0};
+    struct job job = {0}; /* Bridge: of the parcellation */
+    struct parcellation *parts = job_new(&job, struct parcellation);
     const conus_load_options options = {.max_memory = draft->options->max_memory};
     const char *chosen = xml; /* what does not load says so when it is tried */
     char *path = file_beside(draft->folder, xml);
-    conus_status status = path ? parcellation_read(&parts, path, &options, "an atlas XML") : CONUS_ERROR_MEMORY;
+    conus_status status = path && parts ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
-        const char *volume = parts.file.path + strlen(draft->folder);
+        parcellation_read(&job, parts, path, &options, "an atlas XML");
+        status = job.status;
+    }
+    if (!status) {
+        const char *volume = parts->file.path + strlen(draft->folder);
         if (draft_fsl_has(draft, volume)) {
             chosen = NULL;
             status = bridge_log(draft, "%s: left out, since another XML has %s", xml, volume);
-        } else if (parts.is_disputed) {
+        } else if (parts->is_disputed) {
             chosen = volume;
             status = bridge_log(draft, "%s: left out for %s, which has other names by itself: %s", xml, volume,
-                                parts.notes.lines[parts.notes.count - 1]);
+                                job.notes.lines[job.notes.count - 1]);
         }
     }
     status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
     *name = status || !chosen ? NULL : memory_text(chosen, strlen(chosen));
-    parcellation_finish(&parts);
+    job_end(&job);
     memory_free(path);
     return status || !chosen || *name ? status : CONUS_ERROR_MEMORY;
 }
@@ -600,11 +605,11 @@ static conus_status take_cifti(bool *taken, struct manifest_draft *draft, const 
     struct cifti_file file = {0};
     struct job job = {0}; /* Bridge: of the plan */
     struct manifest manifest = {0};
-    struct notes notes = {0};
     char *path = file_beside(draft->folder, name);
     uint64_t max_memory = draft->options->max_memory;
-    conus_status status = path ? cifti_file_open(&file, path, max_memory, &notes) : CONUS_ERROR_MEMORY;
-    status = status ? status : plan_cifti(&job, &manifest, &file, max_memory, &notes);
+    (void)JOB_CALL(&job, path ? cifti_file_open(&file, path, max_memory, &job.notes) : CONUS_ERROR_MEMORY);
+    plan_cifti(&job, &manifest, &file, max_memory);
+    conus_status status = job_ok(&job) ? CONUS_OK : fail(job.status, "%s", job.message);
     if (status) {
         status = status == CONUS_ERROR_MEMORY ? status : bridge_leave_out(draft, name);
     } else {
@@ -619,10 +624,9 @@ static conus_status take_cifti(bool *taken, struct manifest_draft *draft, const 
                      : bridge_log(draft, "%s: parcellation, voxels of CIFTI labels", voxels);
         status = status ? status : take_labelled(draft, &manifest, table->entries[table->count - 1].number);
     }
-    for (size_t i = 0; !status && i < notes.count; i++) {
-        status = bridge_log(draft, "%s", notes.lines[i]);
+    for (size_t i = 0; !status && i < job.notes.count; i++) {
+        status = bridge_log(draft, "%s", job.notes.lines[i]);
     }
-    notes_finish(&notes);
     job_end(&job);
     cifti_file_finish(&file);
     memory_free(path);
@@ -766,14 +770,12 @@ static conus_status write_checked(const char *path, const struct text *text)
 
 static conus_status load_text(const struct manifest_draft *draft, struct text text)
 {
-    conus_atlas *atlas = NULL;
+    struct load load;
     const struct bytes bytes = {(uint8_t *)text.data, text.size};
     const conus_load_options options = {.max_memory = draft->options->max_memory};
-    struct load_progress progress = load_progress_of(draft->folder, &options);
-    conus_status status = manifest_load(&atlas, draft->folder, &bytes, &progress);
-    load_progress_finish(&progress);
-    conus_atlas_destroy(atlas);
-    return status;
+    load_begin(&load, draft->folder, &options);
+    manifest_load(&load, draft->folder, &bytes);
+    return load_end(NULL, &load);
 }
 
 conus_status conus_manifest_write(const char *path, const conus_manifest_options *options)
