@@ -101,7 +101,7 @@ LIBRARY = {
     "loaders/scene": "base base/files base/geometry base/formats base/job atlas/labels atlas/surface atlas atlas/areas atlas/fit"
     " atlas/warp loaders/maps loaders loaders/volumes loaders/labels loaders/cifti loaders/surfaces/foreign loaders/surfaces"
     " loaders/manifest loaders/transform loaders/tracts loaders/brainglobe",
-    "loaders/catalogue": "base base/files base/formats loaders/brainglobe loaders/volumes loaders/labels",
+    "loaders/catalogue": "base base/files base/formats base/job loaders/brainglobe loaders/volumes loaders/labels",
     "loaders/arrays": "base atlas atlas/areas loaders/maps loaders/volumes loaders/scene",
     "render/gl": "base base/geometry",
     "render/id": "base base/geometry atlas/surface atlas/tracts atlas render/gl",
