@@ -220,15 +220,17 @@ static conus_status report_only_file(struct load_progress *progress, const char 
 static conus_status load_volumes(conus_atlas **out, const struct probe *probe, const char *path,
                                  struct load_progress *progress)
 {
-    struct named_maps maps = {0};
-    conus_status status = named_maps_find(&maps, probe, path, progress->options);
-    if (!status && maps.table.count) {
+    struct job job = {0}; /* Bridge: of the names */
+    const struct named_maps maps = named_maps_find(&job, probe, path, progress->options);
+    conus_status status = job_ok(&job) ? CONUS_OK : fail(job.status, "%s", job.message);
+    if (!status && maps.table->count) {
         status = named_maps_load(out, path, &maps, progress);
+        status = status ? status : file_sums_move(&(*out)->files, &job.files);
     } else if (!status) {
         status = report_only_file(progress, path);
         status = status ? status : load_labelled_volume(out, probe, path, progress);
     }
-    named_maps_finish(&maps);
+    job_end(&job);
     return status;
 }
 

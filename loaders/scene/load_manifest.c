@@ -13,7 +13,9 @@
 #include "loaders/maps/load_probability.h"
 #include "loaders/maps/load_scalar.h"
 #include "loaders/scene/area_plan.h"
+#include "loaders/scene/load_context.h"
 #include "loaders/scene/load_streamlines.h"
+#include "loaders/scene/load_transform.h"
 #include "loaders/scene/parcellations.h"
 
 #include <math.h>
@@ -31,8 +33,15 @@ struct loading {
     struct volume_file series; /* kept for the pathways that follow, if any is in the same file */
     const char *series_name;   /* as the manifest writes it; NULL without one */
     struct load_progress *progress;
-    struct named_maps *maps; /* whose table names the volumes of a file that is ATLAS; NULL without one */
+    const struct named_maps *maps; /* whose table names the volumes of a file that is ATLAS; NULL without one */
+    struct job job;                /* Bridge: of pathways, contexts, streamlines and transforms */
 };
+
+/* Bridge: the status of the job. */
+static conus_status say_job(const struct loading *loading)
+{
+    return job_ok(&loading->job) ? CONUS_OK : fail(loading->job.status, "%s", loading->job.message);
+}
 
 /* After a failure puts manifest, key and entry in front of the message. What a manifest asks for in vain is its fault,
  * not the caller's. */
@@ -60,7 +69,10 @@ static conus_status move_by(struct loading *loading, const struct manifest_trans
                                              .space = transform->space,
                                              .transform = transform->transform,
                                              .max_memory = loading->options->max_memory};
-    conus_status status = whole ? conus_atlas_transform(loading->atlas, paths[0], &options) : CONUS_ERROR_MEMORY;
+    if (whole) {
+        transform_load(&loading->job, loading->atlas, paths[0], &options);
+    }
+    conus_status status = whole ? say_job(loading) : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < FILES; i++) {
         memory_free(paths[i]);
     }
@@ -238,30 +250,34 @@ static conus_pathway_options pathway_options(const struct loading *loading, cons
 
 /* Adds volume `volume` of `file`; notes of opening it go to the atlas with it. */
 static conus_status add_volume(struct loading *loading, const struct manifest_pathway *pathway,
-                               struct volume_file *file, size_t volume, const char *name, struct notes *notes)
+                               struct volume_file *file, size_t volume, const char *name)
 {
     const conus_pathway_options options = pathway_options(loading, pathway, name);
     conus_status status = load_progress_report(loading->progress, file->path, 1);
     status = status ? status : volume_file_select(file, volume);
-    return status ? status : pathway_add(loading->atlas, file, &options, notes);
+    if (!status) {
+        pathway_add(&loading->job, loading->atlas, file, &options);
+    }
+    return status ? status : say_job(loading);
 }
 
 static conus_status add_named_volumes(struct loading *loading, const struct manifest_pathway *pathway)
 {
     struct volume_file file = {0};
-    struct notes notes = {.sink = &loading->progress->sink};
     char *path = file_beside(loading->path, pathway->source.file);
     conus_status status = path ? load_progress_at(loading->progress, path) : CONUS_ERROR_MEMORY;
-    status = status ? status : volume_file_open_series(&file, path, loading->options, &notes);
+    if (!status) {
+        (void)JOB_CALL(&loading->job, volume_file_open_series(&file, path, loading->options, &loading->job.notes));
+        status = say_job(loading);
+    }
     if (!status && file.info.volume_count != pathway->name_count) {
         status = fail(CONUS_ERROR_DATA, "names: has %zu entries, %s has %zu volumes: they must be as many",
                       pathway->name_count, pathway->source.file, file.info.volume_count);
     }
     for (size_t i = 0; !status && i < pathway->name_count; i++) {
-        status = add_volume(loading, pathway, &file, i, pathway->names[i], &notes);
+        status = add_volume(loading, pathway, &file, i, pathway->names[i]);
     }
     volume_file_finish(&file);
-    notes_finish(&notes);
     memory_free(path);
     return status;
 }
@@ -272,11 +288,15 @@ static conus_status open_fsl(struct fsl_maps *out, struct loading *loading, cons
     char *image = entry->source.file ? file_beside(loading->path, entry->source.file) : NULL;
     conus_status status = xml && (image || !entry->source.file) ? CONUS_OK : CONUS_ERROR_MEMORY;
     status = status ? status : load_progress_at(loading->progress, xml);
-    status = status ? status : fsl_maps_open(out, loading->atlas, xml, image, loading->options);
     if (!status) {
-        status = load_progress_at(loading->progress, out->image.path);
-        status = status ? status : notes_move(&loading->atlas->notes, &out->notes);
-        out->notes.sink = &loading->progress->sink;
+        *out = fsl_maps_open(&loading->job, loading->atlas, xml, image, loading->options);
+        status = say_job(loading);
+    }
+    if (!status) {
+        status = load_progress_at(loading->progress, out->image->path);
+        (void)JOB_CALL(&loading->job, notes_move(&loading->job.notes, out->notes));
+        atlas_take(&loading->job, loading->atlas);
+        status = status ? status : say_job(loading);
     }
     memory_free(xml);
     memory_free(image);
@@ -287,23 +307,24 @@ static conus_status add_fsl(struct loading *loading, const struct manifest_pathw
 {
     struct fsl_maps maps = {0};
     conus_status status = open_fsl(&maps, loading, pathway);
-    loading->progress->total += status ? 0 : maps.atlas.labels.count - 1; /* it counted as one so far */
-    for (size_t i = 0; !status && i < maps.atlas.labels.count; i++) {
-        const struct label *label = &maps.atlas.labels.entries[i];
-        status = add_volume(loading, pathway, &maps.image, label->number - 1, label->name, &maps.notes);
+    loading->progress->total += status ? 0 : maps.labels->count - 1; /* it counted as one so far */
+    for (size_t i = 0; !status && i < maps.labels->count; i++) {
+        const struct label *label = &maps.labels->entries[i];
+        status = add_volume(loading, pathway, maps.image, label->number - 1, label->name);
     }
     status = status ? status
                     : notes_add(&loading->atlas->notes, "pathways of %s: %zu, from %s", path_base(pathway->fsl),
-                                maps.atlas.labels.count, path_base(maps.image.path));
-    fsl_maps_finish(&maps);
+                                maps.labels->count, path_base(maps.image->path));
+    if (maps.image) {
+        volume_file_finish(maps.image);
+    }
     return status;
 }
 
 /* Adds a volume of the file for each label, whose number is that of the volume from 1. The areas' labels are these
  * numbers less `skipped` behind the labels that there are, for a single volume the next one. */
 static conus_status add_labelled(struct loading *loading, const struct manifest_pathway *entry,
-                                 struct volume_file *file, const struct label_table *labels, uint32_t skipped,
-                                 struct notes *notes)
+                                 struct volume_file *file, const struct label_table *labels, uint32_t skipped)
 {
     char words[TEXT_NUMBER_SIZE];
     const conus_atlas *atlas = loading->atlas;
@@ -313,15 +334,17 @@ static conus_status add_labelled(struct loading *loading, const struct manifest_
     }
     const double asked = loading->options->probability;
     const double threshold = asked > 0 ? asked : entry->threshold > 0 ? entry->threshold : 0.25; /* as of a pathway */
-    struct probability_scale scale;
-    conus_status status = probability_scale_of(&scale, file, entry->scale, notes);
+    const struct probability_scale scale = probability_scale_of(&loading->job, file, entry->scale);
+    conus_status status = say_job(loading);
     for (size_t i = 0; !status && i < labels->count; i++) {
         struct label label = labels->entries[i];
         status = load_progress_report(loading->progress, file->path, 1);
         label.number = before + (entry->source.chosen ? 1 : label.number - skipped);
-        status = status ? status
-                        : probability_add(loading->atlas, file, labels->entries[i].number - 1, &label, &scale,
-                                          threshold, notes);
+        if (!status) {
+            probability_add(&loading->job, loading->atlas, file, labels->entries[i].number - 1, &label, &scale,
+                            threshold);
+            status = say_job(loading);
+        }
     }
     return status ? status
                   : notes_add(&loading->atlas->notes, "%s: %zu areas by probabilities of %s and more (values: %s)",
@@ -332,10 +355,11 @@ static conus_status add_fsl_areas(struct loading *loading, const struct manifest
 {
     struct fsl_maps maps = {0};
     conus_status status = open_fsl(&maps, loading, entry);
-    loading->progress->total += status ? 0 : maps.atlas.labels.count - 1;
-    status = status ? status
-                    : add_labelled(loading, entry, &maps.image, &maps.atlas.labels, maps.has_background, &maps.notes);
-    fsl_maps_finish(&maps);
+    loading->progress->total += status ? 0 : maps.labels->count - 1;
+    status = status ? status : add_labelled(loading, entry, maps.image, maps.labels, maps.has_background);
+    if (maps.image) {
+        volume_file_finish(maps.image);
+    }
     return status;
 }
 
@@ -362,21 +386,25 @@ static conus_status label_volumes(struct label_table *out, const struct manifest
 static conus_status add_file_areas(struct loading *loading, const struct manifest_pathway *entry)
 {
     struct volume_file file = {0};
-    struct notes notes = {.sink = &loading->progress->sink};
     struct label_table labels = {0};
     char *path = file_beside(loading->path, entry->source.file);
     conus_status status = path ? load_progress_at(loading->progress, path) : CONUS_ERROR_MEMORY;
-    status = status ? status : volume_file_open_series(&file, path, loading->options, &notes);
+    if (!status) {
+        (void)JOB_CALL(&loading->job, volume_file_open_series(&file, path, loading->options, &loading->job.notes));
+        status = say_job(loading);
+    }
     if (loading->maps) {
-        status = status ? status : named_maps_check(&file, loading->options->probability, &notes);
-        status = status ? status : add_labelled(loading, entry, &file, &loading->maps->table, 0, &notes);
+        if (!status) {
+            named_maps_check(&loading->job, &file, loading->options->probability);
+            status = say_job(loading);
+        }
+        status = status ? status : add_labelled(loading, entry, &file, loading->maps->table, 0);
     } else {
         status = status ? status : label_volumes(&labels, entry, &file);
-        status = status ? status : add_labelled(loading, entry, &file, &labels, 0, &notes);
+        status = status ? status : add_labelled(loading, entry, &file, &labels, 0);
     }
     label_table_finish(&labels);
     volume_file_finish(&file);
-    notes_finish(&notes);
     memory_free(path);
     return status;
 }
@@ -397,7 +425,10 @@ static conus_status add_single(struct loading *loading, const struct manifest_pa
     const conus_pathway_options options = pathway_options(loading, pathway, pathway->name);
     char *path = source_path(loading, &pathway->source);
     conus_status status = path ? load_progress_report(loading->progress, path, 1) : CONUS_ERROR_MEMORY;
-    status = status ? status : conus_atlas_add_pathway(loading->atlas, path, &options);
+    if (!status) {
+        pathway_load(&loading->job, loading->atlas, path, &options);
+        status = say_job(loading);
+    }
     memory_free(path);
     return status;
 }
@@ -411,21 +442,21 @@ static void close_series(struct loading *loading)
 /* Adds a pathway that is in the same file as its neighbours in the manifest. */
 static conus_status add_of_series(struct loading *loading, const struct manifest_pathway *pathway)
 {
-    struct notes notes = {.sink = &loading->progress->sink};
     const char *name = pathway->source.file;
     conus_status status = CONUS_OK;
     if (!loading->series_name || strcmp(loading->series_name, name) != 0) {
         close_series(loading);
         char *path = file_beside(loading->path, name);
         status = path ? load_progress_at(loading->progress, path) : CONUS_ERROR_MEMORY;
-        status = status ? status : volume_file_open_series(&loading->series, path, loading->options, &notes);
+        if (!status) {
+            (void)JOB_CALL(&loading->job,
+                           volume_file_open_series(&loading->series, path, loading->options, &loading->job.notes));
+            status = say_job(loading);
+        }
         loading->series_name = status ? NULL : name;
         memory_free(path);
     }
-    status =
-        status ? status : add_volume(loading, pathway, &loading->series, pathway->source.volume, pathway->name, &notes);
-    notes_finish(&notes);
-    return status;
+    return status ? status : add_volume(loading, pathway, &loading->series, pathway->source.volume, pathway->name);
 }
 
 /* Whether both are volumes of a file that says by itself where it lies. */
@@ -463,17 +494,18 @@ static conus_status add_streamlines(struct loading *loading, bool moves)
     for (size_t i = 0; !status && i < loading->manifest->streamlines_count; i++) {
         const struct manifest_streamlines *entry = &loading->manifest->streamlines[i];
         if (entry->moves == moves) {
-            status = streamlines_add_entry(loading->atlas, entry, loading->path, loading->progress);
-            status = fail_at(status, loading, "streamlines", i);
+            streamlines_add_entry(&loading->job, loading->atlas, entry, loading->path, loading->progress);
+            status = fail_at(say_job(loading), loading, "streamlines", i);
         }
     }
     return status;
 }
 
 /* Sets the file `path` as the entry says, without its transfer function. */
-static conus_status context_entry_set(conus_atlas *atlas, const struct manifest_context *entry, const char *path,
-                                      const conus_load_options *options)
+static conus_status context_entry_set(struct loading *loading, const struct manifest_context *entry, const char *path)
 {
+    conus_atlas *atlas = loading->atlas;
+    const conus_load_options *options = loading->options;
     const conus_context_options context = {.block_threshold = entry->blocks,
                                            .max_memory = options->max_memory,
                                            .log = options->log,
@@ -490,7 +522,10 @@ static conus_status context_entry_set(conus_atlas *atlas, const struct manifest_
                 : atlas_context(atlas) ? "file: is no surface, and there is a volume already"
                                        : NULL;
     }
-    return wrong ? fail(CONUS_ERROR_DATA, "%s", wrong) : conus_atlas_set_context(atlas, path, &context);
+    if (!wrong) {
+        context_load(&loading->job, atlas, path, &context);
+    }
+    return wrong ? fail(CONUS_ERROR_DATA, "%s", wrong) : say_job(loading);
 }
 
 static conus_status context_entry_transfer(conus_atlas *atlas, const struct manifest_context *context, const char *path)
@@ -515,7 +550,7 @@ static conus_status set_contexts(struct loading *loading, bool moves)
         }
         char *path = source_path(loading, &context->source);
         status = path ? load_progress_report(loading->progress, path, 1) : CONUS_ERROR_MEMORY;
-        status = status ? status : context_entry_set(loading->atlas, context, path, loading->options);
+        status = status ? status : context_entry_set(loading, context, path);
         memory_free(path);
         status = status || !context->transfer ? status : context_entry_transfer(loading->atlas, context, loading->path);
         status = fail_at(status, loading, "context", manifest->context_count > 1 ? i : FAIL_ALONE);
@@ -533,11 +568,13 @@ static conus_status add_others(struct loading *loading, bool moves)
 
 static conus_status load_scene(conus_atlas **out, struct loading *loading)
 {
+    loading->job.sink = &loading->progress->sink;
     conus_status status = load_areas(loading);
     status = status ? status : add_probabilities(loading);
     status = status ? status : add_others(loading, true);
     status = status ? status : move_atlas(loading);
     status = status ? status : add_others(loading, false);
+    job_end(&loading->job);
     return atlas_give(out, loading->atlas, status);
 }
 
@@ -570,7 +607,7 @@ conus_status manifest_load_made(conus_atlas **out, const struct manifest *manife
 
 /* Loads an entry of probabilities, whose path is in the folder of `path`, as an atlas of its own. */
 static conus_status load_entry(conus_atlas **out, const char *path, struct manifest_pathway *entry,
-                               struct named_maps *maps, struct load_progress *progress)
+                               const struct named_maps *maps, struct load_progress *progress)
 {
     const char *name = path_base(path);
     const struct manifest manifest = {.maps = entry, .map_count = 1};
@@ -612,12 +649,12 @@ static conus_status warn_of_table(const conus_atlas *atlas, struct notes *notes)
     return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
 }
 
-conus_status named_maps_load(conus_atlas **out, const char *path, struct named_maps *maps,
+conus_status named_maps_load(conus_atlas **out, const char *path, const struct named_maps *maps,
                              struct load_progress *progress)
 {
     struct manifest_pathway entry = {.source = {.file = (char *)path_base(path),
                                                 .chosen = maps->chosen,
-                                                .volume = maps->table.entries[0].number - 1}};
+                                                .volume = maps->table->entries[0].number - 1}};
     conus_atlas *atlas = NULL;
     conus_status status = load_entry(&atlas, path, &entry, maps, progress);
     if (!status && maps->is_one && progress->options->probability > 0 && !atlas->objects[0].voxels) {
@@ -625,8 +662,7 @@ conus_status named_maps_load(conus_atlas **out, const char *path, struct named_m
                       "%s: --probability states that its values are probabilities, but none is %g or more (up to %g)",
                       path, progress->options->probability, atlas->volumes[0].info.maximum);
     }
-    status = status || !maps->is_one ? status : warn_of_table(atlas, &maps->notes);
-    status = status ? status : notes_move(&atlas->notes, &maps->notes);
-    status = status ? status : file_sums_move(&atlas->files, &maps->read);
+    status = status || !maps->notes ? status : notes_move(&atlas->notes, maps->notes);
+    status = status || !maps->is_one ? status : warn_of_table(atlas, &atlas->notes);
     return atlas_give(out, atlas, status);
 }

@@ -19,7 +19,7 @@ conus_status manifest_load_made(conus_atlas **out, const struct manifest *manife
                                 struct load_progress *progress);
 
 /** Loads the volumes of @p path that @p maps names as areas of probabilities, if their values are some. */
-conus_status named_maps_load(conus_atlas **out, const char *path, struct named_maps *maps,
+conus_status named_maps_load(conus_atlas **out, const char *path, const struct named_maps *maps,
                              struct load_progress *progress);
 
 /** Loads the FSL atlas XML @p path, of another type than Label: its labels are areas of probabilities, of the finest
