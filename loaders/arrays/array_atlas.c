@@ -330,12 +330,15 @@ conus_status conus_atlas_add_values(conus_atlas *atlas, const conus_voxels *voxe
     options = options_of(conus_pathway_options, options);
     conus_status status = array_volume_open(&array, voxels);
     const struct note_sink sink = {options->log, options->log_user, array.file.path};
-    struct notes notes = {.sink = &sink};
     conus_pathway_options named = *options;
     bool is_named = (options->name && *options->name) || options->band_count;
     named.name = is_named ? options->name : array.file.path;
-    status = status ? status : pathway_add(atlas, &array.file, &named, &notes);
-    notes_finish(&notes);
+    if (!status) {
+        struct job job = {.sink = &sink};
+        const struct atlas_mark mark = atlas_mark(atlas);
+        pathway_add(&job, atlas, &array.file, &named);
+        status = atlas_close(&job, atlas, mark);
+    }
     array_volume_finish(&array);
     return status;
 }
@@ -350,9 +353,12 @@ conus_status conus_atlas_set_context_values(conus_atlas *atlas, const conus_voxe
     options = options_of(conus_context_options, options);
     conus_status status = array_volume_open(&array, voxels);
     const struct note_sink sink = {options->log, options->log_user, array.file.path};
-    struct notes notes = {.sink = &sink};
-    status = status ? status : context_set(atlas, &array.file, options, &notes);
-    notes_finish(&notes);
+    if (!status) {
+        struct job job = {.sink = &sink};
+        const struct atlas_mark mark = atlas_mark(atlas);
+        context_set(&job, atlas, &array.file, options);
+        status = atlas_close(&job, atlas, mark);
+    }
     array_volume_finish(&array);
     return status;
 }
@@ -366,9 +372,11 @@ conus_status conus_roi_create(conus_roi **out, const conus_voxels *voxels, const
     options = options_of(conus_roi_options, options);
     conus_status status = array_volume_open(&array, voxels);
     const struct note_sink sink = {options->log, options->log_user, array.file.path};
-    struct notes notes = {.sink = &sink};
-    status = status ? status : roi_of_volume(out, &array.file, options->threshold, &notes);
-    notes_finish(&notes);
+    if (!status) {
+        struct job job = {.sink = &sink};
+        roi_of_volume(&job, out, &array.file, options->threshold);
+        status = job_close(&job, NULL, NULL);
+    }
     array_volume_finish(&array);
     return status;
 }

@@ -13,6 +13,7 @@
 #include "loaders/manifest/manifest.h"
 #include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_surfaces.h"
+#include "loaders/maps/atlas_on_job.h"
 #include "loaders/scene/load_manifest.h"
 #include "loaders/scene/load_parcellation.h"
 #include "loaders/scene/load_progress.h"
@@ -173,19 +174,15 @@ static void report_only_file(struct load *load, const char *path)
 static void load_volumes(struct load *load, const struct probe *probe, const char *path)
 {
     struct job *job = &load->job;
-    struct named_maps maps = {0};
+    const struct named_maps maps = named_maps_find(job, probe, path, load->options);
     struct parcellation *part = job_new(job, struct parcellation);
-    if (!JOB_CALL(job, named_maps_find(&maps, probe, path, load->options))) {
-        return;
-    }
-    if (maps.table.count) {
+    if (maps.table->count) {
         named_maps_load(load, path, &maps);
-    } else {
+    } else if (part) {
         report_only_file(load, path);
         parcellation_read_opened(job, part, probe, path, load->options, atlas_needed);
         parcellations_atlas(load, part, 1, part->table, part->source);
     }
-    named_maps_finish(&maps);
 }
 
 static void load_json(struct load *load, const struct open_file *file)
@@ -329,7 +326,7 @@ conus_status atlas_load_files(conus_atlas **out, const char *path, const conus_l
         job_fail(&load.job, CONUS_ERROR_ARGUMENT, "--probability: is %g, allowed is above 0 to 1 (0 = default)",
                  options->probability);
     }
-    load_keep(&load);
+    atlas_take(&load.job, load.atlas);
     (void)JOB_CALL(&load.job, check_whole(&load, path));
     return load_end(out, &load);
 }

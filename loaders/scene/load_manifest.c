@@ -13,7 +13,9 @@
 #include "loaders/maps/load_probability.h"
 #include "loaders/maps/load_scalar.h"
 #include "loaders/scene/area_plan.h"
+#include "loaders/scene/load_context.h"
 #include "loaders/scene/load_streamlines.h"
+#include "loaders/scene/load_transform.h"
 #include "loaders/scene/parcellations.h"
 
 #include <math.h>
@@ -26,7 +28,7 @@ struct scene {
     const char *path;         /* of the manifest, ending in '/' if it was made for a folder */
     const struct bytes *file; /* its bytes; NULL if it was made up */
     const char *names;        /* where the names of areas without a parcellation come from */
-    struct named_maps *maps;  /* whose table names the volumes of a file that is ATLAS, and whose user sees no manifest;
+    const struct named_maps *maps; /* whose table names the volumes of a file that is ATLAS, and whose user sees no manifest;
                                  NULL without one */
     struct volume_file series; /* kept for the pathways that follow, if any is in the same file */
     const char *series_name;   /* as the manifest writes it; NULL without one */
@@ -49,11 +51,17 @@ static const char *source_path(const struct scene *scene, const struct manifest_
     return source->orientation ? job_format(job, "%s,orientation=%s", path, source->orientation) : path;
 }
 
+/* Where the job was before an entry. */
+struct before {
+    size_t place;
+    struct job_mark memory;
+};
+
 /* Errors happen at the entry from now on. */
-static size_t enter(const struct scene *scene, const char *key, size_t entry)
+static struct before enter(const struct scene *scene, const char *key, size_t entry)
 {
     struct job *job = &scene->load->job;
-    return scene->maps ? job->depth : job_in(job, key, entry);
+    return (struct before){scene->maps ? job->depth : job_in(job, key, entry), job_mark(job)};
 }
 
 /* What a manifest asks for in vain is its fault, not the caller's. */
@@ -63,9 +71,11 @@ static void blame_manifest(const struct scene *scene)
     job->status = job->status == CONUS_ERROR_ARGUMENT ? CONUS_ERROR_DATA : job->status;
 }
 
-static void leave(const struct scene *scene, size_t mark)
+/* What the entry has become is the atlas's. */
+static void leave(const struct scene *scene, struct before before)
 {
-    job_out(&scene->load->job, mark);
+    job_out(&scene->load->job, before.place);
+    job_release(&scene->load->job, before.memory);
     if (!scene->maps) {
         blame_manifest(scene);
     }
@@ -78,7 +88,7 @@ static void move_atlas(const struct scene *scene)
     struct job *job = &scene->load->job;
     for (size_t i = manifest->transform_count; i > 0; i--) {
         const struct manifest_transform *transform = &manifest->transforms[i - 1];
-        const size_t mark = enter(scene, "transform", manifest->single_transform ? JOB_ALONE : i - 1);
+        const struct before before = enter(scene, "transform", manifest->single_transform ? JOB_ALONE : i - 1);
         const char *path = path_of(scene, transform->file);
         const conus_transform_options options = {.from = path_of(scene, transform->from),
                                                  .to = path_of(scene, transform->to),
@@ -88,8 +98,8 @@ static void move_atlas(const struct scene *scene)
                                                  .space = transform->space,
                                                  .transform = transform->transform,
                                                  .max_memory = scene->load->options->max_memory};
-        (void)JOB_CALL(job, conus_atlas_transform(scene->load->atlas, path, &options));
-        leave(scene, mark);
+        transform_load(job, scene->load->atlas, path, &options);
+        leave(scene, before);
     }
 }
 
@@ -202,7 +212,7 @@ static void load_areas(const struct scene *scene)
     if (scene->file && path_base(scene->path)[0]) {
         (void)JOB_CALL(job, atlas_add_file(load->atlas, scene->path, scene->file));
     }
-    load_keep(load);
+    atlas_take(job, load->atlas);
     area_plan_load(load, &plan, scene->manifest->space);
     job_release(job, mark);
 }
@@ -237,7 +247,7 @@ static void add_volume(const struct scene *scene, const struct manifest_pathway 
     const conus_pathway_options options = pathway_options(scene, pathway, name);
     load_report(scene->load, file->path, 1);
     (void)JOB_CALL(job, volume_file_select(file, volume));
-    (void)JOB_CALL(job, pathway_add(scene->load->atlas, file, &options, &job->notes));
+    pathway_add(job, scene->load->atlas, file, &options);
 }
 
 static void add_named_volumes(const struct scene *scene, const struct manifest_pathway *pathway)
@@ -255,36 +265,37 @@ static void add_named_volumes(const struct scene *scene, const struct manifest_p
     volume_file_finish(&file);
 }
 
-static void open_fsl(const struct scene *scene, struct fsl_maps *out, const struct manifest_pathway *entry)
+static struct fsl_maps open_fsl(const struct scene *scene, const struct manifest_pathway *entry)
 {
     struct load *load = scene->load;
     struct job *job = &load->job;
     const char *xml = path_of(scene, entry->fsl);
     const char *image = path_of(scene, entry->source.file);
     load_at(load, xml);
-    if (JOB_CALL(job, fsl_maps_open(out, load->atlas, xml, image, load->options))) {
-        load_at(load, out->image.path);
-        (void)JOB_CALL(job, notes_move(&load->atlas->notes, &out->notes));
-        load->total += out->atlas.labels.count - 1; /* it counted as one so far */
+    const struct fsl_maps maps = fsl_maps_open(job, load->atlas, xml, image, load->options);
+    if (job_step(job)) {
+        load_at(load, maps.image->path);
+        (void)JOB_CALL(job, notes_move(&job->notes, maps.notes));
+        atlas_take(job, load->atlas);
+        load->total += maps.labels->count - 1; /* it counted as one so far */
     }
+    return maps;
 }
 
 static void add_fsl(const struct scene *scene, const struct manifest_pathway *pathway)
 {
     struct load *load = scene->load;
     struct job *job = &load->job;
-    struct fsl_maps maps = {0};
-    open_fsl(scene, &maps, pathway);
-    for (size_t i = 0; i < maps.atlas.labels.count && job_ok(job); i++) {
-        const struct label *label = &maps.atlas.labels.entries[i];
-        add_volume(scene, pathway, &maps.image, label->number - 1, label->name);
+    const struct fsl_maps maps = open_fsl(scene, pathway);
+    for (size_t i = 0; i < maps.labels->count && job_ok(job); i++) {
+        const struct label *label = &maps.labels->entries[i];
+        add_volume(scene, pathway, maps.image, label->number - 1, label->name);
     }
-    if (job_ok(job)) {
-        job_note(job, "pathways of %s: %zu, from %s", path_base(pathway->fsl), maps.atlas.labels.count,
-                 path_base(maps.image.path));
+    if (job_step(job)) {
+        job_note(job, "pathways of %s: %zu, from %s", path_base(pathway->fsl), maps.labels->count,
+                 path_base(maps.image->path));
     }
-    load_keep(load);
-    fsl_maps_finish(&maps);
+    atlas_take(job, load->atlas);
 }
 
 /* Adds a volume of the file for each label, whose number is that of the volume from 1. The areas' labels are these
@@ -302,28 +313,25 @@ static void add_labelled(const struct scene *scene, const struct manifest_pathwa
     }
     const double asked = load->options->probability;
     const double threshold = asked > 0 ? asked : entry->threshold > 0 ? entry->threshold : 0.25; /* as of a pathway */
-    struct probability_scale scale = {0};
-    (void)JOB_CALL(job, probability_scale_of(&scale, file, entry->scale, &job->notes));
+    const struct probability_scale scale = probability_scale_of(job, file, entry->scale);
     for (size_t i = 0; job_ok(job) && i < labels->count; i++) {
         struct label label = labels->entries[i];
         const uint32_t volume = label.number - 1;
         label.number = before + (entry->source.chosen ? 1 : label.number - skipped);
         load_report(load, file->path, 1);
-        (void)JOB_CALL(job, probability_add(load->atlas, file, volume, &label, &scale, threshold, &job->notes));
+        probability_add(job, load->atlas, file, volume, &label, &scale, threshold);
     }
     if (job_ok(job)) {
         job_note(job, "%s: %zu areas by probabilities of %s and more (values: %s)", path_base(file->path),
                  labels->count, text_number(words, threshold), scale.words);
     }
-    load_keep(load);
+    atlas_take(job, load->atlas);
 }
 
 static void add_fsl_areas(const struct scene *scene, const struct manifest_pathway *entry)
 {
-    struct fsl_maps maps = {0};
-    open_fsl(scene, &maps, entry);
-    add_labelled(scene, entry, &maps.image, &maps.atlas.labels, maps.has_background);
-    fsl_maps_finish(&maps);
+    const struct fsl_maps maps = open_fsl(scene, entry);
+    add_labelled(scene, entry, maps.image, maps.labels, maps.has_background);
 }
 
 /* The labels of the volumes that the entry means: those it names, the one it chooses, or the only one. */
@@ -351,9 +359,9 @@ static void add_file_areas(const struct scene *scene, const struct manifest_path
     struct volume_file file = {0};
     open_series(scene, &file, entry->source.file);
     if (scene->maps) {
-        (void)JOB_CALL(job, named_maps_check(&file, scene->load->options->probability, &job->notes));
+        named_maps_check(job, &file, scene->load->options->probability);
     }
-    add_labelled(scene, entry, &file, scene->maps ? &scene->maps->table : label_volumes(job, entry, &file), 0);
+    add_labelled(scene, entry, &file, scene->maps ? scene->maps->table : label_volumes(job, entry, &file), 0);
     volume_file_finish(&file);
 }
 
@@ -361,13 +369,13 @@ static void add_probabilities(const struct scene *scene)
 {
     for (size_t i = 0; i < scene->manifest->map_count && job_ok(&scene->load->job); i++) {
         const struct manifest_pathway *entry = &scene->manifest->maps[i];
-        const size_t mark = enter(scene, "probabilities", i);
+        const struct before before = enter(scene, "probabilities", i);
         if (entry->fsl) {
             add_fsl_areas(scene, entry);
         } else {
             add_file_areas(scene, entry);
         }
-        leave(scene, mark);
+        leave(scene, before);
     }
 }
 
@@ -376,7 +384,7 @@ static void add_single(const struct scene *scene, const struct manifest_pathway 
     const conus_pathway_options options = pathway_options(scene, pathway, pathway->name);
     const char *path = source_path(scene, &pathway->source);
     load_report(scene->load, path, 1);
-    (void)JOB_CALL(&scene->load->job, conus_atlas_add_pathway(scene->load->atlas, path, &options));
+    pathway_load(&scene->load->job, scene->load->atlas, path, &options);
 }
 
 /* Adds a pathway that is in the same file as its neighbours in the manifest. */
@@ -403,7 +411,7 @@ static void add_pathway(struct scene *scene, size_t i)
 {
     const struct manifest_pathway *pathway = &scene->manifest->pathways[i];
     const bool is_last = i + 1 == scene->manifest->pathway_count;
-    const size_t mark = enter(scene, "pathways", i);
+    const struct before before = enter(scene, "pathways", i);
     if (pathway->fsl) {
         add_fsl(scene, pathway);
     } else if (pathway->names) {
@@ -413,7 +421,7 @@ static void add_pathway(struct scene *scene, size_t i)
     } else {
         add_single(scene, pathway);
     }
-    leave(scene, mark);
+    leave(scene, before);
 }
 
 /* Adds the pathways that move with the areas, or those that do not. */
@@ -433,18 +441,13 @@ static void add_bundles(const struct scene *scene, size_t i)
     struct load *load = scene->load;
     struct job *job = &load->job;
     const struct manifest_streamlines *entry = &scene->manifest->streamlines[i];
-    const conus_streamlines_options options = {
-        .name = entry->name, .log = load->options->log, .log_user = load->options->log_user};
-    const size_t mark = enter(scene, "streamlines", i);
+    const struct before before = enter(scene, "streamlines", i);
     const char *path = path_of(scene, entry->file);
-    conus_atlas *alone = NULL;
-    double radius;
     load_report(load, path, 1);
-    (void)JOB_CALL(job, streamlines_radius(&radius, entry->radius, path));
-    if (JOB_CALL(job, streamlines_load(&alone, path, load->options, entry->space, false))) {
-        job_took(job, streamlines_take(load->atlas, alone, radius, &options)); /* which ends it */
-    }
-    leave(scene, mark);
+    const double radius = streamlines_radius(job, entry->radius, path);
+    conus_atlas *alone = streamlines_load(job, path, load->options, entry->space, false);
+    streamlines_take(job, load->atlas, alone, radius, entry->name);
+    leave(scene, before);
 }
 
 static void add_streamlines(const struct scene *scene, bool moves)
@@ -485,7 +488,8 @@ static void set_context(const struct scene *scene, const struct manifest_context
     if (wrong) {
         job_bad(job, "%s", wrong);
     }
-    if (JOB_CALL(job, conus_atlas_set_context(load->atlas, path, &options)) && entry->transfer) {
+    context_load(job, load->atlas, path, &options);
+    if (entry->transfer && job_ok(job)) {
         const bool is_file = entry->transfer_is_file;
         const char *transfer = is_file ? path_of(scene, entry->transfer) : entry->transfer;
         if (is_file && !job_has_file(job, transfer)) {
@@ -501,11 +505,11 @@ static void set_contexts(const struct scene *scene, bool moves)
 {
     const size_t count = scene->manifest->context_count;
     for (size_t i = 0; i < count && job_ok(&scene->load->job); i++) {
-        const size_t mark = enter(scene, "context", count > 1 ? i : JOB_ALONE);
+        const struct before before = enter(scene, "context", count > 1 ? i : JOB_ALONE);
         if (scene->manifest->contexts[i].moves == moves) {
             set_context(scene, &scene->manifest->contexts[i]);
         }
-        leave(scene, mark);
+        leave(scene, before);
     }
 }
 
@@ -524,13 +528,13 @@ static void load_scene(struct scene *scene)
         return;
     }
     struct load_aside aside = load_put_aside(load);
-    const size_t mark = enter(scene, scene->path, JOB_ALONE);
+    const struct before before = enter(scene, scene->path, JOB_ALONE);
     load_areas(scene);
     add_probabilities(scene);
     add_others(scene, true);
     move_atlas(scene);
     add_others(scene, false);
-    job_out(&load->job, mark);
+    job_out(&load->job, before.place);
     load_put_back(load, &aside);
 }
 
@@ -551,7 +555,8 @@ void manifest_load_made(struct load *load, const struct manifest *manifest, cons
 }
 
 /* Loads an entry of probabilities, whose path is in the folder of `path`, as an atlas of its own. */
-static void load_entry(struct load *load, const char *path, struct manifest_pathway *entry, struct named_maps *maps)
+static void load_entry(struct load *load, const char *path, struct manifest_pathway *entry,
+                       const struct named_maps *maps)
 {
     const struct manifest manifest = {.maps = entry, .map_count = 1};
     const char *name = path_base(path);
@@ -587,22 +592,23 @@ static void warn_of_table(struct load *load)
     memory_free(source);
 }
 
-void named_maps_load(struct load *load, const char *path, struct named_maps *maps)
+void named_maps_load(struct load *load, const char *path, const struct named_maps *maps)
 {
     struct job *job = &load->job;
     const double asked = load->options->probability;
     struct manifest_pathway entry = {.source = {.file = (char *)path_base(path),
                                                 .chosen = maps->chosen,
-                                                .volume = maps->table.entries[0].number - 1}};
+                                                .volume = maps->table->entries[0].number - 1}};
     load_entry(load, path, &entry, maps);
     if (job_ok(job) && maps->is_one && asked > 0 && !load->atlas->objects[0].voxels) {
         job_fail(job, CONUS_ERROR_ARGUMENT,
                  "%s: --probability states that its values are probabilities, but none is %g or more (up to %g)", path,
                  asked, load->atlas->volumes[0].info.maximum);
     }
-    (void)JOB_CALL(job, notes_move(&job->notes, &maps->notes));
+    if (maps->notes) {
+        (void)JOB_CALL(job, notes_move(&job->notes, maps->notes));
+    }
     if (maps->is_one) {
         warn_of_table(load);
     }
-    (void)JOB_CALL(job, file_sums_move(&job->files, &maps->read));
 }

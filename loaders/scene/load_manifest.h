@@ -17,7 +17,7 @@ void manifest_load(struct load *load, const char *path, const struct bytes *file
 void manifest_load_made(struct load *load, const struct manifest *manifest, const char *path, const char *names);
 
 /** Loads the volumes of @p path that @p maps names as areas of probabilities, if their values are some. */
-void named_maps_load(struct load *load, const char *path, struct named_maps *maps);
+void named_maps_load(struct load *load, const char *path, const struct named_maps *maps);
 
 /** Loads the FSL atlas XML @p path, of another type than Label: its labels are areas of probabilities, of the finest
  * image. */

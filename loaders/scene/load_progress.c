@@ -73,13 +73,6 @@ char *mesh_name(struct job *job, const char *path)
     return job_adopt(job, name);
 }
 
-void load_keep(struct load *load)
-{
-    struct job *job = &load->job;
-    (void)JOB_CALL(job, notes_move(&load->atlas->notes, &job->notes));
-    (void)JOB_CALL(job, file_sums_move(&load->atlas->files, &job->files));
-}
-
 struct load_aside load_put_aside(struct load *load)
 {
     struct job *job = &load->job;

@@ -15,6 +15,7 @@
 #include "loaders/manifest/manifest_draft.h"
 #include "loaders/manifest/manifest_scan.h"
 #include "loaders/manifest/manifest_surfaces.h"
+#include "loaders/maps/atlas_on_job.h"
 #include "loaders/maps/named_maps.h"
 #include "loaders/scene/load_manifest.h"
 #include "loaders/scene/load_parcellation.h"
@@ -460,20 +461,21 @@ static conus_status take_volumes(struct manifest_draft *draft, const char *name,
 static conus_status is_probable(bool *out, const struct manifest_draft *draft, const char *name)
 {
     const conus_load_options options = {.max_memory = draft->options->max_memory};
-    struct named_maps maps = {0};
-    struct volume_file file = {0};
+    struct job job = {0};
     char *path = file_beside(draft->folder, name);
     struct probe probe = {0};
     conus_status status = path ? probe_open(&probe, path) : CONUS_ERROR_MEMORY;
-    status = status ? status : named_maps_find(&maps, &probe, path, &options);
+    job_took(&job, status);
+    const struct named_maps maps = named_maps_find(&job, &probe, path, &options);
     probe_close(&probe);
-    bool named = !status && maps.table.count;
-    status = named ? volume_file_open_series(&file, path, &options, &maps.notes) : status;
-    named = named && !status && maps.table.count == file.info.volume_count; /* none is the background's */
-    status = named ? named_maps_check(&file, 0, &maps.notes) : status;
-    *out = named && !status;
-    volume_file_finish(&file);
-    named_maps_finish(&maps);
+    struct volume_file *file = volume_file_new(&job);
+    bool named = maps.table->count && JOB_CALL(&job, volume_file_open_series(file, path, &options, &job.notes)) &&
+                 maps.table->count == file->info.volume_count; /* none is the background's */
+    if (named) {
+        named_maps_check(&job, file, 0);
+    }
+    *out = named && job_ok(&job);
+    status = job_close(&job, NULL, NULL);
     memory_free(path);
     return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
 }
