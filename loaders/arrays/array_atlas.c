@@ -196,7 +196,11 @@ static conus_status create_of_voxels(conus_atlas **out, struct volume_file *file
     file->info.role = CONUS_ROLE_PARCELLATION;
     conus_status status = volume_file_labels(&numbers, file);
     status = status ? status : add_labels(&table, labels, label_count, &notes);
-    status = status ? status : parcellation_check_grey(file, &numbers, &table, false, options->labels_anyway, &notes);
+    if (!status) {
+        struct job job = {0}; /* Bridge: this room reports a status */
+        parcellation_check_grey(&job, file, &numbers, &table, false, options->labels_anyway);
+        status = job_close(&job, &notes, NULL);
+    }
     status = status ? status
                     : atlas_create_of(&atlas, &volume, 1, &table, label_count ? "the program" : "none found", &notes);
     status = status ? status : set_words(atlas, file->path);

@@ -42,16 +42,6 @@ struct volume_file *volume_file_new(struct job *job)
     return job_ok(job) ? file : NULL;
 }
 
-const char *job_beside(struct job *job, const char *path, const char *name)
-{
-    char *beside = job_step(job) ? file_beside(path, name) : NULL;
-    if (!beside) {
-        job_took(job, CONUS_ERROR_MEMORY); /* unless it has failed before */
-        return "";
-    }
-    return job_adopt(job, beside) ? beside : "";
-}
-
 static void finish_notes(void *notes)
 {
     notes_finish(notes);

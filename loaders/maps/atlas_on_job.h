@@ -23,9 +23,6 @@ conus_status atlas_close(struct job *job, conus_atlas *atlas, struct atlas_mark 
 /** A volume file, all 0, which the job finishes; NULL after a failure. */
 struct volume_file *volume_file_new(struct job *job);
 
-/** file_beside(); "" after a failure. */
-const char *job_beside(struct job *job, const char *path, const char *name);
-
 /** Takes the notes of an open @p attempt out of the job, which keeps them for notes_move(): nobody hears them before.
  * After a failure NULL, and they stay. */
 struct notes *notes_set_aside(struct job *job, const struct attempt *attempt);

@@ -194,13 +194,3 @@ bool conus_path_is_tractogram(const char *path)
 {
     return path && tract_file_is(path);
 }
-
-void streamlines_add_entry(struct job *job, conus_atlas *atlas, const struct manifest_streamlines *entry,
-                           const char *path, struct load_progress *progress)
-{
-    const char *file = job_beside(job, path, entry->file);
-    (void)JOB_CALL(job, load_progress_report(progress, file, 1));
-    double radius = streamlines_radius(job, entry->radius, file);
-    conus_atlas *alone = streamlines_load(job, file, progress->options, entry->space, false);
-    streamlines_take(job, atlas, alone, radius, entry->name);
-}

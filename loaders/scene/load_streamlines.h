@@ -6,8 +6,6 @@
 #include "atlas/bundles.h"
 #include "base/job/job.h"
 #include "conus/streamlines.h"
-#include "loaders/manifest/manifest.h"
-#include "loaders/scene/load_progress.h"
 
 /** Length of a file's name without ".gz", and without the ending of a tractogram before it. */
 size_t streamlines_stem_length(const char *name);
@@ -39,9 +37,5 @@ struct conus_tractogram {
 /** Makes an atlas like @p alone, whose arrays it borrows, for streamlines_take(). It is the job's; NULL after a
  * failure. */
 conus_atlas *streamlines_borrow(struct job *job, const conus_atlas *alone);
-
-/** Adds a tractogram of the manifest @p path. */
-void streamlines_add_entry(struct job *job, conus_atlas *atlas, const struct manifest_streamlines *entry,
-                           const char *path, struct load_progress *progress);
 
 #endif

@@ -25,15 +25,109 @@
 #include "loaders/transform/field_file.h"
 #include "loaders/transform/transform_file.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
+/* Bridge: the draft's functions on a job, as functions that report a status. */
+struct bridged {
+    struct manifest_draft draft;
+    struct job *job;
+};
+
+static struct job *job_of(const struct manifest_draft *draft)
+{
+    return ((const struct bridged *)draft)->job;
+}
+
+static conus_status bridge_status(const struct manifest_draft *draft)
+{
+    const struct job *job = job_of(draft);
+    return job_ok(job) ? CONUS_OK : fail(job->status, "%s", job->message);
+}
+
+__attribute__((format(printf, 2, 3))) static conus_status bridge_log(const struct manifest_draft *draft,
+                                                                     const char *format, ...)
+{
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    manifest_draft_log(job_of(draft), draft, "%s", text);
+    return bridge_status(draft);
+}
+
+static conus_status bridge_leave_out(const struct manifest_draft *draft, const char *name)
+{
+    manifest_draft_leave_out(job_of(draft), draft, name, job_format(job_of(draft), "%s", conus_message()));
+    return bridge_status(draft);
+}
+
+static conus_status bridge_append(json_t *list, json_t *entry)
+{
+    return json_array_append_new(list, entry) ? fail(CONUS_ERROR_MEMORY, "no memory for the manifest") : CONUS_OK;
+}
+
+/* Reports why it does not load by the message. */
+static conus_status say_why(bool *loads, const struct manifest_draft *draft, const char *why)
+{
+    *loads = !why;
+    if (why) {
+        (void)fail(CONUS_ERROR_DATA, "%s", why);
+    }
+    return bridge_status(draft);
+}
+
+static conus_status bridge_try(bool *loads, const struct manifest_draft *draft, const char *key, json_t *value,
+                               bool listed)
+{
+    return say_why(loads, draft, manifest_draft_try(job_of(draft), draft, key, value, listed));
+}
+
+static conus_status bridge_append_loading(bool *loads, const struct manifest_draft *draft, json_t *list,
+                                          const char *key, json_t *value)
+{
+    return say_why(loads, draft, manifest_draft_append_loading(job_of(draft), draft, list, key, value));
+}
+
+static conus_status bridge_surfaces(struct manifest_draft *draft, const char *name)
+{
+    manifest_surfaces_add(job_of(draft), draft, name);
+    return bridge_status(draft);
+}
+
+static conus_status bridge_use(struct manifest_draft *draft, const char *name)
+{
+    *LIST_ADD(job_of(draft), &draft->used) = job_format(job_of(draft), "%s", name);
+    return bridge_status(draft);
+}
+
+static conus_status bridge_guess(struct volume_guess *out, const char *path, uint64_t max_memory)
+{
+    struct job job = {0};
+    volume_guess_make(&job, out, path, max_memory);
+    return job_close(&job, NULL, NULL);
+}
+
+static conus_status bridge_halves(bool *out, const struct manifest_draft *draft, const char *left, const char *right)
+{
+    *out = volume_names_are_halves(job_of(draft), left, right);
+    return bridge_status(draft);
+}
+
+static conus_status bridge_has_voxels(bool *out, const struct manifest_draft *draft)
+{
+    *out = brainglobe_has_voxels(job_of(draft), draft->folder);
+    return bridge_status(draft);
+}
+
 static conus_status say_transform(struct manifest_draft *draft, const char *name, const char *what)
 {
-    return manifest_draft_log(draft,
-                              "%s: %s, left out: where it leads is not known; \"transform\": \"%s\" in the manifest "
-                              "brings the areas to the other images",
-                              name, what, name);
+    return bridge_log(draft,
+                      "%s: %s, left out: where it leads is not known; \"transform\": \"%s\" in the manifest "
+                      "brings the areas to the other images",
+                      name, what, name);
 }
 
 /* Logs that the file `name` is left out if it is a transform: neither its direction nor its images are known.
@@ -74,7 +168,7 @@ static conus_status draft_field_say(bool *is_field, struct manifest_draft *draft
     *is_field = !status && words;
     if (!status && words) {
         status = usable ? say_transform(draft, name, words)
-                        : manifest_draft_log(draft, "%s: %s, left out: it moves no areas", name, words);
+                        : bridge_log(draft, "%s: %s, left out: it moves no areas", name, words);
     }
     return status;
 }
@@ -86,8 +180,8 @@ static conus_status draft_fsl_mark(struct manifest_draft *draft, const struct fs
     for (size_t i = 0; !status && i < atlas->image_count; i++) {
         const char *image = atlas->images[i].image;
         const char *summary = atlas->images[i].summary;
-        status = image ? names_add(&draft->used, image + strspn(image, "/")) : CONUS_OK;
-        status = status || !summary ? status : names_add(&draft->used, summary + strspn(summary, "/"));
+        status = image ? bridge_use(draft, image + strspn(image, "/")) : CONUS_OK;
+        status = status || !summary ? status : bridge_use(draft, summary + strspn(summary, "/"));
     }
     return status;
 }
@@ -97,7 +191,7 @@ static bool draft_fsl_has(const struct manifest_draft *draft, const char *name)
 {
     size_t length = volume_stem_length(name);
     for (size_t i = 0; i < draft->used.count; i++) {
-        const char *used = draft->used.names[i];
+        const char *used = draft->used.at[i];
         if (volume_stem_length(used) == length && strncmp(used, name, length) == 0) {
             return true;
         }
@@ -110,25 +204,30 @@ static bool draft_fsl_has(const struct manifest_draft *draft, const char *name)
  * XML has taken the volume. The log says why it is not the XML. *name is the caller's to memory_free(). */
 static conus_status draft_fsl_choose(char **name, const struct manifest_draft *draft, const char *xml)
 {
-    struct parcellation parts = {0};
+    struct job job = {0}; /* Bridge: of the parcellation */
+    struct parcellation *parts = job_new(&job, struct parcellation);
     const conus_load_options options = {.max_memory = draft->options->max_memory};
     const char *chosen = xml; /* what does not load says so when it is tried */
     char *path = file_beside(draft->folder, xml);
-    conus_status status = path ? parcellation_read(&parts, path, &options, "an atlas XML") : CONUS_ERROR_MEMORY;
+    conus_status status = path && parts ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
-        const char *volume = parts.file.path + strlen(draft->folder);
+        parcellation_read(&job, parts, path, &options, "an atlas XML");
+        status = job.status;
+    }
+    if (!status) {
+        const char *volume = parts->file.path + strlen(draft->folder);
         if (draft_fsl_has(draft, volume)) {
             chosen = NULL;
-            status = manifest_draft_log(draft, "%s: left out, since another XML has %s", xml, volume);
-        } else if (parts.is_disputed) {
+            status = bridge_log(draft, "%s: left out, since another XML has %s", xml, volume);
+        } else if (parts->is_disputed) {
             chosen = volume;
-            status = manifest_draft_log(draft, "%s: left out for %s, which has other names by itself: %s", xml, volume,
-                                        parts.notes.lines[parts.notes.count - 1]);
+            status = bridge_log(draft, "%s: left out for %s, which has other names by itself: %s", xml, volume,
+                                job.notes.lines[job.notes.count - 1]);
         }
     }
     status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
     *name = status || !chosen ? NULL : memory_text(chosen, strlen(chosen));
-    parcellation_finish(&parts);
+    job_end(&job);
     memory_free(path);
     return status || !chosen || *name ? status : CONUS_ERROR_MEMORY;
 }
@@ -159,12 +258,10 @@ static conus_status draft_streamlines_take(struct manifest_draft *draft, const c
     }
     size_t length = streamlines_stem_length(name);
     bool taken = has_entry_named(draft->streamlines, name, length) || has_entry_named(draft->pathways, name, length);
-    conus_status status = manifest_draft_append_loading(
-        &loads, draft, draft->streamlines, "streamlines",
-        json_pack("{s:s,s:s#}", "file", name, "name", name, taken ? strlen(name) : length));
-    return status  ? status
-           : loads ? manifest_draft_log(draft, "%s: streamlines", name)
-                   : manifest_draft_leave_out(draft, name);
+    conus_status status =
+        bridge_append_loading(&loads, draft, draft->streamlines, "streamlines",
+                              json_pack("{s:s,s:s#}", "file", name, "name", name, taken ? strlen(name) : length));
+    return status ? status : loads ? bridge_log(draft, "%s: streamlines", name) : bridge_leave_out(draft, name);
 }
 
 enum { FIRST_OFFSET = 1000, LAST_OFFSET = 1000000000 };
@@ -193,13 +290,13 @@ static bool is_parcellation(const struct manifest_draft *draft, const char *name
 static conus_status try_halves(bool *load, uint32_t *offset, const struct manifest_draft *draft, json_t *halves)
 {
     json_t *right = json_array_get(halves, 1);
-    conus_status status = manifest_draft_try(load, draft, "parcellations", halves, false);
+    conus_status status = bridge_try(load, draft, "parcellations", halves, false);
     *offset = 0;
     for (uint32_t next = FIRST_OFFSET; !status && !*load && next <= LAST_OFFSET; next *= 10) {
         *offset = next;
         status = json_object_set_new(right, "label_offset", json_integer(next))
                      ? CONUS_ERROR_MEMORY
-                     : manifest_draft_try(load, draft, "parcellations", halves, false);
+                     : bridge_try(load, draft, "parcellations", halves, false);
     }
     return status;
 }
@@ -224,9 +321,9 @@ static conus_status take_halves(struct manifest_draft *draft, const char *left, 
         return fail(CONUS_ERROR_DATA, "%s%s and %s are left and right of one, and do not load together: %s",
                     draft->folder, left, right, why);
     }
-    status = offset ? manifest_draft_log(draft, "%s: left and right of one with %s; its labels are %u further", right,
-                                         left, offset)
-                    : manifest_draft_log(draft, "%s: left and right of one with %s", right, left);
+    status =
+        offset ? bridge_log(draft, "%s: left and right of one with %s; its labels are %u further", right, left, offset)
+               : bridge_log(draft, "%s: left and right of one with %s", right, left);
     json_decref(draft->parcellation);
     draft->parcellation = halves;
     draft->label_offset = offset < MANIFEST_LABEL_STEP ? MANIFEST_LABEL_STEP : 10 * offset;
@@ -238,8 +335,8 @@ static conus_status set_second(struct manifest_draft *draft, const char *name)
     bool halves = false;
     bool is_right = false;
     const char *first = parcellation_file(draft, 0);
-    conus_status status = volume_names_are_halves(&is_right, first, name);
-    status = status || is_right ? status : volume_names_are_halves(&halves, name, first);
+    conus_status status = bridge_halves(&is_right, draft, first, name);
+    status = status || is_right ? status : bridge_halves(&halves, draft, name, first);
     if (status) {
         return status;
     }
@@ -256,14 +353,14 @@ static conus_status set_parcellation(struct manifest_draft *draft, const char *n
 {
     bool loads = false;
     json_t *value = json_pack("{s:s}", "file", name);
-    conus_status status = value ? manifest_draft_try(&loads, draft, "parcellation", value, false) : CONUS_ERROR_MEMORY;
+    conus_status status = value ? bridge_try(&loads, draft, "parcellation", value, false) : CONUS_ERROR_MEMORY;
     if (!status && loads && !draft->parcellation) {
         draft->parcellation = value;
         draft->label_offset = MANIFEST_LABEL_STEP;
         return CONUS_OK;
     }
     json_decref(value);
-    return status ? status : loads ? set_second(draft, name) : manifest_draft_leave_out(draft, name);
+    return status ? status : loads ? set_second(draft, name) : bridge_leave_out(draft, name);
 }
 
 static conus_status take_fsl_labels(struct manifest_draft *draft, const char *xml, const struct fsl_atlas *atlas)
@@ -274,8 +371,7 @@ static conus_status take_fsl_labels(struct manifest_draft *draft, const char *xm
     if (!status && name && is_parcellation(draft, name)) {
         status = draft_fsl_mark(draft, atlas);
         status = status ? status
-                        : manifest_draft_log(draft, "%s: parcellation, an atlas XML of %zu labels", name,
-                                             atlas->labels.count);
+                        : bridge_log(draft, "%s: parcellation, an atlas XML of %zu labels", name, atlas->labels.count);
     }
     memory_free(name);
     return status;
@@ -288,13 +384,12 @@ static conus_status take_fsl(struct manifest_draft *draft, const char *name, con
         return take_fsl_labels(draft, name, atlas);
     }
     conus_status status =
-        manifest_draft_append_loading(&loads, draft, draft->maps, "probabilities", json_pack("{s:s}", "fsl", name));
+        bridge_append_loading(&loads, draft, draft->maps, "probabilities", json_pack("{s:s}", "fsl", name));
     if (status || !loads) {
-        return status ? status : manifest_draft_leave_out(draft, name);
+        return status ? status : bridge_leave_out(draft, name);
     }
     status = draft_fsl_mark(draft, atlas);
-    return status ? status
-                  : manifest_draft_log(draft, "%s: FSL atlas, %zu areas by probabilities", name, atlas->labels.count);
+    return status ? status : bridge_log(draft, "%s: FSL atlas, %zu areas by probabilities", name, atlas->labels.count);
 }
 
 /* Takes `name` if it is an FSL atlas. */
@@ -310,7 +405,7 @@ static conus_status look_at_xml(struct manifest_draft *draft, const char *name)
         status = fsl_atlas_parse(&atlas, text);
         status = status ? status : fsl_atlas_number(&atlas, &(struct label_use){0}, &notes);
         status = status == CONUS_ERROR_MEMORY ? status
-                 : status                     ? manifest_draft_leave_out(draft, name)
+                 : status                     ? bridge_leave_out(draft, name)
                                               : take_fsl(draft, name, &atlas);
     }
     fsl_atlas_finish(&atlas);
@@ -352,15 +447,14 @@ static conus_status take_volumes(struct manifest_draft *draft, const char *name,
         bool loads = false;
         status = name_volume(&text, &named, draft, name, i, count);
         status = status ? status
-                        : manifest_draft_append_loading(
+                        : bridge_append_loading(
                               &loads, draft, draft->pathways, "pathways",
                               json_pack("{s:s,s:I,s:s}", "file", name, "volume", (json_int_t)i, "name", text.data));
-        status = status || loads ? status : manifest_draft_leave_out(draft, text.data);
+        status = status || loads ? status : bridge_leave_out(draft, text.data);
         taken += loads;
         buffer_finish(&text);
     }
-    return status ? status
-                  : manifest_draft_log(draft, "%s: %zu pathways, %s", name, taken, named ? NAMED : "to be named");
+    return status ? status : bridge_log(draft, "%s: %zu pathways, %s", name, taken, named ? NAMED : "to be named");
 }
 
 /* Whether the table beside the file and its values make it an atlas of probabilities by itself. */
@@ -396,44 +490,43 @@ static conus_status take_series(struct manifest_draft *draft, const char *name, 
     for (size_t i = 0; !status && i < count; i++) {
         struct buffer text = {0};
         status = name_volume(&text, &named, draft, name, i, count);
-        status = status ? status : manifest_draft_append(names, json_string(text.data));
+        status = status ? status : bridge_append(names, json_string(text.data));
         buffer_finish(&text);
     }
     status = status || !named ? status : is_probable(&probable, draft, name);
     json_t *list = probable ? draft->maps : draft->pathways;
     status = status ? status
-                    : manifest_draft_append_loading(&loads, draft, list, probable ? "probabilities" : "pathways",
-                                                    json_pack("{s:s,s:O}", "file", name, "names", names));
+                    : bridge_append_loading(&loads, draft, list, probable ? "probabilities" : "pathways",
+                                            json_pack("{s:s,s:O}", "file", name, "names", names));
     json_decref(names);
     if (status || !loads) {
         return status ? status : take_volumes(draft, name, count);
     }
     if (probable) {
-        return manifest_draft_log(draft, "%s: %zu areas by probabilities, " NAMED, name, count);
+        return bridge_log(draft, "%s: %zu areas by probabilities, " NAMED, name, count);
     }
-    return manifest_draft_log(draft, "%s: %zu pathways, %s", name, count, named ? NAMED : "to be named");
+    return bridge_log(draft, "%s: %zu pathways, %s", name, count, named ? NAMED : "to be named");
 }
 
 /* Takes a single volume as a pathway, or as an area by probabilities; `words` say why. */
 static conus_status take_one_volume(struct manifest_draft *draft, bool probable, const char *name, const char *words)
 {
     bool loads = false;
-    conus_status status = manifest_draft_append_loading(
+    conus_status status = bridge_append_loading(
         &loads, draft, probable ? draft->maps : draft->pathways, probable ? "probabilities" : "pathways",
         json_pack("{s:s,s:s#}", "file", name, "name", name, volume_stem_length(name)));
-    return status ? status
-           : loads
-               ? manifest_draft_log(draft, "%s: %s, %s", name, probable ? "an area by probabilities" : "pathway", words)
-               : manifest_draft_leave_out(draft, name);
+    return status  ? status
+           : loads ? bridge_log(draft, "%s: %s, %s", name, probable ? "an area by probabilities" : "pathway", words)
+                   : bridge_leave_out(draft, name);
 }
 
 static conus_status take_context(struct manifest_draft *draft, const char *name, const char *words)
 {
     if (draft->context) {
-        return manifest_draft_log(draft, "%s: a second context, left out", name);
+        return bridge_log(draft, "%s: a second context, left out", name);
     }
     draft->context = json_pack("{s:s}", "file", name);
-    return draft->context ? manifest_draft_log(draft, "%s: context, %s", name, words) : CONUS_ERROR_MEMORY;
+    return draft->context ? bridge_log(draft, "%s: context, %s", name, words) : CONUS_ERROR_MEMORY;
 }
 
 static conus_status take_volume(struct manifest_draft *draft, const char *name, const struct volume_guess *guess)
@@ -451,9 +544,8 @@ static conus_status take_volume(struct manifest_draft *draft, const char *name, 
         return take_context(draft, name, guess->words);
     }
     conus_status status = set_parcellation(draft, name);
-    return status || !is_parcellation(draft, name)
-               ? status
-               : manifest_draft_log(draft, "%s: parcellation, %s", name, guess->words);
+    return status || !is_parcellation(draft, name) ? status
+                                                   : bridge_log(draft, "%s: parcellation, %s", name, guess->words);
 }
 
 static conus_status look_at_volume(struct manifest_draft *draft, const char *name)
@@ -463,9 +555,9 @@ static conus_status look_at_volume(struct manifest_draft *draft, const char *nam
         return CONUS_OK;
     }
     char *path = file_beside(draft->folder, name);
-    conus_status status = path ? volume_guess_make(&guess, path, draft->options->max_memory) : CONUS_ERROR_MEMORY;
+    conus_status status = path ? bridge_guess(&guess, path, draft->options->max_memory) : CONUS_ERROR_MEMORY;
     if (status && status != CONUS_ERROR_MEMORY) {
-        status = manifest_draft_log(draft, "left out: %s", conus_message());
+        status = bridge_log(draft, "left out: %s", conus_message());
     } else if (!status) {
         status = take_volume(draft, name, &guess);
     }
@@ -499,12 +591,12 @@ static conus_status take_labelled(struct manifest_draft *draft, const struct man
         const struct manifest_area *area = &manifest->areas[i];
         json_int_t offset = (json_int_t)base + area->label_offset;
         raise_offset(draft, (uint64_t)offset + largest);
-        status = manifest_draft_append_loading(&loads, draft, draft->areas, "areas",
-                                               json_pack("{s:s,s:s,s:I}", "file", area->file, "vertex_labels",
-                                                         area->vertex_labels, "label_offset", offset));
+        status = bridge_append_loading(&loads, draft, draft->areas, "areas",
+                                       json_pack("{s:s,s:s,s:I}", "file", area->file, "vertex_labels",
+                                                 area->vertex_labels, "label_offset", offset));
         status = status  ? status
-                 : loads ? manifest_draft_log(draft, "%s: cut by %s", area->file, area->vertex_labels)
-                         : manifest_draft_leave_out(draft, area->file);
+                 : loads ? bridge_log(draft, "%s: cut by %s", area->file, area->vertex_labels)
+                         : bridge_leave_out(draft, area->file);
     }
     return status;
 }
@@ -513,14 +605,15 @@ static conus_status take_labelled(struct manifest_draft *draft, const struct man
 static conus_status take_cifti(bool *taken, struct manifest_draft *draft, const char *name)
 {
     struct cifti_file file = {0};
+    struct job job = {0}; /* Bridge: of the plan */
     struct manifest manifest = {0};
-    struct notes notes = {0};
     char *path = file_beside(draft->folder, name);
     uint64_t max_memory = draft->options->max_memory;
-    conus_status status = path ? cifti_file_open(&file, path, max_memory, &notes) : CONUS_ERROR_MEMORY;
-    status = status ? status : plan_cifti(&manifest, &file, max_memory, &notes);
+    (void)JOB_CALL(&job, path ? cifti_file_open(&file, path, max_memory, &job.notes) : CONUS_ERROR_MEMORY);
+    plan_cifti(&job, &manifest, &file, max_memory);
+    conus_status status = job_ok(&job) ? CONUS_OK : fail(job.status, "%s", job.message);
     if (status) {
-        status = status == CONUS_ERROR_MEMORY ? status : manifest_draft_leave_out(draft, name);
+        status = status == CONUS_ERROR_MEMORY ? status : bridge_leave_out(draft, name);
     } else {
         const struct label_table *table = &file.choice.cifti.maps[file.choice.map].table;
         const char *voxels = manifest.parcellation_count ? manifest.parcellations[0].source.file : NULL;
@@ -530,14 +623,13 @@ static conus_status take_cifti(bool *taken, struct manifest_draft *draft, const 
         draft->label_offset = offset; /* the plan keeps surfaces off the file's own voxels */
         status = status || !voxels || !is_parcellation(draft, voxels)
                      ? status
-                     : manifest_draft_log(draft, "%s: parcellation, voxels of CIFTI labels", voxels);
+                     : bridge_log(draft, "%s: parcellation, voxels of CIFTI labels", voxels);
         status = status ? status : take_labelled(draft, &manifest, table->entries[table->count - 1].number);
     }
-    for (size_t i = 0; !status && i < notes.count; i++) {
-        status = manifest_draft_log(draft, "%s", notes.lines[i]);
+    for (size_t i = 0; !status && i < job.notes.count; i++) {
+        status = bridge_log(draft, "%s", job.notes.lines[i]);
     }
-    notes_finish(&notes);
-    manifest_finish(&manifest);
+    job_end(&job);
     cifti_file_finish(&file);
     memory_free(path);
     return status;
@@ -554,15 +646,14 @@ static conus_status look_for_cifti(const char **found, struct manifest_draft *dr
         status = path ? probe_open(&probe, path) : CONUS_OK;
         bool cifti = probe.reader == READER_CIFTI;
         probe_close(&probe);
-        status = status || !cifti ? status : names_add(&draft->used, names->names[i]); /* it is no volume */
+        status = status || !cifti ? status : bridge_use(draft, names->names[i]); /* it is no volume */
         *found = cifti ? names->names[i] : *found;
         count += cifti;
         memory_free(path);
     }
     if (!status && count > 1) {
         *found = NULL;
-        status =
-            manifest_draft_log(draft, "%zu files of CIFTI labels, none is taken: give one of them as ATLAS", count);
+        status = bridge_log(draft, "%zu files of CIFTI labels, none is taken: give one of them as ATLAS", count);
     }
     return status;
 }
@@ -572,7 +663,7 @@ static conus_status take_brainglobe(bool *taken, struct manifest_draft *draft)
 {
     struct volume_guess guess = {0};
     bool voxels = false;
-    conus_status status = brainglobe_has_voxels(&voxels, draft->folder);
+    conus_status status = bridge_has_voxels(&voxels, draft);
     if (status || !voxels) {
         return status;
     }
@@ -581,13 +672,13 @@ static conus_status take_brainglobe(bool *taken, struct manifest_draft *draft)
     if (status || !*taken) {
         return status;
     }
-    status = manifest_draft_log(draft, BRAINGLOBE_ANNOTATION ": parcellation of a BrainGlobe folder");
+    status = bridge_log(draft, BRAINGLOBE_ANNOTATION ": parcellation of a BrainGlobe folder");
     char *path = file_beside(draft->folder, BRAINGLOBE_REFERENCE);
     status = status ? status : path ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status && file_exists(path)) {
-        status = volume_guess_make(&guess, path, draft->options->max_memory);
+        status = bridge_guess(&guess, path, draft->options->max_memory);
         status = status == CONUS_ERROR_MEMORY ? status
-                 : status                     ? manifest_draft_leave_out(draft, BRAINGLOBE_REFERENCE)
+                 : status                     ? bridge_leave_out(draft, BRAINGLOBE_REFERENCE)
                                               : take_context(draft, BRAINGLOBE_REFERENCE, "a BrainGlobe reference");
     }
     memory_free(path);
@@ -602,7 +693,7 @@ static conus_status look_at_other(struct manifest_draft *draft, const char *name
         return status || is_field ? status : look_at_volume(draft, name);
     }
     bool known = strcmp(name, BRAINGLOBE_ANNOTATION) == 0 || strcmp(name, BRAINGLOBE_REFERENCE) == 0;
-    return known ? CONUS_OK : manifest_draft_log(draft, "%s: left out, another stack of the BrainGlobe folder", name);
+    return known ? CONUS_OK : bridge_log(draft, "%s: left out, another stack of the BrainGlobe folder", name);
 }
 
 static conus_status scan_folder(struct manifest_draft *draft)
@@ -622,22 +713,22 @@ static conus_status scan_folder(struct manifest_draft *draft)
                                                 : draft_streamlines_take(draft, names.names[i]);
     }
     status = status || !cifti ? status : take_cifti(&labelled, draft, cifti);
-    status = status || voxels || labelled ? status : manifest_surfaces_add(draft, "");
+    status = status || voxels || labelled ? status : bridge_surfaces(draft, "");
     for (size_t i = 0; !status && i < names.count; i++) {
         char *path = names.names[i][0] == '.' ? NULL : file_beside(draft->folder, names.names[i]);
         bool known = voxels || json_object_get(json_array_get(draft->areas, 0), "brainglobe");
         bool brainglobe = path && strcmp(names.names[i], "meshes") == 0 && known;
         bool skip = brainglobe || manifest_draft_has(draft->streamlines, names.names[i]);
-        status = path && !skip && file_is_folder(path) ? manifest_surfaces_add(draft, names.names[i]) : CONUS_OK;
+        status = path && !skip && file_is_folder(path) ? bridge_surfaces(draft, names.names[i]) : CONUS_OK;
         memory_free(path);
     }
     names_finish(&names);
     const char *file = voxels || labelled || !json_array_size(draft->areas) ? NULL : parcellation_file(draft, 0);
     return status || !file
                ? status
-               : manifest_draft_log(
-                     draft, "%s and surfaces: areas that are in both are there twice: take one out of the manifest",
-                     file);
+               : bridge_log(draft,
+                            "%s and surfaces: areas that are in both are there twice: take one out of the manifest",
+                            file);
 }
 
 /* Makes areas of probabilities the first pathways where there is a parcellation or a surface. Areas of probabilities
@@ -652,69 +743,76 @@ static conus_status settle_maps(struct manifest_draft *draft)
         json_t *entry = json_array_get(draft->maps, i);
         const char *fsl = json_string_value(json_object_get(entry, "fsl"));
         const char *name = fsl ? fsl : json_string_value(json_object_get(entry, "file"));
-        status = manifest_draft_try(&loads, draft, "pathways", entry, true);
+        status = bridge_try(&loads, draft, "pathways", entry, true);
         if (!status && loads && json_array_insert(draft->pathways, taken++, entry)) {
             status = CONUS_ERROR_MEMORY;
         }
         status = status  ? status
-                 : loads ? manifest_draft_log(draft,
-                                              "%s: pathways, because a manifest with a parcellation or surfaces "
-                                              "has no areas by probabilities",
-                                              name)
-                         : manifest_draft_leave_out(draft, name);
+                 : loads ? bridge_log(draft,
+                                      "%s: pathways, because a manifest with a parcellation or surfaces "
+                                      "has no areas by probabilities",
+                                      name)
+                         : bridge_leave_out(draft, name);
     }
     return status || alone || !json_array_clear(draft->maps) ? status : CONUS_ERROR_MEMORY;
 }
 
 /* Writes the manifest, once the parser has read it. */
-static conus_status write_checked(const char *path, const struct buffer *text)
+static conus_status write_checked(const char *path, const struct text *text)
 {
+    struct job job = {0}; /* Bridge: of the parser */
     struct manifest manifest;
-    conus_status status = manifest_parse(&manifest, (struct text){text->data, text->size});
+    manifest_parse(&job, &manifest, *text);
+    conus_status status = job_close(&job, NULL, NULL);
     if (status) {
         return fail_in(status, path);
     }
-    manifest_finish(&manifest);
     return file_write_new(path, text->data, text->size);
 }
 
-static conus_status load_text(const struct manifest_draft *draft, const struct buffer *text)
+static conus_status load_text(const struct manifest_draft *draft, struct text text)
 {
-    conus_atlas *atlas = NULL;
-    const struct bytes bytes = {(uint8_t *)text->data, text->size};
+    struct load load;
+    const struct bytes bytes = {(uint8_t *)text.data, text.size};
     const conus_load_options options = {.max_memory = draft->options->max_memory};
-    struct load_progress progress = load_progress_of(draft->folder, &options);
-    conus_status status = manifest_load(&atlas, draft->folder, &bytes, &progress);
-    load_progress_finish(&progress);
-    conus_atlas_destroy(atlas);
-    return status;
+    load_begin(&load, draft->folder, &options);
+    manifest_load(&load, draft->folder, &bytes);
+    return load_end(NULL, &load);
 }
 
 conus_status conus_manifest_write(const char *path, const conus_manifest_options *options)
 {
-    struct buffer text = {0};
+    struct job job = {0}; /* Bridge */
+    struct text text = {0};
     if (!path || !path[0]) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_manifest_write: a path is needed");
     }
     char *folder = path_folder(path);
-    struct manifest_draft draft = {
-        .folder = folder, .options = options_of(conus_manifest_options, options), .load = load_text};
-    conus_status status = folder ? manifest_draft_init(&draft) : CONUS_ERROR_MEMORY;
+    struct bridged bridged = {
+        .draft = {.folder = folder, .options = options_of(conus_manifest_options, options), .load = load_text},
+        .job = &job};
+    struct manifest_draft *draft = &bridged.draft;
+    manifest_draft_init(&job, draft);
+    conus_status status = folder ? bridge_status(draft) : CONUS_ERROR_MEMORY;
     if (!status && !file_is_folder(folder)) {
         status = fail(CONUS_ERROR_IO, "%s: there is no such folder", folder);
     }
-    status = status ? status : scan_folder(&draft);
-    status = status ? status : settle_maps(&draft);
-    size_t found = json_array_size(draft.areas) + json_array_size(draft.pathways) + json_array_size(draft.maps) +
-                   json_array_size(draft.streamlines);
-    if (!status && !draft.parcellation && !found) {
+    status = status ? status : scan_folder(draft);
+    status = status ? status : settle_maps(draft);
+    size_t found = json_array_size(draft->areas) + json_array_size(draft->pathways) + json_array_size(draft->maps) +
+                   json_array_size(draft->streamlines);
+    if (!status && !draft->parcellation && !found) {
         status = fail(CONUS_ERROR_DATA, "%s: neither parcellation nor surfaces, pathways or streamlines in this folder",
                       folder);
     }
-    status = status ? status : manifest_draft_format(&text, &draft);
+    if (!status) {
+        text = manifest_draft_format(&job, draft);
+        status = bridge_status(draft);
+    }
     status = status ? status : write_checked(path, &text);
-    buffer_finish(&text);
-    manifest_draft_finish(&draft);
+    json_decref(draft->parcellation);
+    json_decref(draft->context);
+    job_end(&job);
     memory_free(folder);
     return status;
 }
