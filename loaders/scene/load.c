@@ -176,7 +176,7 @@ static void load_volumes(struct load *load, const struct probe *probe, const cha
     struct job *job = &load->job;
     const struct named_maps maps = named_maps_find(job, probe, path, load->options);
     struct parcellation *part = job_new(job, struct parcellation);
-    if (maps.table->count) {
+    if (part && maps.table->count) {
         named_maps_load(load, path, &maps);
     } else if (part) {
         report_only_file(load, path);

@@ -66,6 +66,9 @@ bool conus_context_is_surface(const char *path)
 void context_load(struct job *job, conus_atlas *atlas, const char *path, const conus_context_options *options)
 {
     struct volume_file file = {0};
+    if (!job_ok(job)) {
+        return; /* there may be no atlas */
+    }
     if (mesh_file_is(path)) {
         add_context(job, atlas, path, options);
     } else if (JOB_CALL(job, volume_file_open_cached(&file, path, options->max_memory, options->cache, &job->notes))) {

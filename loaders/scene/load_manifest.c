@@ -25,13 +25,13 @@
 struct scene {
     struct load *load;
     const struct manifest *manifest;
-    const char *path;         /* of the manifest, ending in '/' if it was made for a folder */
-    const struct bytes *file; /* its bytes; NULL if it was made up */
-    const char *names;        /* where the names of areas without a parcellation come from */
-    const struct named_maps *maps; /* whose table names the volumes of a file that is ATLAS, and whose user sees no manifest;
-                                 NULL without one */
-    struct volume_file series; /* kept for the pathways that follow, if any is in the same file */
-    const char *series_name;   /* as the manifest writes it; NULL without one */
+    const char *path;              /* of the manifest, ending in '/' if it was made for a folder */
+    const struct bytes *file;      /* its bytes; NULL if it was made up */
+    const char *names;             /* where the names of areas without a parcellation come from */
+    const struct named_maps *maps; /* whose table names the volumes of a file that is ATLAS, and whose user sees no
+                                 manifest; NULL without one */
+    struct volume_file series;     /* kept for the pathways that follow, if any is in the same file */
+    const char *series_name;       /* as the manifest writes it; NULL without one */
 };
 
 /* The path of a file that the manifest names, from where this process is; NULL for none. */
@@ -303,7 +303,6 @@ static void add_fsl(const struct scene *scene, const struct manifest_pathway *pa
 static void add_labelled(const struct scene *scene, const struct manifest_pathway *entry, struct volume_file *file,
                          const struct label_table *labels, uint32_t skipped)
 {
-    char words[TEXT_NUMBER_SIZE];
     struct load *load = scene->load;
     struct job *job = &load->job;
     uint32_t before = 0;
@@ -323,7 +322,7 @@ static void add_labelled(const struct scene *scene, const struct manifest_pathwa
     }
     if (job_ok(job)) {
         job_note(job, "%s: %zu areas by probabilities of %s and more (values: %s)", path_base(file->path),
-                 labels->count, text_number(words, threshold), scale.words);
+                 labels->count, NUMBER_TEXT(threshold), scale.words);
     }
     atlas_take(job, load->atlas);
 }

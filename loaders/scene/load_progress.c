@@ -3,6 +3,7 @@
 #include "loaders/scene/load_progress.h"
 
 #include "base/memory.h"
+#include "loaders/maps/atlas_on_job.h"
 #include "loaders/surfaces/mesh_file.h"
 
 #include <string.h>

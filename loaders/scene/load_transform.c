@@ -216,6 +216,9 @@ void transform_load(struct job *job, conus_atlas *atlas, const char *path, const
     conus_volume_info grid;
     bool is_field = false;
     bool is_chain = false;
+    if (!job_ok(job)) {
+        return; /* there may be no atlas */
+    }
     const struct warp_plan plan = {
         .words = path, .grid = options->grid ? &grid : NULL, .max_memory = options->max_memory};
     if (options->grid) {
