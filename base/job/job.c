@@ -29,9 +29,12 @@ static size_t write_places(char *to, size_t space, const struct job *job)
     size_t used = 0;
     for (size_t i = 0; i < job->depth; i++) {
         const struct job_place *place = &job->places[i];
+        size_t end = strlen(place->word);
         bool alone = place->index == JOB_ALONE;
-        int length = alone ? snprintf(to + used, space - used, "%s: ", place->word)
-                           : snprintf(to + used, space - used, "%s[%zu]: ", place->word, place->index);
+        bool counts = end && place->word[end - 1] == ' ';
+        int length =
+            alone ? snprintf(to + used, space - used, "%s: ", place->word)
+                  : snprintf(to + used, space - used, counts ? "%s%zu: " : "%s[%zu]: ", place->word, place->index);
         used += length < 0 ? 0 : (size_t)length;
         used = used < space ? used : space - 1;
     }

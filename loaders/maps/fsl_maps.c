@@ -12,7 +12,7 @@
 
 void fsl_maps_finish(struct fsl_maps *maps)
 {
-    fsl_atlas_finish(&maps->atlas);
+    label_table_finish(&maps->atlas.labels);
     volume_file_finish(&maps->image);
     notes_finish(&maps->notes);
 }
@@ -50,11 +50,13 @@ static conus_status choose_image(struct fsl_maps *maps, conus_atlas *atlas, cons
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < maps->atlas.image_count; i++) {
-        char *path = NULL;
+        struct job job = {0}; /* Bridge: to label tables on a job. */
         const char *image = maps->atlas.images[i].image;
-        status = image ? fsl_image_find(&path, xml, image) : CONUS_OK;
-        status = !status && path ? take_if_finer(maps, atlas, path, options) : status;
-        memory_free(path);
+        const char *path = image ? fsl_image_find(&job, xml, image) : NULL;
+        if (path) {
+            (void)JOB_CALL(&job, take_if_finer(maps, atlas, path, options));
+        }
+        status = job_close(&job, NULL, NULL);
     }
     if (!status && !maps->image.path) {
         return fail(CONUS_ERROR_DATA, "fsl: none of the %zu images of %s is there (<imagefile> is relative to the XML)",
@@ -63,13 +65,17 @@ static conus_status choose_image(struct fsl_maps *maps, conus_atlas *atlas, cons
     return status;
 }
 
-static conus_status read_xml(struct fsl_maps *maps, conus_atlas *atlas, const char *xml)
+static conus_status read_xml(struct fsl_maps *maps, struct job *job, conus_atlas *atlas, const char *xml)
 {
     struct bytes bytes = {0};
     conus_status status = file_read(&bytes, xml, FSL_ATLAS_LIMIT);
     if (!status) {
-        status = fsl_atlas_parse(&maps->atlas, text_from_bytes(bytes.data, bytes.size));
-        status = status ? fail_in(status, xml) : CONUS_OK;
+        size_t place = job_in(job, xml, JOB_ALONE);
+        struct fsl_atlas *parsed = fsl_atlas_parse(job, text_from_bytes(bytes.data, bytes.size));
+        job_out(job, place);
+        maps->atlas = *parsed;
+        parsed->labels = (struct label_table){0};
+        status = job_ok(job) ? CONUS_OK : fail(job->status, "%s", job->message);
     }
     if (!status && maps->atlas.is_label) {
         status = fail(CONUS_ERROR_DATA,
@@ -85,53 +91,52 @@ static conus_status read_xml(struct fsl_maps *maps, conus_atlas *atlas, const ch
 struct rival {
     const struct fsl_maps *maps;
     const char *xml; /* without its folder */
-    struct notes *notes;
 };
 
-static conus_status compare_with_rival(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file)
+static void compare_with_rival(struct job *job, void *user, struct fsl_atlas *atlas, const char *path,
+                               const struct bytes *file)
 {
     const struct rival *rival = user;
     struct notes silent = {0};
-    bool differ;
     (void)file;
-    conus_status status = label_table_sort(&atlas->labels, &silent);
-    status = status ? status
-                    : label_tables_note(&differ, &rival->maps->atlas.labels, rival->xml, &atlas->labels,
-                                        path_base(path), rival->notes);
+    (void)JOB_CALL(job, label_table_sort(&atlas->labels, &silent));
     notes_finish(&silent);
-    return status;
+    label_tables_note(job, &rival->maps->atlas.labels, rival->xml, &atlas->labels, path_base(path));
 }
 
 /* Other XMLs, and a table beside the image, may call its volumes otherwise. */
 static conus_status compare_map_names(struct fsl_maps *maps, const char *xml, uint64_t max_memory, struct notes *notes)
 {
-    struct rival rival = {maps, path_base(xml), notes};
-    struct label_table table = {0};
-    struct buffer from = {0};
-    struct notes silent = {0};
+    struct job job = {0}; /* Bridge: to label tables on a job. */
+    struct rival rival = {maps, path_base(xml)};
+    struct label_table *table = labels_new(&job);
     const struct label_use use = {.info = &maps->image.info, .max_memory = max_memory};
-    bool differ;
-    conus_status status = fsl_atlas_each(maps->image.path, FSL_VOLUMES, compare_with_rival, &rival);
-    status = status ? status : label_volume_table(&table, &from, NULL, &use, &silent);
-    if (!status && table.count) {
-        status = label_tables_note(&differ, &maps->atlas.labels, rival.xml, &table, from.data, notes);
-    }
-    label_table_finish(&table);
-    buffer_finish(&from);
+    fsl_atlas_each(&job, maps->image.path, FSL_VOLUMES, compare_with_rival, &rival);
+    struct notes outside = label_notes_swap(&job, (struct notes){0});
+    const char *from = label_volume_table(&job, table, NULL, &use);
+    struct notes silent = label_notes_swap(&job, outside);
     notes_finish(&silent);
-    return status;
+    if (from) {
+        label_tables_note(&job, &maps->atlas.labels, rival.xml, table, from);
+    }
+    return job_close(&job, notes, NULL);
 }
 
 conus_status fsl_maps_open(struct fsl_maps *out, conus_atlas *atlas, const char *xml, const char *image,
                            const conus_load_options *options)
 {
     struct fsl_maps maps = {0};
-    conus_status status = read_xml(&maps, atlas, xml);
+    struct job job = {0}; /* Bridge: to label tables on a job. */
+    conus_status status = read_xml(&maps, &job, atlas, xml);
     if (!status) {
         status = image ? take_if_finer(&maps, atlas, image, options) : choose_image(&maps, atlas, xml, options);
     }
     const size_t labels = maps.atlas.labels.count;
-    status = status ? status : label_drop_background(&maps.has_background, &maps.atlas.labels, &atlas->notes);
+    if (!status) {
+        maps.has_background = label_drop_background(&job, &maps.atlas.labels);
+    }
+    conus_status ended = job_close(&job, &atlas->notes, NULL);
+    status = status ? status : ended;
     if (!status && labels > maps.image.info.volume_count) {
         status = fail(CONUS_ERROR_DATA, "fsl: %s has %zu labels, %s has %zu volumes", path_base(xml), labels,
                       path_base(maps.image.path), maps.image.info.volume_count);

@@ -239,7 +239,7 @@ static conus_status agree_on_title(struct title *title, const char *name, const 
                       title->info->path, title->info->volume, title->name->data, title->from.data, name, from);
 }
 
-static conus_status take_title(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file)
+static void take_title(struct job *job, void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file)
 {
     struct title *title = user;
     (void)file;
@@ -247,10 +247,10 @@ static conus_status take_title(void *user, struct fsl_atlas *atlas, const char *
     for (size_t i = 0; i < atlas->labels.count; i++) {
         const struct label *label = &atlas->labels.entries[i];
         if (label->number - 1 == title->info->volume) {
-            return label->name ? agree_on_title(title, label->name, path_base(path)) : CONUS_OK;
+            (void)(label->name && JOB_CALL(job, agree_on_title(title, label->name, path_base(path))));
+            return;
         }
     }
-    return CONUS_OK;
 }
 
 /* The name that is wanted, else what an FSL atlas XML or a table calls this volume, else the file's name. */
@@ -258,22 +258,21 @@ static conus_status choose_name(struct buffer *out, const char *wanted, const st
                                 struct notes *notes)
 {
     struct title title = {.info = &file->info, .name = out};
-    struct buffer name = {0};
-    struct buffer from = {0};
+    struct job job = {0}; /* Bridge: to label tables on a job. */
+    const char *from = NULL;
     if (wanted && wanted[0]) {
         buffer_text(out, wanted);
         return buffer_status(out);
     }
-    conus_status status = fsl_atlas_each(file->path, FSL_VOLUMES, take_title, &title);
-    status = status ? status : label_volume_name(&name, &from, title.info, notes);
-    status = status || !from.size ? status : agree_on_title(&title, name.data, from.data);
+    fsl_atlas_each(&job, file->path, FSL_VOLUMES, take_title, &title);
+    const char *name = label_volume_name(&job, &from, title.info);
+    (void)(from && JOB_CALL(&job, agree_on_title(&title, name, from)));
+    conus_status status = job_close(&job, notes, NULL);
     status = status ? status : buffer_status(&title.from);
     if (!status) {
         status = title.from.size ? notes_add(notes, "pathway %s: named by %s", out->data, title.from.data)
                                  : name_by_file(out, file);
     }
-    buffer_finish(&name);
-    buffer_finish(&from);
     buffer_finish(&title.from);
     return status;
 }

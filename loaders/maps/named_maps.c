@@ -27,26 +27,25 @@ void named_maps_finish(struct named_maps *maps)
 
 static conus_status find_names(struct named_maps *out, const conus_volume_info *info, const conus_load_options *options)
 {
-    struct buffer from = {0};
+    struct job job = {0}; /* Bridge: to label tables on a job. */
     const char *labels = options->labels;
-    const struct label_use use = {.info = info, .max_memory = options->max_memory, .read = &out->read};
-    conus_status status = label_volume_table(&out->table, &from, labels, &use, &out->notes);
-    if (!status && labels && !out->table.count) {
-        status =
-            fail(CONUS_ERROR_ARGUMENT,
+    struct label_table *table = labels_new(&job);
+    const struct label_use use = {.info = info, .max_memory = options->max_memory};
+    const char *from = label_volume_table(&job, table, labels, &use);
+    if (labels && !from) {
+        job_fail(&job, CONUS_ERROR_ARGUMENT,
                  "%s: has %zu volumes, --labels %s does not name them: needed is another name for each number from "
                  "0 to %zu, or from 1 to %zu; FILE,volume=K chooses one",
                  info->path, info->volume_count, path_base(labels), info->volume_count - 1, info->volume_count);
     }
-    if (!status && out->table.count) {
-        struct buffer source = {0};
-        buffer_format(&source, "names of the volumes in %s", from.data);
-        status = buffer_status(&source);
-        out->source = source.data;
+    if (from) {
+        char *source = job_format(&job, "names of the volumes in %s", from);
+        label_drop_background(&job, table);
+        out->source = job_give(&job, source, strlen(source) + 1);
+        out->table = *table;
+        *table = (struct label_table){0};
     }
-    buffer_finish(&from);
-    bool dropped;
-    return status ? status : label_drop_background(&dropped, &out->table, &out->notes);
+    return job_close(&job, &out->notes, &out->read);
 }
 
 /* The volume is called as its file is. */

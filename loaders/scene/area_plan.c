@@ -154,11 +154,19 @@ static conus_status keep_matching(struct matches *matches, const char *pattern)
     return status;
 }
 
+/* Bridge: to label tables on a job. */
+static conus_status read_labels(struct label_table *out, struct area_plan *plan, const char *path, struct notes *notes)
+{
+    struct job job = {0};
+    const char *format;
+    const struct label_use use = {.max_memory = plan->max_memory};
+    label_file_read(&job, out, &format, path, &use);
+    return job_close(&job, notes, &plan->read);
+}
+
 static conus_status find_matches(struct matches *matches, struct area_plan *plan, const struct manifest_area *area,
                                  const char *path, struct notes *notes)
 {
-    const struct label_use use = {.max_memory = plan->max_memory, .read = &plan->read};
-    const char *format;
     const char *ending = area->files + strlen(area->files); /* the literal end, which every matching name has */
     while (ending > area->files && !strchr("*?[]\\/", ending[-1])) {
         ending--;
@@ -170,7 +178,7 @@ static conus_status find_matches(struct matches *matches, struct area_plan *plan
     memory_free(pattern);
     if (!status && area->labels) {
         char *labels = file_beside(path, area->labels);
-        status = labels ? label_file_read(&matches->table, &format, labels, &use, notes) : CONUS_ERROR_MEMORY;
+        status = labels ? read_labels(&matches->table, plan, labels, notes) : CONUS_ERROR_MEMORY;
         memory_free(labels);
     }
     return status;
@@ -335,14 +343,12 @@ static void mark_containers(struct brainglobe *brainglobe)
 static conus_status open_brainglobe(struct brainglobe *brainglobe, struct area_plan *plan,
                                     const struct manifest_area *area, const char *path, struct notes *notes)
 {
-    const struct label_use use = {.max_memory = plan->max_memory, .read = &plan->read};
-    const char *format;
     struct buffer table = {0};
     brainglobe->folder = file_beside(path, area->brainglobe);
     conus_status status = brainglobe->folder ? CONUS_OK : CONUS_ERROR_MEMORY;
     buffer_format(&table, "%s/structures.json", status ? "" : brainglobe->folder);
     status = status ? status : buffer_status(&table);
-    status = status ? status : label_file_read(&brainglobe->structures, &format, table.data, &use, notes);
+    status = status ? status : read_labels(&brainglobe->structures, plan, table.data, notes);
     buffer_finish(&table);
     if (status) {
         return status;

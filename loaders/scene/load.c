@@ -335,14 +335,14 @@ static conus_status load_folder(conus_atlas **out, const char *path, struct load
 static conus_status is_probabilistic(bool *out, const struct open_file *file)
 {
     struct bytes bytes = {0};
-    struct fsl_atlas atlas = {0};
+    struct job job = {0}; /* Bridge: to label tables on a job. */
     *out = false;
     if (file_read_open(&bytes, file, SIZE_MAX, FSL_ATLAS_LIMIT, "")) {
         return CONUS_OK; /* its reader says why it cannot be read */
     }
-    conus_status status = fsl_atlas_parse(&atlas, text_from_bytes(bytes.data, bytes.size));
-    *out = !status && atlas.type && !atlas.is_label;
-    fsl_atlas_finish(&atlas);
+    const struct fsl_atlas *atlas = fsl_atlas_parse(&job, text_from_bytes(bytes.data, bytes.size));
+    *out = job_ok(&job) && !atlas->is_label;
+    conus_status status = job_close(&job, NULL, NULL);
     bytes_finish(&bytes);
     return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
 }

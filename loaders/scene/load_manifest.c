@@ -596,20 +596,18 @@ conus_status probabilities_load(conus_atlas **out, const char *path, struct load
 /* One map has no labels: a table in or beside its file may tell that it is none. */
 static conus_status warn_of_table(const conus_atlas *atlas, struct notes *notes)
 {
-    struct label_table table = {0};
-    struct label_volume volume = {.info = &atlas->volumes[0].info};
-    struct notes ignored = {0};
-    char *source = NULL;
-    conus_status status = label_table_of_volume(&table, &source, &volume, NULL, NULL, &ignored);
-    if (!status && table.count) {
-        status = notes_warn(notes,
-                            "%s: its values are stated to be probabilities, so %s, which names %zu labels, is not used",
-                            path_base(volume.info->path), source, table.count);
+    struct job job = {0}; /* Bridge: to label tables on a job. */
+    struct label_table *table = labels_new(&job);
+    const struct label_volume volume = {.info = &atlas->volumes[0].info};
+    const char *source = "";
+    label_table_of_volume(&job, table, &source, &volume, NULL);
+    if (job_ok(&job) && table->count) {
+        (void)JOB_CALL(&job, notes_warn(notes,
+                                        "%s: its values are stated to be probabilities, so %s, which names %zu labels, "
+                                        "is not used",
+                                        path_base(volume.info->path), source, table->count));
     }
-    label_table_finish(&table);
-    label_volume_finish(&volume);
-    notes_finish(&ignored);
-    memory_free(source);
+    conus_status status = job_close(&job, NULL, NULL);
     return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
 }
 

@@ -115,9 +115,10 @@ static conus_status read_override(struct parcellation *parts, const char *path)
     const struct label_use use = {.info = &parts->file.info,
                                   .voxels = &parts->labels,
                                   .header = volume_file_header,
-                                  .max_memory = parts->file.max_memory,
-                                  .read = &parts->read};
-    conus_status status = label_file_read(&table, &format, path, &use, &parts->notes);
+                                  .max_memory = parts->file.max_memory};
+    struct job job = {0}; /* Bridge: to label tables on a job. */
+    label_file_read(&job, &table, &format, path, &use);
+    conus_status status = job_close(&job, &parts->notes, &parts->read);
     status = status ? status : set_source(parts, format, path);
     if (status) {
         label_table_finish(&table);
@@ -132,10 +133,11 @@ static conus_status read_override(struct parcellation *parts, const char *path)
 static conus_status consider_image(struct parcellation *parts, const char *xml_path, const char *image,
                                    uint64_t max_memory)
 {
-    char *path = NULL;
     struct volume_file file = {0};
     struct notes notes = {0};
-    conus_status status = fsl_image_find(&path, xml_path, image);
+    struct job job = {0}; /* Bridge: to label tables on a job. */
+    const char *path = fsl_image_find(&job, xml_path, image);
+    conus_status status = job.status;
     if (!status && !path) {
         status = notes_warn(&parts->notes, "image %s of the FSL atlas is not there", image);
     } else if (!status) {
@@ -152,7 +154,7 @@ static conus_status consider_image(struct parcellation *parts, const char *xml_p
         conus_status moved = notes_move(&parts->notes, &notes);
         status = status ? status : moved;
     }
-    memory_free(path);
+    job_end(&job);
     volume_file_finish(&file);
     notes_finish(&notes);
     return status;
@@ -188,7 +190,9 @@ static conus_status compare_with_volume(struct parcellation *parts)
     if (status && status != CONUS_ERROR_MEMORY) {
         status = notes_warn(&parts->notes, "%s", conus_message());
     } else if (!status) {
-        status = label_tables_note(&parts->is_disputed, &parts->table, parts->source, &table, source, &parts->notes);
+        struct job job = {0}; /* Bridge: to label tables on a job. */
+        parts->is_disputed = label_tables_note(&job, &parts->table, parts->source, &table, source);
+        status = job_close(&job, &parts->notes, NULL);
     }
     label_table_finish(&table);
     memory_free(source);
@@ -198,18 +202,21 @@ static conus_status compare_with_volume(struct parcellation *parts)
 
 static conus_status load_fsl(struct parcellation *parts, const char *path, struct text text, uint64_t max_memory)
 {
-    struct fsl_atlas atlas = {0};
-    conus_status status = fsl_atlas_parse(&atlas, text);
-    if (status) {
-        return fail_in(status, path);
+    struct job job = {0}; /* Bridge: to label tables on a job. */
+    size_t place = job_in(&job, path, JOB_ALONE);
+    struct fsl_atlas *atlas = fsl_atlas_parse(&job, text);
+    job_out(&job, place);
+    if (!job_ok(&job)) {
+        return job_close(&job, NULL, NULL);
     }
-    if (!atlas.is_label) {
+    conus_status status = CONUS_OK;
+    if (!atlas->is_label) {
         status = fail(CONUS_ERROR_UNSUPPORTED,
                       "%s: an FSL atlas of type %s, Label is needed; \"probabilities\" of a manifest takes it, or it "
                       "is ATLAS itself",
-                      path, atlas.type);
+                      path, atlas->type);
     }
-    status = status ? status : open_finest(parts, &atlas, path, max_memory);
+    status = status ? status : open_finest(parts, atlas, path, max_memory);
     status = status ? status : volume_file_take_labels(&parts->labels, &parts->file);
     if (!status) {
         const struct label_use use = {.info = &parts->file.info,
@@ -217,15 +224,19 @@ static conus_status load_fsl(struct parcellation *parts, const char *path, struc
                                       .header = volume_file_header,
                                       .path = path,
                                       .max_memory = max_memory};
-        status = fsl_atlas_number(&atlas, &use, &parts->notes);
+        fsl_atlas_number(&job, atlas, &use);
+        status = job.status;
     }
-    status = status ? status : set_source(parts, atlas.is_spm ? "SPM atlas XML" : "FSL atlas XML", path_base(path));
+    status = status ? status : set_source(parts, atlas->is_spm ? "SPM atlas XML" : "FSL atlas XML", path_base(path));
     if (!status) {
-        parts->table = atlas.labels;
-        atlas.labels = (struct label_table){0};
+        status = notes_move(&parts->notes, &job.notes);
+    }
+    if (!status) {
+        parts->table = atlas->labels;
+        atlas->labels = (struct label_table){0};
         status = compare_with_volume(parts);
     }
-    fsl_atlas_finish(&atlas);
+    job_end(&job);
     return status;
 }
 
