@@ -8,28 +8,6 @@
 
 #include <string.h>
 
-/* Bridge: goes when the room of label tables has them on a job. */
-static void finish_atlas(void *atlas)
-{
-    fsl_atlas_finish(atlas);
-}
-
-static struct fsl_atlas *parse_atlas(struct job *job, struct text text)
-{
-    struct fsl_atlas *atlas = job_new(job, struct fsl_atlas);
-    if (atlas) {
-        job_own(job, finish_atlas, atlas);
-        (void)JOB_CALL(job, fsl_atlas_parse(atlas, text));
-    }
-    return atlas;
-}
-
-static char *find_image(struct job *job, const char *xml_path, const char *written)
-{
-    char *path = NULL;
-    return JOB_CALL(job, fsl_image_find(&path, xml_path, written)) && path ? job_adopt(job, path) : NULL;
-}
-
 struct images {
     LIST(struct catalogue_item); /* the finest first, once all are known */
 };
@@ -43,7 +21,7 @@ static double voxel_mm3(const struct catalogue_item *image)
 /* Appends the volume that the XML calls `written`, unless it is there already or has no labels. */
 static void add_image(struct job *job, struct images *images, const char *xml_path, const char *written)
 {
-    const char *path = find_image(job, xml_path, written);
+    const char *path = fsl_image_find(job, xml_path, written);
     struct catalogue_item image = {.atlas = {.kind = "volume", .path = path, .labels = xml_path}};
     bool labels = path && catalogue_at(&image.id, path) == CATALOGUE_FILE &&
                   volume_marks_find(job, image.atlas.spacing, path, true);
@@ -74,7 +52,7 @@ static bool has_maps(struct job *job, const struct fsl_atlas *atlas, const char 
 {
     bool found = false;
     for (size_t i = 0; !found && !atlas->is_label && i < atlas->image_count; i++) {
-        found = atlas->images[i].image && find_image(job, xml_path, atlas->images[i].image);
+        found = atlas->images[i].image && fsl_image_find(job, xml_path, atlas->images[i].image);
     }
     return found;
 }
@@ -113,7 +91,7 @@ void fsl_look(struct job *job, conus_catalogue *catalogue, const char *xml_path)
     struct bytes bytes = job_read(job, xml_path, FSL_ATLAS_LIMIT, "");
     job_out(job, place);
     struct text text = text_from_bytes(bytes.data, bytes.size);
-    const struct fsl_atlas *atlas = text_equal(xml_root(text), "atlas") ? parse_atlas(job, text) : NULL;
+    const struct fsl_atlas *atlas = text_equal(xml_root(text), "atlas") ? fsl_atlas_parse(job, text) : NULL;
     if (!job_tried(job, &attempt) && atlas) {
         take_atlas(job, catalogue, xml_path, atlas);
     }

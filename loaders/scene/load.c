@@ -256,13 +256,11 @@ static void load_folder(struct load *load, const char *path)
 static bool is_probabilistic(struct job *job, const struct open_file *file)
 {
     struct bytes bytes = {0};
-    struct fsl_atlas atlas = {0};
     const struct attempt attempt = job_try(job); /* its reader says why it cannot be read */
     (void)JOB_CALL(job, file_read_open(&bytes, file, SIZE_MAX, FSL_ATLAS_LIMIT, ""));
-    (void)JOB_CALL(job, fsl_atlas_parse(&atlas, text_from_bytes(bytes.data, bytes.size)));
-    const bool is = atlas.type && !atlas.is_label;
+    const struct fsl_atlas *atlas = fsl_atlas_parse(job, text_from_bytes(bytes.data, bytes.size));
+    const bool is = job_ok(job) && !atlas->is_label;
     (void)job_dropped(job, &attempt);
-    fsl_atlas_finish(&atlas);
     bytes_finish(&bytes);
     return is;
 }

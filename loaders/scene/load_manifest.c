@@ -577,18 +577,18 @@ void probabilities_load(struct load *load, const char *path)
 static void warn_of_table(struct load *load)
 {
     struct job *job = &load->job;
+    const char *source = "";
     struct label_table *table = labels_new(job);
-    struct label_volume volume = {.info = job_ok(job) ? &load->atlas->volumes[0].info : NULL};
-    char *source = NULL;
+    const struct label_volume volume = {.info = job_ok(job) ? &load->atlas->volumes[0].info : NULL};
     const struct attempt attempt = job_try(job);
-    (void)JOB_CALL(job, label_table_of_volume(table, &source, &volume, NULL, NULL, &job->notes));
-    label_volume_finish(&volume);
+    if (volume.info) {
+        label_table_of_volume(job, table, &source, &volume, NULL);
+    }
     (void)job_dropped(job, &attempt);
-    if (source && table->count) {
+    if (job_ok(job) && table->count) {
         job_warn(job, "%s: its values are stated to be probabilities, so %s, which names %zu labels, is not used",
                  path_base(volume.info->path), source, table->count);
     }
-    memory_free(source);
 }
 
 void named_maps_load(struct load *load, const char *path, const struct named_maps *maps)

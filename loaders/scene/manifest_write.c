@@ -88,7 +88,12 @@ static conus_status bridge_try(bool *loads, const struct manifest_draft *draft, 
 static conus_status bridge_append_loading(bool *loads, const struct manifest_draft *draft, json_t *list,
                                           const char *key, json_t *value)
 {
-    return say_why(loads, draft, manifest_draft_append_loading(job_of(draft), draft, list, key, value));
+    json_t *entry = manifest_draft_json(job_of(draft), value);
+    const char *why = manifest_draft_try(job_of(draft), draft, key, entry, true);
+    if (!why) {
+        manifest_draft_append(job_of(draft), list, entry);
+    }
+    return say_why(loads, draft, why);
 }
 
 static conus_status bridge_surfaces(struct manifest_draft *draft, const char *name)
@@ -396,20 +401,18 @@ static conus_status take_fsl(struct manifest_draft *draft, const char *name, con
 static conus_status look_at_xml(struct manifest_draft *draft, const char *name)
 {
     struct bytes bytes = {0};
-    struct fsl_atlas atlas = {0};
-    struct notes notes = {0};
+    struct job job = {0}; /* Bridge: to label tables on a job. */
     char *path = file_beside(draft->folder, name);
     conus_status status = path ? file_read(&bytes, path, FSL_ATLAS_LIMIT) : CONUS_ERROR_MEMORY;
     struct text text = status ? (struct text){0} : text_from_bytes(bytes.data, bytes.size);
     if (!status && text.size && text_equal(xml_root(text), "atlas")) {
-        status = fsl_atlas_parse(&atlas, text);
-        status = status ? status : fsl_atlas_number(&atlas, &(struct label_use){0}, &notes);
-        status = status == CONUS_ERROR_MEMORY ? status
-                 : status                     ? bridge_leave_out(draft, name)
-                                              : take_fsl(draft, name, &atlas);
+        struct fsl_atlas *atlas = fsl_atlas_parse(&job, text);
+        fsl_atlas_number(&job, atlas, &(struct label_use){0});
+        status = job.status == CONUS_ERROR_MEMORY ? job.status
+                 : !job_ok(&job)                  ? (fail(job.status, "%s", job.message), bridge_leave_out(draft, name))
+                                                  : take_fsl(draft, name, atlas);
     }
-    fsl_atlas_finish(&atlas);
-    notes_finish(&notes);
+    job_end(&job);
     bytes_finish(&bytes);
     memory_free(path);
     return status;
@@ -421,18 +424,18 @@ static conus_status look_at_xml(struct manifest_draft *draft, const char *name)
 static conus_status name_volume(struct buffer *out, bool *named, const struct manifest_draft *draft, const char *name,
                                 size_t index, size_t count)
 {
-    struct buffer from = {0};
-    struct notes notes = {0};
-    char *path = file_beside(draft->folder, name);
+    struct job job = {0}; /* Bridge: to label tables on a job. */
+    const char *from = NULL;
+    char *path = labels_path(&job, file_beside(draft->folder, name));
     const conus_volume_info info = {.path = path, .volume = index, .volume_count = count};
-    conus_status status = path ? label_volume_name(out, &from, &info, &notes) : CONUS_ERROR_MEMORY;
-    *named = !status && from.size;
+    const char *given = label_volume_name(&job, &from, &info);
+    conus_status status = job.status;
+    *named = !status && from;
+    buffer_text(out, *named ? given : "");
     if (!*named) {
         buffer_format(out, "%.*s %zu", (int)volume_stem_length(name), name, index);
     }
-    notes_finish(&notes);
-    buffer_finish(&from);
-    memory_free(path);
+    job_end(&job);
     return status ? status : buffer_status(out);
 }
 

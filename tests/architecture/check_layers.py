@@ -95,7 +95,7 @@ LIBRARY = {
     "loaders/surfaces": "base base/files base/geometry base/formats atlas/labels atlas/surface atlas loaders"
     " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign loaders/formats loaders/volumes",
     "loaders/phantom": "base base/files base/geometry atlas/labels atlas atlas/phantom loaders/volumes loaders/surfaces",
-    "loaders/manifest": "base base/files base/formats base/job atlas/labels atlas/surface atlas/areas loaders/volumes",
+    "loaders/manifest": "base base/files base/formats base/job atlas/labels atlas/surface atlas/areas loaders/volumes loaders/labels",
     "loaders/transform": "base base/files base/geometry base/formats base/child atlas/deformation atlas loaders loaders/volumes",
     "loaders/maps": "base base/job base/files base/child base/geometry atlas atlas/fit loaders/volumes loaders/labels loaders",
     "loaders/scene": "base base/files base/geometry base/formats base/job atlas/labels atlas/surface atlas atlas/areas atlas/fit"
