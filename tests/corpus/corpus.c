@@ -388,6 +388,14 @@ static void check_prefixes(const struct entry *entry, const struct answer *whole
     bytes_finish(&bytes);
 }
 
+/* Whether the answer is that of a program without faults. */
+static bool is_whole(const struct answer *answer, const struct answer *whole)
+{
+    drop_sums(answer->json);
+    return answer->code == whole->code &&
+           (answer->code ? strcmp(answer->line, whole->line) == 0 : json_equal(answer->json, whole->json));
+}
+
 /* Asks with every allocation failing: the answer is that of all memory, or that memory is missing. */
 static void check_allocations(const struct entry *entry, const struct answer *whole)
 {
@@ -397,21 +405,18 @@ static void check_allocations(const struct entry *entry, const struct answer *wh
         struct answer answer;
         ask(&answer, entry, n);
         unharmed = answer.unharmed;
-        drop_sums(answer.json);
-        bool same = answer.code == whole->code &&
-                    (answer.code ? strcmp(answer.line, whole->line) == 0 : json_equal(answer.json, whole->json));
-        if (!same && (!answer.code || !answer.memory)) {
+        if (!is_whole(&answer, whole) && (!answer.code || !answer.memory)) {
             report(entry, "without memory (allocation %ld): %s", n, answer.code ? answer.line : "another answer");
         }
         answer_finish(&answer);
     }
 }
 
-/* Asks with each primitive of a job failing: for want of memory the answer says so; by bad data there is none, or that
- * of what is done instead. */
-static void check_primitives(const struct entry *entry)
+/* Asks with each primitive of a job failing: for want of memory the answer is that of all memory, or says that memory
+ * is missing; by bad data there is none, or that of what is done instead. */
+static void check_primitives(const struct entry *entry, const struct answer *whole)
 {
-    const size_t most = has_child(entry) ? CHILD_FAILURES : FAILURES;
+    const size_t most = has_child(entry) ? CHILD_FAILURES : whole->code ? FEW : FAILURES;
     bool reached = true;
     for (size_t k = 1; reached; k += 1 + k / most, total.primitives += 2) {
         for (int data = 0; data < 2; data++) {
@@ -419,8 +424,8 @@ static void check_primitives(const struct entry *entry)
             test_fail_primitive(k, data ? CONUS_ERROR_DATA : CONUS_ERROR_MEMORY);
             ask(&answer, entry, -1);
             reached = test_primitives() >= k;
-            if (!data && reached && said != CONUS_ERROR_MEMORY) {
-                report(entry, "primitive %zu without memory: %s", k, answer.code ? answer.line : "an answer");
+            if (!data && said != CONUS_ERROR_MEMORY && !is_whole(&answer, whole)) {
+                report(entry, "primitive %zu without memory: %s", k, answer.code ? answer.line : "another answer");
             }
             answer_finish(&answer);
         }
@@ -502,7 +507,7 @@ static void check_entry(struct entry *entry)
         snprintf(walked.top, sizeof walked.top, "%s", top);
         nftw(top, check_part, OPEN_FOLDERS, FTW_PHYS);
         check_allocations(entry, &whole);
-        check_primitives(entry);
+        check_primitives(entry, &whole);
     }
     answer_finish(&whole);
     total.entries++;
