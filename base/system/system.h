@@ -167,7 +167,7 @@ void system_alarm(unsigned seconds, void (*call)(int number));
 /** Columns of a terminal; 0 = none, or not known. */
 unsigned system_columns(int file);
 
-/** A text that is written as a stream. */
+/** A text that is written as a stream; not to be copied while that is open. */
 struct system_text {
     FILE *stream;
     char *data; /**< Once the stream is closed; with a NUL behind its size. */

@@ -210,10 +210,16 @@ bool system_set_used(int file)
     return futimens(file, (const struct timespec[]){{.tv_nsec = UTIME_NOW}, {.tv_nsec = UTIME_OMIT}}) == 0;
 }
 
-/* Unlike rename(), link() never takes the place of another. */
 bool system_rename(const char *from, const char *to, bool replace)
 {
-    return replace ? rename(from, to) == 0 : link(from, to) == 0 && unlink(from) == 0;
+    if (replace) {
+        return rename(from, to) == 0;
+    }
+    bool is_new = link(from, to) == 0; /* unlike rename(), never in the place of another */
+    if (is_new) {
+        unlink(from);
+    }
+    return is_new;
 }
 
 bool system_rename_in(int folder, const char *from, const char *to)
