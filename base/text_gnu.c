@@ -66,7 +66,7 @@ char *text_copy(const char *text, size_t most)
 ptrdiff_t text_read_line(char **line, size_t *capacity, char end, FILE *in)
 {
     size_t length = 0;
-    for (int c = 0; c != (unsigned char)end && (c = getc(in)) != EOF;) {
+    for (int c = EOF; c != (unsigned char)end && (c = getc_unlocked(in)) != EOF;) {
         if (*capacity - length < 2 || !*line) {
             size_t more = *line ? 2 * *capacity : 128;
             char *grown = realloc(*line, more);

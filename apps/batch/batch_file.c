@@ -2,21 +2,17 @@
 /* The rows' file and its journal: beginning, appending whole blocks, resuming, finishing. */
 #include "batch/batch_file.h"
 
+#include "base/system/system.h"
 #include "base/text.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/output.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <zlib.h>
 
 enum { LINE_SIZE = 256, CHUNK = 1 << 13 };
@@ -24,19 +20,6 @@ enum { LINE_SIZE = 256, CHUNK = 1 << 13 };
 static uint32_t crc_of(const void *data, size_t size)
 {
     return (uint32_t)crc32_z(0, data, size);
-}
-
-static bool write_fully(int descriptor, const char *data, size_t size)
-{
-    while (size) {
-        ssize_t n = write(descriptor, data, size);
-        if (n < 0 && errno != EINTR) {
-            return false;
-        }
-        data += n > 0 ? n : 0;
-        size -= n > 0 ? (size_t)n : 0;
-    }
-    return true;
 }
 
 bool batch_file_checksum(const char *path, uint32_t *crc, uint64_t *size)
@@ -63,7 +46,7 @@ static bool write_line(const struct batch_file *file, const char *line)
 {
     char whole[LINE_SIZE + 16];
     int length = snprintf(whole, sizeof whole, "%s %08" PRIx32 "\n", line, crc_of(line, strlen(line)));
-    return write_fully(file->log, whole, (size_t)length);
+    return system_write(file->log, whole, (size_t)length);
 }
 
 /* Reads a line without its CRC; false at the end, and where the line is not what was written. */
@@ -161,14 +144,14 @@ static void close_files(struct batch_file *file)
     file->rows = file->log = -1;
 }
 
-static int open_own(int *out, const char *path, int flags)
+static int open_own(int *out, const char *path, unsigned how)
 {
-    struct stat info;
-    *out = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK | flags, 0666);
-    if (*out < 0 || fstat(*out, &info)) {
+    struct system_stat info;
+    *out = system_open(path, SYSTEM_READ | SYSTEM_WRITE | SYSTEM_MAKE | SYSTEM_AT_ONCE | how);
+    if (*out < 0 || !system_stat_open(&info, *out)) {
         return print_system_error(path, "write");
     }
-    if (!S_ISREG(info.st_mode)) {
+    if (info.kind != SYSTEM_FILE) {
         close(*out);
         *out = -1;
         return print_data_error("%s: cannot write: is a device or pipe, which is no file of a batch", path);
@@ -176,30 +159,30 @@ static int open_own(int *out, const char *path, int flags)
     return EXIT_DONE;
 }
 
-static int open_files(struct batch_file *file, int flags)
+static int open_files(struct batch_file *file, unsigned how)
 {
     int code = open_own(&file->log, file->journal, 0);
     if (code) {
         return code;
     }
-    struct stat info; /* without a link where who held the lock before has finished the file since the open() */
-    if (flock(file->log, LOCK_EX | LOCK_NB) || fstat(file->log, &info) || info.st_nlink == 0) {
+    struct system_stat info; /* without a link where who held the lock before has finished the file since the open() */
+    if (!system_lock(file->log) || !system_stat_open(&info, file->log) || !info.links) {
         return print_data_error("%s: another conus is writing this file", file->path);
     }
-    return open_own(&file->rows, file->part, flags);
+    return open_own(&file->rows, file->part, how);
 }
 
 static int begin_file(struct batch_file *file, const char *fingerprint, const char *header_row)
 {
     char line[LINE_SIZE];
     const struct batch_entry entry = {0, 0, strlen(header_row), crc_of(header_row, strlen(header_row))};
-    int code = open_files(file, O_TRUNC);
+    int code = open_files(file, SYSTEM_EMPTY);
     if (code) {
         return code;
     }
     write_first_line(line, fingerprint);
     if (ftruncate(file->log, 0) || !write_line(file, line) ||
-        !write_fully(file->rows, header_row, strlen(header_row)) || !append_entry(file, &entry)) {
+        !system_write(file->rows, header_row, strlen(header_row)) || !append_entry(file, &entry)) {
         return print_system_error(file->path, "write");
     }
     count_entry(file, &entry);
@@ -214,8 +197,8 @@ static int resume_file(struct batch_file *file, const char *fingerprint, const c
     if (code) {
         return code;
     }
-    FILE *journal = fopen(file->journal, "re");
-    FILE *part = fopen(file->part, "re");
+    FILE *journal = system_stream(file->journal, "r");
+    FILE *part = system_stream(file->part, "r");
     bool whole = journal && part && read_line(line, journal);
     long length = whole ? count_blocks(file, journal, part) : 0;
     if (journal) {
@@ -246,8 +229,8 @@ static int resume_file(struct batch_file *file, const char *fingerprint, const c
 
 static bool exists(const char *path)
 {
-    struct stat info;
-    return lstat(path, &info) == 0;
+    struct system_stat info;
+    return system_stat_link(&info, SYSTEM_HERE, path);
 }
 
 static bool is_begun(const struct batch_file *file)
@@ -309,7 +292,7 @@ int batch_file_append(struct batch_file *file, const conus_batch_block *block)
         return code;
     }
     const struct batch_entry entry = batch_entry_of(block);
-    if (!write_fully(file->rows, block->text, block->size)) {
+    if (!system_write(file->rows, block->text, block->size)) {
         return print_system_error(file->path, "write");
     }
     return batch_file_note(file, &entry);
@@ -333,10 +316,10 @@ void batch_file_disown(struct batch_file *file)
 
 int batch_file_finish(struct batch_file *file)
 {
-    if (fsync(file->rows) || rename(file->part, file->path)) {
+    if (!system_to_disk(file->rows) || !system_rename(file->part, file->path, true)) {
         return print_system_error(file->path, "write");
     }
-    unlink(file->journal);
+    system_remove(file->journal);
     file->is_finished = true;
     return EXIT_DONE;
 }
@@ -344,8 +327,8 @@ int batch_file_finish(struct batch_file *file)
 void batch_file_close(struct batch_file *file)
 {
     if (file->rows >= 0 && !file->is_finished && !file->poses) { /* nothing to resume */
-        unlink(file->part);
-        unlink(file->journal);
+        system_remove(file->part);
+        system_remove(file->journal);
     }
     close_files(file);
     free(file->part);

@@ -2,6 +2,7 @@
 /* The steps of a batch that conus batch and conus-mpi share: checks, inputs, the library's batch, output. */
 #include "batch/batch_task.h"
 
+#include "base/system/system.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/outputs.h"
@@ -12,8 +13,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static bool check_settings(conus_format *format, const struct batch_settings *settings,
                            const struct arguments *arguments)
@@ -232,11 +231,11 @@ static int identify(struct batch_task *task)
 static bool is_complete(struct batch_task *task)
 {
     struct batch_record record;
-    struct stat info;
-    if (batch_file_is_begun(task->output) || access(task->output, F_OK) || access(task->sidecar, F_OK) ||
+    struct system_stat info;
+    if (batch_file_is_begun(task->output) || !system_allows(task->output, 0) || !system_allows(task->sidecar, 0) ||
         batch_record_read(&record, task->sidecar) || strcmp(record.fingerprint, task->fingerprint) != 0 ||
         record.shard.index != task->shard.index || record.shard.count != task->shard.count ||
-        stat(task->output, &info) || (uint64_t)info.st_size != record.bytes) {
+        !system_stat(&info, task->output) || info.size != record.bytes) {
         return false;
     }
     task->file.poses = record.poses;
@@ -257,8 +256,8 @@ int batch_task_open_output(struct batch_task *task)
     if (code || (settings->resume && is_complete(task))) {
         return code;
     }
-    const char *there = access(task->output, F_OK) == 0 ? task->output : task->sidecar;
-    if (!batch_file_is_begun(task->output) && !settings->force && access(there, F_OK) == 0) {
+    const char *there = system_allows(task->output, 0) ? task->output : task->sidecar;
+    if (!batch_file_is_begun(task->output) && !settings->force && system_allows(there, 0)) {
         return print_usage_error("%s: there is a file already; --force replaces it", there);
     }
     snprintf(fingerprint, sizeof fingerprint, "%s %" PRIu64 "/%" PRIu64, task->fingerprint, task->shard.index,

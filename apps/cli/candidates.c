@@ -3,6 +3,7 @@
 #include "cli/candidates.h"
 
 #include "base/path.h"
+#include "base/system/system.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/notes.h"
@@ -566,9 +567,8 @@ static void put_matrix(FILE *out, const conus_plan *plan)
 int candidates_write(const char *path, const conus_plan *plan, const conus_frame *frame,
                      const struct constraints *constraints)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
+    struct system_text text;
+    FILE *out = system_text_open(&text);
     if (!out) {
         return print_no_memory();
     }
@@ -581,7 +581,7 @@ int candidates_write(const char *path, const conus_plan *plan, const conus_frame
     } else if (conus_plan_count(plan)) {
         put_matrix(out, plan);
     }
-    int code = fclose(out) ? print_no_memory() : output_write(path, text, size);
-    free(text);
+    int code = system_text_close(&text) ? output_write(path, text.data, text.size) : print_no_memory();
+    free(text.data);
     return code;
 }

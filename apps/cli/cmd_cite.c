@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus cite: the paragraph of methods about a result, and what it should cite. */
 #include "base/path.h"
+#include "base/system/system.h"
 #include "cli/cite/citation.h"
 #include "cli/commands.h"
 #include "cli/verify/verdict.h"
@@ -14,7 +15,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 struct cite_settings {
     struct common_settings common;
@@ -191,7 +191,7 @@ static int verify_result(const struct citing *citing, const char *sidecar)
     const struct verdict_settings settings = {.sidecar = sidecar, .folders = citing->settings->folders};
     struct verdict verdict = {0};
     char *result = result_of(citing, sidecar);
-    if (!result || access(result, F_OK)) {
+    if (!result || !system_allows(result, 0)) {
         print_error_line("%s: cannot be verified: the result that it is beside is not there", sidecar);
         free(result);
         return EXIT_DONE;
@@ -260,42 +260,37 @@ static void put_wrapped(FILE *out, const char *text)
 
 static int put_text(FILE *out, const struct citation *citation)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *paragraph = open_memstream(&text, &size);
-    if (paragraph) {
-        citation_methods(paragraph, citation);
+    struct system_text text;
+    if (system_text_open(&text)) {
+        citation_methods(text.stream, citation);
     }
-    if (!paragraph || fclose(paragraph)) {
-        free(text);
+    if (!system_text_close(&text)) {
         return print_no_memory();
     }
-    put_wrapped(out, text);
+    put_wrapped(out, text.data);
     fputc('\n', out);
     citation_list(out, citation);
-    free(text);
+    free(text.data);
     return EXIT_DONE;
 }
 
 static int write_citation(const struct citing *citing)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    int code = out ? EXIT_DONE : print_no_memory();
-    if (!code && citing->settings->format == BIBTEX) {
+    struct system_text text;
+    FILE *out = system_text_open(&text);
+    int code = EXIT_DONE;
+    if (out && citing->settings->format == BIBTEX) {
         citation_bibtex(out, &citing->citation);
-    } else if (!code) {
+    } else if (out) {
         code = put_text(out, &citing->citation);
     }
-    if (out && fclose(out)) {
-        code = code ? code : print_no_memory();
-    }
+    bool is_whole = system_text_close(&text);
+    code = code || is_whole ? code : print_no_memory();
     if (!code) {
-        conus_plain_text(text);
-        code = output_write(NULL, text, strlen(text));
+        conus_plain_text(text.data);
+        code = output_write(NULL, text.data, strlen(text.data));
     }
-    free(text);
+    free(text.data);
     return code;
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus diff: compares two results row by row, or two pictures. */
+#include "base/system/system.h"
 #include "cli/answers/results_reader.h"
 #include "cli/commands.h"
 #include "conus/image.h"
@@ -152,13 +153,12 @@ static int diff_tables(const char *a, const char *b, const struct diff_settings 
     }
     if (!code) {
         struct comparison diff = {.a = &first, .b = &second, .tolerance = settings->tolerance};
-        char *text = NULL;
-        size_t size = 0;
-        diff.out = open_memstream(&text, &size);
+        struct system_text text;
+        diff.out = system_text_open(&text);
         if (diff.out) {
             compare_tables(&diff);
         }
-        code = output_end(diff.out, &text);
+        code = output_end(&text);
         bool differ = diff.columns + diff.changed + diff.removed + diff.added > 0;
         code = code ? code : differ ? EXIT_DIFFERENT : EXIT_DONE;
     }
@@ -220,11 +220,10 @@ static int diff_pictures(const char *a, const char *b, double tolerance)
     status = status ? status : conus_image_load(&second, b);
     int code = print_status(status);
     if (!code) {
-        char *text = NULL;
-        size_t size = 0;
-        FILE *out = open_memstream(&text, &size);
+        struct system_text text;
+        FILE *out = system_text_open(&text);
         code = out ? put_pictures(out, first, second, tolerance) : EXIT_DONE;
-        int written = output_end(out, &text);
+        int written = output_end(&text);
         code = written ? written : code;
     }
     conus_image_destroy(first);

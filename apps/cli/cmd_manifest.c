@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus manifest: writes the first manifest of a folder. */
 #include "base/path.h"
+#include "base/system/system.h"
 #include "cli/commands.h"
 #include "conus/file.h"
 #include "conus/manifest.h"
@@ -9,7 +10,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 struct manifest_settings {
     struct common_settings common;
@@ -72,14 +72,12 @@ static int run_manifest(const void *given, const struct arguments *arguments)
     if (settings->name) {
         return write_manifest(folder, settings->name, settings);
     }
-    char *full = realpath(folder, NULL);
-    const char *own = full ? path_base(full) : NULL;
-    if (!own) {
+    char full[SYSTEM_PATH];
+    if (!system_real_path(full, folder)) {
         return print_data_error("%s: there is no such folder", folder);
     }
-    int code = write_manifest(folder, own[0] ? own : "atlas", settings); /* the last part of the full path */
-    free(full);
-    return code;
+    const char *own = path_base(full);
+    return write_manifest(folder, own[0] ? own : "atlas", settings);
 }
 
 const struct command cmd_manifest = {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus merge: checks the shards of a batch and joins them into one file. */
+#include "base/system/system.h"
 #include "base/text.h"
 #include "batch/batch_file.h"
 #include "batch/batch_record.h"
@@ -13,13 +14,9 @@
 #include "options/progress.h"
 #include "options/provenance.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 struct merge_settings {
     struct common_settings common;
@@ -245,16 +242,14 @@ static bool copy_rest(FILE *out, FILE *in)
     return !ferror(in);
 }
 
-/* A new file beside the output with the rights of any new file; its name is nobody else's. */
+/* A new file beside the output; its name is nobody else's. */
 static FILE *open_temporary(char *path)
 {
-    mode_t mask = umask(0);
-    umask(mask);
-    int descriptor = mkostemps(path, (int)strlen(".part"), O_CLOEXEC);
-    FILE *file = descriptor < 0 || fchmod(descriptor, 0666 & ~mask) ? NULL : fdopen(descriptor, "w");
+    int descriptor = system_open_temporary(path, strlen(".part"), false);
+    FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "w");
     if (!file && descriptor >= 0) {
         close(descriptor);
-        unlink(path);
+        system_remove(path);
     }
     return file;
 }
@@ -268,7 +263,7 @@ static int copy_all(struct merge *merge)
     bool copied = true;
     for (size_t i = 0; i < merge->count && copied; i++) {
         const char *path = merge->parts[i].path;
-        FILE *in = fopen(path, "re");
+        FILE *in = system_stream(path, "r");
         copied =
             in && !fseeko(in, i > 0 ? (off_t)merge->parts[i].record.header_size : 0, SEEK_SET) && copy_rest(out, in);
         if (in) {
@@ -276,7 +271,7 @@ static int copy_all(struct merge *merge)
         }
         progress_update(&merge->progress, merge->count + i + 1, 0);
     }
-    copied = copied && !fflush(out) && !fsync(fileno(out));
+    copied = copied && !fflush(out) && system_to_disk(fileno(out));
     copied = !fclose(out) && copied;
     if (!copied) {
         return print_system_error(merge->settings->output, "write");
@@ -292,11 +287,11 @@ static int write_whole(struct merge *merge)
     code = code ? code : input_file_read(&text, &size, merge->parts[0].sidecar, INPUT_FILE, BATCH_RECORD_LIMIT);
     code = code ? code : batch_record_write(merge->sidecar, text, &merge->record, merge->command_line, NULL);
     free(text);
-    if (!code && rename(merge->temporary, merge->settings->output)) {
+    if (!code && !system_rename(merge->temporary, merge->settings->output, true)) {
         code = print_system_error(merge->settings->output, "write");
     }
     if (code) {
-        unlink(merge->temporary);
+        system_remove(merge->temporary);
     }
     return code;
 }
@@ -326,9 +321,9 @@ static int check_paths(const struct merge *merge)
                                      merge->parts[i].path);
         }
     }
-    if (!code && !merge->settings->force && (access(output, F_OK) == 0 || access(merge->sidecar, F_OK) == 0)) {
+    if (!code && !merge->settings->force && (system_allows(output, 0) || system_allows(merge->sidecar, 0))) {
         return print_usage_error("%s: there is a file already; --force replaces it",
-                                 access(output, F_OK) == 0 ? output : merge->sidecar);
+                                 system_allows(output, 0) ? output : merge->sidecar);
     }
     return code;
 }

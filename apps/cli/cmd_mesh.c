@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus mesh: writes a surface mesh of each area. */
+#include "base/system/system.h"
 #include "cli/commands.h"
 #include "conus/mesh.h"
 #include "options/messages.h"
 #include "settings/atlas_input.h"
 #include "settings/notes.h"
 #include "settings/settings.h"
-
-#include <unistd.h>
 
 struct mesh_settings {
     struct common_settings common;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus page: one HTML file with the atlas, a question and its answer inside. */
 #include "base/path.h"
+#include "base/system/system.h"
 #include "base/text.h"
 #include "cli/commands.h"
 #include "cli/verify/replay.h"
@@ -23,8 +24,6 @@
 #include <nettle/base64.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 enum { FILE_LIMIT = 4096, SIZE_LIMIT = 100000000 };
 
@@ -133,11 +132,11 @@ struct page {
  * the caller frees it. */
 static char *whole_path(const char *path)
 {
-    char *cwd = path_is_whole(path) ? strdup("") : getcwd(NULL, 0);
-    size_t size = cwd ? strlen(cwd) : 0;
-    char *out = cwd ? malloc(size + strlen(path) + 2) : NULL;
-    char *end = out ? (char *)memcpy(out, cwd, size) + size : NULL;
-    free(cwd);
+    char here[SYSTEM_PATH] = "";
+    bool is_known = path_is_whole(path) || system_here(here);
+    size_t size = strlen(here);
+    char *out = is_known ? malloc(size + strlen(path) + 2) : NULL;
+    char *end = out ? (char *)memcpy(out, here, size) + size : NULL;
     const char *rest = path;
     const char *at;
     size_t length;
@@ -191,8 +190,8 @@ static int list_files(struct page *page, const char *path, bool is_context)
 {
     size_t first = page->count;
     const char *input;
-    struct stat info;
-    if (stat(path, &info) || !S_ISREG(info.st_mode)) {
+    struct system_stat info;
+    if (!system_stat(&info, path) || info.kind != SYSTEM_FILE) {
         return print_data_error("%s: a page opens one file, perhaps a manifest that names others; no folder, no store "
                                 "and no part of a file",
                                 path);
@@ -256,14 +255,13 @@ static int open_as_page(struct page *page, const struct stage *stage)
     bool made = true;
     for (size_t i = 0; i < page->count && made; i++) {
         const struct page_file *file = &page->files[i];
-        char *target = realpath(file->path, NULL);
+        char target[SYSTEM_PATH];
         char *name = NULL;
-        made = target && asprintf(&name, "%s%s", folder_of(page, file), file->name) >= 0 &&
-               stage_link(stage, name, target);
+        made = system_real_path(target, file->path) &&
+               asprintf(&name, "%s%s", folder_of(page, file), file->name) >= 0 && stage_link(stage, name, target);
         if (made && (i == 0 || (file->is_context && !context))) {
             made = asprintf(i ? &context : &path, "%s/%s", stage->folder, name) >= 0;
         }
-        free(target);
         free(name);
     }
     setenv("CONUS_HDF5", "/dev/null", 1);
@@ -328,7 +326,7 @@ static int put_file(FILE *out, const struct page_file *file, const char *folder,
 {
     unsigned char piece[3 << 14]; /* of a multiple of 3 bytes, so that only the last is padded */
     char digits[BASE64_ENCODE_RAW_LENGTH(sizeof piece)];
-    FILE *in = fopen(file->path, "rb");
+    FILE *in = system_stream(file->path, "r");
     if (!in) {
         return print_data_error("%s: %s", file->path, strerror(errno));
     }
@@ -353,8 +351,8 @@ static int check_size(const struct page *page)
 {
     double sum = 0;
     for (size_t i = 0; i < page->count; i++) {
-        struct stat state;
-        sum += stat(page->files[i].path, &state) ? 0 : (double)state.st_size;
+        struct system_stat state;
+        sum += system_stat(&state, page->files[i].path) ? (double)state.size : 0;
     }
     if (sum > SIZE_LIMIT && !page->settings->large) {
         return print_data_error("the files have %.0f MB, 100 are allowed; --large writes the page all the same",
@@ -412,15 +410,11 @@ static int put_question(struct page *page)
 /* The template's text, the caller's to free. */
 static int read_template(char **out, const char *given)
 {
-    char path[PATH_MAX];
-    ssize_t length = readlink("/proc/self/exe", path, sizeof path - sizeof template_name - 4);
-    path[length > 0 ? length : 0] = '\0';
-    char *slash = strrchr(path, '/');
-    if (slash) {
-        snprintf(slash, sizeof path - (size_t)(slash - path), "/../%s", template_name);
-    }
+    char path[SYSTEM_PATH];
+    size_t folder = system_program(path) ? path_folder_length(path) : 0;
+    snprintf(path + folder, sizeof path - folder, "%s%s", folder ? "../" : "", folder ? template_name : "");
     const char *name = given ? given : path;
-    FILE *in = fopen(name, "rb");
+    FILE *in = system_stream(name, "r");
     char *text = NULL;
     size_t size = 0;
     if (!in && !given) {
@@ -462,8 +456,7 @@ static int put_page(struct page *page, const char *template, bool has_question)
 /* What all who have the page can see. */
 static void say_files(const struct page *page)
 {
-    char *list = NULL;
-    size_t size = 0;
+    struct system_text list;
     const char *context = page->settings->context;
     for (size_t i = 0; !context && i < conus_atlas_volume_count(page->atlas); i++) {
         const conus_volume_info *volume = conus_atlas_volume(page->atlas, i);
@@ -473,14 +466,14 @@ static void say_files(const struct page *page)
         print_error_line("note: %s: a face can be recognised in an image of a head; all who have the page see it",
                          context);
     }
-    FILE *out = open_memstream(&list, &size);
+    FILE *out = system_text_open(&list);
     for (size_t i = 0; out && i < page->count; i++) {
         fprintf(out, "%s%s%s", i ? ", " : "", folder_of(page, &page->files[i]), page->files[i].name);
     }
-    if (out && !fclose(out)) {
-        print_error_line("note: the page has inside: %s", list);
+    if (system_text_close(&list)) {
+        print_error_line("note: the page has inside: %s", list.data);
     }
-    free(list);
+    free(list.data);
 }
 
 static int run_page(const void *given, const struct arguments *arguments)
@@ -490,11 +483,10 @@ static int run_page(const void *given, const struct arguments *arguments)
     struct page page = {.settings = &settings};
     struct atlas_name name = {0};
     char *template = NULL;
-    char *text = NULL;
-    size_t size = 0;
+    struct system_text text = {0};
     settings.angle = settings.angle > 0 ? settings.angle : 20;
     settings.resolution = settings.resolution ? settings.resolution : 16;
-    if (!settings.force && access(settings.output, F_OK) == 0) {
+    if (!settings.force && system_allows(settings.output, 0)) {
         return print_usage_error("%s is there already; --force replaces it", settings.output);
     }
     int code = read_template(&template, settings.template);
@@ -510,17 +502,17 @@ static int run_page(const void *given, const struct arguments *arguments)
     code = code || output_spares_inputs("--output", settings.output) ? code : EXIT_USAGE;
     code = code ? code : check_size(&page);
     code = code ? code : check_opens(&page);
-    page.out = code ? NULL : open_memstream(&text, &size);
+    page.out = code ? NULL : system_text_open(&text);
     if (page.out) {
         atlas_notes_say(page.atlas, &settings.common);
         if (!settings.common.quiet) {
             say_files(&page);
         }
         code = put_page(&page, template, option_given(arguments, "origin"));
-        bool is_whole = fclose(page.out) == 0;
-        code = code ? code : is_whole ? output_write(settings.output, text, size) : print_no_memory();
+        bool is_whole = system_text_close(&text);
+        code = code ? code : is_whole ? output_write(settings.output, text.data, text.size) : print_no_memory();
     }
-    free(text);
+    free(text.data);
     free(template);
     for (size_t i = 0; i < page.count; i++) {
         free(page.files[i].whole);

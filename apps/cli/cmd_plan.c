@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus plan: which poses reach some structures and stay clear of others, and how far they may be off. */
 #include "base/path.h"
+#include "base/system/system.h"
 #include "base/text.h"
 #include "batch/batch_task.h"
 #include "cli/answers/ends.h"
@@ -495,23 +496,20 @@ static void put_misses(FILE *out, const conus_plan *plan, const conus_report *re
 }
 
 /* Says the lines of a text, each as a message. */
-static void say_lines(FILE *stream, char **text)
+static void say_lines(struct system_text *text)
 {
-    if (stream && !fclose(stream)) {
-        for (char *rest = *text, *line; (line = text_next(&rest, "\n"));) {
-            print_error_line("%s", line);
-        }
+    for (char *rest = system_text_close(text), *line; (line = text_next(&rest, "\n"));) {
+        print_error_line("%s", line);
     }
-    free(*text);
+    free(text->data);
 }
 
 static void say_plan(const struct planning *planning)
 {
-    char *text = NULL;
-    size_t size = 0;
+    struct system_text text;
     const conus_plan *plan = planning->plan;
     const conus_report *report = planning->request.answerers[0].report;
-    FILE *out = open_memstream(&text, &size);
+    FILE *out = system_text_open(&text);
     if (out) {
         put_funnel(out, plan, report);
         if (!conus_plan_left(plan, conus_plan_constraint_count(plan))) {
@@ -519,7 +517,7 @@ static void say_plan(const struct planning *planning)
         }
         fputs("\nnote: a plan is a list to be checked; conus is no medical device", out);
     }
-    say_lines(out, &text);
+    say_lines(&text);
 }
 
 /* Rows that are no candidates; without any candidate there is nothing to plan. */

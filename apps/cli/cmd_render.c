@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus render: draws an atlas, with or without a cone, into a picture file. */
 #include "base/path.h"
+#include "base/system/system.h"
 #include "base/text.h"
 #include "cli/commands.h"
 #include "cli/render_cuts.h"
@@ -96,13 +97,9 @@ static void write_safe(FILE *out, const char *id)
 /* The name of one picture; NULL without memory. */
 static char *format_path(const char *pattern, size_t number, const char *id)
 {
-    char *path = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&path, &size);
-    if (!out) {
-        return NULL;
-    }
-    while (*pattern) {
+    struct system_text path;
+    FILE *out = system_text_open(&path);
+    while (out && *pattern) {
         if (begins(pattern, QUERY)) {
             write_safe(out, id);
             pattern += strlen(QUERY);
@@ -113,11 +110,7 @@ static char *format_path(const char *pattern, size_t number, const char *id)
             fputc(*pattern++, out);
         }
     }
-    if (fclose(out)) {
-        free(path);
-        return NULL;
-    }
-    return path;
+    return system_text_close(&path);
 }
 
 static int compare_paths(const void *a, const void *b)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus track: the poses of a moving device, from a file, a pipe or a tracker, each ranked with those before it. */
+#include "base/system/system.h"
 #include "cli/commands.h"
 #include "cli/request.h"
 #include "link/send_selection.h"
@@ -122,9 +123,7 @@ struct track {
     struct request request;
     struct station *station;  /* NULL where the poses come from a file */
     conus_tracker **trackers; /* [request.atlases.count] */
-    FILE *held;               /* what goes to a file, which appears whole or not at all; NULL for stdout */
-    char *held_text;
-    size_t held_size;
+    struct system_text held;  /* what goes to a file, which appears whole or not at all; none for stdout */
 };
 
 /* Writes what was answered since the last time. A whole JSON text waits for the end. */
@@ -139,10 +138,10 @@ static int write_steps(struct track *track)
     if (status) {
         return print_status(status);
     }
-    if (!track->held) {
+    if (!track->held.stream) {
         return output_write(NULL, text, size);
     }
-    if (fwrite(text, 1, size, track->held) != size) {
+    if (fwrite(text, 1, size, track->held.stream) != size) {
         return print_no_memory();
     }
     return EXIT_DONE;
@@ -198,7 +197,7 @@ static int answer_update(struct track *track, const struct station_update *updat
     snprintf(id, sizeof id, "%llu", (unsigned long long)update->number);
     int code = answer_step(track, &row, &fault);
     code = fault ? print_status(CONUS_ERROR_ARGUMENT) : code;
-    return code || track->held || !fflush(stdout) ? code : EXIT_DATA;
+    return code || track->held.stream || !fflush(stdout) ? code : EXIT_DATA;
 }
 
 /* Answers poses as they arrive, with times by this machine's clock from the first pose on. Poses that come faster than
@@ -279,11 +278,11 @@ static int write_rest(struct track *track)
     if (request->format == CONUS_FORMAT_JSON) {
         return answer_write(report, output, NULL, &provenance);
     }
-    if (track->held && fflush(track->held)) {
+    if (track->held.stream && !system_text_close(&track->held)) {
         return print_no_memory();
     }
-    int code = answer_write_sidecar(report, output, request->sidecar, &provenance, track->held_text, track->held_size);
-    return code || !track->held ? code : output_write(output, track->held_text, track->held_size);
+    int code = answer_write_sidecar(report, output, request->sidecar, &provenance, track->held.data, track->held.size);
+    return code || !track->held.data ? code : output_write(output, track->held.data, track->held.size);
 }
 
 static int open_poses(void *user)
@@ -346,14 +345,13 @@ static int run_track(const void *given, const struct arguments *arguments)
     int code = request_init(&track.request, &settings->request, arguments);
     /* A file appears whole or not at all: what goes to one is held. */
     if (!code && !output_is_stdout(settings->request.answer.output) && track.request.format != CONUS_FORMAT_JSON) {
-        track.held = open_memstream(&track.held_text, &track.held_size);
-        code = track.held ? EXIT_DONE : print_no_memory();
+        code = system_text_open(&track.held) ? EXIT_DONE : print_no_memory();
     }
     code = code ? code : answer_track(&track);
-    if (track.held) {
-        fclose(track.held);
+    if (track.held.stream) {
+        system_text_close(&track.held);
     }
-    free(track.held_text);
+    free(track.held.data);
     for (size_t i = 0; track.trackers && i < track.request.atlases.count; i++) {
         conus_tracker_destroy(track.trackers[i]);
     }

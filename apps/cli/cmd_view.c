@@ -1,26 +1,24 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Starts the window: a program of its own, so that other commands need not load its libraries. */
 #include "base/path.h"
+#include "base/system/system.h"
 #include "cli/commands.h"
 #include "options/messages.h"
 
 #include <errno.h>
-#include <limits.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 static const char program[] = "conus-view";
 
 /* Turns this program into conus-view, with `words` as its command line; gives an exit code where that fails. */
 static int become_view(char **words)
 {
-    char path[PATH_MAX]; /* beside this program, if its own path is known */
-    ssize_t length = readlink("/proc/self/exe", path, PATH_MAX - 1);
-    size_t folder = length > 0 ? path_length_above(path, (size_t)length) : 0;
-    if (folder && folder + sizeof program <= PATH_MAX) {
+    char path[SYSTEM_PATH]; /* beside this program, if its own path is known */
+    size_t folder = system_program(path) ? path_folder_length(path) : 0;
+    if (folder && folder + sizeof program <= sizeof path) {
         memcpy(path + folder, program, sizeof program);
-        if (access(path, X_OK) == 0) {
+        if (system_allows(path, SYSTEM_RUN)) {
             execv(path, words);
         }
     }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The program conus: finds the command and runs it. */
+#include "base/system/system.h"
 #include "cli/commands.h"
 #include "options/messages.h"
 #include "options/options.h"
@@ -10,10 +11,8 @@
 #include "conus/version.h"
 
 #include <pthread.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 
 enum { ENOUGH = 1 << 20, STACK = 8 << 20 }; /* bytes of stack */
 
@@ -148,14 +147,12 @@ static bool run_on_own_stack(struct call *call)
 {
     pthread_t thread;
     pthread_attr_t attributes;
-    sigset_t all;
-    sigfillset(&all);
     if (pthread_attr_init(&attributes)) {
         return false;
     }
     bool runs = !pthread_attr_setstacksize(&attributes, STACK) && !pthread_create(&thread, &attributes, run_call, call);
     pthread_attr_destroy(&attributes);
-    return runs && !pthread_sigmask(SIG_SETMASK, &all, NULL) && !pthread_join(thread, NULL);
+    return runs && system_leave_signals() && !pthread_join(thread, NULL);
 }
 
 int main(int argc, char **argv)
@@ -164,14 +161,11 @@ int main(int argc, char **argv)
     /* A buffer for the longest help: a full disk is found, with its reason, when all is written at the end. */
     static char buffer[1 << 16];
     setvbuf(stdout, buffer, _IOFBF, sizeof buffer);
-    /* A reader that went away is an error of writing, with a message and an exit code, not a sudden end. */
-    struct sigaction ignore = {.sa_handler = SIG_IGN};
-    sigaction(SIGPIPE, &ignore, NULL);
-    sigaction(SIGXFSZ, &ignore, NULL); /* likewise a file that `ulimit -f` does not let grow */
+    /* A reader that went away is an error of writing, with a message and an exit code, not a sudden end; likewise a
+     * file that `ulimit -f` does not let grow. */
+    system_begin(true);
     /* `ulimit -s 64` leaves too little for 256 rays side by side, for Embree and for OpenGL. */
-    struct rlimit limit;
-    bool is_small = getrlimit(RLIMIT_STACK, &limit) == 0 && limit.rlim_cur < ENOUGH;
-    if (!is_small || !run_on_own_stack(&call)) {
+    if (!system_stack_is_below(ENOUGH) || !run_on_own_stack(&call)) {
         run_call(&call);
     }
     return call.code;

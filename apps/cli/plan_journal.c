@@ -2,6 +2,7 @@
 /* The journal of a plan: written now and then, resumed, and joined with those of other shards. */
 #include "cli/plan_journal.h"
 
+#include "base/system/system.h"
 #include "base/text.h"
 #include "batch/batch_record.h"
 #include "conus/file.h"
@@ -11,13 +12,9 @@
 #include "options/output.h"
 #include "options/outputs.h"
 
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #define FIELD(member) OPTION_AT(struct journal_settings, member)
 
@@ -103,7 +100,7 @@ static int load(struct journal *out, const char *list)
 static bool is_there(bool *is_other, const char *path)
 {
     char begin[sizeof mark] = "";
-    FILE *file = fopen(path, "re");
+    FILE *file = system_stream(path, "r");
     bool found = file;
     if (file) {
         size_t size = fread(begin, 1, sizeof mark - 1, file);
@@ -174,17 +171,17 @@ int plan_journal_init(struct plan_journal *out, bool *replaces, const struct jou
 /* Whether the file of the journal is the one behind the descriptor, which is locked. */
 static int check_lock(const struct plan_journal *journal, int lock)
 {
-    struct stat own;
-    struct stat named;
-    bool is_own = lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) == 0 && fstat(lock, &own) == 0 &&
-                  stat(journal->path, &named) == 0 && own.st_dev == named.st_dev && own.st_ino == named.st_ino;
+    struct system_stat own;
+    struct system_stat named;
+    bool is_own = lock >= 0 && system_lock(lock) && system_stat_open(&own, lock) &&
+                  system_stat(&named, journal->path) && own.device == named.device && own.inode == named.inode;
     return is_own ? EXIT_DONE : print_data_error("%s: another conus is writing this file", journal->path);
 }
 
 /* Locks the file, of which each write makes a new one. */
 static int lock_file(struct plan_journal *journal)
 {
-    int lock = open(journal->path, O_RDONLY | O_CLOEXEC);
+    int lock = system_open(journal->path, SYSTEM_READ);
     int code = check_lock(journal, lock);
     int unused = code ? lock : journal->lock;
     if (unused > 0) {
@@ -200,13 +197,13 @@ static int identify(struct plan_journal *out, const struct request *request, con
     conus_report_options options = request_report_options(request);
     conus_report *report = NULL;
     const char *sidecar = NULL;
-    char *text = NULL;
+    struct system_text text;
     size_t size = 0;
     int code = EXIT_DONE;
     options.rows = CONUS_ROWS_PLAN;
     options.format = CONUS_FORMAT_TSV;
     options.command = NULL;
-    FILE *asked = open_memstream(&text, &size);
+    FILE *asked = system_text_open(&text);
     if (!asked) {
         return print_no_memory();
     }
@@ -222,13 +219,14 @@ static int identify(struct plan_journal *out, const struct request *request, con
         code = provenance_hash_file(sum, inputs->inputs[i]);
         fprintf(asked, "%s\n", code ? "" : sum);
     }
-    bool failed = fclose(asked);
+    bool failed = !system_text_close(&text);
     conus_status status = conus_report_create(&report, request->answerers[0].selector, &options);
     status = status ? status : conus_report_sidecar(&sidecar, &size, report);
     code = code ? code : failed ? print_no_memory() : print_status(status);
-    code = code ? code : batch_fingerprint(out->fingerprint, sidecar, &request->atlases, (const char *[]){text, NULL});
+    code = code ? code
+                : batch_fingerprint(out->fingerprint, sidecar, &request->atlases, (const char *[]){text.data, NULL});
     conus_report_destroy(report);
-    free(text);
+    free(text.data);
     return code;
 }
 
@@ -343,7 +341,7 @@ int plan_journal_open(struct plan_journal *journal, conus_plan *plan, const stru
     if (is_merged) {
         return join(journal, plan, journal->rows);
     }
-    bool is_begun = !access(journal->path, F_OK);
+    bool is_begun = system_allows(journal->path, 0);
     code = is_begun ? lock_file(journal) : EXIT_DONE;
     return code                                    ? code
            : journal->settings->resume && is_begun ? resume(journal, plan, list)
@@ -388,7 +386,7 @@ void plan_journal_end(const struct plan_journal *journal, bool knows_poses)
 {
     bool is_needed = knows_poses && (journal->settings->shard || journal->settings->resume);
     if (journal->path && !is_needed) {
-        unlink(journal->path);
+        system_remove(journal->path);
     }
 }
 

@@ -2,6 +2,7 @@
 /* Frames of a turntable: the camera goes around the atlas in equal steps. */
 #include "cli/render_turn.h"
 
+#include "base/system/system.h"
 #include "options/messages.h"
 
 #include "conus/atlas_info.h"
@@ -103,10 +104,9 @@ conus_status turn_camera(conus_pose *out, const struct turn_settings *settings, 
 
 char *turn_path(const char *pattern, const struct turn_settings *settings, uint32_t frame)
 {
-    char *path = NULL;
-    size_t size = 0;
+    struct system_text path;
     int digits = snprintf(NULL, 0, "%" PRIu32, settings->frames);
-    FILE *out = open_memstream(&path, &size);
+    FILE *out = system_text_open(&path);
     for (const char *c = pattern; out && *c;) {
         if (strncmp(c, TURN_FRAME, strlen(TURN_FRAME)) == 0) {
             fprintf(out, "%0*" PRIu32, digits, frame + 1);
@@ -115,9 +115,5 @@ char *turn_path(const char *pattern, const struct turn_settings *settings, uint3
             fputc(*c++, out);
         }
     }
-    if (!out || fclose(out)) {
-        free(path);
-        return NULL;
-    }
-    return path;
+    return system_text_close(&path);
 }

@@ -2,6 +2,7 @@
 /* conus-mpi batch: conus batch on all ranks of an MPI job. Rank 0 leads: it alone reads the command's files of jobs and
  * journals, and announces each batch to the others. The first rank of each node loads the atlases for all that run
  * there. Every rank reads the poses' file by itself, and passes over the poses that are others'. */
+#include "base/system/system.h"
 #include "batch/batch_dispatch.h"
 #include "batch/batch_task.h"
 #include "mpi/node_atlas.h"
@@ -13,7 +14,6 @@
 #include "pages/pages.h"
 
 #include <inttypes.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -424,7 +424,7 @@ int main(int argc, char **argv)
     static const struct program program = {.name = "conus-mpi", .commands = commands};
     int provided, code;
     struct cluster cluster;
-    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error of writing */
+    system_begin(false); /* a file that may not grow is an error of writing */
     if (pages_answer(&code, &program, argc, argv)) {
         return code;
     }

@@ -2,23 +2,21 @@
 /* Reads whole files or pipes, up to a limit of bytes. */
 #include "options/input_file.h"
 
+#include "base/system/system.h"
 #include "options/messages.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <inttypes.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-static FILE *refuse_kind(const char *path, mode_t mode, const char *needed)
+static FILE *refuse_kind(const char *path, enum system_kind kind, const char *needed)
 {
     print_error_line("%s: cannot read: is a %s, a %s is needed", path,
-                     S_ISDIR(mode)    ? "folder"
-                     : S_ISFIFO(mode) ? "pipe"
-                                      : "device",
+                     kind == SYSTEM_FOLDER ? "folder"
+                     : kind == SYSTEM_PIPE ? "pipe"
+                                           : "device",
                      needed);
     return NULL;
 }
@@ -31,14 +29,14 @@ static FILE *fail_to(const char *action, const char *path)
 
 FILE *input_file_open(const char *path)
 {
-    struct stat info;
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* does not wait for a pipe's other end */
+    struct system_stat info;
+    int descriptor = system_open(path, SYSTEM_READ | SYSTEM_AT_ONCE); /* does not wait for a pipe's other end */
     if (descriptor < 0) {
         return fail_to("open", path);
     }
     FILE *file = NULL;
-    if (fstat(descriptor, &info) == 0 && !S_ISREG(info.st_mode)) {
-        refuse_kind(path, info.st_mode, "regular file");
+    if (system_stat_open(&info, descriptor) && info.kind != SYSTEM_FILE) {
+        refuse_kind(path, info.kind, "regular file");
     } else if (!(file = fdopen(descriptor, "r"))) {
         fail_to("open", path);
     }
@@ -51,14 +49,14 @@ FILE *input_file_open(const char *path)
 /* A pipe may be waited for; a device may never end. */
 static FILE *open_file_or_pipe(const char *path)
 {
-    struct stat info;
-    if (stat(path, &info)) {
+    struct system_stat info;
+    if (!system_stat(&info, path)) {
         return fail_to("open", path);
     }
-    if (!S_ISREG(info.st_mode) && !S_ISFIFO(info.st_mode)) {
-        return refuse_kind(path, info.st_mode, "file or pipe");
+    if (info.kind != SYSTEM_FILE && info.kind != SYSTEM_PIPE) {
+        return refuse_kind(path, info.kind, "file or pipe");
     }
-    FILE *file = fopen(path, "re");
+    FILE *file = system_stream(path, "r");
     return file ? file : fail_to("open", path);
 }
 

@@ -2,10 +2,9 @@
 /* The handlers of SIGINT and SIGTERM. */
 #include "options/interrupt.h"
 
-#include <signal.h>
-#include <stddef.h>
+#include "base/system/system.h"
 
-static volatile sig_atomic_t caught;
+static _Atomic int caught;
 static conus_pose_stream *_Atomic stopped;
 
 static void keep(int number)
@@ -24,15 +23,8 @@ void interrupt_release(void)
 
 void interrupt_catch(conus_pose_stream *poses)
 {
-    static const int numbers[] = {SIGINT, SIGTERM};
     stopped = poses;
-    struct sigaction action = {.sa_handler = keep, .sa_flags = SA_RESTART | (int)SA_RESETHAND};
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
-        struct sigaction before;
-        if (sigaction(numbers[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN) {
-            sigaction(numbers[i], &action, NULL);
-        }
-    }
+    system_interrupt(keep);
 }
 
 int interrupt_signal(void)

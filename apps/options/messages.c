@@ -2,6 +2,7 @@
 /* Prints error lines, maps statuses to exit codes, and suggests names for misspelt words. */
 #include "options/messages.h"
 
+#include "base/system/system.h"
 #include "conus/file.h"
 #include "options/table_fit.h"
 
@@ -10,7 +11,6 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { LINE_SIZE = 2048, WORD_SIZE = 64 };
 

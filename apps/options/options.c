@@ -3,6 +3,7 @@
 #include "options/options.h"
 
 #include "base/path.h"
+#include "base/system/system.h"
 #include "base/text.h"
 #include "conus/version.h"
 #include "options/messages.h"
@@ -469,9 +470,8 @@ static void put_word(FILE *out, const char *word)
 
 char *arguments_text(const struct arguments *arguments)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
+    struct system_text text;
+    FILE *out = system_text_open(&text);
     if (!out) {
         return NULL;
     }
@@ -480,9 +480,5 @@ char *arguments_text(const struct arguments *arguments)
         fputc(' ', out);
         put_word(out, arguments->words[i]);
     }
-    if (fclose(out)) {
-        free(text);
-        return NULL;
-    }
-    return text;
+    return system_text_close(&text);
 }

@@ -3,6 +3,7 @@
 #include "options/output.h"
 
 #include "base/path.h"
+#include "base/system/system.h"
 #include "base/text.h"
 #include "conus/file.h"
 #include "options/messages.h"
@@ -13,8 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 bool output_is_stdout(const char *path)
 {
@@ -63,33 +62,31 @@ int output_write_table(const char *path, const char *text, size_t size)
                                   : output_write(path, text, size);
 }
 
-/* Ends a memory stream and frees its text, which goes to stdout if it is whole. */
-static int end_stream(FILE *stream, char **text, bool whole, bool is_table)
+/* Closes and frees a text, which goes to stdout if it is whole. */
+static int end_text(struct system_text *text, bool whole, bool is_table)
 {
     int code = EXIT_DATA;
-    if (stream && fclose(stream) == 0 && whole) {
-        conus_plain_text(*text);
-        size_t size = strlen(*text);
-        code = is_table ? write_fitted(*text, size, "--format tsv has all") : output_write(NULL, *text, size);
+    if (system_text_close(text) && whole) {
+        conus_plain_text(text->data);
+        size_t size = strlen(text->data);
+        code = is_table ? write_fitted(text->data, size, "--format tsv has all") : output_write(NULL, text->data, size);
     } else {
         print_error_line("not enough memory");
     }
-    free(*text);
+    free(text->data);
     return code;
 }
 
 int output_put(bool put(FILE *out, const void *what), const void *what)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    bool whole = out && put(out, what);
-    return end_stream(out, &text, whole, true);
+    struct system_text text;
+    bool whole = system_text_open(&text) && put(text.stream, what);
+    return end_text(&text, whole, true);
 }
 
-int output_end(FILE *stream, char **text)
+int output_end(struct system_text *text)
 {
-    return end_stream(stream, text, true, false);
+    return end_text(text, true, false);
 }
 
 int output_finish(int code)
@@ -106,14 +103,14 @@ int output_finish(int code)
 
 int output_check_file(const char *path)
 {
-    struct stat info;
-    if (lstat(path, &info) || S_ISREG(info.st_mode)) {
+    struct system_stat info;
+    if (!system_stat_link(&info, SYSTEM_HERE, path) || info.kind == SYSTEM_FILE) {
         return EXIT_DONE;
     }
     return print_data_error("%s: cannot write: is a %s, which a file would replace", path,
-                            S_ISDIR(info.st_mode)   ? "folder"
-                            : S_ISLNK(info.st_mode) ? "link"
-                                                    : "device or pipe");
+                            info.kind == SYSTEM_FOLDER ? "folder"
+                            : info.kind == SYSTEM_LINK ? "link"
+                                                       : "device or pipe");
 }
 
 const char *path_name(const char *path)
@@ -129,8 +126,8 @@ bool path_is_picture(const char *path)
 
 bool output_is_no_file(const char *path)
 {
-    struct stat info;
-    return output_is_stdout(path) || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
+    struct system_stat info;
+    return output_is_stdout(path) || (system_stat(&info, path) && info.kind != SYSTEM_FILE);
 }
 
 bool output_format(conus_format *out, const char *path)
@@ -167,24 +164,24 @@ static char *folder_of(const char *path)
 
 bool path_find_place(struct path_place *out, const char *path)
 {
-    struct stat info;
+    struct system_stat info;
     *out = (struct path_place){.name = path};
-    if (stat(path, &info) == 0) {
-        if (!S_ISREG(info.st_mode)) {
+    if (system_stat(&info, path)) {
+        if (info.kind != SYSTEM_FILE) {
             return false;
         }
         out->name = "";
     } else { /* a new file: its folder, and its name there */
         char *folder = folder_of(path);
-        bool found = folder && stat(folder, &info) == 0;
+        bool found = folder && system_stat(&info, folder);
         free(folder);
         if (!found) {
             return true;
         }
         out->name = path_base(path);
     }
-    out->device = info.st_dev;
-    out->inode = info.st_ino;
+    out->device = info.device;
+    out->inode = info.inode;
     return true;
 }
 
@@ -202,13 +199,13 @@ bool paths_equal(const char *a, const char *b)
     return path_find_place(&one, a) && path_find_place(&other, b) && path_place_order(&one, &other) == 0;
 }
 
-int output_check_folder(const char *path, int mode)
+int output_check_folder(const char *path, unsigned how)
 {
     char *folder = folder_of(path);
     if (!folder) {
         return print_no_memory();
     }
-    int code = access(folder, mode) ? print_system_error(path, "write") : EXIT_DONE;
+    int code = !system_allows(folder, how) ? print_system_error(path, "write") : EXIT_DONE;
     free(folder);
     return code;
 }

@@ -13,9 +13,9 @@
 /** Whether @p path means stdout: NULL or "-". */
 bool output_is_stdout(const char *path);
 
-/** Whether the folder of @p path is there (@p mode F_OK) or can be written to (W_OK). Returns the exit code and prints
- * an error unless it is 0. */
-int output_check_folder(const char *path, int mode);
+/** Whether the folder of @p path is there (@p how 0) or can be written to (SYSTEM_WRITE). Returns the exit code and
+ * prints an error unless it is 0. */
+int output_check_folder(const char *path, unsigned how);
 
 /** Writes to the file @p path, or to stdout. Returns the exit code and prints an error unless it is 0. */
 int output_write(const char *path, const char *text, size_t size);
@@ -27,9 +27,10 @@ int output_write_table(const char *path, const char *text, size_t size);
  * failure. Returns the exit code likewise. */
 int output_put(bool put(FILE *out, const void *what), const void *what);
 
-/** Ends a stream of open_memstream(), NULL without memory, makes its text plain, writes it to stdout and frees it.
- * Returns the exit code likewise. */
-int output_end(FILE *stream, char **text);
+struct system_text;
+
+/** Closes a text, makes it plain, writes it to stdout and frees it. Returns the exit code likewise. */
+int output_end(struct system_text *text);
 
 /** Flushes stdout: a full disk or a closed pipe is an error, not silence. Gives @p code if all is well
  * or something was wrong before. */

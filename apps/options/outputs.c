@@ -2,6 +2,7 @@
 /* Checks the files that are about to be written. */
 #include "options/outputs.h"
 
+#include "base/system/system.h"
 #include "base/text.h"
 #include "conus/file.h"
 #include "options/input_file.h"
@@ -13,8 +14,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 enum { SIDECAR_LIMIT = 1 << 26 };
 
@@ -110,9 +109,8 @@ bool outputs_spare_inputs(const struct outputs *outputs)
 /* Whether there is a regular file that would be replaced. One behind an open descriptor would not. */
 static bool is_there(const char *path)
 {
-    struct stat info;
-    return strncmp(path, "/dev/", strlen("/dev/")) != 0 && strncmp(path, "/proc/", strlen("/proc/")) != 0 &&
-           stat(path, &info) == 0 && S_ISREG(info.st_mode);
+    struct system_stat info;
+    return !system_is_open_name(path) && system_stat(&info, path) && info.kind == SYSTEM_FILE;
 }
 
 int outputs_check_sidecar(const char *path)
@@ -142,7 +140,7 @@ int outputs_check(const struct outputs *outputs, bool force)
     for (size_t i = 0; i < outputs->count; i++) {
         const struct output *output = &outputs->items[i];
         /* Without this check, the message would name a temporary file or the sidecar, which is written first. */
-        int code = output_check_folder(output->path, F_OK);
+        int code = output_check_folder(output->path, 0);
         if (!code && is_there(output->path) && !force) {
             code =
                 print_usage_error("%s: there is a file already (%s); --force replaces it", output->path, output->what);

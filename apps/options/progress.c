@@ -2,12 +2,12 @@
 /* The progress line on a terminal or in a log, or as JSON. */
 #include "options/progress.h"
 
+#include "base/system/system.h"
 #include "options/clock.h"
 #include "options/messages.h"
 
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 const char *const progress_kinds[] = {"auto", "json", "none", NULL};
 

@@ -3,6 +3,7 @@
 #include "options/provenance.h"
 
 #include "base/path.h"
+#include "base/system/system.h"
 #include "base/text.h"
 #include "options/input_file.h"
 #include "options/messages.h"
@@ -11,8 +12,6 @@
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 enum { CHUNK = 1 << 13, DIGITS = 9 };
 
@@ -123,9 +122,9 @@ bool provenance_is_sealed(const char *key)
 
 static bool is_file(const char *path, size_t *size)
 {
-    struct stat info;
-    bool is = path && !output_is_stdout(path) && stat(path, &info) == 0 && S_ISREG(info.st_mode);
-    *size = is ? (size_t)info.st_size : 0;
+    struct system_stat info;
+    bool is = path && !output_is_stdout(path) && system_stat(&info, path) && info.kind == SYSTEM_FILE;
+    *size = is ? (size_t)info.size : 0;
     return is;
 }
 
@@ -362,7 +361,7 @@ int answer_write(conus_report *report, const char *path, const char *sidecar, co
     }
     memcpy(kept, text, size);
     /* The sidecar is written first, but it is the answer that was asked for, and that a message names. */
-    int code = output_is_stdout(path) || !access(path, F_OK) ? EXIT_DONE : output_check_folder(path, W_OK);
+    int code = output_is_stdout(path) || system_allows(path, 0) ? EXIT_DONE : output_check_folder(path, SYSTEM_WRITE);
     code = code ? code : answer_write_sidecar(report, path, sidecar, provenance, kept, size);
     code = code ? code : output_write_table(path, kept, size);
     free(kept);

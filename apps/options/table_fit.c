@@ -2,11 +2,11 @@
 /* Finds the tables in a text by the gaps in their lines, and cuts them where a column ends. */
 #include "options/table_fit.h"
 
+#include "base/system/system.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 enum { GAP = 2, NAMES_SIZE = 512 };
 
@@ -152,11 +152,10 @@ static void put_table(FILE *out, const char *text, const char *end, size_t cut, 
 
 char *table_fit(const char *text, size_t width, bool bold, const char *whole)
 {
-    char *fitted = NULL;
-    size_t size = 0;
+    struct system_text fitted;
     size_t count = 0;
     char names[NAMES_SIZE] = "";
-    FILE *out = open_memstream(&fitted, &size);
+    FILE *out = system_text_open(&fitted);
     if (!out) {
         return NULL;
     }
@@ -178,24 +177,16 @@ char *table_fit(const char *text, size_t width, bool bold, const char *whole)
     if (count) {
         fprintf(out, "%zu column%s left out: %s; %s\n", count, count > 1 ? "s" : "", names, whole);
     }
-    bool failed = ferror(out);
-    if (fclose(out) || failed) {
-        free(fitted);
-        return NULL;
-    }
-    return fitted;
+    return system_text_close(&fitted);
 }
 
 enum { WIDTH_LIMIT = 100000 };
 
 size_t terminal_width(int descriptor)
 {
-    struct winsize size = {0};
-    if (!isatty(descriptor)) {
-        return 0;
-    }
-    if (ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) {
-        return size.ws_col;
+    unsigned known = system_columns(descriptor);
+    if (known || !isatty(descriptor)) {
+        return known;
     }
     const char *columns = getenv("COLUMNS");
     long width = columns ? strtol(columns, NULL, 10) : 0;

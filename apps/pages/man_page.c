@@ -2,6 +2,7 @@
 /* Writes man pages from tables of options. */
 #include "pages/pages.h"
 
+#include "base/system/system.h"
 #include "options/options.h"
 
 #include "conus/version.h"
@@ -89,19 +90,11 @@ static void put_head(FILE *out, const char *name, const char *summary)
 /* The text of a part of the help, to be freed; NULL without memory. */
 static char *text_of(void (*write_help)(FILE *out, const struct command *command), const struct command *command)
 {
-    char *words = NULL;
-    size_t size = 0;
-    FILE *text = open_memstream(&words, &size);
-    if (!text) {
-        return NULL;
+    struct system_text words;
+    if (system_text_open(&words)) {
+        write_help(words.stream, command);
     }
-    write_help(text, command);
-    bool failed = ferror(text);
-    if (fclose(text) || failed) {
-        free(words);
-        return NULL;
-    }
-    return words;
+    return system_text_close(&words);
 }
 
 static bool put_synopsis(FILE *out, const struct program *program, const struct command *command)

@@ -2,19 +2,18 @@
 /* Writes a program's man pages and completions to a folder. */
 #include "pages/pages.h"
 
+#include "base/system/system.h"
 #include "options/messages.h"
 
 #include <errno.h>
-#include <limits.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* Opens folder/name; NULL after an error message. */
-static FILE *open_page(char path[PATH_MAX], const char *folder, const char *name)
+static FILE *open_page(char path[SYSTEM_PATH], const char *folder, const char *name)
 {
-    int length = snprintf(path, PATH_MAX, "%s/%s", folder, name);
+    int length = snprintf(path, SYSTEM_PATH, "%s/%s", folder, name);
     errno = ENAMETOOLONG;
-    FILE *out = length < PATH_MAX ? fopen(path, "we") : NULL;
+    FILE *out = length < SYSTEM_PATH ? system_stream(path, "w") : NULL;
     if (!out) {
         print_system_error(folder, "write");
     }
@@ -35,7 +34,7 @@ static int write_completions(const struct program *program, const char *folder)
     } shells[] = {{"", ".bash", completion_bash}, {"", ".fish", completion_fish}, {"_", "", completion_zsh}};
     int code = EXIT_DONE;
     for (size_t i = 0; !code && i < sizeof shells / sizeof *shells; i++) {
-        char name[64], path[PATH_MAX];
+        char name[64], path[SYSTEM_PATH];
         snprintf(name, sizeof name, "%s%s%s", shells[i].before, program->name, shells[i].after);
         FILE *out = open_page(path, folder, name);
         if (!out) {
@@ -50,7 +49,7 @@ static int write_completions(const struct program *program, const char *folder)
 /* Writes the page of `command`, or of the program where that is NULL. */
 static int write_man_page(const struct program *program, const struct command *command, const char *folder)
 {
-    char name[64], path[PATH_MAX];
+    char name[64], path[SYSTEM_PATH];
     bool part = command && program->commands[1];
     snprintf(name, sizeof name, "%s%s%s.1", program->name, part ? "-" : "", part ? command->name : "");
     FILE *out = open_page(path, folder, name);
@@ -88,7 +87,7 @@ bool pages_answer(int *code, const struct program *program, int count, char **wo
         return false;
     }
     const char *folder = words[2];
-    if (mkdir(folder, 0777) && errno != EEXIST) {
+    if (!system_make_folder(folder, false) && errno != EEXIST) {
         *code = print_system_error(folder, "make");
         return true;
     }

@@ -2,6 +2,7 @@
 /* Loads the atlas, its pathways and streamlines. */
 #include "settings/atlas_input.h"
 
+#include "base/system/system.h"
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/output.h"
@@ -413,16 +414,12 @@ static void additions_finish(struct additions *additions, const struct atlas_set
 /* The option's lists as one; NULL if it was not given, or without memory. */
 static char *join_lists(const struct option_list *lists)
 {
-    char *joined = NULL;
-    size_t size = 0;
-    FILE *out = lists->count ? open_memstream(&joined, &size) : NULL;
+    struct system_text joined;
+    FILE *out = lists->count ? system_text_open(&joined) : NULL;
     for (size_t i = 0; out && i < lists->count; i++) {
         fprintf(out, "%s%s", i ? "," : "", lists->items[i]);
     }
-    if (out) {
-        fclose(out);
-    }
-    return joined;
+    return lists->count ? system_text_close(&joined) : NULL;
 }
 
 static int show_objects(conus_atlas *atlas, const struct atlas_settings *settings)

@@ -3,6 +3,7 @@
 #include "settings/atlases.h"
 
 #include "base/path.h"
+#include "base/system/system.h"
 #include "base/text.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -11,7 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* Length of a file's name without its ending, if that is one of an atlas: "lh.pial" has none. */
 static size_t stem_length(const char *name)
@@ -32,8 +32,8 @@ static size_t stem_length(const char *name)
 /* The name of the file or folder at `path`; NULL without memory. */
 static char *name_of_path(const char *path)
 {
-    struct stat info;
-    bool is_folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+    struct system_stat info;
+    bool is_folder = system_stat(&info, path) && info.kind == SYSTEM_FOLDER;
     static const char *const keys[] = {
         ",volume=", ",resolution=", ",orientation=", ",level="}; /* behind a file: what is in it */
     size_t end = strlen(path);

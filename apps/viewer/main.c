@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus-view: the window. Its options are read and explained by the same tables as those of conus. */
+#include "base/system/system.h"
 #include "conus/file.h"
 #include "options/messages.h"
 #include "pages/pages.h"
@@ -10,7 +11,6 @@
 #include "viewer/opening/view_words.h"
 #include "viewer/opening/waiting.h"
 
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -265,7 +265,7 @@ int main(int count, char **words)
     struct arguments arguments;
     struct view_settings settings = {0};
     int code;
-    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error of writing */
+    system_begin(false); /* a file that may not grow is an error of writing */
     if (pages_answer(&code, &program, count, words)) {
         return code;
     }

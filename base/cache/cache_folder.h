@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * The user's folder for what can be made again: $XDG_CACHE_HOME/conus, else ~/.cache/conus. What others can write to,
- * or own, is as if it were not there. Entries are files whose time of change is that of their last use. */
+ * or own, is as if it were not there. The time of use of an entry says which one leaves first. */
 #ifndef CONUS_BASE_CACHE_FOLDER_H
 #define CONUS_BASE_CACHE_FOLDER_H
 

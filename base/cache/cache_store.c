@@ -2,11 +2,11 @@
 /* Names, believes and writes entries of the cache. */
 #include "base/cache/cache_store.h"
 
-#include "base/cache/build_id.h"
 #include "base/cache/cache_folder.h"
 #include "base/files/file_trace.h"
 #include "base/memory.h"
 #include "base/path.h"
+#include "base/system/build_id.h"
 #include "base/system/system.h"
 #include "conus/version.h"
 

@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "base/path.h"
+#include "base/system/system.h"
 #include "base/text.h"
 
 #include <errno.h>
@@ -20,7 +21,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { PATH_SIZE = 4096, WORDS_SIZE = 512, INPUT_DESCRIPTOR = 3, READ_SIZE = 1 << 20 };
+enum { WORDS_SIZE = 512, INPUT_DESCRIPTOR = 3, READ_SIZE = 1 << 20 };
 
 /* Monotonic: setting the date does not move a deadline. */
 static double seconds_now(void)
@@ -77,10 +78,9 @@ conus_status child_find(char **path, const struct child_program *program)
         return take_chosen(path, chosen, program);
     }
     char *found = NULL;
-    char self[PATH_SIZE];
-    ssize_t length = readlink("/proc/self/exe", self, sizeof self);
-    size_t folder_length = length > 0 ? path_length_above(self, (size_t)length) : 0;
-    conus_status status = folder_length > 1 ? look_in(&found, program->name, self, folder_length - 1) : CONUS_OK;
+    char self[SYSTEM_PATH];
+    size_t length = system_program(self) ? path_folder_length(self) : 0;
+    conus_status status = length > 1 ? look_in(&found, program->name, self, length - 1) : CONUS_OK;
     const char *list = getenv("PATH");
     struct text rest = text_from(list ? list : "");
     struct text folder;

@@ -279,8 +279,7 @@ static conus_status write_regular(const char *path, const void *data, size_t siz
     if ((how & WRITE_NEW) || !system_stat_link(&info, SYSTEM_HERE, path) || info.kind != SYSTEM_LINK) {
         return replace_file(path, data, size, how);
     }
-    /* An open file's name in /dev or /proc: what is there belongs to whoever opened it. */
-    if (strncmp(path, "/dev/", strlen("/dev/")) == 0 || strncmp(path, "/proc/", strlen("/proc/")) == 0) {
+    if (system_is_open_name(path)) {
         return write_directly(path, data, size);
     }
     char real[SYSTEM_PATH]; /* the file that a link leads to is replaced, not the link */

@@ -56,10 +56,11 @@ struct wanted {
 static bool take_name(void *user, const char *name)
 {
     struct wanted *wanted = user;
-    if (ends_with(name, wanted->ending)) {
+    bool is_full = wanted->out->count >= NAMES_LIMIT;
+    if (!is_full && ends_with(name, wanted->ending)) {
         wanted->status = names_add(wanted->out, name);
     }
-    return !wanted->status && wanted->out->count < NAMES_LIMIT;
+    return !is_full && !wanted->status;
 }
 
 conus_status names_read(struct names *out, const char *folder, const char *ending)

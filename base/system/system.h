@@ -19,6 +19,7 @@
 
 enum {
     SYSTEM_PATH = 4096,  /**< The most bytes of a path, with its NUL. */
+    SYSTEM_NAME = 255,   /**< The most bytes of a name in a folder, without it. */
     SYSTEM_NO_FILE = -1, /**< No open file. */
     SYSTEM_HERE = -100   /**< As a folder: names count from the current one. */
 };
@@ -112,6 +113,8 @@ bool system_list(const char *folder, bool (*take)(void *user, const char *name),
 bool system_real_path(char out[SYSTEM_PATH], const char *path);
 /** The current folder. */
 bool system_here(char out[SYSTEM_PATH]);
+/** Whether a path is a name of what some process has open, or of a device: what is there belongs to others. */
+bool system_is_open_name(const char *path);
 /** The path of the program that runs. */
 bool system_program(char out[SYSTEM_PATH]);
 
@@ -149,20 +152,22 @@ bool system_wait(int file, const struct system_wake *wake);
 
 /* Of programs, not of the library. */
 
-/** Has a broken pipe and a limit on files be errors of writing, not a sudden end. */
-void system_begin(void);
+/** Has a limit on files be an error of writing, not a sudden end; if @p pipes, a broken pipe, too. */
+void system_begin(bool pipes);
 /** Has @p call hear of the first SIGINT or SIGTERM; not of one that is ignored. */
 void system_interrupt(void (*call)(int number));
 /** Whether the first thread's stack has less than @p size bytes. */
 bool system_stack_is_below(size_t size);
 /** Leaves all signals to other threads. */
 bool system_leave_signals(void);
-/** Has the calling thread run when others do not need the processor. */
-void system_run_last(void);
+/** Has the calling thread, and those that it starts, step back for others: @p by more of the steps of nice(). */
+void system_step_back(int by);
+/** Has @p call called after so many seconds, 0 = never, from whatever the program waits for. */
+void system_alarm(unsigned seconds, void (*call)(int number));
 /** Columns of a terminal; 0 = none, or not known. */
 unsigned system_columns(int file);
 
-/** A text that is written as a stream. */
+/** A text that is written as a stream; not to be copied while that is open. */
 struct system_text {
     FILE *stream;
     char *data; /**< Once the stream is closed; with a NUL behind its size. */

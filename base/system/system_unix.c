@@ -210,10 +210,16 @@ bool system_set_used(int file)
     return futimens(file, (const struct timespec[]){{.tv_nsec = UTIME_NOW}, {.tv_nsec = UTIME_OMIT}}) == 0;
 }
 
-/* Unlike rename(), link() never takes the place of another. */
 bool system_rename(const char *from, const char *to, bool replace)
 {
-    return replace ? rename(from, to) == 0 : link(from, to) == 0 && unlink(from) == 0;
+    if (replace) {
+        return rename(from, to) == 0;
+    }
+    bool is_new = link(from, to) == 0; /* unlike rename(), never in the place of another */
+    if (is_new) {
+        unlink(from);
+    }
+    return is_new;
 }
 
 bool system_rename_in(int folder, const char *from, const char *to)
@@ -251,6 +257,11 @@ bool system_real_path(char out[SYSTEM_PATH], const char *path)
 bool system_here(char out[SYSTEM_PATH])
 {
     return getcwd(out, SYSTEM_PATH);
+}
+
+bool system_is_open_name(const char *path)
+{
+    return strncmp(path, "/dev/", strlen("/dev/")) == 0 || strncmp(path, "/proc/", strlen("/proc/")) == 0;
 }
 
 bool system_program(char out[SYSTEM_PATH])
@@ -402,11 +413,13 @@ bool system_wait(int file, const struct system_wake *wake)
     return !(count > 0 && wanted[1].revents);
 }
 
-void system_begin(void)
+void system_begin(bool pipes)
 {
     struct sigaction ignore = {.sa_handler = SIG_IGN};
-    sigaction(SIGPIPE, &ignore, NULL);
     sigaction(SIGXFSZ, &ignore, NULL);
+    if (pipes) {
+        sigaction(SIGPIPE, &ignore, NULL);
+    }
 }
 
 void system_interrupt(void (*call)(int number))
@@ -432,6 +445,17 @@ bool system_leave_signals(void)
     sigset_t all;
     sigfillset(&all);
     return pthread_sigmask(SIG_SETMASK, &all, NULL) == 0;
+}
+
+void system_step_back(int by)
+{
+    setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + by); /* of Linux's threads each has its own */
+}
+
+void system_alarm(unsigned seconds, void (*call)(int number))
+{
+    signal(SIGALRM, call);
+    alarm(seconds);
 }
 
 unsigned system_columns(int file)

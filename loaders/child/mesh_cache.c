@@ -153,7 +153,7 @@ conus_status mesh_cache_keep_within(const char *key, const struct buffer *conten
         status = open_folder(&folder, path.data, &said);
         path_join_again(cut);
         status = status || folder < 0 ? status : write_entry(&path, content);
-        cut = path_cut(path.data);
+        (void)path_cut(path.data);
         status = status || folder < 0 ? status : cache_folder_fit(path.data, ending, limit);
     }
     if (folder >= 0) {

@@ -9,6 +9,7 @@
 #include "base/formats/xml.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/system/system.h"
 #include "base/text.h"
 #include "loaders/cifti/cifti.h"
 #include "loaders/cifti/cifti_file.h"
@@ -114,7 +115,7 @@ static bool begins_as_own(const char *path)
 {
     enum { HEAD = 4096 };
     uint8_t head[HEAD];
-    FILE *file = file_exists(path) ? fopen(path, "rbe") : NULL;
+    FILE *file = file_exists(path) ? system_stream(path, "rb") : NULL;
     struct bytes start = {head, file ? fread(head, 1, sizeof head, file) : 0};
     struct bytes unpacked = {0};
     if (file) {

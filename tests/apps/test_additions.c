@@ -29,7 +29,7 @@ static void an_option_is_a_kind_and_a_file(void **state)
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         const char *value = NULL;
-        char path[PATH_MAX] = "";
+        char path[SYSTEM_PATH] = "";
         enum addition kind = addition_of(&value, cases[i].word);
         assert_int_equal(kind, cases[i].kind);
         assert_non_null(value);

@@ -13,17 +13,18 @@
 #include <unistd.h>
 
 /* A folder of this run with: .hidden.nii, b.nii.gz, C.json, notes.docx and the folders A, z. */
-static void make_folder(char out[PATH_MAX])
+static void make_folder(char out[SYSTEM_PATH])
 {
     static const char *const files[] = {".hidden.nii", "b.nii.gz", "C.json", "notes.docx"};
     char here[512];
-    char path[PATH_MAX];
+    char path[SYSTEM_PATH];
     assert_non_null(getcwd(here, sizeof here));
-    assert_true(snprintf(out, PATH_MAX, "%s/%s", here, test_scratch("folder")) < PATH_MAX);
+    assert_true(snprintf(out, SYSTEM_PATH, "%s/%s", here, test_scratch("folder")) < SYSTEM_PATH);
     mkdir(out, 0700);
     for (size_t i = 0; i < 6; i++) {
         bool is_folder = i >= 4;
-        assert_true(snprintf(path, sizeof path, "%s/%s", out, is_folder ? (i == 4 ? "z" : "A") : files[i]) < PATH_MAX);
+        assert_true(snprintf(path, sizeof path, "%s/%s", out, is_folder ? (i == 4 ? "z" : "A") : files[i]) <
+                    SYSTEM_PATH);
         if (is_folder) {
             mkdir(path, 0700);
         } else {
@@ -46,7 +47,7 @@ static void assert_lists(const struct folder *folder, const char *names)
 static void a_folder_lists_what_can_be_opened(void **state)
 {
     struct folder folder = {.count = 0};
-    char path[PATH_MAX];
+    char path[SYSTEM_PATH];
     (void)state;
     make_folder(path);
     folder_read(&folder, path, FOLDER_OPENABLE);
@@ -69,15 +70,15 @@ static void a_folder_lists_what_can_be_opened(void **state)
 static void show(struct dialog *dialog, enum dialog_purpose purpose, const char *folder, const char *name)
 {
     static const struct start start = {.on = true};
-    char text[PATH_MAX];
-    assert_true(snprintf(text, sizeof text, "%s/%s", folder, name) < PATH_MAX);
+    char text[SYSTEM_PATH];
+    assert_true(snprintf(text, sizeof text, "%s/%s", folder, name) < SYSTEM_PATH);
     dialog_show(dialog, purpose, text, &start);
 }
 
 /* Asserts that Enter answers with that file of the folder. */
 static void assert_answers(struct dialog *dialog, const char *folder, const char *name)
 {
-    char path[PATH_MAX];
+    char path[SYSTEM_PATH];
     assert_true(dialog_enter(path, dialog));
     assert_memory_equal(path, folder, strlen(folder));
     assert_string_equal(path + strlen(folder) + 1, name);
@@ -86,8 +87,8 @@ static void assert_answers(struct dialog *dialog, const char *folder, const char
 static void the_arrow_keys_go_into_a_folder_and_take_a_file(void **state)
 {
     struct dialog dialog = {.on = false};
-    char folder[PATH_MAX];
-    char path[PATH_MAX];
+    char folder[SYSTEM_PATH];
+    char path[SYSTEM_PATH];
     (void)state;
     make_folder(folder);
     show(&dialog, DIALOG_OPEN, folder, "");
@@ -111,7 +112,7 @@ static void the_arrow_keys_go_into_a_folder_and_take_a_file(void **state)
 static void a_proposed_name_is_selected_and_no_folder(void **state)
 {
     struct dialog dialog = {.on = false};
-    char folder[PATH_MAX];
+    char folder[SYSTEM_PATH];
     (void)state;
     make_folder(folder);
     show(&dialog, DIALOG_SAVE, folder, "aal-session.json");
@@ -129,8 +130,8 @@ static void a_proposed_name_is_selected_and_no_folder(void **state)
 static void what_is_typed_is_a_path_or_a_part_of_one_name(void **state)
 {
     struct dialog dialog = {.on = false};
-    char folder[PATH_MAX];
-    char path[PATH_MAX];
+    char folder[SYSTEM_PATH];
+    char path[SYSTEM_PATH];
     (void)state;
     make_folder(folder);
     show(&dialog, DIALOG_OPEN, folder, "nii");
@@ -158,8 +159,8 @@ static void what_is_typed_is_a_path_or_a_part_of_one_name(void **state)
 static void nothing_is_written_over_without_a_question(void **state)
 {
     struct dialog dialog = {.on = false};
-    char folder[PATH_MAX];
-    char path[PATH_MAX];
+    char folder[SYSTEM_PATH];
+    char path[SYSTEM_PATH];
     (void)state;
     make_folder(folder);
     show(&dialog, DIALOG_SAVE, folder, "new");
@@ -173,7 +174,7 @@ static void nothing_is_written_over_without_a_question(void **state)
     show(&dialog, DIALOG_SAVE, folder, "C");
     assert_false(dialog_enter(path, &dialog));
     dialog_set(&dialog, dialog.folder.path); /* another text: the question is no longer answered */
-    char again[PATH_MAX + 8];
+    char again[SYSTEM_PATH + 8];
     snprintf(again, sizeof again, "%s/C.json", folder);
     dialog_set(&dialog, again);
     assert_false(dialog_enter(path, &dialog));

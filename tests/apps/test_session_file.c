@@ -79,7 +79,7 @@ static void put(const char *folder, const char *name, const char *text)
 
 static void assert_found(const struct session_file *file, const char *session, const char *other, const char *wanted)
 {
-    char path[PATH_MAX];
+    char path[SYSTEM_PATH];
     bool found = session_file_find(path, file, session, &other, other != NULL);
     assert_int_equal(found, wanted != NULL);
     if (found) {

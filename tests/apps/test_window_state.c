@@ -19,13 +19,13 @@
 #include <unistd.h>
 
 /* Finds the path of a file of the window's state, in a folder of this run. */
-static void find_state(char path[PATH_MAX], const char *name)
+static void find_state(char path[SYSTEM_PATH], const char *name)
 {
     char here[512];
     assert_non_null(getcwd(here, sizeof here)); /* relative ones do not count */
-    snprintf(path, PATH_MAX, "%s/%s", here, test_scratch("state"));
+    snprintf(path, SYSTEM_PATH, "%s/%s", here, test_scratch("state"));
     setenv("XDG_STATE_HOME", path, 1);
-    snprintf(path, PATH_MAX, "%s/%s/conus/%s", here, test_scratch("state"), name);
+    snprintf(path, SYSTEM_PATH, "%s/%s/conus/%s", here, test_scratch("state"), name);
 }
 
 static void assert_same_place(const struct place *a, const struct place *b)
@@ -51,7 +51,7 @@ static void the_window_finds_its_place_again(void **state)
                                .zoom = 1.25,
                                .layout = {.panels = {300, 0}, .division = {0.25, 0}, .folds = {FOLD_OPEN, 0}}};
     struct place found = {.width = 1, .height = 2};
-    char path[PATH_MAX];
+    char path[SYSTEM_PATH];
     (void)state;
     find_state(path, "window.json");
     place_load(&found);
@@ -216,18 +216,18 @@ static void only_a_whole_list_is_read(void **state)
     assert_int_equal(recent.count, 3);
     assert_string_equal(recent.paths[1], "/b/\x1b.nii");
     assert_string_equal(recent.paths[2], "/c,volume=2");
-    for (int length = PATH_MAX - 1; length <= PATH_MAX; length++) { /* the longest, and one more */
-        char text[PATH_MAX + 64];
+    for (int length = SYSTEM_PATH - 1; length <= SYSTEM_PATH; length++) { /* the longest, and one more */
+        char text[SYSTEM_PATH + 64];
         int size = snprintf(text, sizeof text, "{\"conus_recent\": 1, \"atlases\": [\"/%0*d\"]}", length - 1, 0);
-        assert_int_equal(recent_parse(&recent, text, (size_t)size), length < PATH_MAX);
+        assert_int_equal(recent_parse(&recent, text, (size_t)size), length < SYSTEM_PATH);
     }
 }
 
 static void the_last_opened_comes_first(void **state)
 {
     struct recent recent;
-    char path[PATH_MAX];
-    char here[PATH_MAX];
+    char path[SYSTEM_PATH];
+    char here[SYSTEM_PATH];
     (void)state;
     find_state(path, "recent.json");
     recent_load(&recent);
@@ -275,8 +275,8 @@ static void atlases_of_animals_say_so(void **state)
 static void the_start_page_shows_no_escapes(void **state)
 {
     struct start start = {.typed = "~/a~/b"};
-    char words[PATH_MAX];
-    char path[PATH_MAX];
+    char words[SYSTEM_PATH];
+    char path[SYSTEM_PATH];
     (void)state;
     find_state(path, "recent.json");
     assert_ok(conus_write_file(path, three, strlen(three)));
@@ -301,7 +301,7 @@ static void the_start_page_shows_no_escapes(void **state)
 static void look_for_three(struct start *start)
 {
     static const char *const kinds[] = {"nested", "slabs", "sphere"};
-    char state[PATH_MAX];
+    char state[SYSTEM_PATH];
     char here[512];
     char folder[1200];
     find_state(state, "recent.json");
@@ -318,7 +318,7 @@ static void look_for_three(struct start *start)
 
 static void assert_opens(struct start *start, const char *typed, const char *wanted)
 {
-    char path[PATH_MAX];
+    char path[SYSTEM_PATH];
     snprintf(start->typed, sizeof start->typed, "%s", typed);
     assert_true(start_typed(path, start));
     assert_string_equal(path, wanted);
@@ -378,7 +378,7 @@ static void an_atlas_in_two_places_is_offered_once(void **state)
 static void an_atlas_of_the_list_is_opened_and_no_file_of_its_name(void **state)
 {
     struct start start = {.on = true};
-    char words[PATH_MAX];
+    char words[SYSTEM_PATH];
     (void)state;
     look_for_three(&start);
     const conus_installed *slabs = conus_catalogue_atlas(start.catalogue, 1);
@@ -400,7 +400,7 @@ static void an_atlas_of_the_list_is_opened_and_no_file_of_its_name(void **state)
 static void a_link_to_an_atlas_is_opened_where_it_is(void **state)
 {
     struct start start = {.on = true};
-    char words[PATH_MAX];
+    char words[SYSTEM_PATH];
     char here[512];
     char data[1200];
     char link[1300];
@@ -433,7 +433,7 @@ static void a_link_to_an_atlas_is_opened_where_it_is(void **state)
 static void the_arrows_choose_on_an_empty_line(void **state)
 {
     struct start start = {.on = true};
-    char path[PATH_MAX];
+    char path[SYSTEM_PATH];
     (void)state;
     look_for_three(&start);
     assert_false(start_typed(path, &start));
@@ -448,8 +448,8 @@ static void the_arrows_choose_on_an_empty_line(void **state)
 static void without_an_atlas_a_phantom_is_the_sample(void **state)
 {
     struct start start = {.on = true};
-    char path[PATH_MAX];
-    char again[PATH_MAX];
+    char path[SYSTEM_PATH];
+    char again[SYSTEM_PATH];
     (void)state;
     look_for_three(&start);
     assert_true(start.has_no_sample);
@@ -472,8 +472,8 @@ static void the_theme_is_the_desktops(void **state)
                  {"'(<<uint32 0>>,)'", THEME_LIGHT}, /* GNOME says this where it is light */
                  {"", THEME_DARK},
                  {"nonsense", THEME_DARK}};
-    char path[PATH_MAX];
-    char script[PATH_MAX];
+    char path[SYSTEM_PATH];
+    char script[SYSTEM_PATH];
     (void)state;
     const char *before = getenv("PATH");
     test_folder("desktop");

@@ -93,7 +93,7 @@ LIBRARY = {
     "loaders/labels": "base base/job base/files base/geometry base/formats atlas/labels loaders/formats",
     "loaders/child": "base base/files base/cache base/child base/system atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/files base/geometry base/formats atlas/labels atlas/surface loaders",
-    "loaders/surfaces": "base base/files base/geometry base/formats atlas/labels atlas/surface atlas loaders"
+    "loaders/surfaces": "base base/files base/geometry base/formats base/system atlas/labels atlas/surface atlas loaders"
     " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign loaders/formats loaders/volumes",
     "loaders/phantom": "base base/files base/geometry atlas/labels atlas atlas/phantom loaders/volumes loaders/surfaces",
     "loaders/manifest": "base base/files base/formats base/job atlas/labels atlas/surface atlas/areas loaders/volumes loaders/labels",

@@ -3,6 +3,7 @@
  * now. */
 #include "base/files/file_trace.h"
 #include "base/memory.h"
+#include "base/system/system.h"
 #include "conus/file.h"
 #include "test.h"
 
@@ -20,7 +21,7 @@ static void ask_everything(struct file_trace *trace)
 {
     struct bytes bytes = {0};
     struct names names = {0};
-    char real[PATH_MAX];
+    char real[SYSTEM_PATH];
     file_trace_begin(trace);
     assert_ok(file_read(&bytes, test_in("file"), 100));
     bytes_finish(&bytes);
@@ -304,7 +305,7 @@ static conus_status attempt(void *data)
     }
 static int keep_inputs(void)
 {
-    char hard[PATH_MAX];
+    char hard[SYSTEM_PATH];
     struct bytes bytes = {0};
     struct buffer packed = {0};
     struct file_trace trace;

@@ -130,24 +130,26 @@ static void lines_are_read_as_by_getdelim(void **state)
     for (size_t i = 0; i < SIZE; i++) { /* lines of up to some thousand bytes, NULs in them */
         bytes[i] = i < SIZE / 2 ? "a\n"[next_random(&seed) % 2] : next_random(&seed) % 997 ? '\0' : '\n';
     }
-    FILE *ours = fmemopen(bytes, SIZE, "r");
-    FILE *theirs = fmemopen(bytes, SIZE, "r");
-    char *line = NULL;
-    char *wanted = NULL;
-    size_t capacity = 0;
-    size_t room = 0;
-    ptrdiff_t length = 0;
-    while (length >= 0) {
-        length = text_read_line(&line, &capacity, '\n', ours);
-        assert_int_equal(length, getdelim(&wanted, &room, '\n', theirs));
-        assert_true(length < 0 || memcmp(line, wanted, (size_t)length + 1) == 0);
-        assert_int_equal(ftell(ours), ftell(theirs));
+    for (size_t i = 0; i < 2; i++) {
+        FILE *ours = fmemopen(bytes, SIZE, "r");
+        FILE *theirs = fmemopen(bytes, SIZE, "r");
+        char *line = NULL;
+        char *wanted = NULL;
+        size_t capacity = 0;
+        size_t room = 0;
+        ptrdiff_t length = 0;
+        while (length >= 0) {
+            length = text_read_line(&line, &capacity, "\n\0"[i], ours);
+            assert_int_equal(length, getdelim(&wanted, &room, "\n\0"[i], theirs));
+            assert_true(length < 0 || memcmp(line, wanted, (size_t)length + 1) == 0);
+            assert_int_equal(ftell(ours), ftell(theirs));
+        }
+        assert_true(feof(ours));
+        fclose(ours);
+        fclose(theirs);
+        free(line);
+        free(wanted);
     }
-    assert_true(feof(ours));
-    fclose(ours);
-    fclose(theirs);
-    free(line);
-    free(wanted);
     free(bytes);
 }
 

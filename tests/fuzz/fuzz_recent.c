@@ -17,7 +17,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         abort();
     }
     for (size_t i = 0; fine && i < recent.count; i++) {
-        if (recent.paths[i][0] != '/' || !memchr(recent.paths[i], '\0', PATH_MAX)) {
+        if (recent.paths[i][0] != '/' || !memchr(recent.paths[i], '\0', SYSTEM_PATH)) {
             abort();
         }
     }

@@ -2,6 +2,7 @@
 /* Measures the columns, then pads the cells. */
 #include "cli/answers/aligned.h"
 
+#include "base/system/system.h"
 #include "options/messages.h"
 
 #include <stdlib.h>
@@ -52,17 +53,15 @@ static void put_columns(FILE *out, const char *tsv, size_t columns, const bool r
 
 bool aligned_put(FILE *out, void put(FILE *out, const void *what), const void *what, size_t columns, const bool right[])
 {
-    char *tsv = NULL;
-    size_t size = 0;
-    FILE *cells = open_memstream(&tsv, &size);
-    if (cells) {
-        put(cells, what);
+    struct system_text tsv;
+    if (system_text_open(&tsv)) {
+        put(tsv.stream, what);
     }
-    bool whole = cells && fclose(cells) == 0;
+    bool whole = system_text_close(&tsv);
     if (whole) {
-        put_columns(out, tsv, columns, right);
+        put_columns(out, tsv.data, columns, right);
     }
-    free(tsv);
+    free(tsv.data);
     return whole;
 }
 

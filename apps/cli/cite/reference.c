@@ -3,6 +3,7 @@
 #include "cli/cite/citation.h"
 
 #include "base/path.h"
+#include "base/system/system.h"
 #include "base/text.h"
 #include "options/input_file.h"
 #include "options/messages.h"
@@ -12,7 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 enum { DESCRIPTION_LIMIT = 1 << 20, FOLDERS_UP = 4 };
 
@@ -34,10 +34,10 @@ static void add_text(struct references *out, const json_t *value)
 /* The JSON in a small file; NULL if there is none. */
 static json_t *load(const char *path)
 {
-    struct stat info;
+    struct system_stat info;
     char *text = NULL;
     size_t size = 0;
-    bool is = path && stat(path, &info) == 0 && S_ISREG(info.st_mode) && info.st_size <= DESCRIPTION_LIMIT;
+    bool is = path && system_stat(&info, path) && info.kind == SYSTEM_FILE && info.size <= DESCRIPTION_LIMIT;
     messages_hold(true);
     int code = is ? input_file_read(&text, &size, path, INPUT_FILE, DESCRIPTION_LIMIT) : EXIT_DATA;
     messages_hold(false);
@@ -119,9 +119,9 @@ static void read_bids(struct references *out, const char *path, const char *name
 void references_find(struct references *out, const char *path)
 {
     static const char *const keys[] = {"references", NULL};
-    struct stat info;
+    struct system_stat info;
     size_t length = strlen(path);
-    bool is_folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+    bool is_folder = system_stat(&info, path) && info.kind == SYSTEM_FOLDER;
     *out = (struct references){0};
     read_keys(out, strdup(path), "conus_atlas", keys);
     if (is_folder && !out->count) {

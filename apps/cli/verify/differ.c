@@ -2,6 +2,7 @@
 /* Compares texts line by line, and lines of tables cell by cell. */
 #include "cli/verify/differ.h"
 
+#include "base/system/system.h"
 #include "base/text.h"
 #include "cli/verify/record.h"
 #include "options/output.h"
@@ -83,7 +84,6 @@ static void put_cell(FILE *out, struct piece header, struct piece line, char sep
 /* Names the row and the first cell that differs. False where no cell of this table does. */
 static bool find_cell(struct difference *out, struct piece header, struct piece a, struct piece b, char separator)
 {
-    size_t size = 0;
     size_t i = 0;
     struct piece column;
     struct piece one = {0};
@@ -98,19 +98,18 @@ static bool find_cell(struct difference *out, struct piece header, struct piece 
     if (!column.at || !one.at || !other.at) {
         return false;
     }
-    FILE *where = open_memstream(&out->where, &size);
+    struct system_text text;
+    FILE *where = system_text_open(&text);
     if (where) {
         put_cell(where, header, a, separator, "query", "query ");
         put_cell(where, header, a, separator, "atlas", ", ");
         put_cell(where, header, a, separator, "name", ", ");
         fprintf(where, ": %.*s", (int)column.size, column.at);
     }
-    if (where && fclose(where)) {
-        return false;
-    }
+    out->where = system_text_close(&text);
     out->before = text_of(one, one.size);
     out->after = text_of(other, other.size);
-    return where && out->before && out->after;
+    return out->where && out->before && out->after;
 }
 
 static bool list_difference(struct differences *out, struct piece header, struct piece a, struct piece b, size_t line)

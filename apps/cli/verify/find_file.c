@@ -3,17 +3,15 @@
 #include "cli/verify/find_file.h"
 
 #include "base/path.h"
+#include "base/system/system.h"
 #include "base/text.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/provenance.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 const char *const file_state_names[] = {"same", "moved", "not recorded", "not compared", "changed", "missing"};
 
@@ -34,44 +32,58 @@ static bool add_candidate(struct places *places, const char *path, int64_t bytes
     return copy;
 }
 
+/* A walk through a folder. */
+struct search {
+    struct places *places;
+    const char *folder;
+    size_t *entries;
+    int depth;
+    bool whole; /* there was memory */
+};
+
+static bool walk(struct places *places, const char *folder, size_t *entries, int depth);
+
+static bool take_entry(void *user, const char *name)
+{
+    struct search *search = user;
+    struct places *places = search->places;
+    struct system_stat info;
+    char *path = NULL;
+    if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0) {
+        return true;
+    }
+    places->is_cut = places->is_cut || ++*search->entries > SEARCH_ENTRIES;
+    if (places->is_cut) {
+        return false;
+    }
+    search->whole = asprintf(&path, "%s/%s", search->folder, name) >= 0;
+    if (search->whole && system_stat_link(&info, SYSTEM_HERE, path)) { /* links are not followed */
+        search->whole = info.kind == SYSTEM_FOLDER ? walk(places, path, search->entries, search->depth + 1)
+                        : info.kind == SYSTEM_FILE ? add_candidate(places, path, (int64_t)info.size)
+                                                   : true;
+    }
+    free(path);
+    return search->whole;
+}
+
 /* A folder that cannot be read has nothing that could be found. */
 static bool walk(struct places *places, const char *folder, size_t *entries, int depth)
 {
-    DIR *open = depth < SEARCH_DEPTH ? opendir(folder) : NULL;
-    struct dirent *entry;
-    bool whole = true;
-    while (open && whole && (entry = readdir(open))) {
-        struct stat info;
-        char *path = NULL;
-        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0) {
-            continue;
-        }
-        places->is_cut = places->is_cut || ++*entries > SEARCH_ENTRIES;
-        if (places->is_cut) {
-            break;
-        }
-        whole = asprintf(&path, "%s/%s", folder, entry->d_name) >= 0;
-        if (whole && lstat(path, &info) == 0) { /* links are not followed */
-            whole = S_ISDIR(info.st_mode)   ? walk(places, path, entries, depth + 1)
-                    : S_ISREG(info.st_mode) ? add_candidate(places, path, info.st_size)
-                                            : true;
-        }
-        free(path);
+    struct search search = {places, folder, entries, depth, true};
+    if (depth < SEARCH_DEPTH) {
+        system_list(folder, take_entry, &search);
     }
-    if (open) {
-        closedir(open);
-    }
-    return whole;
+    return search.whole;
 }
 
 int places_add(struct places *places, const char *folder)
 {
-    struct stat info;
+    struct system_stat info;
     size_t entries = places->candidate_count;
-    if (stat(folder, &info)) {
+    if (!system_stat(&info, folder)) {
         return print_system_error(folder, "search");
     }
-    if (!S_ISDIR(info.st_mode)) {
+    if (info.kind != SYSTEM_FOLDER) {
         return print_usage_error("--search: %s is no folder", folder);
     }
     if (!walk(places, folder, &entries, 0)) {
@@ -102,23 +114,24 @@ char *base_folder(const char *recorded, const char *actual)
 static bool has_sum(const struct recorded_file *file, const char *path, int64_t bytes)
 {
     char sum[SHA256_TEXT];
-    return (file->bytes < 0 || file->bytes == bytes) && access(path, R_OK) == 0 && !provenance_hash_file(sum, path) &&
-           strcmp(sum, file->sha256) == 0;
+    return (file->bytes < 0 || file->bytes == bytes) && system_allows(path, SYSTEM_READ) &&
+           !provenance_hash_file(sum, path) && strcmp(sum, file->sha256) == 0;
 }
 
 /* Takes `path`, which it frees, if it is the file; else, where it was, keeps in mind that there is another one. The sum
  * of a folder is that of the chunks in it, which answering again finds. */
 static bool try_path(struct found_file *out, const struct recorded_file *file, char *path, enum file_state state)
 {
-    struct stat info;
-    bool is_there = path && stat(path, &info) == 0;
+    struct system_stat info;
+    bool is_there = path && system_stat(&info, path);
     bool known = file->sha256;
-    bool is_folder = is_there && S_ISDIR(info.st_mode) && known && file->bytes < 0;
-    bool is = is_folder || (is_there && S_ISREG(info.st_mode));
-    bool same = is_folder || (is && known && has_sum(file, path, info.st_size));
+    bool is_folder = is_there && info.kind == SYSTEM_FOLDER && known && file->bytes < 0;
+    bool is = is_folder || (is_there && info.kind == SYSTEM_FILE);
+    bool same = is_folder || (is && known && has_sum(file, path, (int64_t)info.size));
     if (same || (is && state == FILE_SAME && !out->path)) {
         free(out->path);
-        out->path = realpath(path, NULL);
+        char real[SYSTEM_PATH];
+        out->path = system_real_path(real, path) ? strdup(real) : NULL;
         out->state = same ? state : known ? FILE_CHANGED : FILE_UNKNOWN;
         out->is_folder = is_folder;
     }

@@ -4,6 +4,7 @@
 #include "cli/verify/replay.h"
 
 #include "base/path.h"
+#include "base/system/system.h"
 #include "conus/catalogue.h"
 #include "conus/version.h"
 #include "options/messages.h"
@@ -42,7 +43,7 @@ static size_t levels_up(const char *path)
 static bool make_folder(void *user, const char *path)
 {
     (void)user;
-    return mkdir(path, 0700) == 0 || errno == EEXIST;
+    return system_make_folder(path, true) || errno == EEXIST;
 }
 
 /* Makes every folder that `path` names before its last slash, from `from` on. */
@@ -53,9 +54,9 @@ static bool make_folders(char *path, size_t from)
 
 static bool is_no_link(void *user, const char *path)
 {
-    struct stat info;
+    struct system_stat info;
     (void)user;
-    return lstat(path, &info) || !S_ISLNK(info.st_mode);
+    return !system_stat_link(&info, SYSTEM_HERE, path) || info.kind != SYSTEM_LINK;
 }
 
 /* Whether a folder of the path, from `from` on, is a link: to a store, whose files are there with it. */
@@ -136,10 +137,10 @@ bool stage_make(struct stage *out, const struct record *record, const struct fou
     bool made = stage_begin(out) && make_cwd(out, record);
     for (size_t i = 0; i < record->input_count; i++) {
         const char *path = record->inputs[i].path;
-        char *here = path_is_whole(path) && found[i].path ? realpath(path, NULL) : NULL;
+        char here[SYSTEM_PATH];
+        bool is_found = path_is_whole(path) && found[i].path;
         out->is_moved =
-            out->is_moved || (path_is_whole(path) && found[i].path && (!here || strcmp(here, found[i].path) != 0));
-        free(here);
+            out->is_moved || (is_found && !(system_real_path(here, path) && strcmp(here, found[i].path) == 0));
     }
     for (size_t i = 0; i < record->input_count && made; i++) {
         const char *path = record->inputs[i].path;
@@ -159,9 +160,8 @@ void stage_finish(struct stage *stage)
 /* Puts the folder before each absolute path in the word: "/a.nii", "from=/a.nii", "@/names.txt". */
 char *stage_word(const struct stage *stage, const char *given)
 {
-    char *word = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&word, &size);
+    struct system_text word;
+    FILE *out = system_text_open(&word);
     for (const char *at = given; out && *at; at++) {
         bool begins = at == given || at[-1] == '=' || at[-1] == '@';
         if (path_is_whole(at) && begins && stage->is_moved) {
@@ -169,11 +169,7 @@ char *stage_word(const struct stage *stage, const char *given)
         }
         fputc(*at, out);
     }
-    if (!out || fclose(out)) {
-        free(word);
-        return NULL;
-    }
-    return word;
+    return system_text_close(&word);
 }
 
 char *stage_output(const struct stage *stage, const char *option, const char *name)
@@ -514,7 +510,7 @@ static void take_message(struct replay *replay, const char *path)
 {
     static const char name[] = "conus: ";
     char line[REPLAY_WHY];
-    FILE *file = fopen(path, "re");
+    FILE *file = system_stream(path, "r");
     while (file && fgets(line, sizeof line, file)) {
         size_t length = strcspn(line, "\n");
         line[length] = '\0';

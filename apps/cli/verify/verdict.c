@@ -3,6 +3,7 @@
 #include "cli/verify/verdict.h"
 
 #include "base/path.h"
+#include "base/system/system.h"
 #include "cli/verify/differ.h"
 #include "conus/file.h"
 #include "conus/image.h"
@@ -17,7 +18,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include <zlib.h>
 
 static const uint64_t DEFAULT_MEMORY = UINT64_C(4) << 30;
@@ -85,17 +85,17 @@ static char *path_without_ending(const char *result)
 char *sidecar_find(const char *result)
 {
     char *beside = NULL;
-    if (path_ends_in(result, ".json") && access(result, F_OK) == 0) {
+    if (path_ends_in(result, ".json") && system_allows(result, 0)) {
         return strdup(result);
     }
     if (asprintf(&beside, "%s.json", result) < 0) {
         return NULL;
     }
-    if (access(beside, F_OK)) {
+    if (!system_allows(beside, 0)) {
         free(beside);
         beside = path_without_ending(result);
     }
-    if (beside && access(beside, F_OK)) {
+    if (beside && !system_allows(beside, 0)) {
         free(beside);
         beside = NULL;
     }
@@ -538,9 +538,8 @@ static const char *shown(const char *text)
 
 char *verdict_text(const struct verdict *verdict)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
+    struct system_text text;
+    FILE *out = system_text_open(&text);
     if (!out) {
         return NULL;
     }
@@ -565,25 +564,22 @@ char *verdict_text(const struct verdict *verdict)
     }
     put_lines(out, "why", &verdict->why);
     put_lines(out, "note", &verdict->notes);
-    if (fclose(out)) {
-        free(text);
-        return NULL;
+    if (system_text_close(&text)) {
+        conus_plain_text(text.data);
     }
-    conus_plain_text(text);
-    return text;
+    return text.data;
 }
 
 void verdict_print_error(const struct verdict *verdict)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
+    struct system_text text;
+    FILE *out = system_text_open(&text);
     for (size_t i = 0; out && i < verdict->why.count; i++) {
         fprintf(out, "%s%s", i ? "; " : "", verdict->why.items[i]);
     }
-    bool written = out && !fclose(out);
-    print_error_line("%s: cannot be verified: %s", verdict->result, written ? text : "not enough memory");
-    free(text);
+    const char *why = system_text_close(&text);
+    print_error_line("%s: cannot be verified: %s", verdict->result, why ? why : "not enough memory");
+    free(text.data);
 }
 
 /* Bytes that are no UTF-8 become null. */

@@ -2,6 +2,7 @@
 /* The commands of scripts, and their run over frames. */
 #include "viewer/commands/script.h"
 
+#include "base/system/system.h"
 #include "conus/file.h"
 #include "options/messages.h"
 #include "settings/settings.h"
@@ -23,7 +24,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { SETTLE_FRAMES = 3, PICTURE_LIMIT = 16384, LINE_LIMIT = 65536 };
 
@@ -775,7 +775,7 @@ int script_load(struct script **out, const char *path)
     struct script *script = calloc(1, sizeof *script);
     if (script) {
         script->path = strdup(path);
-        script->file = fopen(path, "r");
+        script->file = system_stream(path, "r");
     }
     if (!script || !script->path || !script->file) {
         print_error_line("%s: cannot be opened", path);
@@ -828,7 +828,7 @@ bool script_waits(struct script *script, const struct window *window)
 {
     double now = clock_ms();
     script->pausing = script->pausing && now < script->until;
-    if (script->awaited && !access(script->awaited, F_OK)) {
+    if (script->awaited && system_allows(script->awaited, 0)) {
         free(script->awaited);
         script->awaited = NULL;
     }

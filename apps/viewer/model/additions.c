@@ -2,6 +2,7 @@
 /* Words of the command line that add a file to an atlas: made, taken apart, described and found again. */
 #include "viewer/model/additions.h"
 
+#include "base/system/system.h"
 #include "conus/file.h"
 #include "conus/streamlines.h"
 #include "options/output.h"
@@ -11,8 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 const char *const addition_names[ADDITION_COUNT] = {"context", "pathway", "streamlines", "atlas"};
 
@@ -50,17 +49,17 @@ enum addition addition_of(const char **value, const char *word)
     return (enum addition)kind;
 }
 
-bool addition_path(char path[PATH_MAX], enum addition kind, const char *value)
+bool addition_path(char path[SYSTEM_PATH], enum addition kind, const char *value)
 {
-    int size = snprintf(path, PATH_MAX, "%s", value);
-    for (char *comma; size < PATH_MAX && (comma = strrchr(path, ','));) {
+    int size = snprintf(path, SYSTEM_PATH, "%s", value);
+    for (char *comma; size < SYSTEM_PATH && (comma = strrchr(path, ','));) {
         bool is_key = strchr(comma + 1, '=') || (kind == ADD_STREAMLINES && strcmp(comma + 1, "moves") == 0);
         if (!is_key) {
             break;
         }
         *comma = '\0';
     }
-    return size < PATH_MAX;
+    return size < SYSTEM_PATH;
 }
 
 static const char *word_at(const json_t *words, size_t index)
@@ -70,7 +69,7 @@ static const char *word_at(const json_t *words, size_t index)
 }
 
 /* The kind and file of a word; false where it is none. */
-static bool read_word(enum addition *kind, char path[PATH_MAX], const char *word)
+static bool read_word(enum addition *kind, char path[SYSTEM_PATH], const char *word)
 {
     const char *value = NULL;
     *kind = addition_of(&value, word);
@@ -80,7 +79,7 @@ static bool read_word(enum addition *kind, char path[PATH_MAX], const char *word
 static bool is_context_surface(const char *word, bool surface)
 {
     enum addition kind;
-    char path[PATH_MAX];
+    char path[SYSTEM_PATH];
     return read_word(&kind, path, word) && kind == ADD_CONTEXT && conus_context_is_surface(path) == surface;
 }
 
@@ -133,7 +132,7 @@ size_t additions_index(const json_t *words, const char *path)
     size_t named = count;
     for (size_t i = count; i-- > 0;) {
         enum addition kind;
-        char file[PATH_MAX];
+        char file[SYSTEM_PATH];
         bool is = read_word(&kind, file, word_at(words, i));
         if (is && (strcmp(file, path) == 0 || paths_equal(file, path))) {
             return i;
@@ -154,10 +153,10 @@ static void put_numbers(json_t *entry, size_t first, size_t count)
 
 static void put_sum(json_t *entry, const char *sha256, const char *path)
 {
-    struct stat info;
-    if (sha256[0] && stat(path, &info) == 0) {
+    struct system_stat info;
+    if (sha256[0] && system_stat(&info, path)) {
         json_object_set_new(entry, "sha256", json_string(sha256));
-        json_object_set_new(entry, "bytes", json_integer(info.st_size));
+        json_object_set_new(entry, "bytes", json_integer((json_int_t)info.size));
     }
 }
 
@@ -208,7 +207,7 @@ static void describe_volume(json_t *entry, struct taken *taken, const conus_atla
 static json_t *describe(struct taken *taken, const conus_atlas *atlas, const char *word)
 {
     const char *value = NULL;
-    char path[PATH_MAX];
+    char path[SYSTEM_PATH];
     enum addition kind = addition_of(&value, word);
     json_t *entry = addition_path(path, kind, value)
                         ? json_pack("{s: s, s: s, s: []}", "option", word, "path", path, "objects")
@@ -241,14 +240,14 @@ json_t *additions_describe(const conus_atlas *atlas, const json_t *words)
 
 json_t *opened_describe(const conus_atlas *atlas, const char *path, json_t *options)
 {
-    char folder[PATH_MAX];
-    struct stat info;
+    char folder[SYSTEM_PATH];
+    struct system_stat info;
     const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
-    json_t *opened = json_pack("{s: s, s: o, s: o}", "folder", getcwd(folder, sizeof folder) ? folder : "", "added",
+    json_t *opened = json_pack("{s: s, s: o, s: o}", "folder", system_here(folder) ? folder : "", "added",
                                additions_describe(atlas, options), "options", options);
-    if (opened && volume && paths_equal(volume->path, path) && stat(path, &info) == 0) {
+    if (opened && volume && paths_equal(volume->path, path) && system_stat(&info, path)) {
         json_object_set_new(opened, "sha256", json_string(volume->sha256));
-        json_object_set_new(opened, "bytes", json_integer(info.st_size));
+        json_object_set_new(opened, "bytes", json_integer((json_int_t)info.size));
     }
     return opened;
 }
@@ -261,7 +260,7 @@ json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, con
     missing[0] = '\0';
     for (size_t i = 0; i < json_array_size(words) && fine; i++) {
         enum addition kind;
-        char path[PATH_MAX] = "";
+        char path[SYSTEM_PATH] = "";
         const char *word = word_at(words, i);
         const json_t *entry = NULL;
         for (size_t k = 0; k < json_array_size(described) && !entry; k++) {
@@ -273,7 +272,7 @@ json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, con
             continue;
         }
         const char *value = NULL;
-        char where[PATH_MAX];
+        char where[SYSTEM_PATH];
         const struct session_file file = {.atlas = path,
                                           .folder = "",
                                           .sha256 = json_text(entry, "sha256"),

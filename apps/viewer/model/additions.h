@@ -6,8 +6,9 @@
 
 #include "conus/atlas.h"
 
+#include "base/system/system.h"
+
 #include <jansson.h>
-#include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -25,7 +26,7 @@ size_t words_place(const json_t *words, const json_t *word);
 /** Which kind @p word is, ADDITION_COUNT = none; *value is the text behind its '=', or "". */
 enum addition addition_of(const char **value, const char *word);
 /** The file in a value, without the keys behind it, as the command line finds it; false where it is too long. */
-bool addition_path(char path[PATH_MAX], enum addition kind, const char *value);
+bool addition_path(char path[SYSTEM_PATH], enum addition kind, const char *value);
 
 /** @p words with one more; a volume takes the place of another one as context. NULL: no memory, or no UTF-8. */
 json_t *additions_with(const json_t *words, enum addition kind, const char *value);

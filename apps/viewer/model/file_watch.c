@@ -2,18 +2,18 @@
 /* Whether the files of an atlas have changed on disk. */
 #include "viewer/model/file_watch.h"
 
+#include "base/system/system.h"
 #include "options/output.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* Enough to see that a file is another one. */
 struct state {
     bool is_there;
     struct timespec changed;
-    off_t size;
+    uint64_t size;
 };
 
 struct file_watch {
@@ -36,11 +36,11 @@ static const char *path_of(const conus_atlas *atlas, size_t index)
 
 static struct state look_at_file(const char *path)
 {
-    struct stat stat_;
-    if (stat(path, &stat_)) {
+    struct system_stat info;
+    if (!system_stat(&info, path)) {
         return (struct state){.is_there = false};
     }
-    return (struct state){.is_there = true, .changed = stat_.st_mtim, .size = stat_.st_size};
+    return (struct state){.is_there = true, .changed = info.changed, .size = info.size};
 }
 
 static bool is_same_state(const struct state *a, const struct state *b)

@@ -2,6 +2,7 @@
 /* Holds the first tool against the constraints of a plan, and words what they say of it. */
 #include "viewer/model/plans.h"
 
+#include "base/system/system.h"
 #include "options/messages.h"
 #include "settings/atlases.h"
 #include "viewer/model/additions.h"
@@ -96,9 +97,8 @@ static const char reach[] = "--reach=";
 /* The option that asks for this name, in quotes, since it may have commas. */
 static json_t *word_of(const char *name)
 {
-    char *word = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&word, &size);
+    struct system_text word;
+    FILE *out = system_text_open(&word);
     if (!out) {
         return NULL;
     }
@@ -107,8 +107,8 @@ static json_t *word_of(const char *name)
         fprintf(out, *name == '"' ? "\"\"" : "%c", *name);
     }
     fputc('"', out);
-    json_t *made = fclose(out) ? NULL : json_string(word);
-    free(word);
+    json_t *made = json_string(system_text_close(&word));
+    free(word.data);
     return made;
 }
 
@@ -238,14 +238,23 @@ static void put_verdict(FILE *out, const struct viewer *viewer, const conus_plan
     }
 }
 
+static void take_text(char *out, size_t size, struct system_text *text)
+{
+    const char *whole = system_text_close(text);
+    snprintf(out, size, "%s", whole ? whole : "");
+    free(text->data);
+}
+
 /* "holds, 1.8 mm to Insula_L" and ", leeway 0.66 mm", or "breaks: 1.2 of 2 mm to Insula_L, and 1 more" */
 static void word(struct plan_verdict *out, const struct viewer *viewer, const conus_planned *planned)
 {
     size_t count = conus_plan_constraint_count(viewer->plan.live);
     size_t told = !planned->feasible ? planned->broken : planned->clearance_of < count ? planned->clearance_of : 0;
     size_t broken = 0;
-    FILE *text = fmemopen(out->text, sizeof out->text, "w");
-    FILE *details = fmemopen(out->details, sizeof out->details, "w");
+    struct system_text texts[3];
+    FILE *text = system_text_open(&texts[0]);
+    FILE *details = system_text_open(&texts[1]);
+    FILE *leeway = system_text_open(&texts[2]);
     for (size_t i = 0; i < count && details; i++) {
         broken += !planned->verdicts[i].holds;
         fprintf(details, "%s%s: ", i ? "\n" : "", planned->verdicts[i].holds ? "holds" : "breaks");
@@ -256,20 +265,15 @@ static void word(struct plan_verdict *out, const struct viewer *viewer, const co
         put_verdict(text, viewer, planned, told);
         if (broken > 1) {
             fprintf(text, ", and %zu more", broken - 1);
-        } else if (!broken && !isnan(planned->leeway)) {
-            FILE *leeway = fmemopen(out->leeway, sizeof out->leeway, "w");
-            if (leeway) {
-                fputs(", leeway ", leeway);
-                put_number(leeway, planned->leeway, false);
-                fputs(" mm", leeway);
-                fclose(leeway);
-            }
+        } else if (leeway && !broken && !isnan(planned->leeway)) {
+            fputs(", leeway ", leeway);
+            put_number(leeway, planned->leeway, false);
+            fputs(" mm", leeway);
         }
-        fclose(text);
     }
-    if (details) {
-        fclose(details);
-    }
+    take_text(out->text, sizeof out->text, &texts[0]);
+    take_text(out->details, sizeof out->details, &texts[1]);
+    take_text(out->leeway, sizeof out->leeway, &texts[2]);
     out->state = planned->feasible ? PLAN_HOLDS : PLAN_BREAKS;
 }
 

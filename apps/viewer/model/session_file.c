@@ -3,14 +3,12 @@
 #include "viewer/model/session_file.h"
 
 #include "base/path.h"
+#include "base/system/system.h"
 #include "options/output.h"
 #include "options/provenance.h"
 
-#include <dirent.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 enum { FILE_LIMIT = 64 << 20 /* bytes */ };
 
@@ -22,9 +20,9 @@ const char *json_text(const json_t *object, const char *key)
 
 bool session_file_read(struct session_file *out, const char *path)
 {
-    struct stat info;
+    struct system_stat info;
     bool may_be =
-        path_ends_in(path, ".json") && stat(path, &info) == 0 && S_ISREG(info.st_mode) && info.st_size <= FILE_LIMIT;
+        path_ends_in(path, ".json") && system_stat(&info, path) && info.kind == SYSTEM_FILE && info.size <= FILE_LIMIT;
     json_t *root = may_be ? json_load_file(path, JSON_REJECT_DUPLICATES, NULL) : NULL;
     const json_t *opened = json_object_get(root, "opened");
     const json_t *options = json_object_get(opened, "options");
@@ -61,55 +59,65 @@ bool session_file_differs(const struct session_file *file, const conus_atlas *at
 /* Also with ",volume=K" and the like behind it. */
 static bool is_there(const char *path)
 {
-    char file[PATH_MAX];
+    char file[SYSTEM_PATH];
     snprintf(file, sizeof file, "%s", path);
-    if (access(file, R_OK) == 0) {
+    if (system_allows(file, SYSTEM_READ)) {
         return true;
     }
     file[strcspn(file, ",")] = '\0';
-    return file[0] && access(file, R_OK) == 0;
+    return file[0] && system_allows(file, SYSTEM_READ);
 }
 
-static bool put_path(char out[PATH_MAX], const char *folder, const char *name)
+static bool put_path(char out[SYSTEM_PATH], const char *folder, const char *name)
 {
     bool joins = folder[0] && !path_is_whole(name);
-    int size = snprintf(out, PATH_MAX, "%s%s%s", joins ? folder : "", joins ? "/" : "", name);
-    return size > 0 && size < PATH_MAX;
+    int size = snprintf(out, SYSTEM_PATH, "%s%s%s", joins ? folder : "", joins ? "/" : "", name);
+    return size > 0 && size < SYSTEM_PATH;
 }
 
 /* Whether it is the file, by its checksum; others are not read. */
 static bool is_same_file(const struct session_file *file, const char *path)
 {
     char sum[SHA256_TEXT];
-    struct stat info;
-    return file->sha256[0] && access(path, R_OK) == 0 && stat(path, &info) == 0 && S_ISREG(info.st_mode) &&
-           (uint64_t)info.st_size == file->bytes && !provenance_hash_file(sum, path) && strcmp(sum, file->sha256) == 0;
+    struct system_stat info;
+    return file->sha256[0] && system_allows(path, SYSTEM_READ) && system_stat(&info, path) &&
+           info.kind == SYSTEM_FILE && info.size == file->bytes && !provenance_hash_file(sum, path) &&
+           strcmp(sum, file->sha256) == 0;
 }
 
-static bool find_in_folder(char out[PATH_MAX], const struct session_file *file, const char *folder)
+/* A file that is looked for in a folder. */
+struct search {
+    char *out; /* [SYSTEM_PATH] */
+    const struct session_file *file;
+    const char *folder;
+    bool found;
+};
+
+static bool try_entry(void *user, const char *name)
 {
-    DIR *entries = opendir(folder);
-    bool found = false;
-    for (const struct dirent *entry; entries && !found && (entry = readdir(entries));) {
-        found = put_path(out, folder, entry->d_name) && is_same_file(file, out);
-    }
-    if (entries) {
-        closedir(entries);
-    }
-    return found;
+    struct search *search = user;
+    search->found = put_path(search->out, search->folder, name) && is_same_file(search->file, search->out);
+    return !search->found;
+}
+
+static bool find_in_folder(char out[SYSTEM_PATH], const struct session_file *file, const char *folder)
+{
+    struct search search = {out, file, folder, false};
+    system_list(folder, try_entry, &search);
+    return search.found;
 }
 
 /* A file beside the session, by the same name or relative path, or with the same bytes. */
-static bool find_beside(char out[PATH_MAX], const struct session_file *file, const char *session)
+static bool find_beside(char out[SYSTEM_PATH], const struct session_file *file, const char *session)
 {
-    char folder[PATH_MAX];
+    char folder[SYSTEM_PATH];
     size_t length = path_folder_length(session);
     snprintf(folder, sizeof folder, "%.*s", length > 1 ? (int)length - 1 : 1, length ? session : ".");
     return (put_path(out, folder, file->atlas) && is_there(out)) ||
            (put_path(out, folder, path_base(file->atlas)) && is_there(out)) || find_in_folder(out, file, folder);
 }
 
-bool session_file_find(char out[PATH_MAX], const struct session_file *file, const char *session,
+bool session_file_find(char out[SYSTEM_PATH], const struct session_file *file, const char *session,
                        const char *const *others, size_t count)
 {
     bool found = (put_path(out, file->folder, file->atlas) && is_there(out)) || /* where it was, */

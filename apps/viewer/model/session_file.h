@@ -5,8 +5,9 @@
 
 #include "conus/atlas.h"
 
+#include "base/system/system.h"
+
 #include <jansson.h>
-#include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -26,7 +27,7 @@ void session_file_finish(struct session_file *file);
 
 /** Finds the atlas: where it was, beside the session, and, if its checksum is known, any file beside the session and
  * among @p others that has it. False: it is nowhere there. */
-bool session_file_find(char out[PATH_MAX], const struct session_file *file, const char *session,
+bool session_file_find(char out[SYSTEM_PATH], const struct session_file *file, const char *session,
                        const char *const *others, size_t count);
 /** Whether the atlas is surely another than that of the session, by its checksum. */
 bool session_file_differs(const struct session_file *file, const conus_atlas *atlas);

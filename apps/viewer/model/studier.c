@@ -2,12 +2,12 @@
 /* The thread of studies: the newest question, one answer at a time. */
 #include "viewer/model/studier.h"
 
+#include "base/system/system.h"
 #include "options/clock.h"
 #include "viewer/model/view_atlas.h"
 
 #include <pthread.h>
 #include <stdlib.h>
-#include <sys/resource.h>
 
 /* Studies shall not hold up the window or its pictures, where they share processors. */
 static const int niceness = 4;
@@ -122,7 +122,7 @@ static void answer_newest(struct studier *studier)
 static void *run(void *user)
 {
     struct studier *studier = user;
-    setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + niceness); /* of this thread */
+    system_step_back(niceness); /* this thread */
     pthread_mutex_lock(&studier->lock);
     while (wait_for_work(studier)) {
         answer_newest(studier);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Collects times and writes their medians. */
 #include "viewer/model/times.h"
+#include "base/system/system.h"
 #include "conus/file.h"
 
 #include <stdio.h>
@@ -44,9 +45,8 @@ static int by_size(const void *a, const void *b)
 
 conus_status times_write(struct times *times, const char *path)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
+    struct system_text text;
+    FILE *out = system_text_open(&text);
     if (!out) {
         return CONUS_ERROR_MEMORY;
     }
@@ -69,8 +69,8 @@ conus_status times_write(struct times *times, const char *path)
         times->counts[kind] = 0;
     }
     fputs("}\n", out);
-    bool written = fclose(out) == 0;
-    conus_status status = written ? conus_write_file(path, text, size) : CONUS_ERROR_MEMORY;
-    free(text);
+    bool written = system_text_close(&text);
+    conus_status status = written ? conus_write_file(path, text.data, text.size) : CONUS_ERROR_MEMORY;
+    free(text.data);
     return status;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The viewer: creation, the cone, confirmed results, crosshair. */
 #include "viewer/model/viewer.h"
+#include "base/system/system.h"
 #include "conus/file.h"
 #include "conus/score.h"
 
@@ -185,9 +186,8 @@ const char *viewer_pin_title(char out[VIEW_ATLAS_TITLE], const struct viewer *vi
 
 char *viewer_pins_text(const struct viewer *viewer)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
+    struct system_text text;
+    FILE *out = system_text_open(&text);
     if (!out) {
         return NULL;
     }
@@ -203,8 +203,7 @@ char *viewer_pins_text(const struct viewer *viewer)
                 contact[1], contact[2]);
         fprintf(out, isnan(pin->apart) ? "n/a\n" : "%.9g\n", pin->apart);
     }
-    fclose(out);
-    return text;
+    return system_text_close(&text);
 }
 
 conus_status viewer_report(conus_report **reports, struct viewer *viewer, enum tool_number tool, conus_format format)

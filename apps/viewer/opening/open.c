@@ -46,7 +46,7 @@ struct resume {
 
     bool fine, missing;           /* Missing: the atlas was not found. */
     char why[RESUME_WHY];         /* Why it is not fine. */
-    char path[PATH_MAX];          /* Path or name of the atlas. */
+    char path[SYSTEM_PATH];       /* Path or name of the atlas. */
     char lost[ADDITIONS_MISSING]; /* Files that were added then, and are not found now; "" = none. */
     struct session_file file;
     struct worded worded; /* Its settings. */
@@ -175,7 +175,7 @@ static bool file_set_find(struct file_set *out, struct window *window, const str
 }
 
 /* Looks for the session's atlas among recent and installed ones, and by name if it was opened by name. */
-static bool find_session_atlas(char out[PATH_MAX], const struct session_file *file, const char *session)
+static bool find_session_atlas(char out[SYSTEM_PATH], const struct session_file *file, const char *session)
 {
     struct start start = {.on = true};
     const conus_installed *named = NULL;
@@ -192,7 +192,7 @@ static bool find_session_atlas(char out[PATH_MAX], const struct session_file *fi
     bool found = session_file_find(out, file, session, others, count);
     if (!found && start.catalogue && path_is_name(file->atlas) &&
         !conus_catalogue_find(&named, start.catalogue, file->atlas)) {
-        found = snprintf(out, PATH_MAX, "%s", file->atlas) < PATH_MAX;
+        found = snprintf(out, SYSTEM_PATH, "%s", file->atlas) < SYSTEM_PATH;
     }
     free(others);
     start_finish(&start);
@@ -427,7 +427,7 @@ static void prepare_session(void *user)
         return;
     }
     of->worded.settings.session = of->session;
-    of->fine = of->atlas ? snprintf(of->path, PATH_MAX, "%s", of->atlas) < PATH_MAX
+    of->fine = of->atlas ? snprintf(of->path, SYSTEM_PATH, "%s", of->atlas) < SYSTEM_PATH
                          : find_session_atlas(of->path, file, of->session);
     of->missing = !of->fine;
     if (of->missing) {

@@ -44,7 +44,7 @@ static void put_names(char *out, size_t size, const char *title, const json_t *w
     const char *joint = title;
     for (size_t i = 0; i < json_array_size(words); i++) {
         const char *value = NULL;
-        char path[PATH_MAX];
+        char path[SYSTEM_PATH];
         enum addition kind = addition_of(&value, json_string_value(json_array_get(words, i)));
         if (kind < ADDITION_COUNT && addition_path(path, kind, value) &&
             !words_place(others, json_array_get(words, i))) {

@@ -3,14 +3,13 @@
 #include "viewer/opening/view_words.h"
 
 #include "base/path.h"
+#include "base/system/system.h"
 #include "options/messages.h"
 
 #include <assert.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 const struct option scene_options[] = {
     {.name = "transfer",
@@ -85,9 +84,9 @@ static bool is_kept(const struct option *option, bool has_plan)
 static void put_absolute(FILE *out, const char *text)
 {
     static const char *const keys[] = {"", "from=", "to=", "grid="};
-    char folder[PATH_MAX];
-    char path[PATH_MAX];
-    bool is_known = getcwd(folder, sizeof folder);
+    char folder[SYSTEM_PATH];
+    char path[SYSTEM_PATH];
+    bool is_known = system_here(folder);
     for (size_t piece = 0; *text; piece++) {
         size_t length = strcspn(text, ",");
         size_t before = 0;
@@ -96,7 +95,7 @@ static void put_absolute(FILE *out, const char *text)
         }
         bool may_be = (!piece || before) && !path_is_whole(text + before) && length > before;
         int size = snprintf(path, sizeof path, "%.*s", (int)(length - before), text + before);
-        bool prefixed = may_be && is_known && size < PATH_MAX && access(path, F_OK) == 0;
+        bool prefixed = may_be && is_known && size < SYSTEM_PATH && system_allows(path, 0);
         fprintf(out, "%.*s%s%s%.*s", (int)before, text, prefixed ? folder : "", prefixed ? "/" : "",
                 (int)(length - before), text + before);
         text += length;
@@ -109,9 +108,8 @@ static void put_absolute(FILE *out, const char *text)
 /* Appends "--name=value"; false without memory, or where it is not UTF-8. */
 static bool add_word(json_t *words, const struct option *option, const char *value)
 {
-    char *word = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&word, &size);
+    struct system_text word;
+    FILE *out = system_text_open(&word);
     if (!out) {
         return false;
     }
@@ -124,8 +122,8 @@ static bool add_word(json_t *words, const struct option *option, const char *val
     } else if (value) {
         fputs(value, out);
     }
-    bool fine = fclose(out) == 0 && !json_array_append_new(words, json_string(word));
-    free(word);
+    bool fine = system_text_close(&word) && !json_array_append_new(words, json_string(word.data));
+    free(word.data);
     return fine;
 }
 

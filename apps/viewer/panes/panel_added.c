@@ -19,8 +19,8 @@ static const char *const keys[ADDITION_COUNT] = {
 static void draw_file(struct window *window, size_t index, enum addition kind, const char *value)
 {
     struct added_form *form = &window->forms.added;
-    char plain[PATH_MAX];
-    char path[PATH_MAX];
+    char plain[SYSTEM_PATH];
+    char path[SYSTEM_PATH];
     if (!addition_path(path, kind, value)) {
         return;
     }

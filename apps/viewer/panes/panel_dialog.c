@@ -40,13 +40,13 @@ static void draw_places(struct window *window)
     ui_text_coloured(THEME_HINT, "Places");
     ui_separator();
     for (size_t i = 0; i < dialog->place_count; i++) {
-        char plain[PATH_MAX];
+        char plain[SYSTEM_PATH];
         snprintf(plain, sizeof plain, "%s", dialog->places[i]);
         conus_plain_text(plain);
         bool chosen = panel_row(window, i, false, plain);
         panel_path(plain);
         if (chosen) {
-            char text[PATH_MAX + 1];
+            char text[SYSTEM_PATH + 1];
             snprintf(text, sizeof text, "%s%s", dialog->places[i], strcmp(dialog->places[i], "/") == 0 ? "" : "/");
             dialog_set(dialog, text);
         }
@@ -59,7 +59,7 @@ static bool draw_entry(struct window *window, size_t index)
     struct dialog *dialog = &window->dialog;
     const struct folder_entry *entry = &dialog->folder.entries[index];
     bool is_folder = entry->is_folder;
-    char plain[NAME_MAX + 1];
+    char plain[SYSTEM_NAME + 1];
     snprintf(plain, sizeof plain, "%s", entry->name);
     conus_plain_text(plain);
     bool clicked = panel_row(window, index, index == dialog->marked, NULL);
@@ -81,7 +81,7 @@ static bool draw_entry(struct window *window, size_t index)
 static void draw_folder(struct window *window)
 {
     struct dialog *dialog = &window->dialog;
-    char here[PATH_MAX];
+    char here[SYSTEM_PATH];
     size_t fitting = 0;
     bool goes_on = true;
     dialog_look(dialog);
@@ -168,7 +168,7 @@ void panel_dialog(struct window *window)
 void panel_ask(struct window *window)
 {
     const struct open_request *asked = &window->files.asked;
-    char name[NAME_MAX + 1];
+    char name[SYSTEM_NAME + 1];
     bool may_be_added = asked->may_be_added;
     size_t pins = window->viewer ? window->viewer->pin_count : 0;
     snprintf(name, sizeof name, "%s", path_name(asked->asked_of));

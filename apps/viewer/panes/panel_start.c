@@ -45,7 +45,7 @@ static void draw_field(struct window *window)
 /* Draws a line with its number, which is a key, and its folder, which is cut at the page's end and whole in the tip. */
 static void draw_entry(struct window *window, size_t index)
 {
-    char words[PATH_MAX];
+    char words[SYSTEM_PATH];
     start_words(words, &window->start, index);
     bool chosen = panel_row(window, index, false, words);
     ui_text_coloured(THEME_AMBER, "%zu", index + 1);
@@ -115,7 +115,7 @@ static void write_spacing(char out[64], const double mm[3])
 static void draw_installed(struct window *window, size_t index, bool picked)
 {
     const conus_installed *atlas = conus_catalogue_atlas(window->start.catalogue, index);
-    char words[PATH_MAX];
+    char words[SYSTEM_PATH];
     char spacing[64];
     write_spacing(spacing, atlas->spacing);
     snprintf(words, sizeof words, "%s", atlas->path);

@@ -2,6 +2,7 @@
 /* The thread that draws 3-D pictures: coarse, full, smooth. */
 #include "viewer/pictures/painter.h"
 
+#include "base/system/system.h"
 #include "options/clock.h"
 #include "viewer/pictures/edges.h"
 
@@ -10,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 
 /* While the view moves a picture shall take no longer; and no coarser than that many pixels of the pane per pixel. */
 static const double quick_ms = 60;
@@ -292,7 +292,7 @@ static void *run(void *user)
         double srgb = linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
         painter->bytes[i] = (uint8_t)(255 * srgb + 0.5);
     }
-    setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + niceness); /* of this thread, and those it starts */
+    system_step_back(niceness); /* this thread, and those it starts */
     if (conus_renderer_create(&renderer, painter->atlas, &options)) {
         note_error(painter);
         pthread_mutex_lock(&painter->lock);

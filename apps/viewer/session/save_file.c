@@ -2,6 +2,7 @@
 /* Finds a free name by the time, and writes a session or picture there. */
 #include "viewer/session/save_file.h"
 
+#include "base/system/system.h"
 #include "conus/file.h"
 #include "options/provenance.h"
 #include "viewer/model/columns.h"
@@ -12,7 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-#include <unistd.h>
 
 enum { NAME_SIZE = 64, SAME_SECOND = 100 };
 
@@ -20,7 +20,7 @@ enum { NAME_SIZE = 64, SAME_SECOND = 100 };
 static bool is_free(const char *name)
 {
     char *sidecar = provenance_path(name);
-    bool is = sidecar && access(name, F_OK) != 0 && access(sidecar, F_OK) != 0;
+    bool is = sidecar && !system_allows(name, 0) && !system_allows(sidecar, 0);
     free(sidecar);
     return is;
 }

@@ -3,19 +3,17 @@
 #include "viewer/window/dialog.h"
 
 #include "base/path.h"
+#include "base/system/system.h"
 #include "base/text.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "viewer/window/state_file.h"
 
-#include <dirent.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 bool folder_can_open(const char *name)
 {
@@ -23,7 +21,7 @@ bool folder_can_open(const char *name)
                                           ".img", ".hdr",  ".head", ".brik", ".tif",  ".tiff", ".gii",
                                           ".obj", ".ply",  ".stl",  ".off",  ".mz3",  ".vtk",  ".annot",
                                           ".vtp", ".json", ".xml",  ".trk",  ".tck",  ".trx",  ".tt"};
-    char plain[NAME_MAX + 1];
+    char plain[SYSTEM_NAME + 1];
     snprintf(plain, sizeof plain, "%s", name);
     if (path_ends_in(plain, ".gz")) {
         plain[strlen(plain) - 3] = '\0';
@@ -43,8 +41,8 @@ bool folder_fits(const char *name, const char *text)
 
 static bool is_folder(const char *path)
 {
-    struct stat info;
-    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+    struct system_stat info;
+    return system_stat(&info, path) && info.kind == SYSTEM_FOLDER;
 }
 
 /* Adds an entry; false without memory. */
@@ -71,30 +69,24 @@ static int compare(const void *a, const void *b)
                                               : strcmp(one->name, other->name);
 }
 
+static bool take_entry(void *user, const char *name)
+{
+    struct folder *folder = user;
+    char whole[SYSTEM_PATH];
+    int size = snprintf(whole, sizeof whole, "%s/%s", folder->path, name);
+    bool goes_in = name[0] != '.' && size < SYSTEM_PATH && is_folder(whole);
+    bool fits = goes_in || folder->filter == FOLDER_ALL ||
+                (folder->filter == FOLDER_SESSIONS ? path_ends_in(name, ".json") : folder_can_open(name));
+    folder->failed = name[0] != '.' && fits && !add_entry(folder, name, goes_in);
+    return !folder->failed && folder->count < FOLDER_LIMIT;
+}
+
 void folder_read(struct folder *folder, const char *path, enum folder_filter filter)
 {
-    char whole[PATH_MAX];
     folder_finish(folder);
-    DIR *entries = opendir(path);
     snprintf(folder->path, sizeof folder->path, "%s", path);
     folder->filter = filter;
-    folder->failed = !entries;
-    for (const struct dirent *entry; entries && !folder->failed && folder->count < FOLDER_LIMIT;) {
-        entry = readdir(entries);
-        if (!entry) {
-            break;
-        }
-        bool may_be_folder = entry->d_type == DT_DIR || entry->d_type == DT_LNK || entry->d_type == DT_UNKNOWN;
-        const char *name = entry->d_name;
-        int size = snprintf(whole, sizeof whole, "%s/%s", path, name);
-        bool goes_in = name[0] != '.' && may_be_folder && size < PATH_MAX && is_folder(whole);
-        bool fits = goes_in || filter == FOLDER_ALL ||
-                    (filter == FOLDER_SESSIONS ? path_ends_in(name, ".json") : folder_can_open(name));
-        folder->failed = name[0] != '.' && fits && !add_entry(folder, name, goes_in);
-    }
-    if (entries) {
-        closedir(entries);
-    }
+    folder->failed = !system_list(path, take_entry, folder) || folder->failed;
     if (folder->count) {
         qsort(folder->entries, folder->count, sizeof *folder->entries, compare);
     }
@@ -109,14 +101,14 @@ void folder_finish(struct folder *folder)
     *folder = (struct folder){.path = ""};
 }
 
-void dialog_here(char path[PATH_MAX], const struct dialog *dialog)
+void dialog_here(char path[SYSTEM_PATH], const struct dialog *dialog)
 {
-    char whole[PATH_MAX];
+    char whole[SYSTEM_PATH];
     if (!typed_path(whole, dialog->text)) {
         whole[0] = '\0';
     }
     size_t length = path_plain_length(whole, path_folder_length(whole));
-    snprintf(path, PATH_MAX, "%.*s", length ? (int)length : 1, length ? whole : ".");
+    snprintf(path, SYSTEM_PATH, "%.*s", length ? (int)length : 1, length ? whole : ".");
 }
 
 void dialog_set(struct dialog *dialog, const char *text)
@@ -131,9 +123,9 @@ void dialog_set(struct dialog *dialog, const char *text)
 /* Goes to a folder, so that its entries follow. */
 static void go_to(struct dialog *dialog, const char *folder)
 {
-    char text[PATH_MAX];
+    char text[SYSTEM_PATH];
     size_t length = strlen(folder);
-    if (snprintf(text, sizeof text, "%s%s", folder, length ? path_joint(folder, length) : "/") < PATH_MAX) {
+    if (snprintf(text, sizeof text, "%s%s", folder, length ? path_joint(folder, length) : "/") < SYSTEM_PATH) {
         dialog_set(dialog, text);
         memcpy(dialog->prefilled, text, strlen(text) + 1);
     }
@@ -141,7 +133,7 @@ static void go_to(struct dialog *dialog, const char *folder)
 
 void dialog_look(struct dialog *dialog)
 {
-    char path[PATH_MAX];
+    char path[SYSTEM_PATH];
     enum folder_filter filter = dialog->all                      ? FOLDER_ALL
                                 : dialog->purpose == DIALOG_SAVE ? (dialog->ending ? FOLDER_ALL : FOLDER_SESSIONS)
                                                                  : FOLDER_OPENABLE;
@@ -183,10 +175,10 @@ void dialog_move(struct dialog *dialog, int by)
 
 void dialog_leave(struct dialog *dialog)
 {
-    char here[PATH_MAX];
-    char resolved[PATH_MAX];
+    char here[SYSTEM_PATH];
+    char resolved[SYSTEM_PATH];
     dialog_here(here, dialog);
-    if (realpath(here, resolved)) {
+    if (system_real_path(resolved, here)) {
         resolved[path_plain_length(resolved, path_folder_length(resolved))] = '\0';
         go_to(dialog, resolved);
     }
@@ -194,11 +186,11 @@ void dialog_leave(struct dialog *dialog)
 
 void dialog_take(struct dialog *dialog, size_t index)
 {
-    char path[PATH_MAX];
-    char here[PATH_MAX];
+    char path[SYSTEM_PATH];
+    char here[SYSTEM_PATH];
     const struct folder_entry *entry = &dialog->folder.entries[index];
     dialog_here(here, dialog);
-    if (snprintf(path, sizeof path, "%s%s%s", here, path_joint(here, strlen(here)), entry->name) >= PATH_MAX) {
+    if (snprintf(path, sizeof path, "%s%s%s", here, path_joint(here, strlen(here)), entry->name) >= SYSTEM_PATH) {
         return;
     }
     if (entry->is_folder) {
@@ -225,18 +217,18 @@ static void complain(struct dialog *dialog, const char *text, const char *path)
 }
 
 /* Checks the path to save to: it has its ending, and an existing file is replaced only after a question. */
-static bool answer_save(char path[PATH_MAX], struct dialog *dialog)
+static bool answer_save(char path[SYSTEM_PATH], struct dialog *dialog)
 {
     const char *ending = dialog->ending ? dialog->ending : ".json";
     if (!path_ends_in(path, ending)) {
         size_t length = strlen(path);
-        if (length + strlen(ending) >= PATH_MAX) {
+        if (length + strlen(ending) >= SYSTEM_PATH) {
             complain(dialog, "too long", path);
             return false;
         }
         memcpy(path + length, ending, strlen(ending) + 1);
     }
-    if (!dialog->sure && access(path, F_OK) == 0) {
+    if (!dialog->sure && system_allows(path, 0)) {
         complain(dialog, "is there already; Enter again writes over it", path);
         dialog->sure = true;
         return false;
@@ -247,12 +239,12 @@ static bool answer_save(char path[PATH_MAX], struct dialog *dialog)
 /* Whether it is a file, also with ",volume=K" and the like behind it, or may be the name of an installed atlas. */
 static bool may_be_opened(const char *path)
 {
-    char file[PATH_MAX];
+    char file[SYSTEM_PATH];
     snprintf(file, sizeof file, "%.*s", (int)strcspn(path, ","), path);
-    return path_is_name(path) || access(path, F_OK) == 0 || access(file, F_OK) == 0;
+    return path_is_name(path) || system_allows(path, 0) || system_allows(file, 0);
 }
 
-bool dialog_enter(char path[PATH_MAX], struct dialog *dialog)
+bool dialog_enter(char path[SYSTEM_PATH], struct dialog *dialog)
 {
     dialog_look(dialog);
     if (dialog->purpose == DIALOG_OPEN && typed_path(path, dialog->text) && !may_be_opened(path)) {
@@ -286,7 +278,7 @@ bool dialog_enter(char path[PATH_MAX], struct dialog *dialog)
 
 static void add_place(struct dialog *dialog, const char *path)
 {
-    bool is_new = dialog->place_count < DIALOG_PLACES && strlen(path) < PATH_MAX && is_folder(path);
+    bool is_new = dialog->place_count < DIALOG_PLACES && strlen(path) < SYSTEM_PATH && is_folder(path);
     for (size_t i = 0; i < dialog->place_count; i++) {
         is_new = is_new && strcmp(dialog->places[i], path) != 0;
     }
@@ -297,10 +289,10 @@ static void add_place(struct dialog *dialog, const char *path)
 
 static void find_places(struct dialog *dialog, const struct start *start)
 {
-    char here[PATH_MAX];
+    char here[SYSTEM_PATH];
     dialog->place_count = 0;
     for (size_t i = 0; i < start->recent.count && i + 4 < DIALOG_PLACES; i++) {
-        char folder[PATH_MAX];
+        char folder[SYSTEM_PATH];
         snprintf(folder, sizeof folder, "%s", start->recent.paths[i]);
         size_t length = path_plain_length(folder, path_folder_length(folder));
         folder[length] = '\0';
@@ -308,7 +300,7 @@ static void find_places(struct dialog *dialog, const struct start *start)
             add_place(dialog, folder);
         }
     }
-    if (getcwd(here, sizeof here)) {
+    if (system_here(here)) {
         add_place(dialog, here);
     }
     const char *home = getenv("HOME");

@@ -4,7 +4,8 @@
 #define CONUS_VIEWER_WINDOW_DIALOG_H
 
 #include "viewer/window/start.h"
-#include <limits.h>
+
+#include "base/system/system.h"
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -20,7 +21,7 @@ struct folder_entry {
 
 /** All 0 = not read. */
 struct folder {
-    char path[PATH_MAX]; /**< As it was read; "" = none. */
+    char path[SYSTEM_PATH]; /**< As it was read; "" = none. */
     enum folder_filter filter;
     struct folder_entry *entries; /**< [count] Folders first, each kind by name, in which case does not count. */
     size_t count;
@@ -43,20 +44,20 @@ enum dialog_purpose { DIALOG_OPEN, DIALOG_SAVE };
 struct dialog {
     bool on;
     enum dialog_purpose purpose;
-    char text[PATH_MAX]; /**< The typed text: up to its last '/' the folder that is listed, then a part of a name. */
-    bool is_set;         /**< The text is not what the line has: it is to take it over, */
-    size_t selected;     /**< and to select it from this byte on, so that what is typed next takes its place. */
-    char prefilled[PATH_MAX];   /**< The folder that was put there, with its '/'; "" = the user was there. */
-    const char *ending;         /**< Ending of the file to be written; NULL = ".json", a session. */
-    bool takes_keys;            /**< From the next frame on what is typed goes into the line. */
-    bool all;                   /**< Lists all files. */
-    size_t marked;              /**< Entry of the folder; past the last = none. */
-    bool scrolls;               /**< The list is to scroll to what is marked. */
-    bool sure;                  /**< To write over the file that is there. */
-    char why[DIALOG_WHY];       /**< An error, or ""; plain. */
-    char text_before[PATH_MAX]; /**< When marked and sure were set. */
+    char text[SYSTEM_PATH]; /**< The typed text: up to its last '/' the folder that is listed, then a part of a name. */
+    bool is_set;            /**< The text is not what the line has: it is to take it over, */
+    size_t selected;        /**< and to select it from this byte on, so that what is typed next takes its place. */
+    char prefilled[SYSTEM_PATH];   /**< The folder that was put there, with its '/'; "" = the user was there. */
+    const char *ending;            /**< Ending of the file to be written; NULL = ".json", a session. */
+    bool takes_keys;               /**< From the next frame on what is typed goes into the line. */
+    bool all;                      /**< Lists all files. */
+    size_t marked;                 /**< Entry of the folder; past the last = none. */
+    bool scrolls;                  /**< The list is to scroll to what is marked. */
+    bool sure;                     /**< To write over the file that is there. */
+    char why[DIALOG_WHY];          /**< An error, or ""; plain. */
+    char text_before[SYSTEM_PATH]; /**< When marked and sure were set. */
     struct folder folder;
-    char places[DIALOG_PLACES][PATH_MAX]; /**< Folders to go to. */
+    char places[DIALOG_PLACES][SYSTEM_PATH]; /**< Folders to go to. */
     size_t place_count;
 };
 
@@ -79,8 +80,8 @@ void dialog_leave(struct dialog *dialog);
 /** Takes entry @p index: a folder is listed, a file is the text. */
 void dialog_take(struct dialog *dialog, size_t index);
 /** Does what Enter does: true, and the path, for a file; lists a folder. Asks first before a file is written over. */
-bool dialog_enter(char path[PATH_MAX], struct dialog *dialog);
+bool dialog_enter(char path[SYSTEM_PATH], struct dialog *dialog);
 /** The folder that is listed, without a '/' at its end but for the root. */
-void dialog_here(char path[PATH_MAX], const struct dialog *dialog);
+void dialog_here(char path[SYSTEM_PATH], const struct dialog *dialog);
 
 #endif

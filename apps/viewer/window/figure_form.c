@@ -2,17 +2,16 @@
 /* Finds a name, waits until the window has said what it does, and writes what a pane shows as conus render would. */
 #include "viewer/window/figure_form.h"
 
+#include "base/system/system.h"
 #include "viewer/model/viewer.h"
 #include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <unistd.h>
 
 void figure_of_window(struct figure_settings *out, const struct window *window)
 {
@@ -134,7 +133,7 @@ void figure_form_open(struct window *window)
     form->update[0] = form->replaced[0] = '\0';
     for (int i = 1; i < FREE_NAMES; i++) {
         snprintf(form->name, sizeof form->name, "figure-%d.png", i);
-        if (access(form->name, F_OK)) {
+        if (!system_allows(form->name, 0)) {
             return;
         }
     }
@@ -158,7 +157,7 @@ void figure_form_save(struct window *window)
     if (!dot || (strcasecmp(dot, ".png") != 0 && strcasecmp(dot, ".exr") != 0)) {
         snprintf(form->name + used, sizeof form->name - used, ".png");
     }
-    if (!access(form->name, F_OK) && strcmp(form->replaced, form->name) != 0) {
+    if (system_allows(form->name, 0) && strcmp(form->replaced, form->name) != 0) {
         snprintf(form->replaced, sizeof form->replaced, "%s", form->name);
         say(window, "it is there already; save again to replace ", form->name);
         return;
@@ -173,7 +172,7 @@ void figure_form_step(struct window *window)
     struct figure_form *form = &window->forms.figure;
     struct figure_settings settings;
     char why[FIGURE_REASON];
-    char whole[PATH_MAX];
+    char whole[SYSTEM_PATH];
     form->frames -= form->frames > 0;
     if (form->frames != 1 || !window->viewer) {
         return;
@@ -184,7 +183,7 @@ void figure_form_step(struct window *window)
         say(window, "", why);
         return;
     }
-    bool found = realpath(form->name, whole) && strlen(whole) < sizeof form->saved;
+    bool found = system_real_path(whole, form->name) && strlen(whole) < sizeof form->saved;
     snprintf(form->saved, sizeof form->saved, "%.*s", FIGURE_NAME - 1, found ? whole : form->name);
     form->replaced[0] = '\0';
     say(window, "saved: ", form->saved);

@@ -9,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { VERSION = 1, FILE_LIMIT = 1 << 18 /* each byte of each path may be written as six */ };
 
@@ -25,7 +24,7 @@ bool recent_parse(struct recent *out, const char *text, size_t size)
                 version == VERSION && json_is_array(list) && json_array_size(list) <= RECENT_LIMIT;
     for (size_t i = 0; fine && i < json_array_size(list); i++) {
         const char *path = json_string_value(json_array_get(list, i));
-        fine = path_is_whole(path) && json_string_length(json_array_get(list, i)) < PATH_MAX;
+        fine = path_is_whole(path) && json_string_length(json_array_get(list, i)) < SYSTEM_PATH;
         if (fine) {
             memcpy(recent.paths[recent.count++], path, strlen(path) + 1);
         }
@@ -49,15 +48,15 @@ void recent_load(struct recent *out)
 }
 
 /* Completes a path by the current folder, and removes slashes at its end. Links stay unresolved. */
-static bool make_absolute(char out[PATH_MAX], const char *path)
+static bool make_absolute(char out[SYSTEM_PATH], const char *path)
 {
-    char here[PATH_MAX] = "";
+    char here[SYSTEM_PATH] = "";
     int size = 0;
-    if (path_is_whole(path) || getcwd(here, sizeof here)) {
+    if (path_is_whole(path) || system_here(here)) {
         path += strncmp(path, "./", 2) == 0 ? 2 : 0;
-        size = snprintf(out, PATH_MAX, "%s%s%s", here, here[0] ? "/" : "", path);
+        size = snprintf(out, SYSTEM_PATH, "%s%s%s", here, here[0] ? "/" : "", path);
     }
-    bool fits = size > 0 && size < PATH_MAX;
+    bool fits = size > 0 && size < SYSTEM_PATH;
     if (fits) {
         out[path_plain_length(out, (size_t)size)] = '\0';
     }
@@ -67,7 +66,7 @@ static bool make_absolute(char out[PATH_MAX], const char *path)
 void recent_add(const char *path)
 {
     struct recent recent;
-    char absolute[PATH_MAX] = "";
+    char absolute[SYSTEM_PATH] = "";
     if (!make_absolute(absolute, path)) {
         return;
     }
@@ -80,7 +79,7 @@ void recent_add(const char *path)
     /* The others move down to the place where it was, or the last one goes. */
     at = at < RECENT_LIMIT ? at : RECENT_LIMIT - 1;
     memmove(recent.paths[1], recent.paths[0], at * sizeof recent.paths[0]);
-    memcpy(recent.paths[0], absolute, PATH_MAX);
+    memcpy(recent.paths[0], absolute, SYSTEM_PATH);
     json_t *list = json_array();
     bool fine = list;
     for (size_t i = 0; fine && i < recent.count; i++) {

@@ -4,14 +4,16 @@
 #ifndef CONUS_VIEWER_WINDOW_RECENT_H
 #define CONUS_VIEWER_WINDOW_RECENT_H
 
-#include <limits.h>
+#include "base/system/system.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
 enum { RECENT_LIMIT = 8 };
 
 struct recent {
-    char paths[RECENT_LIMIT][PATH_MAX]; /**< Absolute, and shorter than PATH_MAX; whether they are there nobody asks. */
+    char paths[RECENT_LIMIT]
+              [SYSTEM_PATH]; /**< Absolute, and shorter than SYSTEM_PATH; whether they are there nobody asks. */
     size_t count;
 };
 

@@ -12,8 +12,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static const char gaps[] = "-_.+ :";
 
@@ -42,9 +40,9 @@ bool installed_fits(const conus_installed *atlas, const char *text)
 /* Whether the files `a` and `b` are one atlas in two places: of one name and of as many bytes. */
 static bool installed_is_same_file(const char *a, const char *b)
 {
-    struct stat infos[2];
-    return strcmp(a, b) == 0 || (strcmp(path_name(a), path_name(b)) == 0 && stat(a, &infos[0]) == 0 &&
-                                 stat(b, &infos[1]) == 0 && infos[0].st_size == infos[1].st_size);
+    struct system_stat infos[2];
+    return strcmp(a, b) == 0 || (strcmp(path_name(a), path_name(b)) == 0 && system_stat(&infos[0], a) &&
+                                 system_stat(&infos[1], b) && infos[0].size == infos[1].size);
 }
 
 const char *installed_animal(const char *name)
@@ -110,16 +108,16 @@ static size_t installed_next(const conus_catalogue *catalogue, const char *text,
     return index;
 }
 
-bool installed_words(char out[PATH_MAX], const conus_catalogue *catalogue, const conus_installed *atlas)
+bool installed_words(char out[SYSTEM_PATH], const conus_catalogue *catalogue, const conus_installed *atlas)
 {
-    int size = snprintf(out, PATH_MAX, "%s", atlas->name);
+    int size = snprintf(out, SYSTEM_PATH, "%s", atlas->name);
     if (!means(catalogue, out, atlas)) {
-        size = snprintf(out, PATH_MAX, "%s:%s", atlas->source, atlas->name);
+        size = snprintf(out, SYSTEM_PATH, "%s:%s", atlas->source, atlas->name);
     }
-    if (size >= PATH_MAX || !means(catalogue, out, atlas)) {
-        size = snprintf(out, PATH_MAX, "%s", atlas->path);
+    if (size >= SYSTEM_PATH || !means(catalogue, out, atlas)) {
+        size = snprintf(out, SYSTEM_PATH, "%s", atlas->path);
     }
-    return size < PATH_MAX;
+    return size < SYSTEM_PATH;
 }
 
 static bool is_recent(const struct start *start, const char *path)
@@ -143,7 +141,7 @@ void start_look(struct start *start)
     start->picked_by[0] = '\0';
     const conus_installed *aal = NULL; /* which everybody can have: Debian's mricron-data */
     bool is_there = start->catalogue && !conus_catalogue_find(&aal, start->catalogue, "mricron:aal") &&
-                    strlen(aal->path) < PATH_MAX;
+                    strlen(aal->path) < SYSTEM_PATH;
     start->has_no_sample = !is_there;
     start->found[0] = '\0';
     if (is_there && !is_recent(start, aal->path)) {
@@ -165,9 +163,9 @@ const char *start_path(const struct start *start, size_t index)
     return index == start->recent.count && start->found[0] ? start->found : NULL;
 }
 
-const char *start_words(char words[PATH_MAX], const struct start *start, size_t index)
+const char *start_words(char words[SYSTEM_PATH], const struct start *start, size_t index)
 {
-    snprintf(words, PATH_MAX, "%s", start_path(start, index));
+    snprintf(words, SYSTEM_PATH, "%s", start_path(start, index));
     make_plain_line(words);
     return path_name(words);
 }
@@ -202,7 +200,7 @@ void start_move(struct start *start, int by)
     }
 }
 
-bool start_typed(char path[PATH_MAX], struct start *start)
+bool start_typed(char path[SYSTEM_PATH], struct start *start)
 {
     const conus_installed *picked = conus_catalogue_atlas(start->catalogue, start_picked(start));
     if (picked) {
@@ -211,11 +209,11 @@ bool start_typed(char path[PATH_MAX], struct start *start)
     return typed_path(path, start->typed);
 }
 
-bool start_sample(char path[PATH_MAX])
+bool start_sample(char path[SYSTEM_PATH])
 {
-    char folder[PATH_MAX];
+    char folder[SYSTEM_PATH];
     static const char file[] = "/brain.atlas.json";
     bool fine = state_file_path(folder, "sample");
-    fine = fine && snprintf(path, PATH_MAX, "%s%s", folder, file) < PATH_MAX;
-    return fine && (access(path, R_OK) == 0 || !conus_phantom_write("brain", folder, NULL));
+    fine = fine && snprintf(path, SYSTEM_PATH, "%s%s", folder, file) < SYSTEM_PATH;
+    return fine && (system_allows(path, SYSTEM_READ) || !conus_phantom_write("brain", folder, NULL));
 }

@@ -4,9 +4,9 @@
 #ifndef CONUS_VIEWER_WINDOW_START_H
 #define CONUS_VIEWER_WINDOW_START_H
 
+#include "base/system/system.h"
 #include "conus/catalogue.h"
 #include "viewer/window/recent.h"
-#include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -18,8 +18,8 @@ const char *installed_animal(const char *name);
 /** Whether one before atlas @p index is the same in another place: lists leave it out. */
 bool installed_is_twin(const conus_catalogue *catalogue, size_t index);
 /** The words that open the atlas: its name, "source:name", or where both mean others its path,
- * which is shorter than PATH_MAX; false where it is not. */
-bool installed_words(char out[PATH_MAX], const conus_catalogue *catalogue, const conus_installed *atlas);
+ * which is shorter than SYSTEM_PATH; false where it is not. */
+bool installed_words(char out[SYSTEM_PATH], const conus_catalogue *catalogue, const conus_installed *atlas);
 
 enum { START_WHY = 512 };
 
@@ -27,15 +27,16 @@ struct start {
     bool on;         /**< The window shows the page: always, while there is no atlas. */
     bool takes_keys; /**< From the next frame on what is typed goes into the path. */
     bool is_set;     /**< The line has to take over what is typed below, which a letter began. */
-    char typed[PATH_MAX];
+    char typed[SYSTEM_PATH];
     char why[START_WHY]; /**< Why the last one was not opened, plain; "" = there is nothing to say. */
     struct recent recent;
-    char found[PATH_MAX]; /**< The sample, Debian's AAL atlas, if it is there and not among the recent ones; or "". */
-    bool has_no_sample;   /**< That atlas is not installed: a phantom is the sample. */
-    conus_catalogue *catalogue; /**< The installed atlases; NULL = not looked for. */
-    size_t picked;              /**< Index of the installed atlas that Enter opens; past the last = none. */
-    bool scrolls;               /**< The list is to scroll to it. */
-    char picked_by[PATH_MAX];   /**< The text when it was picked. */
+    char
+        found[SYSTEM_PATH]; /**< The sample, Debian's AAL atlas, if it is there and not among the recent ones; or "". */
+    bool has_no_sample;     /**< That atlas is not installed: a phantom is the sample. */
+    conus_catalogue *catalogue;  /**< The installed atlases; NULL = not looked for. */
+    size_t picked;               /**< Index of the installed atlas that Enter opens; past the last = none. */
+    bool scrolls;                /**< The list is to scroll to it. */
+    char picked_by[SYSTEM_PATH]; /**< The text when it was picked. */
 };
 
 /** Fills the lists anew; to be ended by start_finish(). */
@@ -44,7 +45,7 @@ void start_finish(struct start *start);
 /** Path @p index of the lists, the recent ones first; NULL past the last. */
 const char *start_path(const struct start *start, size_t index);
 /** Path @p index without what may not be shown, and where its last name begins in it. */
-const char *start_words(char words[PATH_MAX], const struct start *start, size_t index);
+const char *start_words(char words[SYSTEM_PATH], const struct start *start, size_t index);
 /** The search among installed atlases: the typed text, or "" if that is a path. */
 const char *start_words_typed(const struct start *start);
 /** Index of the installed atlas that is marked, which what was typed finds or the arrow keys chose; past the last =
@@ -54,8 +55,8 @@ size_t start_picked(struct start *start);
 void start_move(struct start *start, int by);
 /** The path that Enter opens: the one that was typed, where ~ is the home folder, or the atlas that is marked; false
  * where there is none, or it is too long. */
-bool start_typed(char path[PATH_MAX], struct start *start);
+bool start_typed(char path[SYSTEM_PATH], struct start *start);
 /** The path of the phantom that is the sample, which is written where it is missing; false with conus_message(). */
-bool start_sample(char path[PATH_MAX]);
+bool start_sample(char path[SYSTEM_PATH]);
 
 #endif

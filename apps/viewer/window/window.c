@@ -2,6 +2,7 @@
 /* Opens the window on its screen, lays it out, notes what is to be opened next, decides when a frame is due. */
 #include "viewer/window/window.h"
 
+#include "base/system/system.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "viewer/model/plans.h"
@@ -13,11 +14,9 @@
 #include <jansson.h>
 #include <limits.h>
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth)
 {
@@ -277,11 +276,10 @@ static void give_up(int number)
 
 bool window_find_display(void)
 {
-    signal(SIGALRM, give_up);
-    alarm(patience_s);
+    system_alarm(patience_s, give_up);
     glfwSetErrorCallback(print_glfw_error);
     bool found = glfwInit();
-    alarm(0);
+    system_alarm(0, give_up);
     return found;
 }
 
@@ -290,7 +288,7 @@ bool window_open(struct window *out, const struct window_options *options)
     struct window window = {.screen = {.enlarged = -1, .layout = options->place.layout}, .start.on = true};
     devices_init(&window.inputs.devices);
     sheet_init(&window.sheet);
-    alarm(patience_s);
+    system_alarm(patience_s, give_up);
     window.handle = make_window(options, GLFW_EGL_CONTEXT_API);
     if (!window.handle) {
         window.handle = make_window(options, GLFW_NATIVE_CONTEXT_API);
@@ -298,7 +296,7 @@ bool window_open(struct window *out, const struct window_options *options)
     if (window.handle && !options->hidden) {
         show(window.handle);
     }
-    alarm(0);
+    system_alarm(0, give_up);
     if (!window.handle) {
         glfwTerminate();
         return false;
@@ -582,7 +580,7 @@ void window_request_file(struct window *window, const char *path)
 
 void window_request_typed(struct window *window)
 {
-    char path[PATH_MAX];
+    char path[SYSTEM_PATH];
     if (start_typed(path, &window->start)) {
         window_request_file(window, path);
     }
@@ -590,7 +588,7 @@ void window_request_typed(struct window *window)
 
 void window_request_sample(struct window *window)
 {
-    char path[PATH_MAX];
+    char path[SYSTEM_PATH];
     if (start_sample(path)) {
         window_request_file(window, path);
     } else {
@@ -694,28 +692,28 @@ bool window_connect(struct window *window)
 }
 
 /* Finds a path in the folder of the file that was saved last, or else in one that can be written. */
-static void find_saving_path(char path[PATH_MAX], const struct window *window, const char *name)
+static void find_saving_path(char path[SYSTEM_PATH], const struct window *window, const char *name)
 {
-    char here[PATH_MAX];
+    char here[SYSTEM_PATH];
     const char *last = window->files.saved_last;
     const char *home = getenv("HOME");
-    bool fits = getcwd(here, sizeof here) && access(here, W_OK) == 0;
-    int size = last ? snprintf(path, PATH_MAX, "%.*s%s", (int)(path_name(last) - last), last, name)
-                    : snprintf(path, PATH_MAX, "%s/%s",
+    bool fits = system_here(here) && system_allows(here, SYSTEM_WRITE);
+    int size = last ? snprintf(path, SYSTEM_PATH, "%.*s%s", (int)(path_name(last) - last), last, name)
+                    : snprintf(path, SYSTEM_PATH, "%s/%s",
                                fits   ? here
                                : home ? home
                                       : "",
                                name);
-    path[size < PATH_MAX ? size : 0] = '\0';
+    path[size < SYSTEM_PATH ? size : 0] = '\0';
 }
 
 /* That of the last session, or else a name after the atlas. */
-static void find_session_path(char path[PATH_MAX], const struct window *window)
+static void find_session_path(char path[SYSTEM_PATH], const struct window *window)
 {
-    char name[PATH_MAX];
+    char name[SYSTEM_PATH];
     const char *atlas = path_name(window->viewer->atlases->path);
     if (window->history.session_path) {
-        snprintf(path, PATH_MAX, "%s", window->history.session_path);
+        snprintf(path, SYSTEM_PATH, "%s", window->history.session_path);
     } else {
         snprintf(name, sizeof name, "%.*s-session.json", (int)strcspn(atlas, "."), atlas);
         find_saving_path(path, window, name);
@@ -724,7 +722,7 @@ static void find_session_path(char path[PATH_MAX], const struct window *window)
 
 void window_show_saving(struct window *window, enum saved_file what, const char *name, const char *ending)
 {
-    char path[PATH_MAX];
+    char path[SYSTEM_PATH];
     find_saving_path(path, window, name);
     start_look(&window->start);
     window->files.saves = what;
@@ -734,7 +732,7 @@ void window_show_saving(struct window *window, enum saved_file what, const char 
 
 void window_show_dialog(struct window *window, enum dialog_purpose purpose)
 {
-    char path[PATH_MAX];
+    char path[SYSTEM_PATH];
     start_look(&window->start);
     window->files.saves = SAVE_SESSION;
     window->dialog.ending = NULL;
@@ -756,14 +754,14 @@ static void open_chosen(struct window *window, const char *path)
 
 void window_use_folder(struct window *window)
 {
-    char path[PATH_MAX];
+    char path[SYSTEM_PATH];
     dialog_here(path, &window->dialog);
     open_chosen(window, path);
 }
 
 void window_use_dialog(struct window *window)
 {
-    char path[PATH_MAX];
+    char path[SYSTEM_PATH];
     struct dialog *dialog = &window->dialog;
     if (!dialog_enter(path, dialog)) {
         return;

@@ -77,7 +77,7 @@ struct figure_form {
     unsigned frames; /**< Frames until the file is written; 0 = none will be. */
 };
 
-enum { ADDED_TEXT = PATH_MAX };
+enum { ADDED_TEXT = SYSTEM_PATH };
 
 /** The list of what was added to the atlas, and the line for one more. */
 struct added_form {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the build's identity among the notes of the object that this file is a part of. */
-#include "base/cache/build_id.h"
+#include "base/system/build_id.h"
 
 #include <elf.h>
 #include <link.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The identity of a build, for the cache. */
-#ifndef CONUS_BASE_CACHE_BUILD_ID_H
-#define CONUS_BASE_CACHE_BUILD_ID_H
+#ifndef CONUS_BASE_SYSTEM_BUILD_ID_H
+#define CONUS_BASE_SYSTEM_BUILD_ID_H
 
 #include <stdbool.h>
 
