@@ -10,7 +10,9 @@ corpora. Each function in GROUPS is one group of commands, which runs beside oth
             trees and all other words are texts.
     stdin   is a file for standard input
     makes   is a folder to make first
-    before  are pairs (FROM, TO) of files to copy first
+    before  are pairs (FROM, TO) of files and folders to copy first
+    within  is the folder in which the command runs
+    named   is the name of the sum of all that it says, where that is not to be stored as a text
     program is another program than conus
 
 A file outside {o} belongs to the group that names its folder; no other group may write to it.
@@ -194,8 +196,6 @@ def write_inputs(folder, facts):
                            (here.parent / "fuzz/corpus/probe_interface/two_shanks.json", "probe.json")]:
         os.makedirs(os.path.join(folder, os.path.dirname(target)), exist_ok=True)
         shutil.copyfile(source, os.path.join(folder, target))
-    for file in facts["facts"]:
-        shutil.copytree(file.parent, os.path.join(folder, "corpus", file.parent.name))
 
 
 # groups of commands
@@ -547,24 +547,93 @@ def windows(ask):
         ask(f"view {atlas} --script in/{name}.txt --size 600x400 --scale 0.62", makes=name)
 
 
+# Commands that end with an error.
+REFUSED = """
+query
+query ph/none.nii.gz --origin 0,0,0 --toward 1,1,1
+query ph/nested.nii.gz BALL --angle 180
+query in/ball.tsv --origin 0,0,0 --toward 1,1,1
+query ph/nested.nii.gz BALL --score nothing
+query ph/nested.nii.gz BALL --level None
+query ph/nested.nii.gz BALL --hide Nothing
+query ph/brain/brain-context.nii.gz BALL
+batch ph/nested.nii.gz
+nothing
+diff in/ball.tsv
+query ph/nested.nii.gz BALL --max-memory 1K
+render ph/nested.nii.gz
+track ph/nested.nii.gz
+query ph/nested.nii.gz --pose in/tree.tsv --format tsv
+merge in/ball.tsv -o {o}/rows.tsv
+query ph/nested.nii.gz BALL -o {o}/rows.xyz
+sweep ph/nested.nii.gz --pose in/hand.tsv --angles 0
+query ph/nested.nii.gz --origin 0,0,0 --toward 0,0,0
+info ph
+mesh ph/nested.nii.gz
+
+query --help --nonsense
+qeury
+select
+help select
+query a.nii --angel 20
+query a.nii --orig=1,2,3
+query a.nii --zebra all
+query a.nii -x
+query --origin 1,2,3
+info a.nii b.nii
+diff a.tsv
+info ''
+query a.nii --up 1,2,3 20, 20
+query a.nii --angle 20 --angle=30
+query --help=yes
+query a.nii --angle
+query a.nii --labels --format tsv
+query a.nii --labels=
+query a.nii --origin 0,0,90 --toward 0,0,0 --angle 20deg
+query a.nii --origin 0,0,90 --toward 0,0,0 --angle nan
+query a.nii --origin 0,0,90 --toward 0,0,0 --angle 0x14
+query a.nii --origin 0,0,90 --toward 0,0,0 --angle 1,5
+query a.nii --origin 0,0,90 --toward 0,0,0 --angle 0
+query a.nii --origin 0,0,90 --toward 0,0,0 --angle -5
+query a.nii --origin 0,0,90 --toward 0,0,0 --angle=180
+query a.nii --origin 1,2
+query a.nii --origin=0,inf,0
+query a.nii --origin=1e999,0,0
+query a.nii --origin 0,0,90 --toward 0,0,0 --resolution 0
+query a.nii --origin 0,0,90 --toward 0,0,0 --resolution 99999999999
+query a.nii --origin 0,0,90 --toward 0,0,0 --resolution 16.5
+query a.nii --origin 0,0,90 --toward 0,0,0 --max-memory 2GB
+query a.nii --aperture circel
+query a.nii --format xml
+query a.nii --space mni
+query a.nii --score volume
+query a.nii --origin 0,0,90 --toward 0,0,0 --slices 100
+query a.nii --origin 0,0,90 --toward 0,0,0 --slices 100 --sampling exact
+query a.nii --origin 0,0,90 --toward 0,0,0 --slice-fraction 0.5
+query a.nii --origin 0,0,90 --toward 0,0,0 --slice-fraction 0.2 --sampling exact
+batch a.nii --poses p.tsv --slice-fraction 1
+sweep a.nii --origin 0,0,90 --toward 0,0,0 --angles 5,10 --slice-fraction 1
+track a.nii --poses p.tsv --slice-fraction 1
+render a.nii -o p.png --origin 0,0,90 --toward 0,0,0 --slice-fraction 1
+render a.nii -o p.png --slice-fraction 1
+query a.nii --origin 0,0,90 --toward 0,0,0 --sampling slices --slice-fraction=0
+query a.nii --origin 0,0,90 --toward 0,0,0 --sampling slices --slice-fraction=-0.2
+query a.nii --origin 0,0,90 --toward 0,0,0 --sampling slices --slice-fraction=1.01
+query a.nii --origin 0,0,90 --toward 0,0,0 --sampling slices --slice-fraction=40
+query a.nii --origin 0,0,90 --toward 0,0,0 --voxels-of all
+query a.nii --origin 0,0,90 --toward 0,0,0 --direction 0,0,1
+query a.nii --origin 0,0,90 --toward 0,0,0 --pose poses.tsv
+query a.nii --up 0,0,1 --pose poses.tsv
+query a.nii --toward 0,0,1
+query a.nii --origin 0,0,1
+query a.nii
+"""
+
+
 def refusals(ask):
-    """Commands that end with an error."""
-    for words in ("query", "query ph/none.nii.gz --origin 0,0,0 --toward 1,1,1",
-                  f"query ph/nested.nii.gz {BALL_AIM} --angle 180",
-                  "query in/ball.tsv --origin 0,0,0 --toward 1,1,1",
-                  f"query ph/nested.nii.gz {BALL_AIM} --score nothing",
-                  f"query ph/nested.nii.gz {BALL_AIM} --level None",
-                  f"query ph/nested.nii.gz {BALL_AIM} --hide Nothing",
-                  f"query ph/brain/brain-context.nii.gz {BALL_AIM}", "batch ph/nested.nii.gz", "nothing",
-                  "diff in/ball.tsv",
-                  f"query ph/nested.nii.gz {BALL_AIM} --max-memory 1K", "render ph/nested.nii.gz",
-                  "track ph/nested.nii.gz",
-                  "query ph/nested.nii.gz --pose in/tree.tsv --format tsv",
-                  "merge in/ball.tsv -o {o}/rows.tsv",
-                  f"query ph/nested.nii.gz {BALL_AIM} -o {{o}}/rows.xyz",
-                  "sweep ph/nested.nii.gz --pose in/hand.tsv --angles 0",
-                  "query ph/nested.nii.gz --origin 0,0,0 --toward 0,0,0", "info ph", "mesh ph/nested.nii.gz"):
-        ask(words)
+    """Words that are refused before or after files are read."""
+    for words in filter(None, REFUSED.split("\n")):
+        ask(words.replace("BALL", BALL_AIM))
 
 
 def help_texts(ask):
@@ -692,12 +761,19 @@ def files_of_fuzzers(ask):
 
 
 def files_of_corpus(ask):
-    """Each file of tests/corpus, asked about as its facts.json says."""
+    """Each file of tests/corpus, asked about as its facts.json says, in a folder of its own with the files that are named there.
+
+    What must be said stands there, too, and corpus.c asks for it: so here are sums.
+    """
     for file in ask.facts["facts"]:
-        for name, entry in json.loads(file.read_text(encoding="utf-8")).items():
-            for each in entry if isinstance(entry, list) else [entry]:
-                words = [word.replace("{}", name) for word in each.get("with", ["{}"])]
-                ask(f"info {shlex.join(words)} --format json", within=f"in/corpus/{file.parent.name}")
+        form, rows = file.parent, json.loads(file.read_text(encoding="utf-8"))
+        for name, row in [(name, row) for name, each in rows.items() for row in (each if isinstance(each, list) else [each])]:
+            words = [word.replace("{}", name) for word in row.get("with", ())]
+            words = words if any(name in word for word in words) else [name, *words]
+            beside = {place.split("/")[0] for word in words for place in (word, word.split(",")[0])}
+            within = f"in/corpus/{form.name}/{name.replace('/', '_')}"
+            ask(f"info {shlex.join(words)} --format json", within=within, named=f"{form.name}: {shlex.join(words)}",
+                before=[(form / top, f"{within}/{top}") for top in sorted(beside) if (form / top).exists()])
 
 
 def python(ask):
