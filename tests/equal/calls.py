@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a script of a user of Python gets: each line of CALLS with what it gives, a table, a value, an error, notes, warnings.
+"""What a script of a user of Python gets: each line of CALLS, and the table, value, error, notes and warnings of it.
 
 tests/equal/outputs runs it in its scratch folder, beside ph/ and in/.
 """
@@ -26,7 +26,8 @@ plates.info()
 table = pandas.DataFrame({"index": [1, 2], "name": ["x", "y"], "hemisphere": ["L", None], "parent": [None, 1]})
 conus.load(array, affine, labels=table).info()
 conus.load(nibabel.Nifti1Image(array, affine)).info()
-scene = conus.load("ph/brain/brain.atlas.json", pathways=[("ph/brain/brain-pathway.nii.gz", 30000)], streamlines=["in/arcs.vtk"])
+arc = ("ph/brain/brain-pathway.nii.gz", 30000)
+scene = conus.load("ph/brain/brain.atlas.json", pathways=[arc], streamlines=["in/arcs.vtk"])
 scene.info()
 scene.notes
 scene.tractograms
@@ -64,7 +65,8 @@ nested.select_many(poses=poses, angle=20).to_dataframe()
 conus.read_poses("in/bad.tsv").errors
 conus.read_poses("in/lines.mrk.json", any_space=True).to_dataframe()
 entries, ways = [[0, -60, 0], [9, -60, 4], [0, 60, 0]], [[0, 1, 0], [-9, 60, 0], [0, 1, 0]]
-plan = nested.plan({"Core": 2}, {"Inner": 0.5}, origins=entries, directions=ways, depth=62, radius=0.5, top=5, infeasible=True)
+aims = {"origins": entries, "directions": ways, "depth": 62}
+plan = nested.plan({"Core": 2}, {"Inner": 0.5}, **aims, radius=0.5, top=5, infeasible=True)
 plan.to_dataframe()
 plan.verdicts()
 plan.tolerance("tip")

@@ -10,7 +10,9 @@ corpora. Each function in GROUPS is one group of commands, which runs beside oth
             trees and all other words are texts.
     stdin   is a file for standard input
     makes   is a folder to make first
-    before  are pairs (FROM, TO) of files to copy first
+    before  are pairs (FROM, TO) of files and folders to copy first
+    within  is the folder in which the command runs
+    named   is the name of the sum of all that it says, where that is not to be stored as a text
     program is another program than conus
 
 A file outside {o} belongs to the group that names its folder; no other group may write to it.
@@ -27,7 +29,8 @@ import shutil
 AIM = "--origin=-90,20,20 --toward=0,-10,10"
 BRAIN_AIM = "--origin=-110,-60,60 --toward=-30,-20,25"
 BALL_AIM = "--origin=3,-100,5 --toward=0,0,0"
-WINDOWS = {"window-nested": "ph/nested.nii.gz", "window-brain": "ph/brain/brain.atlas.json", "window-tubes": "ph/tubes.nii.gz"}
+WINDOWS = {"window-nested": "ph/nested.nii.gz", "window-brain": "ph/brain/brain.atlas.json",
+           "window-tubes": "ph/tubes.nii.gz"}
 PHANTOMS = ["sphere", "nested", "slabs", "torus", "u-shape", "tubes"]
 FORMATS = ["tsv", "csv", "json", "ndjson", "afni"]
 TEMPLATES = "in/templates"
@@ -173,8 +176,8 @@ def write_inputs(folder, facts):
         "context": {"file": "../ph/brain/brain-context.nii.gz", "transfer": "brain"}}, indent=1) + "\n")
     for name in WINDOWS:
         put(f"{name}.txt", f"quiet-status\nsize 600 400\nangle 8\naim 30 80 40 0 0 0\nsettle\nresults {name}/rows.tsv\n"
-            f"picture {name}/scene.png 200 150\nsave {name}/session.json\nscreenshot {name}/window.png\nkey l\nangle 30\n"
-            f"settle\nresults {name}/all.tsv\norbit 40 20\nsettle\nscreenshot {name}/layers.png\n")
+            f"picture {name}/scene.png 200 150\nsave {name}/session.json\nscreenshot {name}/window.png\nkey l\n"
+            f"angle 30\nsettle\nresults {name}/all.tsv\norbit 40 20\nsettle\nscreenshot {name}/layers.png\n")
     # a pyramid: a surface of five vertices, as many as annotations of the corpora have
     put("five.surf.gii", '<GIFTI Version="1.0" NumberOfDataArrays="2">\n' + "".join(
         f'<DataArray Intent="NIFTI_INTENT_{intent}" DataType="NIFTI_TYPE_{kind}" ArrayIndexingOrder="RowMajorOrder" '
@@ -183,19 +186,18 @@ def write_inputs(folder, facts):
             ("POINTSET", "FLOAT32", [(0, 0, 0), (9, 0, 0), (9, 9, 0), (0, 9, 0), (4, 4, 9)]),
             ("TRIANGLE", "INT32", [(0, 2, 1), (0, 3, 2), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]))) + "</GIFTI>\n")
     # a bundle of three arcs through the nested shells, and a table of needles
-    points = [(24 * math.cos(t), -24 + 8 * k, 24 * math.sin(t)) for k in (1, 3, 5) for t in [math.pi * i / 8 for i in range(9)]]
+    points = [(24 * math.cos(math.pi * i / 8), -24 + 8 * k, 24 * math.sin(math.pi * i / 8))
+              for k in (1, 3, 5) for i in range(9)]
     put("arcs.vtk", "# vtk DataFile Version 3.0\narcs\nASCII\nDATASET POLYDATA\nPOINTS 27 float\n" +
         "".join(f"{x:.3f} {y:.3f} {z:.3f}\n" for x, y, z in points) + "LINES 3 30\n" +
         "".join(" ".join(str(n) for n in [9, *range(9 * k, 9 * k + 9)]) + "\n" for k in range(3)))
     put("needles.tsv", "query_id\tx\ty\tz\ttx\tty\ttz\tfar\n" + "".join(
-        f"n{x}_{z}\t{x}\t-60\t{z}\t{x}\t0\t{-z}\t{50 + x}\n" for x in (-9, 0, 7) for z in (-6, 0, 11)))
+        f"n{x}_{z}\t{x}\t-60\t{z}\t{x}\t0\t{-z}\t{64 + x}\n" for x in (-9, 0, 7) for z in (-6, 0, 11)))
     here = pathlib.Path(__file__).parent
     for source, target in [*itertools.chain(*facts["corpora"].values()), (here / "calls.py", "calls.py"),
                            (here.parent / "fuzz/corpus/probe_interface/two_shanks.json", "probe.json")]:
         os.makedirs(os.path.join(folder, os.path.dirname(target)), exist_ok=True)
         shutil.copyfile(source, os.path.join(folder, target))
-    for file in facts["facts"]:
-        shutil.copytree(file.parent, os.path.join(folder, "corpus", file.parent.name))
 
 
 # groups of commands
@@ -547,24 +549,93 @@ def windows(ask):
         ask(f"view {atlas} --script in/{name}.txt --size 600x400 --scale 0.62", makes=name)
 
 
+# Commands that end with an error.
+REFUSED = """
+query
+query ph/none.nii.gz --origin 0,0,0 --toward 1,1,1
+query ph/nested.nii.gz BALL --angle 180
+query in/ball.tsv --origin 0,0,0 --toward 1,1,1
+query ph/nested.nii.gz BALL --score nothing
+query ph/nested.nii.gz BALL --level None
+query ph/nested.nii.gz BALL --hide Nothing
+query ph/brain/brain-context.nii.gz BALL
+batch ph/nested.nii.gz
+nothing
+diff in/ball.tsv
+query ph/nested.nii.gz BALL --max-memory 1K
+render ph/nested.nii.gz
+track ph/nested.nii.gz
+query ph/nested.nii.gz --pose in/tree.tsv --format tsv
+merge in/ball.tsv -o {o}/rows.tsv
+query ph/nested.nii.gz BALL -o {o}/rows.xyz
+sweep ph/nested.nii.gz --pose in/hand.tsv --angles 0
+query ph/nested.nii.gz --origin 0,0,0 --toward 0,0,0
+info ph
+mesh ph/nested.nii.gz
+
+query --help --nonsense
+qeury
+select
+help select
+query a.nii --angel 20
+query a.nii --orig=1,2,3
+query a.nii --zebra all
+query a.nii -x
+query --origin 1,2,3
+info a.nii b.nii
+diff a.tsv
+info ''
+query a.nii --up 1,2,3 20, 20
+query a.nii --angle 20 --angle=30
+query --help=yes
+query a.nii --angle
+query a.nii --labels --format tsv
+query a.nii --labels=
+query a.nii --origin 0,0,90 --toward 0,0,0 --angle 20deg
+query a.nii --origin 0,0,90 --toward 0,0,0 --angle nan
+query a.nii --origin 0,0,90 --toward 0,0,0 --angle 0x14
+query a.nii --origin 0,0,90 --toward 0,0,0 --angle 1,5
+query a.nii --origin 0,0,90 --toward 0,0,0 --angle 0
+query a.nii --origin 0,0,90 --toward 0,0,0 --angle -5
+query a.nii --origin 0,0,90 --toward 0,0,0 --angle=180
+query a.nii --origin 1,2
+query a.nii --origin=0,inf,0
+query a.nii --origin=1e999,0,0
+query a.nii --origin 0,0,90 --toward 0,0,0 --resolution 0
+query a.nii --origin 0,0,90 --toward 0,0,0 --resolution 99999999999
+query a.nii --origin 0,0,90 --toward 0,0,0 --resolution 16.5
+query a.nii --origin 0,0,90 --toward 0,0,0 --max-memory 2GB
+query a.nii --aperture circel
+query a.nii --format xml
+query a.nii --space mni
+query a.nii --score volume
+query a.nii --origin 0,0,90 --toward 0,0,0 --slices 100
+query a.nii --origin 0,0,90 --toward 0,0,0 --slices 100 --sampling exact
+query a.nii --origin 0,0,90 --toward 0,0,0 --slice-fraction 0.5
+query a.nii --origin 0,0,90 --toward 0,0,0 --slice-fraction 0.2 --sampling exact
+batch a.nii --poses p.tsv --slice-fraction 1
+sweep a.nii --origin 0,0,90 --toward 0,0,0 --angles 5,10 --slice-fraction 1
+track a.nii --poses p.tsv --slice-fraction 1
+render a.nii -o p.png --origin 0,0,90 --toward 0,0,0 --slice-fraction 1
+render a.nii -o p.png --slice-fraction 1
+query a.nii --origin 0,0,90 --toward 0,0,0 --sampling slices --slice-fraction=0
+query a.nii --origin 0,0,90 --toward 0,0,0 --sampling slices --slice-fraction=-0.2
+query a.nii --origin 0,0,90 --toward 0,0,0 --sampling slices --slice-fraction=1.01
+query a.nii --origin 0,0,90 --toward 0,0,0 --sampling slices --slice-fraction=40
+query a.nii --origin 0,0,90 --toward 0,0,0 --voxels-of all
+query a.nii --origin 0,0,90 --toward 0,0,0 --direction 0,0,1
+query a.nii --origin 0,0,90 --toward 0,0,0 --pose poses.tsv
+query a.nii --up 0,0,1 --pose poses.tsv
+query a.nii --toward 0,0,1
+query a.nii --origin 0,0,1
+query a.nii
+"""
+
+
 def refusals(ask):
-    """Commands that end with an error."""
-    for words in ("query", "query ph/none.nii.gz --origin 0,0,0 --toward 1,1,1",
-                  f"query ph/nested.nii.gz {BALL_AIM} --angle 180",
-                  "query in/ball.tsv --origin 0,0,0 --toward 1,1,1",
-                  f"query ph/nested.nii.gz {BALL_AIM} --score nothing",
-                  f"query ph/nested.nii.gz {BALL_AIM} --level None",
-                  f"query ph/nested.nii.gz {BALL_AIM} --hide Nothing",
-                  f"query ph/brain/brain-context.nii.gz {BALL_AIM}", "batch ph/nested.nii.gz", "nothing",
-                  "diff in/ball.tsv",
-                  f"query ph/nested.nii.gz {BALL_AIM} --max-memory 1K", "render ph/nested.nii.gz",
-                  "track ph/nested.nii.gz",
-                  "query ph/nested.nii.gz --pose in/tree.tsv --format tsv",
-                  "merge in/ball.tsv -o {o}/rows.tsv",
-                  f"query ph/nested.nii.gz {BALL_AIM} -o {{o}}/rows.xyz",
-                  "sweep ph/nested.nii.gz --pose in/hand.tsv --angles 0",
-                  "query ph/nested.nii.gz --origin 0,0,0 --toward 0,0,0", "info ph", "mesh ph/nested.nii.gz"):
-        ask(words)
+    """Words that are refused before or after files are read."""
+    for words in filter(None, REFUSED.split("\n")):
+        ask(words.replace("BALL", BALL_AIM))
 
 
 def help_texts(ask):
@@ -611,12 +682,13 @@ def tables(ask):
         ask(f"track {atlas} {hand} --selected")
         ask(f"batch {atlas} --poses in/bad.tsv --summary -o {{o}}/rows.tsv -v")
         ask(f"connect {atlas}")
-        for roi in ("ph/u-shape.nii.gz", "ph/u-shape.nii.gz --threshold 1", "ph/brain/brain-pathway.nii.gz --threshold 30000",
-                    "ph/sphere.nii.gz --threshold 1 --level 1"):
+        for roi in ("ph/u-shape.nii.gz", "ph/u-shape.nii.gz --threshold 1",
+                    "ph/brain/brain-pathway.nii.gz --threshold 30000", "ph/sphere.nii.gz --threshold 1 --level 1"):
             ask(f"overlap {atlas} {roi}")
     plan = f"plan {tree} --poses in/needles.tsv --reach Core"
-    for options in ("", "--avoid 1,margin=1", "--radius 1 --avoid 300,margin=30 --infeasible", "--jitter 2,1 --samples 64",
-                    "--tolerance -", "--constraints -", "--avoid 1 --profile -", "--reach 300,length=4 --rank -depth --top 3"):
+    for options in ("", "--avoid 1,margin=1", "--radius 1 --avoid 300,margin=30 --infeasible", "--tolerance -",
+                    "--jitter 2,1 --samples 64", "--constraints -", "--avoid 1 --profile -",
+                    "--reach 300,length=4 --rank -depth --top 3"):
         ask(f"{plan} {options}")
     ask(f"plan {tree} --from in/cube.obj,spacing=3 --toward centroid --reach 300 --depth target")
     ask(f"query {nested} {arcs} {BALL_AIM} --angle 60 --endpoints -")
@@ -636,46 +708,70 @@ def tables(ask):
     ask("page ph/nested.nii.gz -o {o}/page.html")
 
 
-# How a command reads a file of a corpus of tests/fuzz: its name, where its own will not do, and commands. {f} is the file,
-# {d} its folder, {t} what it says. None: no command reads such bytes, but inner parts of conus do.
-VOLUME, SURFACE, LINES = "info {f}", "info {f}", "connect ph/nested.nii.gz --streamlines {f}"
+# How commands read a file of a corpus of tests/fuzz: its name, where its own will not do, and the commands. {f} is the
+# file, {d} its folder, {t} what it says.
+LABELS, VOLUME, LINES = "info ph/nested.nii.gz --labels {f}", "info {f}", "connect ph/nested.nii.gz --streamlines {f}"
+SURFACE, SURFACE_LABELS = "info {f}", "info in/five.surf.gii --labels {f}"
 POSES = "batch ph/nested.nii.gz --any-space --radius 2 -o {o}/rows.tsv --poses {f}"
 MOVE = f"query ph/nested.nii.gz {BALL_AIM} --atlas-transform {{f}}"
 READERS = {
-    "afni": ("x+orig.HEAD", VOLUME), "annot": ("lh.x.annot", "info in/five.surf.gii --labels {f}"),
+    "afni": ("x+orig.HEAD", VOLUME),
+    "annot": ("lh.x.annot", SURFACE_LABELS),
     "batch_record": ("rows.json", "merge {d}/rows.tsv -o {o}/rows.tsv", "verify {d}/rows.tsv"),
-    "batch_table": (None, "batch --jobs {f}"), "brainglobe_atlas": ("atlases/x/1_0/manifest.json", "info {d}/atlases/x/1_0", "info {f}"),
-    "brainglobe_metadata": ("metadata.json", "info {d}", "info {f}"), "cifti": ("x.dlabel.nii", VOLUME),
+    "batch_table": (None, "batch --jobs {f}"),
+    "brainglobe_atlas": ("atlases/x/1_0/manifest.json", "info {d}/atlases/x/1_0", "info {f}"),
+    "brainglobe_metadata": ("metadata.json", "info {d}", "info {f}"),
+    "cifti": ("x.dlabel.nii", VOLUME),
     "coordsystem": ("sub-01_coordsystem.json", "batch ph/nested.nii.gz --radius 2 --poses {d}/sub-01_electrodes.tsv"),
-    "deformation": ("x.nii", MOVE), "exr": (None, "diff {f} {f}"), "file_kind": (None, VOLUME, f"{POSES}"),
-    "foreign_mz3": (None, SURFACE), "foreign_obj": (None, SURFACE), "foreign_off": (None, SURFACE),
-    "foreign_ply": (None, SURFACE), "foreign_stl": (None, SURFACE), "foreign_vtk": (None, SURFACE),
-    "foreign_vtp": ("x.vtp", SURFACE), "formula": (None, f"query ph/nested.nii.gz {BALL_AIM} --score {{t}}"),
-    "freesurfer": ("lh.white", SURFACE), "gifti": ("x.surf.gii", SURFACE, "info in/five.surf.gii --labels {f}"),
-    "labels": (None, "info ph/nested.nii.gz --labels {f}"), "labels_xml": (None, "info ph/nested.nii.gz --labels {f}", "info {f}"),
-    "level": (None, f"query ph/nested.nii.gz --labels in/tree.tsv {BALL_AIM} --level {{t}}"), "manifest": (None, "info {f}"),
-    "matlab": ("x.mat", POSES), "matrix": (None, POSES), "metaimage": ("x.mha", VOLUME), "mgh": ("x.mgz", VOLUME),
-    "nifti": ("x.nii", VOLUME), "nrrd": ("x.nrrd", VOLUME), "png": (None, "diff {f} {f}"), "poses": (None, POSES),
+    "deformation": ("x.nii", MOVE),
+    "exr": (None, "diff {f} {f}"),
+    "file_kind": (None, VOLUME, POSES),
+    **{f"foreign_{name}": (None, SURFACE) for name in ("mz3", "obj", "off", "ply", "stl", "vtk")},
+    "foreign_vtp": ("x.vtp", SURFACE),
+    "formula": (None, f"query ph/nested.nii.gz {BALL_AIM} --score {{t}}"),
+    "freesurfer": ("lh.white", SURFACE),
+    "gifti": ("x.surf.gii", SURFACE, SURFACE_LABELS),
+    "labels": (None, LABELS),
+    "labels_xml": (None, LABELS, "info {f}"),
+    "level": (None, f"query ph/nested.nii.gz --labels in/tree.tsv {BALL_AIM} --level {{t}}"),
+    "manifest": (None, "info {f}"),
+    "matlab": ("x.mat", POSES),
+    "matrix": (None, POSES),
+    "metaimage": ("x.mha", VOLUME),
+    "mgh": ("x.mgz", VOLUME),
+    "nifti": ("x.nii", VOLUME),
+    "nrrd": ("x.nrrd", VOLUME),
+    "png": (None, "diff {f} {f}"),
+    "poses": (None, POSES),
     "probe_interface": (None, "query ph/nested.nii.gz --probe {f} --origin 0,-20,0 --direction 0,1,0.1"),
-    "results": (None, "diff {f} {f}", "diff in/ball.tsv {f}"), "sidecar": ("rows.json", "verify {d}/rows.tsv", "cite {d}/rows.tsv"),
-    "tiff": ("x.tif", VOLUME), "tract": (None, LINES), "transfer": (None, "render ph/nested.nii.gz --size 64x48 -o {o}/x.png "
-             "--context ph/brain/brain-context.nii.gz --transfer {f}"), "transform": (None, MOVE), "trx": ("x.trx", LINES),
-    "vtk_lines": ("x.vtk", LINES), "zarr": ("x.zarr/.zarray", "info {d}/x.zarr"), "zip": ("x.trx", LINES),
-    # the window's, which a display is needed for; streams of conus-hdf5 and conus-mesh; what conus keeps; pieces of files
-    **dict.fromkeys(("igtl", "place", "recent", "script", "session", "hdf5_stream", "mesh_request", "mesh_stream", "minc", "nwb",
-                     "simnibs", "transform_chain", "atlas_pack", "batch_journal", "cache_entry", "gzip", "gzip_index",
-                     "mesh_cache", "plan_known", "text")),
+    "results": (None, "diff {f} {f}", "diff in/ball.tsv {f}"),
+    "sidecar": ("rows.json", "verify {d}/rows.tsv", "cite {d}/rows.tsv"),
+    "tiff": ("x.tif", VOLUME),
+    "tract": (None, LINES),
+    "transfer": (None, "render ph/nested.nii.gz --size 64x48 --context ph/brain/brain-context.nii.gz --transfer {f} "
+                       "-o {o}/x.png"),
+    "transform": (None, MOVE),
+    "trx": ("x.trx", LINES),
+    "vtk_lines": ("x.vtk", LINES),
+    "zarr": ("x.zarr/.zarray", "info {d}/x.zarr"),
+    "zip": ("x.trx", LINES),
 }
+# Corpora that no command reads as a file: of the window, which needs a display; streams of conus-hdf5, conus-mesh and
+# the network; what conus keeps; pieces of files.
+UNREAD = ("place", "recent", "script", "session", "hdf5_stream", "minc", "nwb", "simnibs", "transform_chain",
+          "mesh_request", "mesh_stream", "igtl", "atlas_pack", "batch_journal", "cache_entry", "gzip_index",
+          "mesh_cache", "plan_known", "gzip", "text")
 # Files beside that which is asked about.
 BESIDE = {"batch_record": "rows.tsv", "sidecar": "rows.tsv", "coordsystem": "sub-01_electrodes.tsv"}
 
 
 def corpora(tests):
-    """{corpus: [(file, path below in/)]}, of tests/fuzz/corpus; each file has a folder of its own, so that none is beside it."""
+    """{corpus: [(file, path below in/)]}, of tests/fuzz/corpus; each file has a folder of its own."""
     found = {}
     for folder in sorted((tests / "fuzz/corpus").iterdir()):
-        if READERS[folder.name]:
-            found[folder.name] = [(file, f"fuzz/{folder.name}/{file.name}/{READERS[folder.name][0] or file.name}")
+        if folder.name not in UNREAD:
+            name = READERS[folder.name][0]
+            found[folder.name] = [(file, f"fuzz/{folder.name}/{file.name}/{name or file.name}")
                                   for file in sorted(folder.iterdir())]
     return found
 
@@ -684,20 +780,31 @@ def files_of_fuzzers(ask):
     """Each file that the fuzzers begin with, asked about as whoever has it would."""
     for corpus, files in ask.facts["corpora"].items():
         for source, target in files:
-            folder = pathlib.Path("in") / target.split("/" + (READERS[corpus][0] or source.name))[0]
-            text = source.read_bytes().decode("utf-8", "replace").replace("\0", "") if "{t}" in READERS[corpus][1] else ""
+            folder = f"in/fuzz/{corpus}/{source.name}"
             beside = [("in/plain_electrodes.tsv", f"{folder}/{BESIDE[corpus]}")] if corpus in BESIDE else []
             for words in READERS[corpus][1:]:
-                ask(words.replace("{f}", f"in/{target}").replace("{d}", str(folder)).replace("{t}", shlex.quote(text)), before=beside)
+                words = words.replace("{f}", f"in/{target}").replace("{d}", folder)
+                if "{t}" in words:
+                    text = source.read_bytes().decode("utf-8", "replace").replace("\0", "")
+                    words = words.replace("{t}", shlex.quote(text))
+                ask(words, before=beside)
 
 
 def files_of_corpus(ask):
-    """Each file of tests/corpus, asked about as its facts.json says."""
+    """Each file of tests/corpus, asked about as its facts.json says, in a folder of its own with what is named there.
+
+    What must be said stands there, too, and corpus.c asks for it: so here are sums.
+    """
     for file in ask.facts["facts"]:
-        for name, entry in json.loads(file.read_text(encoding="utf-8")).items():
-            for each in entry if isinstance(entry, list) else [entry]:
-                words = [word.replace("{}", name) for word in each.get("with", ["{}"])]
-                ask(f"info {shlex.join(words)} --format json", within=f"in/corpus/{file.parent.name}")
+        form, rows = file.parent, json.loads(file.read_text(encoding="utf-8"))
+        for name, row in ((name, row) for name, some in rows.items()
+                          for row in (some if isinstance(some, list) else [some])):
+            words = [word.replace("{}", name) for word in row.get("with", ())]
+            words = words if any(name in word for word in words) else [name, *words]
+            beside = {place.split("/")[0] for word in words for place in (word, word.split(",")[0])}
+            within = f"in/corpus/{form.name}/{name.replace('/', '_')}"
+            ask(f"info {shlex.join(words)} --format json", within=within, named=f"{form.name}: {shlex.join(words)}",
+                before=[(form / top, f"{within}/{top}") for top in sorted(beside) if (form / top).exists()])
 
 
 def python(ask):
@@ -831,10 +938,13 @@ GROUPS = {
     "phantoms": phantoms, "answers": answers, "looks": looks, "areas": areas, "poses": poses,
     "other-programs": other_programs, "pictures-of-answers": pictures_of_answers, "gl": gl,
     "batches": batches, "mpi": mpi, "sweeps": sweeps, "tracks": tracks, "manifests": manifests, "meshes": meshes,
-    "renders": renders, "legends": legends, "diffs": diffs, "examples": examples, "samples": samples, "windows": windows,
-    "refusals": refusals, "help": help_texts, "tables": tables, "files-of-fuzzers": files_of_fuzzers,
-    "files-of-corpus": files_of_corpus, "python": python, "templates": templates, "shared-volumes": shared_volumes,
-    "shared-surfaces": shared_surfaces, "shared-foreign": shared_foreign, "shared-hostile": shared_hostile,
+    "renders": renders, "legends": legends, "diffs": diffs, "examples": examples, "samples": samples,
+    "windows": windows, "refusals": refusals, "help": help_texts, "tables": tables,
+    "files-of-fuzzers": files_of_fuzzers, "files-of-corpus": files_of_corpus, "python": python,
+    "templates": templates, "shared-volumes": shared_volumes, "shared-surfaces": shared_surfaces,
+    "shared-foreign": shared_foreign, "shared-hostile": shared_hostile,
 }
+# Groups about data that is not the tree's: none of its tables stands there as text.
+FOREIGN = ("templates", "shared-volumes", "shared-surfaces", "shared-foreign", "shared-hostile")
 # What --sample asks, beside the phantoms.
 SAMPLE = ("refusals", "help", "tables", "diffs", "files-of-fuzzers", "python")
