@@ -26,7 +26,7 @@
 
 /* PREFIXES, FAILURES: as many of a file are tried one by one; of more, some. CHILD_PREFIXES, CHILD_FAILURES: likewise
  * of one that another process reads, which takes longer. */
-enum { PREFIXES = 4096, FAILURES = 2000, CHILD_PREFIXES = 8, CHILD_FAILURES = 8 };
+enum { PREFIXES = 4096, FAILURES = 2000, CHILD_PREFIXES = 4, CHILD_FAILURES = 2 };
 enum { PATH_SIZE = 1024, WORD_LIMIT = 64, LARGEST = 1 << 26 };
 
 /* The options of `conus info` that say what is loaded. */
@@ -320,7 +320,7 @@ static size_t enough(const struct entry *entry, const char *path)
         return 0;
     }
     size_t size = bytes.size;
-    while (size && strchr(" \n\r\t", bytes.data[size - 1])) {
+    while (size && memchr(" \n\r\t", bytes.data[size - 1], 4)) {
         size--;
     }
     bytes_finish(&bytes);
