@@ -25,16 +25,10 @@
 #include <unistd.h>
 
 /* PREFIXES, FEW, FAILURES: as many of a file are tried one by one; of more, some. FEW are tried of a file that is
- * refused, or of one beside the file of the entry: their like is read in other entries. */
-enum {
-    PATH_SIZE = 1024,
-    LINE_SIZE = 2048,
-    WORD_LIMIT = 64,
-    PREFIXES = 4096,
-    FEW = 512,
-    FAILURES = 2000,
-    LARGEST = 1 << 26
-};
+ * refused, or of one beside the file of the entry: their like is read in other entries. CHILD_PREFIXES, CHILD_FAILURES:
+ * of one that another process reads, which takes longer. */
+enum { PREFIXES = 4096, FEW = 512, FAILURES = 2000, CHILD_PREFIXES = 4, CHILD_FAILURES = 2 };
+enum { PATH_SIZE = 1024, WORD_LIMIT = 64, LARGEST = 1 << 26 };
 
 /* The options of `conus info` that say what is loaded. */
 struct question {
@@ -67,6 +61,11 @@ struct entry {
     char *words[WORD_LIMIT]; /* `conus info`, the file and what its facts say under "with". */
     int word_count;
 };
+
+static bool has_child(const struct entry *entry)
+{
+    return json_is_true(json_object_get(entry->facts, "child"));
+}
 
 static struct {
     size_t entries, prefixes, failures, faults;
@@ -265,7 +264,7 @@ static void compare_notes(const struct entry *entry, json_t *notes, json_t *fact
 
 static void check_facts(const struct entry *entry, const struct answer *answer)
 {
-    static const char *const keys[] = {"is", "with", "facts", "notes", "enough", "refused", "code"};
+    static const char *const keys[] = {"is", "with", "child", "facts", "notes", "enough", "refused", "code"};
     const char *key;
     json_t *value;
     json_object_foreach(entry->facts, key, value)
@@ -322,7 +321,7 @@ static size_t enough(const struct entry *entry, const char *path)
         return 0;
     }
     size_t size = bytes.size;
-    while (size && strchr(" \n\r\t", bytes.data[size - 1])) {
+    while (size && memchr(" \n\r\t", bytes.data[size - 1], 4)) {
         size--;
     }
     bytes_finish(&bytes);
@@ -364,7 +363,8 @@ static void check_prefixes(const struct entry *entry, const struct answer *whole
         report(entry, "%s", conus_message());
         return;
     }
-    size_t step = bytes.size / (main && !whole->code ? PREFIXES : FEW) + 1;
+    size_t most = has_child(entry) ? CHILD_PREFIXES : main && !whole->code ? PREFIXES : FEW;
+    size_t step = bytes.size / most + 1;
     size_t end = strchr(path, '/') && was_cut(path, &bytes) ? 0 : bytes.size;
     for (size_t cut = 1; cut <= end; cut += step, total.prefixes++) {
         struct answer answer;
@@ -391,8 +391,9 @@ static void check_prefixes(const struct entry *entry, const struct answer *whole
 /* Asks with every allocation failing: the answer is that of all memory, or that memory is missing. */
 static void check_allocations(const struct entry *entry, const struct answer *whole)
 {
+    const long most = has_child(entry) ? CHILD_FAILURES : FAILURES;
     bool unharmed = false;
-    for (long n = 0; !unharmed; n += 1 + n / FAILURES, total.failures++) {
+    for (long n = 0; !unharmed; n += 1 + n / most, total.failures++) {
         struct answer answer;
         ask(&answer, entry, n);
         unharmed = answer.unharmed;
@@ -480,7 +481,14 @@ static void check_entry(struct entry *entry)
     total.entries++;
 }
 
-/* Puts the words of the command line together: {} in one stands for the file, which is else the first. */
+/* The place of {}, which stands for the file, or of {/}, its folder, in a word; NULL without. */
+static const char *find_place(const char *word)
+{
+    const char *file = strstr(word, "{}");
+    return file ? file : strstr(word, "{/}");
+}
+
+/* Puts the words of the command line together; the file is the first if it has no place in another. */
 static void take_words(struct entry *entry)
 {
     json_t *with = json_object_get(entry->facts, "with");
@@ -489,7 +497,7 @@ static void take_words(struct entry *entry)
     bool is_placed = false;
     json_array_foreach(with, i, word)
     {
-        is_placed = is_placed || strstr(json_string_value(word), "{}");
+        is_placed = is_placed || find_place(json_string_value(word));
     }
     entry->words[entry->word_count++] = strdup("conus");
     entry->words[entry->word_count++] = strdup("info");
@@ -500,9 +508,14 @@ static void take_words(struct entry *entry)
     {
         char text[PATH_SIZE];
         const char *given = json_string_value(word);
-        const char *place = strstr(given, "{}");
-        snprintf(text, sizeof text, "%.*s%s%s", place ? (int)(place - given) : (int)strlen(given), given,
-                 place ? entry->file : "", place ? place + 2 : "");
+        const char *place = find_place(given);
+        const size_t before = place ? (size_t)(place - given) : strlen(given);
+        const char *slash = strrchr(entry->file, '/');
+        const size_t length = !place                     ? 0
+                              : place[1] == '/' && slash ? (size_t)(slash - entry->file)
+                                                         : strlen(entry->file);
+        snprintf(text, sizeof text, "%.*s%.*s%s", (int)before, given, (int)length, entry->file,
+                 place ? strchr(place, '}') + 1 : "");
         entry->words[entry->word_count++] = strdup(text);
         assert(entry->word_count < WORD_LIMIT);
     }
