@@ -26,8 +26,8 @@
 
 /* PREFIXES, FEW, FAILURES: as many of a file are tried one by one; of more, some. FEW are tried of a file that is
  * refused, or of one beside the file of the entry: their like is read in other entries. CHILD_PREFIXES, CHILD_FAILURES:
- * likewise of one that another process reads, which takes longer. */
-enum { PREFIXES = 4096, FEW = 512, FAILURES = 2000, CHILD_PREFIXES = 8, CHILD_FAILURES = 8 };
+ * of one that another process reads, which takes longer. */
+enum { PREFIXES = 4096, FEW = 512, FAILURES = 2000, CHILD_PREFIXES = 4, CHILD_FAILURES = 2 };
 enum { PATH_SIZE = 1024, WORD_LIMIT = 64, LARGEST = 1 << 26 };
 
 /* The options of `conus info` that say what is loaded. */
@@ -321,7 +321,7 @@ static size_t enough(const struct entry *entry, const char *path)
         return 0;
     }
     size_t size = bytes.size;
-    while (size && strchr(" \n\r\t", bytes.data[size - 1])) {
+    while (size && memchr(" \n\r\t", bytes.data[size - 1], 4)) {
         size--;
     }
     bytes_finish(&bytes);

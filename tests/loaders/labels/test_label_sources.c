@@ -18,7 +18,8 @@ static const char swapped[] =
     "<atlas><type>Label</type><images><imagefile>/v</imagefile></images><label index=\"1\">area 1</label>"
     "<label index=\"2\">area 3</label><label index=\"3\">area 2</label><label index=\"4\">area 4</label></atlas>";
 static const char proved[] =
-    "<atlas><type>Label</type><images><imagefile>/v</imagefile></images>"
+    "<atlas><type>Probabilistic</type><images><imagefile>/prob</imagefile><summaryimagefile>/v</summaryimagefile></"
+    "images>"
     "<label index=\"1\" x=\"1\" y=\"0\" z=\"0\">area 1</label><label index=\"2\" x=\"2\" y=\"0\" z=\"0\">area 2</label>"
     "<label index=\"3\" x=\"3\" y=\"0\" z=\"0\">area 3</label><label index=\"4\" x=\"4\" y=\"0\" z=\"0\">area "
     "4</label></atlas>";

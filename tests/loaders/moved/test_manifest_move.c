@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The transforms of a manifest: the files that they move, and their order. */
-#include "base/files/file.h"
 #include "conus/atlas_info.h"
 #include "conus/file.h"
 #include "conus/phantom.h"
 #include "test.h"
 
-#include <stdio.h>
 #include <string.h>
 
 static void write_text(const char *name, const char *text)
@@ -63,45 +61,9 @@ static void a_transform_moves_the_areas_and_what_is_said_to_move(void **state)
     conus_atlas_destroy(plain);
 }
 
-static void a_transform_that_cannot_be_read_names_its_key(void **state)
-{
-    (void)state;
-    conus_atlas *atlas = NULL;
-    const char *path =
-        write_manifest("{\"conus_atlas\": 1, \"parcellation\": \"slabs.nii.gz\", \"transform\": [\"none.txt\"]}");
-    assert_fails(conus_atlas_load(&atlas, path, NULL), CONUS_ERROR_IO);
-    assert_non_null(strstr(conus_message(), "test.atlas.json: transform[0]: "));
-    write_text("flirt.mat", "1 0 0 7\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
-    path = write_manifest("{\"conus_atlas\": 1, \"parcellation\": \"slabs.nii.gz\", \"transform\": \"flirt.mat\"}");
-    assert_fails(conus_atlas_load(&atlas, path, NULL), CONUS_ERROR_DATA);
-    assert_non_null(strstr(conus_message(), "test.atlas.json: transform: "));
-    assert_non_null(strstr(conus_message(), "from=IMAGE and to=IMAGE are needed"));
-    assert_null(atlas);
-}
-
 struct attempt {
     char path[256];
 };
-
-static conus_status load(void *data)
-{
-    conus_atlas *atlas = NULL;
-    conus_status status = conus_atlas_load(&atlas, ((const struct attempt *)data)->path, NULL);
-    conus_atlas_destroy(atlas);
-    return status;
-}
-
-static void every_failing_allocation_is_reported(void **state)
-{
-    (void)state;
-    struct attempt attempt;
-    snprintf(attempt.path, sizeof attempt.path, "%s",
-             write_manifest("{\"conus_atlas\": 1, \"transform\": [\"twice.txt\", {\"file\": \"flirt.mat\", \"from\": "
-                            "\"sphere.nii.gz\", \"to\": \"sphere.nii.gz\"}], \"parcellation\": \"slabs.nii.gz\", "
-                            "\"context\": \"sphere.nii.gz\", \"threshold\": 0.5, \"pathways\": "
-                            "[{\"file\": \"sphere.nii.gz\", \"name\": \"Moves\", \"moves\": true}]}"));
-    test_every_allocation(load, &attempt);
-}
 
 static int write_volumes(void **state)
 {
@@ -115,8 +77,6 @@ TEST_GROUP(manifest_move)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_transform_moves_the_areas_and_what_is_said_to_move),
-        cmocka_unit_test(a_transform_that_cannot_be_read_names_its_key),
-        cmocka_unit_test(every_failing_allocation_is_reported),
     };
     return cmocka_run_group_tests(tests, write_volumes, NULL);
 }

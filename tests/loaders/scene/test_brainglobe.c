@@ -127,27 +127,6 @@ static void a_manifest_of_it_loads(void **state)
     remove(test_in("mouse/made.atlas.json"));
 }
 
-/* A stack in a separate folder, with nothing beside it. */
-static void a_manifest_may_say_where_a_stack_lies(void **state)
-{
-    (void)state;
-    conus_atlas *atlas;
-    write_stack("lone.tif", false);
-    write_text("lone.atlas.json",
-               "{\"conus_atlas\": 1, \"parcellation\": {\"file\": \"lone.tif\", \"resolution\": [1000, "
-               "2000, 4000], \"orientation\": \"asr\"}}");
-    assert_ok(conus_atlas_load(&atlas, test_in("lone.atlas.json"), NULL));
-    assert_near(conus_atlas_object(atlas, 1)->volume_mm3, 36 * 8, 1e-9);
-    conus_atlas_destroy(atlas);
-    write_text("lone.atlas.json", "{\"conus_atlas\": 1, \"parcellation\": \"lone.tif\"}");
-    assert_fails(conus_atlas_load(&atlas, test_in("lone.atlas.json"), NULL), CONUS_ERROR_DATA);
-    assert_non_null(strstr(conus_message(), "no resolution and no orientation is given"));
-    assert_fails(conus_atlas_load(&atlas, test_in("lone.tif,resolution=1"), NULL), CONUS_ERROR_DATA);
-    assert_fails(conus_atlas_load(&atlas, test_in("lone.tif,resolution=1,orientation=as"), NULL), CONUS_ERROR_ARGUMENT);
-    assert_fails(conus_atlas_load(&atlas, test_in("lone.tif,volume=1,resolution=1,orientation=asr"), NULL),
-                 CONUS_ERROR_ARGUMENT);
-}
-
 /* Without a stack that can be placed, conus manifest takes the meshes, as it does without any stack. */
 static void what_cannot_be_placed_is_left_out(void **state)
 {
@@ -166,29 +145,13 @@ static void what_cannot_be_placed_is_left_out(void **state)
     write_folder(state);
 }
 
-static conus_status load_again(void *data)
-{
-    conus_atlas *atlas = NULL;
-    conus_status status = conus_atlas_load(&atlas, data, NULL);
-    conus_atlas_destroy(atlas);
-    return status;
-}
-
-static void every_failing_allocation_is_reported(void **state)
-{
-    (void)state;
-    test_every_allocation(load_again, (void *)test_in("mouse"));
-}
-
 TEST_GROUP(brainglobe)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_folder_is_its_voxels_and_its_reference),
         cmocka_unit_test(its_meshes_are_named_and_placed_likewise),
         cmocka_unit_test(a_manifest_of_it_loads),
-        cmocka_unit_test(a_manifest_may_say_where_a_stack_lies),
         cmocka_unit_test(what_cannot_be_placed_is_left_out),
-        cmocka_unit_test(every_failing_allocation_is_reported),
     };
     return cmocka_run_group_tests(tests, write_folder, NULL);
 }

@@ -8,7 +8,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 static void assert_note(const conus_atlas *atlas, const char *part)
@@ -259,39 +258,6 @@ static void an_override_replaces_every_table(void **state)
     assert_null(atlas);
 }
 
-static void an_fsl_atlas_loads_its_finest_image(void **state)
-{
-    (void)state;
-    conus_atlas *atlas = NULL;
-    test_folder("fsl");
-    assert_ok(write_volume(test_in("coarse.nii"), 2, 0, NULL));
-    assert_ok(write_volume(test_in("fine.nii"), 1, 0, NULL));
-    write_text(test_in("a.xml"),
-               "\xef\xbb\xbf<atlas><header><type>Label</type><images><imagefile>/coarse</imagefile></images>"
-               "<images><imagefile>/fine</imagefile></images><images><imagefile>/gone</imagefile></images>"
-               "</header><data><label index=\"1\">one</label></data></atlas>");
-    assert_ok(conus_atlas_load(&atlas, test_in("a.xml"), NULL));
-    assert_string_equal(conus_atlas_label_source(atlas), "FSL atlas XML in a.xml");
-    assert_near(conus_atlas_volume(atlas, 0)->spacing[0], 1, 0);
-    assert_note(atlas, "of the 3 images of a.xml the finest is used: fine.nii (1 x 1 x 1 mm)");
-    assert_note(atlas, "image /gone of the FSL atlas is not there");
-    conus_atlas_destroy(atlas);
-    atlas = NULL;
-    write_text(test_in("a.xml"), "<atlas><type>Probabilistic</type></atlas>");
-    assert_fails(conus_atlas_load(&atlas, test_in("a.xml"), NULL), CONUS_ERROR_DATA);
-    assert_non_null(strstr(conus_message(), "none of the 0 images of a.xml is there"));
-    write_text(test_in("a.atlas.json"), "{\"conus_atlas\": 1, \"parcellation\": \"a.xml\"}");
-    assert_fails(conus_atlas_load(&atlas, test_in("a.atlas.json"), NULL), CONUS_ERROR_UNSUPPORTED);
-    assert_non_null(strstr(conus_message(), "Label is needed; \"probabilities\" of a manifest"));
-    write_text(test_in("a.xml"), "<atlas><type>Label</type><images><imagefile>/gone</imagefile></images></atlas>");
-    assert_fails(conus_atlas_load(&atlas, test_in("a.xml"), NULL), CONUS_ERROR_DATA);
-    assert_non_null(strstr(conus_message(), "none of its 1 images is there"));
-    write_text(test_in("a.xml"), "<!DOCTYPE html><html>404</html>");
-    assert_fails(conus_atlas_load(&atlas, test_in("a.xml"), NULL), CONUS_ERROR_DATA);
-    assert_non_null(strstr(conus_message(), "this is a web page; needed is a labelled volume"));
-    assert_null(atlas);
-}
-
 static void real_fsl_atlases_load(void **state)
 {
     (void)state;
@@ -449,7 +415,6 @@ TEST_GROUP(load)
         cmocka_unit_test(notes_that_are_no_table_are_passed_over),
         cmocka_unit_test(a_damaged_table_is_an_error_unless_another_is_found),
         cmocka_unit_test(an_override_replaces_every_table),
-        cmocka_unit_test(an_fsl_atlas_loads_its_finest_image),
         cmocka_unit_test(real_fsl_atlases_load),
         cmocka_unit_test(pathways_know_their_scale),
         cmocka_unit_test(pathways_are_named_by_an_fsl_atlas_or_their_file),

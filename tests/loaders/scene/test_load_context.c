@@ -11,7 +11,6 @@
 #include "test.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 static const double low[3] = {-20, -30, -40};
@@ -159,51 +158,6 @@ static void what_is_not_of_surfaces_is_refused(void **state)
     conus_atlas_destroy(atlas);
 }
 
-static conus_status load_text(conus_atlas **out, const char *context)
-{
-    char text[512];
-    int size =
-        snprintf(text, sizeof text,
-                 "{\"conus_atlas\": 1, \"areas\": [{\"file\": \"ball.gii\", \"label\": 1}], \"context\": %s}", context);
-    const char *path = test_in("scene.atlas.json");
-    assert_ok(conus_write_file(path, text, (size_t)size));
-    return conus_atlas_load(out, path, NULL);
-}
-
-static void manifests_name_them(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *context, *why;
-    } bad[] = {
-        {"{\"file\": \"l.gii\", \"transfer\": \"brain\"}", "context: transfer: is for volumes, this is a surface"},
-        {"{\"file\": \"l.gii\", \"blocks\": 3}", "context: blocks: only voxels of a volume do, this is a surface"},
-        {"[\"l.gii\", {\"file\": \"r.obj\", \"opacity\": 2}]", "context[1].opacity: found 2, a number above 0 to 1"},
-        {"[\"l.gii\", {\"file\": \"r.obj\", \"moves\": true}]", "context.moves: there is no transform"},
-    };
-    conus_atlas *atlas = NULL;
-    conus_context_surface surface = CONUS_CONTEXT_SURFACE_INIT;
-    test_folder("manifest");
-    write_box("ball.gii", CONUS_MESH_GIFTI);
-    write_box("l.gii", CONUS_MESH_GIFTI);
-    write_box("r.obj", CONUS_MESH_OBJ);
-    assert_ok(load_text(&atlas, "[\"l.gii\", {\"file\": \"r.obj\", \"opacity\": 0.75}]"));
-    check_box(atlas, 0, test_in("l.gii"));
-    check_box(atlas, 1, test_in("r.obj"));
-    assert_ok(conus_atlas_context_surface(&surface, atlas, 1));
-    assert_near(surface.opacity, 0.75, 0);
-    conus_atlas_destroy(atlas);
-    assert_ok(load_text(&atlas, "\"r.obj\""));
-    assert_int_equal(conus_atlas_context_surface_count(atlas), 1);
-    conus_atlas_destroy(atlas);
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        assert_fails(load_text(&atlas, bad[i].context), CONUS_ERROR_DATA);
-        if (!strstr(conus_message(), bad[i].why)) {
-            fail_msg("%s", conus_message());
-        }
-    }
-}
-
 /* A box like the others', of coordinates times `scale`, and moved along x. */
 static const char *write_scaled(const char *name, double scale, double shift)
 {
@@ -241,33 +195,6 @@ static void assert_place(conus_atlas *atlas, const char *wanted)
         fail_msg("found \"%s\", wanted \"%s\"", found ? found : "nothing", wanted ? wanted : "nothing");
     }
     conus_atlas_destroy(atlas);
-}
-
-/* The box is 85 mm along z, the ball 20 mm wide, so that 4.25 is their ratio; 250 / 4.25 is 58.82, and a 250th of 20 mm
- * is 0.08 mm, of which 85 mm are 1062.5 times as much. */
-static void contexts_of_other_units_are_noted(void **state)
-{
-    (void)state;
-    static const struct {
-        double scale, shift;
-        const char *note;
-    } cases[] = {
-        {1, 0, NULL},
-        {58.7, 0, NULL},
-        {58.9, 0, "5006 mm long, beside areas of 20 mm: is one of the two in micrometres, not mm?"},
-        {1000, 0, "8.5e+04 mm long, beside areas of 20 mm: is one of the two in micrometres, not mm?"},
-        {1 / 1060.0, 0, NULL},
-        {1 / 1065.0, 0, "0.07981 mm long, beside areas of 20 mm: is one of the two in metres, not mm?"},
-        {1, 29.9, NULL}, /* from 9.9 mm on, where the ball reaches 10 */
-        {1, 30.1, "lies beside the box around the areas: is it in their space?"},
-        {1000, 1e6, "8.5e+04 mm long, beside areas of 20 mm: is one of the two in micrometres, not mm?"},
-    };
-    test_folder("units");
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        conus_atlas *atlas = make_ball();
-        assert_ok(conus_atlas_set_context(atlas, write_scaled("b.gii", cases[i].scale, cases[i].shift), NULL));
-        assert_place(atlas, cases[i].note);
-    }
 }
 
 /* A grid of 4 voxels, 2 x 1 x 2: with edges of 10 mm it is 20 mm long, as the ball is. */
@@ -414,8 +341,6 @@ TEST_GROUP(load_context)
         cmocka_unit_test(all_formats_of_surfaces_are_taken),
         cmocka_unit_test(no_ray_hits_them_and_nothing_moves_them),
         cmocka_unit_test(what_is_not_of_surfaces_is_refused),
-        cmocka_unit_test(manifests_name_them),
-        cmocka_unit_test(contexts_of_other_units_are_noted),
         cmocka_unit_test(volumes_of_other_units_are_noted),
         cmocka_unit_test(surfaces_of_other_units_are_noted),
         cmocka_unit_test(every_failing_allocation_leaves_the_atlas),

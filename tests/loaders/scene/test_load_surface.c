@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A surface as ATLAS. */
-#include "base/memory.h"
+/* A surface as ATLAS that changes while it is read; tests/corpus/gifti/ has others. */
 #include "builders/gifti_builder.h"
-#include "builders/nifti_builder.h"
 #include "conus/atlas_info.h"
 #include "conus/file.h"
 #include "test.h"
@@ -27,58 +25,6 @@ static void make_surface(struct buffer *out, size_t label_count)
                      &(struct array_spec){.intent = "LABEL", .type = "INT32", .rows = label_count, .values = labels});
     }
     gifti_end(out);
-}
-
-static const char *write_surface(const char *name, size_t label_count)
-{
-    struct buffer bytes = {0};
-    make_surface(&bytes, label_count);
-    const char *path = write_packed(name, &bytes);
-    buffer_finish(&bytes);
-    return path;
-}
-
-static void a_surface_is_an_area(void **state)
-{
-    (void)state;
-    conus_atlas *atlas = NULL;
-    assert_ok(conus_atlas_load(&atlas, write_surface("lh.pial.surf.gii.gz", 0), NULL));
-    assert_int_equal(conus_atlas_object_count(atlas), 1);
-    const conus_object *area = conus_atlas_object(atlas, 1);
-    assert_int_equal(area->kind, CONUS_KIND_AREA);
-    assert_int_equal(area->label, 1);
-    assert_string_equal(area->name, "lh.pial");
-    assert_int_equal(area->hemisphere, 'L');
-    assert_int_equal(area->triangles, 4);
-    assert_near(area->volume_mm3, 1000. / 6, 1e-3);
-    conus_atlas_destroy(atlas);
-}
-
-/* Vertex 3 has label 3. Three triangles have it as one vertex of three, so that no triangle has label 3. */
-static void labels_inside_or_beside_cut_it(void **state)
-{
-    (void)state;
-    for (int beside = 0; beside < 2; beside++) {
-        conus_atlas *atlas = NULL;
-        conus_load_options options = {0};
-        char labels[256];
-        snprintf(labels, sizeof labels, "%s", write_surface("labels.gii", 4));
-        options.labels = beside ? labels : NULL;
-        assert_ok(conus_atlas_load(&atlas, beside ? write_surface("plain.gii", 0) : labels, &options));
-        assert_int_equal(conus_atlas_object_count(atlas), 1);
-        const conus_object *area = conus_atlas_object(atlas, 1);
-        assert_string_equal(area->name, "V1");
-        assert_true(area->named);
-        assert_int_equal(area->label, 5);
-        assert_int_equal(area->rgb[0], 255);
-        assert_int_equal(area->triangles, 4);
-        bool told = false;
-        for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
-            told = told || strstr(conus_atlas_note(atlas, i), "names without a triangle: 1 (nowhere)");
-        }
-        assert_true(told);
-        conus_atlas_destroy(atlas);
-    }
 }
 
 /* A file that grows after the n-th close() from now on, between two readings; 0 = never. */
@@ -130,36 +76,6 @@ static void a_surface_that_changes_is_an_error(void **state)
     assert_true(noticed >= 2); /* it is read for its triangles, and for its checksum */
 }
 
-static void labels_must_fit(void **state)
-{
-    (void)state;
-    conus_atlas *atlas = NULL;
-    assert_fails(conus_atlas_load(&atlas, write_surface("more.gii", 5), NULL), CONUS_ERROR_DATA);
-    assert_non_null(strstr(conus_message(), "labels of 5 vertices, the surface"));
-    const char *plain = write_surface("plain.gii", 0);
-    const conus_load_options options = {.labels = plain};
-    assert_fails(conus_atlas_load(&atlas, plain, &options), CONUS_ERROR_DATA);
-    assert_non_null(strstr(conus_message(), "labels of 0 vertices"));
-}
-
-static conus_status attempt(void *data)
-{
-    conus_atlas *atlas = NULL;
-    conus_status status = conus_atlas_load(&atlas, data, NULL);
-    conus_atlas_destroy(atlas);
-    return status;
-}
-
-static void every_failing_allocation(void **state)
-{
-    (void)state;
-    for (size_t count = 0; count < 5; count += 4) {
-        char path[256];
-        snprintf(path, sizeof path, "%s", write_surface("failing.gii", count));
-        test_every_allocation(attempt, path);
-    }
-}
-
 /* The usual case: a surface without labels, and FreeSurfer's annotation. */
 static void fsaverage_by_its_annotation(void **state)
 {
@@ -178,11 +94,7 @@ static void fsaverage_by_its_annotation(void **state)
 TEST_GROUP(load_surface)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_surface_is_an_area),
-        cmocka_unit_test(labels_inside_or_beside_cut_it),
         cmocka_unit_test(a_surface_that_changes_is_an_error),
-        cmocka_unit_test(labels_must_fit),
-        cmocka_unit_test(every_failing_allocation),
         cmocka_unit_test(fsaverage_by_its_annotation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Folders with FreeSurfer's surfaces, which have no ending, and annotations beside them. */
+/* First manifests of folders with FreeSurfer's surfaces, which have no ending, and annotations beside them. */
 #include "base/buffer.h"
 #include "builders/nifti_builder.h"
 #include "conus/atlas_info.h"
@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 static void write_buffer(const char *name, struct buffer *bytes)
 {
@@ -94,47 +93,6 @@ static void write_hemispheres(const char *folder)
     }
 }
 
-static void one_kind_of_surface_is_taken(void **state)
-{
-    (void)state;
-    test_folder("plain");
-    write_hemispheres("");
-    assert_areas("", "1 lh.pial -; 2 rh.pial -");
-    unlink(test_in("lh.pial"));
-    assert_areas("", "1 rh.pial -");
-    unlink(test_in("rh.pial"));
-    assert_areas("", "1 lh.white -; 2 rh.white -");
-}
-
-static void an_annotation_beside_it_cuts_a_surface(void **state)
-{
-    (void)state;
-    test_folder("cut");
-    write_hemispheres("");
-    write_annotation("lh.aparc.annot", 4, "alpha");
-    assert_areas("", "1 alpha L; 10001 rh.pial -");
-    write_annotation("rh.aparc.annot", 4, "beta");
-    assert_areas("", "1 alpha L; 10001 beta R");
-    write_annotation("rh.yeo.annot", 4, "gamma"); /* aparc of several */
-    assert_areas("", "1 alpha L; 10001 beta R");
-    unlink(test_in("rh.aparc.annot"));
-    assert_areas("", "1 alpha L; 10001 gamma R");
-    write_annotation("rh.vis.annot", 4, "delta"); /* it is unknown which of the two is wanted */
-    assert_areas("", "1 alpha L; 10001 rh.pial -");
-}
-
-/* The content decides the format: these are FreeSurfer's surfaces with GIFTI's ending. */
-static void two_surfaces_of_a_side_are_not_cut(void **state)
-{
-    (void)state;
-    test_folder("sides");
-    write_surface("lh.pial.gii", -20);
-    write_annotation("lh.aparc.annot", 4, "alpha");
-    assert_areas("", "1 alpha L");
-    write_surface("lh.white.gii", -20); /* it is unknown which of the two is wanted */
-    assert_areas("", "1 lh.pial -; 2 lh.white -");
-}
-
 static void an_annotation_of_another_surface_is_refused(void **state)
 {
     (void)state;
@@ -162,34 +120,11 @@ static void a_manifest_of_a_subject_takes_its_annotations(void **state)
     assert_areas("s.atlas.json", "1 alpha L; 10001 beta R");
 }
 
-static conus_status load(void *data)
-{
-    (void)data;
-    conus_atlas *atlas = NULL;
-    conus_status status = conus_atlas_load(&atlas, test_in(""), NULL);
-    conus_atlas_destroy(atlas);
-    return status;
-}
-
-static void every_allocation_may_fail(void **state)
-{
-    (void)state;
-    test_folder("memory");
-    write_hemispheres("");
-    write_annotation("lh.aparc.annot", 4, "alpha");
-    write_annotation("lh.yeo.annot", 4, "beta");
-    test_every_allocation(load, NULL);
-}
-
 TEST_GROUP(manifest_freesurfer)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(one_kind_of_surface_is_taken),
-        cmocka_unit_test(an_annotation_beside_it_cuts_a_surface),
-        cmocka_unit_test(two_surfaces_of_a_side_are_not_cut),
         cmocka_unit_test(an_annotation_of_another_surface_is_refused),
         cmocka_unit_test(a_manifest_of_a_subject_takes_its_annotations),
-        cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,18 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Several parcellations in one manifest: whose a label is, whose a voxel, and what follows from several grids. */
+/* Several parcellations in one manifest: what follows from several grids. Whose a label is, and whose a voxel:
+ * tests/corpus/scene/parcellations/. */
 #include "atlas/atlas.h"
 #include "atlas/space.h"
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "conus/file.h"
-#include "loaders/surfaces/mesh_format.h"
 #include "loaders/volumes/nifti_write.h"
 #include "render/colour/pathways.h"
 #include "test.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 /* Slabs across x in 12 x 8 x 8 voxels of 1 mm whose first centre is the origin, and in 8 x 4 x 4 voxels of 2 mm whose
@@ -100,15 +99,6 @@ static conus_atlas *loaded(const char *keys)
     return atlas;
 }
 
-static void assert_refused(const char *keys, const char *message)
-{
-    conus_atlas *atlas;
-    assert_fails(load(&atlas, keys), CONUS_ERROR_DATA);
-    const char *after = strstr(conus_message(), "test.atlas.json: ");
-    assert_non_null(after);
-    assert_string_equal(after + strlen("test.atlas.json: "), message);
-}
-
 #define LEFT "{\"file\": \"left.nii\", \"hemisphere\": \"L\"}"
 #define RIGHT "{\"file\": \"right.nii\", \"hemisphere\": \"R\", \"label_offset\": 100}"
 #define PAIR "\"parcellations\": [" LEFT ", " RIGHT "]"
@@ -176,194 +166,6 @@ static void one_grid_makes_one_volume(void **state)
     conus_atlas_destroy(atlas);
     atlas = loaded("\"parcellations\": [" RIGHT ", " LEFT "]"); /* values up to 1, and up to 2 */
     assert_near(conus_atlas_volume(atlas, 0)->maximum, 2, 0);
-    conus_atlas_destroy(atlas);
-}
-
-static void the_first_keeps_what_both_have(void **state)
-{
-    (void)state;
-    static const struct wanted wanted[] = {{1, "Front", 'L', 5 * FINE_LAYER, 5 * FINE_LAYER},
-                                           {2, "Back", 'L', 1 * FINE_LAYER, 1 * FINE_LAYER},
-                                           {101, "Front", 'R', 6 * FINE_LAYER, 6 * FINE_LAYER}};
-    conus_atlas *atlas = loaded("\"parcellations\": [" RIGHT ", " LEFT "]");
-    assert_areas(atlas, wanted, 3);
-    assert_true(test_has_note(atlas, "left.nii: voxels in areas of earlier parcellations, which keep them: 64 (of 1 "));
-    assert_string_equal(strrchr(conus_atlas_volume(atlas, 0)->path, '/') + 1, "right.nii");
-    conus_atlas_destroy(atlas);
-}
-
-static void other_grids_stay_volumes(void **state)
-{
-    (void)state;
-    static const struct wanted wanted[] = {{1, "Front", 'L', 5 * FINE_LAYER, 5 * FINE_LAYER},
-                                           {2, "Back", 'L', 2 * FINE_LAYER, 2 * FINE_LAYER},
-                                           {101, "Front", 'R', 5 * FINE_LAYER, 5 * FINE_LAYER},
-                                           {9, "9", 0, 2 * COARSE_LAYER, 8.0 * 2 * COARSE_LAYER}};
-    conus_atlas *atlas = loaded(THREE);
-    assert_areas(atlas, wanted, 4);
-    assert_int_equal(conus_atlas_volume_count(atlas), 2);
-    assert_int_equal(atlas_parcellation_count(atlas), 2);
-    assert_null(atlas_parcellation(atlas));
-    assert_int_equal(conus_atlas_object(atlas, 3)->volume, 0);
-    assert_int_equal(conus_atlas_object(atlas, 4)->volume, 1);
-    for (size_t i = 0; i < 8; i++) {
-        assert_int_equal(volume_object(&atlas->volumes[1], i), i >= 6 ? 4 : 0);
-    }
-    assert_true(test_has_note(atlas, "parcellations: 3 on 2 grids (left.nii with right.nii; coarse.nii)"));
-    assert_true(
-        test_has_note(atlas, "coarse.nii: voxels in areas of earlier parcellations, which keep them: 96 (of 2 "));
-    assert_true(
-        test_has_note(atlas, "coarse.nii: areas that lose all of their voxels to earlier parcellations: 1 (8)"));
-    double centre[3];
-    assert_ok(conus_atlas_centre(centre, atlas, 4)); /* the mean of i = 6 and 7: x = 13.25; y and z: 0.25 + 3 */
-    assert_near(centre[0], 13.25, 1e-12);
-    assert_near(centre[1], 3.25, 1e-12);
-    conus_atlas_destroy(atlas);
-}
-
-/* In the reverse order the finer voxels are asked, at their own centres. Those of left with i = 0 to 11 lie at x = i,
- * in coarse voxels that all belong to an area: the coarse parcellation keeps everything. */
-static void priority_is_by_centres_both_ways(void **state)
-{
-    (void)state;
-    static const struct wanted wanted[] = {{8, "8", 0, COARSE_LAYER, 8.0 * COARSE_LAYER},
-                                           {9, "9", 0, 7 * COARSE_LAYER, 8.0 * 7 * COARSE_LAYER},
-                                           {1, "Front", 0, 0, 0},
-                                           {2, "Back", 0, 0, 0}};
-    conus_atlas *atlas = loaded("\"parcellations\": [\"coarse.nii\", \"left.nii\"]");
-    assert_int_equal(conus_atlas_object_count(atlas), 4);
-    for (size_t i = 0; i < 4; i++) { /* areas without voxels stand with those of the first volume, by label */
-        const conus_object *area = conus_atlas_object(atlas, i + 1);
-        const struct wanted *of = area->label < 3 ? &wanted[1 + area->label] : &wanted[area->label - 8];
-        assert_string_equal(area->name, of->name);
-        assert_int_equal(area->voxels, of->voxels);
-    }
-    assert_true(test_has_note(atlas, "which keep them: 448 (of 2 of its areas)")); /* 7 layers */
-    assert_true(test_has_note(atlas, "lose all of their voxels to earlier parcellations: 2 (1, 2)"));
-    conus_atlas_destroy(atlas);
-}
-
-static void labels_are_one_areas(void **state)
-{
-    (void)state;
-    assert_refused("\"parcellations\": [\"left.nii\", \"right.nii\"]",
-                   "parcellations[1]: label 1 of right.nii is in left.nii, too (parcellations[0]): each needs its own "
-                   "(label_offset)");
-    assert_refused("\"parcellations\": [\"coarse.nii\", \"left.nii\", {\"file\": \"right.nii\", \"label_offset\": 8}]",
-                   "parcellations[2]: label 9 of right.nii is in coarse.nii, too (parcellations[0]): each needs its "
-                   "own (label_offset)");
-    assert_refused("\"parcellations\": [{\"file\": \"right.nii\", \"label_offset\": 4294967295}]",
-                   "parcellations[0]: label_offset: 4294967295 + 1 is above 4294967295");
-    assert_refused("\"parcellation\": \"left.nii\", \"parcellations\": []",
-                   "has parcellation and parcellations, one of them is allowed");
-}
-
-/* One table for both volumes: the labels of each have that volume's names, and the group above them, without voxels, is
- * of both hemispheres. */
-static void a_table_may_name_the_labels_of_all(void **state)
-{
-    (void)state;
-    static const struct wanted wanted[] = {{1, "Front left", 'L', 5 * FINE_LAYER, 5 * FINE_LAYER},
-                                           {2, "Back left", 'L', 2 * FINE_LAYER, 2 * FINE_LAYER},
-                                           {51, "Front right", 'R', 5 * FINE_LAYER, 5 * FINE_LAYER},
-                                           {90, "Brain", 'B', 0, 0}};
-    static const char keys[] =
-        "\"parcellations\": [{\"file\": \"left.nii\", \"labels\": \"all.tsv\", \"hemisphere\": \"L\"}, {\"file\": "
-        "\"other.nii\", \"labels\": \"all.tsv\", \"hemisphere\": \"R\"}]";
-    write_text("all.tsv", "index\tname\tparent_id\n90\tBrain\t\n1\tFront left\t90\n2\tBack left\t90\n51\tFront right\t"
-                          "90\n");
-    conus_atlas *shifted = loaded("\"parcellation\": {\"file\": \"right.nii\", \"label_offset\": 50}");
-    assert_int_equal(conus_atlas_object(shifted, 1)->label, 51);
-    assert_string_equal(conus_atlas_object(shifted, 1)->name, "Front");
-    conus_volume_info info = *conus_atlas_volume(shifted, 0);
-    uint32_t labels[12 * 8 * 8];
-    struct bytes file = {0};
-    for (size_t i = 0; i < sizeof labels / sizeof labels[0]; i++) {
-        labels[i] = volume_object(&shifted->volumes[0], i) ? 51 : 0;
-    }
-    assert_ok(nifti_format_values(&file, &info, labels, 1));
-    assert_ok(conus_write_file(test_in("other.nii"), file.data, file.size));
-    bytes_finish(&file);
-    conus_atlas_destroy(shifted);
-
-    conus_atlas *atlas = loaded(keys);
-    assert_areas(atlas, wanted, 4);
-    for (size_t i = 1; i <= 3; i++) {
-        assert_int_equal(conus_atlas_object(atlas, i)->parent, 4);
-    }
-    conus_atlas_destroy(atlas);
-}
-
-/* Each table has other names for the other volume's labels, which do not count: it has no voxels of them. */
-static void names_are_of_the_voxels_own_table(void **state)
-{
-    (void)state;
-    write_text("front.txt", "1 Front\n2 Back\n9 Not mine\n");
-    write_text("deep.txt", "1 Nor mine\n9 Deep\n");
-    conus_atlas *atlas = loaded("\"parcellations\": [{\"file\": \"left.nii\", \"labels\": \"front.txt\"}, "
-                                "{\"file\": \"coarse.nii\", \"labels\": \"deep.txt\"}]");
-    assert_string_equal(conus_atlas_object(atlas, 1)->name, "Front");
-    assert_string_equal(conus_atlas_object(atlas, 3)->name, "Deep");
-    assert_int_equal(conus_atlas_object_count(atlas), 3);
-    assert_false(test_has_note(atlas, "named twice"));
-    conus_atlas_destroy(atlas);
-}
-
-static void areas_without_a_table_have_a_hemisphere(void **state)
-{
-    (void)state;
-    conus_atlas *atlas = loaded("\"parcellation\": {\"file\": \"coarse.nii\", \"hemisphere\": \"B\"}");
-    assert_int_equal(conus_atlas_object(atlas, 1)->hemisphere, 'B');
-    assert_int_equal(conus_atlas_object(atlas, 2)->hemisphere, 'B');
-    assert_false(conus_atlas_object(atlas, 1)->named);
-    conus_atlas_destroy(atlas);
-}
-
-/* A surface that replaces label 1 leaves the layers i = 0 to 4 to the coarse voxels 0 to 2: 8 keeps all, and 9 keeps i
- * = 0, 2, 6 and 7. */
-static void what_is_a_surface_claims_no_voxels(void **state)
-{
-    (void)state;
-    float positions[12] = {0, 0, 0, 6, 0, 0, 0, 3, 0, 0, 0, 2};
-    uint32_t triangles[12] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
-    const struct mesh mesh = {.positions = positions, .vertex_count = 4, .triangles = triangles, .triangle_count = 4};
-    const struct mesh_title title = {.label = 1, .name = "Surface", .space = "NIFTI_XFORM_SCANNER_ANAT"};
-    static const char surface[] = ", \"areas\": [{\"file\": \"a.gii\", \"label\": 1}]";
-    struct buffer file = {0};
-    char keys[512];
-    assert_ok(mesh_format(&file, &mesh, &title, CONUS_MESH_GIFTI));
-    assert_ok(conus_write_file(test_in("a.gii"), file.data, file.size));
-    buffer_finish(&file);
-    snprintf(keys, sizeof keys, THREE "%s", surface);
-    assert_refused(keys, "areas[0]: label 1 of a.gii is in the parcellation, too: say \"prefer\": \"areas\" or "
-                         "\"parcellation\"");
-    snprintf(keys, sizeof keys, THREE "%s, \"prefer\": \"areas\"", surface);
-    conus_atlas *atlas = loaded(keys);
-    static const struct wanted wanted[] = {{2, "Back", 'L', 2 * FINE_LAYER, 2 * FINE_LAYER},
-                                           {101, "Front", 'R', 5 * FINE_LAYER, 5 * FINE_LAYER},
-                                           {8, "8", 0, COARSE_LAYER, 8.0 * COARSE_LAYER},
-                                           {9, "9", 0, 4 * COARSE_LAYER, 8.0 * 4 * COARSE_LAYER},
-                                           {1, "Front", 'L', 0, 6}}; /* hemispheres as in the table */
-    assert_areas(atlas, wanted, 5);
-    conus_atlas_destroy(atlas);
-}
-
-/* Talairach space (3) and MNI space (4) differ by some mm. */
-static void spaces_that_differ_are_noted(void **state)
-{
-    (void)state;
-    space_code = 3;
-    assert_ok(write_slabs("talairach.nii", true, left));
-    space_code = 4;
-    assert_ok(write_slabs("mni.nii", false, coarse));
-    space_code = 1;
-    conus_atlas *atlas = loaded("\"parcellations\": [\"talairach.nii\", \"mni.nii\"]");
-    assert_true(test_has_note(atlas,
-                              "talairach.nii is placed by sform, code 3 (Talairach), mni.nii by sform, code 4 (MNI "
-                              "152): their areas may not fit together"));
-    conus_atlas_destroy(atlas);
-    atlas = loaded("\"parcellations\": [\"left.nii\", \"mni.nii\"]");
-    assert_false(test_has_note(atlas, "may not fit"));
     conus_atlas_destroy(atlas);
 }
 
@@ -554,41 +356,13 @@ static void cuts_and_pictures_show_the_first(void **state)
     conus_atlas_destroy(atlas);
 }
 
-static conus_status load_again(void *data)
-{
-    conus_atlas *atlas = NULL;
-    conus_status status = conus_atlas_load(&atlas, data, NULL);
-    conus_atlas_destroy(atlas);
-    return status;
-}
-
-static void every_failing_allocation_is_reported(void **state)
-{
-    (void)state;
-    conus_atlas_destroy(loaded(THREE));
-    test_every_allocation(load_again, (void *)test_in("test.atlas.json"));
-}
-
 TEST_GROUP(parcellations)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(one_grid_makes_one_volume),
-        cmocka_unit_test(the_first_keeps_what_both_have),
-        cmocka_unit_test(other_grids_stay_volumes),
-        cmocka_unit_test(priority_is_by_centres_both_ways),
-        cmocka_unit_test(labels_are_one_areas),
-        cmocka_unit_test(a_table_may_name_the_labels_of_all),
-        cmocka_unit_test(names_are_of_the_voxels_own_table),
-        cmocka_unit_test(areas_without_a_table_have_a_hemisphere),
-        cmocka_unit_test(what_is_a_surface_claims_no_voxels),
-        cmocka_unit_test(spaces_that_differ_are_noted),
-        cmocka_unit_test(the_tree_reaches_over_grids),
-        cmocka_unit_test(a_ball_counts_each_grid),
-        cmocka_unit_test(a_ray_passes_the_grids_in_order),
-        cmocka_unit_test(a_mask_lies_on_one_grid),
-        cmocka_unit_test(areas_of_any_grid_can_be_hidden),
+        cmocka_unit_test(one_grid_makes_one_volume),        cmocka_unit_test(the_tree_reaches_over_grids),
+        cmocka_unit_test(a_ball_counts_each_grid),          cmocka_unit_test(a_ray_passes_the_grids_in_order),
+        cmocka_unit_test(a_mask_lies_on_one_grid),          cmocka_unit_test(areas_of_any_grid_can_be_hidden),
         cmocka_unit_test(cuts_and_pictures_show_the_first),
-        cmocka_unit_test(every_failing_allocation_is_reported),
     };
     return cmocka_run_group_tests(tests, write_files, NULL);
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* MRtrix's tractograms, and detecting a file's format. */
+/* MRtrix's tractograms: rounding, blocks, files that are mapped; and detecting a file's format. */
 #include "base/files/file.h"
-#include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "conus/streamlines.h"
 #include "loaders/tracts/tract_file.h"
@@ -90,31 +89,6 @@ static void assert_refused(const struct buffer *bytes, const char *words)
     notes_finish(&notes);
 }
 
-static void numbers_of_both_sizes_and_orders(void **state)
-{
-    (void)state;
-    static const char *const types[] = {"Float32LE", "Float32BE", "Float64LE", "Float64BE"};
-    for (size_t i = 0; i < 8; i++) {
-        struct buffer bytes = {0};
-        struct tractogram out = {0};
-        struct notes notes = {0};
-        char words[64];
-        snprintf(words, sizeof words, "mrtrix tracks    \nfile: . 100\ndatatype: %s\nEND\n", types[i / 2]);
-        begin(&bytes, words);
-        append_triples(&bytes, three[0], 7, i / 2 > 1, i / 2 & 1);
-        const char *path = (i & 1 ? write_packed : write_bytes)("x.tck", &bytes);
-        assert_true(tract_file_is(path) && conus_path_is_tractogram(path));
-        assert_ok(tract_file_read(&out, path, NULL, 0, 0, &notes));
-        assert_int_equal(notes.count, 1); /* short streamlines; no count is no lie */
-        assert_three(&out);
-        snprintf(words, sizeof words, "MRtrix %s%s", types[i / 2], i & 1 ? ", gzip" : "");
-        assert_string_equal(out.format, words);
-        tractogram_finish(&out);
-        notes_finish(&notes);
-        buffer_finish(&bytes);
-    }
-}
-
 /* 1 + 2^-24 lies in the middle between the floats 1 and 1 + 2^-23, and is rounded to the even one, which is 1; 1 +
  * 2^-24 + 2^-52 is rounded up. */
 static void doubles_are_rounded_once(void **state)
@@ -131,119 +105,6 @@ static void doubles_are_rounded_once(void **state)
     assert_true(out.points[0] == 1.0F && out.points[1] == 1 + 0x1p-23F && out.points[2] == 0.1F);
     tractogram_finish(&out);
     notes_finish(&notes);
-    buffer_finish(&bytes);
-}
-
-/* Keys in any case and order, lines that are continued, an unused key that occurs twice, points that begin later. */
-static void headers_as_programs_write_them(void **state)
-{
-    (void)state;
-    static const char *const headers[] = {
-        PLAIN,
-        "mrtrix tracks\r\nDatatype: float32le\r\n\r\nFILE:   .  100\r\nEND\r\n",
-        "mrtrix tracks\nroi: a\nfile: . 100\nroi: b\ndatatype:Float32LE\nEND",
-        "mrtrix tracks\ncommand_history: tckgen a\ntckedit a b\ndatatype: Float32LE\nfile: . 100\ncount: 3\nEND",
-    };
-    for (size_t i = 0; i < sizeof headers / sizeof headers[0]; i++) {
-        struct buffer bytes = {0};
-        struct tractogram out = {0};
-        struct notes notes = {0};
-        begin(&bytes, headers[i]);
-        bytes.data[strlen(headers[i])] = '\n';
-        append_triples(&bytes, three[0], 7, false, false);
-        assert_ok(parse_with(&out, &bytes, &notes));
-        assert_three(&out);
-        tractogram_finish(&out);
-        notes_finish(&notes);
-        buffer_finish(&bytes);
-    }
-}
-
-static void a_count_that_is_wrong_is_warned_of(void **state)
-{
-    (void)state;
-    struct buffer bytes = {0};
-    struct tractogram out = {0};
-    struct notes notes = {0};
-    begin_three(&bytes, "mrtrix tracks\ndatatype: Float32LE\nfile: . 100\ncount: 9\nEND\n");
-    assert_ok(parse_with(&out, &bytes, &notes));
-    assert_three(&out);
-    assert_int_equal(notes.count, 2);
-    assert_string_equal(notes.lines[0],
-                        "count: the header says 9, the file has 3 streamlines and its end; all of them are used");
-    assert_int_equal(notes.marks[0].severity, CONUS_SEVERITY_WARNING);
-    tractogram_finish(&out);
-    notes_finish(&notes);
-    buffer_finish(&bytes);
-}
-
-static void headers_that_say_nothing_are_refused(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *header, *words;
-    } cases[] = {
-        {"mrtrix tracks\nfile: . 100\nEND\n", "datatype: found \"\", allowed are Float32LE"},
-        {"mrtrix tracks\ndatatype: Int16LE\nfile: . 100\nEND\n", "datatype: found \"Int16LE\""},
-        {"mrtrix tracks\ndatatype: Float32\nfile: . 100\nEND\n", "datatype: found \"Float32\""},
-        {"mrtrix tracks\ndatatype: Float32LE\nEND\n", "file: found \"\", needed is \". OFFSET\""},
-        {"mrtrix tracks\ndatatype: Float32LE\nfile: a.dat 0\nEND\n", "file: found \"a.dat 0\""},
-        {"mrtrix tracks\ndatatype: Float32LE\nfile: .\nEND\n", "file: found \".\""},
-        {"mrtrix tracks\ndatatype: Float32LE\nfile: . -1\nEND\n", "file: found \". -1\""},
-        {"mrtrix tracks\ndatatype: Float32LE\nfile: . 100 1\nEND\n", "file: found \". 100 1\""},
-        {"mrtrix tracks\ndatatype: Float32LE\nfile: . 46\nEND\n", "file: found offset 46, the header ends at 49"},
-        {"mrtrix tracks\ndatatype: Float32LE\nfile: . 999\nEND\n", "file: found offset 999, the file has 184 bytes"},
-        {"mrtrix tracks\ndatatype: Float32LE\nfile: . 100\nend\n", "header: found no line END in the first 184 bytes"},
-        {"mrtrix tracks\ncount: x\ndatatype: Float32LE\nfile: . 100\nEND\n",
-         "count: found \"x\", needed is a whole number"},
-        {"mrtrix tracks\nfile: . 100\nfile: . 100\ndatatype: Float32LE\nEND\n", "file: found twice"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        struct buffer bytes = {0};
-        begin_three(&bytes, cases[i].header);
-        assert_refused(&bytes, cases[i].words);
-        buffer_finish(&bytes);
-    }
-}
-
-/* Puts @p value in place of number @p index of the seven triples. */
-static void assert_number_refused(size_t index, double value, const char *words)
-{
-    struct buffer bytes = {0};
-    struct buffer one = {0};
-    begin_three(&bytes, PLAIN);
-    append_float(&one, value, false);
-    memcpy(bytes.data + 100 + 4 * index, one.data, 4);
-    assert_refused(&bytes, words);
-    buffer_finish(&one);
-    buffer_finish(&bytes);
-}
-
-static void markers_that_are_half_ones_are_refused(void **state)
-{
-    (void)state;
-    assert_number_refused(3, NAN, "point 1 of streamline 0 (both from 0): found (nan, 5, 6.5); three NaN end");
-    assert_number_refused(5, NAN, "found (4, 5, nan)");
-    assert_number_refused(8, 0, "point 2 of streamline 0 (both from 0): found (nan, nan, 0)");
-    assert_number_refused(4, INFINITY, "found (4, inf, 6.5)");
-    assert_number_refused(7, INFINITY, "found (nan, inf, nan)");
-    assert_number_refused(18, 1, "point 0 of streamline 3 (both from 0): found (1, inf, inf)");
-    assert_number_refused(0, 1.1e9, "point 0 of streamline 0 (both from 0): found (1100000000, 2, 3)");
-}
-
-static void files_without_an_end_are_refused(void **state)
-{
-    (void)state;
-    struct buffer bytes = {0};
-    begin_three(&bytes, PLAIN);
-    bytes.size -= 12;
-    assert_refused(&bytes, "streamline 3 (from 0): the file ends without the marker of its end (inf inf inf)");
-    bytes.size -= 12;
-    append_triples(&bytes, three[6], 1, false, false);
-    assert_refused(&bytes, "streamline 2 (from 0): the end of the file comes before its own (NaN NaN NaN)");
-    begin_three(&bytes, PLAIN);
-    buffer_append(&bytes, "x", 1);
-    assert_refused(&bytes, "content: the file goes on after the marker of its end (inf inf inf)");
     buffer_finish(&bytes);
 }
 
@@ -324,31 +185,6 @@ static void the_reader_says_why_a_file_is_empty(void **state)
     assert_string_equal(conus_message(), "header: found no line END in the first 0 bytes");
     byte_stream_finish(&stream);
     notes_finish(&notes);
-}
-
-static void every_prefix_is_refused(void **state)
-{
-    (void)state;
-    for (int packed = 0; packed < 2; packed++) {
-        struct buffer plain = {0};
-        struct buffer bytes = {0};
-        begin_three(&plain, PLAIN);
-        if (packed) {
-            append_gzip(&bytes, plain.data, plain.size);
-        }
-        const struct buffer *whole = packed ? &bytes : &plain;
-        for (size_t size = 0; size < whole->size; size++) {
-            struct tractogram out = {0};
-            struct notes notes = {0};
-            uint8_t *exact = memory_copy(whole->data, size, 1);
-            assert_non_null(exact);
-            assert_fails(tract_file_parse(&out, exact, size, 0, &notes), CONUS_ERROR_DATA);
-            notes_finish(&notes);
-            memory_free(exact);
-        }
-        buffer_finish(&bytes);
-        buffer_finish(&plain);
-    }
 }
 
 /* Reads a file that is mapped. Where its points stay there, gives a copy of them, as if they had been read. */
@@ -459,17 +295,10 @@ static void every_failing_allocation(void **state)
 TEST_GROUP(tck)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(numbers_of_both_sizes_and_orders),
         cmocka_unit_test(doubles_are_rounded_once),
-        cmocka_unit_test(headers_as_programs_write_them),
-        cmocka_unit_test(a_count_that_is_wrong_is_warned_of),
-        cmocka_unit_test(headers_that_say_nothing_are_refused),
-        cmocka_unit_test(markers_that_are_half_ones_are_refused),
-        cmocka_unit_test(files_without_an_end_are_refused),
         cmocka_unit_test(what_is_no_tractogram_is_said),
         cmocka_unit_test(more_than_a_block),
         cmocka_unit_test(the_reader_says_why_a_file_is_empty),
-        cmocka_unit_test(every_prefix_is_refused),
         cmocka_unit_test(points_may_stay_in_a_mapped_file),
         cmocka_unit_test(a_mapped_file_is_read_as_strictly),
         cmocka_unit_test(every_failing_allocation),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* TRX: archives and folders of every type, contradictions of header.json, memory. */
+/* TRX: archives, folders, groups, memory. tests/corpus/trx/ has every type, and contradictions. */
 #include "loaders/tracts/tract_formats.h"
 
 #include "base/memory.h"
@@ -30,12 +30,7 @@ struct file {
 static const char header[] = "{\"DIMENSIONS\": [10, 20, 30], \"NB_STREAMLINES\": 3, \"NB_VERTICES\": 5,"
                              " \"VOXEL_TO_RASMM\": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}";
 static const float points[15] = {0, 0.5F, 1, 1.5F, 2, 2.5F, -3, 3.5F, 4, 4.5F, -5, 5.5F, 6, 6.5F, 7};
-static const double points64[15] = {0, 0.5, 1, 1.5, 2, 2.5, -3, 3.5, 4, 4.5, -5, 5.5, 6, 6.5, 7};
-/* The same by IEEE 754: a half of 2^e (1 + f / 1024) is 1024 (e + 15) + f, below 0 and 32768. */
-static const uint16_t points16[15] = {0,      0x3800, 0x3c00, 0x3e00, 0x4000, 0x4100, 0xc200, 0x4300,
-                                      0x4400, 0x4480, 0xc500, 0x4580, 0x4600, 0x4680, 0x4700};
 static const uint64_t offsets[4] = {0, 2, 2, 5};
-static const uint32_t offsets32[4] = {0, 2, 2, 5};
 static const uint32_t left_group[2] = {0, 2};
 static const uint32_t other_group[4] = {2, 1, 2, 0}; /* not in order, one twice */
 static const int16_t algorithm[3] = {-1, 0, 300};
@@ -236,147 +231,6 @@ static void a_folder(void **state)
     assert_non_null(strstr(conus_message(), "header.json: missing"));
 }
 
-static void every_type_of_positions_and_offsets(void **state)
-{
-    (void)state;
-    static const struct file positions[] = {DATA_FILE("positions.3.float32", points),
-                                            DATA_FILE("positions.3.float64", points64),
-                                            DATA_FILE("positions.3.float16", points16)};
-    static const struct file starts[] = {DATA_FILE("offsets.uint64", offsets),
-                                         {"offsets.uint64", offsets, 3 * sizeof *offsets},
-                                         DATA_FILE("offsets.uint32", offsets32),
-                                         {"offsets.uint32", offsets32, 3 * sizeof *offsets32}};
-    for (size_t i = 0; i < 24; i++) {
-        const struct file files[] = {standard[0], starts[i % 4], positions[i / 4 % 3]};
-        struct buffer archive;
-        struct tractogram tractogram;
-        build(&archive, files, 3, i / 12);
-        assert_ok(parse(&tractogram, &archive, 1 << 20, NULL));
-        assert_points(&tractogram);
-        assert_true(tractogram.halves ? i / 4 % 3 == 2 && !tractogram.points : i / 4 % 3 < 2);
-        tractogram_finish(&tractogram);
-        buffer_finish(&archive);
-    }
-}
-
-static void no_streamline(void **state)
-{
-    (void)state;
-    static const struct file files[] = {TEXT_FILE("header.json", "{\"NB_STREAMLINES\": 0, \"NB_VERTICES\": 0}"),
-                                        {"offsets.uint64", offsets, sizeof *offsets},
-                                        {"positions.3.float16", points16, 0},
-                                        {"groups/none.uint32", left_group, 0}};
-    for (size_t count = 1; count <= 4; count++) {
-        struct buffer archive;
-        struct tractogram tractogram;
-        build(&archive, files, count, false);
-        assert_ok(parse(&tractogram, &archive, 1 << 20, NULL));
-        assert_int_equal(tractogram.first[0], 0);
-        assert_int_equal(tractogram.point_count + tractogram.streamline_count, 0);
-        assert_int_equal(tractogram.group_count, count == 4);
-        tractogram_finish(&tractogram);
-        buffer_finish(&archive);
-    }
-}
-
-/* Refuses the standard archive with other bytes for the file @p name, with another name for it, or without it (@p other
- * has no name). */
-static void assert_refused(const char *name, struct file other, conus_status wanted, const char *part)
-{
-    struct file files[FILES];
-    struct buffer archive;
-    struct tractogram tractogram = {.point_count = 77};
-    struct notes notes = {0};
-    bool found = false;
-    for (size_t i = 0; i < FILES; i++) {
-        bool same = strcmp(standard[i].name, name) == 0;
-        files[i] = same ? other : standard[i];
-        found = found || same;
-    }
-    assert_true(found);
-    build(&archive, files, FILES, false);
-    conus_status status = parse(&tractogram, &archive, 1 << 20, &notes);
-    if (status != wanted || !strstr(conus_message(), part)) {
-        fail_msg("%s: %d, \"%s\" and not \"%s\"", name, (int)status, status ? conus_message() : "", part);
-    }
-    assert_int_equal(tractogram.point_count, 77);
-    notes_finish(&notes);
-    buffer_finish(&archive);
-}
-
-static void assert_header_refused(const char *text, const char *part)
-{
-    assert_refused("header.json", (struct file){"header.json", text, strlen(text)}, CONUS_ERROR_DATA, part);
-}
-
-static void headers(void **state)
-{
-    (void)state;
-    assert_refused("header.json", (struct file){0}, CONUS_ERROR_DATA, "header.json: missing");
-    assert_header_refused("[]", "header.json: not a JSON object");
-    assert_header_refused("{", "header.json: line 1");
-    assert_header_refused("{\"NB_VERTICES\": 5}", "header.json: NB_STREAMLINES: not given");
-    assert_header_refused("{\"NB_STREAMLINES\": 3}", "header.json: NB_VERTICES: not given");
-    assert_header_refused("{\"NB_STREAMLINES\": 3.5, \"NB_VERTICES\": 5}", "NB_STREAMLINES: it is no such number");
-    assert_header_refused("{\"NB_STREAMLINES\": 3, \"NB_VERTICES\": -5}", "NB_VERTICES: it is no such number");
-    assert_header_refused("{\"NB_STREAMLINES\": 3, \"NB_VERTICES\": 5, \"VOXEL_TO_RASMM\": [1]}", "4 lists of 4");
-    assert_header_refused("{\"NB_STREAMLINES\": 3, \"NB_VERTICES\": 5, \"VOXEL_TO_RASMM\":"
-                          " [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, \"1\"]]}",
-                          "4 lists of 4");
-    assert_header_refused("{\"NB_STREAMLINES\": 3, \"NB_VERTICES\": 5, \"DIMENSIONS\": [1, 2]}", "DIMENSIONS");
-    assert_header_refused("{\"NB_STREAMLINES\": 3, \"NB_VERTICES\": 6}", "offsets.uint64: number 3 (from 0) is 5");
-    assert_header_refused("{\"NB_STREAMLINES\": 5, \"NB_VERTICES\": 5}", "offsets.uint64: 32 bytes");
-    assert_header_refused("{\"NB_STREAMLINES\": 4611686018427387904, \"NB_VERTICES\": 5}", "NB_STREAMLINES");
-    assert_header_refused("{\"NB_STREAMLINES\": 0, \"NB_VERTICES\": 5}", "offsets.uint64: 32 bytes");
-}
-
-static void arrays(void **state)
-{
-    (void)state;
-    static const uint64_t falls[] = {0, 3, 2, 5};
-    static const uint64_t late[] = {1, 2, 2, 5};
-    static const uint64_t beyond[] = {0, 2, 6, 5};
-    static const uint64_t early[] = {0, 2, 2, 4};
-    assert_refused("offsets.uint64", (struct file){0}, CONUS_ERROR_DATA, "offsets: missing");
-    assert_refused("offsets.uint64", (struct file)DATA_FILE("offsets.int64", offsets), CONUS_ERROR_DATA,
-                   "offsets.int64: offsets.uint64 or");
-    assert_refused("offsets.uint64", (struct file)DATA_FILE("offsets.uint32", offsets), CONUS_ERROR_DATA,
-                   "offsets.uint32: 32 bytes, by header.json 3 times 4");
-    assert_refused("offsets.uint64", (struct file)DATA_FILE("offsets.uint64", falls), CONUS_ERROR_DATA,
-                   "offsets.uint64: number 2 (from 0) is 2, they rise");
-    assert_refused("offsets.uint64", (struct file)DATA_FILE("offsets.uint64", late), CONUS_ERROR_DATA, "number 0");
-    assert_refused("offsets.uint64", (struct file)DATA_FILE("offsets.uint64", beyond), CONUS_ERROR_DATA, "number 2");
-    assert_refused("offsets.uint64", (struct file)DATA_FILE("offsets.uint64", early), CONUS_ERROR_DATA, "number 3");
-    assert_refused("positions.3.float32", (struct file){0}, CONUS_ERROR_DATA, "positions: missing");
-    assert_refused("positions.3.float32", (struct file)DATA_FILE("positions.3.int32", points), CONUS_ERROR_DATA,
-                   "positions.3.int32: positions.3.float16, .float32");
-    assert_refused("positions.3.float32", (struct file)DATA_FILE("positions.4.float32", points), CONUS_ERROR_DATA,
-                   "positions.4.float32: positions.3");
-    assert_refused("positions.3.float32", (struct file)DATA_FILE("positions.float32", points), CONUS_ERROR_DATA,
-                   "positions.float32: positions.3");
-    assert_refused("positions.3.float32", (struct file)DATA_FILE("positions.3.float64", points), CONUS_ERROR_DATA,
-                   "positions.3.float64: 60 bytes, by header.json 5 times 24");
-    assert_refused("positions.3.float32", (struct file){"positions.3.float32", points, 59}, CONUS_ERROR_DATA,
-                   "positions.3.float32: 59 bytes");
-    assert_refused("positions.3.float32", (struct file){"positions.3.float32", points, 48}, CONUS_ERROR_DATA,
-                   "positions.3.float32: 48 bytes"); /* of 4 points */
-    assert_refused("dps/algo.json", (struct file)DATA_FILE("positions.3.float64", points64), CONUS_ERROR_DATA,
-                   "a second array of positions");
-    assert_refused("dps/algo.int16", (struct file)DATA_FILE("dps/algo.int32", algorithm), CONUS_ERROR_DATA,
-                   "dps/algo.int32: 6 bytes, by header.json 3 times 4");
-    assert_refused("dps/algo.int16", (struct file)DATA_FILE("dps/algo.2.int16", algorithm), CONUS_ERROR_DATA,
-                   "dps/algo.2.int16: 6 bytes, by header.json 3 times 4");
-    assert_refused("dps/algo.int16", (struct file)DATA_FILE("dps/algo.0.int16", algorithm), CONUS_ERROR_DATA,
-                   "dps/algo.0.int16: a name, 1 to");
-    assert_refused("dps/algo.int16", (struct file)DATA_FILE("dps/.int16", algorithm), CONUS_ERROR_DATA, "a name, 1 to");
-    assert_refused("dpv/fa.float64", (struct file){"dpv/fa.float64", anisotropy, 32}, CONUS_ERROR_DATA,
-                   "dpv/fa.float64: 32 bytes");
-    assert_refused("groups/AF_L.uint32", (struct file)DATA_FILE("groups/AF_L.int32", left_group), CONUS_ERROR_DATA,
-                   "groups/AF_L.int32: a group is NAME.uint32");
-    assert_refused("groups/AF_L.uint32", (struct file){"groups/AF_L.uint32", left_group, 7}, CONUS_ERROR_DATA,
-                   "groups/AF_L.uint32: 7 bytes");
-}
-
 /* The reader cannot know that this group is wrong; tractogram_check() refuses it. */
 static void a_member_out_of_range(void **state)
 {
@@ -456,16 +310,9 @@ static void every_allocation(void **state)
 TEST_GROUP(trx)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(an_archive),
-        cmocka_unit_test(a_file),
-        cmocka_unit_test(a_folder),
-        cmocka_unit_test(every_type_of_positions_and_offsets),
-        cmocka_unit_test(no_streamline),
-        cmocka_unit_test(headers),
-        cmocka_unit_test(arrays),
-        cmocka_unit_test(a_member_out_of_range),
-        cmocka_unit_test(memory_has_a_limit),
-        cmocka_unit_test(every_prefix),
+        cmocka_unit_test(an_archive),         cmocka_unit_test(a_file),
+        cmocka_unit_test(a_folder),           cmocka_unit_test(a_member_out_of_range),
+        cmocka_unit_test(memory_has_a_limit), cmocka_unit_test(every_prefix),
         cmocka_unit_test(every_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

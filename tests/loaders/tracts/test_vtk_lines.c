@@ -197,37 +197,6 @@ static void binaries(void **state)
     }
 }
 
-/* Connectivity 0, 1, 2 ... needs no copy of the points. */
-static void a_stated_space_and_corners_in_order(void **state)
-{
-    (void)state;
-    static const char text[] = "# vtk DataFile Version 3.0\nSPACE=LPS\nASCII\nDATASET POLYDATA\nPOINTS 5 float\n"
-                               "0 0.5 1 2 3 4 -5 6 7 2 3 4 8 9 10\nLINES 2 7 3 0 1 2 2 3 4\nPOINT_DATA 5\n"
-                               "FIELD f 2 fa%20x 1 5 float 0.5 nan 2 nan 3 dir 3 5 char 1 0 0 0 1 0 0 0 1 0 1 0 1 1 1\n"
-                               "CELL_DATA 2\nSCALARS weight short 2\nLOOKUP_TABLE default\n3 4 5 6\n";
-    struct tractogram tractogram;
-    struct notes notes = {0};
-    assert_ok(parse(&tractogram, text, sizeof text - 1, 1 << 20, &notes));
-    assert_int_equal(notes.count, 0);
-    assert_int_equal(tractogram.space, CONUS_FILE_SPACE_LPS);
-    tractogram_from_lps(&tractogram);
-    assert_lines(&tractogram, -1);
-    tractogram_finish(&tractogram);
-}
-
-/* As many corners as points, in reverse order. */
-static void corners_in_another_order(void **state)
-{
-    (void)state;
-    static const char text[] = HEAD("3.0", "ASCII") "POINTS 5 float\n8 9 10 2 3 4 -5 6 7 2 3 4 0 0.5 1\n"
-                                                    "LINES 2 7 3 4 3 2 2 1 0\nPOINT_DATA 5\nFIELD f 2\n"
-                                                    "fa%20x 1 5 float 3 nan 2 nan 0.5\n"
-                                                    "dir 3 5 char 1 1 1 0 1 0 0 0 1 0 1 0 1 0 0\n"
-                                                    "CELL_DATA 2\nSCALARS weight short 2\nLOOKUP_TABLE default\n"
-                                                    "3 4 5 6\n";
-    assert_reads(text, sizeof text - 1, "VTK");
-}
-
 static void a_packed_file(void **state)
 {
     (void)state;
@@ -251,51 +220,6 @@ static void a_packed_file(void **state)
     buffer_finish(&packed);
 }
 
-static void assert_refused(const char *text, conus_status wanted, const char *part)
-{
-    struct tractogram tractogram = {.point_count = 77};
-    struct notes notes = {0};
-    conus_status status = parse(&tractogram, text, strlen(text), 1 << 20, &notes);
-    if (status != wanted || !strstr(conus_message(), part)) {
-        fail_msg("%s: %d, \"%s\" and not \"%s\"", text, (int)status, status ? conus_message() : "", part);
-    }
-    assert_int_equal(tractogram.point_count, 77);
-    notes_finish(&notes);
-}
-
-/* A point (1, 2, 3) of a file is (-1, -2, 3) where it is LPS: what the user states counts, else what the file does. */
-static void a_user_states_the_space(void **state)
-{
-    (void)state;
-    static const char *const heads[] = {"none", "SPACE=RAS", "SPACE=LPS"};
-    static const double signs[3][3] = {{1, 1, -1}, {1, 1, -1}, {-1, 1, -1}}; /* by file, then by user */
-    static const char *const notes_of[3][3] = {{"does not state its space", NULL, NULL},
-                                               {NULL, NULL, "for LPS, as is stated, but the file says RAS"},
-                                               {NULL, "for RAS, as is stated, but the file says LPS", NULL}};
-    for (int n = 0; n < 9; n++) {
-        char text[256];
-        struct tractogram read;
-        struct notes notes = {0};
-        const int file = n / 3;
-        const int given = n % 3;
-        const double sign = signs[file][given];
-        int size = snprintf(text, sizeof text,
-                            "# vtk DataFile Version 3.0\n%s\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n1 2 3 4 5 6\n"
-                            "LINES 1 3 2 0 1\n",
-                            heads[file]);
-        assert_ok(file_write(test_scratch("space.vtk"), text, (size_t)size));
-        assert_ok(tract_file_read(&read, test_scratch("space.vtk"), NULL, 0, (conus_file_space)given, &notes));
-        assert_near(read.points[0], sign, 0);
-        assert_near(read.points[4], 5 * sign, 0);
-        assert_near(read.points[5], 6, 0);
-        const char *note = notes_of[file][given];
-        assert_int_equal(notes.count, note != NULL);
-        assert_true(!note || strstr(notes.lines[0], note));
-        tractogram_finish(&read);
-        notes_finish(&notes);
-    }
-}
-
 static void which_files_have_lines(void **state)
 {
     (void)state;
@@ -316,46 +240,6 @@ static void which_files_have_lines(void **state)
 }
 
 #define LINES HEAD("3.0", "ASCII") POINTS "LINES 2 7 3 0 1 2 2 1 3\n"
-#define PIECE "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"2\" NumberOfLines=\"1\">"
-#define LINE PIECE VTP_POINTS("0 0 0 1 1 1") VTP_CELLS("Lines", "0 1", "2")
-
-static void refused(void **state)
-{
-    (void)state;
-    assert_refused(HEAD("3.0", "ASCII") POINTS "POLYGONS 1 4 3 0 1 2\n", CONUS_ERROR_DATA, "a surface and no lines");
-    assert_refused(HEAD("3.0", "ASCII") POINTS "LINES 1 3 2 0 4\n", CONUS_ERROR_DATA, "line or face 0: vertex index 4");
-    assert_refused(HEAD("3.0", "ASCII") POINTS "LINES 1 4 2 0 1 1\n", CONUS_ERROR_DATA, "1 numbers more");
-    assert_refused(LINES "POINT_DATA 3\nSCALARS a float\n1 2 3\n", CONUS_ERROR_DATA, "a: 3 numbers, 4 times 1");
-    assert_refused(LINES "CELL_DATA 3\nSCALARS a float\n1 2 3\n", CONUS_ERROR_DATA, "a: of 3 cells, there are 2");
-    assert_refused(LINES "POINT_DATA 4\nSCALARS a float\n1 2 3\n", CONUS_ERROR_DATA, "needed is a number");
-    assert_refused(LINES "POINT_DATA 4\nSCALARS a float 0\n1 2 3 4\n", CONUS_ERROR_DATA, "a: 0 numbers for each");
-    assert_refused(LINES "POINT_DATA 4\nTEXTURE_COORDINATES a 99999 float\n1 2 3 4\n", CONUS_ERROR_DATA, "a: 99999");
-    assert_refused(LINES "POINT_DATA 4\nSCALARS a float\n1 2 3 4\nSCALARS a float\n1 2 3 4\n", CONUS_ERROR_DATA,
-                   "a: twice");
-    assert_refused(LINES "POINT_DATA 4\nSCALARS a real\n1 2 3 4\n", CONUS_ERROR_DATA, "a type of numbers");
-    assert_refused(LINES "POINT_DATA 4\nCOLOURS a float\n1 2 3 4\n", CONUS_ERROR_DATA, "needed is SCALARS");
-    assert_refused(LINES "POINT_DATA 4\nTENSORS a float\n1 2 3 4\n", CONUS_ERROR_DATA, "a: the file is cut off");
-    assert_refused(LINE "<PointData>" VTP_ARRAY("Float32", "Name=\"a\"") "1</DataArray></PointData></Piece>"
-                                                                         "</PolyData></VTKFile>",
-                   CONUS_ERROR_DATA, "a: 1 numbers, 2 times 1");
-    assert_refused(LINE "<CellData>" VTP_ARRAY(
-                       "Float32", "Name=\"a\" NumberOfComponents=\"0\"") "1</DataArray>"
-                                                                         "</CellData></Piece></PolyData></VTKFile>",
-                   CONUS_ERROR_DATA, "a: 0 numbers for each");
-    assert_refused(LINE "</Piece><Piece NumberOfPoints=\"0\" NumberOfLines=\"0\"><PointData>" VTP_ARRAY(
-                       "Float32", "Name=\"a\"") "</DataArray></PointData></Piece></PolyData></VTKFile>",
-                   CONUS_ERROR_DATA, "a: not in all pieces");
-    /* 2^64 - 1 vertices, 1 line and 1 triangle would be 1 cell if the sum overflowed. */
-    assert_refused("<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"2\" NumberOfLines=\"1\" "
-                   "NumberOfPolys=\"1\" NumberOfVerts=\"18446744073709551615\">" VTP_POINTS("0 0 0 1 1 1")
-                       VTP_CELLS("Lines", "0 1", "2") VTP_CELLS("Polys", "0 1 1", "3") "<CellData>" VTP_ARRAY(
-                           "Float32", "Name=\"a\"") "1</DataArray></CellData></Piece></PolyData></VTKFile>",
-                   CONUS_ERROR_DATA, "a: 1 numbers");
-    assert_refused(PIECE VTP_POINTS("0 0 0 1 1 1") VTP_CELLS("Lines", "0 2", "2") "</Piece></PolyData></VTKFile>",
-                   CONUS_ERROR_DATA, "Lines: ");
-    assert_refused(PIECE VTP_POINTS("0 0 0 1 1 1") "</Piece></PolyData></VTKFile>", CONUS_ERROR_DATA, "Lines: 0");
-}
-
 /* A point has 300 numbers and a line has it as 500 corners: 150,000 numbers of 4 bytes. */
 static void memory_has_a_limit(void **state)
 {
@@ -436,12 +320,8 @@ TEST_GROUP(vtk_lines)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(texts),
         cmocka_unit_test(binaries),
-        cmocka_unit_test(a_stated_space_and_corners_in_order),
-        cmocka_unit_test(corners_in_another_order),
         cmocka_unit_test(a_packed_file),
-        cmocka_unit_test(a_user_states_the_space),
         cmocka_unit_test(which_files_have_lines),
-        cmocka_unit_test(refused),
         cmocka_unit_test(memory_has_a_limit),
         cmocka_unit_test(every_prefix),
         cmocka_unit_test(every_allocation),

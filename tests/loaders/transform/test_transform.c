@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Affine transforms of other programs, with matrices that follow from the formats' descriptions by hand, and atlases
- * that they move. tests/oracles/compare_transforms.py has random ones. */
+/* Turns and splines of ITK, images of FreeSurfer, and atlases that transforms move; tests/corpus/transform/ has the
+ * formats of affines. tests/oracles/compare_transforms.py has random ones. */
 #include "atlas/atlas.h"
 #include "atlas/placement.h"
 #include "base/buffer.h"
@@ -14,7 +14,6 @@
 #include "test.h"
 
 #include <jansson.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -58,16 +57,6 @@ static void check_point(const char *text, double x, double y, double z)
 static const char itk_affine[] =
     ITK "Transform: AffineTransform_double_3_3\nParameters: 2 0 0 0 1 0 0 0 1 1 0 3\nFixedParameters: 0 0 0\n";
 
-static void itk_is_lps(void **state)
-{
-    (void)state;
-    check_point(itk_affine, 1, 2, 6);
-    /* the centre (1, 0, 0) stays where it is but for the shift: x' = 2 (x - 1) + 1 + 1 = 2 x, -2 for -1 */
-    check_point(ITK "Transform: MatrixOffsetTransformBase_float_3_3\nParameters: 2 0 0 0 1 0 0 0 1 1 0 3\n"
-                    "FixedParameters: 1 0 0\n",
-                2, 2, 6);
-}
-
 /* A quarter turn about z takes (x, y) to (-y, x), in LPS as in RAS: (1, 2) comes to (-2, 1). */
 static void itk_turns(void **state)
 {
@@ -101,255 +90,7 @@ static void the_order_of_euler_angles_is_itks(void **state)
     check_point(order, 2, 3, 1);
 }
 
-/* 3D Slicer's rigid transform has a matrix, a translation and a centre: (x, y, z) goes to (y, -x, z) + (1, 0, 3) in
- * LPS, so (-1, -2, 3) to (-1, 1, 6), (1, -1, 6) in RAS. Around the centre (1, 0, 0), (-2, -2, 3) to (-2, 2, 3), and +
- * (1, 0, 0) + (1, 0, 3): (0, 2, 6), (0, -2, 6) in RAS. */
-static void rigid_transforms_have_a_matrix(void **state)
-{
-    (void)state;
-    check_point(ITK "Transform: Rigid3DTransform_double_3_3\nParameters: 0 1 0 -1 0 0 0 0 1 1 0 3\n"
-                    "FixedParameters: 0 0 0\n",
-                1, -1, 6);
-    check_point(ITK "Transform: Rigid3DTransform_double_3_3\nParameters: 0 1 0 -1 0 0 0 0 1 1 0 3\n"
-                    "FixedParameters: 1 0 0\n",
-                0, -2, 6);
-}
-
-/* The last transform comes first: a shift of x by 1 in LPS, then 2 x + 1: -1 comes to 0, and that to 1. */
-static void the_last_of_a_composite_comes_first(void **state)
-{
-    (void)state;
-    check_point(ITK "Transform: CompositeTransform_double_3_3\n#Transform 1\n"
-                    "Transform: AffineTransform_double_3_3\nParameters: 2 0 0 0 1 0 0 0 1 1 0 3\n"
-                    "FixedParameters: 0 0 0\n#Transform 2\n"
-                    "Transform: TranslationTransform_double_3_3\nParameters: 1 0 0\nFixedParameters:\n",
-                -1, 2, 6);
-}
-
-static void put_u32(uint8_t *out, uint32_t value, bool big)
-{
-    for (int i = 0; i < 4; i++) {
-        out[big ? 3 - i : i] = (uint8_t)(value >> 8 * i);
-    }
-}
-
-static void put_f64(uint8_t *out, double value, bool big)
-{
-    uint64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    for (int i = 0; i < 8; i++) {
-        out[big ? 7 - i : i] = (uint8_t)(bits >> 8 * i);
-    }
-}
-
-/* Writes a matrix of one column in MATLAB's level 4; returns its size. */
-static size_t put_column(uint8_t *out, const char *name, const double *values, uint32_t count, bool big)
-{
-    size_t length = strlen(name) + 1;
-    const uint32_t head[] = {big ? 1000 : 0, count, 1, 0, (uint32_t)length};
-    for (size_t i = 0; i < 5; i++) {
-        put_u32(out + 4 * i, head[i], big);
-    }
-    memcpy(out + 20, name, length);
-    for (size_t i = 0; i < count; i++) {
-        put_f64(out + 20 + length + 8 * i, values[i], big);
-    }
-    return 20 + length + 8 * count;
-}
-
-static size_t make_matlab(uint8_t out[512], bool big)
-{
-    static const double parameters[] = {2, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 3};
-    static const double fixed[] = {0, 0, 0};
-    size_t size = put_column(out, "AffineTransform_double_3_3", parameters, 12, big);
-    return size + put_column(out + size, "fixed", fixed, 3, big);
-}
-
-static void matlab_files_say_the_same(void **state)
-{
-    (void)state;
-    for (int big = 0; big < 2; big++) {
-        uint8_t data[512];
-        double m[16] = {0};
-        double p[3] = {1, 2, 3};
-        size_t size = make_matlab(data, big);
-        assert_ok(parse_bytes(m, data, size, "0GenericAffine.mat"));
-        mat4_point(p, m, p);
-        assert_near(p[0], 1, 1e-12);
-        assert_near(p[2], 6, 1e-12);
-        for (size_t cut = 0; cut < size; cut++) {
-            assert_true(parse_bytes(m, data, cut, "x.mat") != CONUS_OK);
-        }
-    }
-}
-
 static const char plain[] = "# RAS\n2 0 0 1\n0 1 0 0\n0 0 1 3\n0 0 0 1\n";
-static const char xfm[] = "MNI Transform File\n% by hand\n\nTransform_Type = Linear;\nLinear_Transform =\n2 0 0 1\n"
-                          "0 1 0 0\n0 0 1 3;\n";
-static const char lta_ras[] = "# transform file\ntype      = 1 # LINEAR_RAS_TO_RAS\nnxforms   = 1\nmean      = 0 0 0\n"
-                              "sigma     = 10000\n1 4 4\n2 0 0 1\n0 1 0 0\n0 0 1 3\n0 0 0 1\nsrc volume info\n"
-                              "valid = 0  # volume info invalid\ndst volume info\nvalid = 0\n";
-
-/* Source: 4 voxels of 2 mm along each axis around (0, 0, 0): voxel (2, 2, 2) is there. Destination: 6 of 1 mm, voxel
- * (3, 3, 3) at (10, 0, 0). From i to 2 i: (1, 2, 3) mm is voxel (2.5, 3, 3.5), which comes to (5, 3, 3.5), at (12, 0,
- * 0.5) mm. */
-static const char lta_voxels[] =
-    "type = 0\nnxforms = 1\n1 4 4\n2 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
-    "src volume info\nvalid = 1\nfilename = a.mgz\nvolume = 4 4 4\nvoxelsize = 2 2 2\nxras = 1 0 0\nyras = 0 1 0\n"
-    "zras = 0 0 1\ncras = 0 0 0\ndst volume info\nvalid = 1\nfilename = b.mgz\nvolume = 6 6 6\nvoxelsize = 1 1 1\n"
-    "xras = 1 0 0\nyras = 0 1 0\nzras = 0 0 1\ncras = 10 0 0\nsubject x\n";
-
-static void matrices_of_ras_are_as_they_stand(void **state)
-{
-    (void)state;
-    check_point(plain, 3, 2, 6);
-    check_point(xfm, 3, 2, 6);
-    check_point(lta_ras, 3, 2, 6);
-    check_point(lta_voxels, 12, 0, 0.5);
-}
-
-static void check_refused(const char *text, const char *path, conus_status wanted, const char *words)
-{
-    double m[16] = {7};
-    conus_status status = parse(m, text, path);
-    if (status != wanted || !strstr(conus_message(), words)) {
-        fail_msg("status %d, \"%s\" for: %s", (int)status, conus_message(), text);
-    }
-    assert_true(m[0] == 7);
-}
-
-static void bad_files_say_what_is_wrong(void **state)
-{
-    (void)state;
-    const conus_status data = CONUS_ERROR_DATA;
-    const conus_status unsupported = CONUS_ERROR_UNSUPPORTED;
-    check_refused("1 0 0 0\n0 1 0 0\n0 0 1 0\n", "x.txt", data, "ends after 3 rows");
-    check_refused("1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n0 0 0 1\n", "x.txt", data, "more than four rows");
-    check_refused("1 0 0 0\n0 1 0\n0 0 1 0\n0 0 0 1\n", "x.txt", data, "row 2: 3 numbers");
-    check_refused("1 0 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "x.txt", data, "row 1: \"0\"");
-    check_refused("1 0 0 nan\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "x.txt", data, "finite");
-    check_refused("1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 1 1\n", "x.txt", data, "last row 0 0 1 1");
-    check_refused(ITK "Transform: AffineTransform_double_3_3\nParameters: 1 0 0 0 1 0 0 0 1 nan 0 3\n"
-                      "FixedParameters: 0 0 0\n",
-                  "x.txt", data, "\"nan\"");
-    check_refused("MNI Transform File\nTransform_Type = Linear;\nLinear_Transform =\n1 0 0 0\n0 1 0 inf\n0 0 1 0;\n",
-                  "x.xfm", data, "finite");
-    check_refused("type = 1\nnxforms = 1\n1 4 4\n1 0 0 0\n0 nan 0 0\n0 0 1 0\n0 0 0 1\n", "x.lta", data, "finite");
-    check_refused("1 0 0 0\n0 0 0 0\n0 0 1 0\n0 0 0 1\n", "x.txt", data, "singular");
-    check_refused(plain, "x.mat", CONUS_ERROR_ARGUMENT, "from=IMAGE and to=IMAGE");
-    check_refused("hello\n", "x.txt", data, "needed is an affine transform");
-    check_refused("", "x.txt", data, "needed is an affine transform");
-    check_refused(ITK, "x.txt", data, "there is none");
-    check_refused(ITK "Transform: AffineTransform_double_2_2\nParameters: 0\nFixedParameters: 0\n", "x.txt",
-                  unsupported, "AffineTransform_double_2_2");
-    check_refused(ITK "Transform: AffineTransform_double_3_3\nParameters: 1 2\nFixedParameters: 0 0 0\n", "x.txt", data,
-                  "Parameters: 2 numbers");
-    check_refused(ITK "Transform: AffineTransform_double_3_3\nParameters: 2 0 0 0 1 0 0 0 1 1 0 3\n", "x.txt", data,
-                  "FixedParameters is missing");
-    check_refused(ITK "Transform: AffineTransform_double_3_3\nParameters: 2 0 0 0 1 0 0 0 1 1 0 3\n"
-                      "FixedParameters: 0 0 0 0\n",
-                  "x.txt", data, "FixedParameters: 4 numbers");
-    check_refused(ITK "Parameters: 1\n", "x.txt", data, "without a line Transform");
-    check_refused(ITK "Transform: AffineTransform_double_3_3\nColour: red\n", "x.txt", data, "\"Colour: red\"");
-    check_refused(ITK "Transform: VersorRigid3DTransform_double_3_3\nParameters: 1 1 0 0 0 0\nFixedParameters: 0 0 0\n",
-                  "x.txt", data, "versor of length");
-    check_refused("MNI Transform File\nTransform_Type = Grid_Transform;\n", "x.xfm", unsupported, "only Linear");
-    check_refused("MNI Transform File\nTransform_Type = Linear;\n", "x.xfm", data, "Linear_Transform is missing");
-    check_refused("type = 14\nnxforms = 1\n1 4 4\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "x.lta", unsupported,
-                  "type: 14");
-    check_refused("type = 1\nnxforms = 2\n1 4 4\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "x.lta", unsupported,
-                  "nxforms");
-    check_refused("type = 0\nnxforms = 1\n1 4 4\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "x.lta", data,
-                  "src volume info: not valid");
-    struct transform_chain made;
-    const struct bytes matrix = {(uint8_t *)plain, sizeof plain - 1};
-    conus_transform_options options = {.from = "a.nii"};
-    assert_fails(transform_parse(&made, &matrix, "x.mat", &options), CONUS_ERROR_ARGUMENT);
-    const struct bytes itk = {(uint8_t *)itk_affine, sizeof itk_affine - 1};
-    options.to = "b.nii";
-    assert_fails(transform_parse(&made, &itk, "x.tfm", &options), CONUS_ERROR_ARGUMENT);
-    options = (conus_transform_options){.transform = 1};
-    assert_fails(transform_parse(&made, &matrix, "x.txt", &options), CONUS_ERROR_ARGUMENT);
-}
-
-/* 0.99999994 and 1.0000001 are the floats next to 1; inverses computed in float end so. The row is taken as 0 0 0 1, so
- * that the point is not divided: (2 * 1 + 1, 2, 3 + 3). */
-static void a_last_row_that_is_rounded_is_0_0_0_1(void **state)
-{
-    (void)state;
-    static const char *const rows[] = {"0 0 0 9.999999403953552e-01", "0 0 0 1.000000119209290e+00",
-                                       "-9e-7 9e-7 0 0.9999991"};
-    static const char head[] = "type = 1\nnxforms = 1\n1 4 4\n";
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        char text[200];
-        double m[16] = {0};
-        snprintf(text, sizeof text, "%s2 0 0 1\n0 1 0 0\n0 0 1 3\n%s\n", head, rows[i]);
-        check_point(text, 3, 2, 6);
-        check_point(text + sizeof head - 1, 3, 2, 6);
-        assert_ok(parse(m, text, "x.lta"));
-        assert_true(m[3] == 0 && m[7] == 0 && m[11] == 0 && m[15] == 1);
-    }
-    const conus_status data = CONUS_ERROR_DATA;
-    check_refused("1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 0.999998\n", "x.txt", data, "last row 0 0 0 0.999998");
-    check_refused("1 0 0 0\n0 1 0 0\n0 0 1 0\n0 -2e-6 0 1\n", "x.txt", data, "last row 0 -2e-06 0 1");
-    check_refused("type = 1\nnxforms = 1\n1 4 4\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1.000002\n", "x.lta", data,
-                  "last row 0 0 0 1.000002");
-}
-
-/* All lines are there; a single one makes a geometry invalid. */
-static void voxels_need_a_valid_geometry(void **state)
-{
-    (void)state;
-    char invalid[sizeof lta_voxels];
-    for (int which = 0; which < 2; which++) {
-        memcpy(invalid, lta_voxels, sizeof invalid);
-        char *valid = strstr(which ? strstr(invalid, "dst") : invalid, "valid = 1");
-        valid[strlen("valid = ")] = '0';
-        check_refused(invalid, "x.lta", CONUS_ERROR_DATA,
-                      which ? "dst volume info: not valid" : "src volume info: not valid");
-    }
-}
-
-#define SHIFT "Transform: TranslationTransform_double_3_3\nParameters: 1 0 0\nFixedParameters:\n"
-
-/* Only a composite makes a chain: otherwise the transforms may belong to the volumes of a series. */
-static void lists_are_no_chains(void **state)
-{
-    (void)state;
-    static const char list[] = ITK SHIFT SHIFT SHIFT "Transform: TranslationTransform_double_3_3\n"
-                                                     "Parameters: 0 0 7\nFixedParameters:\n";
-    check_refused(list, "x.tfm", CONUS_ERROR_UNSUPPORTED, "Transform: a list of 4, such as one for");
-    assert_non_null(strstr(conus_message(), "',transform=K' chooses number K, from 0 to 3"));
-    const struct bytes file = {(uint8_t *)list, sizeof list - 1};
-    struct transform_chain made;
-    for (size_t number = 0; number < 4; number++) {
-        assert_ok(transform_parse(&made, &file, "x.tfm", &(conus_transform_options){.transform = number + 1}));
-        assert_near(made.matrix[12], number < 3 ? -1 : 0, 0);
-        assert_near(made.matrix[14], number < 3 ? 0 : 7, 0);
-        transform_chain_finish(&made);
-    }
-    static const char mixed[] = ITK SHIFT "Transform: UnknownTransform_double_3_3\nParameters: 1\nFixedParameters: 2\n";
-    const struct bytes some = {(uint8_t *)mixed, sizeof mixed - 1};
-    assert_ok(transform_parse(&made, &some, "x.tfm", &(conus_transform_options){.transform = 1}));
-    transform_chain_finish(&made);
-    assert_fails(transform_parse(&made, &some, "x.tfm", &(conus_transform_options){.transform = 2}),
-                 CONUS_ERROR_UNSUPPORTED);
-    assert_non_null(strstr(conus_message(), "UnknownTransform_double_3_3; read are"));
-    assert_fails(transform_parse(&made, &file, "x.tfm", &(conus_transform_options){.transform = 5}),
-                 CONUS_ERROR_ARGUMENT);
-    assert_non_null(strstr(conus_message(), "transform=4: there are fewer"));
-    static const char chain[] = ITK "Transform: CompositeTransform_double_3_3\n" SHIFT SHIFT;
-    const struct bytes composite = {(uint8_t *)chain, sizeof chain - 1};
-    assert_fails(transform_parse(&made, &composite, "x.tfm", &(conus_transform_options){.transform = 1}),
-                 CONUS_ERROR_ARGUMENT);
-    check_refused(ITK SHIFT "Transform: CompositeTransform_double_3_3\n" SHIFT, "x.tfm", CONUS_ERROR_UNSUPPORTED,
-                  "a composite behind another");
-    check_refused(ITK "Transform: CompositeTransform_double_3_3\nParameters: 1\n" SHIFT, "x.tfm", CONUS_ERROR_DATA,
-                  "of a composite");
-    check_point(ITK "Transform: CompositeTransform_double_3_3\n" SHIFT SHIFT, -1, 2, 3);
-    check_point(ITK SHIFT, 0, 2, 3);
-}
-
 /* The text of a spline on 4 x 5 x 6 nodes 10 mm apart along LPS, from (-15, -20, -25), or on another grid: `numbers`
  * coefficients, all 1 of the block `ones`, all 0 of the others. */
 static char *make_spline(size_t numbers, size_t ones, const char *type, const char *fixed)
@@ -436,32 +177,6 @@ static void splines_are_parts_of_composites(void **state)
     assert_near(p[1], 4, 1e-12);
     assert_near(p[2], 10, 1e-12);
     memory_free(spline);
-}
-
-static void check_bad_spline(size_t numbers, const char *type, const char *fixed, conus_status wanted,
-                             const char *words)
-{
-    char *entry = make_spline(numbers, 0, type, fixed);
-    char *text = make_file(entry);
-    check_refused(text, "x.tfm", wanted, words);
-    memory_free(text);
-    memory_free(entry);
-}
-
-static void bad_splines_say_what_is_wrong(void **state)
-{
-    (void)state;
-    const conus_status data = CONUS_ERROR_DATA;
-    check_bad_spline(359, spline_type, spline_grid, data, "Parameters: 359 numbers, a grid of 4 x 5 x 6 has 3 for");
-    check_bad_spline(360, spline_type, "4 5 6", data, "FixedParameters: 3 numbers");
-    check_bad_spline(360, spline_type, "3 5 8 0 0 0 1 1 1 1 0 0 0 1 0 0 0 1", data, "size 3, 4 or more");
-    check_bad_spline(360, spline_type, "4.5 5 6 0 0 0 1 1 1 1 0 0 0 1 0 0 0 1", data, "size 4.5");
-    check_bad_spline(0, spline_type, "4e9 4e9 4e9 0 0 0 1 1 1 1 0 0 0 1 0 0 0 1", data, "Parameters: 0 numbers");
-    check_bad_spline(360, spline_type, "4 5 6 0 0 0 1 -1 1 1 0 0 0 1 0 0 0 1", data, "spacing -1");
-    check_bad_spline(360, spline_type, "4 5 6 0 0 0 1 1 1 1 0 0 1 0 0 0 0 1", data, "direction is singular");
-    check_bad_spline(360, spline_type, "4 5 6 nan 0 0 1 1 1 1 0 0 0 1 0 0 0 1", data, "\"nan\", finite numbers");
-    check_bad_spline(360, "BSplineTransform_double_3_3_2", spline_grid, CONUS_ERROR_UNSUPPORTED, "cubic BSpline");
-    check_bad_spline(360, "BSplineTransform_double_2_2", spline_grid, CONUS_ERROR_UNSUPPORTED, "in 3-D");
 }
 
 /* Compares with the points that ITK 5.2.1 made of its own file. */
@@ -552,44 +267,6 @@ static void a_register_dat_is_between_two_images(void **state)
     options.to = NULL;
     const struct bytes file = {(uint8_t *)texts[0], strlen(texts[0])};
     assert_fails(transform_parse(&made, &file, "register.dat", &options), CONUS_ERROR_ARGUMENT);
-}
-
-/* Files of other kinds are refused by the name of their kind. */
-static void other_files_are_called_what_they_are(void **state)
-{
-    (void)state;
-    const conus_status unsupported = CONUS_ERROR_UNSUPPORTED;
-    check_refused(ITK "Transform: DisplacementFieldTransform_double_3_3\nParameters: 0\n", "x.tfm", unsupported,
-                  "a field in ITK's own format");
-    check_refused("MATLAB 5.0 MAT-file, Platform: GLNXA64", "x.mat", unsupported, "a MATLAB file of level 5");
-    check_refused("(Transform \"EulerTransform\")\n(NumberOfParameters 6)\n", "TransformParameters.0.txt", unsupported,
-                  "elastix's parameters");
-    check_refused("// x\n(NumberOfParameters 6)\n(Transform \"EulerTransform\")\n", "p.txt", unsupported,
-                  "elastix's parameters");
-    check_refused("/NumWaves\t2\n/NumPoints\t9\n/Matrix\n1 0\n", "design.mat", unsupported, "a design matrix");
-    check_refused("bert\n1.0\n1.0\n0.15\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\nround\n", "register.dat",
-                  CONUS_ERROR_ARGUMENT, "FreeSurfer's register.dat, whose numbers mean nothing without its two images");
-}
-
-/* Every prefix is refused that lacks more than digits of the last number or white space. */
-static void no_prefix_is_a_transform(void **state)
-{
-    (void)state;
-    static const char *const whole[] = {itk_affine, plain, xfm, lta_voxels};
-    static const size_t needed[] = {sizeof itk_affine - 2, sizeof plain - 2, sizeof xfm - 3,
-                                    sizeof lta_voxels - sizeof " 0 0\nsubject x\n"};
-    for (size_t i = 0; i < sizeof whole / sizeof whole[0]; i++) {
-        for (size_t size = 0; size < needed[i]; size++) {
-            double m[16];
-            char *copy = malloc(size ? size : 1);
-            memcpy(copy, whole[i], size);
-            conus_status status = parse_bytes(m, copy, size, "x.txt");
-            if (!status) {
-                fail_msg("file %zu is a transform after %zu bytes", i, size);
-            }
-            free(copy);
-        }
-    }
 }
 
 static void write_file(char path[64], const char *text)
@@ -815,26 +492,14 @@ static void every_failing_allocation_is_survived(void **state)
 TEST_GROUP(transform)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(itk_is_lps),
         cmocka_unit_test(itk_turns),
-        cmocka_unit_test(rigid_transforms_have_a_matrix),
         cmocka_unit_test(the_order_of_euler_angles_is_itks),
-        cmocka_unit_test(the_last_of_a_composite_comes_first),
-        cmocka_unit_test(matlab_files_say_the_same),
-        cmocka_unit_test(matrices_of_ras_are_as_they_stand),
-        cmocka_unit_test(bad_files_say_what_is_wrong),
-        cmocka_unit_test(a_last_row_that_is_rounded_is_0_0_0_1),
-        cmocka_unit_test(voxels_need_a_valid_geometry),
-        cmocka_unit_test(lists_are_no_chains),
         cmocka_unit_test(splines_move_along_lps),
         cmocka_unit_test(splines_are_parts_of_composites),
-        cmocka_unit_test(bad_splines_say_what_is_wrong),
         cmocka_unit_test(itk_moves_points_alike),
         cmocka_unit_test(no_prefix_is_a_spline),
         cmocka_unit_test(a_spline_moves_voxels_and_vertices),
         cmocka_unit_test(a_register_dat_is_between_two_images),
-        cmocka_unit_test(other_files_are_called_what_they_are),
-        cmocka_unit_test(no_prefix_is_a_transform),
         cmocka_unit_test(an_atlas_goes_to_the_poses),
         cmocka_unit_test(a_wide_spline_has_the_atlas_s_grid),
         cmocka_unit_test(names_of_ants_have_a_kind),

@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Polygons, strips, pieces, objects and spaces of mesh files become triangles in one space. */
+/* Polygons become triangles; tests/corpus/foreign/ has strips, pieces, objects and spaces. */
 #include "base/buffer.h"
 #include "loaders/surfaces/foreign/foreign_mesh.h"
 #include "test.h"
 
 #include <stdio.h>
-#include <string.h>
-
-#define VTK_POINTS "# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n0 0 0 3 0 0 0 3 0 0 0 3\n"
 
 static conus_status parse_obj(struct foreign_mesh *out, const uint8_t *data, size_t size)
 {
@@ -74,109 +71,11 @@ static void large_polygons_have_a_limit(void **state)
     }
 }
 
-/* Every second triangle of a strip is turned, so that all face one way. */
-static void strips_become_triangles(void **state)
-{
-    (void)state;
-    static const char text[] = VTK_POINTS "TRIANGLE_STRIPS 2 10\n6 0 2 1 3 0 2\n2 0 1\n";
-    static const uint32_t wanted[12] = {0, 2, 1, 1, 2, 3, 1, 3, 0, 0, 3, 2};
-    struct foreign_mesh mesh = {0};
-    assert_ok(vtk_parse(&mesh, (const uint8_t *)text, sizeof text - 1));
-    assert_int_equal(mesh.triangle_count, 4);
-    assert_memory_equal(mesh.triangles, wanted, sizeof wanted);
-    foreign_mesh_finish(&mesh);
-}
-
-/* The vertices of the second piece follow those of the first. */
-static void pieces_follow_each_other(void **state)
-{
-    (void)state;
-#define PIECE(z)                                                                                                       \
-    "<Piece NumberOfPoints=\"3\" NumberOfStrips=\"1\"><Points><DataArray type=\"Float64\" "                            \
-    "NumberOfComponents=\"3\" format=\"ascii\">0 0 " z " 1 0 " z " 0 1 " z "</DataArray></Points><Strips>"             \
-    "<DataArray type=\"UInt8\" Name=\"offsets\" format=\"ascii\">3</DataArray>"                                        \
-    "<DataArray type=\"Int16\" Name=\"connectivity\" format=\"ascii\">0 1 2</DataArray></Strips></Piece>"
-    static const char text[] = "<VTKFile type=\"PolyData\"><PolyData>" PIECE("0") PIECE("5") "</PolyData></VTKFile>";
-    static const uint32_t wanted[6] = {0, 1, 2, 3, 4, 5};
-    struct foreign_mesh mesh = {0};
-    assert_ok(vtp_parse(&mesh, (const uint8_t *)text, sizeof text - 1, 1 << 20));
-    assert_int_equal(mesh.vertex_count, 6);
-    assert_memory_equal(mesh.triangles, wanted, sizeof wanted);
-    assert_true(mesh.positions[17] == 5);
-    foreign_mesh_finish(&mesh);
-}
-
-static void faces_below_three_corners_are_flat(void **state)
-{
-    (void)state;
-    static const char text[] = "OFF\n3 4 0\n0 0 0\n1 0 0\n0 1 0\n0\n1 2\n2 1 2\n3 0 1 2\n";
-    static const uint32_t wanted[9] = {2, 2, 2, 1, 2, 2, 0, 1, 2};
-    struct foreign_mesh mesh = {0};
-    assert_ok(off_parse(&mesh, (const uint8_t *)text, sizeof text - 1));
-    assert_int_equal(mesh.triangle_count, 3);
-    assert_memory_equal(mesh.triangles, wanted, sizeof wanted);
-    foreign_mesh_finish(&mesh);
-}
-
-/* A negative index counts back from the vertices so far, not from the last one of the file. */
-static void indices_count_back_from_their_line(void **state)
-{
-    (void)state;
-    static const char text[] =
-        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf -3 -2 -1\nf 1 -2 6\n";
-    static const uint32_t wanted[9] = {0, 1, 2, 3, 4, 5, 0, 4, 5};
-    struct foreign_mesh mesh = {0};
-    assert_ok(parse_obj(&mesh, (const uint8_t *)text, sizeof text - 1));
-    assert_int_equal(mesh.triangle_count, 3);
-    assert_memory_equal(mesh.triangles, wanted, sizeof wanted);
-    foreign_mesh_finish(&mesh);
-}
-
-static void objects_are_told_apart(void **state)
-{
-    (void)state;
-    static const char text[] = "o b\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3 4\no\nf 1 2 3\no a\no b \nf 1 2 4\n";
-    static const uint32_t owners[4] = {0, 0, 1, 0};
-    struct foreign_mesh mesh = {0};
-    struct obj_objects objects = {0};
-    assert_ok(obj_parse(&mesh, &objects, (const uint8_t *)text, sizeof text - 1));
-    assert_int_equal(objects.count, 2);
-    assert_true(text_equal(objects.names[0], "b"));
-    assert_int_equal(objects.names[1].size, 0);
-    assert_int_equal(mesh.triangle_count, 4);
-    assert_memory_equal(objects.owners, owners, sizeof owners);
-    obj_objects_finish(&objects);
-    foreign_mesh_finish(&mesh);
-}
-
-static void the_space_is_found(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *text;
-        enum mesh_space space;
-    } cases[] = {{"", MESH_SPACE_UNSTATED},           {"SPACE=RAS", MESH_SPACE_RAS},
-                 {"x SPACE = \tLPS", MESH_SPACE_LPS}, {"SPACELPS", MESH_SPACE_UNSTATED},
-                 {"SPACE=SPACE=LPS", MESH_SPACE_LPS}, {"SPACE=ras", MESH_SPACE_RAS},
-                 {"space=LPS", MESH_SPACE_LPS},       {"SPACE=", MESH_SPACE_UNSTATED},
-                 {"SPACE=LPSX", MESH_SPACE_UNSTATED}, {"NOSPACE=LPS", MESH_SPACE_UNSTATED},
-                 {"SPACE=LP", MESH_SPACE_UNSTATED},   {"x;Space=lps;", MESH_SPACE_LPS}};
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        assert_int_equal(foreign_space_in(text_from(cases[i].text)), cases[i].space);
-    }
-}
-
 TEST_GROUP(foreign_mesh)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(polygons_become_triangles),
         cmocka_unit_test(large_polygons_have_a_limit),
-        cmocka_unit_test(strips_become_triangles),
-        cmocka_unit_test(pieces_follow_each_other),
-        cmocka_unit_test(faces_below_three_corners_are_flat),
-        cmocka_unit_test(indices_count_back_from_their_line),
-        cmocka_unit_test(objects_are_told_apart),
-        cmocka_unit_test(the_space_is_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
