@@ -12,7 +12,6 @@
 #include "loaders/file_kind.h"
 #include "loaders/labels/fsl_atlas.h"
 #include "loaders/manifest/manifest.h"
-#include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_surfaces.h"
 #include "loaders/scene/load_manifest.h"
 #include "loaders/scene/load_parcellation.h"

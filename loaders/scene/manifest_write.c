@@ -11,7 +11,6 @@
 #include "loaders/labels/fsl_atlas.h"
 #include "loaders/labels/label_volumes.h"
 #include "loaders/manifest/manifest.h"
-#include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_draft.h"
 #include "loaders/manifest/manifest_scan.h"
 #include "loaders/manifest/manifest_surfaces.h"
