@@ -94,6 +94,7 @@ static void a_dropped_attempt_leaves_only_memory(void **state)
     struct job job = {0};
     const struct bytes content = {(uint8_t *)"abc", 3};
     job_note(&job, "before");
+    size_t mark = job_in(&job, "around", 1);
     struct attempt attempt = job_try(&job);
     job_in(&job, "table.tsv", JOB_ALONE);
     char *name = job_name(&job, text_from(" kept "));
@@ -106,6 +107,7 @@ static void a_dropped_attempt_leaves_only_memory(void **state)
     assert_string_equal(name, "kept");
     assert_int_equal(job.notes.count, 1);
     assert_int_equal(job.files.count, 0);
+    job_out(&job, mark);
     job_bad(&job, "after");
     assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_DATA);
     assert_string_equal(conus_message(), "after");
