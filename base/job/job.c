@@ -30,9 +30,14 @@ static size_t write_places(struct job *job)
     job->message[0] = '\0';
     for (size_t i = 0; i < job->depth; i++) {
         struct job_place *place = &job->places[i];
+        const size_t end = strlen(place->word);
+        const bool is_counted = end && place->word[end - 1] == ' ';
         char *to = job->message + used;
-        snprintf(to, sizeof job->message - used, place->index == JOB_ALONE ? "%s: " : "%s[%zu]: ", place->word,
-                 place->index);
+        snprintf(to, sizeof job->message - used,
+                 place->index == JOB_ALONE ? "%s: "
+                 : is_counted              ? "%s%zu: "
+                                           : "%s[%zu]: ",
+                 place->word, place->index);
         text_make_plain(to, "");
         place->end = used += strlen(to);
     }

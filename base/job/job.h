@@ -32,7 +32,7 @@ enum { JOB_PLACES = 16, JOB_MESSAGE = 1024, JOB_SPARE = 512 };
 
 struct job_place {
     const char *word; /**< A key or a path; borrowed. */
-    size_t index;     /**< "word[index]", or JOB_ALONE. */
+    size_t index;     /**< "word[index]", "word index" where the word ends with a space, or JOB_ALONE. */
     size_t end;       /**< Bytes of the message up to and with this place, once there is one. */
 };
 

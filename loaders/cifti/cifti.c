@@ -171,13 +171,17 @@ static conus_status end_named(struct parsing *parsing, struct text text)
 
 static conus_status start_label(struct parsing *parsing, const struct xml_event *event)
 {
-    return label_entry_start(&parsing->entry, event);
+    struct job job = {0}; /* Bridge: to label tables on a job. */
+    label_entry_start(&job, &parsing->entry, event);
+    return job_close(&job, NULL, NULL);
 }
 
 static conus_status end_label(struct parsing *parsing, struct text text)
 {
     struct cifti_map *map = open_map(parsing);
-    return label_entry_end(&parsing->entry, &map->table, text, &map->notes);
+    struct job job = {0}; /* Bridge: to label tables on a job. */
+    label_entry_end(&job, &parsing->entry, &map->table, text);
+    return job_close(&job, &map->notes, NULL);
 }
 
 static conus_status start_volume(struct parsing *parsing, const struct xml_event *event)

@@ -4,36 +4,21 @@
 
 #include "base/formats/xml.h"
 #include "base/geometry/math3.h"
-#include "base/memory.h"
 #include "loaders/labels/label_cells.h"
 
-#include <stdio.h>
 #include <string.h>
 
 enum { IMAGE_LIMIT = 64 };
 
 struct parsing {
-    struct fsl_atlas atlas;
-    size_t capacity; /* of atlas.points */
+    struct job *job;
+    struct fsl_atlas *atlas;
     bool in_label;
     bool indexed; /* `index` belongs to the open label */
     uint32_t index;
     struct fsl_point point;
-    struct label label; /* SPM's name and short_name of it */
+    const char *name, *abbreviation; /* of SPM's label; NULL if it is not given yet */
 };
-
-void fsl_atlas_finish(struct fsl_atlas *atlas)
-{
-    for (size_t i = 0; i < atlas->image_count; i++) {
-        memory_free(atlas->images[i].image);
-        memory_free(atlas->images[i].summary);
-    }
-    memory_free(atlas->images);
-    memory_free(atlas->type);
-    memory_free(atlas->points);
-    label_table_finish(&atlas->labels);
-    *atlas = (struct fsl_atlas){0};
-}
 
 /* Reads x y z of a label. Without three numbers it has no point, and only a check is lost. */
 static struct fsl_point read_point(const struct xml_event *event)
@@ -49,145 +34,156 @@ static struct fsl_point read_point(const struct xml_event *event)
 }
 
 /* FSL's index is an attribute, SPM's an element. */
-static conus_status start_label(struct parsing *parsing, const struct xml_event *event)
+static void start_label(struct parsing *parsing, const struct xml_event *event)
 {
     const char *index = xml_attribute(event, "index");
-    struct fsl_atlas *atlas = &parsing->atlas;
-    char where[32];
-    snprintf(where, sizeof where, "line %zu", event->line);
+    struct fsl_atlas *atlas = parsing->atlas;
     if (atlas->labels.count && atlas->is_spm != !index) {
-        return fail(CONUS_ERROR_DATA, "%s: a label %s the attribute index, others %s it", where,
-                    index ? "with" : "without", index ? "lack" : "have");
-    }
-    if (parsing->in_label) {
-        return fail(CONUS_ERROR_DATA, "%s: a label inside a label", where);
+        job_bad(parsing->job, "a label %s the attribute index, others %s it", index ? "with" : "without",
+                index ? "lack" : "have");
+    } else if (parsing->in_label) {
+        job_bad(parsing->job, "a label inside a label");
     }
     atlas->is_spm = !index;
     parsing->in_label = true;
     parsing->indexed = index != NULL;
     parsing->point = read_point(event);
-    return index ? label_cell_number(&parsing->index, text_from(index), where) : CONUS_OK;
+    parsing->index = index ? label_cell_number(parsing->job, text_from(index)) : 0;
 }
 
 static conus_status start_element(void *user, const struct xml_event *event)
 {
     struct parsing *parsing = user;
-    struct fsl_atlas *atlas = &parsing->atlas;
+    struct job *job = parsing->job;
+    struct fsl_atlas *atlas = parsing->atlas;
+    size_t place = job_in(job, "line ", event->line);
     if (strcmp(event->name, "label") == 0) {
-        return start_label(parsing, event);
+        start_label(parsing, event);
     }
-    if (strcmp(event->name, "images") != 0) {
-        return CONUS_OK;
+    job_out(job, place);
+    if (strcmp(event->name, "images") == 0) {
+        if (atlas->image_count == IMAGE_LIMIT) {
+            job_bad(job, "more than %d <images>", IMAGE_LIMIT);
+        }
+        list_add(job, &atlas->images, &atlas->image_count, &atlas->image_capacity, sizeof *atlas->images);
     }
-    if (atlas->image_count == IMAGE_LIMIT) {
-        return fail(CONUS_ERROR_DATA, "more than %d <images>", IMAGE_LIMIT);
-    }
-    struct fsl_image *images = memory_resize(atlas->images, atlas->image_count + 1, sizeof *images);
-    if (!images) {
-        return CONUS_ERROR_MEMORY;
-    }
-    atlas->images = images;
-    images[atlas->image_count++] = (struct fsl_image){0};
-    return CONUS_OK;
+    return job->status;
 }
 
-static conus_status set_type(struct fsl_atlas *atlas, struct text text)
+/* The last text counts, but an empty one changes nothing. */
+static void set_last(struct job *job, const char **field, struct text text)
+{
+    const char *name = job_name(job, text);
+    *field = name ? name : *field;
+}
+
+static void set_type(struct job *job, struct fsl_atlas *atlas, struct text text)
 {
     struct text type = text_trim(text);
     if (!text_is_one_of(type, "Label/Probabilistic/Probabalistic/Statistic", false)) {
-        return fail(CONUS_ERROR_DATA, "type \"%.*s\", allowed are Label, Probabilistic and Statistic",
-                    TEXT_SHOW(type, 60));
+        job_bad(job, "type \"%.*s\", allowed are Label, Probabilistic and Statistic", TEXT_SHOW(type, 60));
     }
     atlas->is_label = text_equal_ignoring_case(type, "Label");
-    return label_set_text(&atlas->type, text);
+    set_last(job, &atlas->type, text);
+}
+
+/* The first text stays: an empty one is none. */
+static void set_first(struct job *job, const char **field, struct text text)
+{
+    *field = *field ? *field : job_name(job, text);
 }
 
 /* The elements that SPM writes inside a label. */
-static conus_status end_in_label(struct parsing *parsing, const struct xml_event *event)
+static void end_in_label(struct parsing *parsing, const struct xml_event *event)
 {
+    struct job *job = parsing->job;
     if (strcmp(event->name, "index") == 0) {
-        char where[32];
-        snprintf(where, sizeof where, "line %zu", event->line);
         if (parsing->indexed) {
-            return fail(CONUS_ERROR_DATA, "%s: a second index of one label", where);
+            job_bad(job, "a second index of one label");
         }
         parsing->indexed = true;
-        return label_cell_number(&parsing->index, text_trim(event->text), where);
+        parsing->index = label_cell_number(job, text_trim(event->text));
+    } else if (strcmp(event->name, "name") == 0) {
+        set_first(job, &parsing->name, event->text);
+    } else if (strcmp(event->name, "short_name") == 0) {
+        set_first(job, &parsing->abbreviation, event->text);
     }
-    char **field = strcmp(event->name, "name") == 0         ? &parsing->label.name
-                   : strcmp(event->name, "short_name") == 0 ? &parsing->label.abbreviation
-                                                            : NULL;
-    return field && !*field ? label_set_text(field, event->text) : CONUS_OK;
 }
 
 /* Labels keep their index plus one: 0 stays free. */
-static conus_status end_label(struct parsing *parsing, const struct xml_event *event)
+static void end_label(struct parsing *parsing)
 {
-    struct fsl_atlas *atlas = &parsing->atlas;
     parsing->in_label = false;
     if (!parsing->indexed) {
-        return fail(CONUS_ERROR_DATA, "line %zu: a label without an index", event->line);
+        job_bad(parsing->job, "a label without an index");
+    } else if (parsing->index == UINT32_MAX) {
+        job_bad(parsing->job, "index 4294967295 is beyond a volume's number");
     }
-    if (parsing->index == UINT32_MAX) {
-        return fail(CONUS_ERROR_DATA, "line %zu: index 4294967295 is beyond a volume's number", event->line);
-    }
-    bool fits = memory_reserve(&atlas->points, &parsing->capacity, atlas->labels.count + 1, sizeof *atlas->points);
-    struct label *label = fits ? label_table_add(&atlas->labels, parsing->index + 1) : NULL;
-    if (!label) {
-        return CONUS_ERROR_MEMORY;
-    }
-    atlas->points[atlas->labels.count - 1] = parsing->point;
-    label->name = parsing->label.name;
-    label->abbreviation = parsing->label.abbreviation;
-    parsing->label = (struct label){0};
-    return atlas->is_spm ? CONUS_OK : label_set_text(&label->name, event->text);
+}
+
+static void keep_label(struct parsing *parsing, struct text text)
+{
+    struct job *job = parsing->job;
+    struct fsl_atlas *atlas = parsing->atlas;
+    struct fsl_point *point =
+        list_add(job, &atlas->points, &atlas->point_count, &atlas->point_capacity, sizeof *atlas->points);
+    *point = parsing->point;
+    struct label *label = labels_add(job, &atlas->labels, parsing->index + 1);
+    labels_set(job, &label->name, atlas->is_spm ? text_from(parsing->name ? parsing->name : "") : text);
+    labels_set(job, &label->abbreviation, text_from(parsing->abbreviation ? parsing->abbreviation : ""));
+    parsing->name = parsing->abbreviation = NULL;
 }
 
 static conus_status end_element(void *user, const struct xml_event *event)
 {
     struct parsing *parsing = user;
-    struct fsl_atlas *atlas = &parsing->atlas;
+    struct job *job = parsing->job;
+    struct fsl_atlas *atlas = parsing->atlas;
     struct fsl_image *image = atlas->image_count ? &atlas->images[atlas->image_count - 1] : NULL;
-    if (parsing->in_label && atlas->is_spm && strcmp(event->name, "label") != 0) {
-        return end_in_label(parsing, event);
+    bool is_label = strcmp(event->name, "label") == 0;
+    if (parsing->in_label && (is_label || atlas->is_spm)) {
+        size_t place = job_in(job, "line ", event->line);
+        if (is_label) {
+            end_label(parsing);
+        } else {
+            end_in_label(parsing, event);
+        }
+        job_out(job, place);
+        if (is_label) {
+            keep_label(parsing, event->text);
+        }
+    } else if (strcmp(event->name, "type") == 0) {
+        set_type(job, atlas, event->text);
+    } else if (image && strcmp(event->name, "imagefile") == 0) {
+        set_last(job, &image->image, event->text);
+    } else if (image && strcmp(event->name, "summaryimagefile") == 0) {
+        set_last(job, &image->summary, event->text);
     }
-    if (strcmp(event->name, "type") == 0) {
-        return set_type(atlas, event->text);
-    }
-    if (image && strcmp(event->name, "imagefile") == 0) {
-        return label_set_text(&image->image, event->text);
-    }
-    if (image && strcmp(event->name, "summaryimagefile") == 0) {
-        return label_set_text(&image->summary, event->text);
-    }
-    return strcmp(event->name, "label") == 0 && parsing->in_label ? end_label(parsing, event) : CONUS_OK;
+    return job->status;
 }
 
 /* SPM's labels are the voxels' values; its other types are volumes of another kind. */
-static conus_status check_type(struct fsl_atlas *atlas)
+static void check_type(struct job *job, struct fsl_atlas *atlas)
 {
-    if (!atlas->is_spm) {
-        return atlas->type ? CONUS_OK
-                           : fail(CONUS_ERROR_DATA, "no <type>: Label, Probabilistic or Statistic is needed");
+    if (atlas->is_spm && atlas->type && !atlas->is_label) {
+        job_bad(job, "type \"%s\" of an atlas of SPM, allowed is Label", atlas->type);
+    } else if (!atlas->is_spm && !atlas->type) {
+        job_bad(job, "no <type>: Label, Probabilistic or Statistic is needed");
     }
-    if (atlas->type && !atlas->is_label) {
-        return fail(CONUS_ERROR_DATA, "type \"%s\" of an atlas of SPM, allowed is Label", atlas->type);
-    }
-    atlas->is_label = true;
-    return atlas->type ? CONUS_OK : label_set_text(&atlas->type, text_from("Label"));
+    atlas->is_label = atlas->is_label || atlas->is_spm;
+    atlas->type = atlas->type ? atlas->type : "Label";
 }
 
-conus_status fsl_atlas_parse(struct fsl_atlas *out, struct text text)
+struct fsl_atlas *fsl_atlas_parse(struct job *job, struct text text)
 {
-    struct parsing parsing = {0};
-    struct xml_handler handler = {.start = start_element, .end = end_element, .user = &parsing};
-    conus_status status = xml_parse(&handler, text);
-    status = status ? status : check_type(&parsing.atlas);
-    label_finish(&parsing.label);
-    if (status) {
-        fsl_atlas_finish(&parsing.atlas);
-        return status;
+    struct fsl_atlas *atlas = job_new(job, struct fsl_atlas);
+    if (!atlas) {
+        return memset(job->spare, 0, sizeof *atlas);
     }
-    *out = parsing.atlas;
-    return CONUS_OK;
+    labels_own(job, &atlas->labels);
+    struct parsing parsing = {.job = job, .atlas = atlas};
+    const struct xml_handler handler = {.start = start_element, .end = end_element, .user = &parsing};
+    (void)JOB_CALL(job, xml_parse(&handler, text));
+    check_type(job, atlas);
+    return atlas;
 }

@@ -4,15 +4,15 @@
 #ifndef CONUS_LOADERS_LABELS_FSL_ATLAS_H
 #define CONUS_LOADERS_LABELS_FSL_ATLAS_H
 
-#include "atlas/labels/labels.h"
 #include "loaders/labels/label_use.h"
+#include "loaders/labels/labels_on_job.h"
 
 enum { FSL_ATLAS_LIMIT = 4 << 20 }; /**< Bytes of an atlas XML. */
 
-/** Paths as written: relative to the XML's folder although they begin with '/', and without ending. */
+/** Paths as written: relative to the XML's folder although they begin with '/', and without ending. NULL = none. */
 struct fsl_image {
-    char *image;   /**< Type Label: labels; else one volume per label. */
-    char *summary; /**< Type Label: the same; else labels.             */
+    const char *image;   /**< Type Label: labels; else one volume per label. */
+    const char *summary; /**< Type Label: the same; else labels. */
 };
 
 /** The x y z of a label: a voxel of the first image. */
@@ -22,22 +22,22 @@ struct fsl_point {
 };
 
 struct fsl_atlas {
-    char *type;    /**< As written.                                                                 */
-    bool is_label; /**< Type Label: index should be the voxel value. Else the number of a volume.   */
-    bool is_spm;   /**< SPM's or CAT12's: index is the voxel value, always.                         */
+    const char *type; /**< As written. */
+    bool is_label;    /**< Type Label: index should be the voxel value. Else the number of a volume. */
+    bool is_spm;      /**< SPM's or CAT12's: index is the voxel value, always. */
+    bool proved;      /**< fsl_atlas_number() found the x y z of the labels in the volume. */
     struct fsl_image *images;
-    size_t image_count;
-    struct label_table labels; /**< By index + 1, as in the file, until fsl_atlas_number().         */
-    struct fsl_point *points;  /**< [labels.count], until fsl_atlas_number(). */
-    bool proved;               /**< fsl_atlas_number() found the x y z of the labels in the volume. */
+    size_t image_count, image_capacity;
+    struct label_table labels; /**< By index + 1, as in the file, until fsl_atlas_number(). */
+    struct fsl_point *points;  /**< [point_count], of the labels until fsl_atlas_number(). */
+    size_t point_count, point_capacity;
 };
 
-/** Parses the bytes of an atlas XML. */
-conus_status fsl_atlas_parse(struct fsl_atlas *out, struct text text);
-void fsl_atlas_finish(struct fsl_atlas *atlas);
+/** Parses the bytes of an atlas XML. All of it is the job's; after a failure an atlas without anything. */
+struct fsl_atlas *fsl_atlas_parse(struct job *job, struct text text);
 
 /** Gives the labels the numbers that they have in a volume of labels, and sorts them: index or index + 1, as their
  * points say if @p use has a volume, else as the type says (docs/formats.md). @p use->path is the XML's. */
-conus_status fsl_atlas_number(struct fsl_atlas *atlas, const struct label_use *use, struct notes *notes);
+void fsl_atlas_number(struct job *job, struct fsl_atlas *atlas, const struct label_use *use);
 
 #endif

@@ -2,20 +2,16 @@
 /* Which atlas XML, in a volume's folder or the one above, names the volume. */
 #include "loaders/labels/fsl_find.h"
 
-#include "base/buffer.h"
-#include "base/files/file.h"
 #include "base/files/file_trace.h"
 #include "base/files/folder.h"
 #include "base/formats/xml.h"
-#include "base/memory.h"
 
 #include <limits.h>
-#include <stdlib.h>
 #include <string.h>
 
 struct search {
     enum fsl_use use;
-    fsl_visit visit;
+    fsl_visit *visit;
     void *user;
 };
 
@@ -44,45 +40,34 @@ static bool names_volume(const struct fsl_atlas *atlas, enum fsl_use use, const 
 }
 
 /* Whether SPM's XML is called as the volume is, and names no image that is there: it would be that image's. */
-static conus_status is_beside(bool *out, const struct fsl_atlas *atlas, const char *path, const char *relative)
+static bool is_beside(struct job *job, const struct fsl_atlas *atlas, const char *path, const char *relative)
 {
     const char *name = path_base(path);
     size_t length = strlen(name) - strlen(".xml");
-    conus_status status = CONUS_OK;
-    *out = atlas->is_spm && strlen(relative) == length && strncmp(name, relative, length) == 0;
-    for (size_t i = 0; !status && *out && i < atlas->image_count; i++) {
-        char *found = NULL;
+    bool beside = atlas->is_spm && strlen(relative) == length && strncmp(name, relative, length) == 0;
+    for (size_t i = 0; beside && i < atlas->image_count; i++) {
         const char *image = atlas->images[i].image;
-        status = image ? fsl_image_find(&found, path, image) : CONUS_OK;
-        *out = !found;
-        memory_free(found);
+        beside = !image || !fsl_image_find(job, path, image);
     }
-    return status;
+    return beside;
 }
 
 /* Visits the XML if it names the volume. XMLs of any kind may lie there: one that is no atlas, damaged or out of reach
  * is passed over. */
-static conus_status try_xml(const struct search *search, const char *path, const char *relative)
+static void try_xml(struct job *job, const struct search *search, const char *path, const char *relative)
 {
-    struct bytes bytes = {0};
-    struct fsl_atlas atlas = {0};
-    conus_status status = CONUS_OK;
-    if (file_exists(path) && !file_read(&bytes, path, FSL_ATLAS_LIMIT)) {
-        struct text text = text_from_bytes(bytes.data, bytes.size);
-        status = text_equal(xml_root(text), "atlas") ? fsl_atlas_parse(&atlas, text) : CONUS_OK;
-        status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
-        bool named = !status && names_volume(&atlas, search->use, relative);
-        bool beside = false;
-        if (!status && !named && search->use == FSL_LABELS) {
-            status = is_beside(&beside, &atlas, path, relative);
-        }
-        if (!status && (named || beside)) {
-            status = search->visit(search->user, &atlas, path, &bytes);
-        }
+    if (!job_has_file(job, path)) {
+        return;
     }
-    fsl_atlas_finish(&atlas);
-    bytes_finish(&bytes);
-    return status;
+    struct attempt attempt = job_try(job);
+    struct bytes bytes = job_read(job, path, FSL_ATLAS_LIMIT, "");
+    struct text text = text_from_bytes(bytes.data, bytes.size);
+    struct fsl_atlas *atlas = text_equal(xml_root(text), "atlas") ? fsl_atlas_parse(job, text) : NULL;
+    bool is_atlas = !job_tried(job, &attempt) && atlas;
+    if (is_atlas && (names_volume(atlas, search->use, relative) ||
+                     (search->use == FSL_LABELS && is_beside(job, atlas, path, relative)))) {
+        search->visit(job, search->user, atlas, path, &bytes);
+    }
 }
 
 /* Whether the volume's name begins with that of the XML: X.xml of X-2mm. */
@@ -92,70 +77,41 @@ static bool begins_with_name(const char *xml, const char *relative)
 }
 
 /* Tries the XMLs in the folder, those first that are called as the volume. */
-static conus_status search_in(const struct search *search, const char *folder, const char *relative)
+static void search_in(struct job *job, const struct search *search, const char *folder, const char *relative)
 {
-    struct names names = {0};
-    conus_status status = names_list(&names, folder, ".xml");
-    for (size_t i = 0; !status && i < 2 * names.count; i++) {
+    const struct names names = labels_names(job, folder, ".xml");
+    for (size_t i = 0; i < 2 * names.count; i++) {
         const char *name = names.names[i % names.count];
-        bool now = begins_with_name(name, relative) == (i < names.count);
-        char *path = file_beside(folder, name);
-        status = !path ? CONUS_ERROR_MEMORY : now ? try_xml(search, path, relative) : CONUS_OK;
-        memory_free(path);
+        if (begins_with_name(name, relative) == (i < names.count)) {
+            try_xml(job, search, labels_path(job, file_beside(folder, name)), relative);
+        }
     }
-    names_finish(&names);
-    return status;
 }
 
-/* Tries those in the folder above, where the volume is "folder/name". */
-static conus_status search_above(const struct search *search, const char *folder, const char *relative)
+void fsl_atlas_each(struct job *job, const char *volume_path, enum fsl_use use, fsl_visit *visit, void *user)
 {
     char real[PATH_MAX];
-    struct buffer above = {0};
-    struct buffer below = {0};
-    if (!file_trace_real_path(real, folder)) {
-        return CONUS_OK;
-    }
-    buffer_format(&above, "%s../", folder);
-    buffer_format(&below, "%s/%s", path_base(real), relative);
-    conus_status status = buffer_status(&above);
-    status = status ? status : buffer_status(&below);
-    status = status ? status : search_in(search, above.data, below.data);
-    buffer_finish(&above);
-    buffer_finish(&below);
-    return status;
-}
-
-conus_status fsl_atlas_each(const char *volume_path, enum fsl_use use, fsl_visit visit, void *user)
-{
     const struct search search = {use, visit, user};
     const char *base = path_base(volume_path);
-    char *name = memory_text(base, volume_stem_length(base));
-    char *folder = path_folder(volume_path);
+    const char *name = job_copy(job, (struct text){base, volume_stem_length(base)});
+    const char *folder = labels_path(job, path_folder(volume_path));
     bool before = file_trace_search(true);
-    conus_status status = name && folder ? search_in(&search, folder, name) : CONUS_ERROR_MEMORY;
-    status = status ? status : search_above(&search, folder, name);
+    search_in(job, &search, folder, name);
+    if (job_ok(job) && file_trace_real_path(real, folder)) { /* in the folder above the volume is "folder/name" */
+        search_in(job, &search, job_format(job, "%s../", folder), job_format(job, "%s/%s", path_base(real), name));
+    }
     file_trace_search(before);
-    memory_free(name);
-    memory_free(folder);
-    return status;
 }
 
-conus_status fsl_image_find(char **out, const char *xml_path, const char *image)
+char *fsl_image_find(struct job *job, const char *xml_path, const char *image)
 {
     static const char *const endings[] = {"", ".nii.gz", ".nii", ".hdr", ".hdr.gz", ".mgz"};
-    char *path = file_beside(xml_path, image + strspn(image, "/"));
-    conus_status status = path ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < sizeof endings / sizeof endings[0]; i++) {
-        struct buffer candidate = {0};
-        buffer_format(&candidate, "%s%s", path, endings[i]);
-        status = buffer_status(&candidate);
-        if (!status && file_exists(candidate.data)) {
-            *out = candidate.data;
-            break;
+    const char *path = labels_path(job, file_beside(xml_path, image + strspn(image, "/")));
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        char *candidate = job_format(job, "%s%s", path, endings[i]);
+        if (job_has_file(job, candidate)) {
+            return candidate;
         }
-        buffer_finish(&candidate);
     }
-    memory_free(path);
-    return status;
+    return NULL;
 }

@@ -12,15 +12,16 @@ enum fsl_use {
 };
 
 /** Called with an atlas XML, its path and its bytes; it may take what the atlas has. */
-typedef conus_status (*fsl_visit)(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file);
+typedef void fsl_visit(struct job *job, void *user, struct fsl_atlas *atlas, const char *path,
+                       const struct bytes *file);
 
 /** Visits every atlas XML, in the folder of @p volume_path and in the one above, that names this volume for that use,
  * by name, those first whose own name the volume's begins with; for FSL_LABELS also SPM's that is called as the volume
- * is and names no other image that is there. */
-conus_status fsl_atlas_each(const char *volume_path, enum fsl_use use, fsl_visit visit, void *user);
+ * is and names no other image that is there. One that is damaged is passed over. */
+void fsl_atlas_each(struct job *job, const char *volume_path, enum fsl_use use, fsl_visit *visit, void *user);
 
-/** Path of @p image as the FSL atlas @p xml_path writes it: from the XML's folder, mostly without ending; NULL in *out
- * if there is no such file, else the caller's to memory_free(). */
-conus_status fsl_image_find(char **out, const char *xml_path, const char *image);
+/** Path of @p image as the FSL atlas @p xml_path writes it: from the XML's folder, mostly without ending; NULL if there
+ * is no such file. */
+char *fsl_image_find(struct job *job, const char *xml_path, const char *image);
 
 #endif

@@ -2,9 +2,9 @@
 /* Which number a label of an FSL atlas XML has in a volume of labels: its index, or that plus one. */
 #include "base/files/folder.h"
 #include "base/geometry/math3.h"
-#include "base/memory.h"
 #include "loaders/labels/fsl_find.h"
 #include "loaders/labels/label_cells.h"
+#include "loaders/labels/label_format.h"
 
 #include <math.h>
 
@@ -56,43 +56,34 @@ static struct fit count_fits(const struct fsl_atlas *atlas, const struct label_u
     return fit;
 }
 
-/* The matrix from the voxels of the first image that is there to those of the volume. */
-static conus_status from_first_image(double voxel_from_point[16], bool *found, const struct fsl_atlas *atlas,
-                                     const struct label_use *use)
+/* The matrix from the voxels of the first image that is there to those of the volume; false if there is none. */
+static bool from_first_image(double voxel_from_point[16], struct job *job, const struct fsl_atlas *atlas,
+                             const struct label_use *use)
 {
-    char *path = NULL;
     conus_volume_info first;
+    double voxel_from_world[16];
     const struct fsl_image *image = atlas->images;
-    conus_status status = CONUS_OK;
-    *found = false;
+    const char *path = NULL;
     if (use->path && use->header && atlas->image_count) {
-        status = image->summary ? fsl_image_find(&path, use->path, image->summary) : CONUS_OK;
-        status = status || path || !image->image ? status : fsl_image_find(&path, use->path, image->image);
+        path = image->summary ? fsl_image_find(job, use->path, image->summary) : NULL;
+        path = path || !image->image ? path : fsl_image_find(job, use->path, image->image);
     }
-    if (path && !use->header(&first, path)) { /* a damaged one says nothing */
-        double voxel_from_world[16];
-        *found = mat4_invert_affine(voxel_from_world, use->info->world_from_voxel);
-        if (*found) {
-            mat4_multiply(voxel_from_point, voxel_from_world, first.world_from_voxel);
-        }
+    if (!path || use->header(&first, path) || /* a damaged one says nothing */
+        !mat4_invert_affine(voxel_from_world, use->info->world_from_voxel)) {
+        return false;
     }
-    memory_free(path);
-    return status;
+    mat4_multiply(voxel_from_point, voxel_from_world, first.world_from_voxel);
+    return true;
 }
 
-static conus_status find_fit(struct fit *out, const struct fsl_atlas *atlas, const struct label_use *use)
+static struct fit find_fit(struct job *job, const struct fsl_atlas *atlas, const struct label_use *use)
 {
-    double own[16];
-    double from_first[16];
-    bool found;
-    mat4_identity(own);
-    *out = count_fits(atlas, use, own);
-    conus_status status = from_first_image(from_first, &found, atlas, use);
-    if (!status && found) {
-        struct fit fit = count_fits(atlas, use, from_first);
-        *out = best_of(fit) > best_of(*out) ? fit : *out;
-    }
-    return status;
+    double voxel_from_point[16];
+    mat4_identity(voxel_from_point);
+    struct fit own = count_fits(atlas, use, voxel_from_point);
+    bool found = from_first_image(voxel_from_point, job, atlas, use);
+    struct fit fit = found ? count_fits(atlas, use, voxel_from_point) : own;
+    return best_of(fit) > best_of(own) ? fit : own;
 }
 
 /* Whether the points decide: two or more fit, at least half of them, and over four times as many as fit the other way.
@@ -113,53 +104,86 @@ static bool first_is_background(const struct fsl_atlas *atlas)
     return false;
 }
 
-static conus_status note_choice(const struct fsl_atlas *atlas, const struct label_use *use, struct fit fit,
-                                bool by_index, struct notes *notes)
+static void note_choice(struct job *job, const struct fsl_atlas *atlas, const struct label_use *use, struct fit fit,
+                        bool by_index)
 {
     const char *name = use->path ? path_base(use->path) : "FSL atlas XML";
     const char *taken = by_index ? "index" : "index + 1";
     if (atlas->proved) {
-        return notes_add(notes,
-                         "%s: %s of a label is its number in the volume: so say x y z of %zu of %zu labels, although "
-                         "its type is %s",
-                         name, taken, best_of(fit), fit.inside, atlas->type);
+        job_note(job,
+                 "%s: %s of a label is its number in the volume: so say x y z of %zu of %zu labels, although its type "
+                 "is %s",
+                 name, taken, best_of(fit), fit.inside, atlas->type);
+    } else {
+        job_warn(job,
+                 "%s: %s of a label is taken for its number in the volume, since index 0 is background, although its "
+                 "type is %s",
+                 name, taken, atlas->type);
     }
-    return notes_warn(notes,
-                      "%s: %s of a label is taken for its number in the volume, since index 0 is background, although "
-                      "its type is %s",
-                      name, taken, atlas->type);
 }
 
 /* Numbers the labels by index instead of index + 1; index 0 is dropped, without a note if the points prove that it is
  * no area. */
-static conus_status take_indices(struct fsl_atlas *atlas, struct notes *notes)
+static void take_indices(struct job *job, struct fsl_atlas *atlas)
 {
-    struct label_table next = atlas->labels;
-    struct notes silent = {0};
-    conus_status status = CONUS_OK;
-    atlas->labels = (struct label_table){0};
-    for (size_t i = 0; i < next.count; i++) {
-        struct label label = next.entries[i];
-        next.entries[i] = (struct label){0};
-        label.number--;
-        status = label_keep(&atlas->labels, &label, status, atlas->proved ? &silent : notes);
+    struct label_table *next = labels_new(job);
+    for (size_t i = 0; i < atlas->labels.count; i++) {
+        const struct label *label = &atlas->labels.entries[i];
+        struct label_row row = {.label = {.number = label->number - 1},
+                                .name = text_from(label->name ? label->name : ""),
+                                .abbreviation = text_from(label->abbreviation ? label->abbreviation : "")};
+        if (row.label.number || !atlas->proved) {
+            labels_keep(job, next, &row);
+        } else if (!next->zero) {
+            labels_set(job, &next->zero, row.name);
+        }
     }
-    notes_finish(&silent);
-    label_table_finish(&next);
-    return status;
+    if (job_ok(job)) {
+        struct label_table before = atlas->labels;
+        atlas->labels = *next;
+        *next = before;
+    }
 }
 
-conus_status fsl_atlas_number(struct fsl_atlas *atlas, const struct label_use *use, struct notes *notes)
+void fsl_atlas_number(struct job *job, struct fsl_atlas *atlas, const struct label_use *use)
 {
     struct fit fit = {0};
-    conus_status status = use->voxels ? find_fit(&fit, atlas, use) : CONUS_OK;
+    if (!job_ok(job)) {
+        return;
+    }
+    if (use->voxels) {
+        fit = find_fit(job, atlas, use);
+    }
     atlas->proved = fit_decides(fit);
     bool by_index = atlas->proved ? fit.index > fit.next : atlas->is_label || first_is_background(atlas);
-    if (!status && by_index != atlas->is_label) {
-        status = note_choice(atlas, use, fit, by_index, notes);
+    if (by_index != atlas->is_label) {
+        note_choice(job, atlas, use, fit, by_index);
     }
-    status = status || !by_index ? status : take_indices(atlas, notes);
-    memory_free(atlas->points);
-    atlas->points = NULL;
-    return status ? status : label_table_sort(&atlas->labels, notes);
+    if (by_index) {
+        take_indices(job, atlas);
+    }
+    labels_sort(job, &atlas->labels);
 }
+
+static void parse_fsl(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+{
+    struct fsl_atlas *atlas = fsl_atlas_parse(job, text);
+    fsl_atlas_number(job, atlas, use);
+    if (job_ok(job)) {
+        *out = atlas->labels; /* it was empty */
+        atlas->labels = (struct label_table){0};
+    }
+}
+
+static bool is_fsl(const struct label_text *text)
+{
+    return text_equal(text->root, "atlas");
+}
+
+static bool is_spm(const struct label_text *text)
+{
+    return is_fsl(text) && text_mentions(text->text, "<index>");
+}
+
+const struct label_format label_format_spm = {"SPM atlas XML", LABEL_MARKUP, is_spm, parse_fsl, NULL};
+const struct label_format label_format_fsl = {"FSL atlas XML", LABEL_MARKUP, is_fsl, parse_fsl, NULL};

@@ -4,10 +4,8 @@
  * In a NIfTI extension (code 4) the table is itself such a string, cut into pieces of 1000 characters. */
 #include "loaders/labels/label_format.h"
 
-#include "base/buffer.h"
 #include "loaders/labels/label_cells.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -113,112 +111,104 @@ static char read_entity(struct text text, size_t *length)
     return (char)code;
 }
 
-static void append_resolved(struct buffer *buffer, struct text string)
+/* The string with its entities resolved, which make it no longer. */
+static struct text resolve(struct job *job, struct text string)
 {
-    while (string.size) {
+    struct text text = {job_copy(job, string), 0};
+    for (char *to = (char *)text.data; job_ok(job) && string.size; text.size++) {
         size_t length;
         char c = read_entity(string, &length);
-        buffer_append(buffer, length ? &c : string.data, 1);
+        to[text.size] = length ? c : string.data[0];
         length = length ? length : 1;
         string = (struct text){string.data + length, string.size - length};
     }
-}
-
-static conus_status set_resolved(char **field, struct text string)
-{
-    struct buffer buffer = {0};
-    append_resolved(&buffer, string);
-    conus_status status = buffer_status(&buffer);
-    status = status || !buffer.size ? status : label_set_text(field, (struct text){buffer.data, buffer.size});
-    buffer_finish(&buffer);
-    return status;
+    return text;
 }
 
 /* <VALUE_LABEL_DTABLE ni_type="2*String" ni_dimen="N"> "1" "Left-..." ... : pairs in no order. */
-static conus_status parse_dtable(struct label_table *out, struct text *rest, const struct tag *tag, struct notes *notes)
+static void parse_dtable(struct job *job, struct label_table *out, struct text *rest, const struct tag *tag)
 {
     struct text number;
     struct text name;
     size_t entries = 0;
-    conus_status status = CONUS_OK;
-    for (; !status && next_string(rest, &number); entries++) {
-        char where[32];
-        struct label label = {0};
-        snprintf(where, sizeof where, "entry %zu", entries + 1);
+    for (; job_ok(job) && next_string(rest, &number); entries++) {
+        size_t place = job_in(job, "entry ", entries + 1);
         if (!next_string(rest, &name)) {
-            return fail(CONUS_ERROR_DATA, "%s: no name after the number", where);
+            job_bad(job, "no name after the number");
+            return;
         }
-        status = label_cell_number(&label.number, text_trim(number), where);
-        status = status ? status : set_resolved(&label.name, name);
-        status = label_keep(out, &label, status, notes);
+        const struct label_row row = {.label = {.number = label_cell_number(job, text_trim(number))},
+                                      .name = resolve(job, name)};
+        job_out(job, place);
+        labels_keep(job, out, &row);
     }
     uint64_t wanted;
-    if (!status && text_to_uint(find_attribute(tag, "ni_dimen"), UINT32_MAX, &wanted) && wanted != entries) {
-        status = notes_warn(notes, "the AFNI label table has %zu entries, though its ni_dimen says %llu", entries,
-                            (unsigned long long)wanted); /* people write these by hand */
+    if (text_to_uint(find_attribute(tag, "ni_dimen"), UINT32_MAX, &wanted) && wanted != entries) {
+        job_warn(job, "the AFNI label table has %zu entries, though its ni_dimen says %llu", entries,
+                 (unsigned long long)wanted); /* people write these by hand */
     }
-    return status;
 }
 
 /* <ATLAS_POINT STRUCT="R_CA1" VAL="17" LONGNAME="..." ... />. */
-static conus_status parse_point(struct label_table *out, const struct tag *tag, struct notes *notes)
+static void parse_point(struct job *job, struct label_table *out, const struct tag *tag)
 {
-    struct label label = {0};
-    struct text name = find_attribute(tag, "STRUCT");
+    struct text name = resolve(job, find_attribute(tag, "STRUCT"));
     struct text longer = find_attribute(tag, "LONGNAME");
     bool has_longer = longer.size && !text_equal(longer, "None");
-    conus_status status = label_cell_number(&label.number, text_trim(find_attribute(tag, "VAL")), "ATLAS_POINT");
-    status = status ? status : set_resolved(&label.name, has_longer ? longer : name);
-    if (!status && has_longer) {
-        status = set_resolved(&label.abbreviation, name);
-    }
-    return label_keep(out, &label, status, notes);
+    size_t place = job_in(job, "ATLAS_POINT", JOB_ALONE);
+    struct label_row row = {.label = {.number = label_cell_number(job, text_trim(find_attribute(tag, "VAL")))}};
+    job_out(job, place);
+    row.name = has_longer ? resolve(job, longer) : name;
+    row.abbreviation = has_longer ? name : row.abbreviation;
+    labels_keep(job, out, &row);
 }
 
 /* Reads the tables themselves: in an element of their own, or one after the other. */
-static conus_status parse_tables(struct label_table *out, struct text text, struct notes *notes)
+static void parse_tables(struct job *job, struct label_table *out, struct text text)
 {
     struct tag tag;
-    conus_status status = CONUS_OK;
-    while (!status && next_tag(&text, &tag)) {
+    while (job_ok(job) && next_tag(&text, &tag)) {
         if (text_equal(tag.name, "VALUE_LABEL_DTABLE")) {
-            status = parse_dtable(out, &text, &tag, notes);
+            parse_dtable(job, out, &text, &tag);
         } else if (text_equal(tag.name, "ATLAS_POINT")) {
-            status = parse_point(out, &tag, notes);
+            parse_point(job, out, &tag);
         }
     }
-    return status;
 }
 
 /* Joins the pieces of the attribute `name` of an AFNI_attributes group; empty if it is not there. */
-static conus_status join_attribute(struct buffer *joined, struct text text, const char *name)
+static struct text join_attribute(struct job *job, struct text text, const char *name)
 {
+    char *joined = job_raw(job, text.size, 1); /* pieces are shorter than the text */
+    size_t size = 0;
     struct tag tag;
-    while (next_tag(&text, &tag)) {
+    while (joined && next_tag(&text, &tag)) {
         struct text key = find_attribute(&tag, "atr_name");
         key = key.size ? key : find_attribute(&tag, "AFNI_name");
         struct text piece;
         while (text_equal(tag.name, "AFNI_atr") && text_equal(key, name) && next_string(&text, &piece)) {
-            append_resolved(joined, piece);
+            piece = resolve(job, piece);
+            memcpy(joined + size, piece.data, piece.size);
+            size += piece.size;
         }
     }
-    return buffer_status(joined);
+    return (struct text){joined, size};
 }
 
 /* The atlas table is the richer one where both are there. */
-static conus_status parse_afni(struct label_table *out, struct text text, struct notes *notes)
+static void parse_afni(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     static const char *const attributes[] = {"ATLAS_LABEL_TABLE", "VALUE_LABEL_DTABLE"};
-    conus_status status = parse_tables(out, text, notes);
-    for (size_t i = 0; !status && !out->count && i < 2; i++) {
-        struct buffer joined = {0};
-        status = join_attribute(&joined, text, attributes[i]);
-        if (!status && joined.size) {
-            status = parse_tables(out, (struct text){joined.data, joined.size}, notes);
-        }
-        buffer_finish(&joined);
+    (void)use;
+    parse_tables(job, out, text);
+    for (size_t i = 0; !out->count && i < 2; i++) {
+        parse_tables(job, out, join_attribute(job, text, attributes[i]));
     }
-    return status;
 }
 
-const struct label_format label_format_afni = {"AFNI label table", parse_afni, NULL};
+static bool is_afni(const struct label_text *text)
+{
+    return text_is_one_of(text->root, "AFNI_attributes/AFNI_atr/VALUE_LABEL_DTABLE/ATLAS_LABEL_TABLE", true);
+}
+
+const struct label_format label_format_afni = {"AFNI label table", LABEL_MARKUP, is_afni, parse_afni, ".niml.lt"};

@@ -3,7 +3,7 @@
 #include "loaders/labels/label_format.h"
 
 #include "base/formats/encoding.h"
-#include "base/memory.h"
+#include "base/formats/xml.h"
 
 #include <string.h>
 
@@ -11,6 +11,14 @@
     "MRIcron text, AAL text, ITK-SNAP, FreeSurfer, FSLeyes, MRtrix and Slicer colour tables, BIDS dseg.tsv and other " \
     "tables with a header, atlas XML of FSL and SPM, Workbench and AFNI label tables, BrainGlobe structures.json, "    \
     "NiiVue JSON, MRIcron .lut"
+
+const struct label_format *const *label_formats(void)
+{
+#define ADDRESS(format) &(format),
+    static const struct label_format *const formats[] = {LABEL_FORMATS(ADDRESS) NULL};
+#undef ADDRESS
+    return formats;
+}
 
 bool label_is_lut(const uint8_t *data, size_t size)
 {
@@ -33,85 +41,113 @@ void label_lut_apply(struct label_table *table, const uint8_t *lut)
     }
 }
 
+/* Whether the text is something else whose rows are like those of a table: an answer of conus, or its list of voxels,
+ * which may lie beside the atlas under its name, FreeSurfer's lists of vertices, FSL's matrices. */
+static bool is_foreign(struct text text)
+{
+    static const char *const starts[] = {"query\tkind\tindex\t", "query\tpathway\ti\t", "#!ascii label", "/NumWaves",
+                                         "/ContrastName"};
+    for (size_t i = 0; i < sizeof starts / sizeof starts[0]; i++) {
+        if (text_starts(text, starts[i])) {
+            return true;
+        }
+    }
+    return false;
+}
+
 const struct label_format *label_format_of(struct text text)
 {
-    /* An answer of conus, or its list of voxels, may lie beside the atlas under its name, and has rows like a table. So
-     * have FreeSurfer's lists of vertices and FSL's matrices. */
-    static const char *const others[] = {"query\tkind\tindex\t", "query\tpathway\ti\t", "#!ascii label", "/NumWaves",
-                                         "/ContrastName"};
-    struct text start = text_trim(text);
-    bool is_other = !text_is_readable(text);
-    for (size_t i = 0; !is_other && i < sizeof others / sizeof others[0]; i++) {
-        is_other = text_starts(text, others[i]);
-    }
-    if (is_other) {
+    struct label_census census;
+    struct label_text about = {.text = text_trim(text)};
+    if (!text_is_readable(text) || is_foreign(text) || !about.text.size) {
         return NULL;
     }
-    if (start.data[0] == '<') {
-        return label_format_of_markup(start);
+    if (about.text.data[0] == '<') {
+        about.kind = LABEL_MARKUP;
+        about.root = xml_root(about.text);
+    } else if (about.text.data[0] == '{' || about.text.data[0] == '[') {
+        about.kind = LABEL_JSON;
+    } else {
+        about.text = text;
+        about.kind = label_columns_look(&about) ? LABEL_COLUMNS : LABEL_ROWS;
     }
-    if (start.data[0] == '{' || start.data[0] == '[') {
-        return label_format_of_json(start);
+    if (about.kind == LABEL_ROWS) {
+        census = label_rows_count(text);
+        about.census = &census;
     }
-    const struct label_format *format = label_format_of_columns(text);
-    return format ? format : label_format_of_rows(text);
+    const struct label_format *const *format = label_formats();
+    while (*format && !((*format)->kind == about.kind && (*format)->is(&about))) {
+        format++;
+    }
+    return *format;
 }
 
-conus_status label_text_parse(struct label_table *out, const struct label_format *format, struct text text,
-                              const struct label_use *use, struct notes *notes)
+void label_text_parse(struct job *job, struct label_table *out, const struct label_format *format, struct text text,
+                      const struct label_use *use)
 {
-    struct label_table table = {0};
+    struct label_table *table = labels_new(job);
     char *owned = NULL;
-    conus_status status = encoding_decode(&owned, &text, notes);
-    if (status) {
-        return fail_in(status, format->name);
+    size_t place = job_in(job, format->name, JOB_ALONE);
+    if (JOB_CALL(job, encoding_decode(&owned, &text, &job->notes)) && owned) {
+        job_adopt(job, owned);
     }
-    status = format->parse_for ? format->parse_for(&table, text, use, notes) : format->parse(&table, text, notes);
-    memory_free(owned);
-    status = status ? status : label_table_sort(&table, notes);
-    if (status) {
-        label_table_finish(&table);
-        return fail_in(status, format->name);
+    if (job_ok(job)) {
+        format->parse(job, table, text, use);
+        labels_sort(job, table);
     }
-    *out = table;
-    return CONUS_OK;
+    job_out(job, place);
+    if (job_ok(job)) {
+        *out = *table;
+        *table = (struct label_table){0};
+    }
 }
 
-conus_status label_bytes_parse(struct label_table *out, const char **format, const uint8_t *data, size_t size,
-                               const struct label_use *use, struct notes *notes)
+static void parse_lut(struct job *job, struct label_table *out, const uint8_t *lut)
 {
-    struct text text = text_from_bytes(data, size);
-    struct label_table table = {0};
-    conus_status status;
+    for (uint32_t number = 1; number < 256; number++) {
+        labels_add(job, out, number);
+    }
+    label_lut_apply(out, lut);
+}
+
+/* The format of @p text for @p use; NULL, and a failure that says what is needed, if it is none. */
+static const struct label_format *find_format(struct job *job, struct text text, const struct label_use *use)
+{
+    if (text.size >= 2 && (memcmp(text.data, "\xff\xfe", 2) == 0 || memcmp(text.data, "\xfe\xff", 2) == 0)) {
+        job_bad(job, "the text is UTF-16, UTF-8 or Windows-1252 is needed");
+        return NULL;
+    }
+    const struct label_format *format =
+        use->columns[0].size || use->columns[1].size ? &label_format_chosen : label_format_of(text);
+    if (!format) {
+        label_columns_refuse(job, text);
+        job_bad(job, "not a label table of a known format (known: " KNOWN ")");
+    }
+    return format;
+}
+
+void label_bytes_parse(struct job *job, struct label_table *out, const char **format, const uint8_t *data, size_t size,
+                       const struct label_use *use)
+{
+    struct label_table *table = labels_new(job);
+    const char *name = "MRIcron colours";
     if (label_is_lut(data, size)) {
-        for (uint32_t number = 1; number < 256; number++) {
-            if (!label_table_add(&table, number)) {
-                label_table_finish(&table);
-                return CONUS_ERROR_MEMORY;
-            }
+        parse_lut(job, table, data);
+    } else {
+        struct text text = text_from_bytes(data, size);
+        const struct label_format *found = find_format(job, text, use);
+        if (!found) {
+            return;
         }
-        label_lut_apply(&table, data);
-        *out = table;
-        *format = "MRIcron colours";
-        return CONUS_OK;
+        name = found->name;
+        label_text_parse(job, table, found, text, use);
+        if (!table->count) {
+            job_bad(job, "%s: no label but 0", name);
+        }
     }
-    if (size >= 2 && (memcmp(data, "\xff\xfe", 2) == 0 || memcmp(data, "\xfe\xff", 2) == 0)) {
-        return fail(CONUS_ERROR_DATA, "the text is UTF-16, UTF-8 or Windows-1252 is needed");
+    if (job_ok(job)) {
+        *out = *table;
+        *table = (struct label_table){0};
+        *format = name;
     }
-    const bool chosen = use->columns[0].size || use->columns[1].size;
-    const struct label_format *found = chosen ? &label_format_chosen : label_format_of(text);
-    if (!found) {
-        status = label_columns_refuse(text);
-        return status ? status : fail(CONUS_ERROR_DATA, "not a label table of a known format (known: " KNOWN ")");
-    }
-    status = label_text_parse(&table, found, text, use, notes);
-    if (!status && !table.count) {
-        label_table_finish(&table);
-        return fail(CONUS_ERROR_DATA, "%s: no label but 0", found->name);
-    }
-    if (!status) {
-        *format = found->name;
-        *out = table;
-    }
-    return status;
 }

@@ -4,176 +4,160 @@
 
 #include "base/formats/base64.h"
 
-#include <stdio.h>
 #include <string.h>
 
 enum { SHOWN = 60 };
 
-conus_status label_cell_number(uint32_t *out, struct text cell, const char *where)
+uint32_t label_cell_number(struct job *job, struct text cell)
 {
-    uint64_t number;
+    uint64_t number = 0;
     if (!text_to_uint(cell, UINT32_MAX, &number)) {
-        return fail(CONUS_ERROR_DATA, "%s: label \"%.*s\", a whole number from 0 to 4294967295 is needed", where,
-                    TEXT_SHOW(cell, SHOWN));
+        job_bad(job, "label \"%.*s\", a whole number from 0 to 4294967295 is needed", TEXT_SHOW(cell, SHOWN));
     }
-    *out = (uint32_t)number;
-    return CONUS_OK;
+    return (uint32_t)number;
 }
 
 /* How many labels of the voxels the table names. */
-static conus_status count_named(size_t *out, struct label_table *table, const struct label_voxels *voxels,
-                                struct notes *silent)
+static size_t count_named(struct job *job, struct label_table *table, const struct label_voxels *voxels)
 {
-    conus_status status = label_table_sort(table, silent);
-    *out = 0;
-    for (size_t i = 1; !status && i < voxels->label_count; i++) {
+    size_t count = 0;
+    labels_sort(job, table);
+    for (size_t i = 1; job_ok(job) && i < voxels->label_count; i++) {
         const struct label *label = label_table_find(table, voxels->labels[i]);
-        *out += voxels->counts[i] && label && label->name;
+        count += voxels->counts[i] && label && label->name;
     }
-    return status;
+    return count;
 }
 
-conus_status label_choose(size_t *best, label_trial *trial, void *user, size_t count, const struct label_voxels *voxels,
-                          struct notes *notes)
+size_t label_choose(struct job *job, size_t usual, label_trial *trial, void *user, size_t count,
+                    const struct label_voxels *voxels)
 {
-    const size_t usual = *best;
     struct text names[2] = {{0}}; /* of the usual one, and of the best */
+    size_t best = usual;
     size_t most = 0;
-    for (size_t i = 0; i < count; i++) {
-        struct label_table table = {0};
-        struct notes silent = {0};
-        struct text called = {0};
-        size_t found = 0;
-        conus_status status = trial(&table, &called, user, i, &silent);
-        status = status ? status : count_named(&found, &table, voxels, &silent);
-        label_table_finish(&table);
-        notes_finish(&silent);
-        if (status == CONUS_ERROR_MEMORY) {
-            return status;
-        }
+    for (size_t i = 0; i < count && job_ok(job); i++) {
+        const struct job_mark mark = job_mark(job);
+        struct attempt attempt = job_try(job);
+        struct label_table *table = labels_new(job);
+        struct text called = trial(job, table, user, i);
+        size_t found = count_named(job, table, voxels);
+        (void)job_dropped(job, &attempt);
+        job_release(job, mark);
         names[0] = i == usual ? called : names[0];
-        if (!status && found > most) {
+        if (found > most) {
             most = found;
-            *best = i;
+            best = i;
             names[1] = called;
         }
     }
-    return *best == usual ? CONUS_OK
-                          : notes_warn(notes,
-                                       "label table: \"%.*s\" is the label's number, which names more labels of the "
-                                       "volume (%zu) than \"%.*s\"; FILE,label=COLUMN chooses",
-                                       TEXT_SHOW(names[1], SHOWN), most, TEXT_SHOW(names[0], SHOWN));
-}
-
-conus_status label_cell_channel(uint8_t *out, struct text cell, const char *channel, const char *where)
-{
-    uint64_t value;
-    if (!text_to_uint(cell, 255, &value)) {
-        return fail(CONUS_ERROR_DATA, "%s: %s is \"%.*s\", a whole number from 0 to 255 is needed", where, channel,
-                    TEXT_SHOW(cell, SHOWN));
+    if (best != usual) {
+        job_warn(job,
+                 "label table: \"%.*s\" is the label's number, which names more labels of the volume (%zu) than "
+                 "\"%.*s\"; FILE,label=COLUMN chooses",
+                 TEXT_SHOW(names[1], SHOWN), most, TEXT_SHOW(names[0], SHOWN));
     }
-    *out = (uint8_t)value;
-    return CONUS_OK;
+    return best;
 }
 
-conus_status label_cell_fraction(uint8_t *out, struct text cell, const char *channel, const char *where)
+uint8_t label_cell_channel(struct job *job, struct text cell, const char *channel)
+{
+    uint64_t value = 0;
+    if (!text_to_uint(cell, 255, &value)) {
+        job_bad(job, "%s is \"%.*s\", a whole number from 0 to 255 is needed", channel, TEXT_SHOW(cell, SHOWN));
+    }
+    return (uint8_t)value;
+}
+
+uint8_t label_cell_fraction(struct job *job, struct text cell, const char *channel)
 {
     double value;
     if (!text_to_double(cell, &value) || !(value >= 0 && value <= 1)) {
-        return fail(CONUS_ERROR_DATA, "%s: %s is \"%.*s\", a number from 0 to 1 is needed", where, channel,
-                    TEXT_SHOW(cell, SHOWN));
+        job_bad(job, "%s is \"%.*s\", a number from 0 to 1 is needed", channel, TEXT_SHOW(cell, SHOWN));
+        return 0;
     }
-    *out = (uint8_t)(value * 255 + 0.5);
-    return CONUS_OK;
+    return (uint8_t)(value * 255 + 0.5);
 }
 
-conus_status label_cell_rgb(struct label *label, const struct text cells[3],
-                            conus_status (*parse_channel)(uint8_t *, struct text, const char *, const char *),
-                            const char *where)
+void label_cell_rgb(struct job *job, struct label *label, const struct text cells[3], label_cell_part *part)
 {
     static const char *const channels[] = {"red", "green", "blue"};
-    conus_status status = CONUS_OK;
-    for (int i = 0; !status && i < 3; i++) {
-        status = parse_channel(&label->rgb[i], cells[i], channels[i], where);
+    for (int i = 0; i < 3; i++) {
+        label->rgb[i] = part(job, cells[i], channels[i]);
     }
-    label->has_rgb = !status;
-    return status;
+    label->has_rgb = true;
 }
 
-conus_status label_element(struct label *out, const struct xml_event *event)
+static const char *key_of(const struct xml_event *event)
+{
+    const char *key = xml_attribute(event, "Key");
+    return key ? key : xml_attribute(event, "Index"); /* of old files */
+}
+
+void label_element(struct job *job, struct label *out, const struct xml_event *event)
 {
     static const char *const channels[] = {"Red", "Green", "Blue"};
-    const char *key = xml_attribute(event, "Key");
-    key = key ? key : xml_attribute(event, "Index"); /* of old files */
-    struct text cells[3] = {{0}};
-    char where[32];
-    snprintf(where, sizeof where, "line %zu", event->line);
-    size_t given = 0;
+    const char *key = key_of(event);
+    struct text cells[3];
+    bool coloured = false;
+    size_t place = job_in(job, "line ", event->line);
     for (int i = 0; i < 3; i++) {
         const char *value = xml_attribute(event, channels[i]);
         cells[i] = text_from(value ? value : "");
-        given += value != NULL;
+        coloured = coloured || value;
     }
-    struct label label = {0};
-    conus_status status = label_cell_number(&label.number, text_from(key ? key : ""), where);
-    status = status || !given ? status : label_cell_rgb(&label, cells, label_cell_fraction, where);
-    if (!status) {
-        *out = label;
+    *out = (struct label){.number = label_cell_number(job, text_from(key ? key : ""))};
+    if (coloured) {
+        label_cell_rgb(job, out, cells, label_cell_fraction);
     }
-    return status;
+    job_out(job, place);
 }
 
-conus_status label_entry_start(struct label_entry *entry, const struct xml_event *event)
+void label_entry_start(struct job *job, struct label_entry *entry, const struct xml_event *event)
 {
-    const char *key = xml_attribute(event, "Key");
+    const char *key = key_of(event);
     int64_t number;
-    key = key ? key : xml_attribute(event, "Index");
-    entry->negative = key && text_to_int(text_from(key), &number) && number < 0;
-    entry->label = (struct label){0};
-    return entry->negative ? CONUS_OK : label_element(&entry->label, event);
+    *entry = (struct label_entry){.negative = key && text_to_int(text_from(key), &number) && number < 0};
+    if (!entry->negative) {
+        label_element(job, &entry->label, event);
+    }
 }
 
-conus_status label_entry_end(struct label_entry *entry, struct label_table *table, struct text name,
-                             struct notes *notes)
+void label_entry_end(struct job *job, struct label_entry *entry, struct label_table *table, struct text text)
 {
-    struct label *label = &entry->label;
-    conus_status status = label_set_text(&label->name, name);
-    bool no_area = !label->number || entry->negative;
-    if (!status && no_area && label->name && !label_is_background(text_from(label->name))) {
-        status = notes_add(notes, "label %s is called \"%s\"; its vertices belong to no area",
-                           entry->negative ? "below 0" : "0", label->name);
-    }
-    if (status || no_area) {
-        label_finish(label);
-    } else {
-        status = label_keep(table, label, CONUS_OK, notes);
+    const char *name = job_name(job, text);
+    bool no_area = !entry->label.number || entry->negative;
+    if (!no_area) {
+        labels_keep(job, table, &(struct label_row){.label = entry->label, .name = text});
+    } else if (name && !label_is_background(text_from(name))) {
+        job_note(job, "label %s is called \"%s\"; its vertices belong to no area", entry->negative ? "below 0" : "0",
+                 name);
     }
     *entry = (struct label_entry){0};
-    return status;
 }
 
 /* "rgba(255,0,0,1)" or "rgb(255,0,0)": the opacity says nothing about an area. */
-static conus_status read_function(uint8_t out[3], struct text cell, const char *where)
+static void read_function(struct job *job, uint8_t out[3], struct text cell)
 {
     static const char *const channels[] = {"red", "green", "blue"};
     const char *open = memchr(cell.data, '(', cell.size);
     struct text rest = {open + 1, (size_t)(cell.data + cell.size - 1 - (open + 1))};
     struct text field;
     size_t count = 0;
-    conus_status status = CONUS_OK;
-    for (bool more = true; !status && text_field(&rest, ',', &more, &field); count++) {
-        status = count < 3 ? label_cell_channel(&out[count], text_trim(field), channels[count], where) : CONUS_OK;
+    for (bool more = true; text_field(&rest, ',', &more, &field); count++) {
+        if (count < 3) {
+            out[count] = label_cell_channel(job, text_trim(field), channels[count]);
+        }
     }
-    return status || count == 3 || count == 4
-               ? status
-               : fail(CONUS_ERROR_DATA, "%s: colour \"%.*s\", rgb(R,G,B) or rgba(R,G,B,A) is needed", where,
-                      TEXT_SHOW(cell, SHOWN));
+    if (count != 3 && count != 4) {
+        job_bad(job, "colour \"%.*s\", rgb(R,G,B) or rgba(R,G,B,A) is needed", TEXT_SHOW(cell, SHOWN));
+    }
 }
 
-conus_status label_cell_colour(uint8_t out[3], struct text cell, const char *where)
+void label_cell_colour(struct job *job, uint8_t out[3], struct text cell)
 {
     if ((text_starts(cell, "rgb(") || text_starts(cell, "rgba(")) && cell.data[cell.size - 1] == ')') {
-        return read_function(out, cell, where);
+        read_function(job, out, cell);
+        return;
     }
     size_t start = cell.size == 7 && cell.data[0] == '#';
     bool fine = cell.size - start == 6;
@@ -183,9 +167,9 @@ conus_status label_cell_colour(uint8_t out[3], struct text cell, const char *whe
         fine = high >= 0 && low >= 0;
         out[i] = fine ? (uint8_t)(16 * high + low) : 0;
     }
-    return fine ? CONUS_OK
-                : fail(CONUS_ERROR_DATA, "%s: colour \"%.*s\", #rrggbb in hexadecimal, or rgba(R,G,B,A), is needed",
-                       where, TEXT_SHOW(cell, SHOWN));
+    if (!fine) {
+        job_bad(job, "colour \"%.*s\", #rrggbb in hexadecimal, or rgba(R,G,B,A), is needed", TEXT_SHOW(cell, SHOWN));
+    }
 }
 
 char label_hemisphere_of(struct text cell)
@@ -241,40 +225,46 @@ bool label_is_background(struct text name)
     return text_is_one_of(word, absent, false) || text_equal_ignoring_case(name, "n/a");
 }
 
-conus_status label_keep(struct label_table *table, struct label *label, conus_status status, struct notes *notes)
+static void make_spaces(char *name, const struct label_row *row)
 {
-    if (!status && label->number) {
-        struct label *entry = label_table_add(table, label->number);
-        if (entry) {
-            *entry = *label;
-            return CONUS_OK;
-        }
-        status = CONUS_ERROR_MEMORY;
-    } else if (!status && label->name) {
-        if (!label_is_background(text_from(label->name))) {
-            status = notes_warn(notes,
-                                "the label table calls label 0 \"%s\", but 0 is background: if the table counts from 0 "
-                                "and the volume from 1, all names are off by one",
-                                label->name);
-        }
-        if (!table->zero) {
-            table->zero = label->name;
-            label->name = NULL;
-        }
+    for (; row->underscores && name && *name; name++) {
+        *name = *name == '_' ? ' ' : *name;
     }
-    label_finish(label);
-    return status;
 }
 
-conus_status label_drop_background(bool *dropped, struct label_table *table, struct notes *notes)
+void labels_keep(struct job *job, struct label_table *table, const struct label_row *row)
+{
+    if (row->label.number) {
+        struct label *label = labels_add(job, table, row->label.number);
+        *label = row->label;
+        labels_set(job, &label->name, row->name);
+        make_spaces(label->name, row);
+        labels_set(job, &label->abbreviation, row->abbreviation);
+        return;
+    }
+    char *name = job_name(job, row->name);
+    make_spaces(name, row);
+    if (name && !label_is_background(text_from(name))) {
+        job_warn(job,
+                 "the label table calls label 0 \"%s\", but 0 is background: if the table counts from 0 and the volume "
+                 "from 1, all names are off by one",
+                 name);
+    }
+    if (name && !table->zero) {
+        labels_set(job, &table->zero, row->name);
+        make_spaces(table->zero, row);
+    }
+}
+
+bool label_drop_background(struct job *job, struct label_table *table)
 {
     struct label *first = table->entries;
-    *dropped = table->count && first->number == 1 && first->name && label_is_background(text_from(first->name));
-    if (!*dropped) {
-        return CONUS_OK;
+    bool is_background =
+        table->count && first->number == 1 && first->name && label_is_background(text_from(first->name));
+    if (is_background && job_ok(job)) {
+        job_note(job, "volume 0 is left out: it is called %s", first->name);
+        label_finish(first);
+        memmove(first, first + 1, --table->count * sizeof *first);
     }
-    conus_status status = notes_add(notes, "volume 0 is left out: it is called %s", first->name);
-    label_finish(first);
-    memmove(first, first + 1, --table->count * sizeof *first);
-    return status;
+    return is_background;
 }

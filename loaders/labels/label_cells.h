@@ -1,26 +1,33 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Entries of label tables and their cells, for all formats. */
+/** @file Entries of label tables and their cells, for all formats. Where a cell stands ("line 7") is the job's place.
+ */
 #ifndef CONUS_LOADERS_LABELS_LABEL_CELLS_H
 #define CONUS_LOADERS_LABELS_LABEL_CELLS_H
 
-#include "atlas/labels/label_voxels.h"
-#include "atlas/labels/labels.h"
 #include "base/formats/xml.h"
+#include "loaders/labels/label_use.h"
+#include "loaders/labels/labels_on_job.h"
 
-/** Appends @p label, if filling it gave @p status CONUS_OK; else returns @p status. Its strings are taken over in any
- * case. Label 0 is background: only its name is kept (the first), with a note where its name does not say so: a table
- * that counts from 0 names every area wrongly. */
-conus_status label_keep(struct label_table *table, struct label *label, conus_status status, struct notes *notes);
+/** An entry while it is read. */
+struct label_row {
+    struct label label;             /**< Without texts. */
+    struct text name, abbreviation; /**< As they are written. */
+    bool underscores;               /**< In the name, where spaces are meant. */
+};
+
+/** Appends the entry of @p row. Label 0 is background: only its name is kept (the first), with a note where its name
+ * does not say so: a table that counts from 0 names every area wrongly. */
+void labels_keep(struct job *job, struct label_table *table, const struct label_row *row);
 
 /** Whether @p name says that what is called so is no area: "unknown", "Air", "*.*.*". */
 bool label_is_background(struct text name);
 
 /** Takes the first label out of @p table, whose numbers are those of volumes from 1, where that is volume 0 and is
- * called background; a note says so. */
-conus_status label_drop_background(bool *dropped, struct label_table *table, struct notes *notes);
+ * called background; a note says so. Whether it did. */
+bool label_drop_background(struct job *job, struct label_table *table);
 
 /** Number and colour of Workbench's and GIFTI's <Label Key= Red= Green= Blue=>; its name is the element's text. */
-conus_status label_element(struct label *out, const struct xml_event *event);
+void label_element(struct job *job, struct label *out, const struct xml_event *event);
 
 /** A <Label> of GIFTI or CIFTI while it is open, whose number may be below 0. */
 struct label_entry {
@@ -29,34 +36,33 @@ struct label_entry {
 };
 
 /** At its start tag. */
-conus_status label_entry_start(struct label_entry *entry, const struct xml_event *event);
+void label_entry_start(struct job *job, struct label_entry *entry, const struct xml_event *event);
 
 /** At its end tag, with the name in between: appends it to @p table. 0 and what lies below stand for no area; a note
- * says so where the name does not. The entry is empty afterwards, on failure, too. */
-conus_status label_entry_end(struct label_entry *entry, struct label_table *table, struct text name,
-                             struct notes *notes);
+ * says so where the name does not. The entry is empty afterwards. */
+void label_entry_end(struct job *job, struct label_entry *entry, struct label_table *table, struct text name);
 
-/** Parses a table whose numbers stand in candidate @p number of several, @p called so; none where there is no such one.
- */
-typedef conus_status label_trial(struct label_table *out, struct text *called, void *user, size_t number,
-                                 struct notes *notes);
+/** Parses a table whose numbers stand in candidate @p number of several into @p out, and gives what that is called;
+ * empty where there is no such one. */
+typedef struct text label_trial(struct job *job, struct label_table *out, void *user, size_t number);
 
 /** The candidate of @p count whose table names most labels of the voxels; of equal ones the first. One that cannot be
- * parsed names none. *best is the one that is taken without voxels, and where none names any; a note tells another. */
-conus_status label_choose(size_t *best, label_trial *trial, void *user, size_t count, const struct label_voxels *voxels,
-                          struct notes *notes);
+ * parsed names none. @p usual is the one that is taken without voxels, and where none names any; a note tells another.
+ */
+size_t label_choose(struct job *job, size_t usual, label_trial *trial, void *user, size_t count,
+                    const struct label_voxels *voxels);
 
-/** Values of cells. @p where ("line 7", "entry 3") starts the message. */
-conus_status label_cell_number(uint32_t *out, struct text cell, const char *where);
-conus_status label_cell_channel(uint8_t *out, struct text cell, const char *channel, const char *where);
-conus_status label_cell_fraction(uint8_t *out, struct text cell, const char *channel, const char *where);
+/** @name Values of cells; 0 and a failure where a cell has none @{ */
+uint32_t label_cell_number(struct job *job, struct text cell);
+typedef uint8_t label_cell_part(struct job *job, struct text cell, const char *channel);
+label_cell_part label_cell_channel;  /**< From 0 to 255. */
+label_cell_part label_cell_fraction; /**< From 0 to 1. */
+/** Red, green, blue by @p part. */
+void label_cell_rgb(struct job *job, struct label *label, const struct text cells[3], label_cell_part *part);
 /** "#rrggbb", "rrggbb", "rgb(R,G,B)" or "rgba(R,G,B,A)". */
-conus_status label_cell_colour(uint8_t out[3], struct text cell, const char *where);
+void label_cell_colour(struct job *job, uint8_t out[3], struct text cell);
 /** 'L', 'R', 'B' from the usual words for them, 0 from any other. */
 char label_hemisphere_of(struct text cell);
-/** Red, green, blue by @p parse_channel (one of the two above). */
-conus_status label_cell_rgb(struct label *label, const struct text cells[3],
-                            conus_status (*parse_channel)(uint8_t *, struct text, const char *, const char *),
-                            const char *where);
+/** @} */
 
 #endif

@@ -3,12 +3,9 @@
  * mean; unknown columns are allowed. And CSV without one, number and name in front. */
 #include "loaders/labels/label_format.h"
 
-#include "base/buffer.h"
-#include "base/memory.h"
 #include "base/order.h"
 #include "loaders/labels/label_cells.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -135,70 +132,66 @@ static bool read_header_row(struct header *header, struct text line, char separa
     return header->at[INDEX] != NO_COLUMN && header->at[NAME] != NO_COLUMN && header->at[INDEX] != header->at[NAME];
 }
 
-/* The cells of one row that have a meaning; empty where there are none. */
-static conus_status read_cells(struct text cells[COLUMN_COUNT], const struct header *header, struct text line,
-                               const char *where)
+/* The cells of a row that have a meaning; empty where there are none. */
+struct cells {
+    struct text at[COLUMN_COUNT];
+    int count;   /* of all */
+    bool closed; /* all quotation marks */
+};
+
+static struct cells read_cells(const struct header *header, struct text line)
 {
-    bool more = true;
-    bool closed = true;
+    struct cells cells = {.closed = true};
     enum text_quotes quotes;
     struct text field;
-    int count = 0;
-    for (; text_quoted_field(&line, header->separator, &more, &field, &quotes); count++) {
-        closed = closed && quotes != TEXT_UNCLOSED;
+    for (bool more = true; text_quoted_field(&line, header->separator, &more, &field, &quotes); cells.count++) {
+        cells.closed = cells.closed && quotes != TEXT_UNCLOSED;
         bool absent = text_equal(field, "n/a");
         for (int column = 0; column < COLUMN_COUNT; column++) {
-            if (header->at[column] == count && !absent) {
-                cells[column] = field;
+            if (header->at[column] == cells.count && !absent) {
+                cells.at[column] = field;
             }
         }
     }
-    if (!closed) {
-        return fail(CONUS_ERROR_DATA, "%s: a quotation mark is not closed", where);
-    }
-    if (count > header->count) {
-        return fail(CONUS_ERROR_DATA, "%s: %d columns, the header has %d", where, count, header->count);
-    }
-    return CONUS_OK;
+    return cells;
 }
 
-static conus_status set_cell(char **field, struct text cell)
+/* Marks are doubled inside marks. */
+static struct text undouble(struct job *job, struct text cell)
 {
-    conus_status status = label_set_text(field, cell);
-    char *to = *field;
-    for (const char *from = to; !status && from && *from; from++) {
-        *to++ = *from;
-        from += from[0] == '"' && from[1] == '"'; /* marks are doubled inside marks */
+    if (!text_mentions(cell, "\"\"")) {
+        return cell;
     }
-    if (to) {
-        *to = '\0';
+    char *text = job_copy(job, cell);
+    size_t size = 0;
+    for (size_t i = 0; job_ok(job) && i < cell.size; i++) {
+        text[size++] = cell.data[i];
+        i += cell.data[i] == '"' && i + 1 < cell.size && cell.data[i + 1] == '"';
     }
-    return status;
+    return (struct text){text, size};
 }
 
-static conus_status fill_label(struct label *label, const struct text cells[COLUMN_COUNT], const char *where,
-                               struct notes *notes)
+static void fill_row(struct job *job, struct label_row *row, const struct text cells[COLUMN_COUNT], size_t line)
 {
+    struct label *label = &row->label;
     const struct text hemisphere = cells[HEMISPHERE];
-    conus_status status = label_cell_number(&label->number, cells[INDEX], where);
-    if (!status && cells[COLOUR].size) {
+    label->number = label_cell_number(job, cells[INDEX]);
+    if (cells[COLOUR].size) {
         label->has_rgb = true;
-        status = label_cell_colour(label->rgb, cells[COLOUR], where);
-    } else if (!status && (cells[RED].size || cells[GREEN].size || cells[BLUE].size)) {
-        status = label_cell_rgb(label, &cells[RED], label_cell_channel, where);
+        label_cell_colour(job, label->rgb, cells[COLOUR]);
+    } else if (cells[RED].size || cells[GREEN].size || cells[BLUE].size) {
+        label_cell_rgb(job, label, &cells[RED], label_cell_channel);
     }
     label->hemisphere = label_hemisphere_of(hemisphere);
-    if (!status && hemisphere.size && !label->hemisphere) {
-        status = notes_warn(notes, "label table, %s: hemisphere \"%.*s\" is none of L, R, B: taken as not given", where,
-                            TEXT_SHOW(hemisphere, 40));
+    if (hemisphere.size && !label->hemisphere) {
+        job_warn(job, "label table, line %zu: hemisphere \"%.*s\" is none of L, R, B: taken as not given", line,
+                 TEXT_SHOW(hemisphere, 40));
     }
     const struct text parent = cells[cells[PARENT].size ? PARENT : PARENT_IDENTIFIER];
-    if (!status && parent.size) {
-        status = label_cell_number(&label->parent, parent, where);
-        label->has_parent = label->parent != 0;
-    }
-    status = status ? status : set_cell(&label->name, cells[NAME]);
-    return status ? status : set_cell(&label->abbreviation, cells[ABBREVIATION]);
+    label->parent = parent.size ? label_cell_number(job, parent) : 0;
+    label->has_parent = label->parent != 0;
+    row->name = undouble(job, cells[NAME]);
+    row->abbreviation = undouble(job, cells[ABBREVIATION]);
 }
 
 static bool is_whole(struct text cell)
@@ -213,44 +206,39 @@ static bool is_word(struct text cell)
     return cell.size && !text_equal(cell, "n/a") && !text_to_double(cell, &number);
 }
 
-/* Two columns may have names, of which one is used. */
-static conus_status note_rival_name(struct header *header, const struct text cells[COLUMN_COUNT], const char *where,
-                                    struct notes *notes)
+/* Two columns may have names, of which one is used; and "index label name" may count rows in one column and give the
+ * voxels' value in the other. */
+static void note_rivals(struct job *job, struct header *header, const struct text cells[COLUMN_COUNT], size_t line)
 {
-    struct text name = cells[NAME];
-    struct text rival = cells[NAME_RIVAL];
-    bool same = name.size == rival.size && name.size && memcmp(name.data, rival.data, name.size) == 0;
-    if (header->disputed[1] || same || !is_word(name) || !is_word(rival)) {
-        return CONUS_OK;
-    }
-    header->disputed[1] = true;
-    return notes_add(notes,
-                     "label table, %s: two columns could be the label's name, \"%.*s\" and \"%.*s\": \"%.*s\" is used, "
-                     "by the order name, region, structure, ROIname, label; FILE,name=COLUMN chooses",
-                     where, TEXT_SHOW(name, 40), TEXT_SHOW(rival, 40), TEXT_SHOW(name, 40));
-}
-
-/* "index label name" may count rows in one column and give the voxels' value in the other. */
-static conus_status note_rival_column(struct header *header, uint32_t number, struct text rival, const char *where,
-                                      struct notes *notes)
-{
+    const struct text name = cells[NAME];
+    const struct text rival = cells[NAME_RIVAL];
+    uint64_t number = 0;
     uint64_t other;
-    if (header->disputed[0] || !text_to_uint(rival, UINT32_MAX, &other) || other == number) {
-        return CONUS_OK;
+    if (!header->disputed[0] && text_to_uint(cells[INDEX], UINT32_MAX, &number) &&
+        text_to_uint(cells[RIVAL], UINT32_MAX, &other) && other != number) {
+        header->disputed[0] = true;
+        job_warn(job,
+                 "label table, line %zu: two columns could be the label's number, %llu and %llu: %llu is used, by the "
+                 "order index, LabelValue, annotation_value, id, key, label",
+                 line, (unsigned long long)number, (unsigned long long)other, (unsigned long long)number);
     }
-    header->disputed[0] = true;
-    return notes_warn(notes,
-                      "label table, %s: two columns could be the label's number, %u and %llu: %u is used, by the order "
-                      "index, LabelValue, annotation_value, id, key, label",
-                      where, number, (unsigned long long)other, number);
+    if (!header->disputed[1] && is_word(name) && is_word(rival) && text_compare(name, rival) != 0) {
+        header->disputed[1] = true;
+        job_note(job,
+                 "label table, line %zu: two columns could be the label's name, \"%.*s\" and \"%.*s\": \"%.*s\" is "
+                 "used, by the order name, region, structure, ROIname, label; FILE,name=COLUMN chooses",
+                 line, TEXT_SHOW(name, 40), TEXT_SHOW(rival, 40), TEXT_SHOW(name, 40));
+    }
 }
 
-/* The numbers of labels by what the table identifies them with. */
+/* The number of a label by what the table identifies it with. */
+struct identifier {
+    uint32_t identifier, number;
+    size_t row;
+};
+
 struct identifiers {
-    struct identifier {
-        uint32_t identifier, number;
-        size_t row;
-    } * list;
+    struct identifier *at;
     size_t count, capacity;
 };
 
@@ -268,9 +256,9 @@ static int compare_rows(const void *a, const void *b)
 }
 
 /* Sorts; of rows with one identifier the first counts. */
-static conus_status sort_identifiers(struct identifiers *identifiers, struct notes *notes)
+static void sort_identifiers(struct job *job, struct identifiers *identifiers)
 {
-    struct identifier *list = identifiers->list;
+    struct identifier *list = identifiers->at;
     const struct identifier *doubtful = NULL;
     size_t kept = 0;
     if (identifiers->count) {
@@ -284,106 +272,80 @@ static conus_status sort_identifiers(struct identifiers *identifiers, struct not
         }
     }
     identifiers->count = kept;
-    return doubtful ? notes_warn(notes,
-                                 "label table: several rows have the identifier %u: as a parent it means the first of "
-                                 "them, label %u",
-                                 doubtful->identifier, doubtful->number)
-                    : CONUS_OK;
-}
-
-static conus_status keep_identifier(struct identifiers *identifiers, struct text cell, uint32_t number,
-                                    const char *where)
-{
-    uint32_t identifier;
-    conus_status status = label_cell_number(&identifier, cell, where);
-    if (!status && !memory_reserve(&identifiers->list, &identifiers->capacity, identifiers->count + 1,
-                                   sizeof *identifiers->list)) {
-        status = CONUS_ERROR_MEMORY;
+    if (doubtful) {
+        job_warn(job,
+                 "label table: several rows have the identifier %u: as a parent it means the first of them, label %u",
+                 doubtful->identifier, doubtful->number);
     }
-    if (!status) {
-        identifiers->list[identifiers->count] = (struct identifier){identifier, number, identifiers->count};
-        identifiers->count++;
-    }
-    return status;
 }
 
 /* Makes parents, which are identifiers, numbers of labels. An identifier that no row has is no parent. */
-static conus_status find_parents(struct label_table *table, size_t first, struct identifiers *identifiers,
-                                 struct notes *notes)
+static void find_parents(struct job *job, struct label_table *table, size_t first, struct identifiers *identifiers)
 {
-    conus_status status = sort_identifiers(identifiers, notes);
-    for (size_t i = first; !status && i < table->count; i++) {
+    sort_identifiers(job, identifiers);
+    for (size_t i = first; i < table->count; i++) {
         struct label *label = &table->entries[i];
         const struct identifier wanted = {.identifier = label->parent};
-        const struct identifier *found = !label->has_parent || !identifiers->count
-                                             ? NULL
-                                             : bsearch(&wanted, identifiers->list, identifiers->count,
-                                                       sizeof *identifiers->list, compare_identifiers);
+        const struct identifier *found =
+            !label->has_parent || !identifiers->count
+                ? NULL
+                : bsearch(&wanted, identifiers->at, identifiers->count, sizeof *identifiers->at, compare_identifiers);
         if (label->has_parent && !found) {
-            status = notes_warn(notes, "label table: %s has the parent_identifier %u, which no row has: no parent",
-                                label->name ? label->name : "a row", label->parent);
+            job_warn(job, "label table: %s has the parent_identifier %u, which no row has: no parent",
+                     label->name ? label->name : "a row", label->parent);
         }
         label->parent = found ? found->number : 0;
         label->has_parent = label->parent != 0;
     }
-    return status;
 }
 
 /* Parses the rows below the header, which is line `number`. */
-static conus_status parse_below(struct label_table *out, struct header *header, struct text text, size_t number,
-                                struct notes *notes)
+static void parse_below(struct job *job, struct label_table *out, struct header *header, struct text text,
+                        size_t number)
 {
     struct text line;
     struct identifiers identifiers = {0};
     size_t first = out->count;
     bool is_identified = header->at[IDENTIFIER] != NO_COLUMN && header->at[PARENT_IDENTIFIER] != NO_COLUMN &&
                          header->at[PARENT] == NO_COLUMN;
-    conus_status status = CONUS_OK;
-    while (!status && next_row(&text, &number, &line, header)) {
-        char where[32];
-        struct text cells[COLUMN_COUNT] = {{0}};
-        struct label label = {0};
-        snprintf(where, sizeof where, "line %zu", number);
-        status = read_cells(cells, header, line, where);
-        status = status ? status : fill_label(&label, cells, where, notes);
-        status = status ? status : note_rival_column(header, label.number, cells[RIVAL], where, notes);
-        status = status ? status : note_rival_name(header, cells, where, notes);
-        if (!status && is_identified) {
-            status = keep_identifier(&identifiers, cells[IDENTIFIER], label.number, where);
+    while (job_ok(job) && next_row(&text, &number, &line, header)) {
+        struct label_row row = {0};
+        const struct cells cells = read_cells(header, line);
+        size_t place = job_in(job, "line ", number);
+        if (!cells.closed) {
+            job_bad(job, "a quotation mark is not closed");
+        } else if (cells.count > header->count) {
+            job_bad(job, "%d columns, the header has %d", cells.count, header->count);
         }
-        status = label_keep(out, &label, status, notes);
+        fill_row(job, &row, cells.at, number);
+        note_rivals(job, header, cells.at, number);
+        if (is_identified) {
+            size_t at = identifiers.count;
+            *LIST_ADD(job, &identifiers) =
+                (struct identifier){label_cell_number(job, cells.at[IDENTIFIER]), row.label.number, at};
+        }
+        job_out(job, place);
+        labels_keep(job, out, &row);
     }
-    status = status || !is_identified ? status : find_parents(out, first, &identifiers, notes);
-    memory_free(identifiers.list);
-    return status;
+    if (is_identified) {
+        find_parents(job, out, first, &identifiers);
+    }
 }
 
-/* "Nr", "Bezeichnung", ...: at most as many as a message has place for. */
-static size_t list_columns(struct buffer *out, struct text line, char separator)
+/* "Nr", "Bezeichnung", ...: at most as many as a message has place for; *count of all. */
+static const char *list_columns(struct job *job, size_t *count, struct text line, char separator)
 {
     enum { SHOWN = 12, WIDTH = 40 };
     struct text field;
     enum text_quotes quotes;
-    size_t count = 0;
-    for (bool more = true; text_quoted_field(&line, separator, &more, &field, &quotes); count++) {
-        if (count < SHOWN) {
-            buffer_format(out, "%s\"%.*s\"", count ? ", " : "", TEXT_SHOW(field, WIDTH));
+    const char *list = "";
+    *count = 0;
+    for (bool more = true; text_quoted_field(&line, separator, &more, &field, &quotes); ++*count) {
+        if (*count < SHOWN) {
+            list = job_format(job, "%s%s\"%.*s\"", list, *count ? ", " : "", TEXT_SHOW(field, WIDTH));
         }
     }
-    buffer_text(out, count > SHOWN ? ", ..." : "");
-    return count;
-}
-
-static conus_status refuse_column(struct text line, const struct header *header, struct text column, size_t number)
-{
-    struct buffer columns = {0};
-    (void)list_columns(&columns, line, header->separator);
-    conus_status status = buffer_status(&columns);
-    status = status ? status
-                    : fail(CONUS_ERROR_DATA, "line %zu: no column is called \"%.*s\", there are %s", number,
-                           (int)column.size, column.data, columns.data);
-    buffer_finish(&columns);
-    return status;
+    return *count > SHOWN ? job_format(job, "%s, ...", list) : list;
 }
 
 /* The separator with which `line` has the most fields. */
@@ -425,80 +387,84 @@ struct trial {
     size_t number; /* of the header's line */
 };
 
-static conus_status try_index(struct label_table *out, struct text *called, void *user, size_t candidate,
-                              struct notes *notes)
+static struct text try_index(struct job *job, struct label_table *out, void *user, size_t candidate)
 {
     const struct trial *trial = user;
     struct header tried = *trial->header;
-    *called = tried.indices[candidate].name;
-    tried.at[INDEX] = tried.indices[candidate].at;
-    return !called->size || tried.at[INDEX] == tried.at[NAME]
-               ? CONUS_OK
-               : parse_below(out, &tried, trial->below, trial->number, notes);
+    const struct candidate *index = &tried.indices[candidate];
+    tried.at[INDEX] = index->at;
+    if (index->name.size && index->at != tried.at[NAME]) {
+        parse_below(job, out, &tried, trial->below, trial->number);
+    }
+    return index->name;
 }
 
-static conus_status parse_table(struct label_table *out, struct text text, const struct label_use *use,
-                                struct notes *notes)
+/* Takes of several columns that could be the number the one that fits the voxels. */
+static void choose_index(struct job *job, struct header *header, struct text below, size_t number,
+                         const struct label_voxels *voxels)
+{
+    size_t usual = 0;
+    while (usual < SYNONYM_COUNT &&
+           (!header->indices[usual].name.size || header->indices[usual].at != header->at[INDEX])) {
+        usual++;
+    }
+    size_t best =
+        label_choose(job, usual, try_index, &(struct trial){header, below, number}, SYNONYM_COUNT + 1, voxels);
+    if (best != usual) {
+        header->at[INDEX] = header->indices[best].at;
+        header->at[RIVAL] = NO_COLUMN;
+    }
+}
+
+static void parse_table(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     const bool is_chosen = use->columns[0].size || use->columns[1].size;
     struct header header;
     struct text line;
     size_t number = 0;
+    size_t count;
     if (!next_line(&text, &number, &line)) {
-        return fail(CONUS_ERROR_DATA, "no header row that could name columns");
+        job_bad(job, "no header row that could name columns");
+        return;
     }
     (void)read_header_row(&header, line, is_chosen ? best_separator(line) : separator_of(line));
+    size_t place = job_in(job, "line ", number);
     for (int column = INDEX; column <= NAME; column++) {
-        const struct text wanted = use->columns[column];
+        struct text wanted = use->columns[column];
         header.at[column] = wanted.size ? find_column(line, header.separator, wanted) : header.at[column];
         header.at[RIVAL + column] = wanted.size ? NO_COLUMN : header.at[RIVAL + column];
+        wanted = wanted.size ? wanted : text_from(names[column][0]);
         if (header.at[column] == NO_COLUMN) {
-            return refuse_column(line, &header, wanted.size ? wanted : text_from(names[column][0]), number);
+            job_bad(job, "no column is called \"%.*s\", there are %s", (int)wanted.size, wanted.data,
+                    list_columns(job, &count, line, header.separator));
         }
     }
     if (header.twice && !is_chosen) {
-        return fail(CONUS_ERROR_DATA, "line %zu: two columns are called %s", number, header.twice);
+        job_bad(job, "two columns are called %s", header.twice);
     }
-    conus_status status = CONUS_OK;
-    if (use->voxels && !use->columns[INDEX].size) { /* of several columns that could be the number the one that fits */
-        size_t best = 0;
-        while (best < SYNONYM_COUNT &&
-               (!header.indices[best].name.size || header.indices[best].at != header.at[INDEX])) {
-            best++;
-        }
-        const size_t usual = best;
-        status = label_choose(&best, try_index, &(struct trial){&header, text, number}, SYNONYM_COUNT + 1, use->voxels,
-                              notes);
-        if (best != usual) {
-            header.at[INDEX] = header.indices[best].at;
-            header.at[RIVAL] = NO_COLUMN;
-        }
+    job_out(job, place);
+    if (job_ok(job) && use->voxels && !use->columns[INDEX].size) {
+        choose_index(job, &header, text, number, use->voxels);
     }
-    return status ? status : parse_below(out, &header, text, number, notes);
+    parse_below(job, out, &header, text, number);
 }
 
-const struct label_format label_format_chosen = {"label table", NULL, parse_table};
-
-conus_status label_columns_refuse(struct text text)
+void label_columns_refuse(struct job *job, struct text text)
 {
     struct text line;
-    struct buffer columns = {0};
     size_t number = 0;
+    size_t count;
     if (!text_is_readable(text) || !next_line(&text, &number, &line) || strchr("<{[", line.data[0])) {
-        return CONUS_OK;
+        return;
     }
-    size_t count = list_columns(&columns, line, best_separator(line));
-    conus_status status = buffer_status(&columns);
-    if (!status && count > 1) {
-        status =
-            fail(CONUS_ERROR_DATA,
-                 "not a label table of a known format: its columns are %s; needed are a label (index, LabelValue, "
-                 "annotation_value, id, key, ROIid, label) and a name (name, region, structure, ROIname, label), or "
-                 "FILE,label=COLUMN,name=COLUMN",
-                 columns.data);
+    const char *columns = list_columns(job, &count, line, best_separator(line));
+    if (count > 1) {
+        job_bad(job,
+                "not a label table of a known format: its columns are %s; needed are a label (index, LabelValue, "
+                "annotation_value, id, key, ROIid, label) and a name (name, region, structure, ROIname, label), or "
+                "FILE,label=COLUMN,name=COLUMN",
+                columns);
     }
-    buffer_finish(&columns);
-    return status;
 }
 
 /* Whether most rows have a whole number in the column of the number, and words in that of the name. */
@@ -509,9 +475,9 @@ static bool counts_by_value(const struct header *header, struct text text)
     size_t rows = 0;
     size_t good = 0;
     while (next_row(&text, &number, &line, header)) {
-        struct text cells[COLUMN_COUNT] = {{0}};
+        const struct cells cells = read_cells(header, line);
         rows++;
-        good += !read_cells(cells, header, line, "") && is_whole(cells[INDEX]) && is_word(cells[NAME]);
+        good += cells.closed && cells.count <= header->count && is_whole(cells.at[INDEX]) && is_word(cells.at[NAME]);
     }
     return 2 * good > rows;
 }
@@ -573,83 +539,102 @@ static bool is_bare(struct text text)
     return 2 * good > rows;
 }
 
-static int compare_column_names(const void *a, const void *b)
+static int compare_names(const void *a, const void *b)
 {
-    const struct label *const *x = a;
-    const struct label *const *y = b;
-    return strcmp((*x)->name, (*y)->name);
+    return strcmp((*(const struct label *const *)a)->name, (*(const struct label *const *)b)->name);
 }
 
 /* Fails where two numbers have one name; it is asked where another column has words, too, and may have the name. */
-static conus_status check_names_differ(const struct label_table *table)
+static void check_names_differ(struct job *job, const struct label_table *table)
 {
-    const struct label **labels = memory_raw(table->count, sizeof(struct label *));
-    size_t count = 0;
-    if (!labels) {
-        return CONUS_ERROR_MEMORY;
+    size_t count = table->count;
+    const struct label **labels = job_array(job, &count, sizeof(struct label *));
+    if (!count) {
+        return;
     }
+    count = 0;
     for (size_t i = 0; i < table->count; i++) {
         labels[count] = &table->entries[i];
         count += table->entries[i].name != NULL;
     }
-    qsort(labels, count, sizeof(struct label *), compare_column_names);
-    conus_status status = CONUS_OK;
-    for (size_t i = 1; !status && i < count; i++) {
-        if (labels[i - 1]->number != labels[i]->number && compare_column_names(&labels[i - 1], &labels[i]) == 0) {
-            status = fail(CONUS_ERROR_DATA,
-                          "labels %u and %u are both \"%s\" in column 2, and other columns have words, too: a header "
-                          "row (index,name) must say which is the name",
-                          labels[i - 1]->number, labels[i]->number, labels[i]->name);
+    qsort(labels, count, sizeof(struct label *), compare_names);
+    for (size_t i = 1; i < count; i++) {
+        if (labels[i - 1]->number != labels[i]->number && compare_names(&labels[i - 1], &labels[i]) == 0) {
+            job_bad(job,
+                    "labels %u and %u are both \"%s\" in column 2, and other columns have words, too: a header row "
+                    "(index,name) must say which is the name",
+                    labels[i - 1]->number, labels[i]->number, labels[i]->name);
         }
     }
-    memory_free(labels);
-    return status;
 }
 
-static conus_status parse_bare(struct label_table *out, struct text text, struct notes *notes)
+static void parse_bare(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
     char separator = bare_separator(text);
     struct text line;
     size_t number = 0;
     size_t columns = 0;
     bool more_words = false;
-    conus_status status = CONUS_OK;
-    while (!status && next_line(&text, &number, &line)) {
-        char where[32];
-        struct label label = {0};
-        struct bare row = read_bare(line, separator);
-        snprintf(where, sizeof where, "line %zu", number);
-        columns = columns ? columns : row.columns;
-        more_words = more_words || row.more_words;
-        if (!row.closed) {
-            return fail(CONUS_ERROR_DATA, "%s: a quotation mark is not closed", where);
+    (void)use;
+    while (job_ok(job) && next_line(&text, &number, &line)) {
+        const struct bare bare = read_bare(line, separator);
+        columns = columns ? columns : bare.columns;
+        more_words = more_words || bare.more_words;
+        size_t place = job_in(job, "line ", number);
+        if (!bare.closed) {
+            job_bad(job, "a quotation mark is not closed");
+        } else if (bare.columns != columns) {
+            job_bad(job, "%zu columns, the first line has %zu", bare.columns, columns);
         }
-        if (row.columns != columns) {
-            return fail(CONUS_ERROR_DATA, "%s: %zu columns, the first line has %zu", where, row.columns, columns);
-        }
-        status = label_cell_number(&label.number, row.cells[0], where);
-        status = status ? status : set_cell(&label.name, row.cells[1]);
-        status = label_keep(out, &label, status, notes);
+        const struct label_row row = {.label = {.number = label_cell_number(job, bare.cells[0])},
+                                      .name = undouble(job, bare.cells[1])};
+        job_out(job, place);
+        labels_keep(job, out, &row);
     }
-    return status || !more_words ? status : check_names_differ(out);
+    if (more_words) {
+        check_names_differ(job, out);
+    }
 }
 
-const struct label_format *label_format_of_columns(struct text text)
+bool label_columns_look(struct label_text *about)
 {
-    static const struct label_format tsv = {"BIDS label table", NULL, parse_table};
-    static const struct label_format slicer = {"Slicer colour table", NULL, parse_table};
-    static const struct label_format csv = {"CSV label table", NULL, parse_table};
-    static const struct label_format bare = {"CSV without a header", parse_bare, NULL};
     struct header header;
     struct text line;
-    struct text rest = text;
+    struct text rest = about->text;
     size_t number = 0;
-    if (!next_line(&rest, &number, &line) || !read_header_row(&header, line, separator_of(line))) {
-        return is_bare(text) ? &bare : NULL;
+    about->has_header = next_line(&rest, &number, &line) && read_header_row(&header, line, separator_of(line));
+    if (!about->has_header) {
+        return is_bare(about->text);
     }
-    if (header.by_value && !counts_by_value(&header, rest)) {
-        return NULL;
-    }
-    bool is_slicer = text_mentions(line, "LabelValue");
-    return header.separator == '\t' ? &tsv : is_slicer ? &slicer : &csv;
+    about->separator = header.separator;
+    about->is_slicer = text_mentions(line, "LabelValue");
+    return !header.by_value || counts_by_value(&header, rest);
 }
+
+static bool is_bids(const struct label_text *text)
+{
+    return text->has_header && text->separator == '\t';
+}
+
+static bool is_slicer(const struct label_text *text)
+{
+    return text->has_header && text->is_slicer;
+}
+
+static bool is_csv(const struct label_text *text)
+{
+    return text->has_header;
+}
+
+static bool is_without_header(const struct label_text *text)
+{
+    return !text->has_header;
+}
+
+const struct label_format label_format_chosen = {.name = "label table", .parse = parse_table};
+const struct label_format label_format_bids = {"BIDS label table", LABEL_COLUMNS, is_bids, parse_table, ".tsv"};
+const struct label_format label_format_slicer_csv = {"Slicer colour table", LABEL_COLUMNS, is_slicer, parse_table,
+                                                     NULL};
+const struct label_format label_format_csv = {"CSV label table", LABEL_COLUMNS, is_csv, parse_table, ".csv"};
+const struct label_format label_format_bare = {"CSV without a header", LABEL_COLUMNS, is_without_header, parse_bare,
+                                               NULL};

@@ -3,7 +3,6 @@
 #include "loaders/labels/label_file.h"
 
 #include "base/files/folder.h"
-#include "base/memory.h"
 #include "loaders/formats/formats.h"
 #include "loaders/labels/label_format.h"
 
@@ -20,10 +19,13 @@ uint64_t label_file_limit(uint64_t max_memory)
     return max_memory && allowed < LABEL_FILE_LIMIT ? allowed : LABEL_FILE_LIMIT;
 }
 
-conus_status label_file_bytes(struct bytes *out, const char *path, uint64_t max_memory)
+struct bytes label_file_bytes(struct job *job, const char *path, uint64_t max_memory)
 {
     uint64_t limit = label_file_limit(max_memory);
-    return limit < LABEL_FILE_LIMIT ? file_read_allowed(out, path, limit) : file_read(out, path, limit);
+    size_t place = job_in(job, path, JOB_ALONE);
+    struct bytes bytes = job_read(job, path, limit, limit < LABEL_FILE_LIMIT ? FILE_MAX_MEMORY : "");
+    job_out(job, place);
+    return bytes;
 }
 
 bool label_table_has_colours(const struct label_table *table)
@@ -36,51 +38,46 @@ bool label_table_has_colours(const struct label_table *table)
     return false;
 }
 
-static conus_status apply_colours(struct label_table *table, struct text text)
+static void apply_colours(struct job *job, struct label_table *table, struct text text)
 {
-    static const struct label_use use;
-    struct label_table colours = {0};
-    struct notes notes = {0};
-    conus_status status = label_text_parse(&colours, &label_format_colours, text, &use, &notes);
-    for (size_t i = 0; !status && i < table->count; i++) {
-        const struct label *colour = label_table_find(&colours, table->entries[i].number);
+    struct label_table *colours = labels_new(job);
+    struct attempt silent = job_try(job); /* nobody hears of a number that is there twice */
+    label_text_parse(job, colours, &label_format_colours, text, &(struct label_use){0});
+    if (!job_ok(job)) {
+        job_kept(job, &silent);
+        return;
+    }
+    (void)job_dropped(job, &silent);
+    for (size_t i = 0; i < table->count; i++) {
+        const struct label *colour = label_table_find(colours, table->entries[i].number);
         if (colour) {
             memcpy(table->entries[i].rgb, colour->rgb, sizeof colour->rgb);
             table->entries[i].has_rgb = true;
         }
     }
-    label_table_finish(&colours);
-    notes_finish(&notes);
-    return status;
 }
 
-conus_status label_file_colours(struct label_table *table, bool *found, const char *path, struct file_sums *read)
+bool label_file_colours(struct job *job, struct label_table *table, const char *path)
 {
-    struct bytes bytes = {0};
-    *found = false;
-    if (!file_exists(path)) {
-        return CONUS_OK;
+    if (!job_has_file(job, path)) {
+        return false;
     }
-    conus_status status = file_read(&bytes, path, LABEL_FILE_LIMIT);
-    if (status) {
-        return status;
-    }
+    struct bytes bytes = label_file_bytes(job, path, 0);
     struct text text = text_from_bytes(bytes.data, bytes.size);
-    if (label_is_lut(bytes.data, bytes.size)) {
-        *found = true;
+    bool is_lut = label_is_lut(bytes.data, bytes.size);
+    bool has_colours = is_lut || label_format_of(text) == &label_format_colours;
+    if (is_lut) {
         label_lut_apply(table, bytes.data);
-    } else if (label_format_of(text) == &label_format_colours) {
-        *found = true;
-        status = apply_colours(table, text);
+    } else if (has_colours) {
+        apply_colours(job, table, text);
     }
-    if (!status && *found && read) {
-        status = file_sums_add(read, path, &bytes);
+    if (has_colours) {
+        job_made_of(job, path, &bytes);
     }
-    bytes_finish(&bytes);
-    return status;
+    return has_colours;
 }
 
-conus_status label_path_split(char **path, struct text columns[2], const char *text)
+char *label_path_split(struct job *job, struct text columns[2], const char *text)
 {
     static const char *const keys[2] = {"label=", "name="};
     const char *at = path_base(text);
@@ -95,13 +92,14 @@ conus_status label_path_split(char **path, struct text columns[2], const char *t
         int key = text_starts(field, keys[0]) ? 0 : 1;
         size_t length = strlen(keys[key]);
         if (!text_starts(field, keys[key]) || field.size == length || columns[key].size) {
-            return fail(CONUS_ERROR_ARGUMENT, "%s: found \"%.*s\", needed are label=COLUMN and name=COLUMN, once each",
-                        text, (int)field.size, field.data);
+            job_fail(job, CONUS_ERROR_ARGUMENT,
+                     "%s: found \"%.*s\", needed are label=COLUMN and name=COLUMN, once each", text, (int)field.size,
+                     field.data);
+            break;
         }
         columns[key] = (struct text){field.data + length, field.size - length};
     }
-    *path = memory_text(text, found ? (size_t)(at - text) : strlen(text));
-    return *path ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return job_copy(job, (struct text){text, found ? (size_t)(at - text) : strlen(text)});
 }
 
 /* The kind of a file that is certainly no table, else NULL: then the parser of tables says more. */
@@ -123,45 +121,32 @@ static const struct file_kind *foreign_kind(const char *path, const struct bytes
     return kind && kind->certainty != KIND_VAGUE ? kind : NULL;
 }
 
-static conus_status read_table(struct label_table *out, const char **format, const char *path,
-                               const struct label_use *wanted, struct notes *notes)
+void label_file_read(struct job *job, struct label_table *out, const char **format, const char *text,
+                     const struct label_use *wanted)
 {
-    struct label_use use = *wanted;
-    struct bytes bytes = {0};
-    conus_status status = label_file_bytes(&bytes, path, use.max_memory);
-    if (status) {
-        return status;
-    }
+    struct label_use use = wanted ? *wanted : (struct label_use){0};
+    struct label_table *table = labels_new(job);
+    const char *name = NULL;
+    const char *path = label_path_split(job, use.columns, text);
+    struct bytes bytes = label_file_bytes(job, path, use.max_memory);
+    const struct file_kind *kind = job_ok(job) ? foreign_kind(path, &bytes) : NULL;
     use.path = path;
-    const struct file_kind *kind = foreign_kind(path, &bytes);
-    status = kind ? format_fail(kind, &bytes, "a label table")
-                  : label_bytes_parse(out, format, bytes.data, bytes.size, &use, notes);
-    status = status || !use.read ? status : file_sums_add(use.read, path, &bytes);
-    bytes_finish(&bytes);
-    return status ? fail_in(status, path) : CONUS_OK;
-}
-
-conus_status label_file_read(struct label_table *out, const char **format, const char *text,
-                             const struct label_use *wanted, struct notes *notes)
-{
-    struct label_table table = {0};
-    struct label_use chosen = wanted ? *wanted : (struct label_use){0};
-    const struct label_use *use = &chosen;
-    char *path = NULL;
-    conus_status status = label_path_split(&path, chosen.columns, text);
-    status = status ? status : read_table(&table, format, path, use, notes);
-    if (!status && !label_table_has_colours(&table)) {
+    size_t place = job_in(job, path, JOB_ALONE);
+    if (kind) {
+        (void)JOB_CALL(job, format_fail(kind, &bytes, "a label table"));
+    } else {
+        label_bytes_parse(job, table, &name, bytes.data, bytes.size, &use);
+    }
+    job_out(job, place);
+    job_made_of(job, path, &bytes);
+    if (job_ok(job) && !label_table_has_colours(table)) {
         const char *dot = strrchr(path_base(path), '.');
-        char *lut = path_with_ending(path, dot ? (size_t)(dot - path) : strlen(path), ".lut");
-        bool found;
-        status = lut ? label_file_colours(&table, &found, lut, use->read) : CONUS_ERROR_MEMORY;
-        memory_free(lut);
+        int stem = (int)(dot ? (size_t)(dot - path) : strlen(path));
+        label_file_colours(job, table, job_format(job, "%.*s.lut", stem, path));
     }
-    memory_free(path);
-    if (status) {
-        label_table_finish(&table);
-        return status;
+    if (job_ok(job)) {
+        *format = name;
+        *out = *table;
+        *table = (struct label_table){0};
     }
-    *out = table;
-    return CONUS_OK;
 }

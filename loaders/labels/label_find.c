@@ -4,18 +4,14 @@
 
 #include "atlas/labels/label_voxels.h"
 #include "atlas/labels/labels.h"
-#include "base/buffer.h"
-#include "base/files/file.h"
 #include "base/files/file_trace.h"
 #include "base/files/folder.h"
 #include "base/geometry/math3.h"
-#include "base/memory.h"
 #include "loaders/labels/fsl_find.h"
 #include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_format.h"
 #include "loaders/labels/label_search.h"
-#include "loaders/labels/label_use.h"
 #include "loaders/labels/label_words.h"
 
 #include <stdlib.h>
@@ -113,184 +109,218 @@ static bool numbers_agree(const struct label_use *use, enum kind kind)
     return kind == PARTS ? census.lowest >= FINE : census.lowest > 1 && pairs_agree(&census);
 }
 
-/* The first table that is there: $FREESURFER_HOME's, or that above SUBJECTS/SUBJECT/mri/. */
-static conus_status find_freesurfer_table(struct buffer *out, const char *folder)
+/* The first table that is there: $FREESURFER_HOME's, or that above SUBJECTS/SUBJECT/mri/; NULL if none is. */
+static const char *find_freesurfer_table(struct job *job, const char *folder)
 {
     const char *home = file_trace_environment("FREESURFER_HOME");
     const char *roots[] = {home && home[0] ? home : NULL, home && home[0] ? home : NULL, folder};
     static const char *const below[] = {"/FreeSurferColorLUT.txt", "/luts/FreeSurferColorLUT.txt",
                                         "../../../FreeSurferColorLUT.txt"};
     for (size_t i = 0; i < 3; i++) {
-        buffer_clear(out);
-        if (roots[i]) {
-            buffer_format(out, "%s%s", roots[i], below[i]);
-        }
-        if (buffer_status(out) || (out->size && file_exists(out->data))) {
-            return buffer_status(out);
+        const char *path = roots[i] ? job_format(job, "%s%s", roots[i], below[i]) : NULL;
+        if (path && job_has_file(job, path)) {
+            return path;
         }
     }
-    buffer_clear(out);
-    return CONUS_OK;
+    return NULL;
 }
 
-static conus_status take_freesurfer(bool *taken, struct label_search *search, const struct label_table *table,
-                                    const char *path)
+static bool take_freesurfer(struct job *job, const struct label_search *search, const struct label_table *table,
+                            const char *path)
 {
     (void)table;
-    *taken = true;
-    return notes_add(
-        search->notes,
-        "%s: its name is one of FreeSurfer's, and its labels lie as FreeSurfer's do: named by %s; --labels "
-        "chooses another table",
-        path_base(search->volume->info->path), path);
+    job_note(job,
+             "%s: its name is one of FreeSurfer's, and its labels lie as FreeSurfer's do: named by %s; --labels "
+             "chooses another table",
+             path_base(search->volume->info->path), path);
+    return true;
 }
 
 /* A label_judge of a FreeSurferColorLUT.txt in the volume's folder: FreeSurfer's own is taken only for volumes that
  * bear one of FreeSurfer's names or whose labels lie as FreeSurfer's do; any other is taken. */
-static conus_status label_judge_freesurfer(bool *taken, struct label_search *search, const struct label_table *table,
-                                           const char *path)
+static bool judge_freesurfer(struct job *job, const struct label_search *search, const struct label_table *table,
+                             const char *path)
 {
     const struct label *first = label_table_find(table, 1);
     bool own = first && first->name && strcmp(first->name, "Left-Cerebral-Exterior") == 0;
-    *taken = !own || !search->use.voxels || kind_of_volume(search) != FOREIGN || numbers_agree(&search->use, WHOLE);
-    return *taken ? CONUS_OK
-                  : notes_warn(search->notes,
-                               "%s is not taken for the label table: neither the name nor the labels of %s are "
-                               "FreeSurfer's; --labels uses it all the same",
-                               path_base(path), path_base(search->volume->info->path));
+    bool taken = !own || !search->use.voxels || kind_of_volume(search) != FOREIGN || numbers_agree(&search->use, WHOLE);
+    if (!taken) {
+        job_warn(job,
+                 "%s is not taken for the label table: neither the name nor the labels of %s are FreeSurfer's; "
+                 "--labels uses it all the same",
+                 path_base(path), path_base(search->volume->info->path));
+    }
+    return taken;
+}
+
+static void search_judged(struct job *job, struct label_search *search, const char *path, label_judge *judge)
+{
+    search->judge = judge;
+    label_search_file(job, search, path);
+    search->judge = NULL;
 }
 
 /* Tries FreeSurferColorLUT.txt of FREESURFER_HOME, or of the FreeSurfer whose subject the volume is, in folder, if
  * the volume's name is one of FreeSurfer's and its labels are where FreeSurfer's are. A note says which was taken. */
-static conus_status label_search_freesurfer(struct label_search *search, const char *folder)
+static void search_freesurfer(struct job *job, struct label_search *search, const char *folder)
 {
     enum kind kind = kind_of_volume(search);
-    struct buffer path = {0};
-    if (kind == FOREIGN || !search->use.voxels) {
-        return CONUS_OK;
+    const char *path = kind != FOREIGN && search->use.voxels ? find_freesurfer_table(job, folder) : NULL;
+    if (path && numbers_agree(&search->use, kind)) {
+        search_judged(job, search, path, take_freesurfer);
+    } else if (path) {
+        job_warn(job,
+                 "%s: its name is one of FreeSurfer's, but its labels do not lie as FreeSurfer's do: %s is not taken; "
+                 "--labels uses it all the same",
+                 path_base(search->volume->info->path), path);
     }
-    conus_status status = find_freesurfer_table(&path, folder);
-    if (!status && path.size && !numbers_agree(&search->use, kind)) {
-        status =
-            notes_warn(search->notes,
-                       "%s: its name is one of FreeSurfer's, but its labels do not lie as FreeSurfer's do: %s is not "
-                       "taken; --labels uses it all the same",
-                       path_base(search->volume->info->path), path.data);
-    } else if (!status && path.size) {
-        search->judge = take_freesurfer;
-        status = label_search_file(search, path.data);
-        search->judge = NULL;
-    }
-    buffer_finish(&path);
-    return status;
 }
 
-struct label_fit {
-    size_t names;     /**< Names in the table. */
-    size_t used;      /**< Names whose number a voxel has. */
-    uint32_t unnamed; /**< The first number of a voxel that has no name, in the order of the voxels; 0: all have one. */
-    size_t strays;    /**< Voxels whose number has no name,                             */
-    size_t voxels;    /**< of so many that have one other than 0.                       */
+struct fit {
+    size_t names;     /* Names in the table. */
+    size_t used;      /* Names whose number a voxel has. */
+    uint32_t unnamed; /* The first number of a voxel that has no name, in the order of the voxels; 0: all have one. */
+    size_t strays;    /* Voxels whose number has no name, */
+    size_t voxels;    /* of so many that have one other than 0. */
 };
 
 enum { STRAYS = 100000 }; /* of so many voxels one may be of a label without a name */
 
-static bool names_label(const struct label_table *table, uint32_t number)
+static const struct label *find_named(const struct label_table *table, uint32_t number)
 {
     const struct label *label = label_table_find(table, number);
-    return label && label->name;
+    return label && label->name ? label : NULL;
 }
 
-static conus_status count_strays(struct label_fit *fit, const struct label_table *table, const struct label_use *use)
+static void finish_counts(void *counts)
 {
-    struct label_map counts = {0};
-    conus_status status = label_voxels_tally(&counts, use->voxels);
-    for (size_t i = 1; !status && i < use->voxels->label_count; i++) { /* the first is 0 */
-        uint32_t number = use->voxels->labels[i];
-        const uint64_t *count = label_map_at(&counts, number);
-        status = count ? CONUS_OK : CONUS_ERROR_MEMORY;
+    label_map_finish(counts);
+}
+
+static void count_strays(struct job *job, struct fit *fit, const struct label_table *table,
+                         const struct label_voxels *voxels)
+{
+    struct label_map *counts = job_new(job, struct label_map);
+    if (counts) {
+        job_own(job, finish_counts, counts);
+    }
+    if (!JOB_CALL(job, label_voxels_tally(counts, voxels))) {
+        return;
+    }
+    for (size_t i = 1; i < voxels->label_count; i++) { /* the first is 0 */
+        const uint64_t *count = label_map_at(counts, voxels->labels[i]);
+        job_took(job, count ? CONUS_OK : CONUS_ERROR_MEMORY);
         fit->voxels += count ? *count : 0;
-        fit->strays += count && !names_label(table, number) ? *count : 0;
+        fit->strays += count && !find_named(table, voxels->labels[i]) ? *count : 0;
     }
-    label_map_finish(&counts);
-    return status;
 }
 
-/* Compares table with the voxels of use, which has some. */
-static conus_status label_fit_find(struct label_fit *out, const struct label_table *table, const struct label_use *use)
+/* Compares the table with the voxels. */
+static struct fit find_fit(struct job *job, const struct label_table *table, const struct label_voxels *voxels)
 {
-    struct label_fit fit = {0};
-    bool *seen = memory_zeroed(table->count + 1, sizeof *seen);
-    if (!seen) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t i = 1; i < use->voxels->label_count; i++) {
-        uint32_t number = use->voxels->labels[i];
-        if (names_label(table, number)) {
-            seen[label_table_find(table, number) - table->entries] = true;
+    struct fit fit = {0};
+    bool *seen = job_zeroed(job, table->count, sizeof *seen);
+    for (size_t i = 1; seen && i < voxels->label_count; i++) {
+        const struct label *label = find_named(table, voxels->labels[i]);
+        if (label) {
+            seen[label - table->entries] = true;
         } else {
-            fit.unnamed = fit.unnamed ? fit.unnamed : number;
+            fit.unnamed = fit.unnamed ? fit.unnamed : voxels->labels[i];
         }
     }
-    for (size_t i = 0; i < table->count; i++) {
+    for (size_t i = 0; seen && i < table->count; i++) {
         fit.names += table->entries[i].name != NULL;
         fit.used += seen[i];
     }
-    memory_free(seen);
-    conus_status status = fit.unnamed ? count_strays(&fit, table, use) : CONUS_OK;
-    if (!status) {
-        *out = fit;
+    if (fit.unnamed) {
+        count_strays(job, &fit, table, voxels);
     }
-    return status;
+    return fit;
 }
 
-/* Whether the table may be taken although only its name connects it with the volume. Then every label has a name, but
- * for one voxel in 100,000; nine of ten names have a voxel; and 0 is no area's. */
-static bool label_fit_is_good(const struct label_fit *fit, const struct label_table *table)
+/* A label_judge of a table with a similar name, which alone connects it with the volume. It is taken if every label has
+ * a name, but for one voxel in 100,000; nine of ten names have a voxel; and 0 is no area's. */
+static bool judge_similar(struct job *job, const struct label_search *search, const struct label_table *table,
+                          const char *path)
 {
+    const struct fit fit = find_fit(job, table, search->use.voxels);
+    const char *name = path_base(path);
     bool background = !table->zero || label_is_background(text_from(table->zero));
-    return fit->strays <= fit->voxels / STRAYS && background && fit->used && 10 * fit->used >= 9 * fit->names;
+    bool taken = fit.strays <= fit.voxels / STRAYS && background && fit.used && 10 * fit.used >= 9 * fit.names;
+    if (!taken && fit.unnamed) {
+        job_warn(job,
+                 "%s is not taken for the label table: it has no name for label %u (of %zu voxels %zu have no name); "
+                 "--labels %s uses it all the same",
+                 name, fit.unnamed, fit.voxels, fit.strays, name);
+    } else if (!taken) {
+        job_warn(job,
+                 "%s is not taken for the label table: of its %zu names %zu have voxels%s; --labels %s uses it all the "
+                 "same",
+                 name, fit.names, fit.used, background ? "" : ", and it calls 0 an area", name);
+    } else if (search->source) {
+        job_note(job, "%s fits the labels, too: --labels chooses it", name);
+    } else {
+        if (fit.unnamed) {
+            job_warn(job, "label %u has no name in %s: of %zu voxels %zu have none", fit.unnamed, name, fit.voxels,
+                     fit.strays);
+        }
+        job_note(job,
+                 "%s is taken for the label table of %s by its name: %s labels have a name in it, and %zu of its %zu "
+                 "names have voxels; --labels chooses another",
+                 name, path_base(search->volume->info->path), fit.unnamed ? "nearly all" : "all", fit.used, fit.names);
+    }
+    return taken;
 }
 
-#define TABLE_ENDINGS ".nii.txt/.nii.lut/.niml.lt/.txt/.tsv/.json/.label/.ctbl/.csv/.lut/.ctab"
+/* The endings of tables, with '/' between them, in the order in which files beside a volume are tried. */
+static const char *list_endings(struct job *job)
+{
+    const char *list = "";
+    for (const struct label_format *const *format = label_formats(); *format; format++) {
+        if ((*format)->endings) {
+            list = job_format(job, "%s%s%s", list, list[0] ? "/" : "", (*format)->endings);
+        }
+    }
+    return list;
+}
 
 enum { TABLE_LIMIT = 16 }; /* candidates that are read */
 
-/* Length of the name without the ending of a table; 0 if it has none. */
-static size_t table_stem_length(const char *name)
-{
-    size_t ending = path_ending_length(name, TABLE_ENDINGS);
-    return ending ? strlen(name) - ending : 0;
-}
-
-/* Not a name that begins with a dot: macOS puts such a file beside each file on foreign file systems. */
-static bool is_volume(const char *name)
-{
-    return name[0] != '.' && volume_stem_length(name) < strlen(name);
-}
-
-/* The folder of a volume, while tables with a similar name are looked for in it. */
+/* A folder, while tables with a name similar to the volume's are looked for in it. */
 struct folder {
-    const struct names *names;
-    const char *folder;
-    struct text stem; /* of the volume */
-    struct label_words volume;
+    struct names names;
+    const char *path;
+    const char *endings; /* of tables */
+    struct text stem;    /* of the volume */
+    struct label_words words;
 };
+
+static bool is_stem(const struct folder *folder, struct text stem)
+{
+    return text_compare(stem, folder->stem) == 0;
+}
+
+/* The name without the ending of a table; empty if it has none. */
+static struct text table_stem(const struct folder *folder, const char *name)
+{
+    size_t ending = path_ending_length(name, folder->endings);
+    return (struct text){name, ending ? strlen(name) - ending : 0};
+}
 
 /* Whether the table could belong to another volume, with other words in its name. */
 static bool is_of_another(const struct folder *folder, const struct label_words *table)
 {
-    bool exact = label_words_equal(&folder->volume, table);
-    for (size_t i = 0; i < folder->names->count; i++) {
-        const char *name = folder->names->names[i];
+    bool exact = label_words_equal(&folder->words, table);
+    for (size_t i = 0; i < folder->names.count; i++) {
+        const char *name = folder->names.names[i];
         struct text stem = {name, volume_stem_length(name)};
-        bool own = stem.size == folder->stem.size && memcmp(name, folder->stem.data, stem.size) == 0;
         struct label_words words;
-        if (!is_volume(name) || own) {
+        /* macOS puts a file with a dot in front beside each file on foreign file systems */
+        if (name[0] == '.' || !name[stem.size] || is_stem(folder, stem)) {
             continue;
         }
         label_words_find(&words, stem);
-        bool same = label_words_equal(&words, &folder->volume);
+        bool same = label_words_equal(&words, &folder->words);
         bool could = words.overflow || label_words_contain(&words, table);
         if (table->count ? could && !same && !exact : same || !exact) {
             return true; /* a table without such words belongs to the only volume, or to the only one without words */
@@ -299,301 +329,239 @@ static bool is_of_another(const struct folder *folder, const struct label_words 
     return false;
 }
 
+/* Whether the file may be a table of a known format, as is one that cannot be read. */
+static bool may_be_table(struct job *job, const char *path, uint64_t max_memory)
+{
+    const struct job_mark mark = job_mark(job);
+    struct attempt attempt = job_try(job);
+    struct bytes bytes = label_file_bytes(job, path, max_memory);
+    bool may = !job_ok(job) || label_format_of(text_from_bytes(bytes.data, bytes.size));
+    (void)job_dropped(job, &attempt);
+    job_release(job, mark);
+    return may;
+}
+
 /* Whether no other file in the folder is a table of a known format. */
-static conus_status is_only_table(bool *out, const struct folder *folder, const char *table, uint64_t max_memory)
+static bool is_only_table(struct job *job, const struct folder *folder, const char *table, uint64_t max_memory)
 {
-    conus_status status = CONUS_OK;
-    *out = true;
-    for (size_t i = 0; !status && *out && i < folder->names->count; i++) {
-        const char *name = folder->names->names[i];
-        struct bytes bytes = {0};
-        if (name[0] == '.' || !table_stem_length(name) || strcmp(name, table) == 0) {
-            continue;
-        }
-        char *path = file_beside(folder->folder, name);
-        status = path ? CONUS_OK : CONUS_ERROR_MEMORY;
-        if (!status && file_exists(path)) { /* one that cannot be read may be a table */
-            *out = !label_file_bytes(&bytes, path, max_memory) &&
-                   !label_format_of(text_from_bytes(bytes.data, bytes.size));
-        }
-        bytes_finish(&bytes);
-        memory_free(path);
-    }
-    return status;
-}
-
-/* A label_judge of a table with a similar name: taken only if its numbers fit the voxels. */
-static conus_status judge_similar_table(bool *taken, struct label_search *search, const struct label_table *table,
-                                        const char *path)
-{
-    struct label_fit fit;
-    const char *name = path_base(path);
-    const char *volume = path_base(search->volume->info->path);
-    conus_status status = label_fit_find(&fit, table, &search->use);
-    *taken = !status && label_fit_is_good(&fit, table);
-    if (status) {
-        return status;
-    }
-    if (!*taken && fit.unnamed) {
-        return notes_warn(search->notes,
-                          "%s is not taken for the label table: it has no name for label %u (of %zu voxels %zu have no "
-                          "name); --labels %s uses it all the same",
-                          name, fit.unnamed, fit.voxels, fit.strays, name);
-    }
-    if (!*taken) {
-        return notes_warn(
-            search->notes,
-            "%s is not taken for the label table: of its %zu names %zu have voxels%s; --labels %s uses it "
-            "all the same",
-            name, fit.names, fit.used,
-            table->zero && !label_is_background(text_from(table->zero)) ? ", and it calls 0 an area" : "", name);
-    }
-    if (search->found) {
-        return notes_add(search->notes, "%s fits the labels, too: --labels chooses it", name);
-    }
-    if (fit.unnamed) {
-        status = notes_warn(search->notes, "label %u has no name in %s: of %zu voxels %zu have none", fit.unnamed, name,
-                            fit.voxels, fit.strays);
-    }
-    return status
-               ? status
-               : notes_add(
-                     search->notes,
-                     "%s is taken for the label table of %s by its name: %s labels have a name in it, and %zu of its "
-                     "%zu names have voxels; --labels chooses another",
-                     name, volume, fit.unnamed ? "nearly all" : "all", fit.used, fit.names);
-}
-
-/* Tries the file `name` beside `path`, which `judge`, unless NULL, must take. */
-static conus_status search_named(struct label_search *search, const char *path, const char *name, label_judge judge)
-{
-    char *file = file_beside(path, name);
-    search->judge = judge;
-    conus_status status = file ? label_search_file(search, file) : CONUS_ERROR_MEMORY;
-    search->judge = NULL;
-    memory_free(file);
-    return status;
-}
-
-static conus_status consider(bool *tried, struct label_search *search, const struct folder *folder, const char *name)
-{
-    struct text stem = {name, table_stem_length(name)};
-    struct label_words words;
     bool only = true;
-    *tried = false;
-    label_words_find(&words, stem);
-    bool same = stem.size == folder->stem.size && memcmp(name, folder->stem.data, stem.size) == 0; /* X.tsv was tried */
-    if (name[0] == '.' || !stem.size || same || !label_words_contain(&folder->volume, &words)) {
-        return CONUS_OK;
+    for (size_t i = 0; only && i < folder->names.count; i++) {
+        const char *name = folder->names.names[i];
+        if (name[0] != '.' && table_stem(folder, name).size && strcmp(name, table) != 0) {
+            const char *path = labels_path(job, file_beside(folder->path, name));
+            only = !job_has_file(job, path) || !may_be_table(job, path, max_memory);
+        }
     }
-    bool other = is_of_another(folder, &words);
-    conus_status status = words.count || other ? CONUS_OK : is_only_table(&only, folder, name, search->use.max_memory);
-    *tried = !status && only && !other;
-    return *tried ? search_named(search, folder->folder, name, judge_similar_table) : status;
+    return only;
 }
 
-/* Tries the tables in folder whose names have no word that the volume's lacks, unless they may belong to another
- * volume there, and whose numbers fit (label_fit_is_good()). A note says what was taken, or why not. */
-static conus_status label_search_alike(struct label_search *search, const char *folder)
+/* Whether the table's name has no word that the volume's lacks, and it cannot belong to another volume there. */
+static bool is_similar(struct job *job, const struct folder *folder, const char *name, uint64_t max_memory)
+{
+    struct text stem = table_stem(folder, name);
+    struct label_words words;
+    label_words_find(&words, stem);
+    if (name[0] == '.' || !stem.size || is_stem(folder, stem) || /* X.tsv was tried */
+        !label_words_contain(&folder->words, &words) || is_of_another(folder, &words)) {
+        return false;
+    }
+    return words.count || is_only_table(job, folder, name, max_memory);
+}
+
+/* Tries the tables in the folder with similar names, whose numbers must fit. A note says what was taken, or why not. */
+static void search_alike(struct job *job, struct label_search *search, const char *path)
 {
     const char *name = path_base(search->volume->info->path);
-    struct names names = {0};
-    struct folder here = {.names = &names, .folder = folder, .stem = {name, volume_stem_length(name)}};
+    const char *endings = job_format(job, "%s/.ctab", list_endings(job));
+    struct folder folder = {.path = path, .endings = endings, .stem = {name, volume_stem_length(name)}};
     size_t tries = 0;
-    conus_status status = search->use.voxels ? names_list(&names, folder, VOLUME_ENDINGS "/" TABLE_ENDINGS) : CONUS_OK;
-    label_words_find(&here.volume, here.stem);
-    /* of NAMES_LIMIT names one that is not listed could be another volume */
-    for (size_t i = 0; !status && names.count < NAMES_LIMIT && tries < TABLE_LIMIT && i < names.count; i++) {
-        bool tried;
-        status = consider(&tried, search, &here, names.names[i]);
-        tries += !status && tried;
+    label_words_find(&folder.words, folder.stem);
+    if (search->use.voxels) {
+        folder.names = labels_names(job, path, job_format(job, VOLUME_ENDINGS "/%s", endings));
     }
-    names_finish(&names);
-    return status;
+    /* of NAMES_LIMIT names one that is not listed could be another volume */
+    for (size_t i = 0; folder.names.count < NAMES_LIMIT && tries < TABLE_LIMIT && i < folder.names.count; i++) {
+        if (is_similar(job, &folder, folder.names.names[i], search->use.max_memory)) {
+            search_judged(job, search, labels_path(job, file_beside(path, folder.names.names[i])), judge_similar);
+            tries++;
+        }
+    }
 }
 
-/* Whether every entity ("res-01", "dseg") of the table's name is one of the volume's: then BIDS lets it inherit. */
-static bool name_inherits(struct text table, struct text volume, size_t *entities)
+/* How many entities ("res-01", "dseg") the table's name has, if each is one of the volume's: then BIDS lets it inherit;
+ * else 0. */
+static size_t count_inherited(struct text table, struct text volume)
 {
     struct text entity;
-    *entities = 0;
-    for (bool more = true; text_field(&table, '_', &more, &entity); ++*entities) {
+    size_t count = 0;
+    for (bool more = true; text_field(&table, '_', &more, &entity); count++) {
         struct text rest = volume;
         struct text other;
         bool found = false;
         for (bool left = true; !found && text_field(&rest, '_', &left, &other);) {
-            found = other.size == entity.size && memcmp(other.data, entity.data, entity.size) == 0;
+            found = text_compare(entity, other) == 0;
         }
         if (!found) {
-            return false;
+            return 0;
         }
     }
-    return true;
+    return count;
 }
 
-static conus_status search_inherited(struct label_search *search, const char *folder)
+static void search_inherited(struct job *job, struct label_search *search, const char *folder)
 {
     const char *path = path_base(search->volume->info->path);
-    struct text volume = {path, volume_stem_length(path)};
-    struct names names = {0};
+    const struct text volume = {path, volume_stem_length(path)};
+    const struct names names = labels_names(job, folder, "dseg.tsv");
     const char *best = NULL;
     size_t most = 0;
-    conus_status status = names_list(&names, folder, "dseg.tsv");
     for (size_t i = 0; i < names.count; i++) {
-        size_t entities;
-        struct text table = {names.names[i], strlen(names.names[i]) - strlen(".tsv")};
-        if (name_inherits(table, volume, &entities) && entities > most) {
-            most = entities;
-            best = names.names[i];
-        }
+        size_t count = count_inherited((struct text){names.names[i], strlen(names.names[i]) - strlen(".tsv")}, volume);
+        best = count > most ? names.names[i] : best;
+        most = count > most ? count : most;
     }
-    status = status || !best ? status : search_named(search, folder, best, NULL);
-    names_finish(&names);
-    return status;
+    if (best) {
+        label_search_file(job, search, labels_path(job, file_beside(folder, best)));
+    }
 }
 
-static conus_status offer_atlas(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file)
+/* A fsl_visit. */
+static void offer_atlas(struct job *job, void *user, struct fsl_atlas *atlas, const char *path,
+                        const struct bytes *file)
 {
     struct label_search *search = user;
-    struct label_offer offer = {.path = path, .file = file};
+    struct label_offer offer = {.table = &atlas->labels, .path = path, .file = file};
     struct label_use use = search->use;
     use.path = path;
-    conus_status status = fsl_atlas_number(atlas, &use, &offer.notes);
-    if (status || !atlas->labels.count) {
-        notes_finish(&offer.notes);
-        return status;
-    }
-    buffer_format(&offer.source, "%s atlas XML in %s", atlas->is_spm ? "SPM" : "FSL", path_base(path));
+    struct notes outside = label_notes_swap(job, (struct notes){0});
+    fsl_atlas_number(job, atlas, &use);
+    offer.notes = label_notes_swap(job, outside);
     offer.proved = atlas->proved;
-    offer.table = atlas->labels;
-    atlas->labels = (struct label_table){0};
-    return label_search_offer(search, &offer);
+    offer.source = job_format(job, "%s atlas XML in %s", atlas->is_spm ? "SPM" : "FSL", path_base(path));
+    if (job_ok(job) && atlas->labels.count) {
+        label_search_offer(job, search, &offer);
+    }
+    notes_finish(&offer.notes);
 }
 
-/* Tables for all volumes in the folder, which are read only where no other was found. */
-static conus_status search_fixed(struct label_search *search)
+static void search_inside(struct job *job, struct label_search *search)
 {
-    const char *path = search->volume->info->path;
-    conus_status status = search_named(search, path, "structures.json", NULL);
-    return status || search->found ? status
-                                   : search_named(search, path, "FreeSurferColorLUT.txt", label_judge_freesurfer);
-}
-
-void label_volume_finish(struct label_volume *volume)
-{
-    label_table_finish(&volume->segments);
-    notes_finish(&volume->notes);
-    memory_free(volume->texts);
-    *volume = (struct label_volume){0};
-}
-
-static conus_status search_inside(struct label_search *search)
-{
-    struct label_volume *volume = search->volume;
+    const struct label_volume *volume = search->volume;
     const char *path = volume->info->path;
-    conus_status status = CONUS_OK;
-    if (volume->segments.count) {
-        struct label_offer offer = {.path = path, .table = volume->segments, .notes = volume->notes};
-        volume->segments = (struct label_table){0};
-        volume->notes = (struct notes){0};
-        buffer_format(&offer.source, "Slicer segments inside %s", path_base(path));
-        status = label_search_offer(search, &offer);
+    if (volume->segments && volume->segments->count) {
+        struct label_offer offer = {.table = volume->segments, .path = path};
+        offer.source = job_format(job, "Slicer segments inside %s", path_base(path));
+        label_search_offer(job, search, &offer);
     }
-    for (size_t i = 0; !status && i < volume->count; i++) {
-        status = label_search_bytes(search, path, NULL, volume->texts[i]);
+    for (size_t i = 0; i < volume->count; i++) {
+        label_search_text(job, search, path, NULL, volume->texts[i]);
     }
-    return status;
 }
 
-static conus_status search_beside(struct label_search *search)
+static void search_beside(struct job *job, struct label_search *search)
 {
-    static const char *const endings[] = {".nii.txt", ".txt",     ".tsv", ".json",    ".label",
-                                          ".ctbl",    ".niml.lt", ".csv", ".nii.lut", ".lut"};
     const char *path = search->volume->info->path;
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < sizeof endings / sizeof endings[0]; i++) {
-        char *beside = path_with_ending(path, volume_stem_length(path), endings[i]);
-        status = beside ? label_search_file(search, beside) : CONUS_ERROR_MEMORY;
-        memory_free(beside);
+    struct text rest = text_from(list_endings(job));
+    struct text ending;
+    for (bool more = true; text_field(&rest, '/', &more, &ending);) {
+        label_search_file(
+            job, search,
+            job_format(job, "%.*s%.*s", (int)volume_stem_length(path), path, (int)ending.size, ending.data));
     }
-    return status;
 }
 
-static conus_status colour_beside(struct label_search *search)
+/* Notes what was passed over; fails where that was all, and damaged. */
+static void settle_search(struct job *job, struct label_search *search)
+{
+    if (search->source && search->why) {
+        job_warn(job, "%s: passed over", search->why);
+    } else if (search->why) {
+        job_bad(job, "%s", search->why);
+    } else if (!search->source) {
+        const char *name = path_base(search->volume->info->path);
+        struct text rest = text_from(list_endings(job));
+        const char *endings = "";
+        struct text ending;
+        for (bool more = true; text_field(&rest, '/', &more, &ending);) {
+            if (!endings[0] || !text_starts(ending, ".nii.")) { /* X.nii.lut goes without saying */
+                endings = job_format(job, "%s%s%.*s", endings, endings[0] ? ", " : "", (int)ending.size, ending.data);
+            }
+        }
+        job_warn(job,
+                 "no label table found: areas are called by their numbers (looked inside %s; beside it for %.*s%s; in "
+                 "its folder for an inherited dseg.tsv, an atlas XML of FSL or SPM, a table with a similar name, "
+                 "structures.json, FreeSurferColorLUT.txt)",
+                 name, (int)volume_stem_length(name), name, endings);
+    }
+}
+
+/* Takes the colours beside the volume where the table has none; without a table they go to numbers without names. */
+static void colour_beside(struct job *job, struct label_search *search)
 {
     static const char *const endings[] = {".nii.lut", ".lut"};
     const char *path = search->volume->info->path;
-    bool coloured = label_table_has_colours(&search->table);
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && !coloured && i < sizeof endings / sizeof endings[0]; i++) {
-        char *lut = path_with_ending(path, volume_stem_length(path), endings[i]);
-        status = lut ? label_file_colours(&search->table, &coloured, lut, &search->read) : CONUS_ERROR_MEMORY;
-        if (!status && coloured) {
-            buffer_format(&search->source, ", colours in %s", path_base(lut));
-            status = buffer_status(&search->source);
+    bool coloured = label_table_has_colours(search->table);
+    for (uint32_t number = 1; !search->source && number < 256; number++) {
+        labels_add(job, search->table, number);
+    }
+    search->source = search->source ? search->source : "none found";
+    for (size_t i = 0; !coloured && i < sizeof endings / sizeof endings[0]; i++) {
+        const char *lut = job_format(job, "%.*s%s", (int)volume_stem_length(path), path, endings[i]);
+        coloured = label_file_colours(job, search->table, lut);
+        if (coloured) {
+            search->source = job_format(job, "%s, colours in %s", search->source, path_base(lut));
         }
-        memory_free(lut);
     }
-    return status;
 }
 
-static conus_status settle_search(struct label_search *search)
+static void search_all(struct job *job, struct label_search *search)
 {
-    if (search->found) {
-        return search->first_error.size ? notes_warn(search->notes, "%s: passed over", search->first_error.data)
-                                        : CONUS_OK;
+    const char *path = search->volume->info->path;
+    const char *folder = labels_path(job, path_folder(path)); /* which may have a table under a name of its own */
+    search_inside(job, search);
+    search_beside(job, search);
+    if (!search->source) {
+        search_inherited(job, search, folder);
     }
-    if (search->first_error.size) {
-        return fail(CONUS_ERROR_DATA, "%s", search->first_error.data);
+    fsl_atlas_each(job, path, FSL_LABELS, offer_atlas, search);
+    if (!search->source && !search->why) {
+        search_alike(job, search, folder);
     }
-    const char *name = path_base(search->volume->info->path);
-    buffer_text(&search->source, "none found");
-    int stem = (int)volume_stem_length(name);
-    conus_status status = notes_warn(
-        search->notes,
-        "no label table found: areas are called by their numbers (looked inside %s; beside it for %.*s.nii.txt, "
-        ".txt, .tsv, .json, .label, .ctbl, .niml.lt, .csv, .lut; in its folder for an inherited dseg.tsv, an "
-        "atlas XML of FSL or SPM, a table with a similar name, structures.json, FreeSurferColorLUT.txt)",
-        name, stem, name);
-    for (uint32_t number = 1; !status && number < 256; number++) { /* without names, for colours to go to */
-        status = label_table_add(&search->table, number) ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!search->source) { /* of all volumes in the folder */
+        label_search_file(job, search, labels_path(job, file_beside(path, "structures.json")));
     }
-    return status;
+    if (!search->source) {
+        search_judged(job, search, labels_path(job, file_beside(path, "FreeSurferColorLUT.txt")), judge_freesurfer);
+    }
+    if (!search->source) {
+        search_freesurfer(job, search, folder);
+    }
+    settle_search(job, search);
 }
 
-conus_status label_table_of_volume(struct label_table *out, char **source, struct label_volume *volume,
-                                   const struct label_voxels *voxels, struct file_sums *read, struct notes *notes)
+void label_table_of_volume(struct job *job, struct label_table *out, const char **source,
+                           const struct label_volume *volume, const struct label_voxels *voxels)
 {
     struct label_search search = {
         .volume = volume,
         .use = {.info = volume->info, .voxels = voxels, .max_memory = volume->max_memory, .header = volume->header},
-        .notes = notes};
+        .table = labels_new(job),
+        .files = job->files.count};
+    struct attempt attempt = job_try(job); /* so that a table's notes are heard only where it is used */
     bool before = file_trace_search(true);
-    conus_status status = search_inside(&search);
-    status = status ? status : search_beside(&search);
-    char *folder = path_folder(volume->info->path); /* which may have a table under a name of its own */
-    status = status || folder ? status : CONUS_ERROR_MEMORY;
-    status = status || search.found ? status : search_inherited(&search, folder);
-    status = status ? status : fsl_atlas_each(volume->info->path, FSL_LABELS, offer_atlas, &search);
-    status = status || search.found || search.first_error.size ? status : label_search_alike(&search, folder);
-    status = status || search.found ? status : search_fixed(&search);
-    status = status || search.found ? status : label_search_freesurfer(&search, folder);
-    memory_free(folder);
-    status = status ? status : settle_search(&search);
-    status = status ? status : colour_beside(&search);
+    search_all(job, &search);
+    bool found = search.source != NULL;
+    if (job_ok(job)) {
+        colour_beside(job, &search);
+    }
     file_trace_search(before);
-    status = status || !read ? status : file_sums_move(read, &search.read);
-    char *words = status ? NULL : memory_text(search.source.data, search.source.size);
-    if (!words) {
-        label_search_finish(&search);
-        return status ? status : CONUS_ERROR_MEMORY;
+    job_kept(job, &attempt);
+    if (!job_ok(job)) {
+        return;
     }
-    if (!search.found && !label_table_has_colours(&search.table)) {
-        label_table_finish(&search.table);
+    *source = search.source;
+    if (found || label_table_has_colours(search.table)) {
+        *out = *search.table;
+        *search.table = (struct label_table){0};
     }
-    *source = words;
-    *out = search.table;
-    search.table = (struct label_table){0};
-    label_search_finish(&search);
-    return CONUS_OK;
 }

@@ -1,52 +1,93 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The formats of label tables: what each is called, how its text is known and parsed. A format is detected from
- * the content, never from the name of the file. */
+ * the content, never from the name of the file. A new one is a source that defines its `struct label_format`, and a row
+ * of LABEL_FORMATS. */
 #ifndef CONUS_LOADERS_LABELS_LABEL_FORMAT_H
 #define CONUS_LOADERS_LABELS_LABEL_FORMAT_H
 
-#include "atlas/labels/labels.h"
 #include "loaders/labels/label_use.h"
+#include "loaders/labels/labels_on_job.h"
 
-/** A format of label tables. */
-struct label_format {
-    const char *name; /**< In words, for messages and "where the names come from". */
-    /** Appends the table in @p text to @p out, in any order; label 0 is dropped. */
-    conus_status (*parse)(struct label_table *out, struct text text, struct notes *notes);
-    /** Likewise, where the purpose matters; NULL: it does not. */
-    conus_status (*parse_for)(struct label_table *out, struct text text, const struct label_use *use,
-                              struct notes *notes);
+/** What a text is in the rough: no format is asked about a text of another kind. */
+enum label_kind {
+    LABEL_MARKUP,  /**< Begins with "<". */
+    LABEL_JSON,    /**< Begins with a brace or bracket. */
+    LABEL_COLUMNS, /**< Lines below a header row that names a number and a name, or of number, comma, name. */
+    LABEL_ROWS     /**< Lines of columns with white space between them. */
 };
 
-/** The format of @p text, lines below a header row, by its content; NULL if it is none. */
-const struct label_format *label_format_of_columns(struct text text);
+/** How many rows have which shape. */
+struct label_census {
+    size_t rows, named, coded, coloured, with_alpha, mrtrix, fsleyes, itk_snap, number_last, pairs;
+    size_t unnamed; /**< Of rows of a number that grows and numbers from 0 to 1. */
+    uint64_t last;  /**< Such number. */
+    bool tabbed;    /**< A tab behind every first word and no other: the name is all the rest. */
+};
 
-/** Fails with the columns that the first row of @p text has and those that are needed; CONUS_OK where it has no two.
- */
-conus_status label_columns_refuse(struct text text);
+struct label_census label_rows_count(struct text text);
 
-/** FSLeyes's colours without names: it names nothing. */
-extern const struct label_format label_format_colours;
+struct label_text {
+    enum label_kind kind;
+    struct text text;                  /**< Of markup and JSON without white space in front. */
+    struct text root;                  /**< Markup: the outermost element. */
+    bool has_header;                   /**< Columns: the first line names them, */
+    bool is_slicer;                    /**< one as 3D Slicer does; */
+    char separator;                    /**< this stands between them. */
+    const struct label_census *census; /**< Rows. */
+};
 
-/** The format of @p text, lines of columns, by its content; NULL if it is none. */
-const struct label_format *label_format_of_rows(struct text text);
+struct label_format {
+    const char *name; /**< In words, for messages and "where the names come from". */
+    enum label_kind kind;
+    bool (*is)(const struct label_text *text);
+    /** Appends the table in @p text to @p out, in any order; label 0 is dropped. */
+    void (*parse)(struct job *job, struct label_table *out, struct text text, const struct label_use *use);
+    const char *endings; /**< Of files beside a volume X in which it is looked for: ".tsv"; NULL = those of others. */
+};
 
-/** The format of @p text, which begins with a brace or bracket, by its content; NULL if it is none. */
-const struct label_format *label_format_of_json(struct text text);
+/** The formats. The first that knows a text is its own; files beside a volume are tried in the order of their endings
+ * here. */
+#define LABEL_FORMATS(ROW)                                                                                             \
+    ROW(label_format_pairs)                                                                                            \
+    ROW(label_format_aal)                                                                                              \
+    ROW(label_format_colours)                                                                                          \
+    ROW(label_format_bids)                                                                                             \
+    ROW(label_format_ome)                                                                                              \
+    ROW(label_format_structures)                                                                                       \
+    ROW(label_format_niivue)                                                                                           \
+    ROW(label_format_map)                                                                                              \
+    ROW(label_format_objects)                                                                                          \
+    ROW(label_format_itk_snap)                                                                                         \
+    ROW(label_format_mrtrix)                                                                                           \
+    ROW(label_format_slicer)                                                                                           \
+    ROW(label_format_freesurfer)                                                                                       \
+    ROW(label_format_afni)                                                                                             \
+    ROW(label_format_slicer_csv)                                                                                       \
+    ROW(label_format_csv)                                                                                              \
+    ROW(label_format_bare)                                                                                             \
+    ROW(label_format_fsleyes)                                                                                          \
+    ROW(label_format_plain)                                                                                            \
+    ROW(label_format_spm)                                                                                              \
+    ROW(label_format_fsl)                                                                                              \
+    ROW(label_format_workbench)
 
-extern const struct label_format label_format_afni;
-
-/** The format of @p text, which begins with "<", by its content; NULL if it is none. */
-const struct label_format *label_format_of_markup(struct text text);
-
-extern const struct label_format label_format_workbench;
-extern const struct label_format label_format_fsl;
-extern const struct label_format label_format_spm; /**< SPM's and CAT12's atlas XML. */
-
-/** The format of @p text, which text_from_bytes() gave, or NULL. */
-const struct label_format *label_format_of(struct text text);
+#define LABEL_FORMAT_DECLARE(name) extern const struct label_format name;
+LABEL_FORMATS(LABEL_FORMAT_DECLARE)
 
 /** A table with any separator, whose header row has the columns that label_use.columns gives. */
 extern const struct label_format label_format_chosen;
+
+/** Whether the text of @p about is of LABEL_COLUMNS; fills what those have. */
+bool label_columns_look(struct label_text *about);
+
+/** Fails with the columns that the first row of @p text has and those that are needed, unless it has no two. */
+void label_columns_refuse(struct job *job, struct text text);
+
+/** All formats, and NULL behind them. */
+const struct label_format *const *label_formats(void);
+
+/** The format of @p text, which text_from_bytes() gave, or NULL. */
+const struct label_format *label_format_of(struct text text);
 
 enum { LABEL_LUT_SIZE = 768 }; /**< MRIcron's .lut: 256 red, 256 green, 256 blue bytes. */
 bool label_is_lut(const uint8_t *data, size_t size);
@@ -54,13 +95,14 @@ bool label_is_lut(const uint8_t *data, size_t size);
 /** Colours the entries of @p table with numbers below 256. */
 void label_lut_apply(struct label_table *table, const uint8_t *lut);
 
-/** Parses @p text as @p format into a sorted table, which may turn out empty. */
-conus_status label_text_parse(struct label_table *out, const struct label_format *format, struct text text,
-                              const struct label_use *use, struct notes *notes);
+/** Parses @p text as @p format into the empty @p out, sorted, which may stay empty. */
+void label_text_parse(struct job *job, struct label_table *out, const struct label_format *format, struct text text,
+                      const struct label_use *use);
 
-/** Parses a label table of any known format for @p use; *format is its name in words ("ITK-SNAP labels"), static.
- * @p out is sorted, and the caller's to finish. CONUS_ERROR_DATA when the bytes are of no known format or damaged. */
-conus_status label_bytes_parse(struct label_table *out, const char **format, const uint8_t *data, size_t size,
-                               const struct label_use *use, struct notes *notes);
+/** Parses a label table of any known format for @p use into the empty @p out, sorted; *format is its name in words
+ * ("ITK-SNAP labels"), static. CONUS_ERROR_DATA when the bytes are of no known format or damaged. Outputs are untouched
+ * on failure. */
+void label_bytes_parse(struct job *job, struct label_table *out, const char **format, const uint8_t *data, size_t size,
+                       const struct label_use *use);
 
 #endif

@@ -3,36 +3,27 @@
  * columns in most rows; a row that then breaks the format is an error, never a reason to read it as something else. */
 #include "loaders/labels/label_format.h"
 
-#include "base/memory.h"
 #include "loaders/labels/label_cells.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 struct row {
-    size_t line; /* from 1 */
-    struct text all;
+    size_t line;       /* from 1 */
+    struct text all;   /* trimmed */
     struct text first; /* word */
     struct text rest;  /* what follows it, trimmed */
 };
 
-struct reader {
-    struct text rest;
-    size_t line;
-};
-
-/* The next row that is neither blank nor a comment. */
-static bool next_row(struct reader *reader, struct row *row)
+/* Takes the next row that is neither blank nor a comment off `text`; row->line is that of the last one. */
+static bool next_row(struct text *text, struct row *row)
 {
     struct text line;
-    while (text_line(&reader->rest, &line)) {
-        reader->line++;
-        struct text rest = line;
-        if (text_word(&rest, &row->first) && row->first.data[0] != '#') {
-            row->line = reader->line;
-            row->all = text_trim(line);
-            row->rest = text_trim(rest);
+    while (text_line(text, &line)) {
+        row->line++;
+        row->all = text_trim(line);
+        if (text_word(&line, &row->first) && row->first.data[0] != '#') {
+            row->rest = text_trim(line);
             return true;
         }
     }
@@ -61,8 +52,7 @@ static bool looks_numeric(struct text word)
         digits = digits || (word.data[i] >= '0' && word.data[i] <= '9');
     }
     bool starts = word.size && word.data[0] != 'e' && word.data[0] != 'E';
-    return (i == word.size && digits && starts) || text_equal_ignoring_case(word, "nan") ||
-           text_equal_ignoring_case(word, "inf") || text_equal_ignoring_case(word, "-inf");
+    return (i == word.size && digits && starts) || text_is_one_of(word, "nan/inf/-inf", false);
 }
 
 /* The words after the first: how many, and how many numbers they start and end with. A row's name needs at least one
@@ -89,14 +79,6 @@ static struct shape shape_of(const struct row *row)
     return shape;
 }
 
-/* How many rows have what shape. */
-struct census {
-    size_t rows, numbered, named, coded, coloured, with_alpha, mrtrix, fsleyes, itk_snap, number_last, pairs;
-    size_t unnamed; /* of rows of a number that grows and numbers from 0 to 1 */
-    uint64_t last;  /* such number */
-    bool tabbed;    /* a tab behind every first word and no other: the name is all the rest */
-};
-
 static bool has_only_first_tab(const struct row *row)
 {
     const char *tab = memchr(row->all.data, '\t', row->all.size);
@@ -104,7 +86,7 @@ static bool has_only_first_tab(const struct row *row)
 }
 
 /* "1 0.5 0.25 0", or with a fourth number, an opacity, or the label's own number in the place of a name. */
-static bool is_unnamed(const struct census *census, const struct row *row, uint64_t *number)
+static bool is_unnamed(const struct label_census *census, const struct row *row, uint64_t *number)
 {
     struct text rest = row->rest;
     struct text word;
@@ -118,12 +100,10 @@ static bool is_unnamed(const struct census *census, const struct row *row, uint6
     return good && (words == 3 || words == 4);
 }
 
-static struct census count_rows(struct text text)
+struct label_census label_rows_count(struct text text)
 {
-    struct census census = {0};
-    struct reader reader = {.rest = text};
-    struct row row;
-    while (next_row(&reader, &row)) {
+    struct label_census census = {0};
+    for (struct row row = {0}; next_row(&text, &row);) {
         uint64_t number = 0;
         census.unnamed += is_unnamed(&census, &row, &number);
         census.last = number;
@@ -132,7 +112,6 @@ static struct census count_rows(struct text text)
         census.tabbed = (census.tabbed || !census.rows) && has_only_first_tab(&row);
         census.pairs += census.rows % 2 == five_numbers; /* alternately a name and five numbers */
         census.rows++;
-        census.numbered += s.numbered;
         census.named += s.numbered && s.lead < s.words;
         census.coded += s.numbered && s.words == 2 && s.lead == 0 && s.tail == 1;
         census.coloured += s.numbered && s.tail >= 3;
@@ -175,50 +154,55 @@ static struct text take_first_word(struct text *rest)
 
 /* Whether a word that `take` finds behind the number differs wherever the numbers do, and so can be a name or a code by
  * itself: "1 Area 17 / 2 Area 18" has names of two words, "1 Precentral_L 2001 / 2 Precentral_R 2002" of one. */
-static conus_status words_differ(bool *out, struct text text, size_t rows, struct text (*take)(struct text *rest))
+static bool words_differ(struct job *job, struct text text, size_t rows, struct text (*take)(struct text *rest))
 {
-    struct word_of *words = memory_zeroed(rows, sizeof *words);
-    if (!words) {
-        return CONUS_ERROR_MEMORY;
-    }
-    struct reader reader = {.rest = text};
-    struct row row;
-    for (size_t i = 0; i < rows && next_row(&reader, &row); i++) {
+    const struct job_mark mark = job_mark(job);
+    struct word_of *words = job_array(job, &rows, sizeof *words);
+    struct row row = {0};
+    bool differ = true;
+    for (size_t i = 0; i < rows && next_row(&text, &row); i++) {
         words[i] = (struct word_of){take(&row.rest), row.first};
     }
-    qsort(words, rows, sizeof *words, compare_words);
-    *out = true;
+    if (rows) {
+        qsort(words, rows, sizeof *words, compare_words);
+    }
     for (size_t i = 1; i < rows; i++) {
         bool same = text_compare(words[i - 1].word, words[i].word) == 0;
-        *out = *out && !(same && text_compare(words[i - 1].number, words[i].number) != 0);
+        differ = differ && !(same && text_compare(words[i - 1].number, words[i].number) != 0);
     }
-    memory_free(words);
-    return CONUS_OK;
+    job_release(job, mark);
+    return differ;
 }
 
-typedef conus_status parse_row(struct label *label, const struct row *row, const char *where, const void *data);
+/* What a format needs to know to parse a row. */
+struct layout {
+    bool coded;         /* MRIcron: a code behind the name */
+    size_t numbers;     /* of colours after the name: 3 or 4 */
+    bool two_names;     /* MRtrix: abbreviation and name */
+    bool underscores;   /* in names, where spaces are meant */
+    struct text before; /* what the row before says */
+};
 
-static conus_status keep_row(struct label_table *out, struct notes *notes, const struct row *row, struct text number,
-                             parse_row *parse, const void *data)
+/* Fills all but the number of a row's entry. */
+typedef void parse_row(struct job *job, struct label_row *out, const struct row *row, const struct layout *layout);
+
+static void keep_row(struct job *job, struct label_table *out, const struct row *row, struct text number,
+                     parse_row *parse, const struct layout *layout)
 {
-    char where[32];
-    struct label label = {0};
-    snprintf(where, sizeof where, "line %zu", row->line);
-    conus_status status = label_cell_number(&label.number, number, where);
-    status = status ? status : parse(&label, row, where, data);
-    return label_keep(out, &label, status, notes);
+    struct label_row entry = {0};
+    size_t place = job_in(job, "line ", row->line);
+    entry.label.number = label_cell_number(job, number);
+    parse(job, &entry, row, layout);
+    job_out(job, place);
+    labels_keep(job, out, &entry);
 }
 
-static conus_status parse_rows(struct label_table *out, struct text text, struct notes *notes, parse_row *parse,
-                               const void *data)
+static void parse_rows(struct job *job, struct label_table *out, struct text text, parse_row *parse,
+                       const struct layout *layout)
 {
-    struct reader reader = {.rest = text};
-    struct row row;
-    conus_status status = CONUS_OK;
-    while (!status && next_row(&reader, &row)) {
-        status = keep_row(out, notes, &row, row.first, parse, data);
+    for (struct row row = {0}; job_ok(job) && next_row(&text, &row);) {
+        keep_row(job, out, &row, row.first, parse, layout);
     }
-    return status;
 }
 
 static bool is_quoted(struct text text)
@@ -239,240 +223,259 @@ static bool begins_as_colours(struct text name)
     return comma && numbers == 3;
 }
 
-static conus_status parse_plain_row(struct label *label, const struct row *row, const char *where, const void *data)
+static struct text unquote(struct text text)
 {
-    const bool *coded = data;
-    struct text name = row->rest;
-    if (*coded) {
-        take_last_word(&name);
+    return (struct text){text.data + 1, text.size - 2};
+}
+
+static void parse_plain_row(struct job *job, struct label_row *out, const struct row *row, const struct layout *layout)
+{
+    out->name = row->rest;
+    if (layout->coded) {
+        take_last_word(&out->name);
     }
-    if (is_quoted(name)) {
-        name = (struct text){name.data + 1, name.size - 2};
+    out->name = is_quoted(out->name) ? unquote(out->name) : out->name;
+    if (begins_as_colours(out->name)) {
+        job_bad(job, "\"%.*s\": decimals are written with a point", TEXT_SHOW(out->name, 40));
     }
-    if (begins_as_colours(name)) {
-        return fail(CONUS_ERROR_DATA, "%s: \"%.*s\": decimals are written with a point", where, TEXT_SHOW(name, 40));
-    }
-    return label_set_text(&label->name, name);
 }
 
 /* In a short list, "1 Area 17 / 2 Crus 1", numbers may differ and yet belong to the names. */
 enum { CODED_ROWS = 8 };
 
 /* "1 Precentral_L", "1<tab>Frontal Pole", "1 Precentral_L 2001". */
-static conus_status parse_plain(struct label_table *out, struct text text, struct notes *notes)
+static void parse_plain(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
-    struct census census = count_rows(text);
-    bool coded = census.coded == census.rows && census.rows >= CODED_ROWS && !census.tabbed;
-    conus_status status = coded ? words_differ(&coded, text, census.rows, take_first_word) : CONUS_OK;
-    status = !status && coded ? words_differ(&coded, text, census.rows, take_last_word) : status;
-    return status ? status : parse_rows(out, text, notes, parse_plain_row, &coded);
+    const struct label_census census = label_rows_count(text);
+    struct layout layout = {.coded = census.coded == census.rows && census.rows >= CODED_ROWS && !census.tabbed};
+    (void)use;
+    layout.coded = layout.coded && words_differ(job, text, census.rows, take_first_word) &&
+                   words_differ(job, text, census.rows, take_last_word);
+    parse_rows(job, out, text, parse_plain_row, &layout);
 }
 
-struct colour_layout {
-    size_t numbers;   /* after the name: 3 or 4 */
-    bool two_names;   /* MRtrix: abbreviation and name */
-    bool underscores; /* in names, where spaces are meant */
-};
-
-static conus_status parse_colour_row(struct label *label, const struct row *row, const char *where, const void *data)
+/* The opacity says nothing about visibility: it is 0 in FreeSurfer's own file. */
+static void check_opacity(struct job *job, struct text cell)
 {
-    const struct colour_layout *layout = data;
-    struct text name = row->rest;
+    (void)label_cell_channel(job, cell, "opacity");
+}
+
+static void parse_colour_row(struct job *job, struct label_row *out, const struct row *row, const struct layout *layout)
+{
     struct text cells[4] = {{0}};
-    uint8_t opacity;
-    if (shape_of(row).tail < layout->numbers) {
-        return fail(CONUS_ERROR_DATA, "%s: %zu numbers after the name, %zu (%s) are needed as in the other lines",
-                    where, shape_of(row).tail, layout->numbers, layout->numbers == 4 ? "R G B A" : "R G B");
+    size_t numbers = shape_of(row).tail;
+    if (numbers < layout->numbers) {
+        job_bad(job, "%zu numbers after the name, %zu (%s) are needed as in the other lines", numbers, layout->numbers,
+                layout->numbers == 4 ? "R G B A" : "R G B");
     }
+    out->name = row->rest;
     for (size_t i = layout->numbers; i-- > 0;) {
-        cells[i] = take_last_word(&name);
+        cells[i] = take_last_word(&out->name);
     }
-    conus_status status = label_cell_rgb(label, cells, label_cell_channel, where);
-    if (!status && layout->numbers == 4) {
-        status = label_cell_channel(&opacity, cells[3], "opacity", where);
+    label_cell_rgb(job, &out->label, cells, label_cell_channel);
+    if (layout->numbers == 4) {
+        check_opacity(job, cells[3]);
     }
-    struct text abbreviation;
-    if (!status && layout->two_names && text_word(&name, &abbreviation)) {
-        status = label_set_text(&label->abbreviation, abbreviation);
+    if (layout->two_names) {
+        text_word(&out->name, &out->abbreviation);
     }
-    status = status ? status : label_set_text(&label->name, name);
-    for (char *c = label->name; !status && layout->underscores && c && *c; c++) {
-        *c = *c == '_' ? ' ' : *c;
-    }
-    return status;
+    out->underscores = layout->underscores;
 }
 
-static conus_status parse_colours(struct label_table *out, struct text text, struct notes *notes, bool underscores)
+static void parse_colours(struct job *job, struct label_table *out, struct text text, bool underscores)
 {
-    struct census census = count_rows(text);
-    struct colour_layout layout = {.numbers = census.with_alpha ? 4 : 3, .underscores = underscores};
-    return parse_rows(out, text, notes, parse_colour_row, &layout);
+    const struct layout layout = {.numbers = label_rows_count(text).with_alpha ? 4 : 3, .underscores = underscores};
+    parse_rows(job, out, text, parse_colour_row, &layout);
 }
 
-/* "1 Left-Hippocampus 220 216 20 0"; the opacity says nothing about visibility: it is 0 in FreeSurfer's own file. */
-static conus_status parse_freesurfer(struct label_table *out, struct text text, struct notes *notes)
+/* "1 Left-Hippocampus 220 216 20 0". */
+static void parse_freesurfer(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
-    return parse_colours(out, text, notes, false);
+    (void)use;
+    parse_colours(job, out, text, false);
 }
 
-static conus_status parse_slicer(struct label_table *out, struct text text, struct notes *notes)
+static void parse_slicer(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
-    return parse_colours(out, text, notes, true);
+    (void)use;
+    parse_colours(job, out, text, true);
 }
 
 /* "1 L.HIPP Left-Hippocampus 220 216 20 255"; but where the second words repeat, they are a part of the name. */
-static conus_status parse_mrtrix(struct label_table *out, struct text text, struct notes *notes)
+static void parse_mrtrix(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
-    struct colour_layout layout = {.numbers = 4};
-    conus_status status = words_differ(&layout.two_names, text, count_rows(text).rows, take_first_word);
-    return status ? status : parse_rows(out, text, notes, parse_colour_row, &layout);
+    struct layout layout = {.numbers = 4};
+    (void)use;
+    layout.two_names = words_differ(job, text, label_rows_count(text).rows, take_first_word);
+    parse_rows(job, out, text, parse_colour_row, &layout);
 }
 
 /* "1 0.5 0.25 0 Frontal Pole". */
-static conus_status parse_fsleyes_row(struct label *label, const struct row *row, const char *where, const void *data)
+static void parse_fsleyes_row(struct job *job, struct label_row *out, const struct row *row,
+                              const struct layout *layout)
 {
-    (void)data;
-    struct text rest = row->rest;
     struct text cells[3] = {{0}};
-    take_words(&rest, cells, 3);
-    conus_status status = label_cell_rgb(label, cells, label_cell_fraction, where);
-    return status ? status : label_set_text(&label->name, rest);
+    (void)layout;
+    out->name = row->rest;
+    take_words(&out->name, cells, 3);
+    label_cell_rgb(job, &out->label, cells, label_cell_fraction);
 }
 
-static conus_status parse_fsleyes(struct label_table *out, struct text text, struct notes *notes)
+static void parse_fsleyes(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
-    return parse_rows(out, text, notes, parse_fsleyes_row, NULL);
+    (void)use;
+    parse_rows(job, out, text, parse_fsleyes_row, NULL);
 }
 
 /* A number and a colour. Text behind the colour is no name. */
-static conus_status parse_unnamed_row(struct label *label, const struct row *row, const char *where, const void *data)
+static void parse_unnamed_row(struct job *job, struct label_row *out, const struct row *row,
+                              const struct layout *layout)
 {
-    (void)data;
-    struct text rest = row->rest;
-    struct text cells[3] = {{0}};
-    take_words(&rest, cells, 3);
-    return label_cell_rgb(label, cells, label_cell_fraction, where);
+    parse_fsleyes_row(job, out, row, layout);
+    out->name = (struct text){0};
 }
 
-static conus_status parse_unnamed(struct label_table *out, struct text text, struct notes *notes)
+static void parse_unnamed(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
-    return parse_rows(out, text, notes, parse_unnamed_row, NULL);
+    (void)use;
+    parse_rows(job, out, text, parse_unnamed_row, NULL);
 }
 
 /* `1 220 216 20 1.00 1 1 "Left hippocampus"`. */
-static conus_status parse_itk_snap_row(struct label *label, const struct row *row, const char *where, const void *data)
+static void parse_itk_snap_row(struct job *job, struct label_row *out, const struct row *row,
+                               const struct layout *layout)
 {
-    (void)data;
     struct text rest = row->rest;
     struct text cells[6] = {{0}};
+    (void)layout;
     take_words(&rest, cells, 6);
-    conus_status status = label_cell_rgb(label, cells, label_cell_channel, where);
-    for (int i = 3; !status && i < 6; i++) { /* ITK-SNAP's own opacities are 0 to 1, those of others 0 to 255 */
+    label_cell_rgb(job, &out->label, cells, label_cell_channel);
+    for (int i = 3; i < 6; i++) { /* ITK-SNAP's own opacities are 0 to 1, those of others 0 to 255 */
         static const char *const what[] = {"opacity", "visibility", "mesh visibility"};
         double value;
         if (!(text_to_double(cells[i], &value) && value >= 0 && value <= 255)) {
-            return fail(CONUS_ERROR_DATA, "%s: %s is not a number from 0 to 255", where, what[i - 3]);
+            job_bad(job, "%s is not a number from 0 to 255", what[i - 3]);
         }
     }
     rest = text_trim(rest);
-    if (!status && !is_quoted(rest)) {
-        return fail(CONUS_ERROR_DATA, "%s: no name in quotation marks after IDX R G B A VIS MSH", where);
+    if (!is_quoted(rest)) {
+        job_bad(job, "no name in quotation marks after IDX R G B A VIS MSH");
+        return;
     }
-    return status ? status : label_set_text(&label->name, (struct text){rest.data + 1, rest.size - 2});
+    out->name = unquote(rest);
 }
 
-static conus_status parse_itk_snap(struct label_table *out, struct text text, struct notes *notes)
+static void parse_itk_snap(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
-    return parse_rows(out, text, notes, parse_itk_snap_row, NULL);
+    (void)use;
+    parse_rows(job, out, text, parse_itk_snap_row, NULL);
 }
 
-/* The name in "HIPL Hippocampus_L 4101" or "Hippocampus_L 4101", whose number was taken. */
-static conus_status parse_names_row(struct label *label, const struct row *row, const char *where, const void *data)
+/* The name in "HIPL Hippocampus_L 4101" or "Hippocampus_L 4101", whose number was taken off. */
+static void parse_names_row(struct job *job, struct label_row *out, const struct row *row, const struct layout *layout)
 {
-    (void)where;
-    (void)data;
-    struct text rest = row->rest;
-    struct text name = take_last_word(&rest);
-    conus_status status = label_set_text(&label->name, name);
-    return status ? status : label_set_text(&label->abbreviation, rest);
+    (void)job;
+    (void)layout;
+    out->abbreviation = row->rest;
+    out->name = take_last_word(&out->abbreviation);
 }
 
-static conus_status parse_number_last(struct label_table *out, struct text text, struct notes *notes)
+static void parse_aal(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
-    struct reader reader = {.rest = text};
-    struct row row;
-    conus_status status = CONUS_OK;
-    while (!status && next_row(&reader, &row)) {
+    (void)use;
+    for (struct row row = {0}; job_ok(job) && next_row(&text, &row);) {
         row.rest = row.all;
         struct text number = take_last_word(&row.rest);
-        status = keep_row(out, notes, &row, number, parse_names_row, NULL);
+        keep_row(job, out, &row, number, parse_names_row, NULL);
     }
-    return status;
 }
 
-/* "KEY R G B A"; the data is the text of the name. */
-static conus_status parse_pair_row(struct label *label, const struct row *row, const char *where, const void *data)
+/* "KEY R G B A", below a line with the name. */
+static void parse_pair_row(struct job *job, struct label_row *out, const struct row *row, const struct layout *layout)
 {
-    const struct text *name = data;
     struct text rest = row->rest;
     struct text cells[4] = {{0}};
-    uint8_t opacity;
     take_words(&rest, cells, 4);
-    conus_status status = label_cell_rgb(label, cells, label_cell_channel, where);
-    status = status ? status : label_cell_channel(&opacity, cells[3], "opacity", where);
-    return status ? status : label_set_text(&label->name, *name);
+    label_cell_rgb(job, &out->label, cells, label_cell_channel);
+    check_opacity(job, cells[3]);
+    out->name = layout->before;
 }
 
 /* Workbench's text: a line with the name, a line "KEY R G B A". */
-static conus_status parse_pairs(struct label_table *out, struct text text, struct notes *notes)
+static void parse_pairs(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
 {
-    struct reader reader = {.rest = text};
-    struct row name;
-    struct row numbers;
-    conus_status status = CONUS_OK;
-    while (!status && next_row(&reader, &name) && next_row(&reader, &numbers)) {
-        status = keep_row(out, notes, &numbers, numbers.first, parse_pair_row, &name.all);
+    (void)use;
+    for (struct row row = {0}; job_ok(job) && next_row(&text, &row);) {
+        const struct layout layout = {.before = row.all};
+        if (next_row(&text, &row)) {
+            keep_row(job, out, &row, row.first, parse_pair_row, &layout);
+        }
     }
-    return status;
 }
 
-static bool says_slicer(struct text text)
+static bool is_pairs(const struct label_text *text)
 {
+    return text->census->rows >= 2 && text->census->rows % 2 == 0 && text->census->pairs == text->census->rows;
+}
+
+static bool is_aal(const struct label_text *text)
+{
+    return text->census->rows >= 2 && text->census->number_last == text->census->rows;
+}
+
+static bool is_unnamed_list(const struct label_text *text)
+{
+    return text->census->rows >= 2 && text->census->unnamed == text->census->rows;
+}
+
+static bool has_most(const struct label_text *text, size_t rows)
+{
+    return rows > text->census->rows / 2;
+}
+
+static bool is_itk_snap(const struct label_text *text)
+{
+    return has_most(text, text->census->itk_snap);
+}
+
+static bool is_freesurfer(const struct label_text *text)
+{
+    return has_most(text, text->census->coloured);
+}
+
+static bool is_mrtrix(const struct label_text *text)
+{
+    return is_freesurfer(text) && text->census->mrtrix == text->census->rows;
+}
+
+static bool is_slicer(const struct label_text *text)
+{
+    struct text rest = text->text;
     struct text line;
-    return text_line(&text, &line) && line.size && line.data[0] == '#' && text_mentions(line, "Color table file");
+    return is_freesurfer(text) && text_line(&rest, &line) && line.size && line.data[0] == '#' &&
+           text_mentions(line, "Color table file");
 }
 
-const struct label_format label_format_colours = {"FSLeyes colours", parse_unnamed, NULL};
-
-const struct label_format *label_format_of_rows(struct text text)
+static bool is_fsleyes(const struct label_text *text)
 {
-    static const struct label_format plain = {"MRIcron text", parse_plain, NULL};
-    static const struct label_format freesurfer = {"FreeSurfer colour table", parse_freesurfer, NULL};
-    static const struct label_format slicer = {"Slicer colour table", parse_slicer, NULL};
-    static const struct label_format mrtrix = {"MRtrix or FreeSurfer colour table", parse_mrtrix, NULL};
-    static const struct label_format fsleyes = {"FSLeyes colour table", parse_fsleyes, NULL};
-    static const struct label_format itk_snap = {"ITK-SNAP labels", parse_itk_snap, NULL};
-    static const struct label_format number_last = {"AAL text", parse_number_last, NULL};
-    static const struct label_format pairs = {"Workbench label list", parse_pairs, NULL};
-    struct census census = count_rows(text);
-    size_t half = census.rows / 2;
-    if (census.rows >= 2 && census.rows % 2 == 0 && census.pairs == census.rows) {
-        return &pairs;
-    }
-    if (census.rows >= 2 && census.number_last == census.rows) {
-        return &number_last;
-    }
-    if (census.rows >= 2 && census.unnamed == census.rows) {
-        return &label_format_colours;
-    }
-    if (census.itk_snap > half) {
-        return &itk_snap;
-    }
-    if (census.coloured > half) {
-        return census.mrtrix == census.rows ? &mrtrix : says_slicer(text) ? &slicer : &freesurfer;
-    }
-    if (census.fsleyes > half) {
-        return &fsleyes;
-    }
-    return census.named > half ? &plain : NULL;
+    return has_most(text, text->census->fsleyes);
 }
+
+static bool is_plain(const struct label_text *text)
+{
+    return has_most(text, text->census->named);
+}
+
+const struct label_format label_format_pairs = {"Workbench label list", LABEL_ROWS, is_pairs, parse_pairs, NULL};
+const struct label_format label_format_aal = {"AAL text", LABEL_ROWS, is_aal, parse_aal, ".nii.txt/.txt"};
+const struct label_format label_format_colours = {"FSLeyes colours", LABEL_ROWS, is_unnamed_list, parse_unnamed, NULL};
+const struct label_format label_format_itk_snap = {"ITK-SNAP labels", LABEL_ROWS, is_itk_snap, parse_itk_snap,
+                                                   ".label"};
+const struct label_format label_format_mrtrix = {"MRtrix or FreeSurfer colour table", LABEL_ROWS, is_mrtrix,
+                                                 parse_mrtrix, NULL};
+const struct label_format label_format_slicer = {"Slicer colour table", LABEL_ROWS, is_slicer, parse_slicer, ".ctbl"};
+const struct label_format label_format_freesurfer = {"FreeSurfer colour table", LABEL_ROWS, is_freesurfer,
+                                                     parse_freesurfer, NULL};
+const struct label_format label_format_fsleyes = {"FSLeyes colour table", LABEL_ROWS, is_fsleyes, parse_fsleyes,
+                                                  ".nii.lut/.lut"};
+const struct label_format label_format_plain = {"MRIcron text", LABEL_ROWS, is_plain, parse_plain, NULL};

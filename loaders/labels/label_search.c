@@ -2,345 +2,280 @@
 /* Several tables may name one volume's labels: the first is used, and none may contradict it silently. */
 #include "loaders/labels/label_search.h"
 
-#include "base/files/file.h"
 #include "base/files/folder.h"
-#include "base/memory.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_format.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
-
-/* A name as tables may spell it differently: letters and digits only, small. */
-struct key {
-    char *text;
-    const struct label *label;
-};
 
 /* Two tables side by side. */
 struct comparison {
-    size_t shared, clashes; /* names that are in both once, and those of them with two numbers           */
-    size_t common, agreed;  /* numbers named in both tables, and those with equal names */
+    size_t shared, clashes;                  /* names that are in both once, and those of them with two numbers */
+    size_t common, agreed;                   /* numbers named in both tables, and those with equal names */
     const struct label *clash[2], *other[2]; /* the first such name, and number, in either; NULL if none */
 };
 
-static char *make_key(const char *name)
+/* The next letter or digit of a name, small: tables may spell it differently. 0 at its end. */
+static unsigned char next_letter(const char **name)
 {
-    char *key = memory_text(name, strlen(name));
-    char *to = key;
-    for (const char *from = key; from && *from; from++) {
-        char small = *from >= 'A' && *from <= 'Z' ? (char)(*from - 'A' + 'a') : *from;
-        bool kept = (small >= 'a' && small <= 'z') || (small >= '0' && small <= '9') || (small & 0x80);
-        *to = small;
-        to += kept;
+    while (**name) {
+        char c = *(*name)++;
+        char small = c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+        if ((small >= 'a' && small <= 'z') || (small >= '0' && small <= '9') || (small & 0x80)) {
+            return (unsigned char)small;
+        }
     }
-    if (to) {
-        *to = '\0';
-    }
-    return key;
+    return 0;
 }
 
-static int compare_keys(const void *a, const void *b)
+static int compare_spelling(const char *a, const char *b)
 {
-    return strcmp(((const struct key *)a)->text, ((const struct key *)b)->text);
+    unsigned char one;
+    unsigned char other;
+    do {
+        one = next_letter(&a);
+        other = next_letter(&b);
+    } while (one && one == other);
+    return one - other;
 }
 
-static void finish_keys(struct key *keys, size_t count)
+static int compare_names(const void *a, const void *b)
 {
-    for (size_t i = 0; i < count; i++) {
-        memory_free(keys[i].text);
-    }
-    memory_free(keys);
+    return compare_spelling((*(const struct label *const *)a)->name, (*(const struct label *const *)b)->name);
 }
 
-/* Keys of all names that are there once, sorted. */
-static conus_status list_keys(struct key **out, size_t *out_count, const struct label_table *table)
+/* The labels whose names are there once, sorted by them. */
+static const struct label **list_names(struct job *job, size_t *count, const struct label_table *table)
 {
-    struct key *keys = memory_raw(table->count, sizeof *keys);
-    size_t count = 0;
+    size_t named = table->count;
     size_t kept = 0;
-    bool complete = keys != NULL;
-    for (size_t i = 0; complete && i < table->count; i++) {
-        const struct label *label = &table->entries[i];
-        if (label->name) {
-            keys[count] = (struct key){make_key(label->name), label};
-            complete = keys[count].text != NULL;
-            count += complete;
-        }
+    const struct label **list = job_array(job, &named, sizeof(struct label *));
+    *count = 0;
+    if (!list) {
+        return NULL;
     }
-    if (!complete) {
-        finish_keys(keys, count);
-        return CONUS_ERROR_MEMORY;
+    named = 0;
+    for (size_t i = 0; i < table->count; i++) {
+        list[named] = &table->entries[i];
+        named += table->entries[i].name && compare_spelling(table->entries[i].name, "") != 0;
     }
-    qsort(keys, count, sizeof *keys, compare_keys);
-    for (size_t start = 0, end; start < count; start = end) {
-        for (end = start + 1; end < count && !compare_keys(&keys[start], &keys[end]); end++) {
-            memory_free(keys[end].text);
+    qsort(list, named, sizeof(struct label *), compare_names);
+    for (size_t start = 0, end; start < named; start = end) {
+        for (end = start + 1; end < named && compare_names(&list[start], &list[end]) == 0;) {
+            end++;
         }
-        if (end == start + 1 && keys[start].text[0]) {
-            keys[kept++] = keys[start];
-        } else {
-            memory_free(keys[start].text);
-        }
+        list[kept] = list[start];
+        kept += end == start + 1;
     }
-    *out = keys;
-    *out_count = kept;
-    return CONUS_OK;
+    *count = kept;
+    return list;
 }
 
-static void compare_labels(struct comparison *comparison, const struct key *a, size_t a_count, const struct key *b,
-                           size_t b_count)
+static void compare_numbers_of_names(struct comparison *out, struct job *job, const struct label_table *a,
+                                     const struct label_table *b)
 {
-    for (size_t i = 0, k = 0; i < a_count && k < b_count;) {
-        int order = compare_keys(&a[i], &b[k]);
-        if (order == 0) {
-            bool clash = a[i].label->number != b[k].label->number;
-            comparison->shared++;
-            if (clash && !comparison->clashes++) {
-                comparison->clash[0] = a[i].label;
-                comparison->clash[1] = b[k].label;
-            }
+    size_t counts[2];
+    const struct job_mark mark = job_mark(job);
+    const struct label **mine = list_names(job, &counts[0], a);
+    const struct label **other = list_names(job, &counts[1], b);
+    for (size_t i = 0, k = 0; i < counts[0] && k < counts[1];) {
+        int order = compare_names(&mine[i], &other[k]);
+        bool clash = order == 0 && mine[i]->number != other[k]->number;
+        out->shared += order == 0;
+        if (clash && !out->clashes++) {
+            out->clash[0] = mine[i];
+            out->clash[1] = other[k];
         }
         i += order <= 0;
         k += order >= 0;
     }
+    job_release(job, mark);
 }
 
-static conus_status same_name(bool *out, const struct label *a, const struct label *b)
+static bool have_one_name(const struct label *a, const struct label *b)
 {
-    const char *names[4] = {a->name, a->abbreviation, b->name, b->abbreviation};
-    char *keys[4] = {NULL};
-    conus_status status = CONUS_OK;
+    const char *const names[2][2] = {{a->name, a->abbreviation}, {b->name, b->abbreviation}};
     for (int i = 0; i < 4; i++) {
-        keys[i] = names[i] ? make_key(names[i]) : NULL;
-        status = names[i] && !keys[i] ? CONUS_ERROR_MEMORY : status;
+        const char *mine = names[0][i / 2];
+        const char *other = names[1][i % 2];
+        if (mine && other && compare_spelling(mine, other) == 0) {
+            return true;
+        }
     }
-    *out = false;
-    for (int i = 0; !status && i < 4; i++) {
-        const char *mine = keys[i / 2];
-        const char *other = keys[2 + i % 2];
-        *out = *out || (mine && other && strcmp(mine, other) == 0);
-    }
-    for (int i = 0; i < 4; i++) {
-        memory_free(keys[i]);
-    }
-    return status;
+    return false;
 }
 
-static conus_status compare_numbers(struct comparison *comparison, const struct label_table *a,
-                                    const struct label_table *b)
+static struct comparison compare_tables(struct job *job, const struct label_table *a, const struct label_table *b)
 {
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < a->count; i++) {
-        bool same = false;
+    struct comparison result = {0};
+    compare_numbers_of_names(&result, job, a, b);
+    for (size_t i = 0; i < a->count; i++) {
         const struct label *mine = &a->entries[i];
         const struct label *other = mine->name ? label_table_find(b, mine->number) : NULL;
-        if (!other || !other->name) {
-            continue;
-        }
-        status = same_name(&same, mine, other);
-        comparison->common++;
-        comparison->agreed += same;
-        if (!same && !comparison->other[0]) {
-            comparison->other[0] = mine;
-            comparison->other[1] = other;
+        bool both = other && other->name;
+        bool same = both && have_one_name(mine, other);
+        result.common += both;
+        result.agreed += same;
+        if (both && !same && !result.other[0]) {
+            result.other[0] = mine;
+            result.other[1] = other;
         }
     }
-    return status;
+    return result;
 }
 
-static conus_status compare_tables(struct comparison *out, const struct label_table *a, const struct label_table *b)
-{
-    struct key *keys[2] = {NULL, NULL};
-    size_t counts[2] = {0, 0};
-    *out = (struct comparison){0};
-    conus_status status = list_keys(&keys[0], &counts[0], a);
-    status = status ? status : list_keys(&keys[1], &counts[1], b);
-    if (!status) {
-        compare_labels(out, keys[0], counts[0], keys[1], counts[1]);
-        status = compare_numbers(out, a, b);
-    }
-    finish_keys(keys[0], counts[0]);
-    finish_keys(keys[1], counts[1]);
-    return status;
-}
-
-static conus_status take_offer(struct label_search *search, struct label_offer *offer)
-{
-    label_table_finish(&search->table);
-    search->table = offer->table;
-    offer->table = (struct label_table){0};
-    search->proved = offer->proved;
-    search->found = true;
-    file_sums_finish(&search->read);
-    conus_status status = offer->file ? file_sums_add(&search->read, offer->path, offer->file) : CONUS_OK;
-    buffer_clear(&search->source);
-    buffer_text(&search->source, offer->source.data);
-    return status ? status : buffer_status(&search->source);
-}
-
-/* Decides where most names have other numbers in the offer than in the table in use, or where only one is proved. */
-static conus_status settle_contradiction(struct label_search *search, struct label_offer *offer,
-                                         const struct comparison *comparison)
-{
-    const struct label *const *clash = comparison->clash;
-    const char *first = search->source.data;
-    const char *second = offer->source.data;
-    if (search->proved == offer->proved) {
-        return fail(CONUS_ERROR_DATA,
-                    "%s: two label tables contradict each other: \"%s\" is label %u in %s, %u in %s; choose one with "
-                    "--labels",
-                    search->volume->info->path, clash[0]->name, clash[0]->number, first, clash[1]->number, second);
-    }
-    conus_status status = notes_warn(
-        search->notes,
-        "two label tables contradict each other: \"%s\" is label %u in %s, %u in %s; used is the XML, whose x y "
-        "z agree with the volume",
-        clash[0]->name, clash[0]->number, first, clash[1]->number, second);
-    return status || search->proved ? status : take_offer(search, offer);
-}
-
-/* Notes what differs, if anything does. */
-static conus_status note_difference(const struct comparison *comparison, const char *used, const char *other,
-                                    struct notes *notes)
+/* Notes what differs, if anything does; whether it does. */
+static bool note_difference(struct job *job, const struct comparison *comparison, const char *used, const char *other)
 {
     const struct label *const *clash = comparison->clash;
     const struct label *const *named = comparison->other;
     if (comparison->clashes) {
-        return notes_warn(notes, "\"%s\" is label %u in %s, which is used, but %u in %s (%zu of %zu such names)",
-                          clash[0]->name, clash[0]->number, used, clash[1]->number, other, comparison->clashes,
-                          comparison->shared);
+        job_warn(job, "\"%s\" is label %u in %s, which is used, but %u in %s (%zu of %zu such names)", clash[0]->name,
+                 clash[0]->number, used, clash[1]->number, other, comparison->clashes, comparison->shared);
+    } else if (comparison->agreed < comparison->common) {
+        job_warn(job, "label %u is \"%s\" in %s, which is used, but \"%s\" in %s (%zu of %zu such labels)",
+                 named[0]->number, named[0]->name, used, named[1]->name, other, comparison->common - comparison->agreed,
+                 comparison->common);
     }
-    return comparison->agreed == comparison->common
-               ? CONUS_OK
-               : notes_warn(notes, "label %u is \"%s\" in %s, which is used, but \"%s\" in %s (%zu of %zu such labels)",
-                            named[0]->number, named[0]->name, used, named[1]->name, other,
-                            comparison->common - comparison->agreed, comparison->common);
+    return comparison->clashes || comparison->agreed < comparison->common;
 }
 
-static conus_status reconcile_offer(struct label_search *search, struct label_offer *offer)
+bool label_tables_note(struct job *job, const struct label_table *used, const char *source,
+                       const struct label_table *other, const char *other_source)
 {
-    struct comparison comparison;
-    conus_status status = compare_tables(&comparison, &search->table, &offer->table);
-    if (status) {
-        return status;
+    const struct comparison comparison = compare_tables(job, used, other);
+    return note_difference(job, &comparison, source, other_source);
+}
+
+struct notes label_notes_swap(struct job *job, struct notes notes)
+{
+    struct notes before = job->notes;
+    job->notes = notes;
+    return before;
+}
+
+static void take_offer(struct job *job, struct label_search *search, struct label_offer *offer)
+{
+    search->table = offer->table;
+    search->source = offer->source;
+    search->proved = offer->proved;
+    file_sums_cut(&job->files, search->files);
+    if (offer->file) {
+        job_made_of(job, offer->path, offer->file);
     }
-    bool one_is_proved = search->proved != offer->proved;
-    return 2 * comparison.clashes > comparison.shared || (comparison.clashes && one_is_proved)
-               ? settle_contradiction(search, offer, &comparison)
-               : note_difference(&comparison, search->source.data, offer->source.data, search->notes);
+    (void)JOB_CALL(job, notes_move(&job->notes, &offer->notes));
 }
 
-conus_status label_tables_note(bool *differ, const struct label_table *used, const char *source,
-                               const struct label_table *other, const char *other_source, struct notes *notes)
+/* Decides where most names have other numbers in the offer than in the table in use, or where only one is proved. */
+static void settle_contradiction(struct job *job, struct label_search *search, struct label_offer *offer,
+                                 const struct comparison *comparison)
 {
-    struct comparison comparison;
-    conus_status status = compare_tables(&comparison, used, other);
-    *differ = !status && (comparison.clashes || comparison.agreed < comparison.common);
-    return status ? status : note_difference(&comparison, source, other_source, notes);
-}
-
-void label_search_finish(struct label_search *search)
-{
-    label_table_finish(&search->table);
-    file_sums_finish(&search->read);
-    buffer_finish(&search->source);
-    buffer_finish(&search->first_error);
-}
-
-conus_status label_search_offer(struct label_search *search, struct label_offer *offer)
-{
-    conus_status status = buffer_status(&offer->source);
-    bool first = !search->found;
-    bool proved = search->proved;
-    status = status ? status : first ? take_offer(search, offer) : reconcile_offer(search, offer);
-    if (!status && (first || proved != search->proved)) { /* this table is used from now on */
-        status = notes_move(search->notes, &offer->notes);
+    const struct label *const *clash = comparison->clash;
+    if (search->proved == offer->proved) {
+        job_bad(job,
+                "%s: two label tables contradict each other: \"%s\" is label %u in %s, %u in %s; choose one with "
+                "--labels",
+                search->volume->info->path, clash[0]->name, clash[0]->number, search->source, clash[1]->number,
+                offer->source);
+        return;
     }
-    label_table_finish(&offer->table);
+    job_warn(job,
+             "two label tables contradict each other: \"%s\" is label %u in %s, %u in %s; used is the XML, whose x y "
+             "z agree with the volume",
+             clash[0]->name, clash[0]->number, search->source, clash[1]->number, offer->source);
+    if (!search->proved) {
+        take_offer(job, search, offer);
+    }
+}
+
+void label_search_offer(struct job *job, struct label_search *search, struct label_offer *offer)
+{
+    if (!search->source) {
+        take_offer(job, search, offer);
+    } else {
+        const struct comparison comparison = compare_tables(job, search->table, offer->table);
+        bool one_is_proved = search->proved != offer->proved;
+        if (2 * comparison.clashes > comparison.shared || (comparison.clashes && one_is_proved)) {
+            settle_contradiction(job, search, offer, &comparison);
+        } else {
+            note_difference(job, &comparison, search->source, offer->source);
+        }
+    }
     notes_finish(&offer->notes);
-    buffer_finish(&offer->source);
-    return status;
 }
 
-/* Failures that speak about one candidate are kept for later: another may do. */
-static conus_status keep_error(struct label_search *search, conus_status status)
+/* What is wrong with one candidate is kept for later: another may do. */
+static void pass_over(struct job *job, struct label_search *search, const char *why)
 {
-    if (status == CONUS_ERROR_MEMORY) {
-        return status;
-    }
     if (search->judge) {
-        return notes_warn(search->notes, "%s: passed over", conus_message());
+        job_warn(job, "%s: passed over", why);
+    } else if (!search->why) {
+        search->why = why;
     }
-    if (!search->first_error.size) {
-        buffer_text(&search->first_error, conus_message());
-    }
-    return buffer_status(&search->first_error);
 }
 
 /* A file that is no table is noted only where a table would stand, and none has been found. */
-static conus_status note_unknown(struct label_search *search, const char *name, bool inside)
+static void note_unknown(struct job *job, const struct label_search *search, const char *name, bool inside)
 {
-    const char *dot = strrchr(name, '.');
-    bool expected = !inside && !(dot && strcasecmp(dot, ".json") == 0); /* BIDS has a .json beside every image */
-    return expected && !search->found
-               ? notes_warn(search->notes, "%s is not a label table of a known format: passed over", name)
-               : CONUS_OK;
+    bool expected = !inside && !path_ends_in(name, ".json"); /* BIDS has a .json beside every image */
+    if (expected && !search->source && !search->judge) {
+        job_warn(job, "%s is not a label table of a known format: passed over", name);
+    }
 }
 
-conus_status label_search_bytes(struct label_search *search, const char *path, const struct bytes *file,
-                                struct text text)
+void label_search_text(struct job *job, struct label_search *search, const char *path, const struct bytes *file,
+                       struct text text)
 {
-    struct label_offer offer = {.path = path, .file = file};
-    struct label_use use = search->use;
     const char *name = path_base(path);
     const struct label_format *format = label_format_of(text);
     if (!format) {
-        return search->judge ? CONUS_OK : note_unknown(search, name, !file);
+        note_unknown(job, search, name, !file);
+        return;
     }
     if (format == &label_format_colours) { /* X.lut; label_file_colours() is about it */
-        return CONUS_OK;
+        return;
     }
+    struct label_use use = search->use;
+    struct label_offer offer = {.table = labels_new(job), .path = path, .file = file};
     use.path = path;
-    conus_status status = label_text_parse(&offer.table, format, text, &use, &offer.notes);
-    if (status) {
-        notes_finish(&offer.notes);
-        return keep_error(search, fail_in(status, name));
+    struct attempt attempt = job_try(job);
+    struct notes outside = label_notes_swap(job, (struct notes){0});
+    size_t place = job_in(job, name, JOB_ALONE);
+    label_text_parse(job, offer.table, format, text, &use);
+    job_out(job, place);
+    offer.notes = label_notes_swap(job, outside);
+    const char *why = job_tried(job, &attempt);
+    if (why) {
+        pass_over(job, search, why);
+    } else if (!offer.table->count && !search->source) {
+        job_warn(job, "%s in %s has no label but 0: passed over", format->name, name);
+    } else if (offer.table->count && (!search->judge || search->judge(job, search, offer.table, path))) {
+        offer.source = job_format(job, "%s %s %s", format->name, file ? "in" : "inside", name);
+        label_search_offer(job, search, &offer);
     }
-    bool taken = offer.table.count > 0;
-    status = taken && search->judge ? search->judge(&taken, search, &offer.table, path) : CONUS_OK;
-    if (status || !taken) {
-        bool empty = !status && !offer.table.count && !search->found;
-        notes_finish(&offer.notes);
-        label_table_finish(&offer.table);
-        return empty ? notes_warn(search->notes, "%s in %s has no label but 0: passed over", format->name, name)
-                     : status;
-    }
-    buffer_format(&offer.source, "%s %s %s", format->name, file ? "in" : "inside", name);
-    return label_search_offer(search, &offer);
+    notes_finish(&offer.notes);
 }
 
-conus_status label_search_file(struct label_search *search, const char *path)
+void label_search_file(struct job *job, struct label_search *search, const char *path)
 {
-    struct bytes bytes = {0};
     struct stat info;
     uint64_t limit = label_file_limit(search->use.max_memory);
-    if (!file_exists(path)) {
-        return CONUS_OK;
+    if (!job_has_file(job, path)) {
+        return;
     }
     if (!stat(path, &info) && (uint64_t)info.st_size > limit) { /* tables of results may be called so */
-        return notes_warn(search->notes, "%s: %lld bytes, a label table may have %llu: passed over", path_base(path),
-                          (long long)info.st_size, (unsigned long long)limit);
+        job_warn(job, "%s: %lld bytes, a label table may have %llu: passed over", path_base(path),
+                 (long long)info.st_size, (unsigned long long)limit);
+        return;
     }
-    conus_status status = label_file_bytes(&bytes, path, search->use.max_memory);
-    if (status) {
-        return keep_error(search, status);
+    struct attempt attempt = job_try(job);
+    struct bytes bytes = label_file_bytes(job, path, search->use.max_memory);
+    const char *why = job_tried(job, &attempt);
+    if (why) {
+        pass_over(job, search, why);
+    } else if (!label_is_lut(bytes.data, bytes.size)) {
+        label_search_text(job, search, path, &bytes, text_from_bytes(bytes.data, bytes.size));
     }
-    if (!label_is_lut(bytes.data, bytes.size)) {
-        status = label_search_bytes(search, path, &bytes, text_from_bytes(bytes.data, bytes.size));
-    }
-    bytes_finish(&bytes);
-    return status;
 }

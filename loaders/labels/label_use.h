@@ -4,7 +4,6 @@
 #define CONUS_LOADERS_LABELS_LABEL_USE_H
 
 #include "atlas/labels/label_voxels.h"
-#include "base/files/file_sums.h"
 #include "base/text.h"
 #include "conus/atlas_info.h"
 
@@ -20,9 +19,7 @@ struct label_use {
     label_header_read *header; /**< For the image that an FSL atlas XML counts its voxels in; NULL: it is not read. */
     const char *path;          /**< The table's file, or NULL. */
     uint64_t max_memory;       /**< For the table's file and what it becomes; 0 = 8 GiB. */
-    struct text columns[2];    /**< A header row's names for number and name; empty: the
-                                  usual words.                                              */
-    struct file_sums *read;    /**< Gets the files that the table was read from; */
+    struct text columns[2];    /**< A header row's names for number and name; empty: the usual words. */
 };
 
 #endif

@@ -6,7 +6,6 @@
 #include "base/files/file_trace.h"
 #include "base/files/folder.h"
 #include "base/formats/encoding.h"
-#include "base/memory.h"
 #include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_format.h"
@@ -36,26 +35,19 @@ static bool counts_to(const struct label_table *table, size_t last)
     return good;
 }
 
-/* Makes the numbers of the table those of `count` volumes, from 1. Not decided, and no change, if they do not say so.
- */
-static conus_status count_from_one(bool *decided, struct label_table *table, size_t count)
+/* Makes the numbers of the table those of `count` volumes, from 1. False, and no change, if they do not say so. */
+static bool count_from_one(struct job *job, struct label_table *table, size_t count)
 {
     const char *zero = table->zero;
-    bool background = !zero || label_is_background(text_from(zero));
     if (!zero || !counts_to(table, count - 1) || has_twin(table, zero, 0)) {
-        *decided = background && counts_to(table, count);
-        return CONUS_OK;
+        return (!zero || label_is_background(text_from(zero))) && counts_to(table, count);
     }
     for (size_t i = 0; i < table->count; i++) { /* 0 to count - 1 */
         table->entries[i].number++;
     }
-    struct label *first = label_table_add(table, 1);
-    conus_status status = first ? label_set_text(&first->name, text_from(zero)) : CONUS_ERROR_MEMORY;
-    struct notes silent = {0};
-    status = status ? status : label_table_sort(table, &silent);
-    notes_finish(&silent);
-    *decided = !status;
-    return status;
+    labels_set(job, &labels_add(job, table, 1)->name, text_from(zero));
+    labels_sort(job, table);
+    return true;
 }
 
 static bool next_name(struct text *rest, struct text *name)
@@ -71,114 +63,135 @@ static bool next_name(struct text *rest, struct text *name)
 }
 
 /* Lines without numbers, one a volume, as a table that counts from 1. False if the text is not that. */
-static conus_status read_lines(struct label_table *out, bool *lines, struct text text, size_t count)
+static bool read_lines(struct job *job, struct label_table *out, struct text text, size_t count)
 {
-    conus_status status = CONUS_OK;
-    uint32_t number = 0;
-    *lines = text_is_readable(text) && text.data[0] != '<' && text.data[0] != '{' && text.data[0] != '[';
-    for (struct text name; !status && *lines && next_name(&text, &name);) {
-        bool digit = name.data[0] >= '0' && name.data[0] <= '9';
-        *lines = !digit && number < count && number < LABEL_LIMIT;
-        struct label *label = *lines ? label_table_add(out, ++number) : NULL;
-        status = !*lines ? CONUS_OK : label ? label_set_text(&label->name, name) : CONUS_ERROR_MEMORY;
+    bool lines = text_is_readable(text) && !strchr("<{[", text.data[0]);
+    for (struct text name; lines && next_name(&text, &name);) {
+        lines = !(name.data[0] >= '0' && name.data[0] <= '9') && out->count < count && job_ok(job);
+        if (lines) {
+            struct label *label = labels_add(job, out, (uint32_t)out->count + 1);
+            labels_set(job, &label->name, name);
+        }
     }
-    *lines = *lines && number == count;
-    return status;
+    return lines && out->count == count;
 }
 
-static conus_status parse_names(struct label_table *out, bool *table, const struct bytes *bytes, size_t volumes,
-                                const struct label_use *chosen, struct notes *notes)
+static struct text decode(struct job *job, const struct bytes *bytes)
 {
-    const struct label_use use = {.columns = {chosen->columns[0], chosen->columns[1]}};
-    const bool has_columns = use.columns[0].size || use.columns[1].size;
-    struct notes silent = {0}; /* it counts from 0 or not: that is asked here */
     struct text text = text_from_bytes(bytes->data, bytes->size);
     char *owned = NULL;
-    conus_status status = text_is_readable(text) ? encoding_decode(&owned, &text, notes) : CONUS_OK;
-    const struct label_format *format = label_is_lut(bytes->data, bytes->size) ? NULL
-                                        : has_columns                          ? &label_format_chosen
-                                                                               : label_format_of(text);
-    if (!status && format && format != &label_format_colours) {
-        status = label_text_parse(out, format, text, &use, &silent);
-        *table = !status;
-        if (silent.count > (out->zero && !label_is_background(text_from(out->zero)))) { /* a number twice */
-            label_table_finish(out);
-        }
-    } else if (!status && !format && text.size) {
-        status = read_lines(out, table, text, volumes);
+    if (text_is_readable(text) && JOB_CALL(job, encoding_decode(&owned, &text, &job->notes)) && owned) {
+        job_adopt(job, owned);
     }
-    notes_finish(&silent);
-    memory_free(owned);
-    return status;
+    return job_ok(job) ? text : (struct text){0};
 }
 
-/* The table of the file, whose numbers are those of the volumes, from 1; empty, with a note, if they do not decide. One
- * that was found is passed over if it is damaged, one that was given is not. */
-static conus_status take_names(struct label_table *out, const char *path, bool given, const struct label_use *use,
-                               struct notes *notes)
+/* Reads the text of the file as a table into `out`; false if it is none. */
+static bool read_names(struct job *job, struct label_table *out, const struct bytes *bytes, struct text text,
+                       const struct label_use *wanted)
+{
+    const struct label_use use = {.columns = {wanted->columns[0], wanted->columns[1]}};
+    const bool is_chosen = use.columns[0].size || use.columns[1].size;
+    const struct label_format *format = label_is_lut(bytes->data, bytes->size) ? NULL
+                                        : is_chosen                            ? &label_format_chosen
+                                                                               : label_format_of(text);
+    if (!format) {
+        return text.size && read_lines(job, out, text, wanted->info->volume_count);
+    }
+    if (format == &label_format_colours) {
+        return false;
+    }
+    struct attempt silent = job_try(job); /* it counts from 0 or not: that is asked here */
+    label_text_parse(job, out, format, text, &use);
+    bool twice = job->notes.count > silent.notes + (out->zero && !label_is_background(text_from(out->zero)));
+    if (!job_ok(job)) {
+        job_kept(job, &silent);
+        return false;
+    }
+    (void)job_dropped(job, &silent);
+    if (twice) { /* a number */
+        label_table_finish(out);
+    }
+    return true;
+}
+
+/* Ends an attempt at a table: the error of one that was given stays, that of one that was found is a note. */
+static bool settle(struct job *job, const struct attempt *attempt, const char *path, bool given)
+{
+    if (given) {
+        job_kept(job, attempt);
+        return job_ok(job);
+    }
+    const char *why = job_tried(job, attempt);
+    if (why) {
+        job_warn(job, "%s: passed over: %s", path_base(path), why);
+    }
+    return !why;
+}
+
+/* The table of the file, whose numbers are those of the volumes, from 1; empty, with a note, if they do not decide. */
+static void take_names(struct job *job, struct label_table *out, const char *path, bool given,
+                       const struct label_use *use, bool is_listed)
 {
     const size_t count = use->info->volume_count;
-    struct bytes bytes = {0};
-    bool is_table = false;
-    bool decided = false;
-    bool before = file_trace_search(!given);
-    conus_status status = label_file_bytes(&bytes, path, use->max_memory);
-    if (!status && (status = parse_names(out, &is_table, &bytes, count, use, notes))) {
-        status = given ? fail_in(status, path) : status;
+    struct label_table *table = labels_new(job);
+    struct attempt attempt = job_try(job);
+    struct bytes bytes = label_file_bytes(job, path, use->max_memory);
+    size_t place = job_in(job, path, JOB_ALONE);
+    job_out(job, given ? place + 1 : place); /* the note about one that was found has its name */
+    struct text text = decode(job, &bytes);
+    bool is_table = settle(job, &attempt, path, given);
+    attempt = job_try(job);
+    is_table = is_table && read_names(job, table, &bytes, text, use);
+    is_table = settle(job, &attempt, path, given) && is_table;
+    job_out(job, place);
+    if (!is_table) {
+        return;
     }
-    if (status && !given && status != CONUS_ERROR_MEMORY) {
-        status = notes_warn(notes, "%s: passed over: %s", path_base(path), conus_message());
-        is_table = false;
-    }
-    status = status || !is_table ? status : count_from_one(&decided, out, count);
-    if (!status && is_table && !decided) {
-        status = notes_warn(notes,
-                            "%s is not used for the names of the volumes: needed is another name for each number from "
-                            "0 to %zu, or from 1 to %zu",
-                            path_base(path), count - 1, count);
-    }
-    status = status || !decided || !use->read ? status : file_sums_add(use->read, path, &bytes);
-    if (status || !decided) {
-        label_table_finish(out);
-    } else {
+    if (!count_from_one(job, table, count)) {
+        job_warn(job,
+                 "%s is not used for the names of the volumes: needed is another name for each number from 0 to %zu, "
+                 "or from 1 to %zu",
+                 path_base(path), count - 1, count);
+    } else if (job_ok(job)) {
+        *out = *table;
+        *table = (struct label_table){0};
+        if (is_listed) {
+            job_made_of(job, path, &bytes);
+        }
         file_trace_take(path);
     }
-    file_trace_search(before);
-    bytes_finish(&bytes);
-    return status;
 }
 
-conus_status label_volume_table(struct label_table *out, struct buffer *from, const char *path,
-                                const struct label_use *use, struct notes *notes)
+/* The path that gives the names, NULL where there is none. */
+static const char *find_table(struct job *job, struct label_table *out, const char *path, const struct label_use *use,
+                              bool is_listed)
 {
-    const conus_volume_info *info = use->info;
     static const char *const endings[] = {".nii.txt", ".txt", ".tsv", ".csv", ".json", ".label"};
-    bool several = info->volume_count > 1 && info->volume_count <= VOLUME_LIMIT;
+    const conus_volume_info *info = use->info;
     struct label_use chosen = *use;
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; several && !status && !out->count && i < (path ? 1 : sizeof endings / sizeof endings[0]); i++) {
-        size_t stem = volume_stem_length(info->path);
-        char *file = path ? NULL : path_with_ending(info->path, stem, endings[i]);
-        status = path ? label_path_split(&file, chosen.columns, path) : file ? CONUS_OK : CONUS_ERROR_MEMORY;
-        status = status || (!path && !file_exists(file)) ? status : take_names(out, file, path != NULL, &chosen, notes);
-        if (!status && out->count) {
-            buffer_text(from, path_base(file));
-            status = buffer_status(from);
+    const char *file = NULL;
+    bool several = info->volume_count > 1 && info->volume_count <= VOLUME_LIMIT;
+    for (size_t i = 0; several && !out->count && i < (path ? 1 : sizeof endings / sizeof endings[0]); i++) {
+        file = path ? label_path_split(job, chosen.columns, path)
+                    : job_format(job, "%.*s%s", (int)volume_stem_length(info->path), info->path, endings[i]);
+        bool before = file_trace_search(!path);
+        if (job_ok(job) && (path || job_has_file(job, file))) {
+            take_names(job, out, file, path != NULL, &chosen, is_listed);
         }
-        memory_free(file);
+        file_trace_search(before);
     }
-    return status;
+    return out->count ? path_base(file) : NULL;
 }
 
-conus_status label_volume_name(struct buffer *name, struct buffer *from, const conus_volume_info *info,
-                               struct notes *notes)
+const char *label_volume_table(struct job *job, struct label_table *out, const char *path, const struct label_use *use)
 {
-    struct label_table table = {0};
-    conus_status status = label_volume_table(&table, from, NULL, &(struct label_use){.info = info}, notes);
-    if (!status && table.count) {
-        buffer_text(name, table.entries[info->volume].name);
-        status = buffer_status(name);
-    }
-    label_table_finish(&table);
-    return status;
+    return find_table(job, out, path, use, true);
+}
+
+const char *label_volume_name(struct job *job, const char **from, const conus_volume_info *info)
+{
+    struct label_table *table = labels_new(job);
+    *from = find_table(job, table, NULL, &(struct label_use){.info = info}, false);
+    return *from ? table->entries[info->volume].name : NULL;
 }

@@ -3,22 +3,19 @@
 #ifndef CONUS_LOADERS_LABELS_LABEL_VOLUMES_H
 #define CONUS_LOADERS_LABELS_LABEL_VOLUMES_H
 
-#include "atlas/labels/labels.h"
-#include "base/buffer.h"
-#include "base/notes.h"
 #include "loaders/labels/label_use.h"
+#include "loaders/labels/labels_on_job.h"
 
-/** The labels of all volumes of the file in @p use (info, max_memory, read), numbered by the volumes from 1, all with
- * names. The names come from the table @p path or, where that is NULL, from the table beside the file. Empty, with a
- * note, where no table says for certain which volume each name belongs to. @p from gets the table's file appended. A
- * damaged table that was given is CONUS_ERROR_DATA. */
-conus_status label_volume_table(struct label_table *out, struct buffer *from, const char *path,
-                                const struct label_use *use, struct notes *notes);
+/** Fills the empty @p out with the labels of all volumes of the file in @p use (info, max_memory), numbered by the
+ * volumes from 1, all with names. The names come from the table @p path or, where that is NULL, from the table beside
+ * the file. It stays empty, with a note, where no table says for certain which volume each name belongs to. Gives the
+ * table's file without its folder, NULL where there is none; the job's files get it. A damaged table that was given is
+ * CONUS_ERROR_DATA. */
+const char *label_volume_table(struct job *job, struct label_table *out, const char *path, const struct label_use *use);
 
-/** Appends to @p name the name that the table beside the volume's file, X.txt or another, gives to the volume, and the
- * table's file to @p from. Appends nothing where there is no such table; nor, with a note, where it does not say for
- * certain which volume each name belongs to. A file of one volume has no such table. */
-conus_status label_volume_name(struct buffer *name, struct buffer *from, const conus_volume_info *info,
-                               struct notes *notes);
+/** The name that the table beside the volume's file, X.txt or another, gives to the volume, and in *from the table's
+ * file without its folder, which the job's files do not get. NULL, both, where there is no such table; or, with a note,
+ * where it does not say for certain which volume each name belongs to. A file of one volume has no such table. */
+const char *label_volume_name(struct job *job, const char **from, const conus_volume_info *info);
 
 #endif

@@ -9,13 +9,18 @@ static void finish_table(void *table)
     label_table_finish(table);
 }
 
+void labels_own(struct job *job, struct label_table *table)
+{
+    job_own(job, finish_table, table);
+}
+
 struct label_table *labels_new(struct job *job)
 {
     struct label_table *table = job_new(job, struct label_table);
     if (!table) {
         return memset(job->spare, 0, sizeof *table);
     }
-    job_own(job, finish_table, table);
+    labels_own(job, table);
     return table;
 }
 
@@ -36,4 +41,25 @@ void labels_set(struct job *job, char **field, struct text text)
 void labels_sort(struct job *job, struct label_table *table)
 {
     (void)JOB_CALL(job, label_table_sort(table, &job->notes));
+}
+
+char *labels_path(struct job *job, char *path)
+{
+    job_took(job, path ? CONUS_OK : CONUS_ERROR_MEMORY);
+    path = job_adopt(job, path);
+    return path ? path : job->nothing;
+}
+
+static void finish_names(void *names)
+{
+    names_finish(names);
+}
+
+struct names labels_names(struct job *job, const char *folder, const char *endings)
+{
+    struct names *names = job_new(job, struct names);
+    if (names) {
+        job_own(job, finish_names, names);
+    }
+    return JOB_CALL(job, names_list(names, folder, endings)) ? *names : (struct names){0};
 }

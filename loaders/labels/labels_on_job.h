@@ -5,10 +5,14 @@
 #define CONUS_LOADERS_LABELS_LABELS_ON_JOB_H
 
 #include "atlas/labels/labels.h"
+#include "base/files/folder.h"
 #include "base/job/job.h"
 
 /** An empty table; after a failure one that is none of the job's. */
 struct label_table *labels_new(struct job *job);
+
+/** The job finishes @p table when it ends. */
+void labels_own(struct job *job, struct label_table *table);
 
 /** As label_table_add(); after a failure a spare entry. */
 struct label *labels_add(struct job *job, struct label_table *table, uint32_t number);
@@ -18,5 +22,11 @@ void labels_set(struct job *job, char **field, struct text text);
 
 /** As label_table_sort(), with notes of the job. */
 void labels_sort(struct job *job, struct label_table *table);
+
+/** Takes over @p path of path_folder() and its kind; after a failure, or without memory, "". */
+char *labels_path(struct job *job, char *path);
+
+/** names_list() of @p folder, which the job owns. */
+struct names labels_names(struct job *job, const char *folder, const char *endings);
 
 #endif

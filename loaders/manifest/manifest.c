@@ -3,6 +3,7 @@
 #include "loaders/manifest/manifest.h"
 
 #include "base/formats/json_text.h"
+#include "loaders/labels/label_cells.h"
 #include "loaders/manifest/schema.h"
 
 #include <math.h>
@@ -145,15 +146,12 @@ static void read_parent(const struct schema_place *place, void *out, const json_
 
 static void read_color(const struct schema_place *place, void *out, const json_t *value)
 {
-    enum { BASE = 16 };
     struct label *label = out;
-    const char *text = json_string_value(value);
-    label->has_rgb = text && text[0] == '#' && strlen(text) == 7 && strspn(text + 1, "0123456789abcdefABCDEF") == 6;
-    unsigned long colour = label->has_rgb ? strtoul(text + 1, NULL, BASE) : 0;
-    for (size_t i = 0; i < 3; i++) {
-        label->rgb[i] = (uint8_t)(colour >> (16 - 8 * i));
-    }
-    if (!label->has_rgb) {
+    struct text text = text_from(json_is_string(value) ? json_string_value(value) : "");
+    label->has_rgb = text.size == 7 && text.data[0] == '#' && strspn(text.data + 1, "0123456789abcdefABCDEF") == 6;
+    if (label->has_rgb) {
+        label_cell_colour(place->job, label->rgb, text);
+    } else {
         schema_fail(place, value, "\"#rrggbb\"");
     }
 }

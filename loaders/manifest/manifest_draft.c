@@ -84,15 +84,17 @@ const char *manifest_draft_try(struct job *job, const struct manifest_draft *dra
     return job_tried(job, &attempt);
 }
 
-const char *manifest_draft_append_loading(struct job *job, const struct manifest_draft *draft, json_t *list,
-                                          const char *key, json_t *value)
+bool manifest_draft_take(struct job *job, const struct manifest_draft *draft, json_t *list, const char *key,
+                         json_t *value, const char *name)
 {
     json_t *entry = manifest_draft_json(job, value);
     const char *why = manifest_draft_try(job, draft, key, entry, true);
     if (!why) {
         manifest_draft_append(job, list, entry);
+    } else if (name) {
+        manifest_draft_leave_out(job, draft, name, why);
     }
-    return why;
+    return !why;
 }
 
 bool manifest_draft_has(const json_t *list, const char *name)

@@ -45,9 +45,10 @@ void manifest_draft_append(struct job *job, json_t *list, json_t *entry);
 const char *manifest_draft_try(struct job *job, const struct manifest_draft *draft, const char *key, json_t *value,
                                bool listed);
 
-/** Appends @p value, a new one, to @p list, called @p key, if it loads: NULL then, else the reason. */
-const char *manifest_draft_append_loading(struct job *job, const struct manifest_draft *draft, json_t *list,
-                                          const char *key, json_t *value);
+/** Appends @p value, a new one, to @p list, called @p key, if it loads; logs that @p name, unless NULL, is left out if
+ * not. Whether it loads. */
+bool manifest_draft_take(struct job *job, const struct manifest_draft *draft, json_t *list, const char *key,
+                         json_t *value, const char *name);
 
 /** The manifest as JSON. */
 struct text manifest_draft_format(struct job *job, const struct manifest_draft *draft);

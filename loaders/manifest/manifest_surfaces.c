@@ -8,21 +8,10 @@
 
 #include <string.h>
 
-/* Appends the area; NULL if it loads, else the reason. */
-static const char *append_area(struct job *job, const struct manifest_draft *draft, json_t *area)
+/* Takes an area if it loads; logs that `name`, unless NULL, is left out if not. */
+static bool take_area(struct job *job, const struct manifest_draft *draft, json_t *area, const char *name)
 {
-    return manifest_draft_append_loading(job, draft, draft->areas, "areas", area);
-}
-
-static bool take_one_surface(struct job *job, const struct manifest_draft *draft, const char *folder, const char *name,
-                             uint32_t label)
-{
-    const char *file = job_format(job, "%s%s", folder, name);
-    const char *why = append_area(job, draft, json_pack("{s:s,s:I}", "file", file, "label", (json_int_t)label));
-    if (why) {
-        manifest_draft_leave_out(job, draft, file, why);
-    }
-    return !why;
+    return manifest_draft_take(job, draft, draft->areas, "areas", area, name);
 }
 
 /* 'L' of lh.pial, 'R' of rh.pial, else 0. */
@@ -69,15 +58,13 @@ static bool take_annotated(struct job *job, struct manifest_draft *draft, const 
         return false;
     }
     const char *file = job_format(job, "%s%s", folder, name);
-    const char *why = append_area(job, draft,
-                                  json_pack("{s:s,s:s,s:s#,s:I}", "file", file, "vertex_labels", labels, "hemisphere",
-                                            &side, 1, "label_offset", (json_int_t)draft->label_offset));
-    if (why) {
-        manifest_draft_leave_out(job, draft, labels, why);
-    } else {
+    json_t *area = json_pack("{s:s,s:s,s:s#,s:I}", "file", file, "vertex_labels", labels, "hemisphere", &side, 1,
+                             "label_offset", (json_int_t)draft->label_offset);
+    bool taken = take_area(job, draft, area, labels);
+    if (taken) {
         log_step(job, draft, job_format(job, "%s: cut by %s", file, labels));
     }
-    return !why;
+    return taken;
 }
 
 /* Whether `name` is the only surface of its hemisphere: an annotation belongs to one surface. */
@@ -103,27 +90,26 @@ static void take_all_annotated(struct job *job, struct manifest_draft *draft, co
     }
 }
 
-static bool take_pattern(struct job *job, const struct manifest_draft *draft, const char *folder, const char *ending)
-{
-    return !append_area(job, draft,
-                        json_pack("{s:s,s:I}", "files", job_format(job, "%s*%s", folder, ending), "label_offset",
-                                  (json_int_t)draft->label_offset));
-}
-
 /* Takes the surfaces of one ending in a folder that no annotation cuts: as a pattern if their names give labels, else
  * one by one. */
 static void take_surfaces(struct job *job, struct manifest_draft *draft, const char *folder, const char *ending,
                           struct names *names)
 {
     size_t found = names->count;
+    const char *pattern = job_format(job, "%s*%s", folder, ending);
     take_all_annotated(job, draft, folder, names);
-    bool all = names->count == found && surface_names_give_labels(names) && take_pattern(job, draft, folder, ending);
+    bool all =
+        names->count == found && surface_names_give_labels(names) &&
+        take_area(job, draft, json_pack("{s:s,s:I}", "files", pattern, "label_offset", (json_int_t)draft->label_offset),
+                  NULL);
     size_t count = all ? found : 0;
     for (size_t i = 0; !all && i < names->count; i++) {
-        count += take_one_surface(job, draft, folder, names->names[i], draft->label_offset + (uint32_t)i + 1);
+        const char *file = job_format(job, "%s%s", folder, names->names[i]);
+        json_int_t label = draft->label_offset + (uint32_t)i + 1;
+        count += take_area(job, draft, json_pack("{s:s,s:I}", "file", file, "label", label), file);
     }
     if (count) {
-        log_step(job, draft, job_format(job, "%s*%s: %zu surfaces", folder, ending, count));
+        log_step(job, draft, job_format(job, "%s: %zu surfaces", pattern, count));
     }
 }
 

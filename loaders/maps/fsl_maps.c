@@ -39,12 +39,11 @@ static void choose_image(struct job *job, struct fsl_maps *maps, const struct fs
                          const conus_load_options *options)
 {
     for (size_t i = 0; job_ok(job) && i < atlas->image_count; i++) {
-        char *path = NULL;
         const char *image = atlas->images[i].image;
-        if (image && JOB_CALL(job, fsl_image_find(&path, xml, image)) && path) {
+        const char *path = image ? fsl_image_find(job, xml, image) : NULL;
+        if (path) {
             take_if_finer(job, maps, path, options);
         }
-        memory_free(path);
     }
     if (job_ok(job) && !maps->image) {
         job_bad(job, "fsl: none of the %zu images of %s is there (<imagefile> is relative to the XML)",
@@ -52,22 +51,12 @@ static void choose_image(struct job *job, struct fsl_maps *maps, const struct fs
     }
 }
 
-static void finish_atlas(void *atlas)
-{
-    fsl_atlas_finish(atlas);
-}
-
 /* NULL after a failure. */
 static struct fsl_atlas *read_xml(struct job *job, conus_atlas *atlas, const char *xml)
 {
-    struct fsl_atlas *found = job_new(job, struct fsl_atlas);
-    if (!found) {
-        return NULL;
-    }
-    job_own(job, finish_atlas, found);
     size_t place = job_in(job, xml, JOB_ALONE);
     const struct bytes bytes = job_read(job, xml, FSL_ATLAS_LIMIT, "");
-    (void)JOB_CALL(job, fsl_atlas_parse(found, text_from_bytes(bytes.data, bytes.size)));
+    struct fsl_atlas *found = fsl_atlas_parse(job, text_from_bytes(bytes.data, bytes.size));
     job_out(job, place);
     if (found->is_label) {
         job_bad(job, "fsl: %s is of type Label, which has no volume per label: load it as parcellation", xml);
@@ -79,43 +68,34 @@ static struct fsl_atlas *read_xml(struct job *job, conus_atlas *atlas, const cha
 
 /* The atlas with which each other XML of the same volumes is compared. */
 struct rival {
-    struct job *job;
     const struct label_table *labels;
     const char *xml; /* without its folder */
 };
 
-static void compare_table(const struct rival *rival, const struct label_table *table, const char *name)
-{
-    bool differ;
-    (void)JOB_CALL(rival->job, label_tables_note(&differ, rival->labels, rival->xml, table, name, &rival->job->notes));
-}
-
-static conus_status compare_xml(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file)
+static void compare_xml(struct job *job, void *user, struct fsl_atlas *atlas, const char *path,
+                        const struct bytes *file)
 {
     const struct rival *rival = user;
-    struct attempt attempt = job_try(rival->job);
+    struct attempt attempt = job_try(job);
     (void)file;
-    labels_sort(rival->job, &atlas->labels);
-    job_hushed(rival->job, &attempt);
-    compare_table(rival, &atlas->labels, path_base(path));
-    return rival->job->status;
+    labels_sort(job, &atlas->labels);
+    job_hushed(job, &attempt);
+    label_tables_note(job, rival->labels, rival->xml, &atlas->labels, path_base(path));
 }
 
 /* Other XMLs, and a table beside the image, may call its volumes otherwise. */
 static void compare_map_names(struct job *job, const struct fsl_maps *maps, const char *xml, uint64_t max_memory)
 {
-    struct rival rival = {job, maps->labels, path_base(xml)};
-    struct buffer from = {0};
+    struct rival rival = {maps->labels, path_base(xml)};
     const struct label_use use = {.info = &maps->image->info, .max_memory = max_memory};
     struct label_table *table = labels_new(job);
-    (void)JOB_CALL(job, fsl_atlas_each(maps->image->path, FSL_VOLUMES, compare_xml, &rival));
+    fsl_atlas_each(job, maps->image->path, FSL_VOLUMES, compare_xml, &rival);
     struct attempt attempt = job_try(job);
-    (void)JOB_CALL(job, label_volume_table(table, &from, NULL, &use, &job->notes));
+    const char *from = label_volume_table(job, table, NULL, &use);
     job_hushed(job, &attempt);
-    if (table->count) {
-        compare_table(&rival, table, from.data);
+    if (from) {
+        label_tables_note(job, maps->labels, rival.xml, table, from);
     }
-    buffer_finish(&from);
 }
 
 struct fsl_maps fsl_maps_open(struct job *job, conus_atlas *atlas, const char *xml, const char *image,
@@ -133,7 +113,7 @@ struct fsl_maps fsl_maps_open(struct job *job, conus_atlas *atlas, const char *x
         choose_image(job, &maps, found, xml, options);
     }
     const size_t labels = found->labels.count;
-    (void)JOB_CALL(job, label_drop_background(&maps.has_background, &found->labels, &job->notes));
+    maps.has_background = label_drop_background(job, &found->labels);
     if (!job_ok(job)) {
         return (struct fsl_maps){.labels = &none};
     }

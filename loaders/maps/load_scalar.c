@@ -188,26 +188,25 @@ static const char *name_by_file(struct job *job, const struct volume_file *file)
 
 /* The name that FSL atlas XMLs, or a table beside the file, give to a volume. */
 struct title {
-    struct job *job;
     const conus_volume_info *info;
     const char *name; /* NULL = nothing names it */
     const char *from; /* the file that says so */
 };
 
-static void agree_on_title(struct title *title, const char *name, const char *from)
+static void agree_on_title(struct job *job, struct title *title, const char *name, const char *from)
 {
     if (!title->name) {
-        title->name = job_format(title->job, "%s", name);
-        title->from = job_format(title->job, "%s", from);
+        title->name = job_format(job, "%s", name);
+        title->from = job_format(job, "%s", from);
     } else if (strcasecmp(name, title->name) != 0) {
-        job_bad(title->job,
+        job_bad(job,
                 "%s: two label tables contradict each other: volume %zu is \"%s\" in %s, \"%s\" in %s; name it "
                 "(--pathway FILE,name=NAME)",
                 title->info->path, title->info->volume, title->name, title->from, name, from);
     }
 }
 
-static conus_status take_title(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file)
+static void take_title(struct job *job, void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file)
 {
     struct title *title = user;
     size_t i = 0;
@@ -217,26 +216,23 @@ static conus_status take_title(void *user, struct fsl_atlas *atlas, const char *
         i++;
     }
     if (i < atlas->labels.count && atlas->labels.entries[i].name) {
-        agree_on_title(title, atlas->labels.entries[i].name, path_base(path));
+        agree_on_title(job, title, atlas->labels.entries[i].name, path_base(path));
     }
-    return title->job->status;
 }
 
 /* The name that is wanted, else what an FSL atlas XML or a table calls this volume, else the file's name. */
 static const char *choose_name(struct job *job, const char *wanted, const struct volume_file *file)
 {
-    struct title title = {job, &file->info, NULL, NULL};
-    struct buffer name = {0};
-    struct buffer from = {0};
+    struct title title = {&file->info, NULL, NULL};
+    const char *from;
     if (wanted && wanted[0]) {
         return wanted;
     }
-    (void)JOB_CALL(job, fsl_atlas_each(file->path, FSL_VOLUMES, take_title, &title));
-    if (JOB_CALL(job, label_volume_name(&name, &from, title.info, &job->notes)) && from.size) {
-        agree_on_title(&title, name.data, from.data);
+    fsl_atlas_each(job, file->path, FSL_VOLUMES, take_title, &title);
+    const char *name = label_volume_name(job, &from, title.info);
+    if (name) {
+        agree_on_title(job, &title, name, from);
     }
-    buffer_finish(&name);
-    buffer_finish(&from);
     if (title.name) {
         job_note(job, "pathway %s: named by %s", title.name, title.from);
     }

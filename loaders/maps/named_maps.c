@@ -24,28 +24,25 @@ static struct named_maps find_names(struct job *job, const conus_volume_info *in
 {
     struct named_maps out = {.table = &no_table};
     struct label_table *table = labels_new(job);
-    struct buffer from = {0};
-    bool dropped;
     const char *labels = options->labels;
-    const struct label_use use = {.info = info, .max_memory = options->max_memory, .read = &job->files};
+    const struct label_use use = {.info = info, .max_memory = options->max_memory};
     struct attempt attempt = job_try(job); /* what is noted is the atlas's, if it gets these names */
-    (void)JOB_CALL(job, label_volume_table(table, &from, labels, &use, &job->notes));
-    if (labels && !table->count) {
+    const char *from = label_volume_table(job, table, labels, &use);
+    if (labels && !from) {
         job_fail(job, CONUS_ERROR_ARGUMENT,
                  "%s: has %zu volumes, --labels %s does not name them: needed is another name for each number from 0 "
                  "to %zu, or from 1 to %zu; FILE,volume=K chooses one",
                  info->path, info->volume_count, path_base(labels), info->volume_count - 1, info->volume_count);
     }
-    (void)JOB_CALL(job, label_drop_background(&dropped, table, &job->notes));
+    label_drop_background(job, table);
     if (job_ok(job) && table->count) {
         out.table = table;
-        out.source = job_format(job, "names of the volumes in %s", from.data);
+        out.source = job_format(job, "names of the volumes in %s", from);
         out.notes = notes_set_aside(job, &attempt);
         job_kept(job, &attempt);
     } else {
         job_hushed(job, &attempt);
     }
-    buffer_finish(&from);
     return out;
 }
 

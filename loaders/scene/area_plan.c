@@ -86,10 +86,10 @@ static void plan_file(const struct planning *p)
 
 static struct label_table *read_table(const struct planning *p, const char *path)
 {
-    const struct label_use use = {.max_memory = p->plan->max_memory, .read = &p->job->files};
+    const struct label_use use = {.max_memory = p->plan->max_memory};
     struct label_table *table = labels_new(p->job);
     const char *format;
-    (void)JOB_CALL(p->job, label_file_read(table, &format, path, &use, &p->job->notes));
+    label_file_read(p->job, table, &format, path, &use);
     return table;
 }
 

@@ -13,6 +13,7 @@
 #include "loaders/manifest/manifest.h"
 #include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_surfaces.h"
+#include "loaders/maps/atlas_on_job.h"
 #include "loaders/scene/load_manifest.h"
 #include "loaders/scene/load_parcellation.h"
 #include "loaders/scene/load_progress.h"
@@ -175,12 +176,9 @@ static void load_volumes(struct load *load, const struct probe *probe, const cha
     struct job *job = &load->job;
     const struct named_maps maps = named_maps_find(job, probe, path, load->options);
     struct parcellation *part = job_new(job, struct parcellation);
-    if (!job_ok(job)) {
-        return;
-    }
-    if (maps.table->count) {
+    if (part && maps.table->count) {
         named_maps_load(load, path, &maps);
-    } else {
+    } else if (part) {
         report_only_file(load, path);
         parcellation_read_opened(job, part, probe, path, load->options, atlas_needed);
         parcellations_atlas(load, part, 1, part->table, part->source);
@@ -258,13 +256,11 @@ static void load_folder(struct load *load, const char *path)
 static bool is_probabilistic(struct job *job, const struct open_file *file)
 {
     struct bytes bytes = {0};
-    struct fsl_atlas atlas = {0};
     const struct attempt attempt = job_try(job); /* its reader says why it cannot be read */
     (void)JOB_CALL(job, file_read_open(&bytes, file, SIZE_MAX, FSL_ATLAS_LIMIT, ""));
-    (void)JOB_CALL(job, fsl_atlas_parse(&atlas, text_from_bytes(bytes.data, bytes.size)));
-    const bool is = atlas.type && !atlas.is_label;
+    const struct fsl_atlas *atlas = fsl_atlas_parse(job, text_from_bytes(bytes.data, bytes.size));
+    const bool is = job_ok(job) && !atlas->is_label;
     (void)job_dropped(job, &attempt);
-    fsl_atlas_finish(&atlas);
     bytes_finish(&bytes);
     return is;
 }
@@ -328,7 +324,7 @@ conus_status atlas_load_files(conus_atlas **out, const char *path, const conus_l
         job_fail(&load.job, CONUS_ERROR_ARGUMENT, "--probability: is %g, allowed is above 0 to 1 (0 = default)",
                  options->probability);
     }
-    load_keep(&load);
+    atlas_take(&load.job, load.atlas);
     (void)JOB_CALL(&load.job, check_whole(&load, path));
     return load_end(out, &load);
 }

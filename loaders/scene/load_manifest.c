@@ -51,11 +51,17 @@ static const char *source_path(const struct scene *scene, const struct manifest_
     return source->orientation ? job_format(job, "%s,orientation=%s", path, source->orientation) : path;
 }
 
+/* Where the job was before an entry. */
+struct before {
+    size_t place;
+    struct job_mark memory;
+};
+
 /* Errors happen at the entry from now on. */
-static size_t enter(const struct scene *scene, const char *key, size_t entry)
+static struct before enter(const struct scene *scene, const char *key, size_t entry)
 {
     struct job *job = &scene->load->job;
-    return scene->maps ? job->depth : job_in(job, key, entry);
+    return (struct before){scene->maps ? job->depth : job_in(job, key, entry), job_mark(job)};
 }
 
 /* What a manifest asks for in vain is its fault, not the caller's. */
@@ -65,9 +71,11 @@ static void blame_manifest(const struct scene *scene)
     job->status = job->status == CONUS_ERROR_ARGUMENT ? CONUS_ERROR_DATA : job->status;
 }
 
-static void leave(const struct scene *scene, size_t mark)
+/* What the entry has become is the atlas's. */
+static void leave(const struct scene *scene, struct before before)
 {
-    job_out(&scene->load->job, mark);
+    job_out(&scene->load->job, before.place);
+    job_release(&scene->load->job, before.memory);
     if (!scene->maps) {
         blame_manifest(scene);
     }
@@ -80,7 +88,7 @@ static void move_atlas(const struct scene *scene)
     struct job *job = &scene->load->job;
     for (size_t i = manifest->transform_count; i > 0; i--) {
         const struct manifest_transform *transform = &manifest->transforms[i - 1];
-        const size_t mark = enter(scene, "transform", manifest->single_transform ? JOB_ALONE : i - 1);
+        const struct before before = enter(scene, "transform", manifest->single_transform ? JOB_ALONE : i - 1);
         const char *path = path_of(scene, transform->file);
         const conus_transform_options options = {.from = path_of(scene, transform->from),
                                                  .to = path_of(scene, transform->to),
@@ -91,7 +99,7 @@ static void move_atlas(const struct scene *scene)
                                                  .transform = transform->transform,
                                                  .max_memory = scene->load->options->max_memory};
         transform_load(job, scene->load->atlas, path, &options);
-        leave(scene, mark);
+        leave(scene, before);
     }
 }
 
@@ -204,7 +212,7 @@ static void load_areas(const struct scene *scene)
     if (scene->file && path_base(scene->path)[0]) {
         (void)JOB_CALL(job, atlas_add_file(load->atlas, scene->path, scene->file));
     }
-    load_keep(load);
+    atlas_take(job, load->atlas);
     area_plan_load(load, &plan, scene->manifest->space);
     job_release(job, mark);
 }
@@ -265,9 +273,10 @@ static struct fsl_maps open_fsl(const struct scene *scene, const struct manifest
     const char *image = path_of(scene, entry->source.file);
     load_at(load, xml);
     const struct fsl_maps maps = fsl_maps_open(job, load->atlas, xml, image, load->options);
-    if (job_ok(job)) {
+    if (job_step(job)) {
         load_at(load, maps.image->path);
-        (void)JOB_CALL(job, notes_move(&load->atlas->notes, maps.notes));
+        (void)JOB_CALL(job, notes_move(&job->notes, maps.notes));
+        atlas_take(job, load->atlas);
         load->total += maps.labels->count - 1; /* it counted as one so far */
     }
     return maps;
@@ -277,18 +286,16 @@ static void add_fsl(const struct scene *scene, const struct manifest_pathway *pa
 {
     struct load *load = scene->load;
     struct job *job = &load->job;
-    const struct job_mark mark = job_mark(job);
     const struct fsl_maps maps = open_fsl(scene, pathway);
     for (size_t i = 0; i < maps.labels->count && job_ok(job); i++) {
         const struct label *label = &maps.labels->entries[i];
         add_volume(scene, pathway, maps.image, label->number - 1, label->name);
     }
-    if (job_ok(job)) {
+    if (job_step(job)) {
         job_note(job, "pathways of %s: %zu, from %s", path_base(pathway->fsl), maps.labels->count,
                  path_base(maps.image->path));
     }
-    load_keep(load);
-    job_release(job, mark);
+    atlas_take(job, load->atlas);
 }
 
 /* Adds a volume of the file for each label, whose number is that of the volume from 1. The areas' labels are these
@@ -317,16 +324,13 @@ static void add_labelled(const struct scene *scene, const struct manifest_pathwa
         job_note(job, "%s: %zu areas by probabilities of %s and more (values: %s)", path_base(file->path),
                  labels->count, NUMBER_TEXT(threshold), scale.words);
     }
-    load_keep(load);
+    atlas_take(job, load->atlas);
 }
 
 static void add_fsl_areas(const struct scene *scene, const struct manifest_pathway *entry)
 {
-    struct job *job = &scene->load->job;
-    const struct job_mark mark = job_mark(job);
     const struct fsl_maps maps = open_fsl(scene, entry);
     add_labelled(scene, entry, maps.image, maps.labels, maps.has_background);
-    job_release(job, mark);
 }
 
 /* The labels of the volumes that the entry means: those it names, the one it chooses, or the only one. */
@@ -364,13 +368,13 @@ static void add_probabilities(const struct scene *scene)
 {
     for (size_t i = 0; i < scene->manifest->map_count && job_ok(&scene->load->job); i++) {
         const struct manifest_pathway *entry = &scene->manifest->maps[i];
-        const size_t mark = enter(scene, "probabilities", i);
+        const struct before before = enter(scene, "probabilities", i);
         if (entry->fsl) {
             add_fsl_areas(scene, entry);
         } else {
             add_file_areas(scene, entry);
         }
-        leave(scene, mark);
+        leave(scene, before);
     }
 }
 
@@ -406,7 +410,7 @@ static void add_pathway(struct scene *scene, size_t i)
 {
     const struct manifest_pathway *pathway = &scene->manifest->pathways[i];
     const bool is_last = i + 1 == scene->manifest->pathway_count;
-    const size_t mark = enter(scene, "pathways", i);
+    const struct before before = enter(scene, "pathways", i);
     if (pathway->fsl) {
         add_fsl(scene, pathway);
     } else if (pathway->names) {
@@ -416,7 +420,7 @@ static void add_pathway(struct scene *scene, size_t i)
     } else {
         add_single(scene, pathway);
     }
-    leave(scene, mark);
+    leave(scene, before);
 }
 
 /* Adds the pathways that move with the areas, or those that do not. */
@@ -436,13 +440,13 @@ static void add_bundles(const struct scene *scene, size_t i)
     struct load *load = scene->load;
     struct job *job = &load->job;
     const struct manifest_streamlines *entry = &scene->manifest->streamlines[i];
-    const size_t mark = enter(scene, "streamlines", i);
+    const struct before before = enter(scene, "streamlines", i);
     const char *path = path_of(scene, entry->file);
     load_report(load, path, 1);
-    double radius = streamlines_radius(job, entry->radius, path);
+    const double radius = streamlines_radius(job, entry->radius, path);
     conus_atlas *alone = streamlines_load(job, path, load->options, entry->space, false);
     streamlines_take(job, load->atlas, alone, radius, entry->name);
-    leave(scene, mark);
+    leave(scene, before);
 }
 
 static void add_streamlines(const struct scene *scene, bool moves)
@@ -484,7 +488,7 @@ static void set_context(const struct scene *scene, const struct manifest_context
         job_bad(job, "%s", wrong);
     }
     context_load(job, load->atlas, path, &options);
-    if (job_ok(job) && entry->transfer) {
+    if (entry->transfer && job_ok(job)) {
         const bool is_file = entry->transfer_is_file;
         const char *transfer = is_file ? path_of(scene, entry->transfer) : entry->transfer;
         if (is_file && !job_has_file(job, transfer)) {
@@ -500,11 +504,11 @@ static void set_contexts(const struct scene *scene, bool moves)
 {
     const size_t count = scene->manifest->context_count;
     for (size_t i = 0; i < count && job_ok(&scene->load->job); i++) {
-        const size_t mark = enter(scene, "context", count > 1 ? i : JOB_ALONE);
+        const struct before before = enter(scene, "context", count > 1 ? i : JOB_ALONE);
         if (scene->manifest->contexts[i].moves == moves) {
             set_context(scene, &scene->manifest->contexts[i]);
         }
-        leave(scene, mark);
+        leave(scene, before);
     }
 }
 
@@ -523,13 +527,13 @@ static void load_scene(struct scene *scene)
         return;
     }
     struct load_aside aside = load_put_aside(load);
-    const size_t mark = enter(scene, scene->path, JOB_ALONE);
+    const struct before before = enter(scene, scene->path, JOB_ALONE);
     load_areas(scene);
     add_probabilities(scene);
     add_others(scene, true);
     move_atlas(scene);
     add_others(scene, false);
-    job_out(&load->job, mark);
+    job_out(&load->job, before.place);
     load_put_back(load, &aside);
 }
 
@@ -573,18 +577,18 @@ void probabilities_load(struct load *load, const char *path)
 static void warn_of_table(struct load *load)
 {
     struct job *job = &load->job;
+    const char *source = "";
     struct label_table *table = labels_new(job);
-    struct label_volume volume = {.info = job_ok(job) ? &load->atlas->volumes[0].info : NULL};
-    char *source = NULL;
+    const struct label_volume volume = {.info = job_ok(job) ? &load->atlas->volumes[0].info : NULL};
     const struct attempt attempt = job_try(job);
-    (void)JOB_CALL(job, label_table_of_volume(table, &source, &volume, NULL, NULL, &job->notes));
-    label_volume_finish(&volume);
+    if (volume.info) {
+        label_table_of_volume(job, table, &source, &volume, NULL);
+    }
     (void)job_dropped(job, &attempt);
-    if (source && table->count) {
+    if (job_ok(job) && table->count) {
         job_warn(job, "%s: its values are stated to be probabilities, so %s, which names %zu labels, is not used",
                  path_base(volume.info->path), source, table->count);
     }
-    memory_free(source);
 }
 
 void named_maps_load(struct load *load, const char *path, const struct named_maps *maps)
@@ -600,9 +604,10 @@ void named_maps_load(struct load *load, const char *path, const struct named_map
                  "%s: --probability states that its values are probabilities, but none is %g or more (up to %g)", path,
                  asked, load->atlas->volumes[0].info.maximum);
     }
+    if (maps->notes) {
+        (void)JOB_CALL(job, notes_move(&job->notes, maps->notes));
+    }
     if (maps->is_one) {
         warn_of_table(load);
-    } else {
-        (void)JOB_CALL(job, notes_move(&job->notes, maps->notes));
     }
 }

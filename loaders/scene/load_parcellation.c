@@ -91,10 +91,9 @@ static void read_override(struct job *job, struct parcellation *part, const char
     const struct label_use use = {.info = &part->file.info,
                                   .voxels = &part->labels,
                                   .header = volume_file_header,
-                                  .max_memory = part->file.max_memory,
-                                  .read = &job->files};
+                                  .max_memory = part->file.max_memory};
     part->table = labels_new(job);
-    (void)JOB_CALL(job, label_file_read(part->table, &format, path, &use, &job->notes));
+    label_file_read(job, part->table, &format, path, &use);
     part->source = job_format(job, "%s in %s", format, path);
 }
 
@@ -102,14 +101,13 @@ static void read_override(struct job *job, struct parcellation *part, const char
 static void consider_image(struct job *job, struct parcellation *part, const char *xml_path, const char *image,
                            uint64_t max_memory)
 {
-    char *path = NULL;
-    if (!JOB_CALL(job, fsl_image_find(&path, xml_path, image)) || !path) {
+    const char *path = fsl_image_find(job, xml_path, image);
+    if (!path) {
         job_warn(job, "image %s of the FSL atlas is not there", image);
         return;
     }
     struct volume_file file = {0};
     const struct attempt attempt = job_try(job);
-    path = job_adopt(job, path);
     (void)JOB_CALL(job, volume_file_open(&file, path, max_memory, &job->notes));
     if (job_ok(job) && part->file.path && space_voxel_mm3(&file.info) >= space_voxel_mm3(&part->file.info)) {
         (void)job_dropped(job, &attempt); /* with what was noted about it */
@@ -152,39 +150,35 @@ static void compare_with_volume(struct job *job, struct parcellation *part)
     if (why[0]) {
         job_warn(job, "%s", why);
     } else {
-        (void)JOB_CALL(job,
-                       label_tables_note(&part->is_disputed, part->table, part->source, table, source, &job->notes));
+        part->is_disputed = label_tables_note(job, part->table, part->source, table, source);
     }
 }
 
 static void read_fsl(struct job *job, struct parcellation *part, const char *path, struct text text,
                      uint64_t max_memory)
 {
-    struct fsl_atlas atlas = {0};
     const size_t mark = job_in(job, path, JOB_ALONE);
-    const bool is_parsed = JOB_CALL(job, fsl_atlas_parse(&atlas, text));
+    struct fsl_atlas *atlas = fsl_atlas_parse(job, text);
     job_out(job, mark);
-    if (is_parsed && !atlas.is_label) {
+    if (job_ok(job) && !atlas->is_label) {
         job_refuse(job,
                    "%s: an FSL atlas of type %s, Label is needed; \"probabilities\" of a manifest takes it, or it is "
                    "ATLAS itself",
-                   path, atlas.type);
+                   path, atlas->type);
     }
-    open_finest(job, part, &atlas, path, max_memory);
+    open_finest(job, part, atlas, path, max_memory);
     (void)JOB_CALL(job, volume_file_take_labels(&part->labels, &part->file));
     const struct label_use use = {.info = &part->file.info,
                                   .voxels = &part->labels,
                                   .header = volume_file_header,
                                   .path = path,
                                   .max_memory = max_memory};
-    (void)JOB_CALL(job, fsl_atlas_number(&atlas, &use, &job->notes));
-    part->source = job_format(job, "%s in %s", atlas.is_spm ? "SPM atlas XML" : "FSL atlas XML", path_base(path));
+    fsl_atlas_number(job, atlas, &use);
+    part->source = job_format(job, "%s in %s", atlas->is_spm ? "SPM atlas XML" : "FSL atlas XML", path_base(path));
     if (job_ok(job)) {
-        *part->table = atlas.labels;
-        atlas.labels = (struct label_table){0};
+        part->table = &atlas->labels;
         compare_with_volume(job, part);
     }
-    fsl_atlas_finish(&atlas);
 }
 
 static void read_markup(struct job *job, struct parcellation *part, const struct open_file *file, uint64_t max_memory,

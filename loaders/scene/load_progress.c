@@ -74,13 +74,6 @@ char *mesh_name(struct job *job, const char *path)
     return job_adopt(job, name);
 }
 
-void load_keep(struct load *load)
-{
-    if (job_ok(&load->job)) { /* else there may be no atlas */
-        atlas_take(&load->job, load->atlas);
-    }
-}
-
 struct load_aside load_put_aside(struct load *load)
 {
     struct job *job = &load->job;

@@ -7,7 +7,7 @@
 #include "base/job/job.h"
 
 struct load {
-    struct job job; /**< Its notes and files wait there for load_keep(). */
+    struct job job; /**< Its notes and files wait there for atlas_take(). */
     const conus_load_options *options;
     conus_atlas *atlas;    /**< NULL until load_create(). */
     size_t done, total;    /**< Files. */
@@ -34,9 +34,6 @@ void load_create(struct load *load, struct labelled_volume *volumes, size_t coun
 
 /** The name mesh_file_name() of the surface @p path; NULL after a failure. */
 char *mesh_name(struct job *job, const char *path);
-
-/** Moves the job's notes and files to the atlas. */
-void load_keep(struct load *load);
 
 /** Notes and files of a load that its atlas gets later: */
 struct load_aside {

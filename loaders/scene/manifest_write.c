@@ -152,12 +152,8 @@ static void look_at_no_volume(struct job *job, const struct manifest_draft *draf
     }
     size_t length = streamlines_stem_length(name);
     bool taken = has_entry_named(draft->streamlines, name, length) || has_entry_named(draft->pathways, name, length);
-    const char *why = manifest_draft_append_loading(
-        job, draft, draft->streamlines, "streamlines",
-        json_pack("{s:s,s:s#}", "file", name, "name", name, taken ? strlen(name) : length));
-    if (why) {
-        manifest_draft_leave_out(job, draft, name, why);
-    } else {
+    json_t *entry = json_pack("{s:s,s:s#}", "file", name, "name", name, taken ? strlen(name) : length);
+    if (manifest_draft_take(job, draft, draft->streamlines, "streamlines", entry, name)) {
         manifest_draft_log(job, draft, "%s: streamlines", name);
     }
 }
@@ -253,14 +249,8 @@ static void take_fsl(struct job *job, struct manifest_draft *draft, const char *
         use_images(job, draft, atlas);
         manifest_draft_log(job, draft, "%s: parcellation, an atlas XML of %zu labels", name, atlas->labels.count);
     }
-    if (atlas->is_label) {
-        return;
-    }
-    const char *why =
-        manifest_draft_append_loading(job, draft, draft->maps, "probabilities", json_pack("{s:s}", "fsl", xml));
-    if (why) {
-        manifest_draft_leave_out(job, draft, xml, why);
-    } else {
+    if (!atlas->is_label &&
+        manifest_draft_take(job, draft, draft->maps, "probabilities", json_pack("{s:s}", "fsl", xml), xml)) {
         use_images(job, draft, atlas);
         manifest_draft_log(job, draft, "%s: FSL atlas, %zu areas by probabilities", xml, atlas->labels.count);
     }
@@ -271,20 +261,18 @@ static void look_at_xml(struct job *job, struct manifest_draft *draft, const cha
 {
     struct job trial = {0};
     struct bytes bytes = {0};
-    struct fsl_atlas atlas = {0};
     (void)JOB_CALL(job, file_read(&bytes, job_beside(job, draft->folder, name), FSL_ATLAS_LIMIT));
     struct text text = text_from_bytes(bytes.data, bytes.size);
     if (text.size && text_equal(xml_root(text), "atlas")) {
-        (void)JOB_CALL(&trial, fsl_atlas_parse(&atlas, text));
-        (void)JOB_CALL(&trial, fsl_atlas_number(&atlas, &(struct label_use){0}, &trial.notes));
+        struct fsl_atlas *atlas = fsl_atlas_parse(&trial, text);
+        fsl_atlas_number(&trial, atlas, &(struct label_use){0});
         const char *why = find_fault(job, &trial);
         if (why) {
             manifest_draft_leave_out(job, draft, name, why);
         } else {
-            take_fsl(job, draft, name, &atlas);
+            take_fsl(job, draft, name, atlas);
         }
     }
-    fsl_atlas_finish(&atlas);
     job_end(&trial);
     bytes_finish(&bytes);
 }
@@ -295,16 +283,12 @@ static void look_at_xml(struct job *job, struct manifest_draft *draft, const cha
 static const char *name_volume(struct job *job, bool *named, const struct manifest_draft *draft, const char *name,
                                size_t index, size_t count)
 {
-    struct buffer title = {0};
-    struct buffer from = {0};
+    const char *from;
     const conus_volume_info info = {
         .path = job_beside(job, draft->folder, name), .volume = index, .volume_count = count};
-    *named = JOB_CALL(job, label_volume_name(&title, &from, &info, &job->notes)) && from.size;
-    const char *text = *named ? job_format(job, "%s", title.data)
-                              : job_format(job, "%.*s %zu", (int)volume_stem_length(name), name, index);
-    buffer_finish(&title);
-    buffer_finish(&from);
-    return text;
+    const char *title = label_volume_name(job, &from, &info);
+    *named = title != NULL;
+    return title ? title : job_format(job, "%.*s %zu", (int)volume_stem_length(name), name, index);
 }
 
 /* Takes the volumes of `name` that load, each by itself. */
@@ -314,13 +298,8 @@ static void take_volumes(struct job *job, const struct manifest_draft *draft, co
     bool named = false;
     for (size_t i = 0; job_ok(job) && i < count; i++) {
         const char *title = name_volume(job, &named, draft, name, i, count);
-        const char *why = manifest_draft_append_loading(
-            job, draft, draft->pathways, "pathways",
-            json_pack("{s:s,s:I,s:s}", "file", name, "volume", (json_int_t)i, "name", title));
-        if (why) {
-            manifest_draft_leave_out(job, draft, title, why);
-        }
-        taken += !why;
+        json_t *entry = json_pack("{s:s,s:I,s:s}", "file", name, "volume", (json_int_t)i, "name", title);
+        taken += manifest_draft_take(job, draft, draft->pathways, "pathways", entry, title);
     }
     manifest_draft_log(job, draft, "%s: %zu pathways, %s", name, taken, named ? NAMED : "to be named");
 }
@@ -355,10 +334,9 @@ static void take_series(struct job *job, const struct manifest_draft *draft, con
         manifest_draft_append(job, names, manifest_draft_json(job, json_string(title)));
     }
     bool probable = named && is_probable(job, draft, name);
-    const char *why = manifest_draft_append_loading(job, draft, probable ? draft->maps : draft->pathways,
-                                                    probable ? "probabilities" : "pathways",
-                                                    json_pack("{s:s,s:O}", "file", name, "names", names));
-    if (why) {
+    json_t *list = probable ? draft->maps : draft->pathways;
+    json_t *entry = json_pack("{s:s,s:O}", "file", name, "names", names);
+    if (!manifest_draft_take(job, draft, list, probable ? "probabilities" : "pathways", entry, NULL)) {
         take_volumes(job, draft, name, count);
     } else if (probable) {
         manifest_draft_log(job, draft, "%s: %zu areas by probabilities, " NAMED, name, count);
@@ -371,12 +349,9 @@ static void take_series(struct job *job, const struct manifest_draft *draft, con
 static void take_one_volume(struct job *job, const struct manifest_draft *draft, bool probable, const char *name,
                             const char *words)
 {
-    const char *why = manifest_draft_append_loading(
-        job, draft, probable ? draft->maps : draft->pathways, probable ? "probabilities" : "pathways",
-        json_pack("{s:s,s:s#}", "file", name, "name", name, volume_stem_length(name)));
-    if (why) {
-        manifest_draft_leave_out(job, draft, name, why);
-    } else {
+    json_t *list = probable ? draft->maps : draft->pathways;
+    json_t *entry = json_pack("{s:s,s:s#}", "file", name, "name", name, volume_stem_length(name));
+    if (manifest_draft_take(job, draft, list, probable ? "probabilities" : "pathways", entry, name)) {
         manifest_draft_log(job, draft, "%s: %s, %s", name, probable ? "an area by probabilities" : "pathway", words);
     }
 }
@@ -454,12 +429,9 @@ static void take_labelled(struct job *job, struct manifest_draft *draft, const s
         const struct manifest_area *area = &manifest->areas[i];
         json_int_t offset = (json_int_t)base + area->label_offset;
         raise_offset(draft, (uint64_t)offset + largest);
-        const char *why = manifest_draft_append_loading(job, draft, draft->areas, "areas",
-                                                        json_pack("{s:s,s:s,s:I}", "file", area->file, "vertex_labels",
-                                                                  area->vertex_labels, "label_offset", offset));
-        if (why) {
-            manifest_draft_leave_out(job, draft, area->file, why);
-        } else {
+        json_t *entry = json_pack("{s:s,s:s,s:I}", "file", area->file, "vertex_labels", area->vertex_labels,
+                                  "label_offset", offset);
+        if (manifest_draft_take(job, draft, draft->areas, "areas", entry, area->file)) {
             manifest_draft_log(job, draft, "%s: cut by %s", area->file, area->vertex_labels);
         }
     }

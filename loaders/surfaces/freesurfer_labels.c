@@ -229,19 +229,19 @@ static conus_status annot_fill_labels(uint32_t *labels, const struct annot *anno
 
 static conus_status fill_table(struct label_table *table, const struct annot *annot)
 {
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < annot->entry_count; i++) {
+    struct job job = {0}; /* Bridge: to label tables on a job. */
+    for (size_t i = 0; job_ok(&job) && i < annot->entry_count; i++) {
         const struct entry *entry = &annot->entries[i];
         if (entry->number) {
-            struct label label = {.number = entry->number, .has_rgb = true};
+            struct label_row row = {.label = {.number = entry->number, .has_rgb = true}, .name = entry->name};
             for (int c = 0; c < 3; c++) {
-                label.rgb[c] = (uint8_t)(entry->colour >> 8 * c);
+                row.label.rgb[c] = (uint8_t)(entry->colour >> 8 * c);
             }
-            status = label_set_text(&label.name, entry->name);
-            status = label_keep(table, &label, status, annot->notes);
+            labels_keep(&job, table, &row);
         }
     }
-    return status ? status : label_table_sort(table, annot->notes);
+    labels_sort(&job, table);
+    return job_close(&job, annot->notes, NULL);
 }
 
 conus_status freesurfer_annot_parse(uint32_t **labels, size_t *count, struct label_table *table, const uint8_t *data,

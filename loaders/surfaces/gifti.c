@@ -600,9 +600,18 @@ static conus_status end_name(struct parsing *parsing, struct text text)
     return parsing->md_name ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
+static conus_status start_label(struct parsing *parsing, const struct xml_event *event)
+{
+    struct job job = {0}; /* Bridge: to label tables on a job. */
+    label_entry_start(&job, &parsing->entry, event);
+    return job_close(&job, NULL, NULL);
+}
+
 static conus_status end_label(struct parsing *parsing, struct text text)
 {
-    return label_entry_end(&parsing->entry, &parsing->gifti.labels, text, parsing->notes);
+    struct job job = {0}; /* Bridge: to label tables on a job. */
+    label_entry_end(&job, &parsing->entry, &parsing->gifti.labels, text);
+    return job_close(&job, parsing->notes, NULL);
 }
 
 static conus_status end_element(struct parsing *parsing, const struct xml_event *event)
@@ -655,7 +664,7 @@ static conus_status gifti_on_start(void *user, const struct xml_event *event)
     } else if (strcmp(event->name, "DataArray") == 0) {
         status = start_array(parsing, event);
     } else if (strcmp(event->name, "Label") == 0) {
-        status = label_entry_start(&parsing->entry, event);
+        status = start_label(parsing, event);
     } else if (strcmp(event->name, "CoordinateSystemTransformMatrix") == 0) {
         status = start_transform(parsing->array);
     }

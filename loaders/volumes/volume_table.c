@@ -5,6 +5,8 @@
 #include "base/memory.h"
 #include "loaders/volumes/text/text_volume.h"
 
+#include <string.h>
+
 /* Workbench and AFNI also keep what is no label table in their extensions. In the order of their priority. */
 static const struct {
     int code;
@@ -13,33 +15,67 @@ static const struct {
 
 enum { KEPT = sizeof kept / sizeof kept[0] };
 
-conus_status volume_label_table(struct label_table *out, char **source, const struct volume_file *file,
-                                const struct label_voxels *voxels, struct file_sums *read, struct notes *notes)
+/* Fills `texts` with the texts of the file that may be tables; gives how many. */
+static size_t find_texts(struct text *texts, const struct volume_file *file)
 {
-    struct label_volume volume = {.info = &file->info,
-                                  .max_memory = file->max_memory,
-                                  .texts = memory_zeroed(KEPT * file->extension_count + 1, sizeof *volume.texts),
-                                  .header = volume_file_header};
-    conus_status status = volume.texts ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status && file->text) {
-        status = text_volume_labels(&volume.segments, file->text, file->info.volume, &volume.notes);
-    }
-    for (size_t k = 0; !status && k < KEPT; k++) {
+    size_t count = 0;
+    for (size_t k = 0; texts && k < KEPT; k++) {
         for (size_t i = 0; i < file->extension_count; i++) {
             const struct volume_extension *extension = &file->extensions[i];
             struct text text = text_from_bytes(extension->data, extension->size);
             if (extension->code == kept[k].code && text_mentions(text, kept[k].mark)) {
-                volume.texts[volume.count++] = text;
+                texts[count++] = text;
             }
         }
     }
-    if (!status) {
-        struct text embedded = text_from_bytes((const uint8_t *)file->embedded.data, file->embedded.size);
-        if (embedded.size) {
-            volume.texts[volume.count++] = embedded;
-        }
-        status = label_table_of_volume(out, source, &volume, voxels, read, notes);
+    struct text embedded = text_from_bytes((const uint8_t *)file->embedded.data, file->embedded.size);
+    if (texts && embedded.size) {
+        texts[count++] = embedded;
     }
-    label_volume_finish(&volume);
-    return status;
+    return count;
+}
+
+/* 3D Slicer's segments. */
+static struct label_table *find_segments(struct job *job, const struct volume_file *file)
+{
+    struct label_table *segments = labels_new(job);
+    struct attempt attempt = job_try(job);
+    if (file->text) {
+        (void)JOB_CALL(job, text_volume_labels(segments, file->text, file->info.volume, &job->notes));
+    }
+    if (job_ok(job) && !segments->count) {
+        (void)job_dropped(job, &attempt);
+    } else {
+        job_kept(job, &attempt);
+    }
+    return segments;
+}
+
+/* Bridge: to label tables on a job. */
+conus_status volume_label_table(struct label_table *out, char **source, const struct volume_file *file,
+                                const struct label_voxels *voxels, struct file_sums *read, struct notes *notes)
+{
+    struct job job = {0};
+    const char *words = "";
+    struct label_table *table = labels_new(&job); /* after a failure a spare one, which is empty */
+    struct text *texts = job_zeroed(&job, KEPT * file->extension_count + 1, sizeof *texts);
+    const struct label_volume volume = {.info = &file->info,
+                                        .max_memory = file->max_memory,
+                                        .segments = find_segments(&job, file),
+                                        .texts = texts,
+                                        .count = find_texts(texts, file),
+                                        .header = volume_file_header};
+    label_table_of_volume(&job, table, &words, &volume, voxels);
+    char *copy = job_give(&job, (char *)words, strlen(words) + 1);
+    struct label_table found = *table;
+    *table = (struct label_table){0};
+    conus_status status = job_close(&job, notes, read);
+    if (status) {
+        memory_free(copy);
+        label_table_finish(&found);
+        return status;
+    }
+    *source = copy;
+    *out = found;
+    return CONUS_OK;
 }

@@ -22,13 +22,14 @@ static void the_first_error_stays_with_its_places(void **state)
     size_t file = job_in(&job, "a.json", JOB_ALONE);
     size_t list = job_in(&job, "areas", 3);
     job_at(&job, "areas", 4);
+    job_in(&job, "line ", 7);
     job_bad(&job, "label: found %d", 0);
     job_out(&job, list);
     job_refuse(&job, "another");
     job_out(&job, file);
     assert_false(job_ok(&job));
     assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_DATA);
-    assert_string_equal(conus_message(), "a.json: areas[4]: label: found 0");
+    assert_string_equal(conus_message(), "a.json: areas[4]: line 7: label: found 0");
 }
 
 static void an_early_return_is_healed_by_the_mark(void **state)

@@ -22,15 +22,15 @@ static void check(const struct label_table *table)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct label_table table = {0};
-    struct notes notes = {0};
+    struct job job = {0};
     const char *format = NULL;
     static const struct label_use use;
-    conus_status status = label_bytes_parse(&table, &format, data, size, &use, &notes);
+    label_bytes_parse(&job, &table, &format, data, size, &use);
+    conus_status status = job_close(&job, NULL, NULL);
     if (status ? table.count || format : !table.count || !format) {
         abort();
     }
     check(&table);
     label_table_finish(&table);
-    notes_finish(&notes);
     return 0;
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Any bytes as an FSL atlas, a Workbench table and an AFNI table, whatever their outermost element is. */
-#include "base/memory.h"
 #include "loaders/labels/label_format.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -13,15 +12,12 @@ static const conus_volume_info infos[2] = {{.dim = {3, 2, 2}}, {.dim = {3, 2, 2}
 
 static void parse(const struct label_format *format, struct text text)
 {
-    struct label_table table = {0};
-    struct notes notes = {0};
     for (size_t volume = 0; volume < 2; volume++) {
         const struct label_use use = {.info = &infos[volume], .voxels = &voxels};
-        if (!label_text_parse(&table, format, text, &use, &notes)) {
-            label_table_finish(&table);
-        }
+        struct job job = {0};
+        label_text_parse(&job, labels_new(&job), format, text, &use);
+        job_end(&job);
     }
-    notes_finish(&notes);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)

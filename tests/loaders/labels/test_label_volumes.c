@@ -30,16 +30,15 @@ static const char *names_beside(const char *file, const char *text, char note[51
     row_text(test_in(file), text);
     all[0] = note[0] = '\0';
     for (size_t volume = 0; volume < VOLUMES; volume++) {
-        struct buffer name = {0};
-        struct buffer from = {0};
-        struct notes notes = {0};
-        assert_ok(label_volume_name(&name, &from, info_of(volume), &notes));
-        assert_true(!from.size || strcmp(from.data, file) == 0);
-        snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", volume ? "/" : "", name.size ? name.data : "-");
-        snprintf(note, 512, "%s", notes.count ? notes.lines[notes.count - 1] : "");
-        buffer_finish(&name);
-        buffer_finish(&from);
-        notes_finish(&notes);
+        struct job job = {0};
+        const char *from;
+        const char *name = label_volume_name(&job, &from, info_of(volume));
+        assert_true(job_ok(&job));
+        assert_int_equal(job.files.count, 0);
+        assert_true(!from || strcmp(from, file) == 0);
+        snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", volume ? "/" : "", name ? name : "-");
+        snprintf(note, 512, "%s", job.notes.count ? job.notes.lines[job.notes.count - 1] : "");
+        job_end(&job);
     }
     unlink(test_in(file));
     return all;

@@ -103,7 +103,7 @@ static void every_failing_allocation_is_reported(void **state)
                             "\"context\": \"sphere.nii.gz\", \"threshold\": 0.5, \"pathways\": "
                             "[{\"file\": \"sphere.nii.gz\", \"name\": \"Moves\", \"moves\": true}, {\"file\": "
                             "\"sphere.nii.gz\", \"names\": [\"Only\"]}, {\"file\": \"sphere.nii.gz\", \"bands\": "
-                            "[{\"name\": \"Ball\", \"low\": 0.5}]}], \"streamlines\": \"lines.vtk\"}"));
+                            "[{\"name\": \"Ball\", \"low\": 0.5}]}], \"streamlines\": [\"lines.vtk\"]}"));
     test_every_allocation(load, &attempt);
     assert_true(test_every_primitive(load, &attempt) > 5);
 }

@@ -197,8 +197,7 @@ static void columns_are_chosen_by_name(void **state)
         struct parsed parsed = {0};
         const struct label_use use = {.columns = {text_from(cases[i].columns[0]), text_from(cases[i].columns[1])}};
         const char *text = cases[i].text;
-        conus_status status =
-            label_bytes_parse(&parsed.table, &parsed.format, (const uint8_t *)text, strlen(text), &use, &parsed.notes);
+        conus_status status = parsed_from_bytes(&parsed, &(const struct bytes){(uint8_t *)text, strlen(text)}, &use);
         if (cases[i].wanted[0] == '!') {
             assert_fails(status, CONUS_ERROR_DATA);
             assert_non_null(strstr(conus_message(), cases[i].wanted + 1));
@@ -253,8 +252,7 @@ static void what_is_no_table_is_refused(void **state)
                    "UTF-16");
     struct parsed parsed = {0};
     uint8_t zeros[512] = {0};
-    assert_fails(label_bytes_parse(&parsed.table, &parsed.format, zeros, sizeof zeros, &no_use, &parsed.notes),
-                 CONUS_ERROR_DATA);
+    assert_fails(parsed_from_bytes(&parsed, &(const struct bytes){zeros, sizeof zeros}, &no_use), CONUS_ERROR_DATA);
 }
 
 static void oddities_are_noted(void **state)
@@ -310,14 +308,13 @@ static void the_column_that_fits_the_volume_is_the_number(void **state)
     for (size_t i = 0; i < sizeof tables / sizeof tables[0]; i++) {
         struct parsed parsed = {0};
         const struct label_use use = {.voxels = &voxels};
-        const uint8_t *bytes = (const uint8_t *)tables[i].text;
-        assert_ok(label_bytes_parse(&parsed.table, &parsed.format, bytes, strlen(tables[i].text), &use, &parsed.notes));
+        const struct bytes bytes = {(uint8_t *)tables[i].text, strlen(tables[i].text)};
+        assert_ok(parsed_from_bytes(&parsed, &bytes, &use));
         assert_string_equal(parsed_text(&parsed.table), tables[i].table);
         assert_true(tables[i].note ? notes_have(&parsed.notes, tables[i].note) : !parsed.notes.count);
         parsed_finish(&parsed);
         const struct label_use asked = {.voxels = &voxels, .columns = {text_from("index")}};
-        if (i < 2 &&
-            !label_bytes_parse(&parsed.table, &parsed.format, bytes, strlen(tables[i].text), &asked, &parsed.notes)) {
+        if (i < 2 && !parsed_from_bytes(&parsed, &bytes, &asked)) {
             assert_int_equal(i, 0); /* the second has no such column */
             assert_string_equal(parsed_text(&parsed.table), "1 b; 2 c");
             parsed_finish(&parsed);
@@ -367,7 +364,7 @@ static void a_lut_gives_colours_only(void **state)
     struct parsed parsed = {0};
     uint8_t lut[768] = {0};
     lut[7] = 10, lut[256 + 7] = 20, lut[512 + 7] = 30;
-    assert_ok(label_bytes_parse(&parsed.table, &parsed.format, lut, sizeof lut, &no_use, &parsed.notes));
+    assert_ok(parsed_from_bytes(&parsed, &(const struct bytes){lut, sizeof lut}, &no_use));
     assert_string_equal(parsed.format, "MRIcron colours");
     const struct label *seven = label_table_find(&parsed.table, 7);
     assert_non_null(seven);
@@ -376,6 +373,13 @@ static void a_lut_gives_colours_only(void **state)
     assert_int_equal(seven->rgb[1], 20);
     assert_false(label_table_find(&parsed.table, 8)->has_rgb); /* black: an unused entry */
     parsed_finish(&parsed);
+}
+
+static conus_status parsed_from_file(struct parsed *out, const char *path)
+{
+    struct job job = {0};
+    label_file_read(&job, &out->table, &out->format, path, NULL);
+    return job_close(&job, &out->notes, NULL);
 }
 
 /* Number of labels, first and last name of tables by other programs. */
@@ -403,7 +407,7 @@ static void real_tables_are_read(void **state)
     };
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         struct parsed parsed = {0};
-        assert_ok(label_file_read(&parsed.table, &parsed.format, test_shared(files[i].path), NULL, &parsed.notes));
+        assert_ok(parsed_from_file(&parsed, test_shared(files[i].path)));
         assert_string_equal(parsed.format, files[i].format);
         assert_true(!files[i].count || files[i].count == parsed.table.count);
         assert_string_equal(parsed.table.entries[0].name, files[i].first);
@@ -418,7 +422,7 @@ static void a_lut_beside_an_override_colours_it(void **state)
 {
     (void)state;
     struct parsed parsed = {0};
-    assert_ok(label_file_read(&parsed.table, &parsed.format, test_mricron("aal.nii.txt"), NULL, &parsed.notes));
+    assert_ok(parsed_from_file(&parsed, test_mricron("aal.nii.txt")));
     assert_int_equal(parsed.table.count, 116);
     assert_string_equal(parsed.table.entries[115].name, "Vermis_10");
     assert_true(parsed.table.entries[0].has_rgb);

@@ -174,7 +174,9 @@ static void each_volume_of_workbench_has_its_own_table(void **state)
     const conus_volume_info info = {.volume = 1};
     const struct label_use second = {.info = &info};
     const struct label_format *format = label_format_of(text_from(text));
-    assert_ok(label_text_parse(&parsed.table, format, text_from(text), &second, &parsed.notes));
+    struct job job = {0};
+    label_text_parse(&job, &parsed.table, format, text_from(text), &second);
+    assert_ok(job_close(&job, &parsed.notes, NULL));
     assert_string_equal(parsed_text(&parsed.table), "9 nine");
     parsed_finish(&parsed);
 }
@@ -197,20 +199,19 @@ static void fsl_atlases_name_their_images(void **state)
     };
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         struct bytes bytes = {0};
-        struct notes notes = {0};
-        struct fsl_atlas atlas = {0};
+        struct job job = {0};
         assert_ok(file_read(&bytes, test_shared(files[i].path), 1 << 20));
-        assert_ok(fsl_atlas_parse(&atlas, text_from_bytes(bytes.data, bytes.size)));
-        assert_ok(fsl_atlas_number(&atlas, &(struct label_use){0}, &notes));
-        assert_int_equal(atlas.is_label, files[i].is_label);
-        assert_int_equal(atlas.image_count, files[i].images);
-        assert_int_equal(atlas.labels.count, files[i].labels);
-        assert_string_equal(atlas.images[0].image, files[i].image);
-        assert_string_equal(atlas.images[0].summary, files[i].summary);
-        assert_int_equal(atlas.labels.entries[0].number, 1);
-        assert_string_equal(atlas.labels.entries[0].name, files[i].first);
-        fsl_atlas_finish(&atlas);
-        notes_finish(&notes);
+        struct fsl_atlas *atlas = fsl_atlas_parse(&job, text_from_bytes(bytes.data, bytes.size));
+        fsl_atlas_number(&job, atlas, &(struct label_use){0});
+        assert_true(job_ok(&job));
+        assert_int_equal(atlas->is_label, files[i].is_label);
+        assert_int_equal(atlas->image_count, files[i].images);
+        assert_int_equal(atlas->labels.count, files[i].labels);
+        assert_string_equal(atlas->images[0].image, files[i].image);
+        assert_string_equal(atlas->images[0].summary, files[i].summary);
+        assert_int_equal(atlas->labels.entries[0].number, 1);
+        assert_string_equal(atlas->labels.entries[0].name, files[i].first);
+        job_end(&job);
         bytes_finish(&bytes);
     }
 }

@@ -10,11 +10,29 @@
 #include <stdlib.h>
 #include <string.h>
 
+conus_status parsed_from_bytes(struct parsed *out, const struct bytes *bytes, const struct label_use *use)
+{
+    struct job job = {0};
+    struct label_table *table = labels_new(&job);
+    const char *format = NULL;
+    label_bytes_parse(&job, table, &format, bytes->data, bytes->size, use);
+    struct label_table parsed = *table;
+    *table = (struct label_table){0};
+    conus_status status = job_close(&job, &out->notes, NULL);
+    if (status) {
+        label_table_finish(&parsed);
+        return status;
+    }
+    out->table = parsed;
+    out->format = format;
+    return CONUS_OK;
+}
+
 conus_status parsed_from(struct parsed *out, const char *text)
 {
     static const struct label_use use;
     *out = (struct parsed){0};
-    return label_bytes_parse(&out->table, &out->format, (const uint8_t *)text, strlen(text), &use, &out->notes);
+    return parsed_from_bytes(out, &(const struct bytes){(uint8_t *)text, strlen(text)}, &use);
 }
 
 void parsed_finish(struct parsed *parsed)
@@ -75,7 +93,7 @@ static void read_or_refuse(const char *text, size_t size)
     memcpy(exact, text, size);
     struct parsed parsed = {0};
     static const struct label_use use;
-    conus_status status = label_bytes_parse(&parsed.table, &parsed.format, exact, size, &use, &parsed.notes);
+    conus_status status = parsed_from_bytes(&parsed, &(const struct bytes){exact, size}, &use);
     if (status) {
         assert_fails(status, CONUS_ERROR_DATA);
         assert_null(parsed.format);

@@ -3,6 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_BUILDERS_PARSED_LABELS_H
 #define CONUS_TESTS_SUPPORT_BUILDERS_PARSED_LABELS_H
 
+#include "base/files/file.h"
 #include "loaders/labels/label_format.h"
 
 struct parsed {
@@ -17,6 +18,8 @@ struct sample {
 };
 
 conus_status parsed_from(struct parsed *out, const char *text);
+/** The same of @p bytes for @p use. @p out is untouched on failure, but for notes. */
+conus_status parsed_from_bytes(struct parsed *out, const struct bytes *bytes, const struct label_use *use);
 void parsed_finish(struct parsed *parsed);
 
 /** "1 Precentral_L (PRE) #0a0b0c L <7; 2 ...": number, name, abbreviation, colour, hemisphere, parent. Static. */
