@@ -2,6 +2,8 @@
 /* Label tables that a job makes. */
 #include "loaders/labels/labels_on_job.h"
 
+#include "base/formats/encoding.h"
+
 #include <string.h>
 
 static void finish_table(void *table)
@@ -41,6 +43,31 @@ void labels_set(struct job *job, char **field, struct text text)
 void labels_sort(struct job *job, struct label_table *table)
 {
     (void)JOB_CALL(job, label_table_sort(table, &job->notes));
+}
+
+void labels_move(struct job *job, struct label_table *out, struct label_table *table)
+{
+    if (job_ok(job)) {
+        *out = *table;
+        *table = (struct label_table){0};
+    }
+}
+
+void labels_hush(struct job *job, const struct attempt *attempt)
+{
+    if (job_ok(job)) {
+        (void)job_dropped(job, attempt);
+    } else {
+        job_kept(job, attempt);
+    }
+}
+
+void labels_decode(struct job *job, struct text *text)
+{
+    char *owned = NULL;
+    if (JOB_CALL(job, encoding_decode(&owned, text, &job->notes)) && owned) {
+        job_adopt(job, owned);
+    }
 }
 
 char *labels_path(struct job *job, char *path)

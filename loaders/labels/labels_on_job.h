@@ -23,6 +23,15 @@ void labels_set(struct job *job, char **field, struct text text);
 /** As label_table_sort(), with notes of the job. */
 void labels_sort(struct job *job, struct label_table *table);
 
+/** Gives all that @p table has to the empty @p out, unless the job has failed. */
+void labels_move(struct job *job, struct label_table *out, struct label_table *table);
+
+/** Ends an attempt whose notes nobody hears: its error stays. */
+void labels_hush(struct job *job, const struct attempt *attempt);
+
+/** encoding_decode() of @p text into the job's memory. */
+void labels_decode(struct job *job, struct text *text);
+
 /** Takes over @p path of path_folder() and its kind; after a failure, or without memory, "". */
 char *labels_path(struct job *job, char *path);
 
