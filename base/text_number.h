@@ -12,6 +12,9 @@ enum { TEXT_NUMBER_SIZE = 32 };
  * or "-inf". Never the locale's decimal comma, never "-0". Returns @p out. */
 char *text_number(char out[TEXT_NUMBER_SIZE], double value);
 
+/** The same in memory that lives as long as the block in which this stands. */
+#define NUMBER_TEXT(value) text_number((char[TEXT_NUMBER_SIZE]){0}, value)
+
 /** The same, and gives the text's length. */
 size_t text_number_length(char out[TEXT_NUMBER_SIZE], double value);
 

@@ -4,11 +4,24 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "cache/atlas_cache.h"
+#include "loaders/maps/atlas_on_job.h"
 #include "loaders/scene/load_streamlines.h"
 
 /* The kinds of entries: streamlines in each conus_file_space, which are other ones, and an atlas. */
 static const char *const kinds[] = {"streamlines", "streamlines in RAS", "streamlines in LPS", "atlas"};
 enum { ATLAS = CONUS_FILE_SPACE_LPS + 1 };
+
+/* Bridge: streamlines_load(), whose atlas is the caller's. */
+static conus_status load_lines(conus_atlas **out, const char *path, int kind, const conus_load_options *options,
+                               bool maps)
+{
+    const struct note_sink sink = {options->log, options->log_user, path};
+    struct job job = {.sink = &sink};
+    conus_atlas *atlas = streamlines_load(&job, path, options, (conus_file_space)kind, maps);
+    atlas = job_give(&job, atlas, sizeof *atlas);
+    *out = atlas ? atlas : *out;
+    return job_close(&job, NULL, NULL);
+}
 
 static conus_status find_or_load(conus_atlas **out, const char *path, int kind, const conus_load_options *options)
 {
@@ -23,7 +36,7 @@ static conus_status find_or_load(conus_atlas **out, const char *path, int kind, 
         atlas_cache_begin_reading(&cache);
         bool maps = cache.options.cache && atlas_cache_leaves_points(path);
         status = kind == ATLAS ? atlas_load_files(&atlas, path, &cache.options)
-                               : streamlines_load(&atlas, path, &cache.options, (conus_file_space)kind, maps);
+                               : load_lines(&atlas, path, kind, &cache.options, maps);
         atlas_cache_end_reading(&cache);
         if (!status) {
             status = atlas_cache_keep(&cache, &atlas);
@@ -76,28 +89,34 @@ conus_status conus_tractogram_load(conus_tractogram **out, const char *path, con
 conus_status conus_atlas_add_streamlines(conus_atlas *atlas, const char *path, const conus_streamlines_options *options)
 {
     conus_atlas *alone = NULL;
-    double radius = 0;
     if (!atlas || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_streamlines: an atlas and a path are needed");
     }
     options = options_of(conus_streamlines_options, options);
-    conus_status status = streamlines_radius(&radius, options->radius, path);
-    status = status ? status : load_streamlines(&alone, path, options);
-    return status ? status : streamlines_take(atlas, alone, radius, options);
+    const struct note_sink sink = {options->log, options->log_user, path};
+    struct job job = {.sink = &sink};
+    const struct atlas_mark mark = atlas_mark(atlas);
+    double radius = streamlines_radius(&job, options->radius, path);
+    (void)JOB_CALL(&job, load_streamlines(&alone, path, options));
+    streamlines_take(&job, atlas, alone, radius, options->name);
+    conus_atlas_destroy(alone);
+    return atlas_close(&job, atlas, mark);
 }
 
 conus_status conus_atlas_add_tractogram(conus_atlas *atlas, const conus_tractogram *tractogram,
                                         const conus_streamlines_options *options)
 {
-    conus_atlas *copy = NULL;
-    double radius = 0;
     if (!atlas || !tractogram) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_tractogram: an atlas and a tractogram are needed");
     }
     options = options_of(conus_streamlines_options, options);
-    conus_status status = streamlines_radius(&radius, options->radius, tractogram->alone->tractograms[0].path);
-    status = status ? status : streamlines_borrow(&copy, tractogram->alone);
-    return status ? status : streamlines_take(atlas, copy, radius, options);
+    const char *path = tractogram->alone->tractograms[0].path;
+    const struct note_sink sink = {options->log, options->log_user, path};
+    struct job job = {.sink = &sink};
+    const struct atlas_mark mark = atlas_mark(atlas);
+    double radius = streamlines_radius(&job, options->radius, path);
+    streamlines_take(&job, atlas, streamlines_borrow(&job, tractogram->alone), radius, options->name);
+    return atlas_close(&job, atlas, mark);
 }
 
 void conus_tractogram_destroy(conus_tractogram *tractogram)

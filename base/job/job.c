@@ -23,20 +23,23 @@ enum {
 #define JOB_APART false
 #endif
 
-/* Writes the places, each with ": " behind it; gives their length. */
-static size_t write_places(char *to, size_t space, const struct job *job)
+/* Begins the message with the places, each with ": " behind it; gives their length. */
+static size_t write_places(struct job *job)
 {
     size_t used = 0;
+    job->message[0] = '\0';
     for (size_t i = 0; i < job->depth; i++) {
-        const struct job_place *place = &job->places[i];
-        size_t end = strlen(place->word);
-        bool alone = place->index == JOB_ALONE;
-        bool counts = end && place->word[end - 1] == ' ';
-        int length =
-            alone ? snprintf(to + used, space - used, "%s: ", place->word)
-                  : snprintf(to + used, space - used, counts ? "%s%zu: " : "%s[%zu]: ", place->word, place->index);
-        used += length < 0 ? 0 : (size_t)length;
-        used = used < space ? used : space - 1;
+        struct job_place *place = &job->places[i];
+        const size_t end = strlen(place->word);
+        const bool is_counted = end && place->word[end - 1] == ' ';
+        char *to = job->message + used;
+        snprintf(to, sizeof job->message - used,
+                 place->index == JOB_ALONE ? "%s: "
+                 : is_counted              ? "%s%zu: "
+                                           : "%s[%zu]: ",
+                 place->word, place->index);
+        text_make_plain(to, "");
+        place->end = used += strlen(to);
     }
     return used;
 }
@@ -47,12 +50,12 @@ void job_fail(struct job *job, conus_status status, const char *format, ...)
         return;
     }
     job->status = status;
-    size_t used = write_places(job->message, sizeof job->message, job);
+    size_t used = write_places(job);
     va_list args;
     va_start(args, format);
     vsnprintf(job->message + used, sizeof job->message - used, format, args);
     va_end(args);
-    text_make_plain(job->message, "");
+    text_make_plain(job->message + used, "");
 }
 
 /* The sink gets the notes that it has not heard, unless an attempt may still be dropped. */
@@ -79,7 +82,7 @@ bool job_took(struct job *job, conus_status status)
 size_t job_in(struct job *job, const char *word, size_t index)
 {
     assert(job->depth < JOB_PLACES);
-    job->places[job->depth] = (struct job_place){word, index};
+    job->places[job->depth] = (struct job_place){.word = word, .index = index};
     return job->depth++;
 }
 
@@ -91,7 +94,7 @@ void job_out(struct job *job, size_t mark)
 void job_at(struct job *job, const char *word, size_t index)
 {
     assert(job->depth);
-    job->places[job->depth - 1] = (struct job_place){word, index};
+    job->places[job->depth - 1] = (struct job_place){.word = word, .index = index};
 }
 
 void job_put(struct job *job, conus_severity severity, const char *format, ...)
@@ -128,11 +131,12 @@ const char *job_dropped(struct job *job, const struct attempt *attempt)
         return "";
     }
     bool had = job->status != CONUS_OK;
+    size_t around = attempt->depth ? job->places[attempt->depth - 1].end : 0;
     notes_cut(&job->notes, attempt->notes);
     file_sums_cut(&job->files, attempt->files);
     job->depth = attempt->depth;
     job->status = CONUS_OK;
-    return had ? job_format(job, "%s", job->message) : "";
+    return had ? job_format(job, "%s", job->message + around) : "";
 }
 
 const char *job_tried(struct job *job, const struct attempt *attempt)
@@ -375,9 +379,28 @@ void *list_add(struct job *job, void *array, size_t *count, size_t *capacity, si
     return memset(job_ok(job) ? data + (*count)++ * size : job->spare, 0, size);
 }
 
+char *job_beside(struct job *job, const char *path, const char *name)
+{
+    const char *slash = name[0] == '/' ? NULL : strrchr(path, '/');
+    return job_format(job, "%.*s%s", slash ? (int)(slash - path) + 1 : 0, path, name);
+}
+
 bool job_has_file(struct job *job, const char *path)
 {
     return job_step(job) && file_exists(path);
+}
+
+struct names job_names(struct job *job, const char *folder, const char *ending)
+{
+    struct names found = {0};
+    (void)JOB_CALL(job, names_list(&found, folder, ending));
+    struct names names = {.count = found.count};
+    names.names = job_array(job, &names.count, sizeof *names.names);
+    for (size_t i = 0; i < names.count; i++) {
+        names.names[i] = job_copy(job, text_from(found.names[i]));
+    }
+    names_finish(&found);
+    return names;
 }
 
 struct bytes job_read(struct job *job, const char *path, uint64_t limit, const char *option)

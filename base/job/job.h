@@ -18,6 +18,7 @@
 #define CONUS_BASE_JOB_JOB_H
 
 #include "base/files/file_sums.h"
+#include "base/files/folder.h"
 #include "base/notes.h"
 #include "base/text.h"
 
@@ -32,6 +33,7 @@ enum { JOB_PLACES = 16, JOB_MESSAGE = 1024, JOB_SPARE = 512 };
 struct job_place {
     const char *word; /**< A key or a path; borrowed. */
     size_t index;     /**< "word[index]", "word index" where the word ends with a space, or JOB_ALONE. */
+    size_t end;       /**< Bytes of the message up to and with this place, once there is one. */
 };
 
 struct job_block {
@@ -110,8 +112,8 @@ struct attempt {
 struct attempt job_try(struct job *job);
 /** Notes, files and an error become those of what is around it. */
 void job_kept(struct job *job, const struct attempt *attempt);
-/** Forgets notes, files and the error, and gives the error's message, "" if there was none. An error of memory or of
- * cancelling stays. */
+/** Forgets notes, files and the error, and gives the error's message, "" if there was none, without the places around
+ * the attempt. An error of memory or of cancelling stays. */
 const char *job_dropped(struct job *job, const struct attempt *attempt);
 /** Keeps the attempt unless it has failed: NULL then, else as job_dropped(). */
 const char *job_tried(struct job *job, const struct attempt *attempt);
@@ -165,7 +167,11 @@ void *list_add(struct job *job, void *array, size_t *count, size_t *capacity, si
 /** @} */
 
 /** @name Files @{ */
+/** The path file_beside() of @p path and @p name. */
+char *job_beside(struct job *job, const char *path, const char *name);
 bool job_has_file(struct job *job, const char *path);
+/** As names_list(); none after a failure. */
+struct names job_names(struct job *job, const char *folder, const char *ending);
 /** The bytes of a file that may not be larger than @p limit; @p option as for file_read_open(). The path is a place,
  * which the caller enters before: messages of openers do not name it. */
 struct bytes job_read(struct job *job, const char *path, uint64_t limit, const char *option);

@@ -196,7 +196,11 @@ static conus_status create_of_voxels(conus_atlas **out, struct volume_file *file
     file->info.role = CONUS_ROLE_PARCELLATION;
     conus_status status = volume_file_labels(&numbers, file);
     status = status ? status : add_labels(&table, labels, label_count, &notes);
-    status = status ? status : parcellation_check_grey(file, &numbers, &table, false, options->labels_anyway, &notes);
+    if (!status) {
+        struct job job = {0}; /* Bridge: this room reports a status */
+        parcellation_check_grey(&job, file, &numbers, &table, false, options->labels_anyway);
+        status = job_close(&job, &notes, NULL);
+    }
     status = status ? status
                     : atlas_create_of(&atlas, &volume, 1, &table, label_count ? "the program" : "none found", &notes);
     status = status ? status : set_words(atlas, file->path);
@@ -326,12 +330,15 @@ conus_status conus_atlas_add_values(conus_atlas *atlas, const conus_voxels *voxe
     options = options_of(conus_pathway_options, options);
     conus_status status = array_volume_open(&array, voxels);
     const struct note_sink sink = {options->log, options->log_user, array.file.path};
-    struct notes notes = {.sink = &sink};
     conus_pathway_options named = *options;
     bool is_named = (options->name && *options->name) || options->band_count;
     named.name = is_named ? options->name : array.file.path;
-    status = status ? status : pathway_add(atlas, &array.file, &named, &notes);
-    notes_finish(&notes);
+    if (!status) {
+        struct job job = {.sink = &sink};
+        const struct atlas_mark mark = atlas_mark(atlas);
+        pathway_add(&job, atlas, &array.file, &named);
+        status = atlas_close(&job, atlas, mark);
+    }
     array_volume_finish(&array);
     return status;
 }
@@ -346,9 +353,12 @@ conus_status conus_atlas_set_context_values(conus_atlas *atlas, const conus_voxe
     options = options_of(conus_context_options, options);
     conus_status status = array_volume_open(&array, voxels);
     const struct note_sink sink = {options->log, options->log_user, array.file.path};
-    struct notes notes = {.sink = &sink};
-    status = status ? status : context_set(atlas, &array.file, options, &notes);
-    notes_finish(&notes);
+    if (!status) {
+        struct job job = {.sink = &sink};
+        const struct atlas_mark mark = atlas_mark(atlas);
+        context_set(&job, atlas, &array.file, options);
+        status = atlas_close(&job, atlas, mark);
+    }
     array_volume_finish(&array);
     return status;
 }
@@ -362,9 +372,11 @@ conus_status conus_roi_create(conus_roi **out, const conus_voxels *voxels, const
     options = options_of(conus_roi_options, options);
     conus_status status = array_volume_open(&array, voxels);
     const struct note_sink sink = {options->log, options->log_user, array.file.path};
-    struct notes notes = {.sink = &sink};
-    status = status ? status : roi_of_volume(out, &array.file, options->threshold, &notes);
-    notes_finish(&notes);
+    if (!status) {
+        struct job job = {.sink = &sink};
+        roi_of_volume(&job, out, &array.file, options->threshold);
+        status = job_close(&job, NULL, NULL);
+    }
     array_volume_finish(&array);
     return status;
 }

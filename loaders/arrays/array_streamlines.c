@@ -4,6 +4,7 @@
 #include "base/options.h"
 #include "base/text.h"
 #include "conus/streamlines.h"
+#include "loaders/maps/atlas_on_job.h"
 #include "loaders/scene/load_streamlines.h"
 
 #include <stdio.h>
@@ -104,15 +105,20 @@ conus_status conus_atlas_add_polylines(conus_atlas *atlas, const conus_polylines
     struct notes notes = {.sink = &sink};
     conus_status status = check_arrays(polylines);
     status = status ? status : copy_polylines(&tractogram, polylines);
-    status = status ? fail_in(status, sink.path) : streamlines_radius(&tractogram.radius, options->radius, sink.path);
-    if (!status && options->space == CONUS_FILE_SPACE_LPS) {
+    struct job job = {.sink = &sink};
+    const struct atlas_mark mark = atlas_mark(atlas);
+    size_t place = job_in(&job, sink.path, JOB_ALONE);
+    job_took(&job, status);
+    job_out(&job, place);
+    tractogram.radius = streamlines_radius(&job, options->radius, sink.path);
+    if (job_ok(&job) && options->space == CONUS_FILE_SPACE_LPS) {
         tractogram_from_lps(&tractogram);
     }
-    if (!status) {
-        status = tractogram_check(&tractogram, &notes);
-        status = status ? fail_in(status, sink.path) : streamlines_add(atlas, &tractogram, options->name, &notes);
-    }
+    job_in(&job, sink.path, JOB_ALONE);
+    (void)JOB_CALL(&job, tractogram_check(&tractogram, &notes));
+    job_out(&job, place);
+    streamlines_add(&job, atlas, &tractogram, options->name, &notes);
     tractogram_finish(&tractogram);
     notes_finish(&notes);
-    return status;
+    return atlas_close(&job, atlas, mark);
 }

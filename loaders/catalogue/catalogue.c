@@ -2,179 +2,159 @@
 /* Keeps what is found, and holds the limits of the search. */
 #include "loaders/catalogue/catalogue.h"
 
-#include "base/buffer.h"
 #include "base/memory.h"
-#include "base/text.h"
 
 #include <errno.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-static void item_finish(struct catalogue_item *item)
+static void stop_here(conus_catalogue *catalogue, const char *what, size_t limit)
 {
-    memory_free((char *)item->atlas.name);
-    memory_free((char *)item->atlas.path);
-    memory_free((char *)item->atlas.labels);
-    memory_free(item->alias);
-}
-
-static conus_status stop_here(conus_catalogue *catalogue, const char *what, size_t limit)
-{
-    if (catalogue->full) {
-        return CONUS_OK;
+    if (!catalogue->full) {
+        job_warn(&catalogue->job, "%s: more than %zu %s: the rest is left out", catalogue->source, limit, what);
     }
     catalogue->full = true;
-    return notes_warn(&catalogue->notes, "%s: more than %zu %s: the rest is left out", catalogue->source, limit, what);
 }
 
 /* Makes a name fit for a line of a terminal; it is no path. */
-static char *plain_name(const char *bytes)
+static const char *plain_name(struct job *job, const char *bytes)
 {
-    char *name = text_to_utf8(text_trim(text_from(bytes)));
+    char *name = job_name(job, text_from(bytes));
     for (char *slash = name; slash && (slash = strchr(slash, '/'));) {
         *slash = ' ';
     }
-    return name;
+    return name ? name : "";
 }
 
-conus_status catalogue_add(conus_catalogue *catalogue, const struct catalogue_found *found)
+static bool is_same(const struct catalogue_id *a, const struct catalogue_id *b)
 {
+    return a->device == b->device && a->inode == b->inode;
+}
+
+void catalogue_add(struct job *job, conus_catalogue *catalogue, const struct catalogue_item *found)
+{
+    struct job *own = &catalogue->job;
+    const char *name = found->atlas.name;
+    if (!job_step(job)) {
+        return;
+    }
     /* The same file by the same name. Two names of one file are two: datalad keeps files of equal content once. */
-    for (size_t i = catalogue->first; i < catalogue->count; i++) {
-        const struct catalogue_item *known = &catalogue->items[i];
-        if (known->id.device == found->id.device && known->id.inode == found->id.inode &&
-            (strcmp(known->atlas.name, found->name) == 0 || (known->alias && strcmp(known->alias, found->name) == 0))) {
-            return CONUS_OK;
+    for (size_t i = catalogue->first; i < catalogue->items.count; i++) {
+        const struct catalogue_item *known = &catalogue->items.at[i];
+        if (is_same(&known->id, &found->id) &&
+            (strcmp(known->atlas.name, name) == 0 || (known->alias && strcmp(known->alias, name) == 0))) {
+            return;
         }
     }
-    if (catalogue->count - catalogue->first == CATALOGUE_ATLASES) {
-        return stop_here(catalogue, "atlases", CATALOGUE_ATLASES);
+    if (catalogue->items.count - catalogue->first == CATALOGUE_ATLASES) {
+        stop_here(catalogue, "atlases", CATALOGUE_ATLASES);
+        return;
     }
-    struct catalogue_item item = {.atlas = {.source = catalogue->source, .kind = found->kind}, .id = found->id};
-    bool fine = memory_reserve(&catalogue->items, &catalogue->capacity, catalogue->count + 1, sizeof item);
-    memcpy(item.atlas.spacing, found->spacing, sizeof item.atlas.spacing);
-    item.atlas.name = fine ? plain_name(found->name) : NULL;
-    item.atlas.path = fine ? memory_text(found->path, strlen(found->path)) : NULL;
-    item.atlas.labels = fine && found->labels ? memory_text(found->labels, strlen(found->labels)) : NULL;
-    item.alias = fine && found->alias ? plain_name(found->alias) : NULL;
-    if (!item.atlas.name || !item.atlas.path || (found->labels && !item.atlas.labels) ||
-        (found->alias && !item.alias)) {
-        item_finish(&item);
-        return CONUS_ERROR_MEMORY;
-    }
-    catalogue->items[catalogue->count++] = item;
-    return CONUS_OK;
+    struct catalogue_item item = *found;
+    item.atlas.source = catalogue->source;
+    item.atlas.name = plain_name(own, name);
+    item.atlas.path = job_copy(own, text_from(found->atlas.path));
+    item.atlas.labels = found->atlas.labels ? job_copy(own, text_from(found->atlas.labels)) : NULL;
+    item.alias = found->alias ? plain_name(own, found->alias) : NULL;
+    *LIST_ADD(own, &catalogue->items) = item;
 }
 
-struct catalogue_id catalogue_id_of(const struct stat *info)
+enum catalogue_kind catalogue_at(struct catalogue_id *id, const char *path)
 {
-    return (struct catalogue_id){(uint64_t)info->st_dev, (uint64_t)info->st_ino};
+    struct stat info;
+    *id = (struct catalogue_id){0};
+    if (stat(path, &info)) {
+        return CATALOGUE_NOTHING;
+    }
+    *id = (struct catalogue_id){(uint64_t)info.st_dev, (uint64_t)info.st_ino};
+    return S_ISDIR(info.st_mode)                   ? CATALOGUE_FOLDER
+           : S_ISREG(info.st_mode) && info.st_size ? CATALOGUE_FILE
+                                                   : CATALOGUE_NOTHING;
 }
 
-char *catalogue_join(const char *folder, const char *name)
+const char *catalogue_join(struct job *job, const char *folder, const char *name)
 {
-    struct buffer path = {0};
     size_t length = strlen(folder);
-    buffer_format(&path, "%s%s%s", folder, length && folder[length - 1] == '/' ? "" : "/", name);
-    if (buffer_status(&path)) {
-        buffer_finish(&path);
-        return NULL;
-    }
-    return path.data;
+    return job_format(job, "%s%s%s", folder, length && folder[length - 1] == '/' ? "" : "/", name);
 }
 
 /* Takes the hidden ones out, and those behind the limit. */
-static conus_status sift_names(struct names *names, conus_catalogue *catalogue)
+static void sift_names(struct names *names, conus_catalogue *catalogue)
 {
     size_t kept = 0;
-    bool over = false;
-    for (size_t i = 0; i < names->count; i++) {
-        bool shown = names->names[i][0] != '.';
-        over = over || (shown && catalogue->seen == CATALOGUE_ENTRIES);
-        if (shown && !over) {
+    for (size_t i = 0; i < names->count && !catalogue->full; i++) {
+        bool is_shown = names->names[i][0] != '.';
+        if (is_shown && catalogue->seen == CATALOGUE_ENTRIES) {
+            stop_here(catalogue, "files and folders", CATALOGUE_ENTRIES);
+        } else if (is_shown) {
             names->names[kept++] = names->names[i];
             catalogue->seen++;
-        } else {
-            memory_free(names->names[i]);
         }
     }
     names->count = kept;
-    return over ? stop_here(catalogue, "files and folders", CATALOGUE_ENTRIES) : CONUS_OK;
 }
 
-conus_status catalogue_list(struct names *out, conus_catalogue *catalogue, const char *folder)
+struct names catalogue_list(struct job *job, conus_catalogue *catalogue, const char *folder)
 {
-    struct stat info;
-    if (catalogue->full || stat(folder, &info) || !S_ISDIR(info.st_mode)) {
-        return CONUS_OK;
+    struct names names = {0};
+    struct catalogue_id id;
+    if (catalogue->full || catalogue_at(&id, folder) != CATALOGUE_FOLDER) {
+        return names;
     }
-    const struct catalogue_id id = catalogue_id_of(&info);
-    for (size_t i = 0; i < catalogue->folder_count; i++) {
-        if (catalogue->folders[i].device == id.device && catalogue->folders[i].inode == id.inode) {
-            return CONUS_OK;
+    for (size_t i = 0; i < catalogue->folders.count; i++) {
+        if (is_same(&catalogue->folders.at[i], &id)) {
+            return names;
         }
     }
     if (access(folder, R_OK | X_OK)) {
-        return notes_warn(&catalogue->notes, "%s: %s: cannot read this folder: %s", catalogue->source, folder,
-                          strerror(errno));
+        job_warn(&catalogue->job, "%s: %s: cannot read this folder: %s", catalogue->source, folder, strerror(errno));
+        return names;
     }
-    if (!memory_reserve(&catalogue->folders, &catalogue->folder_capacity, catalogue->folder_count + 1,
-                        sizeof *catalogue->folders)) {
-        return CONUS_ERROR_MEMORY;
+    *LIST_ADD(&catalogue->job, &catalogue->folders) = id;
+    names = job_names(job, folder, "");
+    if (names.count == NAMES_LIMIT) {
+        job_warn(&catalogue->job, "%s: %s: more than %d names: the others are left out", catalogue->source, folder,
+                 NAMES_LIMIT);
     }
-    catalogue->folders[catalogue->folder_count++] = id;
-    conus_status status = names_list(out, folder, "");
-    if (!status && out->count == NAMES_LIMIT) {
-        status = notes_warn(&catalogue->notes, "%s: %s: more than %d names: the others are left out", catalogue->source,
-                            folder, NAMES_LIMIT);
-    }
-    return status ? status : sift_names(out, catalogue);
+    sift_names(&names, catalogue);
+    return names;
 }
 
 void conus_catalogue_destroy(conus_catalogue *catalogue)
 {
-    if (!catalogue) {
-        return;
+    if (catalogue) {
+        job_end(&catalogue->job);
+        memory_free(catalogue);
     }
-    for (size_t i = 0; i < catalogue->count; i++) {
-        item_finish(&catalogue->items[i]);
-    }
-    for (size_t i = 0; i < catalogue->place_count; i++) {
-        memory_free((char *)catalogue->places[i].path);
-    }
-    memory_free(catalogue->items);
-    memory_free(catalogue->places);
-    memory_free(catalogue->folders);
-    notes_finish(&catalogue->notes);
-    memory_free(catalogue);
 }
 
 size_t conus_catalogue_count(const conus_catalogue *catalogue)
 {
-    return catalogue ? catalogue->count : 0;
+    return catalogue ? catalogue->items.count : 0;
 }
 
 const conus_installed *conus_catalogue_atlas(const conus_catalogue *catalogue, size_t index)
 {
-    return index < conus_catalogue_count(catalogue) ? &catalogue->items[index].atlas : NULL;
+    return index < conus_catalogue_count(catalogue) ? &catalogue->items.at[index].atlas : NULL;
 }
 
 size_t conus_catalogue_place_count(const conus_catalogue *catalogue)
 {
-    return catalogue ? catalogue->place_count : 0;
+    return catalogue ? catalogue->places.count : 0;
 }
 
 const conus_catalogue_place *conus_catalogue_place_at(const conus_catalogue *catalogue, size_t index)
 {
-    return index < conus_catalogue_place_count(catalogue) ? &catalogue->places[index] : NULL;
+    return index < conus_catalogue_place_count(catalogue) ? &catalogue->places.at[index] : NULL;
 }
 
 size_t conus_catalogue_note_count(const conus_catalogue *catalogue)
 {
-    return catalogue ? catalogue->notes.count : 0;
+    return catalogue ? catalogue->job.notes.count : 0;
 }
 
 const char *conus_catalogue_note(const conus_catalogue *catalogue, size_t index)
 {
-    return index < conus_catalogue_note_count(catalogue) ? catalogue->notes.lines[index] : NULL;
+    return index < conus_catalogue_note_count(catalogue) ? catalogue->job.notes.lines[index] : NULL;
 }

@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The catalogue while it is filled, and the limits of the search. */
+/** @file The catalogue while it is filled, and the limits of the search. What a search needs is its job's, which ends
+ * with each place; what is found is the catalogue's. */
 #ifndef CONUS_LOADERS_CATALOGUE_CATALOGUE_H
 #define CONUS_LOADERS_CATALOGUE_CATALOGUE_H
 
-#include "base/files/folder.h"
-#include "base/notes.h"
+#include "base/job/job.h"
 #include "conus/catalogue.h"
-
-#include <stdint.h>
-#include <sys/stat.h>
 
 enum {
     CATALOGUE_ATLASES = 4096, /**< At most so many atlases of one source; the others are left out, with a note. */
@@ -21,49 +18,39 @@ struct catalogue_id {
 };
 
 struct catalogue_item {
-    conus_installed atlas; /**< All texts but source and kind are owned. */
-    char *alias;           /**< Another name, or NULL. */
-    struct catalogue_id id;
+    conus_installed atlas;
+    const char *alias;      /**< Another name, or NULL. */
+    struct catalogue_id id; /**< Of the file or folder atlas.path. */
 };
 
 struct conus_catalogue {
-    struct catalogue_item *items;
-    size_t count, capacity;
-    conus_catalogue_place *places; /**< The paths are owned. */
-    size_t place_count, place_capacity;
-    struct notes notes;
-    struct note_sink sink; /**< Gets the notes. */
+    struct job job; /**< Owns all texts and lists, and has the notes. */
+    struct note_sink sink;
+    LIST(struct catalogue_item) items;
+    LIST(conus_catalogue_place) places;
 
     /* The source that is looked at now. */
     const char *source;
-    size_t first;                 /**< Its first item. */
-    size_t seen;                  /**< Files and folders so far. */
-    bool full;                    /**< A limit is reached, as a note says. */
-    struct catalogue_id *folders; /**< That were listed, each once: no link leads around in circles. */
-    size_t folder_count, folder_capacity;
+    size_t first;                      /**< Its first item. */
+    size_t seen;                       /**< Files and folders so far. */
+    bool full;                         /**< A limit is reached, as a note says. */
+    LIST(struct catalogue_id) folders; /**< That were listed, each once: no link leads around in circles. */
 };
 
-/** An atlas that was found. */
-struct catalogue_found {
-    const char *name, *alias; /**< Bytes; made plain here. alias may be NULL. */
-    const char *kind;         /**< Static. */
-    const char *path, *labels;
-    double spacing[3];
-    struct catalogue_id id; /**< Identifies the file `path`. */
-};
+/** Adds a copy, of a name made plain, unless the source has this file by this name already. */
+void catalogue_add(struct job *job, conus_catalogue *catalogue, const struct catalogue_item *found);
 
-/** Adds a copy, unless the source has this file by this name already. */
-conus_status catalogue_add(conus_catalogue *catalogue, const struct catalogue_found *found);
+enum catalogue_kind { CATALOGUE_NOTHING, CATALOGUE_FILE, CATALOGUE_FOLDER };
 
-struct catalogue_id catalogue_id_of(const struct stat *info);
+/** What is at @p path, and which one; an empty file is nothing: TemplateFlow has them until it fetches them. */
+enum catalogue_kind catalogue_at(struct catalogue_id *id, const char *path);
 
-/** Lists the entries of the folder, sorted, without hidden ones. The list is empty for a folder that was listed before
- * or is not there; it is empty, with a note, for one that cannot be read or is beyond a limit. @p out is the caller's
- * to finish, also on failure. */
-conus_status catalogue_list(struct names *out, conus_catalogue *catalogue, const char *folder);
+/** The entries of the folder, sorted, without hidden ones. None of a folder that was listed before or is not there, and
+ * none, with a note, of one that cannot be read or is beyond a limit. */
+struct names catalogue_list(struct job *job, conus_catalogue *catalogue, const char *folder);
 
-/** "folder/name", the caller's to memory_free(); NULL without memory. */
-char *catalogue_join(const char *folder, const char *name);
+/** "folder/name". */
+const char *catalogue_join(struct job *job, const char *folder, const char *name);
 
 /** How a folder is looked through. */
 struct folder_rule {
@@ -75,20 +62,20 @@ struct folder_rule {
 };
 
 /** Adds the labelled volumes, manifests, FSL atlases and BrainGlobe folders in a folder and in those below it. */
-conus_status folder_look(conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule);
+void folder_look(struct job *job, conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule);
 
 /** Adds the atlases of BrainGlobe's third release in @p folder: of each the newest version by its name, and the others
  * with "_v1.1" behind it, by which the newest is known, too. */
-conus_status brainglobe_look(conus_catalogue *catalogue, const char *folder);
+void brainglobe_look(struct job *job, conus_catalogue *catalogue, const char *folder);
 
 /** Adds, of each subject in @p folder, the segmentations in mri/ ("bert.aseg", with FreeSurfer's table of labels if
  * there is one) and the annotations in label/ on the pial surface of their side ("bert.lh.aparc"), or the white one.
  * Nothing is opened. */
-conus_status freesurfer_look(conus_catalogue *catalogue, const char *folder);
+void freesurfer_look(struct job *job, conus_catalogue *catalogue, const char *folder);
 
 /** Adds the labelled volumes that an FSL atlas XML names, if they are there: the finest under the XML's name, others
  * with "-2mm" behind it, all with the XML as their label table. An XML of another kind, or damaged, is passed over; one
  * without such a volume is a note. */
-conus_status fsl_look(conus_catalogue *catalogue, const char *xml_path);
+void fsl_look(struct job *job, conus_catalogue *catalogue, const char *xml_path);
 
 #endif

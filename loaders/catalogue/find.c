@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the atlas that a name means, and the names that were perhaps meant. */
-#include "base/buffer.h"
 #include "base/memory.h"
-#include "base/text.h"
 #include "loaders/catalogue/catalogue.h"
 
 #include <errno.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 
 enum { CANDIDATES = 6, NEAR = 3, TEXT = 512 };
 
@@ -86,8 +85,8 @@ struct candidates {
 
 static void find_candidates(struct candidates *out, const conus_catalogue *catalogue, const char *name, bool folded)
 {
-    for (size_t i = 0; i < catalogue->count; i++) {
-        const struct catalogue_item *item = &catalogue->items[i];
+    for (size_t i = 0; i < catalogue->items.count; i++) {
+        const struct catalogue_item *item = &catalogue->items.at[i];
         bool is = is_called(item, name, folded);
         for (size_t j = 0; is && j < out->count && j < CANDIDATES; j++) {
             is = !is_same_name(item, out->items[j]);
@@ -101,20 +100,18 @@ static void find_candidates(struct candidates *out, const conus_catalogue *catal
 
 static conus_status refuse_ambiguous(const char *name, const struct candidates *candidates)
 {
-    struct buffer list = {0};
+    struct job job = {0};
+    const char *list = "";
     bool one_source = true;
     for (size_t i = 0; i < candidates->count && i < CANDIDATES; i++) {
         const conus_installed *atlas = &candidates->items[i]->atlas;
         one_source = one_source && strcmp(atlas->source, candidates->items[0]->atlas.source) == 0;
-        buffer_format(&list, "%s%s:%s (%s)", i ? ", " : "", atlas->source, atlas->name, atlas->path);
+        list = job_format(&job, "%s%s%s:%s (%s)", list, i ? ", " : "", atlas->source, atlas->name, atlas->path);
     }
-    conus_status status = buffer_status(&list);
-    status = status ? status
-                    : fail(CONUS_ERROR_ARGUMENT, "%s: %zu atlases have that name: %s%s; give %s", name,
-                           candidates->count, list.data, candidates->count > CANDIDATES ? ", ..." : "",
-                           one_source ? "the path of one" : "one with its source, or a path");
-    buffer_finish(&list);
-    return status;
+    job_fail(&job, CONUS_ERROR_ARGUMENT, "%s: %zu atlases have that name: %s%s; give %s", name, candidates->count, list,
+             candidates->count > CANDIDATES ? ", ..." : "",
+             one_source ? "the path of one" : "one with its source, or a path");
+    return job_close(&job, NULL, NULL);
 }
 
 /** Names that are near, the nearest first. */
@@ -141,31 +138,28 @@ static void rank(struct near nearest[NEAR], const conus_installed *atlas, size_t
 static conus_status refuse_unknown(const conus_catalogue *catalogue, const char *name)
 {
     struct near nearest[NEAR] = {0};
-    struct buffer list = {0};
+    struct job job = {0};
+    const char *list = "";
     size_t most = (strlen(name) + 2) / 3;
     const char *colon = strchr(name, ':');
     const struct text wanted = text_from(colon ? colon + 1 : name);
-    for (size_t i = 0; i < catalogue->count; i++) {
-        struct text own = text_from(catalogue->items[i].atlas.name);
+    for (size_t i = 0; i < catalogue->items.count; i++) {
+        const conus_installed *atlas = &catalogue->items.at[i].atlas;
+        struct text own = text_from(atlas->name);
         bool contains = wanted.size >= 3 && text_contains(own, wanted); /* then it is near */
         size_t far = contains ? 1 : text_distance(wanted, own);
         if (far <= most) {
-            rank(nearest, &catalogue->items[i].atlas, far);
+            rank(nearest, atlas, far);
         }
     }
-    buffer_text(&list, "");
     for (size_t i = 0; i < NEAR && nearest[i].atlas; i++) {
-        buffer_format(&list, "%s%s", i ? " or " : "; did you mean ", nearest[i].atlas->name);
+        list = job_format(&job, "%s%s%s", list, i ? " or " : "; did you mean ", nearest[i].atlas->name);
     }
-    buffer_text(&list, nearest[0].atlas ? "?" : "");
-    conus_status status = buffer_status(&list);
-    status = status ? status
-                    : fail(CONUS_ERROR_IO,
-                           "%s: cannot open: No such file or directory, and no installed atlas has that name "
-                           "('conus atlases' lists them)%s",
-                           name, list.data);
-    buffer_finish(&list);
-    return status;
+    job_fail(&job, CONUS_ERROR_IO,
+             "%s: cannot open: No such file or directory, and no installed atlas has that name ('conus atlases' lists "
+             "them)%s%s",
+             name, list, nearest[0].atlas ? "?" : "");
+    return job_close(&job, NULL, NULL);
 }
 
 conus_status conus_catalogue_find(const conus_installed **out, const conus_catalogue *catalogue, const char *name)

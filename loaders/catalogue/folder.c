@@ -2,7 +2,6 @@
 /* Walks a folder: its files first, then the folders in it. */
 #include "loaders/catalogue/catalogue.h"
 
-#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/memory.h"
 #include "loaders/brainglobe/brainglobe_atlas.h"
@@ -16,189 +15,144 @@ static const char manifest_ending[] = ".atlas.json";
 
 static bool fits_patterns(const char *name, const char *const *patterns)
 {
-    for (; *patterns; patterns++) {
-        if (fnmatch(*patterns, name, 0) == 0) {
-            return true;
-        }
+    bool fits = !patterns;
+    for (; !fits && *patterns; patterns++) {
+        fits = fnmatch(*patterns, name, 0) == 0;
     }
-    return false;
+    return fits;
 }
 
-/* The name without `length` bytes of ending, and without `cut` before that. */
-static char *atlas_name(const char *name, size_t length, const char *cut)
+/* Adds the file `found` by the first `length` bytes of its name, without `cut` at their end. */
+static void add_named(struct job *job, conus_catalogue *catalogue, struct catalogue_item *found, size_t length,
+                      const char *cut)
 {
+    const char *name = path_base(found->atlas.path);
     size_t ending = cut ? strlen(cut) : 0;
     if (ending && length > ending && strncmp(name + length - ending, cut, ending) == 0) {
         length -= ending;
     }
-    return memory_text(name, length);
+    found->atlas.name = job_format(job, "%.*s", (int)length, name);
+    catalogue_add(job, catalogue, found);
 }
 
-static conus_status add_named(conus_catalogue *catalogue, struct catalogue_found *found, char *name)
+static void take_file(struct job *job, conus_catalogue *catalogue, struct catalogue_item *found,
+                      const struct folder_rule *rule)
 {
-    found->name = name;
-    conus_status status = name ? catalogue_add(catalogue, found) : CONUS_ERROR_MEMORY;
-    memory_free(name);
-    return status;
-}
-
-static conus_status take_file(conus_catalogue *catalogue, const char *name, struct catalogue_found *found,
-                              const struct folder_rule *rule)
-{
+    const char *path = found->atlas.path;
+    const char *name = path_base(path);
     if (volume_marks_is_volume(name)) {
-        bool labels = false;
-        if (rule->patterns && !fits_patterns(name, rule->patterns)) {
-            return CONUS_OK;
+        found->atlas.kind = "volume";
+        if (fits_patterns(name, rule->patterns) &&
+            volume_marks_find(job, found->atlas.spacing, path, rule->patterns != NULL)) {
+            add_named(job, catalogue, found, volume_stem_length(name), rule->cut);
         }
-        conus_status status = volume_marks_find(&labels, found->spacing, found->path, rule->patterns != NULL);
-        found->kind = "volume";
-        return status || !labels ? status
-                                 : add_named(catalogue, found, atlas_name(name, volume_stem_length(name), rule->cut));
+    } else if (path_ends_in(name, manifest_ending)) {
+        found->atlas.kind = "scene";
+        add_named(job, catalogue, found, strlen(name) - strlen(manifest_ending), NULL);
+    } else if (path_ends_in(name, ".xml")) {
+        fsl_look(job, catalogue, path);
     }
-    if (path_ends_in(name, manifest_ending)) {
-        found->kind = "scene";
-        return add_named(catalogue, found, atlas_name(name, strlen(name) - strlen(manifest_ending), NULL));
-    }
-    return path_ends_in(name, ".xml") ? fsl_look(catalogue, found->path) : CONUS_OK;
 }
 
-static bool is_brainglobe(const char *folder)
+static bool is_brainglobe(struct job *job, const char *folder)
 {
-    char *table = catalogue_join(folder, "structures.json");
-    char *meshes = catalogue_join(folder, "meshes");
-    bool is = table && meshes && file_exists(table) && file_is_folder(meshes);
-    memory_free(table);
-    memory_free(meshes);
-    return is;
+    return job_has_file(job, catalogue_join(job, folder, "structures.json")) &&
+           file_is_folder(catalogue_join(job, folder, "meshes"));
 }
 
-static conus_status add_brainglobe(conus_catalogue *catalogue, const char *name, struct catalogue_found *found)
+static void add_brainglobe(struct job *job, conus_catalogue *catalogue, struct catalogue_item *found)
 {
-    size_t length = strlen(name); /* of "allen_mouse_25um" of "allen_mouse_25um_v1.2", as BrainGlobe calls an atlas */
-    size_t digits = length;
+    const char *name = path_base(found->atlas.path);
+    size_t digits = strlen(name); /* "allen_mouse_25um" of "allen_mouse_25um_v1.2", as BrainGlobe calls an atlas */
     while (digits && (isdigit((unsigned char)name[digits - 1]) || name[digits - 1] == '.')) {
         digits--;
     }
-    if (digits < length && digits > 2 && name[digits - 1] == 'v' && name[digits - 2] == '_') {
-        length = digits - 2;
+    if (name[digits] && digits > 2 && name[digits - 1] == 'v' && name[digits - 2] == '_') {
+        found->alias = job_format(job, "%.*s", (int)digits - 2, name);
     }
-    char *alias = name[length] ? memory_text(name, length) : NULL;
-    found->kind = "surfaces";
-    found->name = name;
-    found->alias = alias;
-    conus_status status = name[length] && !alias ? CONUS_ERROR_MEMORY : catalogue_add(catalogue, found);
-    memory_free(alias);
-    return status;
+    found->atlas.kind = "surfaces";
+    found->atlas.name = name;
+    catalogue_add(job, catalogue, found);
 }
 
 /* The edges of its voxels, which the list shows; none where manifest.json is damaged, as loading it says. */
-static conus_status find_spacing(double out[3], const char *folder)
+static void find_spacing(struct job *job, double out[3], const char *folder)
 {
     struct brainglobe_atlas atlas = {0};
-    struct file_sums read = {0};
     char *root = NULL;
-    char *path = catalogue_join(folder, "");
-    conus_status status = path ? brainglobe_atlas_read(&atlas, &root, path, &read) : CONUS_ERROR_MEMORY;
-    for (size_t axis = 0; !status && axis < 3; axis++) {
-        out[axis] = atlas.metadata.resolution[2 - axis] / 1000; /* i is the last axis */
+    struct attempt attempt = job_try(job);
+    if (JOB_CALL(job, brainglobe_atlas_read(&atlas, &root, catalogue_join(job, folder, ""), &job->files))) {
+        for (size_t axis = 0; axis < 3; axis++) {
+            out[axis] = atlas.metadata.resolution[2 - axis] / 1000; /* i is the last axis */
+        }
     }
+    (void)job_tried(job, &attempt);
     brainglobe_atlas_finish(&atlas);
-    file_sums_finish(&read);
     memory_free(root);
-    memory_free(path);
-    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
 }
 
 /* Adds the versions of the atlas in `folder`, called `name`, the newest first. */
-static conus_status add_versions(conus_catalogue *catalogue, const char *folder, const char *name)
+static void add_versions(struct job *job, conus_catalogue *catalogue, const char *folder, const char *name)
 {
     struct names versions = {0};
-    conus_status status = brainglobe_versions(&versions, folder);
-    for (size_t i = versions.count; !status && i-- > 0;) {
-        struct stat info;
-        struct buffer numbered = {0};
+    (void)JOB_CALL(job, brainglobe_versions(&versions, folder));
+    for (size_t i = versions.count; i-- > 0;) {
         bool is_newest = i + 1 == versions.count;
-        char *path = catalogue_join(folder, versions.names[i]);
-        buffer_format(&numbered, "%s_v%s", name, versions.names[i]);
-        status = path ? buffer_status(&numbered) : CONUS_ERROR_MEMORY;
-        if (!status && stat(path, &info) == 0) {
-            for (char *c = numbered.data + strlen(name) + 2; *c; c++) {
-                *c = *c == '_' ? '.' : *c; /* 1_10 is the version 1.10 */
-            }
-            struct catalogue_found found = {.name = is_newest ? name : numbered.data,
-                                            .alias = is_newest ? numbered.data : NULL,
-                                            .kind = "volume",
-                                            .path = path,
-                                            .id = catalogue_id_of(&info)};
-            status = find_spacing(found.spacing, path);
-            status = status ? status : catalogue_add(catalogue, &found);
+        struct catalogue_item found = {
+            .atlas = {.kind = "volume", .path = catalogue_join(job, folder, versions.names[i])}};
+        for (char *c = versions.names[i]; *c; c++) {
+            *c = *c == '_' ? '.' : *c; /* 1_10 is the version 1.10 */
         }
-        memory_free(path);
-        buffer_finish(&numbered);
+        const char *numbered = job_format(job, "%s_v%s", name, versions.names[i]);
+        found.atlas.name = is_newest ? name : numbered;
+        found.alias = is_newest ? numbered : NULL;
+        if (catalogue_at(&found.id, found.atlas.path) == CATALOGUE_FOLDER) {
+            find_spacing(job, found.atlas.spacing, found.atlas.path);
+            catalogue_add(job, catalogue, &found);
+        }
     }
     names_finish(&versions);
-    return status;
 }
 
-conus_status brainglobe_look(conus_catalogue *catalogue, const char *folder)
+void brainglobe_look(struct job *job, conus_catalogue *catalogue, const char *folder)
 {
-    struct names names = {0};
-    conus_status status = catalogue_list(&names, catalogue, folder);
-    for (size_t i = 0; !status && i < names.count; i++) {
-        char *path = catalogue_join(folder, names.names[i]);
-        status = path ? add_versions(catalogue, path, names.names[i]) : CONUS_ERROR_MEMORY;
-        memory_free(path);
+    struct names names = catalogue_list(job, catalogue, folder);
+    for (size_t i = 0; i < names.count; i++) {
+        add_versions(job, catalogue, catalogue_join(job, folder, names.names[i]), names.names[i]);
     }
-    names_finish(&names);
-    return status;
 }
 
 /** The passes over a folder, in this order: XMLs name volumes, and volumes in the folders below. */
 enum turn { XMLS, OTHER_FILES, FOLDERS, TURNS };
 
-static conus_status look_in_folder(conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule,
-                                   size_t depth);
-
 /* No deeper than rule->depth. NOLINTNEXTLINE(misc-no-recursion) */
-static conus_status look_at_name(conus_catalogue *catalogue, const char *folder, const char *name,
-                                 const struct folder_rule *rule, size_t depth, enum turn turn)
+static void look_at_path(struct job *job, conus_catalogue *catalogue, const char *path, const struct folder_rule *rule,
+                         enum turn turn)
 {
-    struct stat info;
-    char *path = catalogue_join(folder, name);
-    bool there = path && stat(path, &info) == 0;
-    conus_status status = path ? CONUS_OK : CONUS_ERROR_MEMORY;
-    struct catalogue_found found = {.path = path};
-    if (there) {
-        found.id = catalogue_id_of(&info);
+    struct catalogue_item found = {.atlas.path = path};
+    enum catalogue_kind kind = catalogue_at(&found.id, path);
+    if (kind == CATALOGUE_FILE && turn != FOLDERS) {
+        take_file(job, catalogue, &found, rule);
+    } else if (kind == CATALOGUE_FOLDER && turn == FOLDERS && rule->depth) {
+        struct folder_rule below = *rule;
+        below.depth--;
+        if (is_brainglobe(job, path)) {
+            add_brainglobe(job, catalogue, &found);
+        } else {
+            folder_look(job, catalogue, path, &below);
+        }
     }
-    if (there && turn != FOLDERS && S_ISREG(info.st_mode) && info.st_size) { /* TemplateFlow: empty until fetched */
-        status = take_file(catalogue, name, &found, rule);
-    } else if (there && turn == FOLDERS && S_ISDIR(info.st_mode) && depth < rule->depth) {
-        status = is_brainglobe(path) ? add_brainglobe(catalogue, name, &found)
-                                     : look_in_folder(catalogue, path, rule, depth + 1);
-    }
-    memory_free(path);
-    return status;
 }
 
 /* NOLINTNEXTLINE(misc-no-recursion) */
-static conus_status look_in_folder(conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule,
-                                   size_t depth)
+void folder_look(struct job *job, conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule)
 {
-    struct names names = {0};
-    conus_status status = catalogue_list(&names, catalogue, folder);
+    struct names names = catalogue_list(job, catalogue, folder);
     for (enum turn turn = XMLS; turn < TURNS; turn++) {
-        for (size_t i = 0; !status && i < names.count; i++) {
-            const char *name = names.names[i];
-            bool now = turn == FOLDERS || (turn == XMLS) == path_ends_in(name, ".xml");
-            status = now ? look_at_name(catalogue, folder, name, rule, depth, turn) : CONUS_OK;
+        for (size_t i = 0; i < names.count; i++) {
+            if (turn == FOLDERS || (turn == XMLS) == path_ends_in(names.names[i], ".xml")) {
+                look_at_path(job, catalogue, catalogue_join(job, folder, names.names[i]), rule, turn);
+            }
         }
     }
-    names_finish(&names);
-    return status;
-}
-
-conus_status folder_look(conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule)
-{
-    return look_in_folder(catalogue, folder, rule, 0);
 }

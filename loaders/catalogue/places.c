@@ -2,15 +2,12 @@
 /* Where programs keep their atlases. A new place is a line of the table. */
 #include "loaders/catalogue/catalogue.h"
 
-#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/files/file_trace.h"
 #include "base/memory.h"
 #include "base/options.h"
-#include "base/text.h"
 
 #include <limits.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -58,11 +55,10 @@ static const struct place places[] = {
     {"mricrogl", "$XDG_DATA_DIRS/MRIcroGL/Resources/atlas", {0}},
 };
 
-static struct text variable(struct text name)
+/* What the environment says, "" where it does not. */
+static struct text variable(struct job *job, struct text name)
 {
-    char text[64] = "";
-    memcpy(text, name.data, name.size < sizeof text ? name.size : sizeof text - 1);
-    const char *value = getenv(text);
+    const char *value = getenv(job_copy(job, name));
     return text_from(value ? value : "");
 }
 
@@ -74,21 +70,19 @@ static const struct {
                 {"XDG_DATA_HOME", "/.local/share", true},
                 {"XDG_CACHE_HOME", "/.cache", true}};
 
-/* The real folder of the program, which may be a link; nothing where it is not installed. */
-static void append_program_folder(struct buffer *out, struct text program)
+/* The real folder of the program, which may be a link; "" where it is not installed. */
+static const char *program_folder(struct job *job, struct text program)
 {
-    struct text path = variable(text_from("PATH"));
+    struct text path = variable(job, text_from("PATH"));
     struct text folder;
     for (bool more = true; text_field(&path, ':', &more, &folder);) {
-        char file[PATH_MAX];
         char real[PATH_MAX];
-        int size =
-            snprintf(file, sizeof file, "%.*s/%.*s", (int)folder.size, folder.data, (int)program.size, program.data);
-        if (folder.size && size < PATH_MAX && access(file, X_OK) == 0 && realpath(file, real) && file_exists(real)) {
-            buffer_append(out, real, (size_t)(strrchr(real, '/') - real));
-            return;
+        const char *file = job_format(job, "%.*s/%.*s", (int)folder.size, folder.data, (int)program.size, program.data);
+        if (folder.size && access(file, X_OK) == 0 && realpath(file, real) && job_has_file(job, real)) {
+            return job_format(job, "%.*s", (int)(strrchr(real, '/') - real), real);
         }
     }
+    return "";
 }
 
 /* The value of the key in the section of an INI file; the last, as Python's configparser takes it. */
@@ -112,101 +106,77 @@ static struct text find_setting(struct text text, const char *section, const cha
     return found;
 }
 
-/* The folder that BrainGlobe's settings name; nothing where there are none. */
-static void append_brainglobe_folder(struct buffer *out)
+/* The folder that BrainGlobe's settings name; "" where there are none. */
+static const char *brainglobe_folder(struct job *job)
 {
-    struct bytes bytes = {0};
-    struct buffer path = {0};
-    struct text own = variable(text_from("BRAINGLOBE_CONFIG_DIR"));
-    struct text home = variable(text_from("HOME"));
-    buffer_append(&path, own.size ? own.data : home.data, own.size ? own.size : home.size);
-    buffer_text(&path, own.size ? "/bg_config.conf" : "/.config/brainglobe/bg_config.conf");
-    if (!buffer_status(&path) && file_exists(path.data) && !file_read(&bytes, path.data, SETTINGS_LIMIT)) {
-        struct text folder = find_setting(text_from_bytes(bytes.data, bytes.size), "[default_dirs]", "brainglobe_dir");
-        bool in_home = text_starts(folder, "~/");
-        buffer_append(out, home.data, in_home ? home.size : 0);
-        buffer_append(out, folder.data + in_home, folder.size - in_home);
+    const char *own = variable(job, text_from("BRAINGLOBE_CONFIG_DIR")).data;
+    const char *home = variable(job, text_from("HOME")).data;
+    const char *path =
+        job_format(job, "%s%s", own[0] ? own : home, own[0] ? "/bg_config.conf" : "/.config/brainglobe/bg_config.conf");
+    struct job reading = {0}; /* whose errors do not matter, a file that is too large for instance */
+    struct bytes bytes = job_has_file(job, path) ? job_read(&reading, path, SETTINGS_LIMIT, "") : (struct bytes){0};
+    struct text folder = find_setting(text_from_bytes(bytes.data, bytes.size), "[default_dirs]", "brainglobe_dir");
+    bool in_home = text_starts(folder, "~/");
+    const char *found = "";
+    if (folder.size) {
+        found = job_format(job, "%s%.*s", in_home ? home : "", (int)folder.size - in_home, folder.data + in_home);
     }
-    out->failed = out->failed || path.failed;
-    buffer_finish(&path);
-    bytes_finish(&bytes);
+    job_end(&reading);
+    return found;
 }
 
 /* Expands the beginning of the rule to folders with ':' between them; *rest is the remainder. */
-static void expand_rule(struct buffer *out, const char **rest, const char *rule)
+static struct text expand_rule(struct job *job, const char **rest, const char *rule)
 {
-    size_t length = rule[0] == '(' ? strcspn(rule, ")") : strcspn(rule, "/");
+    bool is_file = rule[0] == '(';
+    size_t length = strcspn(rule, is_file ? ")" : "/");
     struct text name = {rule + 1, length - 1};
-    *rest = rule + length + (rule[0] == '(');
-    if (text_equal(name, "bg_config.conf")) {
-        append_brainglobe_folder(out);
-        return;
+    *rest = rule + length + is_file;
+    if (is_file) {
+        return text_from(text_equal(name, "bg_config.conf") ? brainglobe_folder(job) : program_folder(job, name));
     }
-    if (rule[0] == '(') {
-        append_program_folder(out, name);
-        return;
-    }
-    struct text value = variable(name);
-    struct text home = variable(text_from("HOME"));
-    buffer_append(out, value.data, value.size);
-    for (size_t i = 0; !value.size && i < sizeof defaults / sizeof defaults[0]; i++) {
+    struct text folders = variable(job, name);
+    struct text home = variable(job, text_from("HOME"));
+    for (size_t i = 0; !folders.size && i < sizeof defaults / sizeof defaults[0]; i++) {
         if (text_equal(name, defaults[i].name) && (!defaults[i].in_home || home.size)) {
-            buffer_append(out, home.data, defaults[i].in_home ? home.size : 0);
-            buffer_text(out, defaults[i].value);
+            return text_from(job_format(job, "%s%s", defaults[i].in_home ? home.data : "", defaults[i].value));
         }
     }
+    return folders;
 }
 
-/* Notes a place, and takes its path over. */
-static conus_status note_place(conus_catalogue *catalogue, const struct place *place, char *path)
+static const char *note_place(conus_catalogue *catalogue, const struct place *place, struct text folder,
+                              const char *rest)
 {
-    bool fine = path && memory_reserve(&catalogue->places, &catalogue->place_capacity, catalogue->place_count + 1,
-                                       sizeof *catalogue->places);
-    if (!fine) {
-        memory_free(path);
-        return CONUS_ERROR_MEMORY;
-    }
-    catalogue->places[catalogue->place_count++] =
+    const char *path = job_format(&catalogue->job, "%.*s%s", (int)folder.size, folder.data, rest);
+    *LIST_ADD(&catalogue->job, &catalogue->places) =
         (conus_catalogue_place){place->source, place->rule, path, file_is_folder(path)};
-    return CONUS_OK;
+    return path;
 }
 
-/* Looks in each of the folders, which are separated by ':'. */
-static conus_status look_in_all(conus_catalogue *catalogue, const struct place *place, struct text folders,
-                                const char *rest)
-{
-    conus_status status = CONUS_OK;
-    struct text folder;
-    for (bool more = true; !status && text_field(&folders, ':', &more, &folder);) {
-        if (folder.size) {
-            struct buffer path = {0};
-            buffer_append(&path, folder.data, folder.size);
-            buffer_text(&path, rest);
-            const char *kept = path.data;
-            status = buffer_status(&path);
-            status = status ? (buffer_finish(&path), status) : note_place(catalogue, place, path.data);
-            status = status                ? status
-                     : place->how.subjects ? freesurfer_look(catalogue, kept)
-                     : place->how.versions ? brainglobe_look(catalogue, kept)
-                                           : folder_look(catalogue, kept, &place->how);
-        }
-    }
-    return status;
-}
-
+/* Looks in each of the folders that the rule means. */
 static conus_status look_at_place(conus_catalogue *catalogue, const struct place *place)
 {
-    struct buffer folders = {0};
+    struct job job = {0};
     const char *rest;
-    expand_rule(&folders, &rest, place->rule);
-    conus_status status = buffer_status(&folders);
-    if (!status && !folders.size) {
-        status = note_place(catalogue, place, memory_text("", 0));
-    } else if (!status) {
-        status = look_in_all(catalogue, place, (struct text){folders.data, folders.size}, rest);
+    struct text folder;
+    struct text folders = expand_rule(&job, &rest, place->rule);
+    if (!folders.size) {
+        (void)note_place(catalogue, place, folders, "");
     }
-    buffer_finish(&folders);
-    return status;
+    for (bool more = true; text_field(&folders, ':', &more, &folder);) {
+        if (folder.size) {
+            const char *path = note_place(catalogue, place, folder, rest);
+            if (place->how.subjects) {
+                freesurfer_look(&job, catalogue, path);
+            } else if (place->how.versions) {
+                brainglobe_look(&job, catalogue, path);
+            } else {
+                folder_look(&job, catalogue, path, &place->how);
+            }
+        }
+    }
+    return job_close(&job, NULL, NULL);
 }
 
 conus_status conus_catalogue_create(conus_catalogue **out, const conus_catalogue_options *options)
@@ -220,25 +190,26 @@ conus_status conus_catalogue_create(conus_catalogue **out, const conus_catalogue
     }
     options = options_of(conus_catalogue_options, options);
     catalogue->sink = (struct note_sink){.log = options->log, .user = options->log_user};
-    catalogue->notes.sink = &catalogue->sink;
+    catalogue->job.sink = &catalogue->sink;
     conus_status status = CONUS_OK;
     bool before = file_trace_search(true);
     for (size_t i = 0; !status && i < sizeof places / sizeof places[0]; i++) {
         if (!catalogue->source || strcmp(catalogue->source, places[i].source) != 0) {
             catalogue->source = places[i].source;
-            catalogue->first = catalogue->count;
+            catalogue->first = catalogue->items.count;
             catalogue->seen = 0;
             catalogue->full = false;
-            catalogue->folder_count = 0;
+            catalogue->folders.count = 0;
         }
         status = look_at_place(catalogue, &places[i]);
     }
     file_trace_search(before);
-    if (status) {
-        conus_catalogue_destroy(catalogue);
-        return status;
+    catalogue->job.sink = NULL;
+    if (!status && job_ok(&catalogue->job)) {
+        *out = catalogue;
+        return CONUS_OK;
     }
-    catalogue->notes.sink = NULL;
-    *out = catalogue;
-    return CONUS_OK;
+    status = status ? status : job_close(&catalogue->job, NULL, NULL);
+    conus_catalogue_destroy(catalogue);
+    return status;
 }

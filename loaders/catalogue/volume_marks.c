@@ -2,9 +2,6 @@
 /* The marks of a labelled volume. */
 #include "loaders/catalogue/volume_marks.h"
 
-#include "base/files/folder.h"
-#include "base/memory.h"
-#include "base/text.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_header.h"
 
@@ -40,27 +37,24 @@ static bool matches_any(const char *name, const char *const *patterns, size_t co
     return false;
 }
 
-static conus_status look_beside(bool *found, const char *path)
+static bool has_table_beside(struct job *job, const char *path)
 {
-    for (size_t i = 0; !*found && i < sizeof tables / sizeof tables[0]; i++) {
-        char *table = path_with_ending(path, volume_stem_length(path), tables[i]);
-        if (!table) {
-            return CONUS_ERROR_MEMORY;
-        }
-        *found = access(table, R_OK) == 0;
-        memory_free(table);
+    bool found = false;
+    for (size_t i = 0; !found && i < sizeof tables / sizeof tables[0]; i++) {
+        found = access(job_format(job, "%.*s%s", (int)volume_stem_length(path), path, tables[i]), R_OK) == 0;
     }
-    return CONUS_OK;
+    return found;
 }
 
-conus_status volume_marks_find(bool *labels, double spacing[3], const char *path, bool known)
+bool volume_marks_find(struct job *job, double spacing[3], const char *path, bool known)
 {
     struct volume_header header = {0};
     struct bytes head = {0};
-    conus_status status = volume_file_peek(&header, &head, path);
     const conus_volume_info *info = &header.info;
-    *labels = false;
-    if (!status && info->volume_count == 1 && info->dim[1] > 1 && info->dim[2] > 1) { /* no values of vertices */
+    bool labels = false;
+    struct attempt attempt = job_try(job);
+    if (JOB_CALL(job, volume_file_peek(&header, &head, path)) && info->volume_count == 1 && info->dim[1] > 1 &&
+        info->dim[2] > 1) { /* no values of vertices */
         const char *name = path_base(path);
         const struct text text = {(const char *)head.data, head.size};
         bool has_table = text_mentions(text, "<LabelTable") || text_mentions(text, "LABEL_DTABLE") ||
@@ -68,9 +62,9 @@ conus_status volume_marks_find(bool *labels, double spacing[3], const char *path
         bool has_name = matches_any(name, names, sizeof names / sizeof names[0]) &&
                         !matches_any(name, others, sizeof others / sizeof others[0]);
         memcpy(spacing, info->spacing, sizeof info->spacing);
-        *labels = known || header.intent_code == INTENT_LABEL || has_table || has_name;
-        status = *labels ? CONUS_OK : look_beside(labels, path);
+        labels = known || header.intent_code == INTENT_LABEL || has_table || has_name || has_table_beside(job, path);
     }
     bytes_finish(&head);
-    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
+    (void)job_tried(job, &attempt);
+    return labels;
 }

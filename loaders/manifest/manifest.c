@@ -2,12 +2,11 @@
 /* Tables of the keys that each kind of JSON object may have drive the parser; one function per type of value. */
 #include "loaders/manifest/manifest.h"
 
-#include "base/memory.h"
+#include "base/formats/json_text.h"
 #include "loaders/labels/label_cells.h"
 #include "loaders/manifest/schema.h"
 
 #include <math.h>
-#include <stddef.h>
 #include <string.h>
 
 #define AT(type, member) .offset = offsetof(struct type, member)
@@ -18,67 +17,56 @@
     }
 
 /* Readers of keys of a struct manifest_volume. */
-static conus_status read_volume_number(void *field, const json_t *value, const struct schema_place *place)
+static void read_volume_number(const struct schema_place *place, void *out, const json_t *value)
 {
-    struct manifest_volume *out = field;
+    struct manifest_volume *volume = out;
     json_int_t number = json_is_integer(value) ? json_integer_value(value) : -1;
+    volume->chosen = true;
+    volume->volume = (uint32_t)number;
     if (number < 0 || number > UINT32_MAX) {
-        return schema_fail(place, value, "a whole number from 0");
+        schema_fail(place, value, "a whole number from 0");
     }
-    out->chosen = true;
-    out->volume = (uint32_t)number;
-    return CONUS_OK;
 }
 
-static conus_status read_resolution(void *field, const json_t *value, const struct schema_place *place)
+static void read_resolution(const struct schema_place *place, void *out, const json_t *value)
 {
-    struct manifest_volume *out = field;
-    if (json_array_size(value) != 3) {
-        return schema_fail(place, value, "a list of three numbers, in micrometres,");
+    struct manifest_volume *volume = out;
+    bool is_triple = json_array_size(value) == 3;
+    if (!is_triple) {
+        schema_fail(place, value, "a list of three numbers, in micrometres,");
     }
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < 3; i++) {
+    for (size_t i = 0; is_triple && i < 3; i++) {
         struct schema_place inner = schema_element(place, i);
-        status = schema_positive(&out->resolution[i], json_array_get(value, i), &inner);
+        schema_positive(&inner, &volume->resolution[i], json_array_get(value, i));
     }
-    return status;
 }
 
-static conus_status read_transfer_file(void *field, const json_t *value, const struct schema_place *place)
+static void read_transfer_file(const struct schema_place *place, void *out, const json_t *value)
 {
-    struct manifest_context *context = field;
+    struct manifest_context *context = out;
     context->transfer_is_file = true;
-    return schema_path(&context->transfer, value, place);
+    schema_path(place, &context->transfer, value);
 }
 
-static conus_status read_transfer(void *field, const json_t *value, const struct schema_place *place)
-{
-    struct manifest_context *context = field;
-    static const struct schema_field keys[] = {{"file", read_transfer_file, .required = true}, {0}};
-    return json_is_object(value) ? schema_object(context, value, keys, place)
-                                 : schema_text(&context->transfer, value, place);
-}
+static const struct schema_field transfer_keys[] = {{"file", .read = read_transfer_file, .required = true}, {0}};
 
-static conus_status read_opacity(void *field, const json_t *value, const struct schema_place *place)
+static void read_transfer(const struct schema_place *place, void *out, const json_t *value)
 {
-    double *out = field;
-    *out = json_number_value(value);
-    return *out > 0 && *out <= 1 ? CONUS_OK : schema_fail(place, value, "a number above 0 to 1");
-}
-
-/* Reads a path, an object, or a list of these, as schema_list() does. */
-static conus_status read_one_or_list(void **entries, size_t *count, size_t size, size_t most, const json_t *value,
-                                     schema_read read, const struct schema_place *place)
-{
-    if (json_is_array(value)) {
-        return schema_list(entries, count, size, most, value, read, place);
+    struct manifest_context *context = out;
+    if (json_is_object(value)) {
+        schema_object(place, out, value);
+    } else {
+        schema_text(place, &context->transfer, value);
     }
-    if (!json_is_string(value) && !json_is_object(value)) {
-        return schema_fail(place, value, "a path, an object or a list of these");
+}
+
+static void read_opacity(const struct schema_place *place, void *out, const json_t *value)
+{
+    double opacity = json_number_value(value);
+    *(double *)out = opacity;
+    if (!(opacity > 0 && opacity <= 1)) {
+        schema_fail(place, value, "a number above 0 to 1");
     }
-    *entries = memory_zeroed(1, size);
-    *count = *entries ? 1 : 0;
-    return *entries ? read(*entries, value, place) : CONUS_ERROR_MEMORY;
 }
 
 static const struct schema_field context_keys[] = {
@@ -86,49 +74,36 @@ static const struct schema_field context_keys[] = {
     {"volume", read_volume_number, AT(manifest_context, source)},
     {"resolution", read_resolution, AT(manifest_context, source)},
     {"orientation", schema_text, AT(manifest_context, source.orientation)},
-    {"transfer", .read = read_transfer},
+    {"transfer", .read = read_transfer, .keys = transfer_keys},
     {"blocks", schema_positive, AT(manifest_context, blocks)},
     {"opacity", read_opacity, AT(manifest_context, opacity)},
     {"moves", schema_flag, AT(manifest_context, moves)},
     {0},
 };
 
-static conus_status read_context(void *field, const json_t *value, const struct schema_place *place)
-{
-    struct manifest_context *out = field;
-    return schema_path_or_object(&out->source.file, out, value, context_keys, place);
-}
-
-static conus_status read_contexts(void *field, const json_t *value, const struct schema_place *place)
-{
-    struct manifest *out = field;
-    return read_one_or_list((void **)&out->contexts, &out->context_count, sizeof *out->contexts, MANIFEST_MANY, value,
-                            read_context, place);
-}
-
 static const struct schema_field streamlines_keys[] = {
     {"file", schema_path, AT(manifest_streamlines, file), .required = true},
     {"name", schema_text, AT(manifest_streamlines, name)},
     {"radius", schema_positive, AT(manifest_streamlines, radius)},
-    {"space", WORDS("ras", "lps"), .first = CONUS_FILE_SPACE_RAS, AT(manifest_streamlines, space)},
+    {"space", schema_word, AT(manifest_streamlines, space), WORDS("ras", "lps"), .first = CONUS_FILE_SPACE_RAS},
     {"moves", schema_flag, AT(manifest_streamlines, moves)},
     {"comment", .read = schema_comment},
     {0},
 };
 
-static conus_status read_streamlines(void *field, const json_t *value, const struct schema_place *place)
+static void read_streamlines(const struct schema_place *place, void *out, const json_t *value)
 {
-    struct manifest_streamlines *out = field;
-    return json_is_string(value) ? schema_path(&out->file, value, place)
-                                 : schema_object(out, value, streamlines_keys, place);
+    struct manifest_streamlines *streamlines = out;
+    if (json_is_string(value)) {
+        schema_path(place, &streamlines->file, value);
+    } else {
+        schema_object(place, out, value);
+    }
 }
 
-static conus_status read_transform_number(void *field, const json_t *value, const struct schema_place *place)
+static void read_transform_number(const struct schema_place *place, void *out, const json_t *value)
 {
-    uint32_t number = 0;
-    conus_status status = schema_uint(&number, value, place, 0);
-    *(size_t *)field = status ? 0 : (size_t)number + 1;
-    return status;
+    *(size_t *)out = (size_t)schema_uint(place, value, 0) + 1;
 }
 
 static const struct schema_field transform_keys[] = {
@@ -137,90 +112,53 @@ static const struct schema_field transform_keys[] = {
     {"to", schema_path, AT(manifest_transform, to)},
     {"inverse", schema_flag, AT(manifest_transform, inverse)},
     {"grid", schema_path, AT(manifest_transform, grid)},
-    {"vectors", WORDS("as-stated", "relative", "absolute"), AT(manifest_transform, vectors)},
-    {"space", WORDS("ras", "lps"), .first = CONUS_FILE_SPACE_RAS, AT(manifest_transform, space)},
+    {"vectors", schema_word, AT(manifest_transform, vectors), WORDS("as-stated", "relative", "absolute")},
+    {"space", schema_word, AT(manifest_transform, space), WORDS("ras", "lps"), .first = CONUS_FILE_SPACE_RAS},
     {"transform", read_transform_number, AT(manifest_transform, transform)},
     {"comment", .read = schema_comment},
     {0},
 };
 
-static conus_status read_transform(void *field, const json_t *value, const struct schema_place *place)
+static void read_version(const struct schema_place *place, void *out, const json_t *value)
 {
-    struct manifest_transform *out = field;
-    return schema_path_or_object(&out->file, out, value, transform_keys, place);
-}
-
-static conus_status read_transforms(void *field, const json_t *value, const struct schema_place *place)
-{
-    struct manifest *out = field;
-    out->single_transform = !json_is_array(value);
-    return read_one_or_list((void **)&out->transforms, &out->transform_count, sizeof *out->transforms, MANIFEST_FEW,
-                            value, read_transform, place);
-}
-
-static conus_status read_version(void *field, const json_t *value, const struct schema_place *place)
-{
-    (void)field;
-    return json_is_integer(value) && json_integer_value(value) == MANIFEST_VERSION
-               ? CONUS_OK
-               : schema_fail(place, value, "1, the version of this format,");
-}
-
-static conus_status read_names(void *field, const json_t *value, const struct schema_place *place)
-{
-    struct manifest_pathway *pathway = field;
-    size_t count = json_array_size(value);
-    if (!count) {
-        return schema_fail(place, value, "a list of names, one per volume,");
+    (void)out;
+    if (!json_is_integer(value) || json_integer_value(value) != MANIFEST_VERSION) {
+        schema_fail(place, value, "1, the version of this format,");
     }
-    pathway->names = memory_zeroed(count, sizeof *pathway->names);
-    pathway->name_count = pathway->names ? count : 0;
-    conus_status status = pathway->names ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < count; i++) {
-        struct schema_place inner = schema_element(place, i);
-        status = schema_text(&pathway->names[i], json_array_get(value, i), &inner);
-    }
-    return status;
 }
 
-static conus_status read_offset(void *field, const json_t *value, const struct schema_place *place)
+static void read_offset(const struct schema_place *place, void *out, const json_t *value)
 {
-    return schema_uint(field, value, place, 0);
+    *(uint32_t *)out = schema_uint(place, value, 0);
 }
 
-static conus_status read_label_number(void *field, const json_t *value, const struct schema_place *place)
+static void read_label_number(const struct schema_place *place, void *out, const json_t *value)
 {
-    return schema_uint(&((struct label *)field)->number, value, place, 1);
+    *(uint32_t *)out = schema_uint(place, value, 1);
 }
 
-static conus_status read_parent(void *field, const json_t *value, const struct schema_place *place)
+static void read_parent(const struct schema_place *place, void *out, const json_t *value)
 {
-    struct label *label = field;
+    struct label *label = out;
     label->has_parent = true;
-    return schema_uint(&label->parent, value, place, 1);
+    label->parent = schema_uint(place, value, 1);
 }
 
-static conus_status read_color(void *field, const json_t *value, const struct schema_place *place)
+static void read_color(const struct schema_place *place, void *out, const json_t *value)
 {
-    struct label *label = field;
-    const char *text = json_string_value(value);
-    label->has_rgb = text && text[0] == '#' && strlen(text) == 7 && strspn(text + 1, "0123456789abcdefABCDEF") == 6;
-    if (!label->has_rgb) {
-        return schema_fail(place, value, "\"#rrggbb\"");
+    struct label *label = out;
+    struct text text = text_from(json_is_string(value) ? json_string_value(value) : "");
+    label->has_rgb = text.size == 7 && text.data[0] == '#' && strspn(text.data + 1, "0123456789abcdefABCDEF") == 6;
+    if (label->has_rgb) {
+        label_cell_colour(place->job, label->rgb, text);
+    } else {
+        schema_fail(place, value, "\"#rrggbb\"");
     }
-    struct job job = {0}; /* Bridge: to label tables on a job. */
-    label_cell_colour(&job, label->rgb, text_from(text));
-    return job_close(&job, NULL, NULL);
 }
 
-static conus_status read_hemisphere(void *field, const json_t *value, const struct schema_place *place)
+static void read_hemisphere(const struct schema_place *place, void *out, const json_t *value)
 {
-    static const char *const words[] = {"L", "R", "B", NULL};
-    unsigned word = 0;
-    char *hemisphere = field;
-    conus_status status = schema_word(&word, value, place, words);
-    *hemisphere = status ? 0 : words[word][0];
-    return status;
+    *(char *)out = place->field->words[schema_index(place, value)][0];
 }
 
 static const struct schema_field parcellation_keys[] = {
@@ -230,78 +168,61 @@ static const struct schema_field parcellation_keys[] = {
     {"orientation", schema_text, AT(manifest_parcellation, source.orientation)},
     {"labels", schema_path, AT(manifest_parcellation, labels)},
     {"label_offset", read_offset, AT(manifest_parcellation, label_offset)},
-    {"hemisphere", read_hemisphere, AT(manifest_parcellation, hemisphere)},
+    {"hemisphere", read_hemisphere, AT(manifest_parcellation, hemisphere), WORDS("L", "R", "B")},
     {"comment", .read = schema_comment},
     {0},
 };
 
-static conus_status read_labelled(void *field, const json_t *value, const struct schema_place *place)
+static void read_parcellations(const struct schema_place *place, void *out, const json_t *value)
 {
-    struct manifest_parcellation *out = field;
-    return schema_path_or_object(&out->source.file, out, value, parcellation_keys, place);
-}
-
-static conus_status refuse_both(const struct manifest *manifest)
-{
-    return manifest->parcellations
-               ? fail(CONUS_ERROR_DATA, "has parcellation and parcellations, one of them is allowed")
-               : CONUS_OK;
-}
-
-static conus_status read_parcellation(void *field, const json_t *value, const struct schema_place *place)
-{
-    struct manifest *out = field;
-    conus_status status = refuse_both(out);
-    if (status) {
-        return status;
+    struct manifest_parcellation *const *known = out;
+    if (*known) {
+        job_bad(place->job, "has parcellation and parcellations, one of them is allowed");
     }
-    out->parcellations = memory_zeroed(1, sizeof *out->parcellations);
-    out->parcellation_count = out->parcellations ? 1 : 0;
-    out->single = true;
-    return out->parcellations ? read_labelled(out->parcellations, value, place) : CONUS_ERROR_MEMORY;
+    schema_list(place, out, value);
 }
 
-static conus_status read_parcellations(void *field, const json_t *value, const struct schema_place *place)
+static void read_end(const struct schema_place *place, void *out, const json_t *value)
 {
-    struct manifest *out = field;
-    conus_status status = refuse_both(out);
-    return status ? status
-                  : schema_list((void **)&out->parcellations, &out->parcellation_count, sizeof *out->parcellations,
-                                MANIFEST_FEW, value, read_labelled, place);
-}
-
-static conus_status read_end(void *field, const json_t *value, const struct schema_place *place)
-{
-    double *out = field;
-    *out = json_number_value(value);
-    return json_is_number(value) ? CONUS_OK : schema_fail(place, value, "a number");
-}
-
-static conus_status read_band(void *field, const json_t *value, const struct schema_place *place)
-{
-    static const struct schema_field keys[] = {
-        {"name", schema_text, AT(conus_band, name), .required = true},
-        {"low", read_end, AT(conus_band, low)},
-        {"high", read_end, AT(conus_band, high)},
-        {"comment", .read = schema_comment},
-        {0},
-    };
-    conus_band *band = field;
-    band->low = -INFINITY;
-    band->high = INFINITY;
-    return schema_object(band, value, keys, place);
-}
-
-static conus_status read_bands(void *field, const json_t *value, const struct schema_place *place)
-{
-    struct manifest_pathway *out = field;
-    if (!json_array_size(value)) {
-        return schema_fail(place, value, "a list of bands");
+    *(double *)out = json_number_value(value);
+    if (!json_is_number(value)) {
+        schema_fail(place, value, "a number");
     }
-    return schema_list((void **)&out->bands, &out->band_count, sizeof *out->bands, SIZE_MAX, value, read_band, place);
 }
 
-static conus_status check_pathway(const struct manifest_pathway *pathway, const struct schema_place *place)
+static const struct schema_field band_keys[] = {
+    {"name", schema_text, AT(conus_band, name), .required = true},
+    {"low", read_end, AT(conus_band, low)},
+    {"high", read_end, AT(conus_band, high)},
+    {"comment", .read = schema_comment},
+    {0},
+};
+
+static void read_band(const struct schema_place *place, void *out, const json_t *value)
+{
+    *(conus_band *)out = (conus_band){.low = -INFINITY, .high = INFINITY};
+    schema_object(place, out, value);
+}
+
+static const struct schema_field pathway_keys[] = {
+    {"file", schema_path, AT(manifest_pathway, source.file)},
+    {"volume", read_volume_number, AT(manifest_pathway, source)},
+    {"resolution", read_resolution, AT(manifest_pathway, source)},
+    {"orientation", schema_text, AT(manifest_pathway, source.orientation)},
+    {"fsl", schema_path, AT(manifest_pathway, fsl)},
+    {"name", schema_text, AT(manifest_pathway, name)},
+    {"names", schema_list, SCHEMA_ENTRIES(manifest_pathway, names, name_count), .each = schema_text,
+     .wanted = "a list of names, one per volume,"},
+    {"threshold", schema_positive, AT(manifest_pathway, threshold)},
+    {"scale", schema_positive, AT(manifest_pathway, scale)},
+    {"bands", schema_list, SCHEMA_ENTRIES(manifest_pathway, bands, band_count), .each = read_band, .keys = band_keys,
+     .wanted = "a list of bands"},
+    {"moves", schema_flag, AT(manifest_pathway, moves)},
+    {"comment", .read = schema_comment},
+    {0},
+};
+
+static void check_pathway(const struct schema_place *place, const struct manifest_pathway *pathway)
 {
     const struct manifest_volume *source = &pathway->source;
     const char *one = pathway->name               ? "name"
@@ -316,82 +237,53 @@ static conus_status check_pathway(const struct manifest_pathway *pathway, const 
                          : pathway->threshold > 0 ? "threshold"
                                                   : NULL;
     if (pathway->band_count && of_all) {
-        return fail(CONUS_ERROR_DATA, "%s: has bands and %s, one of them is allowed", place->key, of_all);
+        job_bad(place->job, "%s: has bands and %s, one of them is allowed", place->key, of_all);
+    } else if (pathway->fsl && pathway->names) {
+        job_bad(place->job, "%s: has fsl and names, one of them is allowed", place->key);
+    } else if (one && many) {
+        job_bad(place->job, "%s: has %s for one pathway and %s for several, one of them is allowed", place->key, one,
+                many);
+    } else if (!source->file && !pathway->fsl) {
+        job_bad(place->job, "%s: file or fsl is missing", place->key);
     }
-    if (pathway->fsl && pathway->names) {
-        return fail(CONUS_ERROR_DATA, "%s: has fsl and names, one of them is allowed", place->key);
-    }
-    if (one && many) {
-        return fail(CONUS_ERROR_DATA, "%s: has %s for one pathway and %s for several, one of them is allowed",
-                    place->key, one, many);
-    }
-    return pathway->source.file || pathway->fsl ? CONUS_OK
-                                                : fail(CONUS_ERROR_DATA, "%s: file or fsl is missing", place->key);
 }
 
-static const struct schema_field pathway_keys[] = {
-    {"file", schema_path, AT(manifest_pathway, source.file)},
-    {"volume", read_volume_number, AT(manifest_pathway, source)},
-    {"resolution", read_resolution, AT(manifest_pathway, source)},
-    {"orientation", schema_text, AT(manifest_pathway, source.orientation)},
-    {"fsl", schema_path, AT(manifest_pathway, fsl)},
-    {"name", schema_text, AT(manifest_pathway, name)},
-    {"names", .read = read_names},
-    {"threshold", schema_positive, AT(manifest_pathway, threshold)},
-    {"scale", schema_positive, AT(manifest_pathway, scale)},
-    {"bands", .read = read_bands},
-    {"moves", schema_flag, AT(manifest_pathway, moves)},
-    {"comment", .read = schema_comment},
-    {0},
-};
-
-static conus_status read_entry(struct manifest_pathway *out, const json_t *value, const struct schema_place *place)
+static void read_pathway(const struct schema_place *place, void *out, const json_t *value)
 {
-    conus_status status = schema_path_or_object(&out->source.file, out, value, pathway_keys, place);
-    return status || json_is_string(value) ? status : check_pathway(out, place);
+    const struct manifest_pathway *pathway = out;
+    schema_path_or_object(place, out, value);
+    check_pathway(place, pathway);
+    if (pathway->scale != 0) {
+        job_bad(place->job, "%s.scale: is for probabilities, a pathway has a threshold", place->key);
+    }
 }
 
-static conus_status read_pathway(void *field, const json_t *value, const struct schema_place *place)
+static void read_map(const struct schema_place *place, void *out, const json_t *value)
 {
-    struct manifest_pathway *out = field;
-    conus_status status = read_entry(out, value, place);
-    return status || out->scale == 0
-               ? status
-               : fail(CONUS_ERROR_DATA, "%s.scale: is for probabilities, a pathway has a threshold", place->key);
+    const struct manifest_pathway *map = out;
+    schema_path_or_object(place, out, value);
+    check_pathway(place, map);
+    if (map->band_count) {
+        job_bad(place->job, "%s.bands: are for pathways, an area has a threshold", place->key);
+    } else if (map->moves) {
+        job_bad(place->job, "%s.moves: is for pathways and the context, areas always move", place->key);
+    } else if (map->source.orientation || map->source.resolution[0] > 0) {
+        job_bad(place->job, "%s: resolution and orientation are for pathways", place->key);
+    } else if (map->threshold > 1) {
+        job_bad(place->job, "%s.threshold: is %g, a probability is up to 1", place->key, map->threshold);
+    }
 }
 
-static conus_status read_map(void *field, const json_t *value, const struct schema_place *place)
+static void read_area_label(const struct schema_place *place, void *out, const json_t *value)
 {
-    struct manifest_pathway *out = field;
-    conus_status status = read_entry(out, value, place);
-    if (!status && out->band_count) {
-        return fail(CONUS_ERROR_DATA, "%s.bands: are for pathways, an area has a threshold", place->key);
-    }
-    if (!status && out->moves) {
-        return fail(CONUS_ERROR_DATA, "%s.moves: is for pathways and the context, areas always move", place->key);
-    }
-    if (!status && (out->source.orientation || out->source.resolution[0] > 0)) {
-        return fail(CONUS_ERROR_DATA, "%s: resolution and orientation are for pathways", place->key);
-    }
-    return status || out->threshold <= 1
-               ? status
-               : fail(CONUS_ERROR_DATA, "%s.threshold: is %g, a probability is up to 1", place->key, out->threshold);
-}
-
-static conus_status read_area_label(void *field, const json_t *value, const struct schema_place *place)
-{
-    struct manifest_area *area = field;
+    struct manifest_area *area = out;
     area->has_label = true;
-    return read_label_number(&area->label, value, place);
+    read_label_number(place, &area->label.number, value);
 }
 
-static conus_status read_structures(void *field, const json_t *value, const struct schema_place *place)
+static void read_structures(const struct schema_place *place, void *out, const json_t *value)
 {
-    static const char *const words[] = {"leaves", "all", NULL};
-    unsigned word = 0;
-    conus_status status = schema_word(&word, value, place, words);
-    ((struct manifest_area *)field)->all_structures = word == 1;
-    return status;
+    *(bool *)out = schema_index(place, value) == 1;
 }
 
 /* Each kind of entry has keys of its own; the key that decides comes first. */
@@ -402,7 +294,7 @@ static const struct schema_field file_keys[] = {
     {"abbreviation", schema_text, AT(manifest_area, label.abbreviation)},
     {"color", read_color, AT(manifest_area, label)},
     {"parent", read_parent, AT(manifest_area, label)},
-    {"hemisphere", read_hemisphere, AT(manifest_area, label.hemisphere)},
+    {"hemisphere", read_hemisphere, AT(manifest_area, label.hemisphere), WORDS("L", "R", "B")},
     {"vertex_labels", schema_path, AT(manifest_area, vertex_labels)},
     {"label_offset", read_offset, AT(manifest_area, label_offset)},
     {"comment", .read = schema_comment},
@@ -413,48 +305,45 @@ static const struct schema_field files_keys[] = {
     {"labels", schema_path, AT(manifest_area, labels)},
     {"label_offset", read_offset, AT(manifest_area, label_offset)},
     {"parent", read_parent, AT(manifest_area, label)},
-    {"hemisphere", read_hemisphere, AT(manifest_area, label.hemisphere)},
+    {"hemisphere", read_hemisphere, AT(manifest_area, label.hemisphere), WORDS("L", "R", "B")},
     {"comment", .read = schema_comment},
     {0},
 };
 static const struct schema_field brainglobe_keys[] = {
     {"brainglobe", schema_path, AT(manifest_area, brainglobe), .required = true},
-    {"structures", .read = read_structures},
+    {"structures", read_structures, AT(manifest_area, all_structures), WORDS("leaves", "all")},
     {"scale", schema_positive, AT(manifest_area, scale)},
     {"orientation", schema_text, AT(manifest_area, orientation)},
     {"comment", .read = schema_comment},
     {0},
 };
 
-static conus_status read_area(void *field, const json_t *value, const struct schema_place *place)
+static void read_area(const struct schema_place *place, void *out, const json_t *value)
 {
-    static const struct schema_field *const kinds[] = {file_keys, files_keys, brainglobe_keys};
-    const struct schema_field *keys = NULL;
-    struct manifest_area *out = field;
-    for (size_t i = 0; !keys && i < sizeof kinds / sizeof kinds[0]; i++) {
-        keys = json_object_get(value, kinds[i]->key) ? kinds[i] : NULL;
+    static const struct schema_field kinds[] = {{.keys = file_keys}, {.keys = files_keys}, {.keys = brainglobe_keys}};
+    enum { KINDS = sizeof kinds / sizeof kinds[0] };
+    const struct manifest_area *area = out;
+    struct schema_place inner = *place;
+    size_t kind = 0;
+    while (kind < KINDS && !json_object_get(value, kinds[kind].keys->key)) {
+        kind++;
     }
-    if (json_is_object(value) && !keys) {
-        return fail(CONUS_ERROR_DATA, "%s: file, files or brainglobe is missing", place->key);
+    if (json_is_object(value) && kind == KINDS) {
+        job_bad(place->job, "%s: file, files or brainglobe is missing", place->key);
     }
-    conus_status status = schema_path_or_object(&out->file, out, value, keys, place);
-    if (status || json_is_string(value)) {
-        return status;
+    inner.field = &kinds[kind % KINDS];
+    schema_path_or_object(&inner, out, value);
+    bool single = area->has_label || area->label.name || area->label.abbreviation || area->label.has_rgb;
+    if (area->vertex_labels && single) {
+        job_bad(place->job, "%s: has vertex_labels for several areas and label, name, abbreviation or color of one",
+                place->key);
+    } else if (area->file && area->label_offset && !area->vertex_labels) {
+        job_bad(place->job, "%s.label_offset: without vertex_labels, give label", place->key);
     }
-    bool single = out->has_label || out->label.name || out->label.abbreviation || out->label.has_rgb;
-    if (out->vertex_labels && single) {
-        return fail(CONUS_ERROR_DATA,
-                    "%s: has vertex_labels for several areas and label, name, abbreviation or color of one",
-                    place->key);
-    }
-    if (out->file && out->label_offset && !out->vertex_labels) {
-        return fail(CONUS_ERROR_DATA, "%s.label_offset: without vertex_labels, give label", place->key);
-    }
-    return CONUS_OK;
 }
 
 static const struct schema_field node_keys[] = {
-    {"label", read_label_number, .required = true},
+    {"label", read_label_number, AT(label, number), .required = true},
     {"parent", .read = read_parent},
     {"name", schema_text, AT(label, name)},
     {"abbreviation", schema_text, AT(label, abbreviation)},
@@ -463,91 +352,78 @@ static const struct schema_field node_keys[] = {
     {0},
 };
 
-static conus_status read_node(void *field, const json_t *value, const struct schema_place *place)
-{
-    return schema_object(field, value, node_keys, place);
-}
-
-/* Defines a reader of a list of a struct manifest, whose entries `read` reads. */
-#define DEFINE_LIST(name, entries, count, most, read)                                                                  \
-    static conus_status name(void *field, const json_t *value, const struct schema_place *place)                       \
-    {                                                                                                                  \
-        struct manifest *out = field;                                                                                  \
-        return schema_list((void **)&out->entries, &out->count, sizeof *out->entries, most, value, read, place);       \
-    }
-
-DEFINE_LIST(read_pathways, pathways, pathway_count, MANIFEST_MANY, read_pathway)
-DEFINE_LIST(read_maps, maps, map_count, MANIFEST_MANY, read_map)
-DEFINE_LIST(read_areas, areas, area_count, SIZE_MAX, read_area)
-DEFINE_LIST(read_tree, tree, tree_count, SIZE_MAX, read_node)
-DEFINE_LIST(read_all_streamlines, streamlines, streamlines_count, MANIFEST_MANY, read_streamlines)
-
 /* For people and conus cite: a text, or a list of them. */
-static conus_status read_references(void *field, const json_t *value, const struct schema_place *place)
+static void read_references(const struct schema_place *place, void *out, const json_t *value)
 {
-    conus_status status = json_is_array(value) ? CONUS_OK : schema_comment(field, value, place);
-    for (size_t i = 0; !status && i < json_array_size(value); i++) {
-        struct schema_place inner = schema_element(place, i);
-        status = schema_comment(field, json_array_get(value, i), &inner);
+    if (!json_is_array(value)) {
+        schema_comment(place, out, value);
     }
-    return status;
+    for (size_t i = 0; i < json_array_size(value); i++) {
+        struct schema_place inner = schema_element(place, i);
+        schema_comment(&inner, out, json_array_get(value, i));
+    }
 }
 
 static const struct schema_field manifest_keys[] = {
-    {"conus_atlas", read_version, .required = true},
+    {"conus_atlas", .read = read_version, .required = true},
     {"comment", .read = schema_comment},
     {"references", .read = read_references},
     {"allow_outside", schema_flag, AT(manifest, allow_outside)},
-    {"parcellation", .read = read_parcellation},
-    {"parcellations", .read = read_parcellations},
-    {"areas", .read = read_areas},
-    {"space", WORDS("ras", "lps"), .first = MESH_SPACE_RAS, AT(manifest, space)},
-    {"ccf", WORDS("asr", "asl"), .first = MANIFEST_CCF_ASR, AT(manifest, ccf)},
-    {"prefer", WORDS("areas", "parcellation"), .first = MANIFEST_PREFER_AREAS, AT(manifest, prefer)},
-    {"tree", .read = read_tree},
-    {"probabilities", .read = read_maps},
-    {"pathways", .read = read_pathways},
-    {"streamlines", .read = read_all_streamlines},
+    {"parcellation", read_parcellations, SCHEMA_ENTRIES(manifest, parcellations, parcellation_count),
+     .each = schema_path_or_object, .keys = parcellation_keys, .many = SCHEMA_ONE},
+    {"parcellations", read_parcellations, SCHEMA_ENTRIES(manifest, parcellations, parcellation_count),
+     .each = schema_path_or_object, .keys = parcellation_keys, .most = MANIFEST_FEW},
+    {"areas", schema_list, SCHEMA_ENTRIES(manifest, areas, area_count), .each = read_area},
+    {"space", schema_word, AT(manifest, space), WORDS("ras", "lps"), .first = MESH_SPACE_RAS},
+    {"ccf", schema_word, AT(manifest, ccf), WORDS("asr", "asl"), .first = MANIFEST_CCF_ASR},
+    {"prefer", schema_word, AT(manifest, prefer), WORDS("areas", "parcellation"), .first = MANIFEST_PREFER_AREAS},
+    {"tree", schema_list, SCHEMA_ENTRIES(manifest, tree, tree_count), .each = schema_object, .keys = node_keys},
+    {"probabilities", schema_list, SCHEMA_ENTRIES(manifest, maps, map_count), .each = read_map, .keys = pathway_keys,
+     .most = MANIFEST_MANY},
+    {"pathways", schema_list, SCHEMA_ENTRIES(manifest, pathways, pathway_count), .each = read_pathway,
+     .keys = pathway_keys, .most = MANIFEST_MANY},
+    {"streamlines", schema_list, SCHEMA_ENTRIES(manifest, streamlines, streamlines_count), .each = read_streamlines,
+     .keys = streamlines_keys, .most = MANIFEST_MANY},
     {"threshold", schema_positive, AT(manifest, threshold)},
-    {"transform", .read = read_transforms},
-    {"context", .read = read_contexts},
+    {"transform", schema_list, SCHEMA_ENTRIES(manifest, transforms, transform_count), .each = schema_path_or_object,
+     .keys = transform_keys, .most = MANIFEST_FEW, .many = SCHEMA_ONE_OR_LIST},
+    {"context", schema_list, SCHEMA_ENTRIES(manifest, contexts, context_count), .each = schema_path_or_object,
+     .keys = context_keys, .most = MANIFEST_MANY, .many = SCHEMA_ONE_OR_LIST},
     {0},
 };
 
-static conus_status check_manifest(const struct manifest *manifest)
+static void check_manifest(struct job *job, const struct manifest *manifest)
 {
     static const char why[] = "moves: there is no transform that could move it";
     bool labelled = manifest->parcellation_count || manifest->area_count;
-    if (labelled && manifest->map_count) {
-        return fail(CONUS_ERROR_DATA, "has probabilities and %s, which are areas both: one of them is allowed",
-                    manifest->area_count ? "areas" : "a parcellation");
-    }
     bool moves = labelled || manifest->map_count; /* a transform needs something that moves */
-    if (!moves && !manifest->pathway_count && !manifest->streamlines_count) {
-        return fail(CONUS_ERROR_DATA,
-                    "nothing to select: parcellation, areas, probabilities, pathways or streamlines is needed");
+    bool fixed = !manifest->transform_count;
+    if (labelled && manifest->map_count) {
+        job_bad(job, "has probabilities and %s, which are areas both: one of them is allowed",
+                manifest->area_count ? "areas" : "a parcellation");
+    } else if (!moves && !manifest->pathway_count && !manifest->streamlines_count) {
+        job_bad(job, "nothing to select: parcellation, areas, probabilities, pathways or streamlines is needed");
     }
     for (size_t i = 0; i < manifest->pathway_count; i++) {
-        if (manifest->pathways[i].moves && !manifest->transform_count) {
-            return fail(CONUS_ERROR_DATA, "pathways[%zu].%s", i, why);
+        if (manifest->pathways[i].moves && fixed) {
+            job_bad(job, "pathways[%zu].%s", i, why);
         }
         moves = moves || manifest->pathways[i].moves;
     }
     for (size_t i = 0; i < manifest->streamlines_count; i++) {
-        if (manifest->streamlines[i].moves && !manifest->transform_count) {
-            return fail(CONUS_ERROR_DATA, "streamlines[%zu].%s", i, why);
+        if (manifest->streamlines[i].moves && fixed) {
+            job_bad(job, "streamlines[%zu].%s", i, why);
         }
         moves = moves || manifest->streamlines[i].moves;
     }
     for (size_t i = 0; i < manifest->context_count; i++) {
-        if (manifest->contexts[i].moves && !manifest->transform_count) {
-            return fail(CONUS_ERROR_DATA, "context.%s", why);
+        if (manifest->contexts[i].moves && fixed) {
+            job_bad(job, "context.%s", why);
         }
     }
-    return moves || !manifest->transform_count
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA,
-                      "transform: there are no areas, and no pathway or streamlines say that they move");
+    if (!moves && !fixed) {
+        job_bad(job, "transform: there are no areas, and no pathway or streamlines say that they move");
+    }
 }
 
 bool manifest_is(struct text text)
@@ -556,83 +432,36 @@ bool manifest_is(struct text text)
     return start.size && start.data[0] == '{' && text_mentions(start, "\"conus_atlas\"");
 }
 
-conus_status manifest_parse(struct manifest *out, struct text text)
+void manifest_parse(struct job *job, struct manifest *out, struct text text)
 {
+    static const struct schema_field whole = {.keys = manifest_keys};
     json_t *root = NULL;
-    struct manifest manifest = {0};
-    conus_status status = json_text_load(&root, text);
-    struct schema_place place = {.allow_outside = json_is_true(json_object_get(root, "allow_outside"))};
-    status = status ? status : schema_object(&manifest, root, manifest_keys, &place);
-    status = status ? status : check_manifest(&manifest);
+    *out = (struct manifest){0};
+    if (!JOB_CALL(job, json_text_load(&root, text))) {
+        return;
+    }
+    const json_t *transform = json_object_get(root, "transform");
+    const struct schema_place top = {
+        .job = job, .field = &whole, .allow_outside = json_is_true(json_object_get(root, "allow_outside"))};
+    schema_object(&top, out, root);
+    check_manifest(job, out);
+    out->single = json_object_get(root, "parcellation");
+    out->single_transform = transform && !json_is_array(transform);
     json_decref(root);
-    if (status) {
-        manifest_finish(&manifest);
-        return status;
-    }
-    *out = manifest;
-    return CONUS_OK;
 }
 
-static void finish_names(struct manifest_pathway *pathways, size_t count)
+static size_t count_volumes(const struct manifest_pathway *pathways, size_t count)
 {
-    for (size_t k = 0; k < count; k++) {
-        struct manifest_pathway *pathway = &pathways[k];
-        for (size_t i = 0; i < pathway->name_count; i++) {
-            memory_free(pathway->names[i]);
-        }
-        for (size_t i = 0; i < pathway->band_count; i++) {
-            memory_free((char *)pathway->bands[i].name);
-        }
-        memory_free(pathway->bands);
-        memory_free(pathway->names);
+    size_t volumes = 0;
+    for (size_t i = 0; i < count; i++) {
+        volumes += pathways[i].names ? pathways[i].name_count : 1;
     }
-}
-
-void manifest_finish(struct manifest *manifest)
-{
-    const struct {
-        void *entries;
-        size_t count, size;
-        const struct schema_field *keys;
-    } lists[] = {
-        {manifest->parcellations, manifest->parcellation_count, sizeof *manifest->parcellations, parcellation_keys},
-        {manifest->areas, manifest->area_count, sizeof *manifest->areas, file_keys},
-        {manifest->areas, manifest->area_count, sizeof *manifest->areas, files_keys},
-        {manifest->areas, manifest->area_count, sizeof *manifest->areas, brainglobe_keys},
-        {manifest->tree, manifest->tree_count, sizeof *manifest->tree, node_keys},
-        {manifest->maps, manifest->map_count, sizeof *manifest->maps, pathway_keys},
-        {manifest->pathways, manifest->pathway_count, sizeof *manifest->pathways, pathway_keys},
-        {manifest->streamlines, manifest->streamlines_count, sizeof *manifest->streamlines, streamlines_keys},
-        {manifest->transforms, manifest->transform_count, sizeof *manifest->transforms, transform_keys},
-        {manifest->contexts, manifest->context_count, sizeof *manifest->contexts, context_keys},
-    };
-    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
-        schema_finish(lists[i].entries, lists[i].count, lists[i].size, lists[i].keys);
-    }
-    for (size_t i = 0; i < manifest->context_count; i++) {
-        memory_free(manifest->contexts[i].transfer);
-    }
-    finish_names(manifest->maps, manifest->map_count);
-    finish_names(manifest->pathways, manifest->pathway_count);
-    memory_free(manifest->parcellations);
-    memory_free(manifest->areas);
-    memory_free(manifest->tree);
-    memory_free(manifest->maps);
-    memory_free(manifest->pathways);
-    memory_free(manifest->streamlines);
-    memory_free(manifest->transforms);
-    memory_free(manifest->contexts);
-    *manifest = (struct manifest){0};
+    return volumes;
 }
 
 size_t manifest_file_count(const struct manifest *manifest)
 {
-    size_t files = manifest->parcellation_count + manifest->context_count + manifest->streamlines_count;
-    for (size_t i = 0; i < manifest->map_count; i++) {
-        files += manifest->maps[i].names ? manifest->maps[i].name_count : 1;
-    }
-    for (size_t i = 0; i < manifest->pathway_count; i++) {
-        files += manifest->pathways[i].names ? manifest->pathways[i].name_count : 1;
-    }
-    return files;
+    return manifest->parcellation_count + manifest->context_count + manifest->streamlines_count +
+           count_volumes(manifest->maps, manifest->map_count) +
+           count_volumes(manifest->pathways, manifest->pathway_count);
 }

@@ -7,6 +7,7 @@
 
 #include "atlas/labels/labels.h"
 #include "atlas/surface/mesh_space.h"
+#include "base/job/job.h"
 
 enum {
     MANIFEST_VERSION = 1,
@@ -89,7 +90,7 @@ struct manifest_pathway {
     size_t name_count;
     double threshold;  /**< 0 = the manifest's, else the default.                                              */
     double scale;      /**< The probability value that means "certainly"; 0 = as the values say. */
-    conus_band *bands; /**< One pathway for each instead; their names are owned.                               */
+    conus_band *bands; /**< One pathway for each instead.                                                      */
     size_t band_count;
     bool moves; /**< A pathway: it is moved with the areas. */
 };
@@ -132,9 +133,9 @@ struct manifest {
 /** True where @p text looks like a manifest: a JSON object with the key "conus_atlas". */
 bool manifest_is(struct text text);
 
-/** Parses @p text. CONUS_ERROR_DATA with the key, or line and column where it is no JSON. */
-conus_status manifest_parse(struct manifest *out, struct text text);
-void manifest_finish(struct manifest *manifest);
+/** Parses @p text. All that the manifest has is the job's. CONUS_ERROR_DATA with the key, or line and column where it
+ * is no JSON. */
+void manifest_parse(struct job *job, struct manifest *out, struct text text);
 
 /** How many files there are besides surfaces and label tables. Volumes of one file count each: they are unpacked one by
  * one. */

@@ -2,58 +2,38 @@
 /* Knows BrainGlobe's folders by the names of their files. */
 #include "loaders/manifest/manifest_brainglobe.h"
 
-#include "base/files/file.h"
-#include "base/memory.h"
-
 #include <string.h>
 
-static conus_status has_file(bool *out, const char *folder, const char *name)
+static bool has_file(struct job *job, const char *folder, const char *name)
 {
-    char *path = file_beside(folder, name);
-    *out = path && file_exists(path);
-    memory_free(path);
-    return path ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return job_has_file(job, job_format(job, "%s%s", folder, name));
 }
 
-conus_status brainglobe_has_voxels(bool *out, const char *folder)
+bool brainglobe_has_voxels(struct job *job, const char *folder)
 {
-    bool named = false;
-    conus_status status = has_file(out, folder, BRAINGLOBE_ANNOTATION);
-    status = status ? status : has_file(&named, folder, "structures.json");
-    *out = *out && named;
-    return status;
+    bool annotated = has_file(job, folder, BRAINGLOBE_ANNOTATION);
+    return has_file(job, folder, "structures.json") && annotated;
 }
 
-conus_status brainglobe_of_meshes(char **out, const char *path)
+const char *brainglobe_of_meshes(struct job *job, const char *path)
 {
-    static const char name[] = "meshes";
+    static const char name[] = "/meshes";
+    size_t tail = strlen(name);
     size_t length = strlen(path);
-    bool named = false;
-    *out = NULL;
     while (length && path[length - 1] == '/') {
         length--;
     }
-    size_t tail = strlen(name);
-    bool meshes = length > tail && path[length - tail - 1] == '/' && strncmp(path + length - tail, name, tail) == 0;
-    if (!meshes) {
-        return CONUS_OK;
+    if (length < tail || strncmp(path + length - tail, name, tail) != 0) {
+        return NULL;
     }
-    char *folder = memory_text(path, length - tail);
-    conus_status status = folder ? has_file(&named, folder, "structures.json") : CONUS_ERROR_MEMORY;
-    if (status || !named) {
-        memory_free(folder);
-        return status;
-    }
-    *out = folder;
-    return CONUS_OK;
+    const char *folder = job_format(job, "%.*s/", (int)(length - tail), path);
+    return has_file(job, folder, "structures.json") ? folder : NULL;
 }
 
-conus_status manifest_brainglobe_set(struct manifest_draft *draft)
+void manifest_brainglobe_set(struct job *job, struct manifest_draft *draft)
 {
-    bool reference = false;
-    conus_status status = has_file(&reference, draft->folder, BRAINGLOBE_REFERENCE);
-    draft->parcellation = status ? NULL : json_pack("{s:s}", "file", BRAINGLOBE_ANNOTATION);
-    draft->context = reference ? json_pack("{s:s}", "file", BRAINGLOBE_REFERENCE) : NULL;
-    bool made = draft->parcellation && (draft->context || !reference);
-    return status || made ? status : fail(CONUS_ERROR_MEMORY, "no memory for the manifest");
+    draft->parcellation = manifest_draft_json(job, json_pack("{s:s}", "file", BRAINGLOBE_ANNOTATION));
+    if (has_file(job, draft->folder, BRAINGLOBE_REFERENCE)) {
+        draft->context = manifest_draft_json(job, json_pack("{s:s}", "file", BRAINGLOBE_REFERENCE));
+    }
 }

@@ -9,13 +9,13 @@
 #define BRAINGLOBE_REFERENCE "reference.tiff"
 
 /** Whether annotation.tiff and structures.json lie in @p folder, which ends in '/'. */
-conus_status brainglobe_has_voxels(bool *out, const char *folder);
+bool brainglobe_has_voxels(struct job *job, const char *folder);
 
 /** The folder, ending in '/', of the atlas that the folder @p path is the meshes of ("atlas/meshes" of "atlas"); NULL
- * in *out if it is that of none. memory_free() it. */
-conus_status brainglobe_of_meshes(char **out, const char *path);
+ * if it is that of none. */
+const char *brainglobe_of_meshes(struct job *job, const char *path);
 
 /** Makes annotation.tiff the parcellation and, if there is one, reference.tiff the context. */
-conus_status manifest_brainglobe_set(struct manifest_draft *draft);
+void manifest_brainglobe_set(struct job *job, struct manifest_draft *draft);
 
 #endif

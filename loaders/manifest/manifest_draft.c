@@ -2,92 +2,99 @@
 /* A manifest in the making: entries are appended, if they load, and written as JSON. */
 #include "loaders/manifest/manifest_draft.h"
 
-#include "base/files/file.h"
-#include "base/memory.h"
 #include "loaders/manifest/manifest.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-conus_status manifest_draft_init(struct manifest_draft *draft)
+static void end_json(void *value)
 {
-    draft->areas = json_array();
-    draft->pathways = json_array();
-    draft->streamlines = json_array();
-    draft->maps = json_array();
-    return draft->areas && draft->pathways && draft->streamlines && draft->maps ? CONUS_OK : CONUS_ERROR_MEMORY;
+    json_decref(value);
 }
 
-void manifest_draft_finish(struct manifest_draft *draft)
+static void refuse_memory(struct job *job)
 {
-    names_finish(&draft->used);
-    json_decref(draft->parcellation);
-    json_decref(draft->context);
-    json_decref(draft->areas);
-    json_decref(draft->pathways);
-    json_decref(draft->streamlines);
-    json_decref(draft->maps);
+    job_fail(job, CONUS_ERROR_MEMORY, "no memory for the manifest");
 }
 
-conus_status manifest_draft_log(const struct manifest_draft *draft, const char *format, ...)
+json_t *manifest_draft_json(struct job *job, json_t *value)
+{
+    if (!value) {
+        refuse_memory(job);
+        return NULL;
+    }
+    job_own(job, end_json, value);
+    return job_ok(job) ? value : NULL;
+}
+
+void manifest_draft_init(struct job *job, struct manifest_draft *draft)
+{
+    draft->areas = manifest_draft_json(job, json_array());
+    draft->pathways = manifest_draft_json(job, json_array());
+    draft->streamlines = manifest_draft_json(job, json_array());
+    draft->maps = manifest_draft_json(job, json_array());
+}
+
+void manifest_draft_log(struct job *job, const struct manifest_draft *draft, const char *format, ...)
 {
     va_list arguments;
     char text[512];
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    if (draft->options->log) {
+    if (job_step(job) && draft->options->log) {
         draft->options->log(draft->options->log_user, &(conus_note){CONUS_SEVERITY_NOTE, draft->folder, text});
     }
-    return CONUS_OK;
 }
 
-conus_status manifest_draft_append(json_t *list, json_t *entry)
+void manifest_draft_leave_out(struct job *job, const struct manifest_draft *draft, const char *name, const char *why)
 {
-    return json_array_append_new(list, entry) ? fail(CONUS_ERROR_MEMORY, "no memory for the manifest") : CONUS_OK;
+    manifest_draft_log(job, draft, "%s: left out, since it does not load: %.399s", name, why);
 }
 
-static int put_text(const char *text, size_t size, void *user)
+void manifest_draft_append(struct job *job, json_t *list, json_t *entry)
 {
-    buffer_append(user, text, size);
-    return ((struct buffer *)user)->failed ? -1 : 0;
+    if (json_array_append(list, entry)) {
+        refuse_memory(job);
+    }
 }
 
-conus_status manifest_draft_try(bool *loads, const struct manifest_draft *draft, const char *key, json_t *value,
-                                bool listed)
+static struct text write_json(struct job *job, const json_t *root, size_t flags)
 {
-    *loads = true;
+    size_t size = json_dumpb(root, NULL, 0, flags);
+    char *text = job_array(job, &size, 1);
+    if (!size || json_dumpb(root, text, size, flags) != size) {
+        refuse_memory(job);
+    }
+    return (struct text){text, size};
+}
+
+const char *manifest_draft_try(struct job *job, const struct manifest_draft *draft, const char *key, json_t *value,
+                               bool listed)
+{
     if (!draft->load) {
-        return CONUS_OK;
+        return NULL;
     }
-    struct buffer text = {0};
-    json_t *piece = listed ? json_pack("[O]", value) : json_incref(value);
-    json_t *root = json_pack("{s:i,s:o}", "conus_atlas", MANIFEST_VERSION, key, piece);
-    bool done = root && json_dump_callback(root, put_text, &text, 0) == 0;
-    conus_status status = done ? draft->load(draft, &text) : CONUS_ERROR_MEMORY;
-    buffer_finish(&text);
-    json_decref(root);
-    *loads = status == CONUS_OK;
-    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
+    const char *format = listed ? "{s:i,s:[O]}" : "{s:i,s:O}";
+    const json_t *root = manifest_draft_json(job, json_pack(format, "conus_atlas", MANIFEST_VERSION, key, value));
+    struct text text = write_json(job, root, 0);
+    struct attempt attempt = job_try(job);
+    (void)JOB_CALL(job, draft->load(draft, text));
+    return job_tried(job, &attempt);
 }
 
-conus_status manifest_draft_leave_out(const struct manifest_draft *draft, const char *name)
+bool manifest_draft_take(struct job *job, const struct manifest_draft *draft, json_t *list, const char *key,
+                         json_t *value, const char *name)
 {
-    char why[400];
-    snprintf(why, sizeof why, "%s", conus_message());
-    return manifest_draft_log(draft, "%s: left out, since it does not load: %s", name, why);
-}
-
-conus_status manifest_draft_append_loading(bool *loads, const struct manifest_draft *draft, json_t *list,
-                                           const char *key, json_t *value)
-{
-    conus_status status = value ? manifest_draft_try(loads, draft, key, value, true) : CONUS_ERROR_MEMORY;
-    if (status || !*loads) {
-        json_decref(value);
-        return status;
+    json_t *entry = manifest_draft_json(job, value);
+    const char *why = manifest_draft_try(job, draft, key, entry, true);
+    if (!why) {
+        manifest_draft_append(job, list, entry);
+    } else if (name) {
+        manifest_draft_leave_out(job, draft, name, why);
     }
-    return manifest_draft_append(list, value);
+    return !why;
 }
 
 bool manifest_draft_has(const json_t *list, const char *name)
@@ -100,22 +107,25 @@ bool manifest_draft_has(const json_t *list, const char *name)
     return has;
 }
 
-/* Sets `key` unless there is nothing to set. */
-static bool set_key(json_t *root, const char *key, json_t *value)
+struct text manifest_draft_format(struct job *job, const struct manifest_draft *draft)
 {
-    bool empty = !value || (json_is_array(value) && !json_array_size(value));
-    return empty || json_object_set(root, key, value) == 0;
-}
-
-conus_status manifest_draft_format(struct buffer *out, const struct manifest_draft *draft)
-{
-    json_t *root = json_pack("{s:i}", "conus_atlas", MANIFEST_VERSION);
-    const char *parcellation = json_is_array(draft->parcellation) ? "parcellations" : "parcellation";
-    bool done = root && set_key(root, parcellation, draft->parcellation) && set_key(root, "areas", draft->areas) &&
-                set_key(root, "probabilities", draft->maps) && set_key(root, "pathways", draft->pathways) &&
-                set_key(root, "streamlines", draft->streamlines) && set_key(root, "context", draft->context) &&
-                json_dump_callback(root, put_text, out, JSON_INDENT(2)) == 0;
-    json_decref(root);
-    buffer_text(out, "\n");
-    return done ? buffer_status(out) : fail(CONUS_ERROR_MEMORY, "no memory for the manifest");
+    bool listed = json_is_array(draft->parcellation);
+    const struct {
+        const char *key;
+        json_t *value;
+    } parts[] = {{listed ? "parcellations" : "parcellation", draft->parcellation},
+                 {"areas", draft->areas},
+                 {"probabilities", draft->maps},
+                 {"pathways", draft->pathways},
+                 {"streamlines", draft->streamlines},
+                 {"context", draft->context}};
+    json_t *root = manifest_draft_json(job, json_pack("{s:i}", "conus_atlas", MANIFEST_VERSION));
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
+        bool empty = json_is_array(parts[i].value) && !json_array_size(parts[i].value);
+        if (parts[i].value && !empty && json_object_set(root, parts[i].key, parts[i].value)) {
+            refuse_memory(job);
+        }
+    }
+    struct text text = write_json(job, root, JSON_INDENT(2));
+    return text_from(job_format(job, "%.*s\n", (int)text.size, text.data ? text.data : ""));
 }

@@ -14,100 +14,104 @@
 static const double sparse_share = 0.2; /* of voxels that are not zero: a pathway */
 static const double half = 0.5;         /* of neighbours equal, where there are too few to tell: labels */
 
-static conus_status judge_labels(struct volume_guess *out, const struct volume_file *file,
-                                 const struct label_voxels *labels)
+static void judge_labels(struct job *job, struct volume_guess *out, const struct volume_file *file,
+                         const struct label_voxels *labels)
 {
     struct label_table table = {0};
     struct grey_result result = {0};
-    struct notes notes = {0};
     char *source = NULL;
     bool named = false;
-    conus_status status = volume_label_table(&table, &source, file, labels, NULL, &notes);
-    for (size_t i = 0; !status && i < table.count; i++) {
+    (void)JOB_CALL(job, volume_label_table(&table, &source, file, labels, NULL, &job->notes));
+    for (size_t i = 0; i < table.count; i++) {
         named = named || table.entries[i].name;
     }
-    notes_finish(&notes);
-    memory_free(source);
-    status = status ? status : grey_judge_file(&result, file, labels, &table, false);
+    bool judged = JOB_CALL(job, grey_judge_file(&result, file, labels, &table, false));
     bool several = labels->label_count > 2; /* besides 0: a mask is no parcellation */
     bool pieces = several && (result.telling || result.equal > half);
-    if (!status && !result.grey && (named || pieces)) {
+    if (judged && !result.grey && (named || pieces)) {
         *out =
             (struct volume_guess){VOLUME_LABELS, 1, named ? "named by a label table" : "areas of equal whole numbers"};
     }
+    memory_free(source);
     label_table_finish(&table);
-    return status;
 }
 
 /* Guesses between pathway and context, by how many voxels are not 0. */
-static conus_status judge_filled(struct volume_guess *out, const struct volume_file *file, struct notes *notes)
+static void judge_filled(struct job *job, struct volume_guess *out, const struct volume_file *file)
 {
     float *values = NULL;
     struct volume_file copy = *file; /* whose range is set */
     size_t voxels = file->info.dim[0] * file->info.dim[1] * file->info.dim[2];
     size_t filled = 0;
-    conus_status status = volume_file_values(&values, &copy, notes);
-    for (size_t i = 0; !status && i < voxels; i++) {
+    (void)JOB_CALL(job, volume_file_values(&values, &copy, &job->notes));
+    for (size_t i = 0; values && i < voxels; i++) {
         filled += values[i] != 0;
     }
-    memory_free(values);
-    if (!status && !filled) {
-        return fail(CONUS_ERROR_DATA, "%s: all of its values are 0", file->path);
+    memory_free(values); /* before the labels need memory */
+    if (!filled) {
+        job_bad(job, "%s: all of its values are 0", file->path);
     }
     bool sparse = (double)filled < sparse_share * (double)voxels;
     *out = (struct volume_guess){sparse ? VOLUME_PATHWAY : VOLUME_CONTEXT, 1,
                                  sparse ? "mostly zero" : "values almost everywhere"};
-    return status;
 }
 
-static conus_status judge_volume(struct volume_guess *out, struct volume_file *file, struct notes *notes)
+static void judge_volume(struct job *job, struct volume_guess *out, struct volume_file *file)
 {
     struct label_voxels labels = {0};
-    conus_status status = judge_filled(out, file, notes);
-    if (status) {
-        return status;
+    judge_filled(job, out, file);
+    struct attempt attempt = job_try(job);
+    if (JOB_CALL(job, volume_file_labels(&labels, file))) {
+        judge_labels(job, out, file, &labels);
     }
-    status = volume_file_labels(&labels, file);
-    status = status ? status : judge_labels(out, file, &labels);
     label_voxels_finish(&labels);
-    return status == CONUS_ERROR_DATA ? CONUS_OK : status; /* fractions, or a damaged table */
-}
-
-conus_status volume_guess_make(struct volume_guess *out, const char *path, uint64_t max_memory)
-{
-    struct volume_file file = {0};
-    struct notes notes = {0};
-    struct buffer first = {0};
-    buffer_format(&first, "%s,volume=0", path); /* a 4-D file is refused without a choice: 0 stands for all */
-    conus_status status = buffer_status(&first);
-    status = status ? status : volume_file_open(&file, first.data, max_memory, &notes);
-    buffer_finish(&first);
-    if (!status && file.info.volume_count > 1) {
-        *out = (struct volume_guess){VOLUME_SERIES, file.info.volume_count, "several volumes"};
-    } else if (!status) {
-        status = judge_volume(out, &file, &notes);
+    if (job->status == CONUS_ERROR_DATA) {
+        (void)job_dropped(job, &attempt); /* fractions, or a damaged table */
+    } else {
+        job_kept(job, &attempt);
     }
-    notes_finish(&notes);
-    volume_file_finish(&file);
-    return status;
 }
 
-conus_status volume_names_are_halves(bool *out, const char *left, const char *right)
+static void finish_file(void *file)
+{
+    volume_file_finish(file);
+}
+
+/* A job of its own: a folder has many volumes, and no note of theirs is wanted. */
+static conus_status guess_alone(struct volume_guess *out, const char *path, uint64_t max_memory)
+{
+    struct job job = {0};
+    struct volume_file file = {0};
+    job_own(&job, finish_file, &file);
+    path = job_format(&job, "%s,volume=0", path); /* a 4-D file is refused without a choice: 0 stands for all */
+    (void)JOB_CALL(&job, volume_file_open(&file, path, max_memory, &job.notes));
+    if (file.info.volume_count > 1) {
+        *out = (struct volume_guess){VOLUME_SERIES, file.info.volume_count, "several volumes"};
+    } else {
+        judge_volume(&job, out, &file);
+    }
+    return job_close(&job, NULL, NULL);
+}
+
+void volume_guess_make(struct job *job, struct volume_guess *out, const char *path, uint64_t max_memory)
+{
+    (void)JOB_CALL(job, guess_alone(out, path, max_memory));
+}
+
+bool volume_names_are_halves(struct job *job, const char *left, const char *right)
 {
     const struct text stem = {left, volume_stem_length(left)};
-    const size_t length = volume_stem_length(right);
+    const struct text other = {right, volume_stem_length(right)};
     struct side_word word;
-    conus_status status = CONUS_OK;
     bool found = false;
-    for (size_t from = 0; !status && !found && side_word_find(&word, stem, from); from = word.start + word.size) {
+    for (size_t from = 0; !found && side_word_find(&word, stem, from); from = word.start + word.size) {
         struct buffer swapped = {0};
         side_word_swap(&swapped, stem, &word);
-        status = buffer_status(&swapped);
-        found = !status && word.side == 'L' && swapped.size == length && memcmp(swapped.data, right, length) == 0;
+        found = JOB_CALL(job, buffer_status(&swapped)) && word.side == 'L' &&
+                text_compare((struct text){swapped.data, swapped.size}, other) == 0;
         buffer_finish(&swapped);
     }
-    *out = found && strcmp(left + stem.size, right + length) == 0;
-    return status;
+    return found && strcmp(left + stem.size, right + other.size) == 0;
 }
 
 /* The first number in a name as text, without zeros in front; empty if there is none. */
@@ -132,8 +136,7 @@ bool surface_names_give_labels(const struct names *names)
             return false;
         }
         for (size_t k = 0; k < i && number.size; k++) {
-            struct text other = first_number(names->names[k]);
-            if (other.size == number.size && memcmp(other.data, number.data, number.size) == 0) {
+            if (text_compare(first_number(names->names[k]), number) == 0) {
                 return false;
             }
         }

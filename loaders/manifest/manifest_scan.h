@@ -4,8 +4,7 @@
 #define CONUS_LOADERS_MANIFEST_MANIFEST_SCAN_H
 
 #include "base/files/folder.h"
-
-#include <stdint.h>
+#include "base/job/job.h"
 
 enum volume_use { VOLUME_LABELS, VOLUME_PATHWAY, VOLUME_SERIES, VOLUME_CONTEXT };
 
@@ -18,11 +17,11 @@ struct volume_guess {
 /** Reads the volume @p path and guesses its role. Several volumes are pathways. Values that grey_judge_file() takes for
  * labels are labels, if a table names them or several values lie in pieces. Of other volumes those that are mostly zero
  * are pathways, all others the context. All values 0 are CONUS_ERROR_DATA. */
-conus_status volume_guess_make(struct volume_guess *out, const char *path, uint64_t max_memory);
+void volume_guess_make(struct job *job, struct volume_guess *out, const char *path, uint64_t max_memory);
 
 /** Whether the names of volumes @p left and @p right differ only in the word for their side: x_LH.nii.gz and
  * x_RH.nii.gz, lh.x.mgz and rh.x.mgz. */
-conus_status volume_names_are_halves(bool *out, const char *left, const char *right);
+bool volume_names_are_halves(struct job *job, const char *left, const char *right);
 
 /** Whether labels follow from the names of surfaces: each holds a number, and no two the same first one; or none does.
  */

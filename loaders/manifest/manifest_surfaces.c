@@ -3,26 +3,15 @@
 #include "loaders/manifest/manifest_surfaces.h"
 
 #include "base/files/file.h"
-#include "base/memory.h"
 #include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_scan.h"
 
-#include <stdio.h>
 #include <string.h>
 
-static conus_status take_one_surface(bool *taken, struct manifest_draft *draft, const char *folder, const char *name,
-                                     uint32_t label)
+/* Takes an area if it loads; logs that `name`, unless NULL, is left out if not. */
+static bool take_area(struct job *job, const struct manifest_draft *draft, json_t *area, const char *name)
 {
-    struct buffer file = {0};
-    buffer_format(&file, "%s%s", folder, name);
-    conus_status status = buffer_status(&file);
-    status = status
-                 ? status
-                 : manifest_draft_append_loading(taken, draft, draft->areas, "areas",
-                                                 json_pack("{s:s,s:I}", "file", file.data, "label", (json_int_t)label));
-    status = status || *taken ? status : manifest_draft_leave_out(draft, file.data);
-    buffer_finish(&file);
-    return status;
+    return manifest_draft_take(job, draft, draft->areas, "areas", area, name);
 }
 
 /* 'L' of lh.pial, 'R' of rh.pial, else 0. */
@@ -31,69 +20,51 @@ static char hemisphere_of(const char *name)
     return strncmp(name, "lh.", 3) == 0 ? 'L' : strncmp(name, "rh.", 3) == 0 ? 'R' : '\0';
 }
 
-/* The annotation of a hemisphere in `folder`: the only one, or aparc of several. NULL in *out if there is none. */
-static conus_status find_annotation(char **out, const struct manifest_draft *draft, const char *folder, char side)
+/* The annotation of a hemisphere in `folder`: the only one, or aparc of several. NULL if there is none. */
+static const char *find_annotation(struct job *job, const struct manifest_draft *draft, const char *folder, char side)
 {
-    struct names names = {0};
+    struct names names = job_names(job, job_format(job, "%s%s", draft->folder, folder), ".annot");
     const char *found = NULL;
     size_t count = 0;
-    char *path = file_beside(draft->folder, folder);
-    conus_status status = path ? names_list(&names, path, ".annot") : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < names.count; i++) {
+    for (size_t i = 0; i < names.count; i++) {
         if (hemisphere_of(names.names[i]) == side) {
             found = !count++ || strcmp(names.names[i] + 3, "aparc.annot") == 0 ? names.names[i] : found;
         }
     }
     bool chosen = count == 1 || (count && strcmp(found + 3, "aparc.annot") == 0);
-    struct buffer file = {0};
-    if (!status && chosen) {
-        buffer_format(&file, "%s%s", folder, found);
-        status = buffer_status(&file);
+    if (count > 1) {
+        manifest_draft_log(job, draft, "%s%ch.*.annot: %zu annotations, %s is taken", folder, side == 'L' ? 'l' : 'r',
+                           count, chosen ? found : "none");
     }
-    if (!status && count > 1) {
-        status = manifest_draft_log(draft, "%s%ch.*.annot: %zu annotations, %s is taken", folder,
-                                    side == 'L' ? 'l' : 'r', count, chosen ? found : "none");
-    }
-    *out = status ? NULL : file.data;
-    if (status) {
-        buffer_finish(&file);
-    }
-    names_finish(&names);
-    memory_free(path);
-    return status;
+    return chosen ? job_format(job, "%s%s", folder, found) : NULL;
+}
+
+/* Notes that entries have taken the labels of a step. */
+static void log_step(struct job *job, struct manifest_draft *draft, const char *what)
+{
+    manifest_draft_log(job, draft, "%s, labels above %u", what, draft->label_offset);
+    draft->label_offset += MANIFEST_LABEL_STEP;
 }
 
 /* Takes a surface as the areas of its hemisphere's annotation, beside it or, from surf/, in label/. */
-static conus_status take_annotated(bool *taken, struct manifest_draft *draft, const char *folder, const char *name)
+static bool take_annotated(struct job *job, struct manifest_draft *draft, const char *folder, const char *name)
 {
-    char *labels = NULL;
-    struct buffer file = {0};
     char side = hemisphere_of(name);
-    *taken = false;
-    conus_status status = side ? find_annotation(&labels, draft, folder, side) : CONUS_OK;
-    if (!status && side && !labels && strcmp(folder, "surf/") == 0) {
-        status = find_annotation(&labels, draft, "label/", side);
+    const char *labels = find_annotation(job, draft, folder, side);
+    if (!labels && strcmp(folder, "surf/") == 0) {
+        labels = find_annotation(job, draft, "label/", side);
     }
-    if (status || !labels) {
-        return status;
+    if (!labels) {
+        return false;
     }
-    buffer_format(&file, "%s%s", folder, name);
-    status = buffer_status(&file);
-    status = status ? status
-                    : manifest_draft_append_loading(taken, draft, draft->areas, "areas",
-                                                    json_pack("{s:s,s:s,s:s#,s:I}", "file", file.data, "vertex_labels",
-                                                              labels, "hemisphere", &side, 1, "label_offset",
-                                                              (json_int_t)draft->label_offset));
-    if (!status && *taken) {
-        draft->label_offset += MANIFEST_LABEL_STEP;
-        status = manifest_draft_log(draft, "%s: cut by %s, labels above %u", file.data, labels,
-                                    draft->label_offset - MANIFEST_LABEL_STEP);
-    } else if (!status) {
-        status = manifest_draft_leave_out(draft, labels);
+    const char *file = job_format(job, "%s%s", folder, name);
+    json_t *area = json_pack("{s:s,s:s,s:s#,s:I}", "file", file, "vertex_labels", labels, "hemisphere", &side, 1,
+                             "label_offset", (json_int_t)draft->label_offset);
+    bool taken = take_area(job, draft, area, labels);
+    if (taken) {
+        log_step(job, draft, job_format(job, "%s: cut by %s", file, labels));
     }
-    buffer_finish(&file);
-    memory_free(labels);
-    return status;
+    return taken;
 }
 
 /* Whether `name` is the only surface of its hemisphere: an annotation belongs to one surface. */
@@ -107,84 +78,59 @@ static bool is_only_of_side(const struct names *names, const char *name)
 }
 
 /* Takes the surfaces that have an annotation, and out of `names`. */
-static conus_status take_all_annotated(struct manifest_draft *draft, const char *folder, struct names *names)
+static void take_all_annotated(struct job *job, struct manifest_draft *draft, const char *folder, struct names *names)
 {
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < names->count;) {
-        bool taken = false;
-        char *name = names->names[i];
-        status = is_only_of_side(names, name) ? take_annotated(&taken, draft, folder, name) : CONUS_OK;
-        if (taken) {
-            memory_free(name);
-            memmove(&names->names[i], &names->names[i + 1], (--names->count - i) * sizeof *names->names);
+    for (size_t i = 0; i < names->count;) {
+        char **name = &names->names[i];
+        if (is_only_of_side(names, *name) && take_annotated(job, draft, folder, *name)) {
+            memmove(name, name + 1, (--names->count - i) * sizeof *name);
         } else {
             i++;
         }
     }
-    return status;
-}
-
-static conus_status take_pattern(bool *taken, struct manifest_draft *draft, const char *folder, const char *ending)
-{
-    struct buffer pattern = {0};
-    buffer_format(&pattern, "%s*%s", folder, ending);
-    conus_status status = buffer_status(&pattern);
-    status = status ? status
-                    : manifest_draft_append_loading(taken, draft, draft->areas, "areas",
-                                                    json_pack("{s:s,s:I}", "files", pattern.data, "label_offset",
-                                                              (json_int_t)draft->label_offset));
-    buffer_finish(&pattern);
-    return status;
 }
 
 /* Takes the surfaces of one ending in a folder that no annotation cuts: as a pattern if their names give labels, else
  * one by one. */
-static conus_status take_surfaces(struct manifest_draft *draft, const char *folder, const char *ending,
-                                  struct names *names)
+static void take_surfaces(struct job *job, struct manifest_draft *draft, const char *folder, const char *ending,
+                          struct names *names)
 {
-    bool all = false;
     size_t found = names->count;
-    conus_status status = take_all_annotated(draft, folder, names);
-    size_t count = names->count;
-    if (!status && count == found && surface_names_give_labels(names)) {
-        status = take_pattern(&all, draft, folder, ending);
+    const char *pattern = job_format(job, "%s*%s", folder, ending);
+    take_all_annotated(job, draft, folder, names);
+    bool all =
+        names->count == found && surface_names_give_labels(names) &&
+        take_area(job, draft, json_pack("{s:s,s:I}", "files", pattern, "label_offset", (json_int_t)draft->label_offset),
+                  NULL);
+    size_t count = all ? found : 0;
+    for (size_t i = 0; !all && i < names->count; i++) {
+        const char *file = job_format(job, "%s%s", folder, names->names[i]);
+        json_int_t label = draft->label_offset + (uint32_t)i + 1;
+        count += take_area(job, draft, json_pack("{s:s,s:I}", "file", file, "label", label), file);
     }
-    if (!all) {
-        count = 0;
-        for (size_t i = 0; !status && i < names->count; i++) {
-            bool taken = false;
-            status = take_one_surface(&taken, draft, folder, names->names[i], draft->label_offset + (uint32_t)i + 1);
-            count += taken;
-        }
+    if (count) {
+        log_step(job, draft, job_format(job, "%s: %zu surfaces", pattern, count));
     }
-    if (status || !count) {
-        return status;
-    }
-    draft->label_offset += MANIFEST_LABEL_STEP;
-    return manifest_draft_log(draft, "%s*%s: %zu surfaces, labels above %u", folder, ending, count,
-                              draft->label_offset - MANIFEST_LABEL_STEP);
 }
 
 /* FreeSurfer's surfaces have no ending, and several of them are one hemisphere: the first kind that is there counts. */
-static conus_status look_for_hemispheres(struct manifest_draft *draft, const char *folder, const char *path)
+static void look_for_hemispheres(struct job *job, struct manifest_draft *draft, const char *folder, const char *path)
 {
     static const char *const kinds[] = {".pial", ".pial.T1", ".white", ".smoothwm", ".midthickness"};
-    conus_status status = CONUS_OK;
-    bool taken = false;
-    for (size_t i = 0; !status && !taken && i < sizeof kinds / sizeof kinds[0]; i++) {
-        struct names names = {0};
-        for (size_t side = 0; !status && side < 2; side++) {
-            char name[32];
-            snprintf(name, sizeof name, "%s%s", side ? "rh" : "lh", kinds[i]);
-            char *file = file_beside(path, name);
-            status = !file ? CONUS_ERROR_MEMORY : file_exists(file) ? names_add(&names, name) : CONUS_OK;
-            memory_free(file);
+    char *both[2];
+    struct names names = {both, 0};
+    for (size_t i = 0; !names.count && i < sizeof kinds / sizeof kinds[0]; i++) {
+        for (size_t side = 0; side < 2; side++) {
+            char *name = job_format(job, "%s%s", side ? "rh" : "lh", kinds[i]);
+            if (job_has_file(job, job_format(job, "%s%s", path, name))) {
+                both[names.count++] = name;
+            }
         }
-        taken = names.count > 0;
-        status = status || !taken ? status : take_surfaces(draft, folder, kinds[i], &names);
-        names_finish(&names);
+        if (names.count) {
+            take_surfaces(job, draft, folder, kinds[i], &names);
+            return;
+        }
     }
-    return status;
 }
 
 /* Takes the files of VTK out that are tractograms. */
@@ -192,9 +138,7 @@ static void drop_streamlines(struct names *names, const json_t *streamlines)
 {
     size_t count = 0;
     for (size_t i = 0; i < names->count; i++) {
-        if (manifest_draft_has(streamlines, names->names[i])) {
-            memory_free(names->names[i]);
-        } else {
+        if (!manifest_draft_has(streamlines, names->names[i])) {
             names->names[count++] = names->names[i];
         }
     }
@@ -202,87 +146,69 @@ static void drop_streamlines(struct names *names, const json_t *streamlines)
 }
 
 /* `folder` is "" or a name with '/' at its end. */
-static conus_status look_for_surfaces(struct manifest_draft *draft, const char *folder)
+static void look_for_surfaces(struct job *job, struct manifest_draft *draft, const char *folder)
 {
     static const char *const endings[] = {".surf.gii", ".gii", ".obj", ".ply", ".stl", ".off", ".mz3", ".vtk", ".vtp"};
-    char *path = file_beside(draft->folder, folder);
-    conus_status status = path ? CONUS_OK : CONUS_ERROR_MEMORY;
-    bool surf = false;
+    const char *path = job_format(job, "%s%s", draft->folder, folder);
     bool any = false;
-    for (size_t i = 0; !status && i < sizeof endings / sizeof endings[0]; i++) {
-        struct names names = {0};
-        bool skip = i == 1 && surf; /* other GIFTI files there are no surfaces */
-        status = skip ? CONUS_OK : names_list(&names, path, endings[i]);
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        if (i == 1 && any) {
+            continue; /* beside .surf.gii other GIFTI files are no surfaces */
+        }
+        struct names names = job_names(job, path, endings[i]);
         if (!folder[0]) {
             drop_streamlines(&names, draft->streamlines);
         }
-        if (!status && names.count) {
-            surf = surf || i == 0;
+        if (names.count) {
             any = true;
-            status = take_surfaces(draft, folder, endings[i], &names);
+            take_surfaces(job, draft, folder, endings[i], &names);
         }
-        names_finish(&names);
     }
-    status = status || any ? status : look_for_hemispheres(draft, folder, path);
-    memory_free(path);
-    return status;
+    if (!any) {
+        look_for_hemispheres(job, draft, folder, path);
+    }
 }
 
-conus_status manifest_surfaces_add(struct manifest_draft *draft, const char *name)
+void manifest_surfaces_add(struct job *job, struct manifest_draft *draft, const char *name)
 {
-    struct buffer folder = {0};
-    struct buffer table = {0};
-    struct buffer meshes = {0};
-    buffer_format(&folder, "%s%s", name, name[0] ? "/" : "");
-    buffer_format(&table, "%s%s%sstructures.json", draft->folder, name, name[0] ? "/" : "");
-    buffer_format(&meshes, "%s%s%smeshes", draft->folder, name, name[0] ? "/" : "");
-    conus_status status = buffer_status(&folder);
-    status = status ? status : buffer_status(&table);
-    status = status ? status : buffer_status(&meshes);
-    if (!status && file_exists(table.data) && file_is_folder(meshes.data)) {
-        status = manifest_draft_append(draft->areas, json_pack("{s:s}", "brainglobe", name[0] ? name : "."));
-        status = status ? status : manifest_draft_log(draft, "%s: BrainGlobe folder", name[0] ? name : ".");
-    } else if (!status) {
-        status = look_for_surfaces(draft, folder.data ? folder.data : "");
+    const char *shown = name[0] ? name : ".";
+    const char *folder = job_format(job, "%s%s", name, name[0] ? "/" : "");
+    const char *meshes = job_format(job, "%s%smeshes", draft->folder, folder);
+    if (job_has_file(job, job_format(job, "%s%sstructures.json", draft->folder, folder)) && file_is_folder(meshes)) {
+        manifest_draft_append(job, draft->areas, manifest_draft_json(job, json_pack("{s:s}", "brainglobe", shown)));
+        manifest_draft_log(job, draft, "%s: BrainGlobe folder", shown);
+    } else {
+        look_for_surfaces(job, draft, folder);
     }
-    buffer_finish(&meshes);
-    buffer_finish(&table);
-    buffer_finish(&folder);
-    return status;
 }
 
 /* The folder has no surfaces. A manifest in it was probably meant, so the message names it. */
-static conus_status refuse_folder(const char *folder)
+static void refuse_folder(struct job *job, const char *folder)
 {
-    struct names names = {0};
+    struct names names = job_names(job, folder, ".atlas.json");
     int length = (int)strlen(folder) - 1; /* without the slash */
-    conus_status status = names_list(&names, folder, ".atlas.json");
-    if (!status && names.count) {
-        status = fail(CONUS_ERROR_DATA, "%.*s: no surfaces in this folder, but a manifest: %s%s is the atlas", length,
-                      folder, folder, names.names[0]);
-    } else if (!status) {
-        status = fail(CONUS_ERROR_DATA,
-                      "%.*s: no surfaces in this folder (or structures.json and annotation.tiff or meshes/, as "
-                      "BrainGlobe has them); for volumes: conus manifest",
-                      length, folder);
+    if (names.count) {
+        job_bad(job, "%.*s: no surfaces in this folder, but a manifest: %s%s is the atlas", length, folder, folder,
+                names.names[0]);
     }
-    names_finish(&names);
-    return status;
+    job_bad(job,
+            "%.*s: no surfaces in this folder (or structures.json and annotation.tiff or meshes/, as BrainGlobe has "
+            "them); for volumes: conus manifest",
+            length, folder);
 }
 
-conus_status manifest_of_folder(struct buffer *out, const char *folder, bool meshes)
+struct text manifest_of_folder(struct job *job, const char *folder, bool meshes)
 {
     static const conus_manifest_options silent;
-    bool voxels = false;
-    struct manifest_draft draft = {
-        .folder = folder, .options = &silent, .areas = json_array(), .pathways = json_array()};
-    conus_status status = draft.areas && draft.pathways ? CONUS_OK : CONUS_ERROR_MEMORY;
-    status = status || meshes ? status : brainglobe_has_voxels(&voxels, folder);
-    status = status ? status : voxels ? manifest_brainglobe_set(&draft) : manifest_surfaces_add(&draft, "");
-    if (!status && !voxels && !json_array_size(draft.areas)) {
-        status = refuse_folder(folder);
+    struct manifest_draft draft = {.folder = folder, .options = &silent};
+    manifest_draft_init(job, &draft);
+    if (!meshes && brainglobe_has_voxels(job, folder)) {
+        manifest_brainglobe_set(job, &draft);
+    } else {
+        manifest_surfaces_add(job, &draft, "");
+        if (!json_array_size(draft.areas)) {
+            refuse_folder(job, folder);
+        }
     }
-    status = status ? status : manifest_draft_format(out, &draft);
-    manifest_draft_finish(&draft);
-    return status;
+    return manifest_draft_format(job, &draft);
 }

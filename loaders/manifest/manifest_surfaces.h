@@ -8,10 +8,10 @@
 enum { MANIFEST_LABEL_STEP = 10000 }; /**< Between the labels of two groups of surfaces. */
 
 /** Adds the surfaces in the folder @p name of the draft's ("" for that itself), or the BrainGlobe atlas that it is. */
-conus_status manifest_surfaces_add(struct manifest_draft *draft, const char *name);
+void manifest_surfaces_add(struct job *job, struct manifest_draft *draft, const char *name);
 
-/** Appends to @p out a manifest of the surfaces in @p folder (ending in '/'), or of the BrainGlobe atlas that it is: of
- * its voxels, or of its @p meshes where they are wanted or there is nothing else. */
-conus_status manifest_of_folder(struct buffer *out, const char *folder, bool meshes);
+/** A manifest of the surfaces in @p folder (ending in '/'), or of the BrainGlobe atlas that it is: of its voxels, or of
+ * its @p meshes where they are wanted or there is nothing else. */
+struct text manifest_of_folder(struct job *job, const char *folder, bool meshes);
 
 #endif

@@ -2,9 +2,6 @@
 /* Reads JSON values by tables of keys. */
 #include "loaders/manifest/schema.h"
 
-#include "base/buffer.h"
-#include "base/memory.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -23,7 +20,7 @@ static const char *quote_text(char out[48], const char *text)
     return out;
 }
 
-conus_status schema_fail(const struct schema_place *place, const json_t *value, const char *wanted)
+void schema_fail(const struct schema_place *place, const json_t *value, const char *wanted)
 {
     static const char *const types[] = {
         [JSON_OBJECT] = "an object", [JSON_ARRAY] = "a list", [JSON_STRING] = "a text", [JSON_INTEGER] = "a number",
@@ -37,111 +34,132 @@ conus_status schema_fail(const struct schema_place *place, const json_t *value, 
     } else {
         snprintf(found, sizeof found, "%s", types[json_typeof(value)]);
     }
-    return fail(CONUS_ERROR_DATA, "%s: found %s, %s is needed", place->key[0] ? place->key : "content", found, wanted);
+    job_bad(place->job, "%s: found %s, %s is needed", place->key[0] ? place->key : "content", found, wanted);
 }
 
 static struct schema_place place_of_key(const struct schema_place *place, const char *key)
 {
     char text[48];
-    struct schema_place inner = {.allow_outside = place->allow_outside};
+    struct schema_place inner = *place;
     snprintf(inner.key, sizeof inner.key, "%.100s%s%s", place->key, place->key[0] ? "." : "", quote_text(text, key));
     return inner;
 }
 
 struct schema_place schema_element(const struct schema_place *place, size_t index)
 {
-    struct schema_place inner = {.allow_outside = place->allow_outside};
+    struct schema_place inner = *place;
     snprintf(inner.key, sizeof inner.key, "%.130s[%zu]", place->key, index);
     return inner;
 }
 
-static conus_status fail_unknown(const struct schema_place *place, const struct schema_field *fields)
+static void fail_unknown(const struct schema_place *place, const struct schema_field *keys)
 {
-    struct buffer known = {0};
-    for (const struct schema_field *field = fields; field->key; field++) {
-        buffer_format(&known, "%s%s", field == fields ? "" : ", ", field->key);
+    const char *known = keys->key;
+    while ((++keys)->key) {
+        known = job_format(place->job, "%s, %s", known, keys->key);
     }
-    conus_status status = buffer_status(&known);
-    status = status ? status : fail(CONUS_ERROR_DATA, "%s: unknown key, allowed are %s", place->key, known.data);
-    buffer_finish(&known);
-    return status;
+    job_bad(place->job, "%s: unknown key, allowed are %s", place->key, known);
 }
 
-conus_status schema_object(void *out, const json_t *object, const struct schema_field *fields,
-                           const struct schema_place *place)
+void schema_object(const struct schema_place *place, void *out, const json_t *object)
 {
     const char *key;
     json_t *value;
     if (!json_is_object(object)) {
-        return schema_fail(place, object, "an object");
+        schema_fail(place, object, "an object");
     }
     json_object_foreach((json_t *)object, key, value)
     {
         struct schema_place inner = place_of_key(place, key);
-        const struct schema_field *field = fields;
-        while (field->key && strcmp(field->key, key) != 0) {
-            field++;
+        inner.field = place->field->keys;
+        while (inner.field->key && strcmp(inner.field->key, key) != 0) {
+            inner.field++;
         }
-        void *at = (char *)out + field->offset;
-        unsigned word = 0;
-        conus_status status = !field->key    ? fail_unknown(&inner, fields)
-                              : field->words ? schema_word(&word, value, &inner, field->words)
-                                             : field->read(at, value, &inner);
-        if (!status && field->words) {
-            *(unsigned *)at = field->first + word;
-        }
-        if (status) {
-            return status;
+        if (inner.field->key) {
+            inner.field->read(&inner, (char *)out + inner.field->offset, value);
+        } else {
+            fail_unknown(&inner, place->field->keys);
         }
     }
-    for (const struct schema_field *field = fields; field->key; field++) {
+    for (const struct schema_field *field = place->field->keys; field->key; field++) {
         if (field->required && !json_object_get(object, field->key)) {
-            return fail(CONUS_ERROR_DATA, "%s is missing", place_of_key(place, field->key).key);
+            job_bad(place->job, "%s is missing", place_of_key(place, field->key).key);
         }
     }
-    return CONUS_OK;
 }
 
-conus_status schema_text(void *field, const json_t *value, const struct schema_place *place)
+void schema_path_or_object(const struct schema_place *place, void *out, const json_t *value)
 {
-    char **out = field;
+    const struct schema_field *first = place->field->keys;
+    if (json_is_string(value)) {
+        first->read(place, (char *)out + first->offset, value);
+    } else if (json_is_object(value)) {
+        schema_object(place, out, value);
+    } else {
+        schema_fail(place, value, "a path or an object");
+    }
+}
+
+void schema_list(const struct schema_place *place, void *out, const json_t *value)
+{
+    const struct schema_field *list = place->field;
+    bool may_be_one = list->many == SCHEMA_ONE_OR_LIST;
+    bool is_one = list->many == SCHEMA_ONE || (may_be_one && (json_is_string(value) || json_is_object(value)));
+    size_t count = is_one ? 1 : json_array_size(value);
+    if (!is_one && (!json_is_array(value) || (list->wanted && !count))) {
+        schema_fail(place, value,
+                    may_be_one     ? "a path, an object or a list of these"
+                    : list->wanted ? list->wanted
+                                   : "a list");
+    } else if (list->most && count > list->most) {
+        job_bad(place->job, "%s: %zu entries, allowed are %zu", place->key, count, list->most);
+    }
+    char *entries = job_zeroed(place->job, count + 1, list->size); /* one more: of an empty list it is not NULL */
+    count = entries ? count : 0;
+    memcpy(out, &entries, sizeof entries); /* a pointer of another type is not written as one of this */
+    memcpy((char *)out + list->count, &count, sizeof count);
+    for (size_t i = 0; i < count && job_ok(place->job); i++) {
+        struct schema_place inner = is_one ? *place : schema_element(place, i);
+        list->each(&inner, entries + i * list->size, is_one ? value : json_array_get(value, i));
+    }
+}
+
+void schema_text(const struct schema_place *place, void *out, const json_t *value)
+{
     const char *text = json_string_value(value);
     const char *end = text; /* of the first line */
     while (end && (unsigned char)*end >= 0x20 && *end != 0x7f) {
         end++;
     }
     if (!text || !text[0] || *end) {
-        return schema_fail(place, value, "a text of one line that is not empty");
+        schema_fail(place, value, "a text of one line that is not empty");
     }
-    *out = memory_text(text, json_string_length(value));
-    return *out ? CONUS_OK : CONUS_ERROR_MEMORY;
+    *(char **)out = job_copy(place->job, text_from(text ? text : ""));
 }
 
-conus_status schema_comment(void *field, const json_t *value, const struct schema_place *place)
+void schema_comment(const struct schema_place *place, void *out, const json_t *value)
 {
-    (void)field;
-    return json_is_string(value) ? CONUS_OK : schema_fail(place, value, "a text");
+    (void)out;
+    if (!json_is_string(value)) {
+        schema_fail(place, value, "a text");
+    }
 }
 
-conus_status schema_flag(void *field, const json_t *value, const struct schema_place *place)
+void schema_flag(const struct schema_place *place, void *out, const json_t *value)
 {
-    bool *out = field;
+    *(bool *)out = json_is_true(value);
     if (!json_is_boolean(value)) {
-        return schema_fail(place, value, "true or false");
+        schema_fail(place, value, "true or false");
     }
-    *out = json_is_true(value);
-    return CONUS_OK;
 }
 
-conus_status schema_positive(void *field, const json_t *value, const struct schema_place *place)
+void schema_positive(const struct schema_place *place, void *out, const json_t *value)
 {
-    double *out = field;
     double number = json_number_value(value);
+    *(double *)out = number;
     if (!(number > 0) || !isfinite(number)) {
-        return schema_fail(place, value, "a number above 0");
+        schema_fail(place, value, "a number above 0");
     }
-    *out = number;
-    return CONUS_OK;
 }
 
 /* True when following `path` never climbs above where it begins. */
@@ -158,81 +176,41 @@ static bool stays_inside(const char *path)
     return depth >= 0 && path[0] != '/';
 }
 
-conus_status schema_path(void *field, const json_t *value, const struct schema_place *place)
+void schema_path(const struct schema_place *place, void *out, const json_t *value)
 {
     const char *path = json_string_value(value);
     if (path && !place->allow_outside && !stays_inside(path)) {
-        return schema_fail(place, value, "a path inside the manifest's folder (or \"allow_outside\": true)");
+        schema_fail(place, value, "a path inside the manifest's folder (or \"allow_outside\": true)");
     }
-    return schema_text(field, value, place);
+    schema_text(place, out, value);
 }
 
-conus_status schema_path_or_object(char **path, void *out, const json_t *value, const struct schema_field *fields,
-                                   const struct schema_place *place)
-{
-    return json_is_string(value)   ? schema_path(path, value, place)
-           : json_is_object(value) ? schema_object(out, value, fields, place)
-                                   : schema_fail(place, value, "a path or an object");
-}
-
-conus_status schema_uint(uint32_t *out, const json_t *value, const struct schema_place *place, json_int_t least)
+uint32_t schema_uint(const struct schema_place *place, const json_t *value, json_int_t least)
 {
     json_int_t number = json_is_integer(value) ? json_integer_value(value) : -1;
-    if (number < least || number > UINT32_MAX) {
-        return schema_fail(place, value,
-                           least ? "a whole number from 1 to 4294967295" : "a whole number from 0 to 4294967295");
+    if (number >= least && number <= UINT32_MAX) {
+        return (uint32_t)number;
     }
-    *out = (uint32_t)number;
-    return CONUS_OK;
+    schema_fail(place, value, least ? "a whole number from 1 to 4294967295" : "a whole number from 0 to 4294967295");
+    return 0;
 }
 
-conus_status schema_word(unsigned *out, const json_t *value, const struct schema_place *place, const char *const *words)
+unsigned schema_index(const struct schema_place *place, const json_t *value)
 {
-    struct buffer wanted = {0};
+    const char *const *words = place->field->words;
     const char *text = json_string_value(value);
+    const char *wanted = "";
     for (unsigned i = 0; words[i]; i++) {
         if (text && strcmp(text, words[i]) == 0) {
-            buffer_finish(&wanted);
-            *out = i;
-            return CONUS_OK;
+            return i;
         }
-        buffer_format(&wanted, "%s\"%s\"", i ? " or " : "", words[i]);
+        wanted = job_format(place->job, "%s%s\"%s\"", wanted, i ? " or " : "", words[i]);
     }
-    conus_status status = buffer_status(&wanted);
-    status = status ? status : schema_fail(place, value, wanted.data);
-    buffer_finish(&wanted);
-    return status;
+    schema_fail(place, value, wanted);
+    return 0;
 }
 
-conus_status schema_list(void **entries, size_t *count, size_t size, size_t most, const json_t *list,
-                         conus_status (*read)(void *, const json_t *, const struct schema_place *),
-                         const struct schema_place *place)
+void schema_word(const struct schema_place *place, void *out, const json_t *value)
 {
-    size_t length = json_array_size(list);
-    if (!json_is_array(list)) {
-        return schema_fail(place, list, "a list");
-    }
-    if (length > most) {
-        return fail(CONUS_ERROR_DATA, "%s: %zu entries, allowed are %zu", place->key, length, most);
-    }
-    *entries = memory_zeroed(length, size);
-    if (!*entries) {
-        return CONUS_ERROR_MEMORY;
-    }
-    *count = length;
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < length; i++) {
-        struct schema_place inner = schema_element(place, i);
-        status = read((char *)*entries + i * size, json_array_get(list, i), &inner);
-    }
-    return status;
-}
-
-void schema_finish(void *objects, size_t count, size_t size, const struct schema_field *fields)
-{
-    for (const struct schema_field *field = fields; field->key; field++) {
-        for (size_t i = 0; i < count && (field->read == schema_text || field->read == schema_path); i++) {
-            memory_free(*(char **)(void *)((char *)objects + i * size + field->offset));
-        }
-    }
+    *(unsigned *)out = place->field->first + schema_index(place, value);
 }

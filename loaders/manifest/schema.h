@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * Reading JSON strictly: a table of the keys that an object may have, and a function for each type of value. Every
- * failure is CONUS_ERROR_DATA and names the key by its path ("pathways[2].threshold"). */
+ * Reading JSON strictly: a table of the keys that an object may have, and a function for each type of value. What is
+ * read is the job's. Every failure but that of memory is CONUS_ERROR_DATA and names the key by its path
+ * ("pathways[2].threshold"). */
 #ifndef CONUS_LOADERS_MANIFEST_SCHEMA_H
 #define CONUS_LOADERS_MANIFEST_SCHEMA_H
 
-#include "base/formats/json_text.h"
+#include "base/job/job.h"
 
 #include <jansson.h>
 
@@ -13,58 +14,66 @@ enum { SCHEMA_KEY_SIZE = 160 };
 
 /** Where the reader is, and what holds for the whole file. */
 struct schema_place {
-    char key[SCHEMA_KEY_SIZE]; /**< "" at the top. */
-    bool allow_outside;        /**< Paths may be absolute or climb out of the file's folder. */
+    struct job *job;
+    const struct schema_field *field; /**< What the table says of the key. */
+    char key[SCHEMA_KEY_SIZE];        /**< "" at the top. */
+    bool allow_outside;               /**< Paths may be absolute or climb out of the file's folder. */
 };
 
-/** Reads @p value into @p field. */
-typedef conus_status (*schema_read)(void *field, const json_t *value, const struct schema_place *place);
+/** Reads @p value into @p out. */
+typedef void schema_read(const struct schema_place *place, void *out, const json_t *value);
 
-/** A key that an object may have; a table of them ends with a NULL key. */
+/** How many entries a list has. */
+enum schema_many {
+    SCHEMA_LIST,
+    SCHEMA_ONE_OR_LIST, /**< One may stand in place of the list. */
+    SCHEMA_ONE          /**< One always does. */
+};
+
+/** A key that an object may have; a table of them ends with a NULL key. The other members are those of some readers. */
 struct schema_field {
     const char *key;
-    schema_read read;
+    schema_read *read;
     size_t offset; /**< Offset of the field in what the object is read into. */
     bool required;
-    const char *const *words; /**< Instead of read: one of these, NULL at the end. The field, an enum, becomes */
-    unsigned first;           /**< this and the word's index. */
+    const char *const *words;        /**< schema_index(): NULL at the end. */
+    unsigned first;                  /**< schema_word(): the enum's value for the first word. */
+    const struct schema_field *keys; /**< schema_object(), schema_path_or_object(). */
+    schema_read *each;               /**< schema_list(): reads an entry, */
+    size_t size;                     /**< which has this size. The field is the pointer to the entries; */
+    size_t count;                    /**< their number is so far behind it. */
+    size_t most;                     /**< The most entries; 0 = any number. */
+    enum schema_many many;
+    const char *wanted; /**< What a message calls a list that may not be empty. */
 };
 
+/** The members for a list of a struct @p type. */
+#define SCHEMA_ENTRIES(type, entries, entry_count)                                                                     \
+    .offset = offsetof(struct type, entries), .size = sizeof *((struct type *)NULL)->entries,                          \
+    .count = offsetof(struct type, entry_count) - offsetof(struct type, entries)
+
 /** "KEY: found ..., WANTED is needed". */
-conus_status schema_fail(const struct schema_place *place, const json_t *value, const char *wanted);
+void schema_fail(const struct schema_place *place, const json_t *value, const char *wanted);
 
 /** The place of entry @p index of the list at @p place. */
 struct schema_place schema_element(const struct schema_place *place, size_t index);
 
-/** Reads an object by its table; keys that are not in it, and required ones that are missing, are errors. */
-conus_status schema_object(void *out, const json_t *object, const struct schema_field *fields,
-                           const struct schema_place *place);
-
-/** Reads a path into *path, or an object into @p out by its table. */
-conus_status schema_path_or_object(char **path, void *out, const json_t *value, const struct schema_field *fields,
-                                   const struct schema_place *place);
-
-/** Reads a list of at most @p most entries into *entries, zeroed, of @p size bytes each; set with *count as soon as it
- * is there, and the caller's to memory_free() with what is in it, also on failure. */
-conus_status schema_list(void **entries, size_t *count, size_t size, size_t most, const json_t *list, schema_read read,
-                         const struct schema_place *place);
-
-/* Values. */
-conus_status schema_text(void *field, const json_t *value, const struct schema_place *place); /**< char *, owned    */
-conus_status schema_path(void *field, const json_t *value, const struct schema_place *place); /**< the same         */
-conus_status schema_comment(void *field, const json_t *value, const struct schema_place *place); /**< nothing */
-conus_status schema_flag(void *field, const json_t *value, const struct schema_place *place); /**< bool             */
-conus_status schema_positive(void *field, const json_t *value,
-                             const struct schema_place *place); /**< double, above 0  */
+/** @name Readers @{ */
+schema_read schema_object;         /**< Of the table `keys`: others, and required ones that are missing, are errors. */
+schema_read schema_path_or_object; /**< The same, or a text, which is the value of the first of the keys. */
+schema_read schema_list;
+schema_read schema_text;     /**< char *: one line that is not empty. */
+schema_read schema_path;     /**< The same. */
+schema_read schema_comment;  /**< Nothing. */
+schema_read schema_flag;     /**< bool. */
+schema_read schema_positive; /**< double. */
+schema_read schema_word;     /**< An enum. */
+/** @} */
 
 /** A whole number from @p least, 0 or 1. */
-conus_status schema_uint(uint32_t *out, const json_t *value, const struct schema_place *place, json_int_t least);
+uint32_t schema_uint(const struct schema_place *place, const json_t *value, json_int_t least);
 
-/** Frees the texts (schema_text, schema_path) of @p count objects of @p size bytes that were read by the table. */
-void schema_finish(void *objects, size_t count, size_t size, const struct schema_field *fields);
-
-/** One of @p words (NULL at the end); *out becomes its index. */
-conus_status schema_word(unsigned *out, const json_t *value, const struct schema_place *place,
-                         const char *const *words);
+/** The index of a word in `words`. */
+unsigned schema_index(const struct schema_place *place, const json_t *value);
 
 #endif

@@ -2,20 +2,13 @@
 /* FSL atlases with a volume per label: the XML, and which of its images is taken. */
 #include "loaders/maps/fsl_maps.h"
 
-#include "base/buffer.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/labels/fsl_find.h"
 #include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_search.h"
 #include "loaders/labels/label_volumes.h"
-
-void fsl_maps_finish(struct fsl_maps *maps)
-{
-    label_table_finish(&maps->atlas.labels);
-    volume_file_finish(&maps->image);
-    notes_finish(&maps->notes);
-}
+#include "loaders/labels/labels_on_job.h"
 
 static double voxel_mm3(const struct volume_file *file)
 {
@@ -23,129 +16,113 @@ static double voxel_mm3(const struct volume_file *file)
     return s[0] * s[1] * s[2];
 }
 
-/* Takes the image `path` if its voxels are smaller than those of the present one. */
-static conus_status take_if_finer(struct fsl_maps *maps, conus_atlas *atlas, const char *path,
-                                  const conus_load_options *options)
+/* Takes the image `path` if its voxels are smaller than those of the present one. The other one is closed. */
+static void take_if_finer(struct job *job, struct fsl_maps *maps, const char *path, const conus_load_options *options)
 {
-    struct volume_file file = {0};
-    struct notes notes = {0};
-    conus_status status = volume_file_open_series(&file, path, options, &notes);
-    if (!status && (!maps->image.path || voxel_mm3(&file) < voxel_mm3(&maps->image))) {
-        volume_file_finish(&maps->image);
-        notes_finish(&maps->notes);
+    struct volume_file *file = volume_file_new(job);
+    struct attempt attempt = job_try(job); /* its notes wait */
+    bool opened = JOB_CALL(job, volume_file_open_series(file, path, options, &job->notes));
+    struct notes *notes = notes_set_aside(job, &attempt);
+    job_kept(job, &attempt);
+    if (opened && (!maps->image || voxel_mm3(file) < voxel_mm3(maps->image))) {
+        struct volume_file *coarser = maps->image;
         maps->image = file;
         maps->notes = notes;
-        return CONUS_OK;
+        file = coarser;
     }
-    if (status) {
-        (void)notes_move(&atlas->notes, &notes);
+    if (file) {
+        volume_file_finish(file);
     }
-    volume_file_finish(&file);
-    notes_finish(&notes);
-    return status;
 }
 
-static conus_status choose_image(struct fsl_maps *maps, conus_atlas *atlas, const char *xml,
-                                 const conus_load_options *options)
+static void choose_image(struct job *job, struct fsl_maps *maps, const struct fsl_atlas *atlas, const char *xml,
+                         const conus_load_options *options)
 {
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < maps->atlas.image_count; i++) {
-        struct job job = {0}; /* Bridge: to label tables on a job. */
-        const char *image = maps->atlas.images[i].image;
-        const char *path = image ? fsl_image_find(&job, xml, image) : NULL;
+    for (size_t i = 0; job_ok(job) && i < atlas->image_count; i++) {
+        const char *image = atlas->images[i].image;
+        const char *path = image ? fsl_image_find(job, xml, image) : NULL;
         if (path) {
-            (void)JOB_CALL(&job, take_if_finer(maps, atlas, path, options));
+            take_if_finer(job, maps, path, options);
         }
-        status = job_close(&job, NULL, NULL);
     }
-    if (!status && !maps->image.path) {
-        return fail(CONUS_ERROR_DATA, "fsl: none of the %zu images of %s is there (<imagefile> is relative to the XML)",
-                    maps->atlas.image_count, path_base(xml));
+    if (job_ok(job) && !maps->image) {
+        job_bad(job, "fsl: none of the %zu images of %s is there (<imagefile> is relative to the XML)",
+                atlas->image_count, path_base(xml));
     }
-    return status;
 }
 
-static conus_status read_xml(struct fsl_maps *maps, struct job *job, conus_atlas *atlas, const char *xml)
+/* NULL after a failure. */
+static struct fsl_atlas *read_xml(struct job *job, conus_atlas *atlas, const char *xml)
 {
-    struct bytes bytes = {0};
-    conus_status status = file_read(&bytes, xml, FSL_ATLAS_LIMIT);
-    if (!status) {
-        size_t place = job_in(job, xml, JOB_ALONE);
-        struct fsl_atlas *parsed = fsl_atlas_parse(job, text_from_bytes(bytes.data, bytes.size));
-        job_out(job, place);
-        maps->atlas = *parsed;
-        parsed->labels = (struct label_table){0};
-        status = job_ok(job) ? CONUS_OK : fail(job->status, "%s", job->message);
+    size_t place = job_in(job, xml, JOB_ALONE);
+    const struct bytes bytes = job_read(job, xml, FSL_ATLAS_LIMIT, "");
+    struct fsl_atlas *found = fsl_atlas_parse(job, text_from_bytes(bytes.data, bytes.size));
+    job_out(job, place);
+    if (found->is_label) {
+        job_bad(job, "fsl: %s is of type Label, which has no volume per label: load it as parcellation", xml);
     }
-    if (!status && maps->atlas.is_label) {
-        status = fail(CONUS_ERROR_DATA,
-                      "fsl: %s is of type Label, which has no volume per label: load it as parcellation", xml);
-    }
-    status = status ? status : label_table_sort(&maps->atlas.labels, &atlas->notes);
-    status = status ? status : atlas_add_file(atlas, xml, &bytes);
-    bytes_finish(&bytes);
-    return status;
+    labels_sort(job, &found->labels);
+    (void)JOB_CALL(job, atlas_add_file(atlas, xml, &bytes));
+    return job_ok(job) ? found : NULL;
 }
 
 /* The atlas with which each other XML of the same volumes is compared. */
 struct rival {
-    const struct fsl_maps *maps;
+    const struct label_table *labels;
     const char *xml; /* without its folder */
 };
 
-static void compare_with_rival(struct job *job, void *user, struct fsl_atlas *atlas, const char *path,
-                               const struct bytes *file)
+static void compare_xml(struct job *job, void *user, struct fsl_atlas *atlas, const char *path,
+                        const struct bytes *file)
 {
     const struct rival *rival = user;
-    struct notes silent = {0};
+    struct attempt attempt = job_try(job);
     (void)file;
-    (void)JOB_CALL(job, label_table_sort(&atlas->labels, &silent));
-    notes_finish(&silent);
-    label_tables_note(job, &rival->maps->atlas.labels, rival->xml, &atlas->labels, path_base(path));
+    labels_sort(job, &atlas->labels);
+    job_hushed(job, &attempt);
+    label_tables_note(job, rival->labels, rival->xml, &atlas->labels, path_base(path));
 }
 
 /* Other XMLs, and a table beside the image, may call its volumes otherwise. */
-static conus_status compare_map_names(struct fsl_maps *maps, const char *xml, uint64_t max_memory, struct notes *notes)
+static void compare_map_names(struct job *job, const struct fsl_maps *maps, const char *xml, uint64_t max_memory)
 {
-    struct job job = {0}; /* Bridge: to label tables on a job. */
-    struct rival rival = {maps, path_base(xml)};
-    struct label_table *table = labels_new(&job);
-    const struct label_use use = {.info = &maps->image.info, .max_memory = max_memory};
-    fsl_atlas_each(&job, maps->image.path, FSL_VOLUMES, compare_with_rival, &rival);
-    struct notes outside = label_notes_swap(&job, (struct notes){0});
-    const char *from = label_volume_table(&job, table, NULL, &use);
-    struct notes silent = label_notes_swap(&job, outside);
-    notes_finish(&silent);
+    struct rival rival = {maps->labels, path_base(xml)};
+    const struct label_use use = {.info = &maps->image->info, .max_memory = max_memory};
+    struct label_table *table = labels_new(job);
+    fsl_atlas_each(job, maps->image->path, FSL_VOLUMES, compare_xml, &rival);
+    struct attempt attempt = job_try(job);
+    const char *from = label_volume_table(job, table, NULL, &use);
+    job_hushed(job, &attempt);
     if (from) {
-        label_tables_note(&job, &maps->atlas.labels, rival.xml, table, from);
+        label_tables_note(job, maps->labels, rival.xml, table, from);
     }
-    return job_close(&job, notes, NULL);
 }
 
-conus_status fsl_maps_open(struct fsl_maps *out, conus_atlas *atlas, const char *xml, const char *image,
-                           const conus_load_options *options)
+struct fsl_maps fsl_maps_open(struct job *job, conus_atlas *atlas, const char *xml, const char *image,
+                              const conus_load_options *options)
 {
-    struct fsl_maps maps = {0};
-    struct job job = {0}; /* Bridge: to label tables on a job. */
-    conus_status status = read_xml(&maps, &job, atlas, xml);
-    if (!status) {
-        status = image ? take_if_finer(&maps, atlas, image, options) : choose_image(&maps, atlas, xml, options);
+    static const struct label_table none = {0};
+    struct fsl_maps maps = {.labels = &none};
+    struct fsl_atlas *found = read_xml(job, atlas, xml);
+    if (!found) {
+        return maps;
     }
-    const size_t labels = maps.atlas.labels.count;
-    if (!status) {
-        maps.has_background = label_drop_background(&job, &maps.atlas.labels);
+    if (image) {
+        take_if_finer(job, &maps, image, options);
+    } else {
+        choose_image(job, &maps, found, xml, options);
     }
-    conus_status ended = job_close(&job, &atlas->notes, NULL);
-    status = status ? status : ended;
-    if (!status && labels > maps.image.info.volume_count) {
-        status = fail(CONUS_ERROR_DATA, "fsl: %s has %zu labels, %s has %zu volumes", path_base(xml), labels,
-                      path_base(maps.image.path), maps.image.info.volume_count);
+    const size_t labels = found->labels.count;
+    maps.has_background = label_drop_background(job, &found->labels);
+    if (!job_ok(job)) {
+        return (struct fsl_maps){.labels = &none};
     }
-    status = status ? status : compare_map_names(&maps, xml, options->max_memory, &atlas->notes);
-    if (status) {
-        fsl_maps_finish(&maps);
-        return status;
+    if (labels > maps.image->info.volume_count) {
+        job_bad(job, "fsl: %s has %zu labels, %s has %zu volumes", path_base(xml), labels, path_base(maps.image->path),
+                maps.image->info.volume_count);
     }
-    *out = maps;
-    return CONUS_OK;
+    maps.labels = &found->labels;
+    compare_map_names(job, &maps, xml, options->max_memory);
+    atlas_take(job, atlas);
+    return job_ok(job) ? maps : (struct fsl_maps){.labels = &none};
 }

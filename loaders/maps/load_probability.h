@@ -3,8 +3,7 @@
 #ifndef CONUS_LOADERS_MAPS_LOAD_PROBABILITY_H
 #define CONUS_LOADERS_MAPS_LOAD_PROBABILITY_H
 
-#include "atlas/atlas.h"
-#include "loaders/volumes/volume_file.h"
+#include "loaders/maps/atlas_on_job.h"
 
 /** How a file says how probable something is. */
 struct probability_scale {
@@ -15,12 +14,11 @@ struct probability_scale {
 /** The scale of @p file, opened as a series. It is @p stated unless that is 0; else value_scale_of() of all volumes,
  * but for masks, which have any value. Strays below 0 or above the scale are warned of. CONUS_ERROR_DATA for others
  * (value_spread_strays()), and where there is no usual scale. */
-conus_status probability_scale_of(struct probability_scale *out, struct volume_file *file, double stated,
-                                  struct notes *notes);
+struct probability_scale probability_scale_of(struct job *job, struct volume_file *file, double stated);
 
 /** Adds volume @p volume of @p file, divided by @p scale, as the area @p label, of the voxels with probabilities from
- * @p threshold on. On success the atlas has @p notes, too; on failure it is as before. */
-conus_status probability_add(conus_atlas *atlas, struct volume_file *file, size_t volume, const struct label *label,
-                             const struct probability_scale *scale, double threshold, struct notes *notes);
+ * @p threshold on. The atlas gets the job's notes, too. */
+void probability_add(struct job *job, conus_atlas *atlas, struct volume_file *file, size_t volume,
+                     const struct label *label, const struct probability_scale *scale, double threshold);
 
 #endif

@@ -3,7 +3,6 @@
 #include "loaders/maps/simnibs.h"
 
 #include "base/geometry/math3.h"
-#include "base/memory.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -79,48 +78,46 @@ static const struct hdf5_value *find_field(const struct hdf5 *hdf5, struct text 
     return field;
 }
 
-static conus_status fail_without_field(const struct hdf5 *hdf5, struct text wanted)
+/* Says which fields of elements there are instead. */
+static void refuse_field(struct job *job, const struct hdf5 *hdf5, struct text wanted)
 {
-    char names[LISTED + HDF5_NAME_LIMIT] = "";
-    size_t length = 0;
-    for (size_t i = 0; i < hdf5_count(hdf5) && length < LISTED; i++) {
+    static const char folder[] = "/elmdata/";
+    const size_t length = sizeof folder - 1;
+    struct buffer names = {0};
+    for (size_t i = 0; i < hdf5_count(hdf5) && names.size < LISTED; i++) {
         struct text path = hdf5_object(hdf5, i)->value.name;
         struct text name = hdf5_last_name(path);
-        static const char folder[] = "/elmdata/";
         size_t before = path.size - name.size;
-        if (before >= sizeof folder - 1 && memcmp(name.data - (sizeof folder - 1), folder, sizeof folder - 1) == 0) {
-            length += (size_t)snprintf(names + length, sizeof names - length, "%s%.*s", length ? ", " : "",
-                                       TEXT_SHOW(name, 60U));
+        if (before >= length && memcmp(name.data - length, folder, length) == 0) {
+            buffer_format(&names, "%s%.*s", names.size ? ", " : "", TEXT_SHOW(name, 60U));
         }
     }
-    if (!length) {
-        return fail(CONUS_ERROR_DATA, "elmdata: a mesh of SimNIBS without fields of elements");
+    (void)JOB_CALL(job, buffer_status(&names));
+    if (!names.size) {
+        job_bad(job, "elmdata: a mesh of SimNIBS without fields of elements");
     }
-    return fail(CONUS_ERROR_ARGUMENT, "field: no %.*s of elements (elmdata); there are %s",
-                TEXT_SHOW(wanted.size ? wanted : text_from("magnE, normE or E"), 60U), names);
+    job_fail(job, CONUS_ERROR_ARGUMENT, "field: no %.*s of elements (elmdata); there are %s",
+             TEXT_SHOW(wanted.size ? wanted : text_from("magnE, normE or E"), 60U), names.size ? names.data : "");
+    buffer_finish(&names);
 }
 
 /* The one mesh that has the field. */
-static conus_status find_mesh(struct found *out, const struct hdf5 *hdf5, struct text wanted)
+static struct found find_mesh(struct job *job, const struct hdf5 *hdf5, struct text wanted)
 {
     struct found found = {0};
     struct found mesh;
     for (size_t at = 0; next_mesh(&mesh, hdf5, &at);) {
         mesh.field = find_field(hdf5, mesh.name, wanted);
         if (mesh.field && found.field) {
-            return fail(CONUS_ERROR_DATA,
-                        "field: two meshes have one, %.*s and %.*s; a file with one of them is needed",
-                        TEXT_SHOW(found.field->name, 80U), TEXT_SHOW(mesh.field->name, 80U));
+            job_bad(job, "field: two meshes have one, %.*s and %.*s; a file with one of them is needed",
+                    TEXT_SHOW(found.field->name, 80U), TEXT_SHOW(mesh.field->name, 80U));
         }
         found = mesh.field ? mesh : found;
     }
-    *out = found;
-    return found.field ? CONUS_OK : fail_without_field(hdf5, wanted);
-}
-
-static bool is_whole(const struct hdf5_value *value)
-{
-    return value->class == HDF5_SIGNED || value->class == HDF5_UNSIGNED;
+    if (!found.field) {
+        refuse_field(job, hdf5, wanted);
+    }
+    return found;
 }
 
 /* Whether the value has so many rows of so many numbers; of 1 number, rows need no second dimension. */
@@ -130,52 +127,46 @@ static bool has_shape(const struct hdf5_value *value, uint64_t rows, uint64_t co
            (value->rank == 2 ? value->dims[1] == columns : value->rank == 1 && columns == 1);
 }
 
-static conus_status check_shapes(const struct found *mesh)
+static bool is_whole(const struct hdf5_value *value, uint64_t rows, uint64_t columns)
+{
+    return value && (value->class == HDF5_SIGNED || value->class == HDF5_UNSIGNED) && has_shape(value, rows, columns);
+}
+
+static void check_shapes(struct job *job, const struct found *mesh)
 {
     const uint64_t nodes = mesh->coordinates->rank ? mesh->coordinates->dims[0] : 0;
     const uint64_t elements = mesh->corners->rank ? mesh->corners->dims[0] : 0;
+    const unsigned long long count = elements;
     if (!hdf5_is_number(mesh->coordinates) || !has_shape(mesh->coordinates, nodes, 3) || nodes > UINT32_MAX) {
-        return fail(CONUS_ERROR_DATA, "node_coord: three numbers for each node are needed");
+        job_bad(job, "node_coord: three numbers for each node are needed");
     }
-    if (!is_whole(mesh->corners) || !has_shape(mesh->corners, elements, CORNERS)) {
-        return fail(CONUS_ERROR_DATA, "node_number_list: four whole numbers for each element are needed");
+    if (!is_whole(mesh->corners, elements, CORNERS)) {
+        job_bad(job, "node_number_list: four whole numbers for each element are needed");
     }
-    if (!is_whole(mesh->types) || !has_shape(mesh->types, elements, 1)) {
-        return fail(CONUS_ERROR_DATA, "elm_type: a whole number for each of %llu elements is needed",
-                    (unsigned long long)elements);
+    if (!is_whole(mesh->types, elements, 1)) {
+        job_bad(job, "elm_type: a whole number for each of %llu elements is needed", count);
     }
-    if (!mesh->tags || !is_whole(mesh->tags) || !has_shape(mesh->tags, elements, 1)) {
-        return fail(CONUS_ERROR_DATA, "tag1: a whole number for each of %llu elements is needed",
-                    (unsigned long long)elements);
+    if (!is_whole(mesh->tags, elements, 1)) {
+        job_bad(job, "tag1: a whole number for each of %llu elements is needed", count);
     }
     if (!hdf5_is_number(mesh->field) || !(has_shape(mesh->field, elements, 1) || has_shape(mesh->field, elements, 3))) {
-        struct text name = hdf5_last_name(mesh->field->name);
-        return fail(CONUS_ERROR_DATA, "%.*s: one or three numbers for each of %llu elements are needed",
-                    TEXT_SHOW(name, 60U), (unsigned long long)elements);
+        job_bad(job, "%.*s: one or three numbers for each of %llu elements are needed",
+                TEXT_SHOW(hdf5_last_name(mesh->field->name), 60U), count);
     }
-    return CONUS_OK;
 }
 
-static conus_status take_nodes(struct roi_mesh *out, const struct hdf5_value *coordinates)
+static void take_nodes(struct job *job, struct roi_mesh *out, const struct hdf5_value *coordinates)
 {
-    const size_t count = (size_t)coordinates->dims[0];
-    double(*nodes)[3] = memory_raw(count, sizeof *nodes);
-    conus_status status = nodes ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < coordinates->count; i++) {
+    out->node_count = (size_t)coordinates->dims[0];
+    out->nodes = job_array(job, &out->node_count, sizeof *out->nodes);
+    for (size_t i = 0; i < 3 * out->node_count; i++) {
         double number = hdf5_number(coordinates, i);
-        nodes[i / 3][i % 3] = number;
+        out->nodes[i / 3][i % 3] = number;
         if (!(fabs(number) <= farthest_mm)) {
-            status = fail(CONUS_ERROR_DATA, "node_coord: node %zu: found %g, allowed are -10000 to 10000 mm", i / 3 + 1,
-                          number);
+            job_bad(job, "node_coord: node %zu: found %g, allowed are -10000 to 10000 mm", i / 3 + 1, number);
+            return;
         }
     }
-    if (status) {
-        memory_free(nodes);
-        return status;
-    }
-    out->nodes = nodes;
-    out->node_count = count;
-    return CONUS_OK;
 }
 
 static float value_of(const struct hdf5_value *field, size_t element)
@@ -198,19 +189,18 @@ static bool is_chosen(const struct volume_selector *selector, int64_t tissue)
     return is;
 }
 
-static conus_status take_tetrahedron(struct roi_mesh *out, const struct found *mesh, size_t element)
+static void take_tetrahedron(struct job *job, struct roi_mesh *out, const struct found *mesh, size_t element)
 {
     struct tetrahedron tetrahedron = {.value = value_of(mesh->field, element)};
     for (size_t k = 0; k < CORNERS; k++) {
         int64_t node = hdf5_whole(mesh->corners, CORNERS * element + k);
         if (node < 1 || (uint64_t)node > out->node_count) {
-            return fail(CONUS_ERROR_DATA, "node_number_list: element %zu: found node %lld, allowed are 1 to %zu",
-                        element + 1, (long long)node, out->node_count);
+            job_bad(job, "node_number_list: element %zu: found node %lld, allowed are 1 to %zu", element + 1,
+                    (long long)node, out->node_count);
         }
         tetrahedron.nodes[k] = (uint32_t)(node - 1);
     }
     out->tetrahedra[out->count++] = tetrahedron;
-    return CONUS_OK;
 }
 
 /* Lists the tissues of the tetrahedra, as far as there is space: "1, 2, 5". Returns how many there are. */
@@ -234,57 +224,42 @@ static size_t list_tissues(char *out, size_t size, const struct found *mesh)
     return count;
 }
 
-static conus_status take_tetrahedra(struct roi_mesh *out, const struct found *mesh,
-                                    const struct volume_selector *selector)
+/* Takes the tetrahedra of the tissues, and says which: a mesh of a head holds more than its brain. */
+static void take_tetrahedra(struct job *job, struct roi_mesh *out, const struct found *mesh,
+                            const struct volume_selector *selector)
 {
     char tissues[LISTED];
     const size_t elements = mesh->types->count;
-    conus_status status = CONUS_OK;
-    out->tetrahedra = memory_raw(elements, sizeof *out->tetrahedra);
-    if (!out->tetrahedra) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t i = 0; !status && i < elements; i++) {
+    out->tetrahedra = job_raw(job, elements, sizeof *out->tetrahedra);
+    for (size_t i = 0; job_ok(job) && i < elements; i++) {
         if (hdf5_whole(mesh->types, i) == TETRAHEDRON && is_chosen(selector, hdf5_whole(mesh->tags, i))) {
-            status = take_tetrahedron(out, mesh, i);
+            take_tetrahedron(job, out, mesh, i);
         }
     }
-    if (status || out->count) {
-        return status;
+    const size_t count = list_tissues(tissues, sizeof tissues, mesh);
+    if (!count) {
+        job_bad(job, "elm_type: no tetrahedra (4), which alone have a volume");
+    } else if (!out->count) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "tissue: no tetrahedron has it (tag1); there are %s", tissues);
     }
-    return list_tissues(tissues, sizeof tissues, mesh)
-               ? fail(CONUS_ERROR_ARGUMENT, "tissue: no tetrahedron has it (tag1); there are %s", tissues)
-               : fail(CONUS_ERROR_DATA, "elm_type: no tetrahedra (4), which alone have a volume");
-}
-
-/* Says what was taken: a mesh of a head holds more than its brain. */
-static conus_status note_choice(const struct found *mesh, const struct volume_selector *selector, struct notes *notes)
-{
-    char tissues[LISTED];
-    struct text field = hdf5_last_name(mesh->field->name);
-    bool is_vector = mesh->field->count != mesh->types->count;
-    size_t count = list_tissues(tissues, sizeof tissues, mesh);
+    bool is_vector = mesh->field->count != elements;
     bool are_all = count > 1 && !selector->tissue_count;
-    return notes_add(notes, "%s%.*s of tetrahedra%s%s%s", is_vector ? "length of " : "", TEXT_SHOW(field, 60U),
-                     are_all ? " of all tissues: tag1 " : "", are_all ? tissues : "",
-                     are_all ? "; \",tissue=1:2\" takes white and grey matter" : "");
+    job_note(job, "%s: %s%.*s of tetrahedra%s%s%s", selector->path, is_vector ? "length of " : "",
+             TEXT_SHOW(hdf5_last_name(mesh->field->name), 60U), are_all ? " of all tissues: tag1 " : "",
+             are_all ? tissues : "", are_all ? "; \",tissue=1:2\" takes white and grey matter" : "");
 }
 
-conus_status simnibs_find(struct roi_mesh *out, const struct hdf5 *hdf5, const struct volume_selector *selector,
-                          struct notes *notes)
+struct roi_mesh simnibs_find(struct job *job, const struct hdf5 *hdf5, const struct volume_selector *selector)
 {
-    struct roi_mesh found = {0};
-    struct found mesh = {0};
-    conus_status status = find_mesh(&mesh, hdf5, selector->field);
-    status = status ? status : check_shapes(&mesh);
-    status = status ? status : take_nodes(&found, mesh.coordinates);
-    status = status ? status : take_tetrahedra(&found, &mesh, selector);
-    status = status ? status : note_choice(&mesh, selector, notes);
-    if (status) {
-        memory_free(found.nodes);
-        memory_free(found.tetrahedra);
-        return status;
+    struct roi_mesh out = {0};
+    const struct found mesh = find_mesh(job, hdf5, selector->field);
+    if (!job_ok(job)) {
+        return out;
     }
-    *out = found;
-    return CONUS_OK;
+    check_shapes(job, &mesh);
+    if (job_ok(job)) {
+        take_nodes(job, &out, mesh.coordinates);
+        take_tetrahedra(job, &out, &mesh, selector);
+    }
+    return out;
 }

@@ -5,7 +5,7 @@
 
 #include "atlas/roi.h"
 #include "base/child/hdf5.h"
-#include "base/notes.h"
+#include "base/job/job.h"
 #include "loaders/volumes/volume_selector.h"
 
 /** The objects of a file that simnibs_find() needs. */
@@ -17,9 +17,9 @@ bool simnibs_is(const struct hdf5 *hdf5);
 
 /** The tetrahedra of the mesh in @p hdf5 that has the field of @p selector, and their values: of vectors their length.
  * Without a field it is |E|: magnE, normE (as SimNIBS 3 calls it), or the length of E. Only those of the selector's
- * tissues, if it has some. Nodes are finite and within 10 m of the origin; values are as they are. The arrays of
- * @p out are the caller's. CONUS_ERROR_ARGUMENT for a field or tissue that is not there. Messages without a path. */
-conus_status simnibs_find(struct roi_mesh *out, const struct hdf5 *hdf5, const struct volume_selector *selector,
-                          struct notes *notes);
+ * tissues, if it has some. Nodes are finite and within 10 m of the origin; values are as they are. The arrays are the
+ * job's. CONUS_ERROR_ARGUMENT for a field or tissue that is not there. Notes name the selector's path, errors do
+ * not. */
+struct roi_mesh simnibs_find(struct job *job, const struct hdf5 *hdf5, const struct volume_selector *selector);
 
 #endif

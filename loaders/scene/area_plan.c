@@ -3,12 +3,11 @@
 #include "loaders/scene/area_plan.h"
 
 #include "atlas/frame.h"
-#include "base/buffer.h"
 #include "base/files/folder.h"
-#include "base/memory.h"
 #include "base/order.h"
 #include "loaders/brainglobe/brainglobe_metadata.h"
 #include "loaders/labels/label_file.h"
+#include "loaders/labels/labels_on_job.h"
 #include "loaders/scene/parcellations.h"
 
 #include <fnmatch.h>
@@ -16,51 +15,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-void planned_area_finish(struct planned_area *area)
+/* What the entry `entry` of the manifest `path` is planned with. */
+struct planning {
+    struct job *job;
+    struct area_plan *plan;
+    const char *path;
+    size_t entry;
+    const struct manifest_area *area;
+};
+
+static struct planned_area *add_area(const struct planning *p, const char *path, const struct label *label)
 {
-    memory_free(area->path);
-    label_finish(&area->label);
+    struct planned_area *area = LIST_ADD(p->job, &p->plan->areas);
+    area->path = path;
+    area->entry = p->entry;
+    area->label = *label;
+    return area;
 }
 
-void area_plan_finish(struct area_plan *plan)
+static void add_group(struct job *job, struct area_plan *plan, const struct label *label)
 {
-    for (size_t i = 0; i < plan->count; i++) {
-        planned_area_finish(&plan->areas[i]);
-    }
-    for (size_t i = 0; i < plan->labelled_count; i++) {
-        memory_free(plan->labelled[i].path);
-        vertex_labels_finish(&plan->labelled[i].labels);
-    }
-    memory_free(plan->labelled);
-    file_sums_finish(&plan->read);
-    memory_free(plan->areas);
-    label_table_finish(&plan->groups);
-    *plan = (struct area_plan){0};
-}
-
-/* Appends a copy of `label` with the surface `path`, which is taken over in any case. */
-static conus_status area_plan_add(struct area_plan *plan, size_t entry, char *path, const struct label *label)
-{
-    if (!memory_reserve(&plan->areas, &plan->capacity, plan->count + 1, sizeof *plan->areas)) {
-        memory_free(path);
-        return CONUS_ERROR_MEMORY;
-    }
-    struct planned_area *area = &plan->areas[plan->count++];
-    *area = (struct planned_area){.path = path, .entry = entry};
-    return label_copy(&area->label, label);
-}
-
-static conus_status area_plan_add_group(struct area_plan *plan, const struct label *label)
-{
-    struct label *group = label_table_add(&plan->groups, label->number);
-    struct label copy = {0};
-    conus_status status = group ? label_copy(&copy, label) : CONUS_ERROR_MEMORY;
-    if (status) {
-        label_finish(&copy);
-        return status;
-    }
-    *group = copy;
-    return CONUS_OK;
+    struct label *group = labels_add(job, plan->groups, label->number);
+    (void)JOB_CALL(job, label_copy(group, label));
 }
 
 static int compare_areas(const void *a, const void *b)
@@ -72,325 +48,186 @@ static int compare_areas(const void *a, const void *b)
 struct planned_area *area_plan_find(const struct area_plan *plan, uint32_t label)
 {
     struct planned_area key = {.label.number = label};
-    return plan->count ? bsearch(&key, plan->areas, plan->count, sizeof key, compare_areas) : NULL;
+    return plan->areas.count ? bsearch(&key, plan->areas.at, plan->areas.count, sizeof key, compare_areas) : NULL;
 }
 
 size_t area_plan_files(const struct area_plan *plan)
 {
-    size_t files = plan->labelled_count;
-    for (size_t i = 0; i < plan->count; i++) {
-        files += !plan->areas[i].is_part;
+    size_t files = plan->labelled.count;
+    for (size_t i = 0; i < plan->areas.count; i++) {
+        files += !plan->areas.at[i].surface;
     }
     return files;
 }
 
 /* The first whole number in the name of the file; false if there is none. */
-static conus_status number_in_name(uint32_t *number, bool *found, const char *path)
+static bool number_in_name(struct job *job, uint32_t *number, const char *path)
 {
     const char *name = path_base(path);
-    size_t start = strcspn(name, "0123456789");
-    size_t length = strspn(name + start, "0123456789");
+    const char *start = name + strcspn(name, "0123456789");
+    const struct text digits = {start, strspn(start, "0123456789")};
     uint64_t value = 0;
-    *found = length > 0;
-    if (*found && (!text_to_uint((struct text){name + start, length}, UINT32_MAX, &value) || !value)) {
-        return fail(CONUS_ERROR_DATA, "%s: the number in its name is %.*s, labels are 1 to 4294967295", name,
-                    (int)length, name + start);
+    if (digits.size && (!text_to_uint(digits, UINT32_MAX, &value) || !value)) {
+        job_bad(job, "%s: the number in its name is %.*s, labels are 1 to 4294967295", name, (int)digits.size, start);
     }
     *number = (uint32_t)value;
-    return CONUS_OK;
+    return digits.size > 0;
 }
 
-/* Plans "file". path is the manifest's, areas[entry] the entry. */
-static conus_status plan_file(struct area_plan *plan, size_t entry, const struct manifest_area *area, const char *path)
+/* Plans "file". */
+static void plan_file(const struct planning *p)
 {
-    struct label label = area->label;
-    bool found = true;
-    conus_status status = area->has_label ? CONUS_OK : number_in_name(&label.number, &found, area->file);
-    if (!status && !found) {
-        status = fail(CONUS_ERROR_DATA, "label is missing (there is no number in the name %s either)", area->file);
+    struct label label = p->area->label;
+    if (!p->area->has_label && !number_in_name(p->job, &label.number, p->area->file)) {
+        job_bad(p->job, "label is missing (there is no number in the name %s either)", p->area->file);
     }
-    char *file = status ? NULL : file_beside(path, area->file);
-    status = status || file ? status : CONUS_ERROR_MEMORY;
-    return status ? status : area_plan_add(plan, entry, file, &label);
+    add_area(p, job_beside(p->job, p->path, p->area->file), &label);
 }
 
-/* Which names of a folder match a pattern, and how they give labels. */
+static struct label_table *read_table(const struct planning *p, const char *path)
+{
+    const struct label_use use = {.max_memory = p->plan->max_memory};
+    struct label_table *table = labels_new(p->job);
+    const char *format;
+    label_file_read(p->job, table, &format, path, &use);
+    return table;
+}
+
+/* Names of a folder that match a pattern. */
 struct matches {
-    struct names names;
-    char *folder;
-    bool numbered;
-    struct label_table table;
+    LIST(const char *) names;
+    const char *folder;
+    bool numbered; /* all hold a number */
 };
 
-/* Keeps the names that match; all of them or none must hold a number. */
-static conus_status keep_matching(struct matches *matches, const char *pattern)
+/* Finds them; all or none must hold a number. */
+static struct matches find_matches(const struct planning *p)
 {
-    struct names *names = &matches->names;
-    size_t kept = 0;
+    struct job *job = p->job;
+    struct matches matches = {0};
+    const char *pattern = job_beside(job, p->path, p->area->files);
+    const char *base = path_base(pattern);
+    const char *ending = base + strlen(base); /* the literal end, which every matching name has */
     size_t numbered = 0;
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; i < names->count; i++) {
-        char *name = names->names[i];
-        if (fnmatch(pattern, name, FNM_PERIOD) != 0) {
-            memory_free(name);
-            continue;
-        }
-        uint32_t number;
-        bool found = false;
-        names->names[kept++] = name;
-        status = status ? status : number_in_name(&number, &found, name);
-        numbered += found;
-    }
-    names->count = kept;
-    matches->numbered = numbered > 0;
-    if (!status && !kept) {
-        return fail(CONUS_ERROR_DATA, "files: no file matches %s", pattern);
-    }
-    if (!status && numbered && numbered < kept) {
-        return fail(CONUS_ERROR_DATA,
-                    "files: %zu of the %zu names hold a number, which gives the label: all or none must", numbered,
-                    kept);
-    }
-    return status;
-}
-
-/* Bridge: to label tables on a job. */
-static conus_status read_labels(struct label_table *out, struct area_plan *plan, const char *path, struct notes *notes)
-{
-    struct job job = {0};
-    const char *format;
-    const struct label_use use = {.max_memory = plan->max_memory};
-    label_file_read(&job, out, &format, path, &use);
-    return job_close(&job, notes, &plan->read);
-}
-
-static conus_status find_matches(struct matches *matches, struct area_plan *plan, const struct manifest_area *area,
-                                 const char *path, struct notes *notes)
-{
-    const char *ending = area->files + strlen(area->files); /* the literal end, which every matching name has */
-    while (ending > area->files && !strchr("*?[]\\/", ending[-1])) {
+    uint32_t number;
+    while (ending > base && !strchr("*?[]\\", ending[-1])) {
         ending--;
     }
-    char *pattern = file_beside(path, area->files);
-    matches->folder = pattern ? path_folder(pattern) : NULL;
-    conus_status status = matches->folder ? names_list(&matches->names, matches->folder, ending) : CONUS_ERROR_MEMORY;
-    status = status ? status : keep_matching(matches, path_base(area->files));
-    memory_free(pattern);
-    if (!status && area->labels) {
-        char *labels = file_beside(path, area->labels);
-        status = labels ? read_labels(&matches->table, plan, labels, notes) : CONUS_ERROR_MEMORY;
-        memory_free(labels);
+    matches.folder = base > pattern ? job_format(job, "%.*s", (int)(base - pattern), pattern) : "./";
+    const struct names names = job_names(job, matches.folder, ending);
+    for (size_t i = 0; i < names.count; i++) {
+        if (fnmatch(base, names.names[i], FNM_PERIOD) == 0) {
+            *LIST_ADD(job, &matches.names) = names.names[i];
+            numbered += number_in_name(job, &number, names.names[i]);
+        }
     }
-    return status;
+    matches.numbered = numbered > 0;
+    if (!matches.names.count) {
+        job_bad(job, "files: no file matches %s", base);
+    } else if (numbered && numbered < matches.names.count) {
+        job_bad(job, "files: %zu of the %zu names hold a number, which gives the label: all or none must", numbered,
+                matches.names.count);
+    }
+    return matches;
 }
 
-/* Takes the label `number` from the table, raised by the entry's offset, with the entry's hemisphere if it has one. */
-static conus_status raise_label(struct label *out, const struct label_table *table, uint32_t number,
-                                const struct manifest_area *area)
+/* The label `number` of the table, raised by the entry's offset, with the entry's hemisphere if it has one. */
+static struct label raise_label(const struct planning *p, const struct label_table *table, uint32_t number)
 {
     const struct label *known = label_table_find(table, number);
-    *out = known ? *known : (struct label){0};
-    out->number = number;
-    out->hemisphere = area->label.hemisphere ? area->label.hemisphere : out->hemisphere;
-    return label_raise(&out->number, area->label_offset);
+    struct label label = known ? *known : (struct label){0};
+    label.number = label_raise(p->job, number, p->area->label_offset);
+    label.hemisphere = p->area->label.hemisphere ? p->area->label.hemisphere : label.hemisphere;
+    return label;
 }
 
 /* Plans "files", a pattern. */
-static conus_status plan_pattern(struct area_plan *plan, size_t entry, const struct manifest_area *area,
-                                 const char *path, struct notes *notes)
+static void plan_pattern(const struct planning *p)
 {
-    struct matches matches = {0};
-    conus_status status = find_matches(&matches, plan, area, path, notes);
-    for (size_t i = 0; !status && i < matches.names.count; i++) {
-        struct label label = {0};
-        struct buffer file = {0};
-        bool found;
+    struct job *job = p->job;
+    const struct label *of_all = &p->area->label;
+    const struct matches matches = find_matches(p);
+    const struct label_table *table =
+        p->area->labels ? read_table(p, job_beside(job, p->path, p->area->labels)) : labels_new(job);
+    for (size_t i = 0; i < matches.names.count && job_ok(job); i++) {
+        const char *name = matches.names.at[i];
         uint32_t number = (uint32_t)i + 1;
-        status = matches.numbered ? number_in_name(&number, &found, matches.names.names[i]) : CONUS_OK;
-        status = status ? status : raise_label(&label, &matches.table, number, area);
-        if (label.has_parent) {
-            status = status ? status : label_raise(&label.parent, area->label_offset);
-        } else {
-            label.parent = area->label.parent;
-            label.has_parent = area->label.has_parent;
+        if (matches.numbered) {
+            number_in_name(job, &number, name);
         }
-        buffer_format(&file, "%s%s", matches.folder, matches.names.names[i]);
-        status = status ? status : buffer_status(&file);
-        if (status) {
-            buffer_finish(&file);
-        } else {
-            status = area_plan_add(plan, entry, file.data, &label);
-        }
+        struct label label = raise_label(p, table, number);
+        label.parent = label.has_parent ? label_raise(job, label.parent, p->area->label_offset) : of_all->parent;
+        label.has_parent = label.has_parent || of_all->has_parent;
+        add_area(p, job_format(job, "%s%s", matches.folder, name), &label);
     }
-    names_finish(&matches.names);
-    memory_free(matches.folder);
-    label_table_finish(&matches.table);
-    return status;
 }
 
-/* Plans the part `number` of the last labelled surface. */
-static conus_status plan_part(struct area_plan *plan, size_t entry, const struct manifest_area *area, uint32_t number)
+static void end_vertex_labels(void *labels)
 {
-    const struct labelled_surface *surface = &plan->labelled[plan->labelled_count - 1];
-    struct label label;
-    conus_status status = raise_label(&label, &surface->labels.table, number, area);
-    if (status) {
-        return status;
-    }
-    label.hemisphere = area->label.hemisphere ? area->label.hemisphere : surface->labels.hemisphere;
-    label.has_parent = area->label.has_parent;
-    label.parent = area->label.parent;
-    char *path = memory_text(surface->path, strlen(surface->path));
-    status = path ? area_plan_add(plan, entry, path, &label) : CONUS_ERROR_MEMORY;
-    if (!status) {
-        struct planned_area *planned = &plan->areas[plan->count - 1];
-        planned->is_part = true;
-        planned->surface = plan->labelled_count - 1;
-        planned->part = number;
-    }
-    return status;
+    vertex_labels_finish(labels);
 }
 
-static conus_status read_labelled(struct area_plan *plan, const struct manifest_area *area, const char *path,
-                                  struct notes *notes)
+/* Reads the labels of the entry's surface; NULL after a failure. */
+static struct labelled_surface *read_labelled(const struct planning *p)
 {
-    struct mesh_file_options options = {
-        .max_memory = plan->max_memory, .read = &plan->read, .hemisphere = area->label.hemisphere};
-    struct labelled_surface *surfaces = memory_resize(plan->labelled, plan->labelled_count + 1, sizeof *surfaces);
-    char *labels = file_beside(path, area->vertex_labels);
-    plan->labelled = surfaces ? surfaces : plan->labelled;
-    if (!surfaces || !labels) {
-        memory_free(labels);
-        return CONUS_ERROR_MEMORY;
-    }
-    struct labelled_surface *surface = &surfaces[plan->labelled_count++];
-    *surface = (struct labelled_surface){.path = file_beside(path, area->file)};
-    options.surface = surface->path;
+    struct job *job = p->job;
+    struct labelled_surface *surface = job_new(job, struct labelled_surface);
     struct notes again = {0};
-    conus_status status = surface->path
-                              ? vertex_labels_read(&surface->labels, labels, &options, area->noted ? &again : notes)
-                              : CONUS_ERROR_MEMORY;
+    struct mesh_file_options options = {.max_memory = p->plan->max_memory,
+                                        .read = &job->files,
+                                        .surface = job_beside(job, p->path, p->area->file),
+                                        .hemisphere = p->area->label.hemisphere};
+    const char *labels = job_beside(job, p->path, p->area->vertex_labels);
+    if (JOB_CALL(job, vertex_labels_read(&surface->labels, labels, &options, p->area->noted ? &again : &job->notes))) {
+        surface->path = options.surface;
+        job_own(job, end_vertex_labels, &surface->labels);
+        *LIST_ADD(job, &p->plan->labelled) = surface;
+    }
     notes_finish(&again);
-    memory_free(labels);
-    return status;
+    return job_ok(job) ? surface : NULL;
 }
 
-/* Plans "file" with "vertex_labels": a part for each label that vertices have. path is the manifest's, areas[entry] the
- * entry. */
-static conus_status plan_labelled(struct area_plan *plan, size_t entry, const struct manifest_area *area,
-                                  const char *path, struct notes *notes)
+/* Plans "file" with "vertex_labels": a part for each label that vertices have. */
+static void plan_labelled(const struct planning *p)
 {
-    conus_status status = read_labelled(plan, area, path, notes);
-    if (status) {
-        return status;
-    }
-    const struct vertex_labels *labels = &plan->labelled[plan->labelled_count - 1].labels;
-    uint32_t *numbers = memory_raw(labels->count, sizeof *numbers);
-    size_t count = 0;
+    const struct labelled_surface *surface = read_labelled(p);
+    size_t count = surface ? surface->labels.count : 0;
+    uint32_t *numbers = job_array(p->job, &count, sizeof *numbers);
     if (!numbers) {
-        return CONUS_ERROR_MEMORY;
+        return;
     }
-    for (size_t i = 0; i < labels->count; i++) {
-        numbers[count] = labels->labels[i];
-        count += numbers[count] != 0;
-    }
+    memcpy(numbers, surface->labels.labels, count * sizeof *numbers);
     count = u32_sort_unique(numbers, count);
-    for (size_t i = 0; !status && i < count; i++) {
-        status = plan_part(plan, entry, area, numbers[i]);
+    for (size_t i = 0; i < count; i++) {
+        if (numbers[i]) {
+            const struct label *of_all = &p->area->label;
+            struct label label = raise_label(p, &surface->labels.table, numbers[i]);
+            label.hemisphere = of_all->hemisphere ? of_all->hemisphere : surface->labels.hemisphere;
+            label.has_parent = of_all->has_parent;
+            label.parent = of_all->parent;
+            struct planned_area *part = add_area(p, surface->path, &label);
+            part->surface = surface;
+            part->part = numbers[i];
+        }
     }
-    memory_free(numbers);
-    return status;
 }
 
 static const double micrometres = 0.001; /* BrainGlobe's unit, in mm */
 
-/* A BrainGlobe folder while it is looked through. */
-struct brainglobe {
-    char *folder;
-    struct label_table structures;
-    char **meshes;  /* [structures.count] paths, NULL where there is no file */
-    bool *contains; /* [structures.count] another one with a mesh */
-};
-
-static void brainglobe_finish(struct brainglobe *brainglobe)
-{
-    for (size_t i = 0; brainglobe->meshes && i < brainglobe->structures.count; i++) {
-        memory_free(brainglobe->meshes[i]);
-    }
-    memory_free(brainglobe->meshes);
-    memory_free(brainglobe->contains);
-    memory_free(brainglobe->folder);
-    label_table_finish(&brainglobe->structures);
-}
-
 /* Marks everything above each structure that has a mesh. */
-static void mark_containers(struct brainglobe *brainglobe)
+static void mark_containers(bool *contains, const struct label_table *table, const char *const *meshes, size_t count)
 {
-    struct label_table *table = &brainglobe->structures;
-    for (size_t i = 0; i < table->count; i++) {
-        const struct label *at = brainglobe->meshes[i] ? &table->entries[i] : NULL;
+    for (size_t i = 0; i < count; i++) {
+        const struct label *at = meshes[i] ? &table->entries[i] : NULL;
         while (at && at->has_parent) {
             at = label_table_find(table, at->parent);
-            bool *contains = at ? &brainglobe->contains[at - table->entries] : NULL;
-            at = contains && !*contains ? at : NULL; /* else all above it is marked */
+            bool *above = at ? &contains[at - table->entries] : NULL;
+            at = above && !*above ? at : NULL; /* else all above it is marked */
             if (at) {
-                *contains = true;
+                *above = true;
             }
         }
     }
-}
-
-static conus_status open_brainglobe(struct brainglobe *brainglobe, struct area_plan *plan,
-                                    const struct manifest_area *area, const char *path, struct notes *notes)
-{
-    struct buffer table = {0};
-    brainglobe->folder = file_beside(path, area->brainglobe);
-    conus_status status = brainglobe->folder ? CONUS_OK : CONUS_ERROR_MEMORY;
-    buffer_format(&table, "%s/structures.json", status ? "" : brainglobe->folder);
-    status = status ? status : buffer_status(&table);
-    status = status ? status : read_labels(&brainglobe->structures, plan, table.data, notes);
-    buffer_finish(&table);
-    if (status) {
-        return status;
-    }
-    const struct label_table *structures = &brainglobe->structures;
-    brainglobe->meshes = memory_zeroed(structures->count, sizeof *brainglobe->meshes);
-    brainglobe->contains = memory_zeroed(structures->count, sizeof *brainglobe->contains);
-    status = brainglobe->meshes && brainglobe->contains ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < structures->count; i++) {
-        struct buffer mesh = {0};
-        buffer_format(&mesh, "%s/meshes/%u.obj", brainglobe->folder, structures->entries[i].number);
-        status = buffer_status(&mesh);
-        if (status || !file_exists(mesh.data)) {
-            buffer_finish(&mesh);
-        }
-        brainglobe->meshes[i] = mesh.data;
-    }
-    if (!status) {
-        mark_containers(brainglobe);
-    }
-    return status;
-}
-
-static conus_status plan_structures(struct area_plan *plan, size_t entry, struct brainglobe *brainglobe, bool all,
-                                    const double world_from_mesh[16])
-{
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < brainglobe->structures.count; i++) {
-        const struct label *label = &brainglobe->structures.entries[i];
-        if (brainglobe->meshes[i] && (all || !brainglobe->contains[i])) {
-            status = area_plan_add(plan, entry, brainglobe->meshes[i], label);
-            brainglobe->meshes[i] = NULL;
-            if (!status) {
-                struct planned_area *area = &plan->areas[plan->count - 1];
-                area->placed = true;
-                memcpy(area->world_from_mesh, world_from_mesh, sizeof area->world_from_mesh);
-            }
-        } else if (brainglobe->contains[i]) {
-            status = area_plan_add_group(plan, label);
-        }
-    }
-    return status;
 }
 
 /* Whether the folder says by its name or by the size of its grid that it is the Allen CCF, with axes as that has. */
@@ -406,87 +243,97 @@ static void find_ccf(struct area_plan *plan, const struct brainglobe_metadata *m
     plan->ccf_from_right = is_asr;
 }
 
-/* Makes the matrix from stored coordinates to the world. *orientation is the entry's, else that of metadata.json, else
- * "asr". */
-static conus_status place_meshes(double world_from_mesh[16], char orientation[BRAINGLOBE_ORIENTATION], double scale,
-                                 const struct brainglobe *brainglobe, const struct manifest_area *area,
-                                 struct area_plan *plan)
+/* What the folder says of its axes: the entry's orientation, else metadata.json, else "asr". */
+static struct brainglobe_metadata find_axes(const struct planning *p, const char *folder)
 {
-    bool found = false;
-    struct buffer folder = {0};
+    bool found;
     struct brainglobe_metadata metadata = {.orientation = "asr"};
-    const double scales[3] = {scale, scale, scale};
-    buffer_format(&folder, "%s/", brainglobe->folder);
-    conus_status status = buffer_status(&folder);
-    if (!status && area->orientation) {
-        snprintf(metadata.orientation, sizeof metadata.orientation, "%s", area->orientation);
+    if (p->area->orientation) {
+        snprintf(metadata.orientation, sizeof metadata.orientation, "%s", p->area->orientation);
     } else {
-        status = status ? status : brainglobe_metadata_read(&metadata, &found, folder.data, &plan->read);
+        const char *inside = job_format(p->job, "%s/", folder);
+        (void)JOB_CALL(p->job, brainglobe_metadata_read(&metadata, &found, inside, &p->job->files));
     }
-    buffer_finish(&folder);
-    memcpy(orientation, metadata.orientation, BRAINGLOBE_ORIENTATION);
-    find_ccf(plan, &metadata);
-    return status ? status : brainglobe_axes(world_from_mesh, orientation, scales);
+    find_ccf(p->plan, &metadata);
+    return metadata;
 }
 
-/* Plans "brainglobe". path is the manifest's, areas[entry] the entry. */
-static conus_status plan_brainglobe(struct area_plan *plan, size_t entry, const struct manifest_area *area,
-                                    const char *path, struct notes *notes)
+/* Plans "brainglobe", a folder. */
+static void plan_brainglobe(const struct planning *p)
 {
-    struct brainglobe brainglobe = {0};
-    char orientation[BRAINGLOBE_ORIENTATION];
+    struct job *job = p->job;
+    const double scale = p->area->scale > 0 ? p->area->scale : micrometres;
+    const double scales[3] = {scale, scale, scale};
+    const size_t before = p->plan->areas.count;
+    const char *folder = job_beside(job, p->path, p->area->brainglobe);
+    const struct label_table *table = read_table(p, job_format(job, "%s/structures.json", folder));
+    size_t count = table->count;
+    bool *contains = job_zeroed(job, count, sizeof *contains); /* another structure with a mesh */
+    const char **meshes = job_array(job, &count, sizeof *meshes);
     double world_from_mesh[16];
-    double scale = area->scale > 0 ? area->scale : micrometres;
-    size_t before = plan->count;
-    conus_status status = open_brainglobe(&brainglobe, plan, area, path, notes);
-    status = status ? status : place_meshes(world_from_mesh, orientation, scale, &brainglobe, area, plan);
-    status = status ? status : plan_structures(plan, entry, &brainglobe, area->all_structures, world_from_mesh);
-    if (!status && plan->count == before) {
-        status = fail(CONUS_ERROR_DATA, "brainglobe: %s/meshes holds no ID.obj of structures.json", area->brainglobe);
+    for (size_t i = 0; i < count; i++) {
+        meshes[i] = job_format(job, "%s/meshes/%u.obj", folder, table->entries[i].number);
+        meshes[i] = job_has_file(job, meshes[i]) ? meshes[i] : NULL;
     }
-    if (!status) {
-        status = notes_add(notes,
-                           "%s: %zu surfaces, stored times %g is mm, axes start at \"%s\"; the world's origin is that "
-                           "corner",
-                           brainglobe.folder, plan->count - before, scale, orientation);
-    }
-    brainglobe_finish(&brainglobe);
-    return status;
-}
-
-conus_status area_plan_make(struct area_plan *out, const struct manifest *manifest, const char *path,
-                            struct notes *notes)
-{
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < manifest->area_count; i++) {
-        const struct manifest_area *area = &manifest->areas[i];
-        status = area->vertex_labels ? plan_labelled(out, i, area, path, notes)
-                 : area->file        ? plan_file(out, i, area, path)
-                 : area->files       ? plan_pattern(out, i, area, path, notes)
-                                     : plan_brainglobe(out, i, area, path, notes);
-        status = fail_in_entry(status, "areas", i);
-    }
-    if (out->count) {
-        qsort(out->areas, out->count, sizeof *out->areas, compare_areas);
-    }
-    for (size_t i = 1; !status && i < out->count; i++) {
-        const struct planned_area *a = &out->areas[i - 1];
-        const struct planned_area *b = &out->areas[i];
-        if (a->label.number == b->label.number) {
-            return fail(CONUS_ERROR_DATA,
-                        "areas[%zu]: label %u is that of %s and of %s: each needs its own (label, label_offset)",
-                        b->entry, b->label.number, path_base(a->path), path_base(b->path));
+    mark_containers(contains, table, meshes, count);
+    const struct brainglobe_metadata metadata = find_axes(p, folder);
+    (void)JOB_CALL(job, brainglobe_axes(world_from_mesh, metadata.orientation, scales));
+    for (size_t i = 0; i < count && job_ok(job); i++) {
+        if (meshes[i] && (p->area->all_structures || !contains[i])) {
+            struct planned_area *area = add_area(p, meshes[i], &table->entries[i]);
+            area->placed = true;
+            memcpy(area->world_from_mesh, world_from_mesh, sizeof area->world_from_mesh);
+        } else if (contains[i]) {
+            add_group(job, p->plan, &table->entries[i]);
         }
     }
-    for (size_t i = 0; !status && i < manifest->tree_count; i++) {
-        struct label *node = &manifest->tree[i];
+    const size_t added = p->plan->areas.count - before;
+    if (!added) {
+        job_bad(job, "brainglobe: %s/meshes holds no ID.obj of structures.json", p->area->brainglobe);
+    }
+    job_note(job, "%s: %zu surfaces, stored times %g is mm, axes start at \"%s\"; the world's origin is that corner",
+             folder, added, scale, metadata.orientation);
+}
+
+/* Sorts the areas by label, of which no two may have the same. */
+static void sort_areas(struct job *job, struct area_plan *plan)
+{
+    if (plan->areas.count) {
+        qsort(plan->areas.at, plan->areas.count, sizeof *plan->areas.at, compare_areas);
+    }
+    for (size_t i = 1; i < plan->areas.count; i++) {
+        const struct planned_area *a = &plan->areas.at[i - 1];
+        const struct planned_area *b = &plan->areas.at[i];
+        if (a->label.number == b->label.number) {
+            job_bad(job, "areas[%zu]: label %u is that of %s and of %s: each needs its own (label, label_offset)",
+                    b->entry, b->label.number, path_base(a->path), path_base(b->path));
+        }
+    }
+}
+
+void area_plan_make(struct job *job, struct area_plan *out, const struct manifest *manifest, const char *path)
+{
+    out->groups = labels_new(job);
+    for (size_t i = 0; i < manifest->area_count; i++) {
+        const struct manifest_area *area = &manifest->areas[i];
+        const struct planning planning = {job, out, path, i, area};
+        const size_t mark = job_in(job, "areas", i);
+        (area->vertex_labels ? plan_labelled
+         : area->file        ? plan_file
+         : area->files       ? plan_pattern
+                             : plan_brainglobe)(&planning);
+        job_out(job, mark);
+    }
+    sort_areas(job, out);
+    for (size_t i = 0; i < manifest->tree_count; i++) {
+        const struct label *node = &manifest->tree[i];
         struct planned_area *area = area_plan_find(out, node->number);
         if (!area) {
-            status = area_plan_add_group(out, node);
+            add_group(job, out, node);
         } else if (node->has_parent) {
             area->label.has_parent = true;
             area->label.parent = node->parent;
         }
     }
-    return status ? status : label_table_sort(&out->groups, notes);
+    labels_sort(job, out->groups);
 }

@@ -1,50 +1,41 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The list of surfaces that a manifest makes areas: made, settled with the parcellation, loaded. */
+/** @file The list of surfaces that a manifest makes areas: made, settled with the parcellation, loaded. It is the
+ * job's, with all texts in it. */
 #ifndef CONUS_LOADERS_SCENE_AREA_PLAN_H
 #define CONUS_LOADERS_SCENE_AREA_PLAN_H
 
-#include "atlas/atlas.h"
-#include "base/files/file_sums.h"
 #include "loaders/manifest/manifest.h"
 #include "loaders/scene/load_progress.h"
 #include "loaders/surfaces/mesh_file.h"
 
 struct parcellations;
 
+/** A surface that the labels of its vertices cut into areas. */
+struct labelled_surface {
+    const char *path; /**< The surface's. */
+    struct vertex_labels labels;
+};
+
 /** A surface that becomes an area. */
 struct planned_area {
-    char *path;         /**< Where it lies, seen from this process; owned.                                        */
+    const char *path;   /**< Where it lies, seen from this process. */
     size_t entry;       /**< Its index in the manifest's list of areas. */
-    struct label label; /**< As far as it is known: number always, name NULL where the file may have one.         */
-    bool is_part;       /**< It is the part `part` of plan.labelled[surface]. */
-    size_t surface;
+    struct label label; /**< As far as it is known: number always, name NULL where the file may have one. */
+    const struct labelled_surface *surface; /**< The one of which it is the part `part`; NULL: it is no part. */
     uint32_t part;
-    bool placed; /**< world_from_mesh holds; else the manifest's space, or what the file says.             */
+    bool placed; /**< world_from_mesh holds; else the manifest's space, or what the file says. */
     double world_from_mesh[16];
     struct file_state state; /**< State of the file before it was read. */
 };
 
-/** A surface that the labels of its vertices cut into areas. */
-struct labelled_surface {
-    char *path; /**< The surface's; owned. */
-    struct vertex_labels labels;
-};
-
 struct area_plan {
-    struct labelled_surface *labelled;
-    size_t labelled_count;
-    struct planned_area *areas; /**< Sorted by label, no two with the same.                                       */
-    size_t count;
-    size_t capacity;
-    uint64_t max_memory;       /**< For each file; 0 = the default.                                               */
-    struct file_sums read;     /**< The files that names and labels come from. */
-    bool has_ccf;              /**< Surfaces are of the Allen CCF, whose corner is the world's origin,            */
-    bool ccf_from_right;       /**< and whose ML counts from the right.                                           */
-    struct label_table groups; /**< Nodes of the area tree without a surface of their own; sorted.                */
+    LIST(struct labelled_surface *) labelled;
+    LIST(struct planned_area) areas; /**< Sorted by label, no two with the same. */
+    uint64_t max_memory;             /**< For each file; 0 = the default. */
+    bool has_ccf;                    /**< Surfaces are of the Allen CCF, whose corner is the world's origin, */
+    bool ccf_from_right;             /**< and whose ML counts from the right. */
+    struct label_table *groups;      /**< Nodes of the area tree without a surface of their own; sorted. */
 };
-
-void planned_area_finish(struct planned_area *area);
-void area_plan_finish(struct area_plan *plan);
 
 /** The planned area of @p label, or NULL. */
 struct planned_area *area_plan_find(const struct area_plan *plan, uint32_t label);
@@ -53,17 +44,16 @@ struct planned_area *area_plan_find(const struct area_plan *plan, uint32_t label
 size_t area_plan_files(const struct area_plan *plan);
 
 /** Finds the files of all entries of @p manifest, whose path is @p path. Errors name the key, not the manifest. */
-conus_status area_plan_make(struct area_plan *out, const struct manifest *manifest, const char *path,
-                            struct notes *notes);
+void area_plan_make(struct job *job, struct area_plan *out, const struct manifest *manifest, const char *path);
 
 /** Gives each label that both the plan and the united parcellations have to the surface or to the voxels, as the
  * manifest prefers; after that no label is there twice. A surface without a name takes that of the parcellation's
  * table. */
-conus_status area_plan_settle(struct area_plan *plan, struct parcellations *all, enum manifest_preference preference);
+void area_plan_settle(struct job *job, struct area_plan *plan, struct parcellations *all,
+                      enum manifest_preference preference);
 
-/** Reads the surfaces, whose coordinates are in @p space where nothing else says so, and adds them to @p atlas, then
+/** Reads the surfaces, whose coordinates are in @p space where nothing else says so, and adds them to the atlas, then
  * the groups; links parents. */
-conus_status area_plan_load(struct area_plan *plan, conus_atlas *atlas, enum mesh_space space,
-                            const conus_load_options *options, struct load_progress *progress);
+void area_plan_load(struct load *load, struct area_plan *plan, enum mesh_space space);
 
 #endif

@@ -5,7 +5,6 @@
 #include "atlas/areas/sides.h"
 #include "atlas/atlas.h"
 #include "atlas/surface/mesh_split.h"
-#include "base/buffer.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/brainglobe/brainglobe_atlas.h"
@@ -14,182 +13,149 @@
 #include "loaders/manifest/manifest.h"
 #include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_surfaces.h"
+#include "loaders/maps/atlas_on_job.h"
 #include "loaders/scene/load_manifest.h"
 #include "loaders/scene/load_parcellation.h"
 #include "loaders/scene/load_progress.h"
+#include "loaders/scene/parcellations.h"
 #include "loaders/scene/plan_brainglobe.h"
 #include "loaders/scene/plan_cifti.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/volumes/volume_zarr.h"
 
-#include <stdio.h>
 #include <string.h>
 
+/* A surface before it is an atlas: whole, or cut into parts. */
 struct surface {
     struct mesh mesh;
     struct label about;
     struct vertex_labels labels;
     struct mesh_parts parts;
-    struct notes notes;
-    struct buffer source;
-    struct file_sums read; /* labels that lie in a file of their own */
+    char *name;         /* of areas that have none by themselves; NULL: their number */
+    const char *source; /* of the names, in words */
 };
 
-static void surface_finish(struct surface *surface)
+static void end_surface(void *thing)
 {
+    struct surface *surface = thing;
     mesh_finish(&surface->mesh);
     label_finish(&surface->about);
     vertex_labels_finish(&surface->labels);
     mesh_parts_finish(&surface->parts);
-    notes_finish(&surface->notes);
-    buffer_finish(&surface->source);
-    file_sums_finish(&surface->read);
-}
-
-/* Makes the whole surface one area, number 1. */
-static conus_status take_whole(struct surface *surface)
-{
-    label_table_finish(&surface->labels.table); /* of labels that no vertex has */
-    struct label *label = label_table_add(&surface->labels.table, 1);
-    surface->parts.parts = memory_zeroed(1, sizeof *surface->parts.parts);
-    if (!label || !surface->parts.parts) {
-        return CONUS_ERROR_MEMORY;
-    }
-    label->name = surface->about.name ? surface->about.name : mesh_file_name(surface->mesh.path);
-    surface->about.name = NULL;
-    surface->parts.parts[0] = (struct mesh_part){1, surface->mesh};
-    surface->parts.count = 1;
-    surface->mesh = (struct mesh){0};
-    return label->name ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 /* Reads a file in which each object is an area. */
-static conus_status read_objects(struct surface *out, const char *path, const conus_load_options *options)
+static void read_objects(struct job *job, struct surface *out, const char *path, const conus_load_options *options)
 {
     const struct mesh_foreign_options foreign = {.max_memory = options->max_memory};
-    conus_status status = mesh_foreign_objects(&out->parts, &out->labels.table, path, &foreign, &out->notes);
-    for (size_t i = 0; !status && i < out->labels.table.count; i++) {
-        struct label *label = &out->labels.table.entries[i];
-        label->name = label->name ? label->name : mesh_file_name(path);
-        status = label->name ? CONUS_OK : CONUS_ERROR_MEMORY;
-    }
-    buffer_format(&out->source, "the name in %s", path);
-    return status ? status : buffer_status(&out->source);
+    (void)JOB_CALL(job, mesh_foreign_objects(&out->parts, &out->labels.table, path, &foreign, &job->notes));
+    out->name = mesh_name(job, path);
+    out->source = job_format(job, "the name in %s", path);
 }
 
-static conus_status read_surface(struct surface *out, const char *path, const conus_load_options *options)
+/* Reads a surface that the labels of its vertices cut into areas: those of options->labels, else of its own file. One
+ * without labels stays whole. */
+static void read_surface(struct job *job, struct surface *out, const char *path, const conus_load_options *options)
 {
     const struct mesh_file_options file_options = {.max_memory = options->max_memory};
-    struct mesh_file_options label_options = {.max_memory = options->max_memory};
-    label_options.read = options->labels ? &out->read : NULL;
-    label_options.surface = path;
+    const struct mesh_file_options label_options = {
+        .max_memory = options->max_memory, .read = options->labels ? &job->files : NULL, .surface = path};
     const char *labels = options->labels ? options->labels : path;
-    if (options->labels && !mesh_file_keeps_vertices(path)) {
-        return fail(CONUS_ERROR_UNSUPPORTED,
-                    "%s: labels of vertices need a surface that numbers its vertices, as all formats but STL do", path);
+    struct vertex_labels *vertices = &out->labels;
+    (void)JOB_CALL(job, mesh_file_read(&out->mesh, &out->about, path, &file_options, &job->notes));
+    (void)JOB_CALL(job, vertex_labels_read(vertices, labels, &label_options, &job->notes));
+    if (!options->labels && !vertices->count) {
+        label_table_finish(&vertices->table); /* of labels that no vertex has */
+        out->name = out->about.name ? out->about.name : mesh_name(job, path);
+        out->source = job_format(job, "the name in %s", labels);
+        return;
     }
-    if (!options->labels && mesh_file_is_foreign(path)) {
-        return read_objects(out, path, options);
+    out->source = job_format(job, "labels of vertices in %s", labels);
+    (void)JOB_CALL(job, vertex_labels_extend(vertices, out->mesh.vertex_count));
+    if (vertices->count != out->mesh.vertex_count) {
+        job_bad(job, "%s: labels of %zu vertices, the surface %s has %zu", labels, vertices->count, path,
+                out->mesh.vertex_count);
     }
-    conus_status status = mesh_file_read(&out->mesh, &out->about, path, &file_options, &out->notes);
-    status = status ? status : vertex_labels_read(&out->labels, labels, &label_options, &out->notes);
-    if (status) {
-        return status;
-    }
-    bool whole = !options->labels && !out->labels.count;
-    buffer_format(&out->source, whole ? "the name in %s" : "labels of vertices in %s", labels);
-    status = buffer_status(&out->source);
-    if (status || whole) {
-        return status ? status : take_whole(out);
-    }
-    status = vertex_labels_extend(&out->labels, out->mesh.vertex_count);
-    if (!status && out->labels.count != out->mesh.vertex_count) {
-        return fail(CONUS_ERROR_DATA, "%s: labels of %zu vertices, the surface %s has %zu", labels, out->labels.count,
-                    out->mesh.path, out->mesh.vertex_count);
-    }
-    return status ? status : mesh_split(&out->parts, &out->mesh, out->labels.labels, &out->notes);
+    (void)JOB_CALL(job, mesh_split(&out->parts, &out->mesh, vertices->labels, &job->notes));
+    mesh_finish(&out->mesh);
 }
 
-static conus_status add_part(conus_atlas *atlas, const struct surface *surface, struct mesh_part *part)
+static void add_area(struct load *load, const struct surface *surface, uint32_t number, struct mesh *mesh)
 {
     char digits[LABEL_DIGITS];
-    const struct label *known = label_table_find(&surface->labels.table, part->label);
-    char hemisphere = surface->about.hemisphere ? surface->about.hemisphere : surface->labels.hemisphere;
-    struct label label = known ? *known : (struct label){.number = part->label};
+    const struct label *known = label_table_find(&surface->labels.table, number);
+    struct label label = known ? *known : (struct label){.number = number};
+    label.name = label.name ? label.name : surface->name;
     label.abbreviation = NULL;
-    label.hemisphere = hemisphere;
-    const conus_object area = label_object(&label, atlas->object_count, digits);
-    return atlas_add_mesh(atlas, &area, &part->mesh);
+    label.hemisphere = surface->about.hemisphere ? surface->about.hemisphere : surface->labels.hemisphere;
+    const conus_object area = label_object(&label, load->atlas->object_count, digits);
+    (void)JOB_CALL(&load->job, atlas_add_mesh(load->atlas, &area, mesh));
 }
 
 /* Notes the names without a triangle. They are no areas, since an area has a shape. */
-static conus_status note_missing(conus_atlas *atlas, const struct surface *surface)
+static void note_missing(struct job *job, const struct surface *surface)
 {
     enum { SHOWN = 4 };
-    struct buffer names = {0};
+    const struct label_table *table = &surface->labels.table;
+    const char *names = "";
     size_t count = 0;
-    for (size_t i = 0; i < surface->labels.table.count; i++) {
-        const struct label *label = &surface->labels.table.entries[i];
-        if (label->name && !mesh_parts_find(&surface->parts, label->number) && count++ < SHOWN) {
-            buffer_format(&names, "%s%s", count > 1 ? ", " : "", label->name);
+    for (size_t i = 0; i < table->count; i++) {
+        const char *name = table->entries[i].name;
+        if (name && !mesh_parts_find(&surface->parts, table->entries[i].number) && count++ < SHOWN) {
+            names = job_format(job, "%s%s%s", names, count > 1 ? ", " : "", name);
         }
     }
-    conus_status status = buffer_status(&names);
-    if (!status && count) {
-        status = notes_add(&atlas->notes, "names without a triangle: %zu (%s%s)", count, names.data,
-                           count > SHOWN ? ", ..." : "");
+    if (count) {
+        job_note(job, "names without a triangle: %zu (%s%s)", count, names, count > SHOWN ? ", ..." : "");
     }
-    buffer_finish(&names);
-    return status;
 }
 
-/* Loads the surface path: its areas are those of the labels of its vertices (options->labels, else in its own
- * file), or there is one, the whole. The atlas's notes keep the sink. */
-static conus_status surface_load(conus_atlas **out, const char *path, const struct load_progress *progress)
+/* Loads the surface `path`: each part is an area, or the whole. */
+static void load_surface(struct load *load, const char *path)
 {
-    struct surface surface = {.notes.sink = &progress->sink};
+    struct job *job = &load->job;
+    const conus_load_options *options = load->options;
+    struct surface *surface = job_new(job, struct surface);
     struct file_state state;
-    conus_atlas *atlas = NULL;
-    conus_status status = file_state_find(&state, path);
-    status = status ? status : read_surface(&surface, path, progress->options);
-    status = status ? status : atlas_create_empty(&atlas, surface.source.data);
-    if (!status) {
-        atlas->notes.sink = surface.notes.sink;
+    if (!JOB_CALL(job, file_state_find(&state, path))) {
+        return;
     }
-    for (size_t i = 0; !status && i < surface.parts.count; i++) {
-        status = add_part(atlas, &surface, &surface.parts.parts[i]);
+    job_own(job, end_surface, surface);
+    if (options->labels && !mesh_file_keeps_vertices(path)) {
+        job_refuse(job, "%s: labels of vertices need a surface that numbers its vertices, as all formats but STL do",
+                   path);
+    } else if (!options->labels && mesh_file_is_foreign(path)) {
+        read_objects(job, surface, path, options);
+    } else {
+        read_surface(job, surface, path, options);
     }
-    status = status ? status : notes_move(&atlas->notes, &surface.notes);
-    status = status ? status : note_missing(atlas, &surface);
-    status = status ? status : atlas_note_file(atlas, path, &state);
-    status = status ? status : file_sums_move(&atlas->files, &surface.read);
-    surface_finish(&surface);
-    return atlas_give(out, atlas, status);
+    load_create(load, NULL, 0, NULL, surface->source);
+    if (job_ok(job) && surface->mesh.vertex_count) {
+        add_area(load, surface, 1, &surface->mesh);
+    }
+    for (size_t i = 0; i < surface->parts.count && job_ok(job); i++) {
+        add_area(load, surface, surface->parts.parts[i].label, &surface->parts.parts[i].mesh);
+    }
+    note_missing(job, surface);
+    (void)JOB_CALL(job, atlas_note_file(load->atlas, path, &state));
 }
 
-/* Loads the .dlabel.nii path, which may choose a map, with the surfaces beside it. The atlas's notes keep the sink. */
-static conus_status cifti_load(conus_atlas **out, const char *path, struct load_progress *progress)
+/* Loads the .dlabel.nii path, which may choose a map, with the surfaces beside it. */
+static void load_cifti(struct load *load, const char *path)
 {
+    struct job *job = &load->job;
     struct cifti_file file = {0};
     struct manifest manifest = {0};
-    struct notes notes = {.sink = &progress->sink};
-    conus_atlas *atlas = NULL;
-    uint64_t max_memory = progress->options->max_memory;
-    if (progress->options->labels) {
-        return fail(CONUS_ERROR_ARGUMENT, "--labels %s: %s names its labels itself", progress->options->labels, path);
+    const char *labels = load->options->labels;
+    if (labels) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "--labels %s: %s names its labels itself", labels, path);
     }
-    conus_status status = cifti_file_open(&file, path, max_memory, &notes);
-    status = status ? status : plan_cifti(&manifest, &file, max_memory, &notes);
-    char *file_path = file.path;
-    file.path = NULL;
+    (void)JOB_CALL(job, cifti_file_open(&file, path, load->options->max_memory, &job->notes));
+    plan_cifti(job, &manifest, &file, load->options->max_memory);
+    const char *name = job_format(job, "%s", file.path ? file.path : "");
     cifti_file_finish(&file); /* before the surfaces need memory */
-    status = status ? status : manifest_load_made(&atlas, &manifest, file_path, "the label table in it", progress);
-    status = status ? status : notes_move(&atlas->notes, &notes);
-    notes_finish(&notes);
-    manifest_finish(&manifest);
-    memory_free(file_path);
-    return atlas_give(out, atlas, status);
+    manifest_load_made(load, &manifest, name, "the label table in it");
 }
 
 enum { JSON_LIMIT = 64 << 20 };
@@ -198,187 +164,147 @@ static const char atlas_needed[] =
     "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC, OME-Zarr), a surface, a folder of surfaces, a "
     "manifest (with the key \"conus_atlas\") or an FSL atlas XML";
 
-static conus_status load_labelled_volume(conus_atlas **out, const struct probe *probe, const char *path,
-                                         const struct load_progress *progress)
+static void report_only_file(struct load *load, const char *path)
 {
-    struct parcellation parts = {.notes.sink = &progress->sink};
-    conus_atlas *atlas = NULL;
-    conus_status status = parcellation_read_opened(&parts, probe, path, progress->options, atlas_needed);
-    status = status ? status : parcellation_atlas(&atlas, &parts);
-    status = status ? status : file_sums_move(&atlas->files, &parts.read);
-    parcellation_finish(&parts);
-    return atlas_give(out, atlas, status);
-}
-
-static conus_status report_only_file(struct load_progress *progress, const char *path)
-{
-    progress->total = 1;
-    return load_progress_report(progress, path, 1);
+    load->total = 1;
+    load_report(load, path, 1);
 }
 
 /* Loads one volume of labels, or several of probabilities. */
-static conus_status load_volumes(conus_atlas **out, const struct probe *probe, const char *path,
-                                 struct load_progress *progress)
+static void load_volumes(struct load *load, const struct probe *probe, const char *path)
 {
-    struct named_maps maps = {0};
-    conus_status status = named_maps_find(&maps, probe, path, progress->options);
-    if (!status && maps.table.count) {
-        status = named_maps_load(out, path, &maps, progress);
-    } else if (!status) {
-        status = report_only_file(progress, path);
-        status = status ? status : load_labelled_volume(out, probe, path, progress);
+    struct job *job = &load->job;
+    const struct named_maps maps = named_maps_find(job, probe, path, load->options);
+    struct parcellation *part = job_new(job, struct parcellation);
+    if (part && maps.table->count) {
+        named_maps_load(load, path, &maps);
+    } else if (part) {
+        report_only_file(load, path);
+        parcellation_read_opened(job, part, probe, path, load->options, atlas_needed);
+        parcellations_atlas(load, part, 1, part->table, part->source);
     }
-    named_maps_finish(&maps);
-    return status;
 }
 
-static conus_status load_json(conus_atlas **out, const struct open_file *file, struct load_progress *progress)
+static void load_json(struct load *load, const struct open_file *file)
 {
-    const char *path = file->path;
+    struct job *job = &load->job;
     struct bytes bytes = {0};
-    conus_status status = file_read_open(&bytes, file, SIZE_MAX, JSON_LIMIT, "");
-    if (!status && !manifest_is(text_from_bytes(bytes.data, bytes.size))) {
-        status = fail_in(file_kind_fail(path, &bytes, atlas_needed), path);
+    if (!JOB_CALL(job, file_read_open(&bytes, file, SIZE_MAX, JSON_LIMIT, ""))) {
+        return;
     }
-    status = status ? status : manifest_load(out, path, &bytes, progress);
+    if (manifest_is(text_from_bytes(bytes.data, bytes.size))) {
+        manifest_load(load, file->path, &bytes);
+    } else {
+        const size_t mark = job_in(job, file->path, JOB_ALONE);
+        (void)JOB_CALL(job, file_kind_fail(file->path, &bytes, atlas_needed));
+        job_out(job, mark);
+    }
     bytes_finish(&bytes);
-    return status;
 }
 
 /* Notes that the stack of sides in a BrainGlobe folder is not used. */
-static conus_status note_hemispheres(conus_atlas *atlas, const char *folder)
+static void note_hemispheres(struct job *job, const char *folder)
 {
-    char *path = file_beside(folder, "hemispheres.tiff");
-    bool voxels = false;
-    conus_status status = path ? brainglobe_has_voxels(&voxels, folder) : CONUS_ERROR_MEMORY;
-    if (!status && voxels && file_exists(path)) {
-        status = notes_add(&atlas->notes, "%s (1 is left, 2 is right) is not used: areas are of both sides", path);
+    const char *path = job_beside(job, folder, "hemispheres.tiff");
+    if (brainglobe_has_voxels(job, folder) && job_has_file(job, path)) {
+        job_note(job, "%s (1 is left, 2 is right) is not used: areas are of both sides", path);
     }
-    memory_free(path);
-    return status;
 }
 
 /* Finds the folder of BrainGlobe's third release that `path` means: the folder itself, the newest version in it, or the
- * folder of the manifest.json. NULL where there is none. It ends in '/'; the caller's to memory_free(). */
-static conus_status find_brainglobe(char **out, const char *path)
+ * folder of the manifest.json. NULL where there is none. It ends in '/'. */
+static const char *find_brainglobe(struct job *job, const char *path)
 {
-    static const char manifest[] = "manifest.json";
-    size_t length = strlen(path);
-    struct buffer folder = {0};
     struct names versions = {0};
+    const int above = (int)(path_base(path) - path);
+    const bool is_file = strcmp(path + above, "manifest.json") == 0;
+    const char *folder = !is_file ? job_format(job, "%s%s", path, path[above] ? "/" : "")
+                         : above  ? job_format(job, "%.*s", above, path)
+                                  : "./";
     bool is = false;
-    if (strcmp(path_base(path), manifest) == 0) {
-        length -= strlen(manifest);
-        buffer_append(&folder, path, length);
-        buffer_text(&folder, length ? "" : "./");
-    } else {
-        buffer_format(&folder, "%s%s", path, path[length - 1] == '/' ? "" : "/");
-    }
-    conus_status status = buffer_status(&folder);
-    status = status ? status : brainglobe_atlas_is(&is, folder.data);
-    if (!status && !is && length == strlen(path)) {
-        status = brainglobe_versions(&versions, folder.data);
-        if (!status && versions.count) {
-            buffer_format(&folder, "%s/", versions.names[versions.count - 1]);
-            status = buffer_status(&folder);
-            is = true;
-        }
+    (void)JOB_CALL(job, brainglobe_atlas_is(&is, folder));
+    if (!is && !is_file && JOB_CALL(job, brainglobe_versions(&versions, folder)) && versions.count) {
+        folder = job_format(job, "%s%s/", folder, versions.names[versions.count - 1]);
+        is = true;
     }
     names_finish(&versions);
-    *out = !status && is ? folder.data : NULL;
-    if (!*out) {
-        buffer_finish(&folder);
-    }
-    return status;
+    return is ? folder : NULL;
 }
 
 /* Loads the atlas whose manifest.json is in `folder`. */
-static conus_status load_brainglobe(conus_atlas **out, const char *folder, struct load_progress *progress)
+static void load_brainglobe(struct load *load, const char *folder)
 {
     struct manifest manifest = {0};
-    struct file_sums read = {0};
-    struct notes notes = {.sink = &progress->sink};
-    conus_atlas *atlas = NULL;
-    char *root = NULL;
-    conus_status status = plan_brainglobe(&manifest, &root, folder, &read, &notes);
-    status = status ? status : manifest_load_made(&atlas, &manifest, root, "terminology.csv", progress);
-    status = status ? status : notes_move(&atlas->notes, &notes);
-    status = status ? status : file_sums_move(&atlas->files, &read);
-    notes_finish(&notes);
-    file_sums_finish(&read);
-    manifest_finish(&manifest);
-    memory_free(root);
-    return atlas_give(out, atlas, status);
+    const char *root = "";
+    plan_brainglobe(&load->job, &manifest, &root, folder);
+    manifest_load_made(load, &manifest, root, "terminology.csv");
 }
 
-static conus_status load_folder(conus_atlas **out, const char *path, struct load_progress *progress)
+static void load_folder(struct load *load, const char *path)
 {
-    struct buffer folder = {0};
-    struct buffer text = {0};
-    conus_atlas *atlas = NULL;
-    char *whole = NULL; /* the folder whose meshes these are */
-    size_t length = strlen(path);
-    conus_status status = brainglobe_of_meshes(&whole, path);
-    buffer_format(&folder, "%s%s", whole ? whole : path, whole || path[length - 1] == '/' ? "" : "/");
-    status = status ? status : buffer_status(&folder);
-    status = status ? status : manifest_of_folder(&text, folder.data, whole != NULL);
-    const struct bytes bytes = {(uint8_t *)text.data, text.size};
-    status = status ? status : manifest_load(&atlas, folder.data, &bytes, progress);
-    status = status || whole ? status : note_hemispheres(atlas, folder.data);
-    buffer_finish(&text);
-    buffer_finish(&folder);
-    memory_free(whole);
-    return atlas_give(out, atlas, status);
+    struct job *job = &load->job;
+    const char *whole = brainglobe_of_meshes(job, path); /* the folder whose meshes these are */
+    const char *folder = whole ? whole : job_format(job, "%s%s", path, path_base(path)[0] ? "/" : "");
+    const struct text text = manifest_of_folder(job, folder, whole != NULL);
+    manifest_load(load, folder, &(struct bytes){(uint8_t *)text.data, text.size});
+    if (!whole) {
+        note_hemispheres(job, folder);
+    }
 }
 
 /* Whether the file is an FSL atlas of probabilities: the type Label is a parcellation. */
-static conus_status is_probabilistic(bool *out, const struct open_file *file)
+static bool is_probabilistic(struct job *job, const struct open_file *file)
 {
     struct bytes bytes = {0};
-    struct job job = {0}; /* Bridge: to label tables on a job. */
-    *out = false;
-    if (file_read_open(&bytes, file, SIZE_MAX, FSL_ATLAS_LIMIT, "")) {
-        return CONUS_OK; /* its reader says why it cannot be read */
-    }
-    const struct fsl_atlas *atlas = fsl_atlas_parse(&job, text_from_bytes(bytes.data, bytes.size));
-    *out = job_ok(&job) && !atlas->is_label;
-    conus_status status = job_close(&job, NULL, NULL);
+    const struct attempt attempt = job_try(job); /* its reader says why it cannot be read */
+    (void)JOB_CALL(job, file_read_open(&bytes, file, SIZE_MAX, FSL_ATLAS_LIMIT, ""));
+    const struct fsl_atlas *atlas = fsl_atlas_parse(job, text_from_bytes(bytes.data, bytes.size));
+    const bool is = job_ok(job) && !atlas->is_label;
+    (void)job_dropped(job, &attempt);
     bytes_finish(&bytes);
-    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
+    return is;
 }
 
-static conus_status load_opened(conus_atlas **out, const struct probe *probe, const char *path,
-                                struct load_progress *progress)
+static void load_file(struct load *load, const struct probe *probe, const char *path)
 {
-    conus_status status = CONUS_OK;
-    bool probabilistic = false;
-    switch (probe->reader) {
-    case READER_MANIFEST:
-        return load_json(out, &probe->file, progress);
-    case READER_CIFTI:
-        return cifti_load(out, path, progress);
-    case READER_ATLAS_XML:
-        status = is_probabilistic(&probabilistic, &probe->file);
-        return status          ? status
-               : probabilistic ? probabilities_load(out, path, progress)
-                               : load_volumes(out, probe, path, progress);
-    case READER_VOLUME:
-        if (!probe->is_open || !mesh_foreign_is(path)) {
-            return load_volumes(out, probe, path, progress);
-        }
-        break;
-    case READER_SURFACE:
-        break;
+    if (probe->reader == READER_MANIFEST) {
+        load_json(load, &probe->file);
+    } else if (probe->reader == READER_CIFTI) {
+        load_cifti(load, path);
+    } else if (probe->reader == READER_ATLAS_XML && is_probabilistic(&load->job, &probe->file)) {
+        probabilities_load(load, path);
+    } else if (probe->reader == READER_ATLAS_XML ||
+               (probe->reader == READER_VOLUME && (!probe->is_open || !mesh_foreign_is(path)))) {
+        load_volumes(load, probe, path);
+    } else {
+        report_only_file(load, path);
+        load_surface(load, path);
     }
-    status = report_only_file(progress, path);
-    return status ? status : surface_load(out, path, progress);
+}
+
+static void load_path(struct load *load, const char *path)
+{
+    struct job *job = &load->job;
+    struct probe probe = {0};
+    const bool is_folder = file_is_folder(path) && !volume_zarr_is(path);
+    const bool may_be_brainglobe = is_folder || strcmp(path_base(path), "manifest.json") == 0;
+    const char *brainglobe = may_be_brainglobe ? find_brainglobe(job, path) : NULL;
+    if (brainglobe) {
+        load_brainglobe(load, brainglobe);
+    } else if (is_folder) {
+        load_folder(load, path);
+    } else if (JOB_CALL(job, probe_open(&probe, path))) {
+        load_file(load, &probe, path);
+    }
+    probe_close(&probe);
 }
 
 /* Checks the whole atlas while the log still gets its notes. */
-static conus_status check_whole(conus_atlas *atlas, const char *path, struct load_progress *progress)
+static conus_status check_whole(struct load *load, const char *path)
 {
-    const double probability = progress->options->probability;
-    progress->sink.path = path;
+    conus_atlas *atlas = load->atlas;
+    const double probability = load->options->probability;
+    load->sink.path = path;
     if (probability > 0 && !atlas_has_probabilities(atlas)) {
         return fail(CONUS_ERROR_ARGUMENT, "--probability %g: %s has no areas of probabilities", probability, path);
     }
@@ -390,30 +316,15 @@ static conus_status check_whole(conus_atlas *atlas, const char *path, struct loa
 
 conus_status atlas_load_files(conus_atlas **out, const char *path, const conus_load_options *options)
 {
-    conus_atlas *atlas = NULL;
-    if (!(options->probability >= 0 && options->probability <= 1)) {
-        return fail(CONUS_ERROR_ARGUMENT, "--probability: is %g, allowed is above 0 to 1 (0 = default)",
-                    options->probability);
-    }
-    struct load_progress progress = load_progress_of(path, options);
-    struct probe probe = {0};
-    char *brainglobe = NULL;
-    bool is_folder = file_is_folder(path) && !volume_zarr_is(path);
-    conus_status status = CONUS_OK;
-    if (is_folder || strcmp(path_base(path), "manifest.json") == 0) {
-        status = find_brainglobe(&brainglobe, path);
-    }
-    if (status || brainglobe) {
-        status = status ? status : load_brainglobe(&atlas, brainglobe, &progress);
-    } else if (is_folder) {
-        status = load_folder(&atlas, path, &progress);
+    struct load load;
+    load_begin(&load, path, options);
+    if (options->probability >= 0 && options->probability <= 1) {
+        load_path(&load, path);
     } else {
-        status = probe_open(&probe, path);
-        status = status ? status : load_opened(&atlas, &probe, path, &progress);
-        probe_close(&probe);
+        job_fail(&load.job, CONUS_ERROR_ARGUMENT, "--probability: is %g, allowed is above 0 to 1 (0 = default)",
+                 options->probability);
     }
-    memory_free(brainglobe);
-    status = status ? status : check_whole(atlas, path, &progress);
-    load_progress_finish(&progress);
-    return atlas_give(out, atlas, status);
+    atlas_take(&load.job, load.atlas);
+    (void)JOB_CALL(&load.job, check_whole(&load, path));
+    return load_end(out, &load);
 }

@@ -3,318 +3,284 @@
 #include "atlas/fit/box_fit.h"
 #include "atlas/labels/label_voxels.h"
 #include "atlas/surface/mesh_split.h"
-#include "base/buffer.h"
 #include "base/files/folder.h"
-#include "base/memory.h"
 #include "base/order.h"
 #include "loaders/scene/area_plan.h"
+#include "loaders/scene/parcellations.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* All surfaces of a plan, which are read before any becomes an area. */
 struct surfaces {
-    struct mesh *meshes;   /* [count], as the plan's areas */
-    const char **foreign;  /* paths of other programs' files */
-    struct mesh *received; /* [foreign_count] */
-    size_t count, foreign_count;
+    struct load *load;
+    struct area_plan *plan;
+    struct mesh *meshes; /* [count], as the plan's areas */
+    bool *is_foreign;    /* [count] Another program's file. Those are read together, so that one note says how many of
+                            them do not state their space. */
+    size_t count;
     enum mesh_space space;
-    uint64_t max_memory;
-    struct notes *notes;
-    struct load_progress *progress;
+    struct notes notes; /* which nobody hears before they are gathered */
 };
 
-static void surfaces_finish(struct surfaces *surfaces)
+static void end_surfaces(void *thing)
 {
-    for (size_t i = 0; surfaces->meshes && i < surfaces->count; i++) {
+    struct surfaces *surfaces = thing;
+    for (size_t i = 0; i < surfaces->count; i++) {
         mesh_finish(&surfaces->meshes[i]);
     }
-    for (size_t i = 0; surfaces->received && i < surfaces->foreign_count; i++) {
-        mesh_finish(&surfaces->received[i]);
-    }
-    memory_free(surfaces->meshes);
-    memory_free(surfaces->received);
-    memory_free(surfaces->foreign);
+    notes_finish(&surfaces->notes);
 }
 
 /* Names the area by the name in the file, else by the file's name. */
-static conus_status name_area(struct planned_area *area, struct label *said)
+static void name_area(struct job *job, struct planned_area *area, const struct label *said)
 {
-    if (!area->label.name && said->name) {
-        area->label.name = said->name;
-        said->name = NULL;
-    } else if (!area->label.name) {
-        area->label.name = mesh_file_name(area->path);
-    }
-    area->label.hemisphere = area->label.hemisphere ? area->label.hemisphere : said->hemisphere;
-    return area->label.name ? CONUS_OK : CONUS_ERROR_MEMORY;
+    struct label *label = &area->label;
+    label->name = label->name ? label->name : said->name ? said->name : mesh_name(job, area->path);
+    label->hemisphere = label->hemisphere ? label->hemisphere : said->hemisphere;
 }
 
 /* Gives the parts to the areas planned for them. */
-static conus_status hand_out_parts(struct surfaces *surfaces, struct area_plan *plan, size_t surface,
-                                   struct mesh_parts *parts)
+static void hand_out_parts(struct surfaces *surfaces, const struct labelled_surface *labelled, struct mesh_parts *parts)
 {
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < plan->count; i++) {
-        struct planned_area *area = &plan->areas[i];
-        if (!area->is_part || area->surface != surface) {
-            continue;
-        }
-        struct mesh_part *part = mesh_parts_find(parts, area->part);
+    for (size_t i = 0; i < surfaces->count; i++) {
+        const struct planned_area *area = &surfaces->plan->areas.at[i];
+        struct mesh_part *part = area->surface == labelled ? mesh_parts_find(parts, area->part) : NULL;
         if (part) {
             surfaces->meshes[i] = part->mesh;
             part->mesh = (struct mesh){0};
         }
-        if (!surfaces->meshes[i].triangle_count) {
-            status = notes_warn(surfaces->notes, "%s: label %u is on no triangle, left out", area->path, area->part);
+        if (area->surface == labelled && !surfaces->meshes[i].triangle_count) {
+            (void)JOB_CALL(
+                &surfaces->load->job,
+                notes_warn(&surfaces->notes, "%s: label %u is on no triangle, left out", area->path, area->part));
         }
     }
-    return status;
 }
 
-static conus_status cut_labelled(struct surfaces *surfaces, struct area_plan *plan, size_t index)
+static void cut_labelled(struct surfaces *surfaces, struct labelled_surface *labelled)
 {
-    struct labelled_surface *labelled = &plan->labelled[index];
-    const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->max_memory};
+    struct job *job = &surfaces->load->job;
+    const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->plan->max_memory};
+    struct vertex_labels *labels = &labelled->labels;
     struct mesh mesh = {0};
     struct mesh_parts parts = {0};
+    load_report(surfaces->load, labelled->path, 1);
     if (!mesh_file_keeps_vertices(labelled->path)) {
-        return fail(CONUS_ERROR_UNSUPPORTED,
-                    "vertex_labels: %s: a surface that numbers its vertices is needed, any but STL",
-                    path_base(labelled->path));
+        job_refuse(job, "vertex_labels: %s: a surface that numbers its vertices is needed, any but STL",
+                   path_base(labelled->path));
     }
-    conus_status status = mesh_file_read(&mesh, NULL, labelled->path, &options, surfaces->notes);
-    status = status ? status : vertex_labels_extend(&labelled->labels, mesh.vertex_count);
-    if (!status && mesh.vertex_count != labelled->labels.count) {
-        status = fail(CONUS_ERROR_DATA, "vertex_labels: %zu labels, %s has %zu vertices: they must be as many",
-                      labelled->labels.count, path_base(labelled->path), mesh.vertex_count);
+    (void)JOB_CALL(job, mesh_file_read(&mesh, NULL, labelled->path, &options, &surfaces->notes));
+    (void)JOB_CALL(job, vertex_labels_extend(labels, mesh.vertex_count));
+    if (mesh.vertex_count != labels->count) {
+        job_bad(job, "vertex_labels: %zu labels, %s has %zu vertices: they must be as many", labels->count,
+                path_base(labelled->path), mesh.vertex_count);
     }
-    status = status ? status : mesh_split(&parts, &mesh, labelled->labels.labels, surfaces->notes);
-    status = status ? status : hand_out_parts(surfaces, plan, index, &parts);
+    (void)JOB_CALL(job, mesh_split(&parts, &mesh, labels->labels, &surfaces->notes));
+    hand_out_parts(surfaces, labelled, &parts);
     mesh_parts_finish(&parts);
     mesh_finish(&mesh);
-    return status;
-}
-
-/* Whether the surface is another program's file. Those are read together, so that one note says how many of them do not
- * state their space. */
-static bool is_foreign(const struct planned_area *area)
-{
-    return !area->is_part && mesh_file_is_foreign(area->path);
 }
 
 /* Reads other programs' files: those with a placement of their own, or those without. */
-static conus_status read_foreign(struct surfaces *surfaces, struct area_plan *plan, bool placed)
+static void read_foreign(struct surfaces *surfaces, bool placed)
 {
-    struct mesh_foreign_options options = {placed ? MESH_SPACE_RAS : surfaces->space, surfaces->max_memory};
-    struct label nothing = {0};
+    struct job *job = &surfaces->load->job;
+    struct planned_area *areas = surfaces->plan->areas.at;
+    const struct mesh_foreign_options options = {placed ? MESH_SPACE_RAS : surfaces->space, surfaces->plan->max_memory};
+    struct mesh *received = job_zeroed(job, surfaces->count, sizeof *received);
+    const char **paths = job_zeroed(job, surfaces->count, sizeof *paths);
     size_t n = 0;
-    for (size_t i = 0; i < plan->count; i++) {
-        if (plan->areas[i].placed == placed && is_foreign(&plan->areas[i])) {
-            surfaces->foreign[n++] = plan->areas[i].path;
+    for (size_t i = 0; paths && i < surfaces->count; i++) {
+        if (surfaces->is_foreign[i] && areas[i].placed == placed) {
+            paths[n++] = areas[i].path;
         }
     }
     if (!n) {
-        return CONUS_OK;
+        return;
     }
-    conus_status status = load_progress_report(surfaces->progress, surfaces->foreign[0], n);
-    status = status ? status : mesh_foreign_read(surfaces->received, surfaces->foreign, n, &options, surfaces->notes);
-    surfaces->foreign_count = status ? 0 : n;
+    load_report(surfaces->load, paths[0], n);
+    if (!JOB_CALL(job, mesh_foreign_read(received, paths, n, &options, &surfaces->notes))) {
+        return;
+    }
     n = 0;
-    for (size_t i = 0; !status && i < plan->count; i++) {
-        if (plan->areas[i].placed == placed && is_foreign(&plan->areas[i])) {
-            surfaces->meshes[i] = surfaces->received[n];
-            surfaces->received[n++] = (struct mesh){0};
-            status = name_area(&plan->areas[i], &nothing);
+    for (size_t i = 0; i < surfaces->count; i++) {
+        if (surfaces->is_foreign[i] && areas[i].placed == placed) {
+            surfaces->meshes[i] = received[n++];
+            name_area(job, &areas[i], &(struct label){0});
         }
     }
-    return status;
 }
 
-static conus_status read_areas(struct surfaces *surfaces, struct area_plan *plan)
+static void read_own(struct surfaces *surfaces, size_t i)
 {
-    const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->max_memory};
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < plan->count; i++) {
-        struct planned_area *area = &plan->areas[i];
-        if (!area->is_part && !is_foreign(area)) {
-            struct label said = {0};
-            struct mesh *mesh = &surfaces->meshes[i];
-            status = load_progress_report(surfaces->progress, area->path, 1);
-            status = status ? status : mesh_file_read(mesh, &said, area->path, &options, surfaces->notes);
-            status = status ? status : name_area(area, &said);
-            label_finish(&said);
+    struct job *job = &surfaces->load->job;
+    struct planned_area *area = &surfaces->plan->areas.at[i];
+    const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->plan->max_memory};
+    struct label said = {0};
+    const size_t mark = job_in(job, "areas", area->entry);
+    load_report(surfaces->load, area->path, 1);
+    (void)JOB_CALL(job, mesh_file_read(&surfaces->meshes[i], &said, area->path, &options, &surfaces->notes));
+    said.name = job_adopt(job, said.name);
+    said.abbreviation = job_adopt(job, said.abbreviation);
+    name_area(job, area, &said);
+    job_out(job, mark);
+}
+
+static void read_all(struct surfaces *surfaces)
+{
+    struct job *job = &surfaces->load->job;
+    struct area_plan *plan = surfaces->plan;
+    for (size_t i = 0; i < surfaces->count; i++) { /* the reader reports a file that is not there */
+        (void)file_state_find(&plan->areas.at[i].state, plan->areas.at[i].path);
+    }
+    for (size_t i = 0; i < surfaces->count; i++) {
+        const struct planned_area *area = &plan->areas.at[i];
+        surfaces->is_foreign[i] = !area->surface && mesh_file_is_foreign(area->path);
+    }
+    const size_t mark = job_in(job, "areas", JOB_ALONE);
+    read_foreign(surfaces, true);
+    read_foreign(surfaces, false);
+    for (size_t i = 0; i < plan->labelled.count && job_ok(job); i++) {
+        cut_labelled(surfaces, plan->labelled.at[i]);
+    }
+    job_out(job, mark);
+    for (size_t i = 0; i < surfaces->count && job_ok(job); i++) {
+        if (!plan->areas.at[i].surface && !surfaces->is_foreign[i]) {
+            read_own(surfaces, i);
         }
-        status = fail_in_entry(status, "areas", area->entry);
     }
-    return status;
 }
 
-static conus_status read_all(struct surfaces *surfaces, struct area_plan *plan)
-{
-    for (size_t i = 0; i < plan->count; i++) { /* the reader reports a file that is not there */
-        (void)file_state_find(&plan->areas[i].state, plan->areas[i].path);
-    }
-    conus_status status = read_foreign(surfaces, plan, true);
-    status = status ? status : read_foreign(surfaces, plan, false);
-    for (size_t i = 0; !status && i < plan->labelled_count; i++) {
-        status = load_progress_report(surfaces->progress, plan->labelled[i].path, 1);
-        status = status ? status : cut_labelled(surfaces, plan, i);
-    }
-    return status ? fail_in(status, "areas") : read_areas(surfaces, plan);
-}
-
-/* A note "path: text" about an area. */
+/* A note "path: text" about a surface. */
 struct said {
-    const struct planned_area *area; /* NULL: it is about none */
+    const char *path; /* NULL: it is about none */
     const char *text;
     size_t line; /* which note it is */
 };
 
-struct gathering {
-    const struct planned_area **areas; /* [area_count] by path */
-    size_t area_count;
-    struct said *said; /* [count] by text */
-    size_t count;
-    bool *is_first; /* [count] of those notes that say the same */
-};
-
 static int compare_paths(const void *a, const void *b)
 {
-    const struct planned_area *x = *(const struct planned_area *const *)a;
-    const struct planned_area *y = *(const struct planned_area *const *)b;
-    int order = strcmp(x->path, y->path);
-    return order ? order : (x > y) - (x < y);
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* Sorts notes about areas by their text, in front of all other notes. */
+static int compare_with_path(const void *text, const void *path)
+{
+    return text_compare(*(const struct text *)text, text_from(*(const char *const *)path));
+}
+
+/* Sorts notes about surfaces by their text, in front of all other notes. */
 static int compare_said(const void *a, const void *b)
 {
     const struct said *x = a;
     const struct said *y = b;
-    int order = x->area && y->area ? strcmp(x->text, y->text) : (y->area != NULL) - (x->area != NULL);
+    int order = x->path && y->path ? strcmp(x->text, y->text) : (y->path != NULL) - (x->path != NULL);
     return order ? order : compare_unsigned(x->line, y->line);
 }
 
 static bool say_the_same(const struct said *a, const struct said *b)
 {
-    return a->area && b->area && strcmp(a->text, b->text) == 0;
+    return a->path && b->path && strcmp(a->text, b->text) == 0;
 }
 
-/* The first area whose path is the first `size` bytes of `note`. */
-static const struct planned_area *area_of_path(const struct gathering *gathering, const char *note, size_t size)
-{
-    size_t low = 0;
-    size_t high = gathering->area_count;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        bool below = strncmp(gathering->areas[middle]->path, note, size) < 0;
-        low = below ? middle + 1 : low;
-        high = below ? high : middle;
-    }
-    const char *path = low < gathering->area_count ? gathering->areas[low]->path : "";
-    return strlen(path) == size && strncmp(path, note, size) == 0 ? gathering->areas[low] : NULL;
-}
-
-static struct said read_note(const struct gathering *gathering, const char *note, size_t line)
+/* Finds the surface that the note begins with, among the paths. */
+static struct said read_note(const char **paths, size_t count, const char *note, size_t line)
 {
     struct said said = {.line = line};
-    for (const char *end = strstr(note, ": "); end && !said.area; end = strstr(end + 1, ": ")) {
-        said.area = area_of_path(gathering, note, (size_t)(end - note));
+    for (const char *end = strstr(note, ": "); end && !said.path; end = strstr(end + 1, ": ")) {
+        const struct text start = {note, (size_t)(end - note)};
+        const char **path = bsearch(&start, paths, count, sizeof *paths, compare_with_path);
+        said.path = path ? *path : NULL;
         said.text = end + 2;
     }
     return said;
 }
 
-static conus_status gathering_init(struct gathering *out, const struct area_plan *plan, const struct notes *from)
-{
-    out->areas = memory_raw(plan->count, sizeof(void *));
-    out->said = memory_raw(from->count, sizeof *out->said);
-    out->is_first = memory_zeroed(from->count, sizeof *out->is_first);
-    if (!out->areas || !out->said || !out->is_first) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t i = 0; i < plan->count; i++) {
-        out->areas[out->area_count++] = &plan->areas[i];
-    }
-    qsort(out->areas, out->area_count, sizeof(void *), compare_paths);
-    for (size_t i = 0; i < from->count; i++) {
-        out->said[out->count++] = read_note(out, from->lines[i], i);
-    }
-    qsort(out->said, out->count, sizeof *out->said, compare_said);
-    for (size_t i = 0; i < out->count; i++) {
-        out->is_first[out->said[i].line] = !i || !say_the_same(&out->said[i - 1], &out->said[i]);
-    }
-    return CONUS_OK;
-}
-
 /* Adds `note`, or if others say the same about other surfaces "N surfaces (a, b, ...): text". The log gets it with the
  * path of the first surface. `said` has `left` entries from that one on. */
-static conus_status add_gathered(struct notes *to, const struct said *said, size_t left, conus_severity severity,
-                                 const char *note, struct load_progress *progress)
+static void add_gathered(struct job *job, struct note_sink *sink, const struct said *said, size_t left,
+                         conus_severity severity, const char *note)
 {
     enum { SHOWN = 3 };
-    struct buffer names = {0};
-    size_t count = 0;
-    for (; count < left && (!count || say_the_same(said, &said[count])); count++) {
-        if (count < SHOWN && said->area) {
-            buffer_format(&names, "%s%s", count ? ", " : "", path_base(said[count].area->path));
-        }
+    const char *names = "";
+    size_t count = 1;
+    while (count < left && say_the_same(said, &said[count])) {
+        count++;
     }
-    conus_status status = buffer_status(&names);
-    status = status || !said->area ? status : load_progress_at(progress, said->area->path);
-    status = status       ? status
-             : count == 1 ? notes_put(to, severity, "%s", note)
-                          : notes_put(to, severity, "%zu surfaces (%s%s): %s", count, names.data,
-                                      count > SHOWN ? ", ..." : "", said->text);
-    buffer_finish(&names);
-    return status;
+    for (size_t i = 0; i < count && i < SHOWN && said->path; i++) {
+        names = job_format(job, "%s%s%s", names, i ? ", " : "", path_base(said[i].path));
+    }
+    sink->path = said->path ? said->path : sink->path;
+    if (count == 1) {
+        job_put(job, severity, "%s", note);
+    } else {
+        job_put(job, severity, "%zu surfaces (%s%s): %s", count, names, count > SHOWN ? ", ..." : "", said->text);
+    }
 }
 
-/* Moves the notes to `to`. A note that several surfaces share is kept once, at the first of them. */
-static conus_status gather_notes(struct notes *to, const struct area_plan *plan, struct notes *from,
-                                 struct load_progress *progress)
+/* Gathers the notes of surfaces. One that several share is kept once, at the first of them. */
+static void gather_notes(struct job *job, struct note_sink *sink, const struct surfaces *surfaces)
 {
-    struct gathering gathering = {0};
-    conus_status status = gathering_init(&gathering, plan, from);
-    size_t *at = status ? NULL : memory_raw(from->count, sizeof *at); /* where a note is in said */
-    status = status || at ? status : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < gathering.count; i++) {
-        at[gathering.said[i].line] = i;
+    const struct notes *from = &surfaces->notes;
+    size_t path_count = surfaces->count;
+    size_t count = from->count;
+    const char **paths = job_array(job, &path_count, sizeof *paths);
+    size_t *at = job_array(job, &count, sizeof *at); /* where a note is in `said`; SIZE_MAX if others say the same */
+    struct said *said = job_array(job, &count, sizeof *said);
+    for (size_t i = 0; i < path_count; i++) {
+        paths[i] = surfaces->plan->areas.at[i].path;
     }
-    for (size_t i = 0; !status && i < from->count; i++) {
-        if (gathering.is_first[i]) {
-            status = add_gathered(to, gathering.said + at[i], gathering.count - at[i], from->marks[i].severity,
-                                  from->lines[i], progress);
+    if (!count || !path_count) {
+        return;
+    }
+    qsort(paths, path_count, sizeof *paths, compare_paths);
+    for (size_t i = 0; i < count; i++) {
+        said[i] = read_note(paths, path_count, from->lines[i], i);
+    }
+    qsort(said, count, sizeof *said, compare_said);
+    for (size_t i = 0; i < count; i++) {
+        at[said[i].line] = i && say_the_same(&said[i - 1], &said[i]) ? SIZE_MAX : i;
+    }
+    for (size_t i = 0; i < count; i++) {
+        if (at[i] != SIZE_MAX) {
+            add_gathered(job, sink, said + at[i], count - at[i], from->marks[i].severity, from->lines[i]);
         }
     }
-    memory_free(at);
-    memory_free(gathering.areas);
-    memory_free(gathering.said);
-    memory_free(gathering.is_first);
-    return status;
 }
 
-static conus_status add_surfaces(struct area_plan *plan, struct surfaces *surfaces, conus_atlas *atlas)
+/* Gives the atlas and the log the notes, also of what could not be read. */
+static void tell_notes(const struct surfaces *surfaces)
 {
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < plan->count; i++) {
-        const struct planned_area *area = &plan->areas[i];
+    struct load *load = surfaces->load;
+    struct note_sink sink = load->sink;
+    struct job telling = {.sink = &sink};
+    gather_notes(&telling, &sink, surfaces);
+    job_took(&load->job, job_close(&telling, &load->atlas->notes, NULL));
+    load_at(load, sink.path);
+}
+
+static void add_surfaces(const struct surfaces *surfaces)
+{
+    struct job *job = &surfaces->load->job;
+    conus_atlas *atlas = surfaces->load->atlas;
+    const struct planned_area *areas = surfaces->plan->areas.at;
+    for (size_t i = 0; i < surfaces->count && job_ok(job); i++) {
+        const struct planned_area *area = &areas[i];
+        struct mesh *mesh = &surfaces->meshes[i];
         char digits[LABEL_DIGITS];
-        conus_object object = label_object(&area->label, atlas->object_count, digits);
-        if (!surfaces->meshes[i].triangle_count) { /* a label on no triangle */
+        const conus_object object = label_object(&area->label, atlas->object_count, digits);
+        if (!mesh->triangle_count) { /* a label on no triangle */
             continue;
         }
         if (area->placed) {
-            mesh_transform(&surfaces->meshes[i], area->world_from_mesh);
+            mesh_transform(mesh, area->world_from_mesh);
         }
-        bool repeated = area->is_part && i && strcmp(plan->areas[i - 1].path, area->path) == 0;
-        status = atlas_add_mesh(atlas, &object, &surfaces->meshes[i]);
-        status = status || repeated ? status : atlas_note_file(atlas, area->path, &area->state);
+        (void)JOB_CALL(job, atlas_add_mesh(atlas, &object, mesh));
+        if (!area->surface || !i || strcmp(areas[i - 1].path, area->path) != 0) {
+            (void)JOB_CALL(job, atlas_note_file(atlas, area->path, &area->state));
+        }
     }
-    return status;
 }
 
 /* Warns if the sizes of the surfaces and of the areas of voxels differ too much. */
@@ -326,95 +292,71 @@ static conus_status note_size(conus_atlas *atlas)
     return fit_note_size(&said, &atlas->notes, "surfaces", &surfaces, &voxels);
 }
 
-/* Adds the groups that are no area yet. */
-static conus_status add_groups(struct area_plan *plan, conus_atlas *atlas, struct label_map *map)
+/* Adds the groups that are no area yet. `map` is from labels to numbers of areas and groups. */
+static void add_groups(struct job *job, const struct area_plan *plan, conus_atlas *atlas, struct label_map *map)
 {
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < plan->groups.count; i++) {
-        const struct label *group = &plan->groups.entries[i];
-        uint64_t *number = label_map_at(map, group->number);
-        if (!number) {
-            return CONUS_ERROR_MEMORY;
-        }
+    for (size_t i = 0; job_ok(job) && i < plan->groups->count; i++) {
+        const struct label *group = &plan->groups->entries[i];
+        uint64_t *number = map_at(job, map, group->number);
+        char digits[LABEL_DIGITS];
+        const conus_object object = label_object(group, atlas->object_count, digits);
         if (*number) {
             continue;
         }
-        char digits[LABEL_DIGITS];
-        conus_object object = label_object(group, atlas->object_count, digits);
         if (!group->name) {
-            return fail(CONUS_ERROR_DATA, "tree: label %u is no area, and a new one needs a name", group->number);
+            job_bad(job, "tree: label %u is no area, and a new one needs a name", group->number);
         }
-        status = atlas_add_group(atlas, &object);
+        (void)JOB_CALL(job, atlas_add_group(atlas, &object));
         *number = atlas->object_count;
     }
-    return status;
 }
 
-static conus_status link_parent(conus_atlas *atlas, struct label_map *map, const struct label *label)
+static void link_parent(struct job *job, conus_atlas *atlas, struct label_map *map, const struct label *label)
 {
-    if (!label->has_parent) {
-        return CONUS_OK;
+    const uint64_t child = label->has_parent ? *map_at(job, map, label->number) : 0;
+    const uint64_t parent = label->has_parent ? *map_at(job, map, label->parent) : 0;
+    if (child && parent) {
+        atlas->objects[child - 1].parent = (uint32_t)parent;
+    } else if (child) { /* else it was left out */
+        job_bad(job, "label %u: its parent %u is no area (tree may name one)", label->number, label->parent);
     }
-    uint64_t *child = label_map_at(map, label->number);
-    uint64_t child_number = child ? *child : 0;
-    uint64_t *parent = label_map_at(map, label->parent);
-    if (!child || !parent) {
-        return CONUS_ERROR_MEMORY;
-    }
-    if (!child_number) { /* left out */
-        return CONUS_OK;
-    }
-    if (!*parent) {
-        return fail(CONUS_ERROR_DATA, "label %u: its parent %u is no area (tree may name one)", label->number,
-                    label->parent);
-    }
-    atlas->objects[child_number - 1].parent = (uint32_t)*parent;
-    return CONUS_OK;
 }
 
-static conus_status grow_tree(struct area_plan *plan, conus_atlas *atlas)
+static void grow_tree(struct job *job, const struct area_plan *plan, conus_atlas *atlas)
 {
-    struct label_map map = {0}; /* label -> number of the area or group */
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < atlas->area_count; i++) {
-        uint64_t *number = label_map_at(&map, atlas->objects[i].label);
-        status = number ? CONUS_OK : CONUS_ERROR_MEMORY;
-        if (number) {
-            *number = i + 1;
-        }
+    struct label_map *map = maps_new(job, 1);
+    for (size_t i = 0; i < atlas->area_count && job_ok(job); i++) {
+        *map_at(job, map, atlas->objects[i].label) = i + 1;
     }
-    status = status ? status : add_groups(plan, atlas, &map);
-    for (size_t i = 0; !status && i < plan->count; i++) {
-        status = link_parent(atlas, &map, &plan->areas[i].label);
+    add_groups(job, plan, atlas, map);
+    for (size_t i = 0; i < plan->areas.count && job_ok(job); i++) {
+        link_parent(job, atlas, map, &plan->areas.at[i].label);
     }
-    for (size_t i = 0; !status && i < plan->groups.count; i++) {
-        status = link_parent(atlas, &map, &plan->groups.entries[i]);
+    for (size_t i = 0; job_ok(job) && i < plan->groups->count; i++) {
+        link_parent(job, atlas, map, &plan->groups->entries[i]);
     }
-    label_map_finish(&map);
-    return status ? status : atlas_check_tree(atlas);
+    (void)JOB_CALL(job, atlas_check_tree(atlas));
 }
 
-conus_status area_plan_load(struct area_plan *plan, conus_atlas *atlas, enum mesh_space space,
-                            const conus_load_options *options, struct load_progress *progress)
+void area_plan_load(struct load *load, struct area_plan *plan, enum mesh_space space)
 {
-    struct notes notes = {0};
-    struct surfaces surfaces = {.meshes = memory_zeroed(plan->count, sizeof *surfaces.meshes),
-                                .foreign = memory_zeroed(plan->count, sizeof *surfaces.foreign),
-                                .received = memory_zeroed(plan->count, sizeof *surfaces.received),
-                                .count = plan->count,
-                                .space = space,
-                                .max_memory = options->max_memory,
-                                .notes = &notes,
-                                .progress = progress};
-    bool made = surfaces.meshes && surfaces.foreign && surfaces.received;
-    conus_status status = made ? CONUS_OK : CONUS_ERROR_MEMORY;
-    status = status ? status : read_all(&surfaces, plan);
-    conus_status gathered = gather_notes(&atlas->notes, plan, &notes, progress); /* also of what cannot be read */
-    status = status ? status : gathered;
-    status = status ? status : add_surfaces(plan, &surfaces, atlas);
-    status = status ? status : note_size(atlas);
-    status = status ? status : grow_tree(plan, atlas);
-    surfaces_finish(&surfaces);
-    notes_finish(&notes);
-    return status;
+    struct job *job = &load->job;
+    struct surfaces *surfaces = job_new(job, struct surfaces);
+    if (!surfaces) {
+        return;
+    }
+    *surfaces = (struct surfaces){.load = load, .plan = plan, .space = space};
+    surfaces->meshes = job_zeroed(job, plan->areas.count, sizeof *surfaces->meshes);
+    surfaces->is_foreign = job_zeroed(job, plan->areas.count, sizeof *surfaces->is_foreign);
+    surfaces->count = surfaces->is_foreign ? plan->areas.count : 0;
+    job_own(job, end_surfaces, surfaces);
+    if (job_step(job)) {
+        read_all(surfaces);
+        tell_notes(surfaces);
+    }
+    if (job_step(job)) {
+        add_surfaces(surfaces);
+        (void)JOB_CALL(job, note_size(load->atlas));
+        grow_tree(job, plan, load->atlas);
+    }
 }

@@ -1,38 +1,95 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Calls the callbacks of conus_load_options. */
+/* What all loaders of scenes share: callbacks, and the atlas with its notes and files. */
 #include "loaders/scene/load_progress.h"
 
 #include "base/memory.h"
+#include "loaders/maps/atlas_on_job.h"
+#include "loaders/surfaces/mesh_file.h"
 
 #include <string.h>
 
-struct load_progress load_progress_of(const char *path, const conus_load_options *options)
+void load_begin(struct load *out, const char *path, const conus_load_options *options)
 {
-    return (struct load_progress){.options = options, .sink = {options->log, options->log_user, path}};
+    *out = (struct load){.options = options, .sink = {options->log, options->log_user, path}};
+    out->job.sink = &out->sink;
 }
 
-void load_progress_finish(struct load_progress *progress)
+conus_status load_end(conus_atlas **out, struct load *load)
 {
-    memory_free(progress->path);
-}
-
-conus_status load_progress_at(struct load_progress *progress, const char *path)
-{
-    char *copy = memory_text(path, strlen(path));
-    if (!copy) {
-        return CONUS_ERROR_MEMORY;
+    conus_status status = job_close(&load->job, NULL, NULL);
+    memory_free(load->path);
+    if (out) {
+        return atlas_give(out, load->atlas, status);
     }
-    memory_free(progress->path);
-    progress->sink.path = progress->path = copy;
-    return CONUS_OK;
+    conus_atlas_destroy(load->atlas);
+    return status;
 }
 
-conus_status load_progress_report(struct load_progress *progress, const char *path, size_t files)
+void load_at(struct load *load, const char *path)
 {
-    const conus_load_options *options = progress->options;
-    if (options->progress && !options->progress(options->progress_user, path, progress->done, progress->total)) {
-        return fail(CONUS_ERROR_CANCELLED, "%s: cancelled before it was read", path);
+    struct job *job = &load->job;
+    char *copy = job_step(job) ? memory_text(path, strlen(path)) : NULL;
+    if (copy) {
+        memory_free(load->path);
+        load->sink.path = load->path = copy;
+    } else {
+        job_took(job, CONUS_ERROR_MEMORY);
     }
-    progress->done += files;
-    return load_progress_at(progress, path);
+}
+
+void load_report(struct load *load, const char *path, size_t files)
+{
+    struct job *job = &load->job;
+    const conus_load_options *options = load->options;
+    if (job_step(job) && options->progress &&
+        !options->progress(options->progress_user, path, load->done, load->total)) {
+        job_fail(job, CONUS_ERROR_CANCELLED, "%s: cancelled before it was read", path);
+    }
+    load->done += files;
+    load_at(load, path);
+}
+
+void load_create(struct load *load, struct labelled_volume *volumes, size_t count, const struct label_table *table,
+                 const char *label_source)
+{
+    struct job *job = &load->job;
+    struct notes notes = {.sink = &load->sink};
+    if (!count) {
+        (void)JOB_CALL(job, atlas_create_empty(&load->atlas, label_source));
+    } else if (JOB_CALL(job, notes_move(&notes, &job->notes))) {
+        (void)JOB_CALL(job, atlas_create_of(&load->atlas, volumes, count, table, label_source, &notes));
+    }
+    notes_finish(&notes);
+    if (load->atlas) {
+        load->atlas->notes.sink = &load->sink;
+    }
+}
+
+char *mesh_name(struct job *job, const char *path)
+{
+    char *name = job_step(job) ? mesh_file_name(path) : NULL;
+    if (!name) {
+        job_took(job, CONUS_ERROR_MEMORY);
+    }
+    return job_adopt(job, name);
+}
+
+struct load_aside load_put_aside(struct load *load)
+{
+    struct job *job = &load->job;
+    const struct load_aside aside = {job->notes, job->files};
+    job->notes = (struct notes){0};
+    job->files = (struct file_sums){0};
+    return aside;
+}
+
+void load_put_back(struct load *load, struct load_aside *aside)
+{
+    struct job *job = &load->job;
+    (void)JOB_CALL(job, notes_move(&aside->notes, &job->notes));
+    (void)JOB_CALL(job, file_sums_move(&aside->files, &job->files));
+    notes_finish(&job->notes); /* what a failure left */
+    file_sums_finish(&job->files);
+    job->notes = aside->notes;
+    job->files = aside->files;
 }

@@ -1,27 +1,49 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The callbacks of conus_atlas_load(): its progress, and its notes. */
+/** @file A load of conus_atlas_load(): its job, the callbacks of its options, and the atlas that it makes. */
 #ifndef CONUS_LOADERS_SCENE_LOAD_PROGRESS_H
 #define CONUS_LOADERS_SCENE_LOAD_PROGRESS_H
 
-#include "base/notes.h"
-#include "conus/atlas.h"
+#include "atlas/atlas.h"
+#include "base/job/job.h"
 
-struct load_progress {
+struct load {
+    struct job job; /**< Its notes and files wait there for atlas_take(). */
     const conus_load_options *options;
+    conus_atlas *atlas;    /**< NULL until load_create(). */
     size_t done, total;    /**< Files. */
     struct note_sink sink; /**< It gives notes to options->log, with the path of the file that is read. */
     char *path;            /**< That path, unless it is the caller's. */
 };
 
-/** A load of @p path, as it was asked for, which must outlive it. End it with load_progress_finish(). */
-struct load_progress load_progress_of(const char *path, const conus_load_options *options);
-void load_progress_finish(struct load_progress *progress);
+/** Begins a load of @p path, as it was asked for, which must outlive it. End it with load_end(). */
+void load_begin(struct load *out, const char *path, const conus_load_options *options);
+
+/** Ends the load and gives the atlas away, or destroys it after a failure, or where @p out is NULL. */
+conus_status load_end(conus_atlas **out, struct load *load);
 
 /** Notes from here on are about the file @p path, which is copied. */
-conus_status load_progress_at(struct load_progress *progress, const char *path);
+void load_at(struct load *load, const char *path);
 
 /** The same, and calls options->progress, unless it is NULL: @p path is read now, and with it @p files of the total.
  * Fails where the callback cancels. */
-conus_status load_progress_report(struct load_progress *progress, const char *path, size_t files);
+void load_report(struct load *load, const char *path, size_t files);
+
+/** Makes the atlas of @p count volumes, as atlas_create_of() does, with the notes so far; of none an empty one. */
+void load_create(struct load *load, struct labelled_volume *volumes, size_t count, const struct label_table *table,
+                 const char *label_source);
+
+/** The name mesh_file_name() of the surface @p path; NULL after a failure. */
+char *mesh_name(struct job *job, const char *path);
+
+/** Notes and files of a load that its atlas gets later: */
+struct load_aside {
+    struct notes notes;
+    struct file_sums files;
+};
+
+/** puts those of the job aside, and then back, in front of those that it has got since. Both calls are made in one
+ * function, also after a failure. */
+struct load_aside load_put_aside(struct load *load);
+void load_put_back(struct load *load, struct load_aside *aside);
 
 #endif

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_manifest_write(): writes a first manifest for the files in a folder. It guesses the role of a volume from its
- * values, and reports every guess. */
-#include "base/buffer.h"
-#include "base/files/file.h"
+ * values, and reports every guess. A file is looked at on a job of its own, a trial: what is wrong with it leaves it
+ * out. */
 #include "base/files/folder.h"
 #include "base/formats/xml.h"
 #include "base/memory.h"
@@ -10,11 +9,11 @@
 #include "loaders/cifti/cifti_file.h"
 #include "loaders/labels/fsl_atlas.h"
 #include "loaders/labels/label_volumes.h"
-#include "loaders/manifest/manifest.h"
 #include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_draft.h"
 #include "loaders/manifest/manifest_scan.h"
 #include "loaders/manifest/manifest_surfaces.h"
+#include "loaders/maps/atlas_on_job.h"
 #include "loaders/maps/named_maps.h"
 #include "loaders/scene/load_manifest.h"
 #include "loaders/scene/load_parcellation.h"
@@ -24,112 +23,113 @@
 #include "loaders/transform/field_file.h"
 #include "loaders/transform/transform_file.h"
 
-#include <stdio.h>
 #include <string.h>
 
-static conus_status say_transform(struct manifest_draft *draft, const char *name, const char *what)
+/* The reason why a trial failed, NULL if it did not. An error of memory is the job's, too. */
+static const char *find_fault(struct job *job, const struct job *trial)
 {
-    return manifest_draft_log(draft,
-                              "%s: %s, left out: where it leads is not known; \"transform\": \"%s\" in the manifest "
-                              "brings the areas to the other images",
-                              name, what, name);
+    if (trial->status == CONUS_ERROR_MEMORY) {
+        job_fail(job, trial->status, "%s", trial->message);
+    }
+    return job_ok(trial) ? NULL : trial->message;
 }
 
-/* Logs that the file `name` is left out if it is a transform: neither its direction nor its images are known.
- * Errors: CONUS_ERROR_MEMORY. */
-static conus_status draft_transform_say(struct manifest_draft *draft, const char *name)
+static void say_transform(struct job *job, const struct manifest_draft *draft, const char *name, const char *what)
 {
-    struct file_sums read = {0};
+    manifest_draft_log(job, draft,
+                       "%s: %s, left out: where it leads is not known; \"transform\": \"%s\" in the manifest brings "
+                       "the areas to the other images",
+                       name, what, name);
+}
+
+/* Logs that the file `name` is left out if it is a transform: neither its direction nor its images are known. */
+static void look_for_transform(struct job *job, const struct manifest_draft *draft, const char *name)
+{
+    struct job trial = {0};
     struct transform_chain transform = {0};
-    bool is_named_so = path_ends_in(name, ".tfm") || path_ends_in(name, ".mat") || path_ends_in(name, ".lta") ||
-                       path_ends_in(name, ".xfm");
-    if (!is_named_so) {
-        return CONUS_OK;
+    if (!path_ending_length(name, ".tfm/.mat/.lta/.xfm")) {
+        return;
     }
-    char *path = file_beside(draft->folder, name);
-    conus_status status =
-        path ? transform_file_read(&transform, path, &(conus_transform_options){0}, &read) : CONUS_ERROR_MEMORY;
-    bool is_transform = !status || status == CONUS_ERROR_ARGUMENT; /* FSL's, without its images */
-    status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
-    if (!status && is_transform) {
-        status = say_transform(draft, name, "a transform");
+    const char *path = job_beside(&trial, draft->folder, name);
+    (void)JOB_CALL(&trial, transform_file_read(&transform, path, &(conus_transform_options){0}, &trial.files));
+    if (!find_fault(job, &trial) || trial.status == CONUS_ERROR_ARGUMENT) { /* FSL's, without its images */
+        say_transform(job, draft, name, "a transform");
     }
     transform_chain_finish(&transform);
-    file_sums_finish(&read);
-    memory_free(path);
-    return status;
+    job_end(&trial);
 }
 
-/* Logs the same for the volume `name` if its header says that it is a deformation field or a part of one; *is_field
- * then. Errors: CONUS_ERROR_MEMORY. */
-static conus_status draft_field_say(bool *is_field, struct manifest_draft *draft, const char *name)
+/* Logs the same for the volume `name` if its header says that it is a deformation field or a part of one: whether it
+ * is. */
+static bool is_field(struct job *job, const struct manifest_draft *draft, const char *name)
 {
+    struct job trial = {0}; /* whoever reads the volume says what is wrong */
     bool usable = false;
     const char *words = NULL;
-    char *path = file_beside(draft->folder, name);
-    conus_status status = path ? field_file_words(&words, &usable, path) : CONUS_ERROR_MEMORY;
-    memory_free(path);
-    status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* whoever reads the volume says what is wrong */
-    *is_field = !status && words;
-    if (!status && words) {
-        status = usable ? say_transform(draft, name, words)
-                        : manifest_draft_log(draft, "%s: %s, left out: it moves no areas", name, words);
+    (void)JOB_CALL(&trial, field_file_words(&words, &usable, job_beside(&trial, draft->folder, name)));
+    bool is = !find_fault(job, &trial) && words;
+    job_end(&trial);
+    if (is && usable) {
+        say_transform(job, draft, name, words);
+    } else if (is) {
+        manifest_draft_log(job, draft, "%s: %s, left out: it moves no areas", name, words);
     }
-    return status;
+    return is;
+}
+
+static void use_file(struct job *job, struct manifest_draft *draft, const char *name)
+{
+    *LIST_ADD(job, &draft->used) = job_format(job, "%s", name);
 }
 
 /* Marks the images of the atlas as used, so that they are not taken as volumes of their own. */
-static conus_status draft_fsl_mark(struct manifest_draft *draft, const struct fsl_atlas *atlas)
+static void use_images(struct job *job, struct manifest_draft *draft, const struct fsl_atlas *atlas)
 {
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < atlas->image_count; i++) {
-        const char *image = atlas->images[i].image;
-        const char *summary = atlas->images[i].summary;
-        status = image ? names_add(&draft->used, image + strspn(image, "/")) : CONUS_OK;
-        status = status || !summary ? status : names_add(&draft->used, summary + strspn(summary, "/"));
+    for (size_t i = 0; i < atlas->image_count; i++) {
+        const char *paths[] = {atlas->images[i].image, atlas->images[i].summary};
+        for (size_t k = 0; k < 2; k++) {
+            if (paths[k]) {
+                use_file(job, draft, paths[k] + strspn(paths[k], "/"));
+            }
+        }
     }
-    return status;
 }
 
 /* Whether the volume `name` is an image of an FSL atlas that was taken. */
-static bool draft_fsl_has(const struct manifest_draft *draft, const char *name)
+static bool is_used(const struct manifest_draft *draft, const char *name)
 {
     size_t length = volume_stem_length(name);
-    for (size_t i = 0; i < draft->used.count; i++) {
-        const char *used = draft->used.names[i];
-        if (volume_stem_length(used) == length && strncmp(used, name, length) == 0) {
-            return true;
-        }
+    bool is = false;
+    for (size_t i = 0; !is && i < draft->used.count; i++) {
+        const char *used = draft->used.at[i];
+        is = volume_stem_length(used) == length && strncmp(used, name, length) == 0;
     }
-    return false;
+    return is;
 }
 
 /* Chooses the file that the manifest names for `xml`, an atlas of type Label: the XML itself; its volume, where that
  * has other names by itself, so that the manifest and a query of the volume give the same names; or NULL, where another
- * XML has taken the volume. The log says why it is not the XML. *name is the caller's to memory_free(). */
-static conus_status draft_fsl_choose(char **name, const struct manifest_draft *draft, const char *xml)
+ * XML has taken the volume. The log says why it is not the XML. */
+static const char *choose_file(struct job *job, const struct manifest_draft *draft, const char *xml)
 {
-    struct parcellation parts = {0};
+    struct job trial = {0}; /* what does not load says so when it is tried */
     const conus_load_options options = {.max_memory = draft->options->max_memory};
-    const char *chosen = xml; /* what does not load says so when it is tried */
-    char *path = file_beside(draft->folder, xml);
-    conus_status status = path ? parcellation_read(&parts, path, &options, "an atlas XML") : CONUS_ERROR_MEMORY;
-    if (!status) {
-        const char *volume = parts.file.path + strlen(draft->folder);
-        if (draft_fsl_has(draft, volume)) {
+    const char *chosen = xml;
+    struct parcellation *parts = job_new(&trial, struct parcellation);
+    parcellation_read(&trial, parts, job_beside(&trial, draft->folder, xml), &options, "an atlas XML");
+    if (!find_fault(job, &trial)) {
+        const char *volume = parts->file.path + strlen(draft->folder);
+        if (is_used(draft, volume)) {
             chosen = NULL;
-            status = manifest_draft_log(draft, "%s: left out, since another XML has %s", xml, volume);
-        } else if (parts.is_disputed) {
-            chosen = volume;
-            status = manifest_draft_log(draft, "%s: left out for %s, which has other names by itself: %s", xml, volume,
-                                        parts.notes.lines[parts.notes.count - 1]);
+            manifest_draft_log(job, draft, "%s: left out, since another XML has %s", xml, volume);
+        } else if (parts->is_disputed) {
+            chosen = job_format(job, "%s", volume);
+            manifest_draft_log(job, draft, "%s: left out for %s, which has other names by itself: %s", xml, volume,
+                               trial.notes.lines[trial.notes.count - 1]);
         }
     }
-    status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
-    *name = status || !chosen ? NULL : memory_text(chosen, strlen(chosen));
-    parcellation_finish(&parts);
-    memory_free(path);
-    return status || !chosen || *name ? status : CONUS_ERROR_MEMORY;
+    job_end(&trial);
+    return chosen;
 }
 
 /* Whether an entry of the list has a name of these characters. */
@@ -144,26 +144,18 @@ static bool has_entry_named(const json_t *list, const char *name, size_t length)
 }
 
 /* Appends the file `name` to "streamlines" if it is a tractogram that loads; logs it if it is a transform. */
-static conus_status draft_streamlines_take(struct manifest_draft *draft, const char *name)
+static void look_at_no_volume(struct job *job, const struct manifest_draft *draft, const char *name)
 {
-    bool loads = false;
-    char *path = file_beside(draft->folder, name);
-    if (!path) {
-        return CONUS_ERROR_MEMORY;
-    }
-    bool is_tract = name[0] != '.' && tract_file_is(path);
-    memory_free(path);
-    if (!is_tract) {
-        return draft_transform_say(draft, name);
+    if (name[0] == '.' || !tract_file_is(job_beside(job, draft->folder, name))) {
+        look_for_transform(job, draft, name);
+        return;
     }
     size_t length = streamlines_stem_length(name);
     bool taken = has_entry_named(draft->streamlines, name, length) || has_entry_named(draft->pathways, name, length);
-    conus_status status = manifest_draft_append_loading(
-        &loads, draft, draft->streamlines, "streamlines",
-        json_pack("{s:s,s:s#}", "file", name, "name", name, taken ? strlen(name) : length));
-    return status  ? status
-           : loads ? manifest_draft_log(draft, "%s: streamlines", name)
-                   : manifest_draft_leave_out(draft, name);
+    json_t *entry = json_pack("{s:s,s:s#}", "file", name, "name", name, taken ? strlen(name) : length);
+    if (manifest_draft_take(job, draft, draft->streamlines, "streamlines", entry, name)) {
+        manifest_draft_log(job, draft, "%s: streamlines", name);
+    }
 }
 
 enum { FIRST_OFFSET = 1000, LAST_OFFSET = 1000000000 };
@@ -180,299 +172,244 @@ static const char *parcellation_file(const struct manifest_draft *draft, size_t 
 static bool is_parcellation(const struct manifest_draft *draft, const char *name)
 {
     const char *file;
-    for (size_t i = 0; (file = parcellation_file(draft, i)); i++) {
-        if (strcmp(file, name) == 0) {
-            return true;
-        }
+    bool is = false;
+    for (size_t i = 0; !is && (file = parcellation_file(draft, i)); i++) {
+        is = strcmp(file, name) == 0;
     }
-    return false;
+    return is;
 }
 
-/* Tries both halves with the labels of the right one as they are, else behind the left one's. */
-static conus_status try_halves(bool *load, uint32_t *offset, const struct manifest_draft *draft, json_t *halves)
+/* Tries both halves with the labels of the right one as they are, else behind the left one's. NULL if they load. */
+static const char *try_halves(struct job *job, const struct manifest_draft *draft, json_t *halves, uint32_t *offset)
 {
     json_t *right = json_array_get(halves, 1);
-    conus_status status = manifest_draft_try(load, draft, "parcellations", halves, false);
-    *offset = 0;
-    for (uint32_t next = FIRST_OFFSET; !status && !*load && next <= LAST_OFFSET; next *= 10) {
+    const char *why = manifest_draft_try(job, draft, "parcellations", halves, false);
+    for (uint32_t next = FIRST_OFFSET; job_ok(job) && why && next <= LAST_OFFSET; next *= 10) {
         *offset = next;
-        status = json_object_set_new(right, "label_offset", json_integer(next))
-                     ? CONUS_ERROR_MEMORY
-                     : manifest_draft_try(load, draft, "parcellations", halves, false);
+        (void)json_object_set(right, "label_offset", manifest_draft_json(job, json_integer(next)));
+        why = manifest_draft_try(job, draft, "parcellations", halves, false);
     }
-    return status;
+    return why;
 }
 
 /* Takes the two files as one parcellation, if they load. */
-static conus_status take_halves(struct manifest_draft *draft, const char *left, const char *right)
+static void take_halves(struct job *job, struct manifest_draft *draft, const char *left, const char *right)
 {
-    bool load = false;
     uint32_t offset = 0;
-    json_t *halves =
-        json_pack("[{s:s,s:s},{s:s,s:s}]", "file", left, "hemisphere", "L", "file", right, "hemisphere", "R");
-    conus_status status = halves ? try_halves(&load, &offset, draft, halves) : CONUS_ERROR_MEMORY;
-    if (status || !load) {
-        json_decref(halves);
+    json_t *halves = manifest_draft_json(
+        job, json_pack("[{s:s,s:s},{s:s,s:s}]", "file", left, "hemisphere", "L", "file", right, "hemisphere", "R"));
+    const char *why = try_halves(job, draft, halves, &offset);
+    if (why) {
+        job_bad(job, "%s%s and %s are left and right of one, and do not load together: %.399s", draft->folder, left,
+                right, why);
+    } else if (offset) {
+        manifest_draft_log(job, draft, "%s: left and right of one with %s; its labels are %u further", right, left,
+                           offset);
+    } else {
+        manifest_draft_log(job, draft, "%s: left and right of one with %s", right, left);
     }
-    if (status) {
-        return status;
-    }
-    if (!load) {
-        char why[400];
-        snprintf(why, sizeof why, "%s", conus_message());
-        return fail(CONUS_ERROR_DATA, "%s%s and %s are left and right of one, and do not load together: %s",
-                    draft->folder, left, right, why);
-    }
-    status = offset ? manifest_draft_log(draft, "%s: left and right of one with %s; its labels are %u further", right,
-                                         left, offset)
-                    : manifest_draft_log(draft, "%s: left and right of one with %s", right, left);
-    json_decref(draft->parcellation);
     draft->parcellation = halves;
     draft->label_offset = offset < MANIFEST_LABEL_STEP ? MANIFEST_LABEL_STEP : 10 * offset;
-    return status;
 }
 
-static conus_status set_second(struct manifest_draft *draft, const char *name)
+static void set_second(struct job *job, struct manifest_draft *draft, const char *name)
 {
-    bool halves = false;
-    bool is_right = false;
     const char *first = parcellation_file(draft, 0);
-    conus_status status = volume_names_are_halves(&is_right, first, name);
-    status = status || is_right ? status : volume_names_are_halves(&halves, name, first);
-    if (status) {
-        return status;
+    bool is_right = volume_names_are_halves(job, first, name);
+    if ((!is_right && !volume_names_are_halves(job, name, first)) || json_is_array(draft->parcellation)) {
+        job_bad(job, /* the user knows which is meant or first */
+                "%s%s and %s are both parcellations, and their names are not left and right of one: give one of them "
+                "as ATLAS, or write the manifest by hand (\"parcellations\", docs/formats.md)",
+                draft->folder, first, name);
+    } else {
+        take_halves(job, draft, is_right ? first : name, is_right ? name : first);
     }
-    if ((!is_right && !halves) || json_is_array(draft->parcellation)) { /* the user knows which is meant or first */
-        return fail(CONUS_ERROR_DATA,
-                    "%s%s and %s are both parcellations, and their names are not left and right of one: give one of "
-                    "them as ATLAS, or write the manifest by hand (\"parcellations\", docs/formats.md)",
-                    draft->folder, first, name);
-    }
-    return take_halves(draft, is_right ? first : name, is_right ? name : first);
 }
 
-static conus_status set_parcellation(struct manifest_draft *draft, const char *name)
+/* Whether `name` is a parcellation of the draft now. */
+static bool set_parcellation(struct job *job, struct manifest_draft *draft, const char *name)
 {
-    bool loads = false;
-    json_t *value = json_pack("{s:s}", "file", name);
-    conus_status status = value ? manifest_draft_try(&loads, draft, "parcellation", value, false) : CONUS_ERROR_MEMORY;
-    if (!status && loads && !draft->parcellation) {
+    json_t *value = manifest_draft_json(job, json_pack("{s:s}", "file", name));
+    const char *why = manifest_draft_try(job, draft, "parcellation", value, false);
+    if (why) {
+        manifest_draft_leave_out(job, draft, name, why);
+    } else if (draft->parcellation) {
+        set_second(job, draft, name);
+    } else {
         draft->parcellation = value;
         draft->label_offset = MANIFEST_LABEL_STEP;
-        return CONUS_OK;
     }
-    json_decref(value);
-    return status ? status : loads ? set_second(draft, name) : manifest_draft_leave_out(draft, name);
+    return is_parcellation(draft, name);
 }
 
-static conus_status take_fsl_labels(struct manifest_draft *draft, const char *xml, const struct fsl_atlas *atlas)
+static void take_fsl(struct job *job, struct manifest_draft *draft, const char *xml, const struct fsl_atlas *atlas)
 {
-    char *name = NULL;
-    conus_status status = draft_fsl_choose(&name, draft, xml);
-    status = status || !name ? status : set_parcellation(draft, name);
-    if (!status && name && is_parcellation(draft, name)) {
-        status = draft_fsl_mark(draft, atlas);
-        status = status ? status
-                        : manifest_draft_log(draft, "%s: parcellation, an atlas XML of %zu labels", name,
-                                             atlas->labels.count);
+    const char *name = atlas->is_label ? choose_file(job, draft, xml) : NULL;
+    if (name && set_parcellation(job, draft, name)) {
+        use_images(job, draft, atlas);
+        manifest_draft_log(job, draft, "%s: parcellation, an atlas XML of %zu labels", name, atlas->labels.count);
     }
-    memory_free(name);
-    return status;
-}
-
-static conus_status take_fsl(struct manifest_draft *draft, const char *name, const struct fsl_atlas *atlas)
-{
-    bool loads = false;
     if (atlas->is_label) {
-        return take_fsl_labels(draft, name, atlas);
+        return;
     }
-    conus_status status =
-        manifest_draft_append_loading(&loads, draft, draft->maps, "probabilities", json_pack("{s:s}", "fsl", name));
-    if (status || !loads) {
-        return status ? status : manifest_draft_leave_out(draft, name);
+    if (manifest_draft_take(job, draft, draft->maps, "probabilities", json_pack("{s:s}", "fsl", xml), xml)) {
+        use_images(job, draft, atlas);
+        manifest_draft_log(job, draft, "%s: FSL atlas, %zu areas by probabilities", xml, atlas->labels.count);
     }
-    status = draft_fsl_mark(draft, atlas);
-    return status ? status
-                  : manifest_draft_log(draft, "%s: FSL atlas, %zu areas by probabilities", name, atlas->labels.count);
 }
 
 /* Takes `name` if it is an FSL atlas. */
-static conus_status look_at_xml(struct manifest_draft *draft, const char *name)
+static void look_at_xml(struct job *job, struct manifest_draft *draft, const char *name)
 {
+    struct job trial = {0};
     struct bytes bytes = {0};
-    struct job job = {0}; /* Bridge: to label tables on a job. */
-    char *path = file_beside(draft->folder, name);
-    conus_status status = path ? file_read(&bytes, path, FSL_ATLAS_LIMIT) : CONUS_ERROR_MEMORY;
-    struct text text = status ? (struct text){0} : text_from_bytes(bytes.data, bytes.size);
-    if (!status && text.size && text_equal(xml_root(text), "atlas")) {
-        struct fsl_atlas *atlas = fsl_atlas_parse(&job, text);
-        fsl_atlas_number(&job, atlas, &(struct label_use){0});
-        status = job.status == CONUS_ERROR_MEMORY ? job.status
-                 : !job_ok(&job) ? (fail(job.status, "%s", job.message), manifest_draft_leave_out(draft, name))
-                                 : take_fsl(draft, name, atlas);
+    (void)JOB_CALL(job, file_read(&bytes, job_beside(job, draft->folder, name), FSL_ATLAS_LIMIT));
+    struct text text = text_from_bytes(bytes.data, bytes.size);
+    if (text.size && text_equal(xml_root(text), "atlas")) {
+        struct fsl_atlas *atlas = fsl_atlas_parse(&trial, text);
+        fsl_atlas_number(&trial, atlas, &(struct label_use){0});
+        const char *why = find_fault(job, &trial);
+        if (why) {
+            manifest_draft_leave_out(job, draft, name, why);
+        } else {
+            take_fsl(job, draft, name, atlas);
+        }
     }
-    job_end(&job);
+    job_end(&trial);
     bytes_finish(&bytes);
-    memory_free(path);
-    return status;
 }
 
 #define NAMED "named by the table beside it"
 
 /* Names each volume as the table beside the file does, else by its number. */
-static conus_status name_volume(struct buffer *out, bool *named, const struct manifest_draft *draft, const char *name,
-                                size_t index, size_t count)
+static const char *name_volume(struct job *job, bool *named, const struct manifest_draft *draft, const char *name,
+                               size_t index, size_t count)
 {
-    struct job job = {0}; /* Bridge: to label tables on a job. */
-    const char *from = NULL;
-    char *path = labels_path(&job, file_beside(draft->folder, name));
-    const conus_volume_info info = {.path = path, .volume = index, .volume_count = count};
-    const char *given = label_volume_name(&job, &from, &info);
-    conus_status status = job.status;
-    *named = !status && from;
-    buffer_text(out, *named ? given : "");
-    if (!*named) {
-        buffer_format(out, "%.*s %zu", (int)volume_stem_length(name), name, index);
-    }
-    job_end(&job);
-    return status ? status : buffer_status(out);
+    const char *from;
+    const conus_volume_info info = {
+        .path = job_beside(job, draft->folder, name), .volume = index, .volume_count = count};
+    const char *title = label_volume_name(job, &from, &info);
+    *named = title;
+    return title ? title : job_format(job, "%.*s %zu", (int)volume_stem_length(name), name, index);
 }
 
 /* Takes the volumes of `name` that load, each by itself. */
-static conus_status take_volumes(struct manifest_draft *draft, const char *name, size_t count)
+static void take_volumes(struct job *job, const struct manifest_draft *draft, const char *name, size_t count)
 {
-    conus_status status = CONUS_OK;
     size_t taken = 0;
     bool named = false;
-    for (size_t i = 0; !status && i < count; i++) {
-        struct buffer text = {0};
-        bool loads = false;
-        status = name_volume(&text, &named, draft, name, i, count);
-        status = status ? status
-                        : manifest_draft_append_loading(
-                              &loads, draft, draft->pathways, "pathways",
-                              json_pack("{s:s,s:I,s:s}", "file", name, "volume", (json_int_t)i, "name", text.data));
-        status = status || loads ? status : manifest_draft_leave_out(draft, text.data);
-        taken += loads;
-        buffer_finish(&text);
+    for (size_t i = 0; job_ok(job) && i < count; i++) {
+        const char *title = name_volume(job, &named, draft, name, i, count);
+        json_t *entry = json_pack("{s:s,s:I,s:s}", "file", name, "volume", (json_int_t)i, "name", title);
+        taken += manifest_draft_take(job, draft, draft->pathways, "pathways", entry, title);
     }
-    return status ? status
-                  : manifest_draft_log(draft, "%s: %zu pathways, %s", name, taken, named ? NAMED : "to be named");
+    manifest_draft_log(job, draft, "%s: %zu pathways, %s", name, taken, named ? NAMED : "to be named");
 }
 
 /* Whether the table beside the file and its values make it an atlas of probabilities by itself. */
-static conus_status is_probable(bool *out, const struct manifest_draft *draft, const char *name)
+static bool is_probable(struct job *job, const struct manifest_draft *draft, const char *name)
 {
     const conus_load_options options = {.max_memory = draft->options->max_memory};
-    struct named_maps maps = {0};
-    struct volume_file file = {0};
-    char *path = file_beside(draft->folder, name);
+    struct job trial = {0};
     struct probe probe = {0};
-    conus_status status = path ? probe_open(&probe, path) : CONUS_ERROR_MEMORY;
-    status = status ? status : named_maps_find(&maps, &probe, path, &options);
+    const char *path = job_beside(&trial, draft->folder, name);
+    (void)JOB_CALL(&trial, probe_open(&probe, path));
+    const struct named_maps maps = named_maps_find(&trial, &probe, path, &options);
     probe_close(&probe);
-    bool named = !status && maps.table.count;
-    status = named ? volume_file_open_series(&file, path, &options, &maps.notes) : status;
-    named = named && !status && maps.table.count == file.info.volume_count; /* none is the background's */
-    status = named ? named_maps_check(&file, 0, &maps.notes) : status;
-    *out = named && !status;
-    volume_file_finish(&file);
-    named_maps_finish(&maps);
-    memory_free(path);
-    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
+    struct volume_file *file = volume_file_new(&trial);
+    bool named = maps.table->count && JOB_CALL(&trial, volume_file_open_series(file, path, &options, &trial.notes)) &&
+                 maps.table->count == file->info.volume_count; /* none is the background's */
+    if (named) {
+        named_maps_check(&trial, file, 0);
+    }
+    named = !find_fault(job, &trial) && named;
+    job_end(&trial);
+    return named;
 }
 
-static conus_status take_series(struct manifest_draft *draft, const char *name, size_t count)
+static void take_series(struct job *job, const struct manifest_draft *draft, const char *name, size_t count)
 {
-    bool loads = false;
-    bool probable = false;
     bool named = false;
-    json_t *names = json_array();
-    conus_status status = names ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < count; i++) {
-        struct buffer text = {0};
-        status = name_volume(&text, &named, draft, name, i, count);
-        status = status ? status : manifest_draft_append(names, json_string(text.data));
-        buffer_finish(&text);
+    json_t *names = manifest_draft_json(job, json_array());
+    for (size_t i = 0; job_ok(job) && i < count; i++) {
+        const char *title = name_volume(job, &named, draft, name, i, count);
+        manifest_draft_append(job, names, manifest_draft_json(job, json_string(title)));
     }
-    status = status || !named ? status : is_probable(&probable, draft, name);
+    bool probable = named && is_probable(job, draft, name);
     json_t *list = probable ? draft->maps : draft->pathways;
-    status = status ? status
-                    : manifest_draft_append_loading(&loads, draft, list, probable ? "probabilities" : "pathways",
-                                                    json_pack("{s:s,s:O}", "file", name, "names", names));
-    json_decref(names);
-    if (status || !loads) {
-        return status ? status : take_volumes(draft, name, count);
+    json_t *entry = json_pack("{s:s,s:O}", "file", name, "names", names);
+    if (!manifest_draft_take(job, draft, list, probable ? "probabilities" : "pathways", entry, NULL)) {
+        take_volumes(job, draft, name, count);
+    } else if (probable) {
+        manifest_draft_log(job, draft, "%s: %zu areas by probabilities, " NAMED, name, count);
+    } else {
+        manifest_draft_log(job, draft, "%s: %zu pathways, %s", name, count, named ? NAMED : "to be named");
     }
-    if (probable) {
-        return manifest_draft_log(draft, "%s: %zu areas by probabilities, " NAMED, name, count);
-    }
-    return manifest_draft_log(draft, "%s: %zu pathways, %s", name, count, named ? NAMED : "to be named");
 }
 
 /* Takes a single volume as a pathway, or as an area by probabilities; `words` say why. */
-static conus_status take_one_volume(struct manifest_draft *draft, bool probable, const char *name, const char *words)
+static void take_one_volume(struct job *job, const struct manifest_draft *draft, bool probable, const char *name,
+                            const char *words)
 {
-    bool loads = false;
-    conus_status status = manifest_draft_append_loading(
-        &loads, draft, probable ? draft->maps : draft->pathways, probable ? "probabilities" : "pathways",
-        json_pack("{s:s,s:s#}", "file", name, "name", name, volume_stem_length(name)));
-    return status ? status
-           : loads
-               ? manifest_draft_log(draft, "%s: %s, %s", name, probable ? "an area by probabilities" : "pathway", words)
-               : manifest_draft_leave_out(draft, name);
+    json_t *entry = json_pack("{s:s,s:s#}", "file", name, "name", name, volume_stem_length(name));
+    if (manifest_draft_take(job, draft, probable ? draft->maps : draft->pathways,
+                            probable ? "probabilities" : "pathways", entry, name)) {
+        manifest_draft_log(job, draft, "%s: %s, %s", name, probable ? "an area by probabilities" : "pathway", words);
+    }
 }
 
-static conus_status take_context(struct manifest_draft *draft, const char *name, const char *words)
+static void take_context(struct job *job, struct manifest_draft *draft, const char *name, const char *words)
 {
     if (draft->context) {
-        return manifest_draft_log(draft, "%s: a second context, left out", name);
+        manifest_draft_log(job, draft, "%s: a second context, left out", name);
+        return;
     }
-    draft->context = json_pack("{s:s}", "file", name);
-    return draft->context ? manifest_draft_log(draft, "%s: context, %s", name, words) : CONUS_ERROR_MEMORY;
+    draft->context = manifest_draft_json(job, json_pack("{s:s}", "file", name));
+    manifest_draft_log(job, draft, "%s: context, %s", name, words);
 }
 
-static conus_status take_volume(struct manifest_draft *draft, const char *name, const struct volume_guess *guess)
+static void take_volume(struct job *job, struct manifest_draft *draft, const char *name,
+                        const struct volume_guess *guess)
 {
     if (guess->use == VOLUME_SERIES) {
-        return take_series(draft, name, guess->count);
+        take_series(job, draft, name, guess->count);
+    } else if (named_maps_is_probseg(name)) {
+        take_one_volume(job, draft, true, name, "as its name says");
+    } else if (guess->use == VOLUME_PATHWAY) {
+        take_one_volume(job, draft, false, name, guess->words);
+    } else if (guess->use == VOLUME_CONTEXT) {
+        take_context(job, draft, name, guess->words);
+    } else if (set_parcellation(job, draft, name)) {
+        manifest_draft_log(job, draft, "%s: parcellation, %s", name, guess->words);
     }
-    if (named_maps_is_probseg(name)) {
-        return take_one_volume(draft, true, name, "as its name says");
-    }
-    if (guess->use == VOLUME_PATHWAY) {
-        return take_one_volume(draft, false, name, guess->words);
-    }
-    if (guess->use == VOLUME_CONTEXT) {
-        return take_context(draft, name, guess->words);
-    }
-    conus_status status = set_parcellation(draft, name);
-    return status || !is_parcellation(draft, name)
-               ? status
-               : manifest_draft_log(draft, "%s: parcellation, %s", name, guess->words);
 }
 
-static conus_status look_at_volume(struct manifest_draft *draft, const char *name)
+/* Guesses the role of the volume `name`: NULL, else why that cannot be. */
+static const char *guess_role(struct job *job, struct volume_guess *out, const struct manifest_draft *draft,
+                              const char *name)
+{
+    struct attempt attempt = job_try(job);
+    volume_guess_make(job, out, job_beside(job, draft->folder, name), draft->options->max_memory);
+    return job_tried(job, &attempt);
+}
+
+static void look_at_volume(struct job *job, struct manifest_draft *draft, const char *name)
 {
     struct volume_guess guess = {0};
-    if (draft_fsl_has(draft, name)) {
-        return CONUS_OK;
+    if (is_used(draft, name)) {
+        return;
     }
-    char *path = file_beside(draft->folder, name);
-    conus_status status = path ? volume_guess_make(&guess, path, draft->options->max_memory) : CONUS_ERROR_MEMORY;
-    if (status && status != CONUS_ERROR_MEMORY) {
-        status = manifest_draft_log(draft, "left out: %s", conus_message());
-    } else if (!status) {
-        status = take_volume(draft, name, &guess);
+    const char *why = guess_role(job, &guess, draft, name);
+    if (why) {
+        manifest_draft_log(job, draft, "left out: %s", why);
+    } else {
+        take_volume(job, draft, name, &guess);
     }
-    memory_free(path);
-    return status;
 }
 
 static bool is_volume_file(const char *name)
 {
-    bool image = path_ends_in(name, ".img") || path_ends_in(name, ".img.gz") || path_ends_in(name, ".BRIK") ||
-                 path_ends_in(name, ".BRIK.gz"); /* its .hdr or .HEAD is taken */
+    bool image = path_ending_length(name, ".img/.img.gz/.BRIK/.BRIK.gz"); /* its .hdr or .HEAD is taken */
     return name[0] != '.' && !image && name[volume_stem_length(name)];
 }
 
@@ -485,232 +422,225 @@ static void raise_offset(struct manifest_draft *draft, uint64_t largest)
 
 /* Takes the surfaces that a .dlabel.nii labels by numbers up to `largest`; their labels begin above those of a
  * parcellation that is there. */
-static conus_status take_labelled(struct manifest_draft *draft, const struct manifest *manifest, uint32_t largest)
+static void take_labelled(struct job *job, struct manifest_draft *draft, const struct manifest *manifest,
+                          uint32_t largest)
 {
-    conus_status status = CONUS_OK;
     uint32_t base = draft->label_offset;
     raise_offset(draft, (uint64_t)base + largest);
-    for (size_t i = 0; !status && i < manifest->area_count; i++) {
-        bool loads = false;
+    for (size_t i = 0; i < manifest->area_count; i++) {
         const struct manifest_area *area = &manifest->areas[i];
         json_int_t offset = (json_int_t)base + area->label_offset;
         raise_offset(draft, (uint64_t)offset + largest);
-        status = manifest_draft_append_loading(&loads, draft, draft->areas, "areas",
-                                               json_pack("{s:s,s:s,s:I}", "file", area->file, "vertex_labels",
-                                                         area->vertex_labels, "label_offset", offset));
-        status = status  ? status
-                 : loads ? manifest_draft_log(draft, "%s: cut by %s", area->file, area->vertex_labels)
-                         : manifest_draft_leave_out(draft, area->file);
+        json_t *entry = json_pack("{s:s,s:s,s:I}", "file", area->file, "vertex_labels", area->vertex_labels,
+                                  "label_offset", offset);
+        if (manifest_draft_take(job, draft, draft->areas, "areas", entry, area->file)) {
+            manifest_draft_log(job, draft, "%s: cut by %s", area->file, area->vertex_labels);
+        }
     }
-    return status;
 }
 
-/* Takes voxels and surfaces from a .dlabel.nii. */
-static conus_status take_cifti(bool *taken, struct manifest_draft *draft, const char *name)
+/* Takes voxels and surfaces from a .dlabel.nii: whether it could be read. */
+static bool take_cifti(struct job *job, struct manifest_draft *draft, const char *name)
 {
+    struct job trial = {0};
     struct cifti_file file = {0};
     struct manifest manifest = {0};
-    struct notes notes = {0};
-    char *path = file_beside(draft->folder, name);
     uint64_t max_memory = draft->options->max_memory;
-    conus_status status = path ? cifti_file_open(&file, path, max_memory, &notes) : CONUS_ERROR_MEMORY;
-    status = status ? status : plan_cifti(&manifest, &file, max_memory, &notes);
-    if (status) {
-        status = status == CONUS_ERROR_MEMORY ? status : manifest_draft_leave_out(draft, name);
+    (void)JOB_CALL(&trial, cifti_file_open(&file, job_beside(&trial, draft->folder, name), max_memory, &trial.notes));
+    plan_cifti(&trial, &manifest, &file, max_memory);
+    const char *why = find_fault(job, &trial);
+    if (why) {
+        manifest_draft_leave_out(job, draft, name, why);
     } else {
         const struct label_table *table = &file.choice.cifti.maps[file.choice.map].table;
         const char *voxels = manifest.parcellation_count ? manifest.parcellations[0].source.file : NULL;
         uint32_t offset = draft->label_offset;
-        *taken = true;
-        status = voxels ? set_parcellation(draft, voxels) : CONUS_OK;
+        if (voxels && set_parcellation(job, draft, voxels)) {
+            manifest_draft_log(job, draft, "%s: parcellation, voxels of CIFTI labels", voxels);
+        }
         draft->label_offset = offset; /* the plan keeps surfaces off the file's own voxels */
-        status = status || !voxels || !is_parcellation(draft, voxels)
-                     ? status
-                     : manifest_draft_log(draft, "%s: parcellation, voxels of CIFTI labels", voxels);
-        status = status ? status : take_labelled(draft, &manifest, table->entries[table->count - 1].number);
+        take_labelled(job, draft, &manifest, table->entries[table->count - 1].number);
     }
-    for (size_t i = 0; !status && i < notes.count; i++) {
-        status = manifest_draft_log(draft, "%s", notes.lines[i]);
+    for (size_t i = 0; i < trial.notes.count; i++) {
+        manifest_draft_log(job, draft, "%s", trial.notes.lines[i]);
     }
-    notes_finish(&notes);
-    manifest_finish(&manifest);
     cifti_file_finish(&file);
-    memory_free(path);
-    return status;
+    job_end(&trial);
+    return !why;
 }
 
-/* Takes the .dlabel.nii among `names`, if there is one; of several, which one is meant is not known. */
-static conus_status look_for_cifti(const char **found, struct manifest_draft *draft, const struct names *names)
+static bool is_cifti(struct job *job, const char *path)
 {
-    size_t count = 0;
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < names->count; i++) {
-        struct probe probe = {0};
-        char *path = is_volume_file(names->names[i]) ? file_beside(draft->folder, names->names[i]) : NULL;
-        status = path ? probe_open(&probe, path) : CONUS_OK;
-        bool cifti = probe.reader == READER_CIFTI;
-        probe_close(&probe);
-        status = status || !cifti ? status : names_add(&draft->used, names->names[i]); /* it is no volume */
-        *found = cifti ? names->names[i] : *found;
-        count += cifti;
-        memory_free(path);
-    }
-    if (!status && count > 1) {
-        *found = NULL;
-        status =
-            manifest_draft_log(draft, "%zu files of CIFTI labels, none is taken: give one of them as ATLAS", count);
-    }
-    return status;
+    struct probe probe = {0};
+    bool is = JOB_CALL(job, probe_open(&probe, path)) && probe.reader == READER_CIFTI;
+    probe_close(&probe);
+    return is;
 }
 
-/* Takes the voxels of a BrainGlobe folder, if they load; then its other stacks and its meshes are no further areas. */
-static conus_status take_brainglobe(bool *taken, struct manifest_draft *draft)
+/* The .dlabel.nii among `names`, NULL if there is none; of several, which one is meant is not known. */
+static const char *look_for_cifti(struct job *job, struct manifest_draft *draft, const struct names *names)
+{
+    const char *found = NULL;
+    size_t count = 0;
+    for (size_t i = 0; i < names->count; i++) {
+        const char *name = names->names[i];
+        if (is_volume_file(name) && is_cifti(job, job_beside(job, draft->folder, name))) {
+            use_file(job, draft, name); /* it is no volume */
+            found = name;
+            count++;
+        }
+    }
+    if (count > 1) {
+        manifest_draft_log(job, draft, "%zu files of CIFTI labels, none is taken: give one of them as ATLAS", count);
+    }
+    return count == 1 ? found : NULL;
+}
+
+/* Takes the voxels of a BrainGlobe folder, if they load: then its other stacks and its meshes are no further areas. */
+static bool take_brainglobe(struct job *job, struct manifest_draft *draft)
 {
     struct volume_guess guess = {0};
-    bool voxels = false;
-    conus_status status = brainglobe_has_voxels(&voxels, draft->folder);
-    if (status || !voxels) {
-        return status;
+    if (!brainglobe_has_voxels(job, draft->folder) || !set_parcellation(job, draft, BRAINGLOBE_ANNOTATION)) {
+        return false;
     }
-    status = set_parcellation(draft, BRAINGLOBE_ANNOTATION);
-    *taken = is_parcellation(draft, BRAINGLOBE_ANNOTATION);
-    if (status || !*taken) {
-        return status;
+    manifest_draft_log(job, draft, BRAINGLOBE_ANNOTATION ": parcellation of a BrainGlobe folder");
+    if (job_has_file(job, job_beside(job, draft->folder, BRAINGLOBE_REFERENCE))) {
+        const char *why = guess_role(job, &guess, draft, BRAINGLOBE_REFERENCE);
+        if (why) {
+            manifest_draft_leave_out(job, draft, BRAINGLOBE_REFERENCE, why);
+        } else {
+            take_context(job, draft, BRAINGLOBE_REFERENCE, "a BrainGlobe reference");
+        }
     }
-    status = manifest_draft_log(draft, BRAINGLOBE_ANNOTATION ": parcellation of a BrainGlobe folder");
-    char *path = file_beside(draft->folder, BRAINGLOBE_REFERENCE);
-    status = status ? status : path ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status && file_exists(path)) {
-        status = volume_guess_make(&guess, path, draft->options->max_memory);
-        status = status == CONUS_ERROR_MEMORY ? status
-                 : status                     ? manifest_draft_leave_out(draft, BRAINGLOBE_REFERENCE)
-                                              : take_context(draft, BRAINGLOBE_REFERENCE, "a BrainGlobe reference");
-    }
-    memory_free(path);
-    return status;
+    return true;
 }
 
-static conus_status look_at_other(struct manifest_draft *draft, const char *name, bool brainglobe)
+/* Takes the volume `name`, in a folder that is perhaps a BrainGlobe folder. */
+static void look_at_other(struct job *job, struct manifest_draft *draft, const char *name, bool brainglobe)
 {
-    if (!brainglobe || !(path_ends_in(name, ".tiff") || path_ends_in(name, ".tif"))) {
-        bool is_field = false;
-        conus_status status = draft_field_say(&is_field, draft, name);
-        return status || is_field ? status : look_at_volume(draft, name);
+    if (!brainglobe || !path_ending_length(name, ".tiff/.tif")) {
+        if (!is_field(job, draft, name)) {
+            look_at_volume(job, draft, name);
+        }
+    } else if (strcmp(name, BRAINGLOBE_ANNOTATION) != 0 && strcmp(name, BRAINGLOBE_REFERENCE) != 0) {
+        manifest_draft_log(job, draft, "%s: left out, another stack of the BrainGlobe folder", name);
     }
-    bool known = strcmp(name, BRAINGLOBE_ANNOTATION) == 0 || strcmp(name, BRAINGLOBE_REFERENCE) == 0;
-    return known ? CONUS_OK : manifest_draft_log(draft, "%s: left out, another stack of the BrainGlobe folder", name);
 }
 
-static conus_status scan_folder(struct manifest_draft *draft)
+/* Adds the surfaces in the folders of the draft's, but for the meshes of a BrainGlobe folder. */
+static void look_into_folders(struct job *job, struct manifest_draft *draft, const struct names *names, bool voxels)
 {
-    struct names names = {0};
-    bool voxels = false;
-    bool labelled = false;
-    const char *cifti = NULL;
-    conus_status status = names_list(&names, draft->folder, "");
-    status = status ? status : take_brainglobe(&voxels, draft);
-    status = status ? status : look_for_cifti(&cifti, draft, &names);
-    for (size_t i = 0; !status && i < names.count; i++) {
-        status = path_ends_in(names.names[i], ".xml") ? look_at_xml(draft, names.names[i]) : CONUS_OK;
-    }
-    for (size_t i = 0; !status && i < names.count; i++) {
-        status = is_volume_file(names.names[i]) ? look_at_other(draft, names.names[i], voxels)
-                                                : draft_streamlines_take(draft, names.names[i]);
-    }
-    status = status || !cifti ? status : take_cifti(&labelled, draft, cifti);
-    status = status || voxels || labelled ? status : manifest_surfaces_add(draft, "");
-    for (size_t i = 0; !status && i < names.count; i++) {
-        char *path = names.names[i][0] == '.' ? NULL : file_beside(draft->folder, names.names[i]);
+    for (size_t i = 0; job_ok(job) && i < names->count; i++) {
+        const char *name = names->names[i];
         bool known = voxels || json_object_get(json_array_get(draft->areas, 0), "brainglobe");
-        bool brainglobe = path && strcmp(names.names[i], "meshes") == 0 && known;
-        bool skip = brainglobe || manifest_draft_has(draft->streamlines, names.names[i]);
-        status = path && !skip && file_is_folder(path) ? manifest_surfaces_add(draft, names.names[i]) : CONUS_OK;
-        memory_free(path);
+        bool skip =
+            name[0] == '.' || (strcmp(name, "meshes") == 0 && known) || manifest_draft_has(draft->streamlines, name);
+        if (!skip && file_is_folder(job_beside(job, draft->folder, name))) {
+            manifest_surfaces_add(job, draft, name);
+        }
     }
-    names_finish(&names);
+}
+
+static void scan_folder(struct job *job, struct manifest_draft *draft)
+{
+    const struct names names = job_names(job, draft->folder, "");
+    bool voxels = take_brainglobe(job, draft);
+    const char *cifti = look_for_cifti(job, draft, &names);
+    for (size_t i = 0; i < names.count; i++) {
+        if (path_ends_in(names.names[i], ".xml")) {
+            look_at_xml(job, draft, names.names[i]);
+        }
+    }
+    for (size_t i = 0; job_ok(job) && i < names.count; i++) {
+        if (is_volume_file(names.names[i])) {
+            look_at_other(job, draft, names.names[i], voxels);
+        } else {
+            look_at_no_volume(job, draft, names.names[i]);
+        }
+    }
+    bool labelled = cifti && take_cifti(job, draft, cifti);
+    if (!voxels && !labelled) {
+        manifest_surfaces_add(job, draft, "");
+    }
+    look_into_folders(job, draft, &names, voxels);
     const char *file = voxels || labelled || !json_array_size(draft->areas) ? NULL : parcellation_file(draft, 0);
-    return status || !file
-               ? status
-               : manifest_draft_log(
-                     draft, "%s and surfaces: areas that are in both are there twice: take one out of the manifest",
-                     file);
+    if (file) {
+        manifest_draft_log(
+            job, draft, "%s and surfaces: areas that are in both are there twice: take one out of the manifest", file);
+    }
 }
 
 /* Makes areas of probabilities the first pathways where there is a parcellation or a surface. Areas of probabilities
  * may overlap, so a manifest has no others beside them. */
-static conus_status settle_maps(struct manifest_draft *draft)
+static void settle_maps(struct job *job, const struct manifest_draft *draft)
 {
-    conus_status status = CONUS_OK;
     size_t taken = 0;
-    bool alone = !draft->parcellation && !json_array_size(draft->areas);
-    for (size_t i = 0; !alone && !status && i < json_array_size(draft->maps); i++) {
-        bool loads = false;
+    if (!draft->parcellation && !json_array_size(draft->areas)) {
+        return;
+    }
+    for (size_t i = 0; job_ok(job) && i < json_array_size(draft->maps); i++) {
         json_t *entry = json_array_get(draft->maps, i);
         const char *fsl = json_string_value(json_object_get(entry, "fsl"));
         const char *name = fsl ? fsl : json_string_value(json_object_get(entry, "file"));
-        status = manifest_draft_try(&loads, draft, "pathways", entry, true);
-        if (!status && loads && json_array_insert(draft->pathways, taken++, entry)) {
-            status = CONUS_ERROR_MEMORY;
+        const char *why = manifest_draft_try(job, draft, "pathways", entry, true);
+        if (why) {
+            manifest_draft_leave_out(job, draft, name, why);
+        } else if (json_array_insert(draft->pathways, taken++, entry)) {
+            job_fail(job, CONUS_ERROR_MEMORY, "no memory for the manifest");
+        } else {
+            manifest_draft_log(job, draft,
+                               "%s: pathways, because a manifest with a parcellation or surfaces has no areas by "
+                               "probabilities",
+                               name);
         }
-        status = status  ? status
-                 : loads ? manifest_draft_log(draft,
-                                              "%s: pathways, because a manifest with a parcellation or surfaces "
-                                              "has no areas by probabilities",
-                                              name)
-                         : manifest_draft_leave_out(draft, name);
     }
-    return status || alone || !json_array_clear(draft->maps) ? status : CONUS_ERROR_MEMORY;
+    json_array_clear(draft->maps);
 }
 
-/* Writes the manifest, once the parser has read it. */
-static conus_status write_checked(const char *path, const struct buffer *text)
+static conus_status load_text(const struct manifest_draft *draft, struct text text)
 {
-    struct manifest manifest;
-    conus_status status = manifest_parse(&manifest, (struct text){text->data, text->size});
-    if (status) {
-        return fail_in(status, path);
-    }
-    manifest_finish(&manifest);
-    return file_write_new(path, text->data, text->size);
-}
-
-static conus_status load_text(const struct manifest_draft *draft, const struct buffer *text)
-{
-    conus_atlas *atlas = NULL;
-    const struct bytes bytes = {(uint8_t *)text->data, text->size};
+    struct load load;
+    const struct bytes bytes = {(uint8_t *)text.data, text.size};
     const conus_load_options options = {.max_memory = draft->options->max_memory};
-    struct load_progress progress = load_progress_of(draft->folder, &options);
-    conus_status status = manifest_load(&atlas, draft->folder, &bytes, &progress);
-    load_progress_finish(&progress);
-    conus_atlas_destroy(atlas);
-    return status;
+    load_begin(&load, draft->folder, &options);
+    manifest_load(&load, draft->folder, &bytes);
+    return load_end(NULL, &load);
+}
+
+/* Writes the manifest of `folder` as `path`, once the parser has read it. */
+static void write_manifest(struct job *job, const char *path, const char *folder, const conus_manifest_options *options)
+{
+    struct manifest_draft draft = {.folder = folder, .options = options, .load = load_text};
+    struct manifest manifest;
+    manifest_draft_init(job, &draft);
+    if (!file_is_folder(folder)) {
+        job_fail(job, CONUS_ERROR_IO, "%s: there is no such folder", folder);
+    }
+    scan_folder(job, &draft);
+    settle_maps(job, &draft);
+    size_t found = json_array_size(draft.areas) + json_array_size(draft.pathways) + json_array_size(draft.maps) +
+                   json_array_size(draft.streamlines);
+    if (!draft.parcellation && !found) {
+        job_bad(job, "%s: neither parcellation nor surfaces, pathways or streamlines in this folder", folder);
+    }
+    const struct text text = manifest_draft_format(job, &draft);
+    size_t place = job_in(job, path, JOB_ALONE);
+    manifest_parse(job, &manifest, text);
+    job_out(job, place);
+    (void)JOB_CALL(job, file_write_new(path, text.data, text.size));
 }
 
 conus_status conus_manifest_write(const char *path, const conus_manifest_options *options)
 {
-    struct buffer text = {0};
+    struct job job = {0};
     if (!path || !path[0]) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_manifest_write: a path is needed");
     }
     char *folder = path_folder(path);
-    struct manifest_draft draft = {
-        .folder = folder, .options = options_of(conus_manifest_options, options), .load = load_text};
-    conus_status status = folder ? manifest_draft_init(&draft) : CONUS_ERROR_MEMORY;
-    if (!status && !file_is_folder(folder)) {
-        status = fail(CONUS_ERROR_IO, "%s: there is no such folder", folder);
+    job_took(&job, folder ? CONUS_OK : CONUS_ERROR_MEMORY);
+    if (folder) {
+        write_manifest(&job, path, folder, options_of(conus_manifest_options, options));
     }
-    status = status ? status : scan_folder(&draft);
-    status = status ? status : settle_maps(&draft);
-    size_t found = json_array_size(draft.areas) + json_array_size(draft.pathways) + json_array_size(draft.maps) +
-                   json_array_size(draft.streamlines);
-    if (!status && !draft.parcellation && !found) {
-        status = fail(CONUS_ERROR_DATA, "%s: neither parcellation nor surfaces, pathways or streamlines in this folder",
-                      folder);
-    }
-    status = status ? status : manifest_draft_format(&text, &draft);
-    status = status ? status : write_checked(path, &text);
-    buffer_finish(&text);
-    manifest_draft_finish(&draft);
     memory_free(folder);
-    return status;
+    return job_close(&job, NULL, NULL);
 }

@@ -5,200 +5,163 @@
 #include "atlas/space.h"
 #include "base/files/folder.h"
 #include "base/geometry/math3.h"
-#include "base/memory.h"
 #include "base/order.h"
+#include "loaders/labels/labels_on_job.h"
 
 #include <math.h>
 #include <string.h>
 
-conus_status parcellations_reserve(struct parcellations *out, size_t count, const struct note_sink *sink)
+static void end_map(void *map)
 {
-    out->parts = memory_zeroed(count, sizeof *out->parts);
-    out->voxels = memory_zeroed(count, sizeof *out->voxels);
-    out->notes.sink = sink;
-    out->count = out->parts && out->voxels ? count : 0;
-    for (size_t p = 0; p < out->count; p++) {
-        out->parts[p].notes.sink = sink;
-    }
-    return out->parts && out->voxels ? CONUS_OK : CONUS_ERROR_MEMORY;
+    label_map_finish(map);
 }
 
-void parcellations_finish(struct parcellations *all)
+struct label_map *maps_new(struct job *job, size_t count)
 {
-    for (size_t p = 0; p < all->count; p++) {
-        parcellation_finish(&all->parts[p]);
-        label_map_finish(&all->voxels[p]);
+    struct label_map *maps = job_zeroed(job, count, sizeof *maps);
+    for (size_t i = 0; maps && i < count; i++) {
+        job_own(job, end_map, &maps[i]);
     }
-    memory_free(all->parts);
-    memory_free(all->voxels);
-    label_table_finish(&all->table);
-    buffer_finish(&all->source);
-    file_sums_finish(&all->read);
-    notes_finish(&all->notes);
+    return maps;
 }
 
-conus_status label_raise(uint32_t *label, uint32_t offset)
+struct parcellations parcellations_reserve(struct job *job, size_t count)
 {
-    if (*label > UINT32_MAX - offset) {
-        return fail(CONUS_ERROR_DATA, "label_offset: %u + %u is above 4294967295", offset, *label);
-    }
-    *label += offset;
-    return CONUS_OK;
+    struct parcellations all = {.parts = job_zeroed(job, count, sizeof *all.parts), .source = ""};
+    all.voxels = maps_new(job, count);
+    all.count = job_ok(job) ? count : 0;
+    return all;
 }
 
-conus_status parcellation_shift(struct parcellation *part, uint32_t offset, char hemisphere)
+uint64_t *map_at(struct job *job, struct label_map *map, uint32_t label)
+{
+    uint64_t *value = job_step(job) ? label_map_at(map, label) : NULL;
+    if (!value) {
+        job_took(job, CONUS_ERROR_MEMORY);
+    }
+    return value ? value : memset(job->spare, 0, sizeof *value);
+}
+
+uint32_t label_raise(struct job *job, uint32_t label, uint32_t offset)
+{
+    if (label > UINT32_MAX - offset) {
+        job_bad(job, "label_offset: %u + %u is above 4294967295", offset, label);
+        return 0;
+    }
+    return label + offset;
+}
+
+void parcellation_shift(struct job *job, struct parcellation *part, uint32_t offset, char hemisphere)
 {
     part->hemisphere = hemisphere;
-    for (size_t i = 0; i < part->table.count; i++) {
-        struct label *label = &part->table.entries[i];
-        conus_status status = label_raise(&label->number, offset);
-        status = status || !label->has_parent ? status : label_raise(&label->parent, offset);
-        if (status) {
-            return status;
-        }
+    for (size_t i = 0; job_ok(job) && i < part->table->count; i++) {
+        struct label *label = &part->table->entries[i];
+        label->number = label_raise(job, label->number, offset);
+        label->parent = label->has_parent ? label_raise(job, label->parent, offset) : label->parent;
         label->hemisphere = label->hemisphere ? label->hemisphere : hemisphere;
     }
-    if (!offset) {
-        return CONUS_OK;
-    }
-    struct label_voxels *voxels = &part->labels;
     uint32_t largest = 0;
+    const struct label_voxels *voxels = &part->labels;
     for (size_t p = 0; p < voxels->label_count; p++) {
         largest = voxels->labels[p] > largest ? voxels->labels[p] : largest;
     }
-    conus_status status = label_raise(&largest, offset);
-    for (size_t p = 0; !status && p < voxels->label_count; p++) {
+    label_raise(job, largest, offset);
+    for (size_t p = 0; job_ok(job) && p < voxels->label_count; p++) {
         voxels->labels[p] += voxels->labels[p] ? offset : 0;
     }
-    return status;
 }
 
 /* Which of the first `count` parts is the first to have voxels of the label; `count` if none has. */
-static conus_status find_owner(size_t *out, const struct parcellations *all, size_t count, uint32_t label)
+static size_t find_owner(struct job *job, const struct parcellations *all, size_t count, uint32_t label)
 {
-    for (*out = 0; *out < count; ++*out) {
-        const uint64_t *voxels = label_map_at(&all->voxels[*out], label);
-        if (!voxels || *voxels) {
-            return voxels ? CONUS_OK : CONUS_ERROR_MEMORY;
-        }
+    size_t owner = 0;
+    while (owner < count && !*map_at(job, &all->voxels[owner], label)) {
+        owner++;
     }
-    return CONUS_OK;
+    return owner;
 }
 
 /* Fails where two parts have voxels with one label; the message names the least one. */
-static conus_status refuse_clashes(const struct parcellations *all)
+static void refuse_clashes(struct job *job, const struct parcellations *all)
 {
-    conus_status status = CONUS_OK;
-    for (size_t p = 1; !status && p < all->count; p++) {
+    for (size_t p = 1; p < all->count; p++) {
         const struct label_map *map = &all->voxels[p];
         uint32_t label = 0;
-        size_t owner = p;
-        for (size_t i = 0; !status && map->slots && i <= map->mask; i++) {
+        for (size_t i = 0; map->slots && i <= map->mask; i++) {
             const struct label_map_slot *slot = &map->slots[i];
-            owner = p;
-            status = slot->value ? find_owner(&owner, all, p, slot->label) : CONUS_OK;
-            label = owner < p && (!label || slot->label < label) ? slot->label : label;
+            bool is_shared = slot->value && find_owner(job, all, p, slot->label) < p;
+            label = is_shared && (!label || slot->label < label) ? slot->label : label;
         }
-        status = status || !label ? status : find_owner(&owner, all, p, label);
-        if (!status && label) {
-            return fail(CONUS_ERROR_DATA,
-                        "parcellations[%zu]: label %u of %s is in %s, too (parcellations[%zu]): each needs its own "
-                        "(label_offset)",
-                        p, label, path_base(all->parts[p].file.path), path_base(all->parts[owner].file.path), owner);
-        }
-    }
-    return status;
-}
-
-/* Gives an area without voxels the hemisphere 'B' in the tables before part `p` that have another one. */
-static void settle_hemisphere(struct parcellations *all, size_t p, const struct label *label)
-{
-    for (size_t q = 0; q < p; q++) {
-        struct label *same = label_table_find(&all->parts[q].table, label->number);
-        if (same && same->hemisphere != label->hemisphere) {
-            same->hemisphere = 'B';
+        size_t owner = label ? find_owner(job, all, p, label) : p;
+        if (owner < p) {
+            job_bad(job,
+                    "parcellations[%zu]: label %u of %s is in %s, too (parcellations[%zu]): each needs its own "
+                    "(label_offset)",
+                    p, label, path_base(all->parts[p].file.path), path_base(all->parts[owner].file.path), owner);
         }
     }
 }
 
-static conus_status settle_hemispheres(struct parcellations *all)
+/* Gives an area without voxels the hemisphere 'B' in the tables that have another one than a later part's. */
+static void settle_hemispheres(struct job *job, struct parcellations *all)
 {
-    conus_status status = CONUS_OK;
     for (size_t p = 1; p < all->count; p++) {
-        for (size_t i = 0; !status && i < all->parts[p].table.count; i++) {
-            const struct label *label = &all->parts[p].table.entries[i];
-            size_t owner;
-            status = find_owner(&owner, all, all->count, label->number);
-            if (!status && owner == all->count) {
-                settle_hemisphere(all, p, label);
+        for (size_t i = 0; i < all->parts[p].table->count; i++) {
+            const struct label *label = &all->parts[p].table->entries[i];
+            bool has_voxels = find_owner(job, all, all->count, label->number) < all->count;
+            for (size_t q = 0; q < p && !has_voxels; q++) {
+                struct label *same = label_table_find(all->parts[q].table, label->number);
+                if (same && same->hemisphere != label->hemisphere) {
+                    same->hemisphere = 'B';
+                }
             }
         }
     }
-    return status;
 }
 
-/* Moves the entry to the table of all, unless its voxels are another part's. */
-static conus_status move_entry(struct parcellations *all, size_t p, struct label *entry)
+/* Moves the entries of part `p` to the table, but for those whose voxels are another part's; adds an entry without a
+ * name, for the hemisphere, for each label of voxels that no table has. */
+static void move_entries(struct job *job, struct label_table *table, const struct parcellations *all, size_t p)
 {
-    size_t owner;
-    conus_status status = find_owner(&owner, all, all->count, entry->number);
-    if (status || (owner < all->count && owner != p)) {
-        return status;
+    const struct parcellation *part = &all->parts[p];
+    const struct label_map *voxels = &all->voxels[p];
+    for (size_t i = 0; i < part->table->count && job_ok(job); i++) {
+        struct label *entry = &part->table->entries[i];
+        size_t owner = find_owner(job, all, all->count, entry->number);
+        struct label *moved = owner == p || owner == all->count ? labels_add(job, table, entry->number) : NULL;
+        if (moved && job_ok(job)) {
+            *moved = *entry;
+            *entry = (struct label){.number = entry->number};
+        }
     }
-    struct label *moved = label_table_add(&all->table, entry->number);
-    if (!moved) {
-        return CONUS_ERROR_MEMORY;
-    }
-    *moved = *entry;
-    *entry = (struct label){.number = entry->number};
-    return CONUS_OK;
-}
-
-/* Adds an entry without a name, for the hemisphere, for each label of voxels that no table has. */
-static conus_status add_nameless(struct parcellations *all, const struct parcellation *part,
-                                 const struct label_map *voxels)
-{
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && part->hemisphere && voxels->slots && i <= voxels->mask; i++) {
+    for (size_t i = 0; part->hemisphere && voxels->slots && i <= voxels->mask && job_ok(job); i++) {
         const struct label_map_slot *slot = &voxels->slots[i];
-        if (slot->value && !label_table_find(&part->table, slot->label)) {
-            struct label *label = label_table_add(&all->table, slot->label);
-            status = label ? CONUS_OK : CONUS_ERROR_MEMORY;
-            if (label) {
-                label->hemisphere = part->hemisphere;
-            }
+        if (slot->value && !label_table_find(part->table, slot->label)) {
+            labels_add(job, table, slot->label)->hemisphere = part->hemisphere;
         }
     }
-    return status;
 }
 
-static conus_status move_words(struct parcellations *all, size_t p)
+void parcellations_unite(struct job *job, struct parcellations *all)
 {
-    struct parcellation *part = &all->parts[p];
-    bool said = p && strcmp(part->source, all->parts[p - 1].source) == 0;
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < part->table.count; i++) {
-        status = move_entry(all, p, &part->table.entries[i]);
+    struct label_table *table = labels_new(job);
+    if (!job_step(job)) { /* some have no table */
+        return;
     }
-    status = status ? status : add_nameless(all, part, &all->voxels[p]);
-    buffer_format(&all->source, "%s%s", p && !said ? "; " : "", said ? "" : part->source);
-    status = status ? status : notes_move(&all->notes, &part->notes);
-    return status ? status : file_sums_move(&all->read, &part->read);
-}
-
-conus_status parcellations_unite(struct parcellations *all)
-{
-    conus_status status = CONUS_OK;
-    for (size_t p = 0; !status && p < all->count; p++) {
-        status = label_voxels_tally(&all->voxels[p], &all->parts[p].labels);
+    for (size_t p = 0; p < all->count; p++) {
+        (void)JOB_CALL(job, label_voxels_tally(&all->voxels[p], &all->parts[p].labels));
     }
-    status = status ? status : refuse_clashes(all);
-    status = status ? status : settle_hemispheres(all);
-    for (size_t p = 0; !status && p < all->count; p++) {
-        status = move_words(all, p);
+    refuse_clashes(job, all);
+    settle_hemispheres(job, all);
+    for (size_t p = 0; p < all->count && job_ok(job); p++) {
+        const char *source = all->parts[p].source;
+        move_entries(job, table, all, p);
+        all->source = !p                                              ? source
+                      : strcmp(source, all->parts[p - 1].source) == 0 ? all->source
+                                                                      : job_format(job, "%s; %s", all->source, source);
     }
-    status = status ? status : label_table_sort(&all->table, &all->notes);
-    return status ? status : buffer_status(&all->source);
+    labels_sort(job, table);
+    all->table = *table;
 }
 
 static const char *file_name(const struct parcellation *part)
@@ -212,6 +175,11 @@ struct claim {
     struct volume grid; /* without voxels */
     bool same;          /* as the grid of the part that is asked about */
 };
+
+static void end_grid(void *grid)
+{
+    volume_finish(grid);
+}
 
 /* Whether the voxel, whose centre is the world point, lies in an area of one of these parts. */
 static bool is_claimed(const struct claim *claims, size_t count, size_t voxel, const double centre[3])
@@ -227,13 +195,14 @@ static bool is_claimed(const struct claim *claims, size_t count, size_t voxel, c
 }
 
 /* Takes the voxels that the first `count` parts claim; `lost` counts them by label. */
-static conus_status take_claimed(struct label_map *lost, struct parcellation *part, struct claim *claims, size_t count)
+static void take_claimed(struct job *job, struct label_map *lost, struct parcellation *part, struct claim *claims,
+                         size_t count)
 {
     const conus_volume_info *info = &part->file.info;
     for (size_t q = 0; q < count; q++) {
         claims[q].same = space_same_grid(&claims[q].grid.info, info);
     }
-    for (size_t voxel = 0; voxel < info->dim[0] * info->dim[1] * info->dim[2]; voxel++) {
+    for (size_t voxel = 0; voxel < info->dim[0] * info->dim[1] * info->dim[2] && job_ok(job); voxel++) {
         const size_t at[3] = {voxel % info->dim[0], voxel / info->dim[0] % info->dim[1],
                               voxel / info->dim[0] / info->dim[1]};
         double centre[3] = {(double)at[0], (double)at[1], (double)at[2]};
@@ -241,86 +210,56 @@ static conus_status take_claimed(struct label_map *lost, struct parcellation *pa
         if (label) {
             mat4_point(centre, info->world_from_voxel, centre);
             if (is_claimed(claims, count, voxel, centre)) {
-                uint64_t *taken = label_map_at(lost, label);
-                if (!taken) {
-                    return CONUS_ERROR_MEMORY;
-                }
-                ++*taken;
+                ++*map_at(job, lost, label);
                 label_voxels_clear(&part->labels, voxel);
             }
         }
     }
-    return CONUS_OK;
 }
 
-/* The voxels that one part loses to others. */
-struct loss {
-    struct label_map voxels; /* by label */
-    uint64_t sum;
-    uint32_t *gone; /* labels without any voxel left, sorted */
-    size_t gone_count;
-};
-
-/* Sums the loss; `before` has the voxels of each label. */
-static conus_status add_up(struct loss *loss, struct label_map *before)
-{
-    const struct label_map *lost = &loss->voxels;
-    loss->gone = memory_raw(lost->count, sizeof *loss->gone);
-    conus_status status = loss->gone ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && lost->slots && i <= lost->mask; i++) {
-        const struct label_map_slot *slot = &lost->slots[i];
-        const uint64_t *whole = slot->used ? label_map_at(before, slot->label) : NULL;
-        status = slot->used && !whole ? CONUS_ERROR_MEMORY : CONUS_OK;
-        loss->sum += slot->value;
-        if (whole && *whole == slot->value) {
-            loss->gone[loss->gone_count++] = slot->label;
-        }
-    }
-    loss->gone_count = status ? 0 : u32_sort_unique(loss->gone, loss->gone_count);
-    return status;
-}
-
-static conus_status note_loss(struct notes *notes, const struct loss *loss, const struct parcellation *part)
+/* Notes what the part has lost to others; `before` has the voxels of each label. */
+static void note_loss(struct job *job, const struct label_map *lost, struct label_map *before,
+                      const struct parcellation *part)
 {
     enum { SHOWN = 4 };
-    struct buffer list = {0};
-    conus_status status = CONUS_OK;
-    if (loss->sum) {
-        status = notes_add(notes,
-                           "%s: voxels in areas of earlier parcellations, which keep them: %llu (of %zu of its areas)",
-                           file_name(part), (unsigned long long)loss->sum, loss->voxels.count);
+    uint64_t sum = 0;
+    size_t gone = 0; /* labels without any voxel left */
+    const char *list = "";
+    uint32_t *labels = job_raw(job, lost->count, sizeof *labels);
+    for (size_t i = 0; labels && lost->slots && i <= lost->mask; i++) {
+        const struct label_map_slot *slot = &lost->slots[i];
+        sum += slot->value;
+        if (slot->used && *map_at(job, before, slot->label) == slot->value) {
+            labels[gone++] = slot->label;
+        }
     }
-    if (status || !loss->gone_count) {
-        return status;
+    if (sum) {
+        job_note(job, "%s: voxels in areas of earlier parcellations, which keep them: %llu (of %zu of its areas)",
+                 file_name(part), (unsigned long long)sum, lost->count);
     }
-    for (size_t i = 0; i < loss->gone_count && i < SHOWN; i++) {
-        buffer_format(&list, "%s%u", i ? ", " : "", loss->gone[i]);
+    gone = gone ? u32_sort_unique(labels, gone) : 0;
+    for (size_t i = 0; i < gone && i < SHOWN; i++) {
+        list = job_format(job, "%s%s%u", list, i ? ", " : "", labels[i]);
     }
-    status = buffer_status(&list);
-    if (!status) {
-        status = notes_warn(notes, "%s: areas that lose all of their voxels to earlier parcellations: %zu (%s%s)",
-                            file_name(part), loss->gone_count, list.data, loss->gone_count > SHOWN ? ", ..." : "");
+    if (gone) {
+        job_warn(job, "%s: areas that lose all of their voxels to earlier parcellations: %zu (%s%s)", file_name(part),
+                 gone, list, gone > SHOWN ? ", ..." : "");
     }
-    buffer_finish(&list);
-    return status;
 }
 
-static conus_status give_voxels(struct parcellations *all, struct claim *claims)
+static void give_voxels(struct job *job, struct parcellations *all)
 {
-    conus_status status = CONUS_OK;
-    for (size_t p = 0; !status && p < all->count; p++) {
+    struct claim *claims = job_zeroed(job, all->count, sizeof *claims);
+    struct label_map *lost = maps_new(job, all->count);
+    for (size_t p = 0; p < all->count && job_ok(job); p++) {
         claims[p].part = &all->parts[p];
-        status = volume_init(&claims[p].grid, &all->parts[p].file.info);
+        (void)JOB_CALL(job, volume_init(&claims[p].grid, &all->parts[p].file.info));
+        job_own(job, end_grid, &claims[p].grid);
     }
-    for (size_t p = 1; !status && p < all->count; p++) {
-        struct loss loss = {0};
-        status = take_claimed(&loss.voxels, &all->parts[p], claims, p);
-        status = status ? status : add_up(&loss, &all->voxels[p]);
-        status = status ? status : note_loss(&all->notes, &loss, &all->parts[p]);
-        label_map_finish(&loss.voxels);
-        memory_free(loss.gone);
+    for (size_t p = 1; p < all->count && job_ok(job); p++) {
+        take_claimed(job, &lost[p], &all->parts[p], claims, p);
+        note_loss(job, &lost[p], &all->voxels[p], &all->parts[p]);
     }
-    return status;
 }
 
 /* Which of the first `count` parts is the first on the grid of part `p`; `count` if none is. */
@@ -334,100 +273,85 @@ static size_t find_grid(const struct parcellations *all, size_t count, size_t p)
 }
 
 /* Notes which files share a grid: "left.nii with right.nii; cerebellum.nii". */
-static conus_status note_grids(struct parcellations *all)
+static void note_grids(struct job *job, const struct parcellations *all)
 {
-    struct buffer list = {0};
+    const char *list = "";
     size_t grids = 0;
     for (size_t p = 0; p < all->count; p++) {
-        bool is_first = find_grid(all, p, p) == p;
-        grids += is_first;
-        buffer_format(&list, is_first && p ? "; %s" : "%s", is_first ? file_name(&all->parts[p]) : "");
-        for (size_t q = p + 1; is_first && q < all->count; q++) {
-            bool joins = find_grid(all, q, q) == p;
-            buffer_format(&list, joins ? " with %s" : "%s", joins ? file_name(&all->parts[q]) : "");
+        if (find_grid(all, p, p) == p) {
+            grids++;
+            list = job_format(job, "%s%s%s", list, p ? "; " : "", file_name(&all->parts[p]));
+            for (size_t q = p + 1; q < all->count; q++) {
+                list =
+                    find_grid(all, q, q) == p ? job_format(job, "%s with %s", list, file_name(&all->parts[q])) : list;
+            }
         }
     }
-    conus_status status = buffer_status(&list);
-    if (!status && all->count > 1) {
-        status = notes_add(&all->notes, "parcellations: %zu on %zu grid%s (%s)", all->count, grids,
-                           grids == 1 ? "" : "s", list.data);
+    if (all->count > 1) {
+        job_note(job, "parcellations: %zu on %zu grid%s (%s)", all->count, grids, grids == 1 ? "" : "s", list);
     }
-    buffer_finish(&list);
-    return status;
 }
 
 /* Warns of parts whose known spaces differ. */
-static conus_status note_spaces(struct parcellations *all)
+static void note_spaces(struct job *job, const struct parcellations *all)
 {
     enum { TEMPLATES = 3 }; /* NIfTI's codes from there on */
     const conus_volume_info *first = &all->parts[0].file.info;
-    conus_status status = CONUS_OK;
-    for (size_t p = 1; !status && p < all->count; p++) {
+    for (size_t p = 1; p < all->count; p++) {
         const conus_volume_info *info = &all->parts[p].file.info;
         if (first->space_code >= TEMPLATES && info->space_code >= TEMPLATES && first->space_code != info->space_code) {
-            status =
-                notes_warn(&all->notes, "%s is placed by %s, %s by %s: their areas may not fit together",
-                           file_name(&all->parts[0]), first->transform, file_name(&all->parts[p]), info->transform);
+            job_warn(job, "%s is placed by %s, %s by %s: their areas may not fit together", file_name(&all->parts[0]),
+                     first->transform, file_name(&all->parts[p]), info->transform);
         }
     }
-    return status;
 }
 
 /* Merges two parts on one grid. Afterwards no voxel belongs to areas of both. */
-static conus_status merge_into(struct parcellation *to, struct parcellation *from, struct file_sums *read)
+static void merge_into(struct job *job, struct parcellation *to, struct parcellation *from)
 {
-    conus_status status = label_voxels_merge(&to->labels, &from->labels);
+    (void)JOB_CALL(job, label_voxels_merge(&to->labels, &from->labels));
+    label_voxels_finish(&from->labels);
     to->file.info.minimum = fmin(to->file.info.minimum, from->file.info.minimum);
     to->file.info.maximum = fmax(to->file.info.maximum, from->file.info.maximum);
     to->is_joined = true;
-    bool known = strcmp(to->file.path, from->file.path) == 0; /* another volume of it */
-    return status || known ? status : file_sums_put(read, from->file.path, from->file.info.sha256);
+    if (strcmp(to->file.path, from->file.path) != 0) { /* else another volume of it */
+        (void)JOB_CALL(job, file_sums_put(&job->files, from->file.path, from->file.info.sha256));
+    }
 }
 
-static conus_status merge_grids(struct parcellations *all)
+/* Makes one part of those on each grid; the others are behind the last one. */
+static void merge_grids(struct job *job, struct parcellations *all)
 {
     size_t kept = 0;
-    conus_status status = CONUS_OK;
     for (size_t p = 0; p < all->count; p++) {
-        struct parcellation *part = &all->parts[p];
         size_t first = find_grid(all, kept, p);
         if (first < kept) {
-            status = status ? status : merge_into(&all->parts[first], part, &all->read);
-            parcellation_finish(part);
-        } else if (kept++ < p) {
-            all->parts[first] = *part;
-        }
-        if (first < p) {
-            *part = (struct parcellation){0};
+            merge_into(job, &all->parts[first], &all->parts[p]);
+        } else {
+            const struct parcellation part = all->parts[p];
+            all->parts[p] = all->parts[kept];
+            all->parts[kept++] = part;
         }
     }
     all->count = kept;
-    return status;
 }
 
-conus_status parcellations_join(struct parcellations *all)
+void parcellations_join(struct job *job, struct parcellations *all)
 {
-    struct claim *claims = memory_zeroed(all->count, sizeof *claims);
-    conus_status status = claims ? note_grids(all) : CONUS_ERROR_MEMORY;
-    status = status ? status : note_spaces(all);
-    status = status ? status : give_voxels(all, claims);
-    for (size_t p = 0; claims && p < all->count; p++) {
-        volume_finish(&claims[p].grid);
-        label_map_finish(&all->voxels[p]);
+    if (job_step(job)) {
+        note_grids(job, all);
+        note_spaces(job, all);
+        give_voxels(job, all);
+        merge_grids(job, all);
     }
-    memory_free(claims);
-    return status ? status : merge_grids(all);
 }
 
-conus_status parcellations_atlas(conus_atlas **out, struct parcellations *all)
+void parcellations_atlas(struct load *load, struct parcellation *parts, size_t count, const struct label_table *table,
+                         const char *source)
 {
-    struct labelled_volume *volumes = memory_zeroed(all->count, sizeof *volumes);
-    for (size_t p = 0; volumes && p < all->count; p++) {
-        volumes[p] = (struct labelled_volume){&all->parts[p].file.info, &all->parts[p].labels, all->parts[p].is_joined};
+    struct labelled_volume *volumes = job_array(&load->job, &count, sizeof *volumes);
+    for (size_t p = 0; p < count; p++) {
+        volumes[p] = (struct labelled_volume){&parts[p].file.info, &parts[p].labels, parts[p].is_joined};
     }
-    conus_status status = volumes
-                              ? atlas_create_of(out, volumes, all->count, &all->table, all->source.data, &all->notes)
-                              : CONUS_ERROR_MEMORY;
-    memory_free(volumes);
-    return status;
+    load_create(load, volumes, count, table, source);
 }

@@ -4,40 +4,45 @@
 #define CONUS_LOADERS_SCENE_PARCELLATIONS_H
 
 #include "atlas/labels/label_voxels.h"
-#include "base/buffer.h"
 #include "loaders/scene/load_parcellation.h"
+#include "loaders/scene/load_progress.h"
 
-/** The parcellations of a manifest: first parcellations_reserve(), then each read and shifted, then united, settled
- * with surfaces (area_plan_settle()), and joined. */
+/** The parcellations of a manifest, which are the job's: first parcellations_reserve(), then each read and shifted,
+ * then united, settled with surfaces (area_plan_settle()), and joined. */
 struct parcellations {
     struct parcellation *parts; /**< [count], earlier ones have priority; joined, one for each grid. */
     size_t count;
     struct label_map *voxels; /**< [count] of each part: label -> its voxels, before any is taken away. */
-    struct label_table table; /**< Once united: of all, sorted. */
-    struct buffer source;     /**< Once united: where the names come from, in words. */
-    struct file_sums read;    /**< Once united: the files that were read besides the volumes. */
-    struct notes notes;       /**< Once united: all notes. */
+    struct label_table table; /**< Once united: of all, sorted; its texts are the job's. */
+    const char *source;       /**< Once united: where the names come from, in words. */
 };
 
-/** Makes @p count empty parts, whose notes go to @p sink. */
-conus_status parcellations_reserve(struct parcellations *out, size_t count, const struct note_sink *sink);
-void parcellations_finish(struct parcellations *all);
+/** Makes @p count empty parts; none after a failure. */
+struct parcellations parcellations_reserve(struct job *job, size_t count);
 
-/** Adds @p offset to @p label; CONUS_ERROR_DATA where it gets too large. */
-conus_status label_raise(uint32_t *label, uint32_t offset);
+/** @p label + @p offset; a failure where that gets too large. */
+uint32_t label_raise(struct job *job, uint32_t label, uint32_t offset);
+
 /** Adds @p offset to the labels of voxels and table; areas whose table says no hemisphere get @p hemisphere, unless it
  * is 0. CONUS_ERROR_DATA where a label gets too large. */
-conus_status parcellation_shift(struct parcellation *part, uint32_t offset, char hemisphere);
+void parcellation_shift(struct job *job, struct parcellation *part, uint32_t offset, char hemisphere);
 
-/** Moves tables, sources, notes and lists of files of the parts together. What a table says of a label that has voxels
- * in another part only is left out. CONUS_ERROR_DATA where two parts have voxels with one label. */
-conus_status parcellations_unite(struct parcellations *all);
+/** Moves tables and sources of the parts together. What a table says of a label that has voxels in another part only is
+ * left out. CONUS_ERROR_DATA where two parts have voxels with one label. */
+void parcellations_unite(struct job *job, struct parcellations *all);
 
 /** Takes from each part the voxels whose centre lies in an area of an earlier one, which notes say; then parts on the
  * same grid become one. */
-conus_status parcellations_join(struct parcellations *all);
+void parcellations_join(struct job *job, struct parcellations *all);
 
-/** An atlas of them; the notes go there. */
-conus_status parcellations_atlas(conus_atlas **out, struct parcellations *all);
+/** Makes the load's atlas of @p count parts. */
+void parcellations_atlas(struct load *load, struct parcellation *parts, size_t count, const struct label_table *table,
+                         const char *source);
+
+/** @p count empty maps, which the job ends. */
+struct label_map *maps_new(struct job *job, size_t count);
+
+/** The value of @p label, put in as 0 if it is new. Valid until the next call; a spare one after a failure. */
+uint64_t *map_at(struct job *job, struct label_map *map, uint32_t label);
 
 #endif

@@ -3,8 +3,6 @@
  * store without chunks reads as an empty brain: whether they are there is looked at first. */
 #include "loaders/scene/plan_brainglobe.h"
 
-#include "base/buffer.h"
-#include "base/memory.h"
 #include "loaders/brainglobe/brainglobe_atlas.h"
 #include "loaders/volumes/volume_zarr.h"
 
@@ -12,161 +10,123 @@
 #include <strings.h>
 
 static const char annotations[] = "annotations_compressed.ome.zarr";
+static const char templates[] = "template.ome.zarr";
 static const char axes[] = "asr"; /* of all arrays: what a manifest says of it, BrainGlobe's API does not heed */
 
-static char *join(const char *root, const char *place, const char *name)
-{
-    struct buffer path = {0};
-    buffer_format(&path, "%s%s/%s", root, place, name);
-    return buffer_status(&path) ? (buffer_finish(&path), NULL) : path.data;
-}
-
-/* Whether chunks were downloaded: those of "c/0/0/0" make a folder. */
-static conus_status has_chunks(bool *out, const struct volume_zarr *zarr)
-{
-    struct buffer path = {0};
-    buffer_format(&path, "%s/c", zarr->folder);
-    conus_status status = buffer_status(&path);
-    *out = !status && (!zarr->array.prefixed || zarr->array.separator != '/' || file_is_folder(path.data));
-    buffer_finish(&path);
-    return status;
-}
-
-static conus_status check_array(const struct volume_zarr *zarr, const struct volume_header *header,
-                                const struct brainglobe_metadata *metadata)
+static void check_array(struct job *job, const struct volume_zarr *zarr, const struct volume_header *header,
+                        const struct brainglobe_metadata *metadata)
 {
     const uint64_t *shape = metadata->shape;
     const size_t *dim = header->info.dim;
     if (dim[0] != shape[2] || dim[1] != shape[1] || dim[2] != shape[0]) {
-        return fail(CONUS_ERROR_DATA, "shape: manifest.json says %llu x %llu x %llu, the array has %llu x %llu x %llu",
-                    (unsigned long long)shape[0], (unsigned long long)shape[1], (unsigned long long)shape[2],
-                    (unsigned long long)dim[2], (unsigned long long)dim[1], (unsigned long long)dim[0]);
+        job_bad(job, "shape: manifest.json says %llu x %llu x %llu, the array has %llu x %llu x %llu",
+                (unsigned long long)shape[0], (unsigned long long)shape[1], (unsigned long long)shape[2],
+                (unsigned long long)dim[2], (unsigned long long)dim[1], (unsigned long long)dim[0]);
     }
     if (zarr->orientation[0] && strcmp(zarr->orientation, axes) != 0) {
-        return fail(CONUS_ERROR_DATA, "orientation: the array's axes start at \"%s\", those of BrainGlobe at \"%s\"",
-                    zarr->orientation, axes);
+        job_bad(job, "orientation: the array's axes start at \"%s\", those of BrainGlobe at \"%s\"", zarr->orientation,
+                axes);
     }
-    return CONUS_OK;
 }
 
-/* Looks whether the level of the atlas is in the store @p path, as the manifest says, and downloaded. */
-static conus_status find_array(bool *there, const char *path, const struct brainglobe_metadata *metadata)
+/* Whether the level of the atlas is in the store @p path, as the manifest says, and downloaded: chunks that begin with
+ * "c/0/0/0" make a folder. */
+static bool has_array(struct job *job, const char *path, const struct brainglobe_metadata *metadata)
 {
     struct volume_selector selector = {.place = *metadata};
     struct volume_zarr zarr = {0};
     struct volume_header header = {0};
     struct file_sums read = {0}; /* joins the atlas where the array is read */
-    *there = false;
     memcpy(selector.place.orientation, axes, sizeof axes);
-    if (!file_is_folder(path)) {
-        return CONUS_OK;
+    if (!job_step(job) || !file_is_folder(path)) {
+        return false;
     }
-    conus_status status = volume_zarr_open(&zarr, &header, path, &selector, &read);
-    status = status ? status : check_array(&zarr, &header, metadata);
-    status = status ? status : has_chunks(there, &zarr);
+    if (JOB_CALL(job, volume_zarr_open(&zarr, &header, path, &selector, &read))) {
+        check_array(job, &zarr, &header, metadata);
+    }
+    const bool is_there = job_ok(job) && (!zarr.array.prefixed || zarr.array.separator != '/' ||
+                                          file_is_folder(job_format(job, "%s/c", zarr.folder)));
     volume_zarr_finish(&zarr);
     file_sums_finish(&read);
-    return status;
+    return is_there && job_ok(job);
 }
 
-static conus_status set_source(struct manifest_volume *out, const char *place, const char *name,
-                               const struct brainglobe_metadata *metadata)
+static struct manifest_volume volume_of(struct job *job, const char *place, const char *name,
+                                        const struct brainglobe_metadata *metadata)
 {
-    out->file = join("", place, name);
-    out->orientation = memory_text(axes, strlen(axes));
-    memcpy(out->resolution, metadata->resolution, sizeof out->resolution);
-    return out->file && out->orientation ? CONUS_OK : CONUS_ERROR_MEMORY;
+    struct manifest_volume volume = {.file = job_format(job, "%s/%s", place, name),
+                                     .orientation = job_copy(job, text_from(axes))};
+    memcpy(volume.resolution, metadata->resolution, sizeof volume.resolution);
+    return volume;
 }
 
-static conus_status plan_annotation(struct manifest *out, const struct brainglobe_atlas *atlas, const char *root)
+static struct manifest_parcellation *plan_annotation(struct job *job, const struct brainglobe_atlas *atlas,
+                                                     const char *root)
 {
-    bool there = false;
-    char *path = join(root, atlas->annotation, annotations);
-    conus_status status = path ? find_array(&there, path, &atlas->metadata) : CONUS_ERROR_MEMORY;
-    if (!status && !there) {
-        status = fail(CONUS_ERROR_IO,
-                      "%s: the annotation of %g micrometres was not downloaded; python3 -c 'from brainglobe_atlasapi "
-                      "import BrainGlobeAtlas as B; B(\"%s\").annotation' does so",
-                      path, atlas->metadata.resolution[0], atlas->name);
+    const char *path = job_format(job, "%s%s/%s", root, atlas->annotation, annotations);
+    if (!has_array(job, path, &atlas->metadata)) {
+        job_fail(job, CONUS_ERROR_IO,
+                 "%s: the annotation of %g micrometres was not downloaded; python3 -c 'from brainglobe_atlasapi import "
+                 "BrainGlobeAtlas as B; B(\"%s\").annotation' does so",
+                 path, atlas->metadata.resolution[0], atlas->name);
     }
-    memory_free(path);
-    if (status) {
-        return status;
+    struct manifest_parcellation *out = job_new(job, struct manifest_parcellation);
+    if (out) {
+        out->labels = job_format(job, "%s/terminology.csv", atlas->terminology);
+        out->source = volume_of(job, atlas->annotation, annotations, &atlas->metadata);
     }
-    out->single = true;
-    out->parcellations = memory_zeroed(1, sizeof *out->parcellations);
-    if (!out->parcellations) {
-        return CONUS_ERROR_MEMORY;
-    }
-    out->parcellation_count = 1;
-    out->parcellations->labels = join("", atlas->terminology, "terminology.csv");
-    status = set_source(&out->parcellations->source, atlas->annotation, annotations, &atlas->metadata);
-    return out->parcellations->labels ? status : CONUS_ERROR_MEMORY;
+    return out;
 }
 
-/* Takes the template as the context. Nobody needs it for an answer, so one that is not there is a note. */
-static conus_status plan_template(struct manifest *out, const struct brainglobe_atlas *atlas, const char *root,
-                                  struct notes *notes)
+/* Takes the template as the context; NULL if there is none. Nobody needs it for an answer, so one that is not there is
+ * a note. */
+static struct manifest_context *plan_template(struct job *job, const struct brainglobe_atlas *atlas, const char *root)
 {
-    bool there = false;
-    char *path = join(root, atlas->template, "template.ome.zarr");
-    conus_status status = path ? find_array(&there, path, &atlas->metadata) : CONUS_ERROR_MEMORY;
-    if (status && status != CONUS_ERROR_MEMORY) {
-        status = notes_warn(notes, "the template is left out: %s", conus_message());
-    } else if (!status && !there) {
-        status = notes_add(notes, "%s: the template of %g micrometres was not downloaded, and is left out", path,
-                           atlas->metadata.resolution[0]);
+    const char *path = job_format(job, "%s%s/%s", root, atlas->template, templates);
+    const struct attempt attempt = job_try(job);
+    const bool is_there = has_array(job, path, &atlas->metadata);
+    const char *why = job_tried(job, &attempt);
+    if (why) {
+        job_warn(job, "the template is left out: %s", why);
+    } else if (!is_there) {
+        job_note(job, "%s: the template of %g micrometres was not downloaded, and is left out", path,
+                 atlas->metadata.resolution[0]);
     }
-    memory_free(path);
-    if (status || !there) {
-        return status;
+    struct manifest_context *out = is_there ? job_new(job, struct manifest_context) : NULL;
+    if (out) {
+        out->source = volume_of(job, atlas->template, templates, &atlas->metadata);
     }
-    out->contexts = memory_zeroed(1, sizeof *out->contexts);
-    if (!out->contexts) {
-        return CONUS_ERROR_MEMORY;
-    }
-    out->context_count = 1;
-    return set_source(&out->contexts->source, atlas->template, "template.ome.zarr", &atlas->metadata);
+    return out;
 }
 
 /* Notes what of the atlas is not heeded. */
-static conus_status note_rest(const struct brainglobe_atlas *atlas, const char *root, const char *folder,
-                              struct notes *notes)
+static void note_rest(struct job *job, const struct brainglobe_atlas *atlas, const char *root, const char *folder)
 {
     const char *orientation = atlas->metadata.orientation;
-    conus_status status = CONUS_OK;
     if (orientation[0] && strcasecmp(orientation, axes) != 0) {
-        status = notes_warn(notes,
-                            "%smanifest.json: orientation \"%s\" is not heeded: BrainGlobe's API takes all arrays as "
-                            "\"%s\", and so does conus",
-                            folder, orientation, axes);
+        job_warn(job,
+                 "%smanifest.json: orientation \"%s\" is not heeded: BrainGlobe's API takes all arrays as \"%s\", and "
+                 "so does conus",
+                 folder, orientation, axes);
     }
-    char *sides = join(root, atlas->annotation, "hemispheres.ome.zarr");
-    status = sides ? status : CONUS_ERROR_MEMORY;
-    if (!status && !atlas->is_symmetric && file_is_folder(sides)) {
-        status = notes_add(notes, "%s (1 is left, 2 is right) is not used: areas are of both sides", sides);
+    const char *sides = job_format(job, "%s%s/hemispheres.ome.zarr", root, atlas->annotation);
+    if (job_ok(job) && !atlas->is_symmetric && file_is_folder(sides)) {
+        job_note(job, "%s (1 is left, 2 is right) is not used: areas are of both sides", sides);
     }
-    memory_free(sides);
-    return status;
 }
 
-conus_status plan_brainglobe(struct manifest *out, char **root, const char *folder, struct file_sums *read,
-                             struct notes *notes)
+void plan_brainglobe(struct job *job, struct manifest *out, const char **root, const char *folder)
 {
     struct brainglobe_atlas atlas = {0};
-    struct manifest manifest = {0};
     char *above = NULL;
-    conus_status status = brainglobe_atlas_read(&atlas, &above, folder, read);
-    status = status ? status : plan_annotation(&manifest, &atlas, above);
-    status = status || !atlas.template ? status : plan_template(&manifest, &atlas, above, notes);
-    status = status ? status : note_rest(&atlas, above, folder, notes);
-    brainglobe_atlas_finish(&atlas);
-    if (status) {
-        manifest_finish(&manifest);
-        memory_free(above);
-        return status;
+    if (JOB_CALL(job, brainglobe_atlas_read(&atlas, &above, folder, &job->files))) {
+        *root = job_adopt(job, above);
+        out->single = true;
+        out->parcellation_count = 1;
+        out->parcellations = plan_annotation(job, &atlas, *root);
+        out->contexts = atlas.template ? plan_template(job, &atlas, *root) : NULL;
+        out->context_count = out->contexts != NULL;
+        note_rest(job, &atlas, *root, folder);
     }
-    *out = manifest;
-    *root = above;
-    return CONUS_OK;
+    brainglobe_atlas_finish(&atlas);
 }

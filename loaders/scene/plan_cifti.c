@@ -3,33 +3,32 @@
 #include "loaders/scene/plan_cifti.h"
 
 #include "base/files/folder.h"
-#include "base/memory.h"
 #include "base/order.h"
 #include "loaders/manifest/manifest_surfaces.h"
 #include "loaders/surfaces/surface_find.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 struct planning {
+    struct job *job;
     const struct cifti_file *file;
     struct surface_list surfaces;
-    struct manifest manifest;
-    struct notes *notes;
+    struct manifest *manifest;
     uint32_t *taken; /* labels of the areas planned so far, sorted */
     size_t taken_count;
 };
 
 /* "FILE,map=K", without the folder. */
-static char *name_map(const struct cifti_file *file)
+static char *name_map(const struct planning *planning)
 {
-    struct buffer name = {0};
-    buffer_format(&name, "%s,map=%zu", path_base(file->path), file->choice.map);
-    return name.failed ? (buffer_finish(&name), NULL) : name.data;
+    const struct cifti_file *file = planning->file;
+    return job_format(planning->job, "%s,map=%zu", path_base(file->path), file->choice.map);
 }
 
 /* The least multiple of the step by which no label of `list`, sorted, becomes one that is taken: 0 if none is; else
  * above all that are taken. */
-static conus_status choose_offset(uint32_t *out, const struct planning *planning, const uint32_t *list, size_t count)
+static uint32_t choose_offset(const struct planning *planning, const uint32_t *list, size_t count)
 {
     bool shared = false;
     for (size_t i = 0; i < count && !shared; i++) {
@@ -39,122 +38,107 @@ static conus_status choose_offset(uint32_t *out, const struct planning *planning
     uint64_t largest = shared ? planning->taken[planning->taken_count - 1] : 0;
     uint64_t offset = (largest + MANIFEST_LABEL_STEP - 1) / MANIFEST_LABEL_STEP * MANIFEST_LABEL_STEP;
     if (count && offset + list[count - 1] > UINT32_MAX) {
-        return fail(CONUS_ERROR_DATA,
-                    "label %u of a structure, raised by %llu since others have its labels, is above "
-                    "4294967295",
-                    list[count - 1], (unsigned long long)offset);
+        job_bad(planning->job,
+                "label %u of a structure, raised by %llu since others have its labels, is above 4294967295",
+                list[count - 1], (unsigned long long)offset);
     }
-    *out = (uint32_t)offset;
-    return CONUS_OK;
+    return (uint32_t)offset;
 }
 
-static conus_status take_labels(struct planning *planning, const uint32_t *list, size_t count, uint32_t offset)
+static void take_labels(struct planning *planning, const uint32_t *list, size_t count, uint32_t offset)
 {
-    uint32_t *taken = memory_resize(planning->taken, planning->taken_count + count, sizeof *taken);
-    if (!taken) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t i = 0; i < count; i++) {
+    size_t all = planning->taken_count + count;
+    uint32_t *taken = job_grow(planning->job, planning->taken, all, sizeof *taken);
+    for (size_t i = 0; taken && i < count; i++) {
         taken[planning->taken_count + i] = list[i] + offset;
     }
-    planning->taken = taken;
-    planning->taken_count = u32_sort_unique(taken, planning->taken_count + count);
-    return CONUS_OK;
-}
-
-static conus_status add_area(struct planning *planning, const char *surface, uint32_t offset)
-{
-    struct manifest *manifest = &planning->manifest;
-    struct manifest_area *areas = memory_resize(manifest->areas, manifest->area_count + 1, sizeof *areas);
-    if (!areas) {
-        return CONUS_ERROR_MEMORY;
+    if (taken) {
+        planning->taken = taken;
+        planning->taken_count = u32_sort_unique(taken, all);
     }
-    manifest->areas = areas;
-    areas[manifest->area_count++] = (struct manifest_area){.file = memory_text(surface, strlen(surface)),
-                                                           .vertex_labels = name_map(planning->file),
-                                                           .noted = true,
-                                                           .label_offset = offset};
-    const struct manifest_area *area = &areas[manifest->area_count - 1];
-    return area->file && area->vertex_labels ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-static conus_status plan_surface(struct planning *planning, const struct cifti_model *model, const uint32_t *list,
-                                 size_t count)
+static void plan_surface(struct planning *planning, const struct cifti_model *model, const uint32_t *list, size_t count)
 {
+    struct job *job = planning->job;
+    struct manifest *manifest = planning->manifest;
     const struct surface_item *surface = NULL;
     const char *kind = NULL;
-    uint32_t offset = 0;
-    conus_status status =
-        surface_list_find(&surface, &kind, &planning->surfaces, model->structure->name, model->vertex_count);
     const char *path = planning->file->path;
-    status = status ? status : choose_offset(&offset, planning, list, count);
-    if (status) {
-        return status == CONUS_ERROR_MEMORY ? status : fail_in(status, path);
+    const char *structure = model->structure->name;
+    const size_t mark = job_in(job, path, JOB_ALONE);
+    (void)JOB_CALL(job, surface_list_find(&surface, &kind, &planning->surfaces, structure, model->vertex_count));
+    const uint32_t offset = choose_offset(planning, list, count);
+    job_out(job, mark);
+    if (!job_step(job)) { /* no surface */
+        return;
     }
     /* names the map: sidecars of two maps with the same labels differ in nothing else */
-    status = notes_add(planning->notes, "%s: map %zu: labels of %s are on %s (%s)", path, planning->file->choice.map,
-                       model->structure->name, surface->name, kind);
-    if (!status && offset) {
-        status = notes_add(planning->notes, "%s: labels of %s are raised by %u, since others have them, too", path,
-                           model->structure->name, offset);
+    job_note(job, "%s: map %zu: labels of %s are on %s (%s)", path, planning->file->choice.map, structure,
+             surface->name, kind);
+    if (offset) {
+        job_note(job, "%s: labels of %s are raised by %u, since others have them, too", path, structure, offset);
     }
-    status = status ? status : take_labels(planning, list, count, offset);
-    return status ? status : add_area(planning, surface->name, offset);
+    take_labels(planning, list, count, offset);
+    manifest->areas[manifest->area_count++] = (struct manifest_area){.file = job_copy(job, text_from(surface->name)),
+                                                                     .vertex_labels = name_map(planning),
+                                                                     .noted = true,
+                                                                     .label_offset = offset};
 }
 
-static conus_status add_voxels(struct manifest *manifest, const struct cifti_file *file)
+static void plan_voxels(struct planning *planning, const uint32_t *list, size_t count)
 {
-    manifest->parcellations = memory_zeroed(1, sizeof *manifest->parcellations);
-    if (!manifest->parcellations) {
-        return CONUS_ERROR_MEMORY;
+    struct manifest *manifest = planning->manifest;
+    manifest->parcellations = job_new(planning->job, struct manifest_parcellation);
+    if (manifest->parcellations) {
+        manifest->parcellation_count = 1;
+        manifest->single = true;
+        *manifest->parcellations = (struct manifest_parcellation){.source.file = name_map(planning), .noted = true};
     }
-    manifest->parcellation_count = 1;
-    manifest->single = true;
-    manifest->parcellations[0] = (struct manifest_parcellation){.source.file = name_map(file), .noted = true};
-    return manifest->parcellations[0].source.file ? CONUS_OK : CONUS_ERROR_MEMORY;
+    take_labels(planning, list, count, 0);
 }
 
 /* Plans a surface, or all voxels where `model` is NULL. */
-static conus_status plan_model(struct planning *planning, const struct cifti_model *model)
+static void plan_model(struct planning *planning, const struct cifti_model *model)
 {
+    struct job *job = planning->job;
     uint32_t *list = NULL;
     size_t count = 0;
-    conus_status status = cifti_choice_list(&list, &count, &planning->file->choice, model);
-    if (!status && !count) {
-        status = notes_add(planning->notes, "%s: no label in this map for %s, left out", planning->file->path,
-                           model ? model->structure->name : "voxels");
-    } else if (!status && model) {
-        status = plan_surface(planning, model, list, count);
-    } else if (!status) {
-        status = add_voxels(&planning->manifest, planning->file);
-        status = status ? status : take_labels(planning, list, count, 0);
+    (void)JOB_CALL(job, cifti_choice_list(&list, &count, &planning->file->choice, model));
+    list = job_adopt(job, list);
+    if (!count) {
+        job_note(job, "%s: no label in this map for %s, left out", planning->file->path,
+                 model ? model->structure->name : "voxels");
+    } else if (list && model) {
+        plan_surface(planning, model, list, count);
+    } else if (list) {
+        plan_voxels(planning, list, count);
     }
-    memory_free(list);
-    return status;
 }
 
-conus_status plan_cifti(struct manifest *out, const struct cifti_file *file, uint64_t max_memory, struct notes *notes)
+void plan_cifti(struct job *job, struct manifest *out, const struct cifti_file *file, uint64_t max_memory)
 {
-    struct planning planning = {.file = file, .notes = notes};
-    char *folder = path_folder(file->path);
-    conus_status status = folder ? surface_list_make(&planning.surfaces, folder, max_memory) : CONUS_ERROR_MEMORY;
     const struct cifti_choice *choice = &file->choice;
-    status = status || !cifti_choice_has_voxels(choice) ? status : plan_model(&planning, NULL);
-    for (size_t i = 0; !status && i < choice->cifti.model_count; i++) {
-        status = choice->cifti.models[i].is_surface ? plan_model(&planning, &choice->cifti.models[i]) : CONUS_OK;
+    const struct cifti *cifti = &choice->cifti;
+    struct planning planning = {.job = job, .file = file, .manifest = out};
+    if (!job_step(job)) { /* there is no file */
+        return;
     }
-    if (!status && !planning.taken_count) {
-        const char *name = choice->cifti.maps[choice->map].name;
-        status = fail(CONUS_ERROR_DATA, "%s: map %zu, \"%.60s\", has no label but 0", file->path, choice->map,
-                      name ? name : "");
+    const int folder = (int)(path_base(file->path) - file->path);
+    const char *where = folder ? job_format(job, "%.*s", folder, file->path) : "./";
+    out->areas = job_zeroed(job, cifti->model_count, sizeof *out->areas);
+    (void)JOB_CALL(job, surface_list_make(&planning.surfaces, where, max_memory));
+    if (cifti_choice_has_voxels(choice)) {
+        plan_model(&planning, NULL);
+    }
+    for (size_t i = 0; i < cifti->model_count && job_ok(job); i++) {
+        if (cifti->models[i].is_surface) {
+            plan_model(&planning, &cifti->models[i]);
+        }
+    }
+    if (!planning.taken_count) {
+        const char *name = cifti->maps[choice->map].name;
+        job_bad(job, "%s: map %zu, \"%.60s\", has no label but 0", file->path, choice->map, name ? name : "");
     }
     surface_list_finish(&planning.surfaces);
-    memory_free(planning.taken);
-    memory_free(folder);
-    if (status) {
-        manifest_finish(&planning.manifest);
-        return status;
-    }
-    *out = planning.manifest;
-    return CONUS_OK;
 }

@@ -3,14 +3,15 @@
 #ifndef CONUS_LOADERS_SCENE_PLAN_CIFTI_H
 #define CONUS_LOADERS_SCENE_PLAN_CIFTI_H
 
+#include "base/job/job.h"
 #include "loaders/cifti/cifti_file.h"
 #include "loaders/manifest/manifest.h"
 
 /** Makes the manifest of the map that @p file has chosen: its voxels are the parcellation, each of its surfaces an
  * entry of areas, with the surface beside it that docs/formats.md chooses. Structures without a label in the map are
  * left out. A surface that shares labels with the voxels or with a surface before it gets a label_offset. Names in the
- * manifest are relative to the file's folder. @p notes gets which surfaces were taken; notes about the file itself are
- * the caller's. Errors carry the path. */
-conus_status plan_cifti(struct manifest *out, const struct cifti_file *file, uint64_t max_memory, struct notes *notes);
+ * manifest are relative to the file's folder. Notes say which surfaces were taken. Errors carry the path. What @p out
+ * (zeroed) has is the job's. */
+void plan_cifti(struct job *job, struct manifest *out, const struct cifti_file *file, uint64_t max_memory);
 
 #endif

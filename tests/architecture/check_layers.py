@@ -95,13 +95,13 @@ LIBRARY = {
     "loaders/surfaces": "base base/files base/geometry base/formats atlas/labels atlas/surface atlas loaders"
     " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign loaders/formats loaders/volumes",
     "loaders/phantom": "base base/files base/geometry atlas/labels atlas atlas/phantom loaders/volumes loaders/surfaces",
-    "loaders/manifest": "base base/files base/formats atlas/labels atlas/surface atlas/areas loaders/volumes loaders/labels",
+    "loaders/manifest": "base base/files base/formats base/job atlas/labels atlas/surface atlas/areas loaders/volumes loaders/labels",
     "loaders/transform": "base base/files base/geometry base/formats base/child atlas/deformation atlas loaders loaders/volumes",
-    "loaders/maps": "base base/files base/child base/geometry atlas/labels atlas atlas/fit loaders/volumes loaders/labels loaders",
-    "loaders/scene": "base base/files base/geometry base/formats atlas/labels atlas/surface atlas atlas/areas atlas/fit atlas/warp loaders/maps"
-    " loaders loaders/volumes loaders/labels loaders/cifti loaders/surfaces/foreign loaders/surfaces"
+    "loaders/maps": "base base/job base/files base/child base/geometry atlas atlas/fit loaders/volumes loaders/labels loaders",
+    "loaders/scene": "base base/files base/geometry base/formats base/job atlas/labels atlas/surface atlas atlas/areas atlas/fit"
+    " atlas/warp loaders/maps loaders loaders/volumes loaders/labels loaders/cifti loaders/surfaces/foreign loaders/surfaces"
     " loaders/manifest loaders/transform loaders/tracts loaders/brainglobe",
-    "loaders/catalogue": "base base/files base/formats loaders/brainglobe loaders/volumes loaders/labels",
+    "loaders/catalogue": "base base/files base/formats base/job loaders/brainglobe loaders/volumes loaders/labels",
     "loaders/arrays": "base atlas atlas/areas loaders/maps loaders/volumes loaders/scene",
     "render/gl": "base base/geometry",
     "render/id": "base base/geometry atlas/surface atlas/tracts atlas render/gl",
@@ -124,7 +124,7 @@ LIBRARY = {
     "selection/ends": "base base/geometry atlas/surface atlas selection/cone selection/measure selection/engine/voxels selection",
     "selection/picture": "base base/geometry render/image render/colour render/flat selection/measure selection",
     "selection/report": "base base/geometry atlas poses/programs selection selection/ends selection/study",
-    "cache": "base base/files base/cache atlas loaders/scene selection/batch",
+    "cache": "base base/files base/cache atlas loaders/maps loaders/scene selection/batch",
     "selection/batch": "base base/geometry atlas/tracts atlas poses poses/rows selection/engine/voxels selection selection/study selection/report",
 }
 RULES = {**LIBRARY, **APPS}

@@ -4,6 +4,7 @@
 #include "base/job/job.h"
 
 #include "base/memory.h"
+#include "conus/file.h"
 #include "test.h"
 
 #include <stdio.h>
@@ -93,6 +94,7 @@ static void a_dropped_attempt_leaves_only_memory(void **state)
     struct job job = {0};
     const struct bytes content = {(uint8_t *)"abc", 3};
     job_note(&job, "before");
+    size_t mark = job_in(&job, "around", 1);
     struct attempt attempt = job_try(&job);
     job_in(&job, "table.tsv", JOB_ALONE);
     char *name = job_name(&job, text_from(" kept "));
@@ -105,6 +107,7 @@ static void a_dropped_attempt_leaves_only_memory(void **state)
     assert_string_equal(name, "kept");
     assert_int_equal(job.notes.count, 1);
     assert_int_equal(job.files.count, 0);
+    job_out(&job, mark);
     job_bad(&job, "after");
     assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_DATA);
     assert_string_equal(conus_message(), "after");
@@ -255,6 +258,24 @@ static void files_say_what_is_wrong_without_their_path(void **state)
     assert_string_equal(conus_message(), "/: cannot read: is a folder, a regular file is needed");
 }
 
+static void names_of_a_folder_are_sorted(void **state)
+{
+    (void)state;
+    struct job job = {0};
+    test_folder("names");
+    assert_ok(conus_write_file(test_in("b.x"), "", 0));
+    assert_ok(conus_write_file(test_in("a.x"), "", 0));
+    assert_ok(conus_write_file(test_in("c.y"), "", 0));
+    struct names names = job_names(&job, test_in(""), ".x");
+    assert_int_equal(names.count, 2);
+    assert_string_equal(names.names[0], "a.x");
+    assert_string_equal(names.names[1], "b.x");
+    assert_int_equal(job_names(&job, test_in("none"), "").count, 0);
+    job_bad(&job, "wrong");
+    assert_int_equal(job_names(&job, test_in(""), ".x").count, 0);
+    job_end(&job);
+}
+
 /* A piece of work that uses every primitive, and goes on after an attempt. */
 static conus_status work(void *data)
 {
@@ -313,6 +334,7 @@ TEST_GROUP(job)
         cmocka_unit_test(released_memory_is_used_again),
         cmocka_unit_test(sizes_that_do_not_multiply_are_refused),
         cmocka_unit_test(files_say_what_is_wrong_without_their_path),
+        cmocka_unit_test(names_of_a_folder_are_sorted),
         cmocka_unit_test(every_failing_primitive),
         cmocka_unit_test(every_failing_allocation),
     };

@@ -8,9 +8,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
+    struct job job = {0};
     struct manifest manifest;
-    if (manifest_parse(&manifest, (struct text){(const char *)data, size}) == CONUS_OK) {
-        manifest_finish(&manifest);
-    }
+    manifest_parse(&job, &manifest, (struct text){(const char *)data, size});
+    job_end(&job);
     return 0;
 }

@@ -10,24 +10,25 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static const struct volume_selector all = {0};
+    static const struct volume_selector all = {.path = (char *)"mesh"};
     const conus_volume_info info = {.path = "mesh", .threshold = 1};
     struct hdf5 *hdf5 = NULL;
-    struct roi_mesh mesh = {0};
     conus_roi *roi = NULL;
-    struct notes notes = {0};
+    struct job job = {0};
     struct bytes stream = {memory_copy(data, size, 1), size};
-    conus_status status = stream.data ? hdf5_parse(&hdf5, &stream) : CONUS_ERROR_MEMORY;
-    status = status ? status : simnibs_find(&mesh, hdf5, &all, &notes);
-    status = status ? status : roi_create_mesh(&roi, &info, &mesh);
-    if (status) {
-        memory_free(mesh.nodes);
-        memory_free(mesh.tetrahedra);
-    } else if (!(roi->mm3 > 0) || !isfinite(roi->mm3)) {
-        abort();
+    if (stream.data && JOB_CALL(&job, hdf5_parse(&hdf5, &stream))) {
+        struct roi_mesh mesh = simnibs_find(&job, hdf5, &all);
+        mesh.nodes = job_give(&job, mesh.nodes, mesh.node_count * sizeof *mesh.nodes);
+        mesh.tetrahedra = job_give(&job, mesh.tetrahedra, mesh.count * sizeof *mesh.tetrahedra);
+        if (!JOB_CALL(&job, roi_create_mesh(&roi, &info, &mesh))) {
+            memory_free(mesh.nodes);
+            memory_free(mesh.tetrahedra);
+        } else if (!(roi->mm3 > 0) || !isfinite(roi->mm3)) {
+            abort();
+        }
     }
+    job_end(&job);
     conus_roi_destroy(roi);
-    notes_finish(&notes);
     hdf5_destroy(hdf5);
     return 0;
 }

@@ -46,11 +46,21 @@ static const char several[] =
     "\"label_offset\": 1000}, {\"file\": \"wm.tiff\", \"volume\": 1, \"labels\": \"wm.txt\", \"resolution\": "
     "[1, 2, 3], \"orientation\": \"asr\", \"comment\": \"c\"}]}\n";
 
+static conus_status parse(struct text text)
+{
+    struct job job = {0};
+    struct manifest m;
+    manifest_parse(&job, &m, text);
+    return job_close(&job, NULL, NULL);
+}
+
 static void parcellations_are_kept_in_their_order(void **state)
 {
     (void)state;
+    struct job job = {0};
     struct manifest m;
-    assert_ok(manifest_parse(&m, text_from(several)));
+    manifest_parse(&job, &m, text_from(several));
+    assert_true(job_ok(&job));
     assert_int_equal(m.parcellation_count, 3);
     assert_false(m.single);
     assert_string_equal(m.parcellations[0].source.file, "lh.nii.gz");
@@ -61,15 +71,17 @@ static void parcellations_are_kept_in_their_order(void **state)
     assert_string_equal(m.parcellations[2].labels, "wm.txt");
     assert_near(m.parcellations[2].source.resolution[2], 3, 0);
     assert_string_equal(m.parcellations[2].source.orientation, "asr");
-    manifest_finish(&m);
+    job_end(&job);
 }
 
 static void every_key_of_areas_is_kept(void **state)
 {
     (void)state;
+    struct job job = {0};
     struct manifest m;
     assert_true(manifest_is(text_from(whole)));
-    assert_ok(manifest_parse(&m, text_from(whole)));
+    manifest_parse(&job, &m, text_from(whole));
+    assert_true(job_ok(&job));
     assert_true(m.allow_outside);
     assert_int_equal(m.parcellation_count, 1);
     assert_true(m.single);
@@ -98,14 +110,16 @@ static void every_key_of_areas_is_kept(void **state)
     assert_int_equal(m.prefer, MANIFEST_PREFER_AREAS);
     assert_int_equal(m.tree_count, 2);
     assert_string_equal(m.tree[0].name, "Nine");
-    manifest_finish(&m);
+    job_end(&job);
 }
 
 static void every_key_of_pathways_transforms_and_context_is_kept(void **state)
 {
     (void)state;
+    struct job job = {0};
     struct manifest m;
-    assert_ok(manifest_parse(&m, text_from(whole)));
+    manifest_parse(&job, &m, text_from(whole));
+    assert_true(job_ok(&job));
     assert_near(m.threshold, 0.3, 0);
     assert_int_equal(m.transform_count, 2);
     assert_false(m.single_transform);
@@ -132,7 +146,7 @@ static void every_key_of_pathways_transforms_and_context_is_kept(void **state)
     assert_true(m.contexts[0].source.chosen && m.contexts[0].transfer_is_file);
     assert_string_equal(m.contexts[0].transfer, "t1.tf");
     assert_near(m.contexts[0].blocks, 80, 0);
-    manifest_finish(&m);
+    job_end(&job);
 }
 
 static const struct {
@@ -247,8 +261,7 @@ static void what_the_schema_does_not_know_is_refused(void **state)
 {
     (void)state;
     for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
-        struct manifest m;
-        assert_fails(manifest_parse(&m, text_from(refused[i].text)), CONUS_ERROR_DATA);
+        assert_fails(parse(text_from(refused[i].text)), CONUS_ERROR_DATA);
         assert_string_equal(conus_message(), refused[i].message);
     }
 }
@@ -256,14 +269,9 @@ static void what_the_schema_does_not_know_is_refused(void **state)
 static conus_status parse_with_path(const char *path, bool allow)
 {
     char text[256];
-    struct manifest m;
     snprintf(text, sizeof text, "{\"conus_atlas\": 1, \"parcellation\": \"%s\"%s}", path,
              allow ? ", \"allow_outside\": true" : "");
-    conus_status status = manifest_parse(&m, text_from(text));
-    if (!status) {
-        manifest_finish(&m);
-    }
-    return status;
+    return parse(text_from(text));
 }
 
 static void paths_stay_in_the_folder_unless_allowed(void **state)
@@ -289,27 +297,24 @@ static void every_prefix_is_refused(void **state)
     for (size_t i = 0; i < 2; i++) {
         const char *text = i ? several : whole;
         for (size_t size = 0; size < strlen(text) - 2; size++) {
-            struct manifest m;
-            assert_fails(manifest_parse(&m, (struct text){text, size}), CONUS_ERROR_DATA);
+            assert_fails(parse((struct text){text, size}), CONUS_ERROR_DATA);
         }
     }
 }
 
 static conus_status parse_text(void *data)
 {
-    struct manifest m;
-    conus_status status = manifest_parse(&m, text_from(data));
-    if (!status) {
-        manifest_finish(&m);
-    }
-    return status;
+    return parse(text_from(data));
 }
 
-static void every_failing_allocation_is_reported(void **state)
+static void every_failing_step_is_reported(void **state)
 {
     (void)state;
     test_every_allocation(parse_text, (void *)whole);
     test_every_allocation(parse_text, (void *)several);
+    /* One to have the text read, one for each text and list in it, and those of words that stand behind others. */
+    assert_in_range(test_every_primitive(parse_text, (void *)whole), 40, 80);
+    assert_in_range(test_every_primitive(parse_text, (void *)several), 8, 20);
 }
 
 static const char *write_manifest(const char *text)
@@ -574,7 +579,7 @@ TEST_GROUP(manifest)
         cmocka_unit_test(what_the_schema_does_not_know_is_refused),
         cmocka_unit_test(paths_stay_in_the_folder_unless_allowed),
         cmocka_unit_test(every_prefix_is_refused),
-        cmocka_unit_test(every_failing_allocation_is_reported),
+        cmocka_unit_test(every_failing_step_is_reported),
         cmocka_unit_test(a_scene_is_loaded_in_one_piece),
         cmocka_unit_test(progress_is_reported_file_by_file),
         cmocka_unit_test(a_load_can_be_cancelled_at_each_file),

@@ -57,17 +57,24 @@ static int write_files(void **state)
     return status || write_volume("t1.nii", everywhere);
 }
 
+static conus_status guess_of(struct volume_guess *out, const char *path, uint64_t max_memory)
+{
+    struct job job = {0};
+    volume_guess_make(&job, out, path, max_memory);
+    return job_close(&job, NULL, NULL);
+}
+
 static void volumes_are_detected_from_their_values(void **state)
 {
     (void)state;
     struct volume_guess guess;
-    assert_ok(volume_guess_make(&guess, test_in("blocks.nii"), 0));
+    assert_ok(guess_of(&guess, test_in("blocks.nii"), 0));
     assert_int_equal(guess.use, VOLUME_LABELS);
-    assert_ok(volume_guess_make(&guess, test_in("spot.nii"), 0));
+    assert_ok(guess_of(&guess, test_in("spot.nii"), 0));
     assert_int_equal(guess.use, VOLUME_PATHWAY);
-    assert_ok(volume_guess_make(&guess, test_in("t1.nii"), 0));
+    assert_ok(guess_of(&guess, test_in("t1.nii"), 0));
     assert_int_equal(guess.use, VOLUME_CONTEXT);
-    assert_fails(volume_guess_make(&guess, test_in("none.nii"), 0), CONUS_ERROR_IO);
+    assert_fails(guess_of(&guess, test_in("none.nii"), 0), CONUS_ERROR_IO);
 }
 
 static uint32_t nothing(size_t i)
@@ -94,11 +101,11 @@ static void masks_and_nothing_are_no_parcellation(void **state)
     assert_ok(write_volume("mask.nii", mask));
     assert_ok(write_volume("slices.nii", in_slices));
     assert_ok(write_volume("nothing.nii", nothing));
-    assert_ok(volume_guess_make(&guess, test_in("mask.nii"), 0));
+    assert_ok(guess_of(&guess, test_in("mask.nii"), 0));
     assert_int_equal(guess.use, VOLUME_PATHWAY);
-    assert_ok(volume_guess_make(&guess, test_in("slices.nii"), 0));
+    assert_ok(guess_of(&guess, test_in("slices.nii"), 0));
     assert_int_equal(guess.use, VOLUME_LABELS);
-    assert_fails(volume_guess_make(&guess, test_in("nothing.nii"), 0), CONUS_ERROR_DATA);
+    assert_fails(guess_of(&guess, test_in("nothing.nii"), 0), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "all of its values are 0"));
     remove(test_in("mask.nii"));
     remove(test_in("slices.nii"));
@@ -142,8 +149,9 @@ static void names_tell_left_from_right(void **state)
         {"a_l_b.nii", "a_r_b.nii", false}, /* a letter between words */
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        bool halves = !cases[i].halves;
-        assert_ok(volume_names_are_halves(&halves, cases[i].left, cases[i].right));
+        struct job job = {0};
+        bool halves = volume_names_are_halves(&job, cases[i].left, cases[i].right);
+        assert_ok(job_close(&job, NULL, NULL));
         assert_int_equal(halves, cases[i].halves);
     }
 }

@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Contexts from files. */
+#ifndef CONUS_LOADERS_SCENE_LOAD_CONTEXT_H
+#define CONUS_LOADERS_SCENE_LOAD_CONTEXT_H
+
+#include "atlas/atlas.h"
+#include "base/job/job.h"
+
+/** conus_atlas_set_context(), but that notes are the job's, and the atlas may be changed after a failure. */
+void context_load(struct job *job, conus_atlas *atlas, const char *path, const conus_context_options *options);
+
+#endif
