@@ -352,7 +352,7 @@ static bool is_only_table(struct job *job, const struct folder *folder, const ch
     for (size_t i = 0; only && i < folder->names.count; i++) {
         const char *name = folder->names.names[i];
         if (name[0] != '.' && table_stem(folder, name).size && strcmp(name, table) != 0) {
-            const char *path = labels_path(job, file_beside(folder->path, name));
+            const char *path = job_beside(job, folder->path, name);
             only = !job_has_file(job, path) || !may_be_table(job, path, max_memory);
         }
     }
@@ -380,12 +380,12 @@ static void search_alike(struct job *job, struct label_search *search, const cha
     size_t tries = 0;
     label_words_find(&folder.words, folder.stem);
     if (search->use.voxels) {
-        folder.names = labels_names(job, path, job_format(job, VOLUME_ENDINGS "/%s", endings));
+        folder.names = job_names(job, path, job_format(job, VOLUME_ENDINGS "/%s", endings));
     }
     /* of NAMES_LIMIT names one that is not listed could be another volume */
     for (size_t i = 0; folder.names.count < NAMES_LIMIT && tries < TABLE_LIMIT && i < folder.names.count; i++) {
         if (is_similar(job, &folder, folder.names.names[i], search->use.max_memory)) {
-            search_judged(job, search, labels_path(job, file_beside(path, folder.names.names[i])), judge_similar);
+            search_judged(job, search, job_beside(job, path, folder.names.names[i]), judge_similar);
             tries++;
         }
     }
@@ -408,7 +408,7 @@ static size_t count_inherited(struct text table, struct text volume)
 static void search_inherited(struct job *job, struct label_search *search, const char *folder)
 {
     const struct text volume = stem_of(search->volume->info->path);
-    const struct names names = labels_names(job, folder, "dseg.tsv");
+    const struct names names = job_names(job, folder, "dseg.tsv");
     const char *best = NULL;
     size_t most = 0;
     for (size_t i = 0; i < names.count; i++) {
@@ -417,7 +417,7 @@ static void search_inherited(struct job *job, struct label_search *search, const
         most = count > most ? count : most;
     }
     if (best) {
-        label_search_file(job, search, labels_path(job, file_beside(folder, best)));
+        label_search_file(job, search, job_beside(job, folder, best));
     }
 }
 
@@ -513,7 +513,7 @@ static void colour_beside(struct job *job, struct label_search *search)
 static void search_all(struct job *job, struct label_search *search)
 {
     const char *path = search->volume->info->path;
-    const char *folder = labels_path(job, path_folder(path)); /* which may have a table under a name of its own */
+    const char *folder = strchr(path, '/') ? job_beside(job, path, "") : "./";
     search_inside(job, search);
     search_beside(job, search);
     if (!search->source) {
@@ -524,10 +524,10 @@ static void search_all(struct job *job, struct label_search *search)
         search_alike(job, search, folder);
     }
     if (!search->source) { /* of all volumes in the folder */
-        label_search_file(job, search, labels_path(job, file_beside(path, "structures.json")));
+        label_search_file(job, search, job_beside(job, path, "structures.json"));
     }
     if (!search->source) {
-        search_judged(job, search, labels_path(job, file_beside(path, "FreeSurferColorLUT.txt")), judge_freesurfer);
+        search_judged(job, search, job_beside(job, path, "FreeSurferColorLUT.txt"), judge_freesurfer);
     }
     if (!search->source) {
         search_freesurfer(job, search, folder);

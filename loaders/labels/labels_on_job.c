@@ -69,24 +69,3 @@ void labels_decode(struct job *job, struct text *text)
         job_adopt(job, owned);
     }
 }
-
-char *labels_path(struct job *job, char *path)
-{
-    job_took(job, path ? CONUS_OK : CONUS_ERROR_MEMORY);
-    path = job_adopt(job, path);
-    return path ? path : job->nothing;
-}
-
-static void finish_names(void *names)
-{
-    names_finish(names);
-}
-
-struct names labels_names(struct job *job, const char *folder, const char *endings)
-{
-    struct names *names = job_new(job, struct names);
-    if (names) {
-        job_own(job, finish_names, names);
-    }
-    return JOB_CALL(job, names_list(names, folder, endings)) ? *names : (struct names){0};
-}

@@ -5,7 +5,6 @@
 #define CONUS_LOADERS_LABELS_LABELS_ON_JOB_H
 
 #include "atlas/labels/labels.h"
-#include "base/files/folder.h"
 #include "base/job/job.h"
 
 /** An empty table; after a failure one that is none of the job's. */
@@ -31,11 +30,5 @@ void labels_hush(struct job *job, const struct attempt *attempt);
 
 /** encoding_decode() of @p text into the job's memory. */
 void labels_decode(struct job *job, struct text *text);
-
-/** Takes over @p path of path_folder() and its kind; after a failure, or without memory, "". */
-char *labels_path(struct job *job, char *path);
-
-/** names_list() of @p folder, which the job owns. */
-struct names labels_names(struct job *job, const char *folder, const char *endings);
 
 #endif
