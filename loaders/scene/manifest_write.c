@@ -9,7 +9,6 @@
 #include "loaders/cifti/cifti_file.h"
 #include "loaders/labels/fsl_atlas.h"
 #include "loaders/labels/label_volumes.h"
-#include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_draft.h"
 #include "loaders/manifest/manifest_scan.h"
 #include "loaders/manifest/manifest_surfaces.h"
