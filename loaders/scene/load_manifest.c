@@ -86,8 +86,8 @@ static void move_atlas(const struct scene *scene)
 {
     const struct manifest *manifest = scene->manifest;
     struct job *job = &scene->load->job;
-    for (size_t i = manifest->transform_count; i > 0; i--) {
-        const struct manifest_transform *transform = &manifest->transforms[i - 1];
+    for (size_t i = manifest->transforms.count; i > 0; i--) {
+        const struct manifest_transform *transform = &manifest->transforms.at[i - 1];
         const struct before before = enter(scene, "transform", manifest->single_transform ? JOB_ALONE : i - 1);
         const char *path = path_of(scene, transform->file);
         const conus_transform_options options = {.from = path_of(scene, transform->from),
@@ -133,11 +133,11 @@ static void refuse_labels(const struct scene *scene, const char *labels)
 {
     struct job *job = &scene->load->job;
     const struct manifest *manifest = scene->manifest;
-    if (manifest->parcellation_count) {
+    if (manifest->parcellations.count) {
         job_fail(job, CONUS_ERROR_ARGUMENT,
                  "--labels %s: the manifest has %zu parcellations, it can say of each (labels)", labels,
-                 manifest->parcellation_count);
-    } else if (manifest->map_count) {
+                 manifest->parcellations.count);
+    } else if (manifest->maps.count) {
         job_fail(job, CONUS_ERROR_ARGUMENT,
                  "--labels %s: areas of probabilities have the names of the atlas XML, or those of the manifest",
                  labels);
@@ -157,7 +157,7 @@ static void create_atlas(const struct scene *scene, struct area_plan *plan)
 {
     struct job *job = &scene->load->job;
     const struct manifest *manifest = scene->manifest;
-    const size_t count = manifest->parcellation_count;
+    const size_t count = manifest->parcellations.count;
     const char *labels = scene->load->options->labels;
     if (labels && !scene->maps && count != 1) {
         refuse_labels(scene, labels);
@@ -170,7 +170,7 @@ static void create_atlas(const struct scene *scene, struct area_plan *plan)
     for (size_t i = 0; i < all.count; i++) {
         const size_t mark =
             job_in(job, manifest->single ? "parcellation" : "parcellations", manifest->single ? JOB_ALONE : i);
-        load_parcellation(scene, &all.parts[i], &manifest->parcellations[i]);
+        load_parcellation(scene, &all.parts[i], &manifest->parcellations.at[i]);
         job_out(job, mark);
     }
     parcellations_unite(job, &all);
@@ -222,13 +222,13 @@ static conus_pathway_options pathway_options(const struct scene *scene, const st
 {
     const conus_load_options *options = scene->load->options;
     double threshold = pathway->threshold > 0 ? pathway->threshold : scene->manifest->threshold;
-    return (conus_pathway_options){.threshold = pathway->band_count ? 0 : threshold,
+    return (conus_pathway_options){.threshold = pathway->bands.count ? 0 : threshold,
                                    .name = name,
                                    .max_memory = options->max_memory,
                                    .log = options->log,
                                    .log_user = options->log_user,
-                                   .bands = pathway->bands,
-                                   .band_count = pathway->band_count};
+                                   .bands = pathway->bands.at,
+                                   .band_count = pathway->bands.count};
 }
 
 static void open_series(const struct scene *scene, struct volume_file *out, const char *name)
@@ -255,12 +255,12 @@ static void add_named_volumes(const struct scene *scene, const struct manifest_p
     struct job *job = &scene->load->job;
     struct volume_file file = {0};
     open_series(scene, &file, pathway->source.file);
-    if (file.info.volume_count != pathway->name_count) {
-        job_bad(job, "names: has %zu entries, %s has %zu volumes: they must be as many", pathway->name_count,
+    if (file.info.volume_count != pathway->names.count) {
+        job_bad(job, "names: has %zu entries, %s has %zu volumes: they must be as many", pathway->names.count,
                 pathway->source.file, file.info.volume_count);
     }
-    for (size_t i = 0; i < pathway->name_count && job_ok(job); i++) {
-        add_volume(scene, pathway, &file, i, pathway->names[i]);
+    for (size_t i = 0; i < pathway->names.count && job_ok(job); i++) {
+        add_volume(scene, pathway, &file, i, pathway->names.at[i]);
     }
     volume_file_finish(&file);
 }
@@ -338,14 +338,14 @@ static const struct label_table *label_volumes(struct job *job, const struct man
                                                const struct volume_file *file)
 {
     struct label_table *table = labels_new(job);
-    const size_t count = entry->names ? entry->name_count : 1;
-    if (entry->names ? count != file->info.volume_count : !entry->source.chosen && file->info.volume_count > 1) {
+    const size_t count = entry->names.count ? entry->names.count : 1;
+    if (entry->names.count ? count != file->info.volume_count : !entry->source.chosen && file->info.volume_count > 1) {
         job_bad(job, "%s: has %zu volumes: names (one for each), fsl or volume is needed", entry->source.file,
                 file->info.volume_count);
     }
     for (size_t i = 0; i < count && job_ok(job); i++) {
         const char *stem = path_base(file->path);
-        const char *name = entry->names ? entry->names[i] : entry->name;
+        const char *name = entry->names.count ? entry->names.at[i] : entry->name;
         struct label *label = labels_add(job, table, (uint32_t)(entry->source.chosen ? entry->source.volume : i) + 1);
         labels_set(job, &label->name, name ? text_from(name) : (struct text){stem, volume_stem_length(stem)});
     }
@@ -366,8 +366,8 @@ static void add_file_areas(const struct scene *scene, const struct manifest_path
 
 static void add_probabilities(const struct scene *scene)
 {
-    for (size_t i = 0; i < scene->manifest->map_count && job_ok(&scene->load->job); i++) {
-        const struct manifest_pathway *entry = &scene->manifest->maps[i];
+    for (size_t i = 0; i < scene->manifest->maps.count && job_ok(&scene->load->job); i++) {
+        const struct manifest_pathway *entry = &scene->manifest->maps.at[i];
         const struct before before = enter(scene, "probabilities", i);
         if (entry->fsl) {
             add_fsl_areas(scene, entry);
@@ -408,12 +408,12 @@ static bool of_one_file(const struct manifest_pathway *a, const struct manifest_
 
 static void add_pathway(struct scene *scene, size_t i)
 {
-    const struct manifest_pathway *pathway = &scene->manifest->pathways[i];
-    const bool is_last = i + 1 == scene->manifest->pathway_count;
+    const struct manifest_pathway *pathway = &scene->manifest->pathways.at[i];
+    const bool is_last = i + 1 == scene->manifest->pathways.count;
     const struct before before = enter(scene, "pathways", i);
     if (pathway->fsl) {
         add_fsl(scene, pathway);
-    } else if (pathway->names) {
+    } else if (pathway->names.count) {
         add_named_volumes(scene, pathway);
     } else if ((i && of_one_file(pathway - 1, pathway)) || (!is_last && of_one_file(pathway, pathway + 1))) {
         add_of_series(scene, pathway);
@@ -426,8 +426,8 @@ static void add_pathway(struct scene *scene, size_t i)
 /* Adds the pathways that move with the areas, or those that do not. */
 static void add_pathways(struct scene *scene, bool moves)
 {
-    for (size_t i = 0; i < scene->manifest->pathway_count && job_ok(&scene->load->job); i++) {
-        if (scene->manifest->pathways[i].moves == moves) {
+    for (size_t i = 0; i < scene->manifest->pathways.count && job_ok(&scene->load->job); i++) {
+        if (scene->manifest->pathways.at[i].moves == moves) {
             add_pathway(scene, i);
         }
     }
@@ -439,7 +439,7 @@ static void add_bundles(const struct scene *scene, size_t i)
 {
     struct load *load = scene->load;
     struct job *job = &load->job;
-    const struct manifest_streamlines *entry = &scene->manifest->streamlines[i];
+    const struct manifest_streamlines *entry = &scene->manifest->streamlines.at[i];
     const struct before before = enter(scene, "streamlines", i);
     const char *path = path_of(scene, entry->file);
     load_report(load, path, 1);
@@ -451,8 +451,8 @@ static void add_bundles(const struct scene *scene, size_t i)
 
 static void add_streamlines(const struct scene *scene, bool moves)
 {
-    for (size_t i = 0; i < scene->manifest->streamlines_count && job_ok(&scene->load->job); i++) {
-        if (scene->manifest->streamlines[i].moves == moves) {
+    for (size_t i = 0; i < scene->manifest->streamlines.count && job_ok(&scene->load->job); i++) {
+        if (scene->manifest->streamlines.at[i].moves == moves) {
             add_bundles(scene, i);
         }
     }
@@ -502,11 +502,11 @@ static void set_context(const struct scene *scene, const struct manifest_context
 
 static void set_contexts(const struct scene *scene, bool moves)
 {
-    const size_t count = scene->manifest->context_count;
+    const size_t count = scene->manifest->contexts.count;
     for (size_t i = 0; i < count && job_ok(&scene->load->job); i++) {
         const struct before before = enter(scene, "context", count > 1 ? i : JOB_ALONE);
-        if (scene->manifest->contexts[i].moves == moves) {
-            set_context(scene, &scene->manifest->contexts[i]);
+        if (scene->manifest->contexts.at[i].moves == moves) {
+            set_context(scene, &scene->manifest->contexts.at[i]);
         }
         leave(scene, before);
     }
@@ -557,7 +557,7 @@ void manifest_load_made(struct load *load, const struct manifest *manifest, cons
 static void load_entry(struct load *load, const char *path, struct manifest_pathway *entry,
                        const struct named_maps *maps)
 {
-    const struct manifest manifest = {.maps = entry, .map_count = 1};
+    const struct manifest manifest = {.maps = {.at = entry, .count = 1}};
     const char *name = path_base(path);
     const char *folder = name == path ? "./" : job_format(&load->job, "%.*s", (int)(name - path), path);
     load_scene(&(struct scene){.load = load,
