@@ -304,8 +304,8 @@ static void sort_areas(struct job *job, struct area_plan *plan)
 void area_plan_make(struct job *job, struct area_plan *out, const struct manifest *manifest, const char *path)
 {
     out->groups = labels_new(job);
-    for (size_t i = 0; i < manifest->area_count; i++) {
-        const struct manifest_area *area = &manifest->areas[i];
+    for (size_t i = 0; i < manifest->areas.count; i++) {
+        const struct manifest_area *area = &manifest->areas.at[i];
         const struct planning planning = {job, out, path, i, area};
         const size_t mark = job_in(job, "areas", i);
         (area->vertex_labels ? plan_labelled
@@ -315,8 +315,8 @@ void area_plan_make(struct job *job, struct area_plan *out, const struct manifes
         job_out(job, mark);
     }
     sort_areas(job, out);
-    for (size_t i = 0; i < manifest->tree_count; i++) {
-        const struct label *node = &manifest->tree[i];
+    for (size_t i = 0; i < manifest->tree.count; i++) {
+        const struct label *node = &manifest->tree.at[i];
         struct planned_area *area = area_plan_find(out, node->number);
         if (!area) {
             add_group(job, out, node);

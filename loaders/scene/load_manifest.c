@@ -85,7 +85,7 @@ static void add_entries(struct scene *scene, const char *key, size_t count, bool
 /* Moves what the atlas has by a transform of the manifest. */
 static void move_by(struct scene *scene, size_t i)
 {
-    const struct manifest_transform *transform = &scene->manifest->transforms[i];
+    const struct manifest_transform *transform = &scene->manifest->transforms.at[i];
     const char *path = path_of(scene, transform->file);
     const conus_transform_options options = {.from = path_of(scene, transform->from),
                                              .to = path_of(scene, transform->to),
@@ -126,15 +126,16 @@ static void load_parcellation(const struct scene *scene, struct parcellation *pa
 static void refuse_labels(const struct scene *scene, const char *labels)
 {
     const struct manifest *manifest = scene->manifest;
-    const size_t count = manifest->parcellation_count;
+    const size_t count = manifest->parcellations.count;
     const bool is_made_up = !path_base(scene->path)[0];
     job_fail(scene->job, CONUS_ERROR_ARGUMENT,
-             count                 ? "--labels %s: the manifest has %zu parcellations, it can say of each (labels)"
-             : manifest->map_count ? "--labels %s: areas of probabilities have the names of the atlas XML, or those of "
-                                     "the manifest"
-             : is_made_up          ? "--labels %s: a folder of surfaces is named by its files; a manifest ('conus "
-                                     "manifest') can name them by a table (\"files\" with \"labels\")"
-                                   : "--labels %s: the manifest has no parcellation that they could name",
+             count ? "--labels %s: the manifest has %zu parcellations, it can say of each (labels)"
+             : manifest->maps.count
+                 ? "--labels %s: areas of probabilities have the names of the atlas XML, or those of "
+                   "the manifest"
+             : is_made_up ? "--labels %s: a folder of surfaces is named by its files; a manifest ('conus "
+                            "manifest') can name them by a table (\"files\" with \"labels\")"
+                          : "--labels %s: the manifest has no parcellation that they could name",
              labels, count);
 }
 
@@ -142,7 +143,7 @@ static void refuse_labels(const struct scene *scene, const char *labels)
 static void create_atlas(const struct scene *scene, struct area_plan *plan)
 {
     const struct manifest *manifest = scene->manifest;
-    const size_t count = manifest->parcellation_count;
+    const size_t count = manifest->parcellations.count;
     const char *labels = scene->load->options->labels;
     if (labels && !scene->maps && count != 1) {
         refuse_labels(scene, labels);
@@ -155,7 +156,7 @@ static void create_atlas(const struct scene *scene, struct area_plan *plan)
     for (size_t i = 0; i < all.count; i++) {
         const size_t mark =
             job_in(scene->job, manifest->single ? "parcellation" : "parcellations", manifest->single ? JOB_ALONE : i);
-        load_parcellation(scene, &all.parts[i], &manifest->parcellations[i]);
+        load_parcellation(scene, &all.parts[i], &manifest->parcellations.at[i]);
         job_out(scene->job, mark);
     }
     parcellations_unite(scene->job, &all);
@@ -205,13 +206,13 @@ static conus_pathway_options pathway_options(const struct scene *scene, const st
 {
     const conus_load_options *options = scene->load->options;
     double threshold = pathway->threshold > 0 ? pathway->threshold : scene->manifest->threshold;
-    return (conus_pathway_options){.threshold = pathway->band_count ? 0 : threshold,
+    return (conus_pathway_options){.threshold = pathway->bands.count ? 0 : threshold,
                                    .name = name,
                                    .max_memory = options->max_memory,
                                    .log = options->log,
                                    .log_user = options->log_user,
-                                   .bands = pathway->bands,
-                                   .band_count = pathway->band_count};
+                                   .bands = pathway->bands.at,
+                                   .band_count = pathway->bands.count};
 }
 
 static void open_series(const struct scene *scene, struct volume_file *out, const char *name)
@@ -235,12 +236,12 @@ static void add_named_volumes(const struct scene *scene, const struct manifest_p
 {
     struct volume_file file = {0};
     open_series(scene, &file, pathway->source.file);
-    if (file.info.volume_count != pathway->name_count) {
-        job_bad(scene->job, "names: has %zu entries, %s has %zu volumes: they must be as many", pathway->name_count,
+    if (file.info.volume_count != pathway->names.count) {
+        job_bad(scene->job, "names: has %zu entries, %s has %zu volumes: they must be as many", pathway->names.count,
                 pathway->source.file, file.info.volume_count);
     }
-    for (size_t i = 0; i < pathway->name_count && job_ok(scene->job); i++) {
-        add_volume(scene, pathway, &file, i, pathway->names[i]);
+    for (size_t i = 0; i < pathway->names.count && job_ok(scene->job); i++) {
+        add_volume(scene, pathway, &file, i, pathway->names.at[i]);
     }
     volume_file_finish(&file);
 }
@@ -315,14 +316,14 @@ static const struct label_table *label_volumes(struct job *job, const struct man
                                                const struct volume_file *file)
 {
     struct label_table *table = labels_new(job);
-    const size_t count = entry->names ? entry->name_count : 1;
-    if (entry->names ? count != file->info.volume_count : !entry->source.chosen && file->info.volume_count > 1) {
+    const size_t count = entry->names.count ? entry->names.count : 1;
+    if (entry->names.count ? count != file->info.volume_count : !entry->source.chosen && file->info.volume_count > 1) {
         job_bad(job, "%s: has %zu volumes: names (one for each), fsl or volume is needed", entry->source.file,
                 file->info.volume_count);
     }
     for (size_t i = 0; i < count && job_ok(job); i++) {
         const char *stem = path_base(file->path);
-        const char *name = entry->names ? entry->names[i] : entry->name;
+        const char *name = entry->names.count ? entry->names.at[i] : entry->name;
         struct label *label = labels_add(job, table, (uint32_t)(entry->source.chosen ? entry->source.volume : i) + 1);
         labels_set(job, &label->name, name ? text_from(name) : (struct text){stem, volume_stem_length(stem)});
     }
@@ -342,7 +343,7 @@ static void add_file_areas(const struct scene *scene, const struct manifest_path
 
 static void add_areas(struct scene *scene, size_t i)
 {
-    const struct manifest_pathway *entry = &scene->manifest->maps[i];
+    const struct manifest_pathway *entry = &scene->manifest->maps.at[i];
     if (entry->fsl) {
         add_fsl_areas(scene, entry);
     } else {
@@ -380,14 +381,14 @@ static bool of_one_file(const struct manifest_pathway *a, const struct manifest_
 
 static void add_pathway(struct scene *scene, size_t i)
 {
-    const struct manifest_pathway *pathway = &scene->manifest->pathways[i];
-    const bool is_last = i + 1 == scene->manifest->pathway_count;
+    const struct manifest_pathway *pathway = &scene->manifest->pathways.at[i];
+    const bool is_last = i + 1 == scene->manifest->pathways.count;
     if (pathway->moves != scene->moves) {
         return;
     }
     if (pathway->fsl) {
         add_fsl(scene, pathway);
-    } else if (pathway->names) {
+    } else if (pathway->names.count) {
         add_named_volumes(scene, pathway);
     } else if ((i && of_one_file(pathway - 1, pathway)) || (!is_last && of_one_file(pathway, pathway + 1))) {
         add_of_series(scene, pathway);
@@ -399,7 +400,7 @@ static void add_pathway(struct scene *scene, size_t i)
 static void add_bundles(struct scene *scene, size_t i)
 {
     struct load *load = scene->load;
-    const struct manifest_streamlines *entry = &scene->manifest->streamlines[i];
+    const struct manifest_streamlines *entry = &scene->manifest->streamlines.at[i];
     if (entry->moves == scene->moves) {
         const char *path = path_of(scene, entry->file);
         load_report(load, path, 1);
@@ -438,7 +439,7 @@ static void take_transfer(const struct scene *scene, const struct manifest_conte
 static void set_context(struct scene *scene, size_t i)
 {
     struct load *load = scene->load;
-    const struct manifest_context *entry = &scene->manifest->contexts[i];
+    const struct manifest_context *entry = &scene->manifest->contexts.at[i];
     const conus_context_options options = {.block_threshold = entry->blocks,
                                            .max_memory = load->options->max_memory,
                                            .log = load->options->log,
@@ -464,11 +465,11 @@ static void add_others(struct scene *scene, bool moves)
 {
     const struct manifest *manifest = scene->manifest;
     scene->moves = moves;
-    add_entries(scene, "pathways", manifest->pathway_count, true, add_pathway);
+    add_entries(scene, "pathways", manifest->pathways.count, true, add_pathway);
     volume_file_finish(&scene->series);
     scene->series_name = NULL;
-    add_entries(scene, "streamlines", manifest->streamlines_count, true, add_bundles);
-    add_entries(scene, "context", manifest->context_count, manifest->context_count > 1, set_context);
+    add_entries(scene, "streamlines", manifest->streamlines.count, true, add_bundles);
+    add_entries(scene, "context", manifest->contexts.count, manifest->contexts.count > 1, set_context);
 }
 
 static void load_scene(struct scene *scene)
@@ -482,9 +483,9 @@ static void load_scene(struct scene *scene)
     struct load_aside aside = load_put_aside(load);
     const size_t place = scene->maps ? load->job.depth : job_in(&load->job, scene->path, JOB_ALONE);
     load_areas(scene);
-    add_entries(scene, "probabilities", manifest->map_count, true, add_areas);
+    add_entries(scene, "probabilities", manifest->maps.count, true, add_areas);
     add_others(scene, true);
-    for (size_t i = manifest->transform_count; i > 0; i--) { /* it goes back through the last one first */
+    for (size_t i = manifest->transforms.count; i > 0; i--) { /* it goes back through the last one first */
         add_entry(scene, "transform", i - 1, !manifest->single_transform, move_by);
     }
     add_others(scene, false);
@@ -512,7 +513,7 @@ void manifest_load_made(struct load *load, const struct manifest *manifest, cons
 static void load_entry(struct load *load, const char *path, struct manifest_pathway *entry,
                        const struct named_maps *maps)
 {
-    const struct manifest manifest = {.maps = entry, .map_count = 1};
+    const struct manifest manifest = {.maps = {.at = entry, .count = 1}};
     const char *name = path_base(path);
     const char *folder = name == path ? "./" : job_format(&load->job, "%.*s", (int)(name - path), path);
     load_scene(&(struct scene){.load = load,
