@@ -20,12 +20,8 @@
 static void read_volume_number(const struct schema_place *place, void *out, const json_t *value)
 {
     struct manifest_volume *volume = out;
-    json_int_t number = json_is_integer(value) ? json_integer_value(value) : -1;
     volume->chosen = true;
-    volume->volume = (uint32_t)number;
-    if (number < 0 || number > UINT32_MAX) {
-        schema_fail(place, value, "a whole number from 0");
-    }
+    schema_uint(place, &volume->volume, value);
 }
 
 static void read_resolution(const struct schema_place *place, void *out, const json_t *value)
@@ -60,23 +56,14 @@ static void read_transfer(const struct schema_place *place, void *out, const jso
     }
 }
 
-static void read_opacity(const struct schema_place *place, void *out, const json_t *value)
-{
-    double opacity = json_number_value(value);
-    *(double *)out = opacity;
-    if (!(opacity > 0 && opacity <= 1)) {
-        schema_fail(place, value, "a number above 0 to 1");
-    }
-}
-
 static const struct schema_field context_keys[] = {
     {"file", schema_path, AT(manifest_context, source.file), .required = true},
-    {"volume", read_volume_number, AT(manifest_context, source)},
+    {"volume", read_volume_number, AT(manifest_context, source), .wanted = "a whole number from 0"},
     {"resolution", read_resolution, AT(manifest_context, source)},
     {"orientation", schema_text, AT(manifest_context, source.orientation)},
     {"transfer", .read = read_transfer, .keys = transfer_keys},
     {"blocks", schema_positive, AT(manifest_context, blocks)},
-    {"opacity", read_opacity, AT(manifest_context, opacity)},
+    {"opacity", schema_positive, AT(manifest_context, opacity), .most = 1, .wanted = "a number above 0 to 1"},
     {"moves", schema_flag, AT(manifest_context, moves)},
     {0},
 };
@@ -103,7 +90,9 @@ static void read_streamlines(const struct schema_place *place, void *out, const 
 
 static void read_transform_number(const struct schema_place *place, void *out, const json_t *value)
 {
-    *(size_t *)out = (size_t)schema_uint(place, value, 0) + 1;
+    uint32_t number;
+    schema_uint(place, &number, value);
+    *(size_t *)out = (size_t)number + 1;
 }
 
 static const struct schema_field transform_keys[] = {
@@ -127,21 +116,11 @@ static void read_version(const struct schema_place *place, void *out, const json
     }
 }
 
-static void read_offset(const struct schema_place *place, void *out, const json_t *value)
-{
-    *(uint32_t *)out = schema_uint(place, value, 0);
-}
-
-static void read_label_number(const struct schema_place *place, void *out, const json_t *value)
-{
-    *(uint32_t *)out = schema_uint(place, value, 1);
-}
-
 static void read_parent(const struct schema_place *place, void *out, const json_t *value)
 {
     struct label *label = out;
     label->has_parent = true;
-    label->parent = schema_uint(place, value, 1);
+    schema_uint(place, &label->parent, value);
 }
 
 static void read_color(const struct schema_place *place, void *out, const json_t *value)
@@ -163,11 +142,11 @@ static void read_hemisphere(const struct schema_place *place, void *out, const j
 
 static const struct schema_field parcellation_keys[] = {
     {"file", schema_path, AT(manifest_parcellation, source.file), .required = true},
-    {"volume", read_volume_number, AT(manifest_parcellation, source)},
+    {"volume", read_volume_number, AT(manifest_parcellation, source), .wanted = "a whole number from 0"},
     {"resolution", read_resolution, AT(manifest_parcellation, source)},
     {"orientation", schema_text, AT(manifest_parcellation, source.orientation)},
     {"labels", schema_path, AT(manifest_parcellation, labels)},
-    {"label_offset", read_offset, AT(manifest_parcellation, label_offset)},
+    {"label_offset", schema_uint, AT(manifest_parcellation, label_offset)},
     {"hemisphere", read_hemisphere, AT(manifest_parcellation, hemisphere), WORDS("L", "R", "B")},
     {"comment", .read = schema_comment},
     {0},
@@ -206,7 +185,7 @@ static void read_band(const struct schema_place *place, void *out, const json_t 
 
 static const struct schema_field pathway_keys[] = {
     {"file", schema_path, AT(manifest_pathway, source.file)},
-    {"volume", read_volume_number, AT(manifest_pathway, source)},
+    {"volume", read_volume_number, AT(manifest_pathway, source), .wanted = "a whole number from 0"},
     {"resolution", read_resolution, AT(manifest_pathway, source)},
     {"orientation", schema_text, AT(manifest_pathway, source.orientation)},
     {"fsl", schema_path, AT(manifest_pathway, fsl)},
@@ -278,7 +257,7 @@ static void read_area_label(const struct schema_place *place, void *out, const j
 {
     struct manifest_area *area = out;
     area->has_label = true;
-    read_label_number(place, &area->label.number, value);
+    schema_uint(place, &area->label.number, value);
 }
 
 static void read_structures(const struct schema_place *place, void *out, const json_t *value)
@@ -289,22 +268,22 @@ static void read_structures(const struct schema_place *place, void *out, const j
 /* Each kind of entry has keys of its own; the key that decides comes first. */
 static const struct schema_field file_keys[] = {
     {"file", schema_path, AT(manifest_area, file), .required = true},
-    {"label", .read = read_area_label},
+    {"label", .read = read_area_label, .first = 1},
     {"name", schema_text, AT(manifest_area, label.name)},
     {"abbreviation", schema_text, AT(manifest_area, label.abbreviation)},
     {"color", read_color, AT(manifest_area, label)},
-    {"parent", read_parent, AT(manifest_area, label)},
+    {"parent", read_parent, AT(manifest_area, label), .first = 1},
     {"hemisphere", read_hemisphere, AT(manifest_area, label.hemisphere), WORDS("L", "R", "B")},
     {"vertex_labels", schema_path, AT(manifest_area, vertex_labels)},
-    {"label_offset", read_offset, AT(manifest_area, label_offset)},
+    {"label_offset", schema_uint, AT(manifest_area, label_offset)},
     {"comment", .read = schema_comment},
     {0},
 };
 static const struct schema_field files_keys[] = {
     {"files", schema_path, AT(manifest_area, files), .required = true},
     {"labels", schema_path, AT(manifest_area, labels)},
-    {"label_offset", read_offset, AT(manifest_area, label_offset)},
-    {"parent", read_parent, AT(manifest_area, label)},
+    {"label_offset", schema_uint, AT(manifest_area, label_offset)},
+    {"parent", read_parent, AT(manifest_area, label), .first = 1},
     {"hemisphere", read_hemisphere, AT(manifest_area, label.hemisphere), WORDS("L", "R", "B")},
     {"comment", .read = schema_comment},
     {0},
@@ -343,8 +322,8 @@ static void read_area(const struct schema_place *place, void *out, const json_t 
 }
 
 static const struct schema_field node_keys[] = {
-    {"label", read_label_number, AT(label, number), .required = true},
-    {"parent", .read = read_parent},
+    {"label", schema_uint, AT(label, number), .first = 1, .required = true},
+    {"parent", .read = read_parent, .first = 1},
     {"name", schema_text, AT(label, name)},
     {"abbreviation", schema_text, AT(label, abbreviation)},
     {"color", .read = read_color},

@@ -9,7 +9,6 @@
 #include "loaders/cifti/cifti_file.h"
 #include "loaders/labels/fsl_atlas.h"
 #include "loaders/labels/label_volumes.h"
-#include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_draft.h"
 #include "loaders/manifest/manifest_scan.h"
 #include "loaders/manifest/manifest_surfaces.h"
@@ -249,10 +248,8 @@ static void take_fsl(struct job *job, struct manifest_draft *draft, const char *
         use_images(job, draft, atlas);
         manifest_draft_log(job, draft, "%s: parcellation, an atlas XML of %zu labels", name, atlas->labels.count);
     }
-    if (atlas->is_label) {
-        return;
-    }
-    if (manifest_draft_take(job, draft, draft->maps, "probabilities", json_pack("{s:s}", "fsl", xml), xml)) {
+    if (!atlas->is_label &&
+        manifest_draft_take(job, draft, draft->maps, "probabilities", json_pack("{s:s}", "fsl", xml), xml)) {
         use_images(job, draft, atlas);
         manifest_draft_log(job, draft, "%s: FSL atlas, %zu areas by probabilities", xml, atlas->labels.count);
     }
@@ -289,7 +286,7 @@ static const char *name_volume(struct job *job, bool *named, const struct manife
     const conus_volume_info info = {
         .path = job_beside(job, draft->folder, name), .volume = index, .volume_count = count};
     const char *title = label_volume_name(job, &from, &info);
-    *named = title;
+    *named = title != NULL;
     return title ? title : job_format(job, "%.*s %zu", (int)volume_stem_length(name), name, index);
 }
 
@@ -351,9 +348,9 @@ static void take_series(struct job *job, const struct manifest_draft *draft, con
 static void take_one_volume(struct job *job, const struct manifest_draft *draft, bool probable, const char *name,
                             const char *words)
 {
+    json_t *list = probable ? draft->maps : draft->pathways;
     json_t *entry = json_pack("{s:s,s:s#}", "file", name, "name", name, volume_stem_length(name));
-    if (manifest_draft_take(job, draft, probable ? draft->maps : draft->pathways,
-                            probable ? "probabilities" : "pathways", entry, name)) {
+    if (manifest_draft_take(job, draft, list, probable ? "probabilities" : "pathways", entry, name)) {
         manifest_draft_log(job, draft, "%s: %s, %s", name, probable ? "an area by probabilities" : "pathway", words);
     }
 }
