@@ -120,6 +120,7 @@ static const struct file_kind *foreign_kind(const char *path, const struct bytes
 void label_file_read(struct job *job, struct label_table *out, const char **format, const char *text,
                      const struct label_use *wanted)
 {
+    const struct job_mark mark = job_mark(job);
     struct label_use use = wanted ? *wanted : (struct label_use){0};
     struct label_table *table = labels_new(job);
     const char *name = NULL;
@@ -144,4 +145,5 @@ void label_file_read(struct job *job, struct label_table *out, const char **form
         *format = name;
     }
     labels_move(job, out, table);
+    job_release(job, mark);
 }

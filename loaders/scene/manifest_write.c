@@ -412,8 +412,8 @@ static void take_labelled(struct job *job, struct manifest_draft *draft, const s
 {
     uint32_t base = draft->label_offset;
     raise_offset(draft, (uint64_t)base + largest);
-    for (size_t i = 0; i < manifest->area_count; i++) {
-        const struct manifest_area *area = &manifest->areas[i];
+    for (size_t i = 0; i < manifest->areas.count; i++) {
+        const struct manifest_area *area = &manifest->areas.at[i];
         json_int_t offset = (json_int_t)base + area->label_offset;
         raise_offset(draft, (uint64_t)offset + largest);
         json_t *entry = json_pack("{s:s,s:s,s:I}", "file", area->file, "vertex_labels", area->vertex_labels,
@@ -438,7 +438,7 @@ static bool take_cifti(struct job *job, struct manifest_draft *draft, const char
         manifest_draft_leave_out(job, draft, name, why);
     } else if (file.choice.cifti.maps) {
         const struct label_table *table = &file.choice.cifti.maps[file.choice.map].table;
-        const char *voxels = manifest.parcellation_count ? manifest.parcellations[0].source.file : NULL;
+        const char *voxels = manifest.parcellations.count ? manifest.parcellations.at[0].source.file : NULL;
         uint32_t offset = draft->label_offset;
         if (voxels && set_parcellation(job, draft, voxels)) {
             manifest_draft_log(job, draft, "%s: parcellation, voxels of CIFTI labels", voxels);
