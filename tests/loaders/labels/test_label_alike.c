@@ -240,6 +240,7 @@ static void every_allocation_may_fail(void **state)
     test_every_allocation(load, NULL);
     row_text(test_in("labels.csv"), "1 a\n");
     test_every_allocation(load, NULL);
+    test_every_primitive(load, NULL);
 }
 
 TEST_GROUP(label_alike)

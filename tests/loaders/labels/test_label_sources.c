@@ -537,6 +537,41 @@ static void every_failing_allocation_is_clean(void **state)
     test_every_allocation(load, NULL);
 }
 
+/* Searches that find, compare, replace, pass over and refuse tables of all kinds. */
+static void every_failing_primitive_is_clean(void **state)
+{
+    (void)state;
+    static const char identified[] = "index,name,identifier,parent_identifier\n1,area 0,7,\n2,area 1,7,8\n4,b,9,7\n";
+    static const struct {
+        const char *file, *text;
+    } tables[] = {
+        {"v.txt", "1 area 1\n3 area 2\n7 area 6\n"},                    /* as the XMLs */
+        {"v.txt", "1 area 0\n2 area 1\n3 area 2\n0 area 9\n1 twice\n"}, /* contradicts the proved one */
+        {"v.csv", identified},
+        {"v.tsv", "index\tlabel\tname\n7\t2\tarea 1\n9\t3\tarea 2\n"}, /* label is the number */
+        {"v.json", "[{\"id\": 9, \"label\": 2, \"name\": \"a\"}, {\"id\": 8, \"label\": 1, \"name\": \"b\"}]"},
+        {"v.label", "1 10 20 30 1 1 1 \"a\"\n2 10 20 30 1 1 \n3 10 20 30 1 1 1 \"c\"\n"}, /* damaged */
+        {"v.lut", "1 0.5 0.25 0\n2 0.5 0.25 1\n"},
+        {"w_labels.txt", "1 a\n2 b\n3 c\n4 d\n5 e\n6 f\n7 g\n"},
+        {"structures.json", "[{\"id\": 1, \"acronym\": \"a\", \"name\": \"A\", \"rgb_triplet\": [1, 2, 3]}]"},
+    };
+    for (int xml = 0; xml < 2; xml++) {
+        test_folder(xml ? "primitives_xml" : "primitives");
+        row_write("v.nii", 8, 1, NULL);
+        if (xml) {
+            write_xml("a.xml", "Label", "v", by_index);
+            write_xml("b.xml", "Probabilistic", "v", nowhere);
+        }
+        for (size_t i = 0; i < sizeof tables / sizeof tables[0]; i++) {
+            row_text(test_in(tables[i].file), tables[i].text);
+            if (load(NULL) == CONUS_OK) {
+                assert_in_range(test_every_primitive(load, NULL), 20, 2000);
+            }
+            unlink(test_in(tables[i].file));
+        }
+    }
+}
+
 TEST_GROUP(label_sources)
 {
     const struct CMUnitTest tests[] = {
@@ -558,6 +593,7 @@ TEST_GROUP(label_sources)
         cmocka_unit_test(real_atlases_have_no_contradictions),
         cmocka_unit_test(tables_take_no_more_memory_than_is_allowed),
         cmocka_unit_test(every_failing_allocation_is_clean),
+        cmocka_unit_test(every_failing_primitive_is_clean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -309,6 +309,13 @@ static conus_status load_maps(void *unused)
     return status;
 }
 
+/* Where a primitive of an attempt fails as data, the next reader may refuse the file for a reason of its own. */
+static conus_status load_or_refuse(void *unused)
+{
+    conus_status status = load_maps(unused);
+    return status == CONUS_ERROR_ARGUMENT ? CONUS_ERROR_DATA : status;
+}
+
 static void every_allocation_may_fail(void **state)
 {
     (void)state;
@@ -316,6 +323,7 @@ static void every_allocation_may_fail(void **state)
     write_volumes("maps.nii", UINT8, VOLUMES, blobs);
     row_text(test_in("maps.csv"), "0,Background\n1,B\n2,C\n");
     test_every_allocation(load_maps, NULL);
+    assert_true(test_every_primitive(load_or_refuse, NULL) > 5);
 }
 
 TEST_GROUP(named_maps)

@@ -589,6 +589,13 @@ static conus_status load_any(void *name)
     return status;
 }
 
+/* Where a primitive of an attempt fails as data, the next reader may refuse the file for a reason of its own. */
+static conus_status load_or_refuse(void *name)
+{
+    conus_status status = load_any(name);
+    return status == CONUS_ERROR_UNSUPPORTED ? CONUS_ERROR_DATA : status;
+}
+
 static void every_allocation_may_fail(void **state)
 {
     (void)state;
@@ -598,7 +605,9 @@ static void every_allocation_may_fail(void **state)
     write_text(test_in("m.atlas.json"), "{\"conus_atlas\": 1, \"probabilities\": [{\"file\": \"maps.nii\", \"names\": "
                                         "[\"A\", \"B\", \"C\"]}, {\"file\": \"maps.nii\", \"volume\": 1}]}");
     test_every_allocation(load_any, "a.xml");
+    assert_true(test_every_primitive(load_or_refuse, "a.xml") > 5);
     test_every_allocation(load_any, "m.atlas.json");
+    assert_true(test_every_primitive(load_any, "m.atlas.json") > 5);
 }
 
 TEST_GROUP(probabilities)

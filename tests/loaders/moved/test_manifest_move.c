@@ -95,12 +95,17 @@ static void every_failing_allocation_is_reported(void **state)
 {
     (void)state;
     struct attempt attempt;
+    write_text("lines.vtk", "# vtk DataFile Version 3.0\nlines\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n"
+                            "1 2 3 4 5 6\nLINES 1 3\n2 0 1\n");
     snprintf(attempt.path, sizeof attempt.path, "%s",
              write_manifest("{\"conus_atlas\": 1, \"transform\": [\"twice.txt\", {\"file\": \"flirt.mat\", \"from\": "
                             "\"sphere.nii.gz\", \"to\": \"sphere.nii.gz\"}], \"parcellation\": \"slabs.nii.gz\", "
                             "\"context\": \"sphere.nii.gz\", \"threshold\": 0.5, \"pathways\": "
-                            "[{\"file\": \"sphere.nii.gz\", \"name\": \"Moves\", \"moves\": true}]}"));
+                            "[{\"file\": \"sphere.nii.gz\", \"name\": \"Moves\", \"moves\": true}, {\"file\": "
+                            "\"sphere.nii.gz\", \"names\": [\"Only\"]}, {\"file\": \"sphere.nii.gz\", \"bands\": "
+                            "[{\"name\": \"Ball\", \"low\": 0.5}]}], \"streamlines\": [\"lines.vtk\"]}"));
     test_every_allocation(load, &attempt);
+    assert_true(test_every_primitive(load, &attempt) > 5);
 }
 
 static int write_volumes(void **state)

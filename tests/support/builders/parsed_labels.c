@@ -128,5 +128,6 @@ void assert_samples(const struct sample *samples, size_t count)
             read_or_refuse(samples[i].text, size);
         }
         test_every_allocation(parse_sample, (void *)samples[i].text);
+        test_every_primitive(parse_sample, (void *)samples[i].text);
     }
 }

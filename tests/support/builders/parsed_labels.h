@@ -31,7 +31,7 @@ bool notes_have(const struct notes *notes, const char *part);
 void assert_refused(const char *text, const char *message);
 
 /** Asserts that each sample gives its format and table, that each of its prefixes is read or refused, and that each
- * allocation may fail. */
+ * allocation, and each primitive of a job, may fail. */
 void assert_samples(const struct sample *samples, size_t count);
 
 #endif
