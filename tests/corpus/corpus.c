@@ -67,7 +67,7 @@ static bool has_child(const struct entry *entry)
 }
 
 static struct {
-    size_t entries, prefixes, failures, faults;
+    size_t entries, prefixes, failures, primitives, faults;
     json_t *cut; /* Names and sums of files in folders whose prefixes were asked. */
 } total;
 
@@ -386,6 +386,11 @@ static void check_prefixes(const struct entry *entry, const struct answer *whole
     bytes_finish(&bytes);
 }
 
+static bool is_same(const struct answer *a, const struct answer *b)
+{
+    return a->code == b->code && (a->code ? strcmp(a->line, b->line) == 0 : json_equal(a->json, b->json));
+}
+
 /* Asks with every allocation failing: the answer is that of all memory, or that memory is missing. */
 static void check_allocations(const struct entry *entry, const struct answer *whole)
 {
@@ -396,12 +401,34 @@ static void check_allocations(const struct entry *entry, const struct answer *wh
         ask(&answer, entry, n);
         unharmed = answer.unharmed;
         drop_sums(answer.json);
-        bool same = answer.code == whole->code &&
-                    (answer.code ? strcmp(answer.line, whole->line) == 0 : json_equal(answer.json, whole->json));
-        if (!same && (!answer.code || !answer.memory)) {
+        if (!is_same(&answer, whole) && (!answer.code || !answer.memory)) {
             report(entry, "without memory (allocation %ld): %s", n, answer.code ? answer.line : "another answer");
         }
         answer_finish(&answer);
+    }
+}
+
+/* Asks with each primitive of a job failing, as memory and as data: the answer is that of all memory, or that memory is
+ * missing; what bad data leads to is another line, or another answer where an attempt was dropped. */
+static void check_primitives(const struct entry *entry, const struct answer *whole)
+{
+    static const conus_status kinds[] = {CONUS_ERROR_MEMORY, CONUS_ERROR_DATA};
+    const size_t most = has_child(entry) ? CHILD_FAILURES : FAILURES;
+    bool failed = true;
+    for (size_t k = 1; failed; k += 1 + k / most, total.primitives++) {
+        for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+            struct answer answer;
+            test_fail_primitive(k, kinds[i]);
+            ask(&answer, entry, -1);
+            failed = test_primitive_failed();
+            test_fail_primitive(0, CONUS_OK);
+            drop_sums(answer.json);
+            if (!is_same(&answer, whole) && (!failed || (kinds[i] == CONUS_ERROR_MEMORY && !answer.memory))) {
+                report(entry, "primitive %zu failing as %s: %s", k, conus_status_name(kinds[i]),
+                       answer.code ? answer.line : "another answer");
+            }
+            answer_finish(&answer);
+        }
     }
 }
 
@@ -472,6 +499,7 @@ static void check_entry(struct entry *entry)
         snprintf(top, sizeof top, "%.*s", (int)strcspn(entry->file, "/"), entry->file);
         nftw(top, check_part, OPEN_FOLDERS, FTW_PHYS);
         check_allocations(entry, &whole);
+        check_primitives(entry, &whole);
     }
     answer_finish(&whole);
     total.entries++;
@@ -576,7 +604,7 @@ int main(int argc, char **argv)
     json_decref(all);
     json_decref(total.cut);
     free(folder);
-    printf("%zu entries, %zu prefixes, %zu failing allocations, %.1f s; %zu faults\n", total.entries, total.prefixes,
-           total.failures, (double)clock() / CLOCKS_PER_SEC, total.faults);
+    printf("%zu entries, %zu prefixes, %zu failing allocations, %zu primitives, %.1f s; %zu faults\n", total.entries,
+           total.prefixes, total.failures, total.primitives, (double)clock() / CLOCKS_PER_SEC, total.faults);
     return total.entries && !total.faults ? EXIT_SUCCESS : EXIT_FAILURE;
 }
