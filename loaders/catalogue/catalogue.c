@@ -11,10 +11,10 @@
 
 static void stop_here(conus_catalogue *catalogue, const char *what, size_t limit)
 {
-    if (!catalogue->full) {
-        job_warn(&catalogue->job, "%s: more than %zu %s: the rest is left out", catalogue->source, limit, what);
+    if (!catalogue->source.full) {
+        job_warn(&catalogue->job, "%s: more than %zu %s: the rest is left out", catalogue->source.name, limit, what);
     }
-    catalogue->full = true;
+    catalogue->source.full = true;
 }
 
 /* Makes a name fit for a line of a terminal; it is no path. */
@@ -27,6 +27,24 @@ static const char *plain_name(struct job *job, const char *bytes)
     return name ? name : "";
 }
 
+static enum catalogue_kind identify(struct catalogue_id *id, const char *path)
+{
+    struct stat info;
+    if (stat(path, &info)) {
+        return CATALOGUE_NOTHING;
+    }
+    *id = (struct catalogue_id){(uint64_t)info.st_dev, (uint64_t)info.st_ino};
+    return S_ISDIR(info.st_mode)                   ? CATALOGUE_FOLDER
+           : S_ISREG(info.st_mode) && info.st_size ? CATALOGUE_FILE
+                                                   : CATALOGUE_NOTHING;
+}
+
+enum catalogue_kind catalogue_at(const char *path)
+{
+    struct catalogue_id id;
+    return identify(&id, path);
+}
+
 static bool is_same(const struct catalogue_id *a, const struct catalogue_id *b)
 {
     return a->device == b->device && a->inode == b->inode;
@@ -35,42 +53,29 @@ static bool is_same(const struct catalogue_id *a, const struct catalogue_id *b)
 void catalogue_add(struct job *job, conus_catalogue *catalogue, const struct catalogue_item *found)
 {
     struct job *own = &catalogue->job;
-    const char *name = found->atlas.name;
-    if (!job_step(job)) {
+    struct catalogue_item item = *found;
+    const char *name = item.atlas.name;
+    if (!job_step(job) || identify(&item.id, item.atlas.path) == CATALOGUE_NOTHING) {
         return;
     }
     /* The same file by the same name. Two names of one file are two: datalad keeps files of equal content once. */
-    for (size_t i = catalogue->first; i < catalogue->items.count; i++) {
+    for (size_t i = catalogue->source.first; i < catalogue->items.count; i++) {
         const struct catalogue_item *known = &catalogue->items.at[i];
-        if (is_same(&known->id, &found->id) &&
+        if (is_same(&known->id, &item.id) &&
             (strcmp(known->atlas.name, name) == 0 || (known->alias && strcmp(known->alias, name) == 0))) {
             return;
         }
     }
-    if (catalogue->items.count - catalogue->first == CATALOGUE_ATLASES) {
+    if (catalogue->items.count - catalogue->source.first == CATALOGUE_ATLASES) {
         stop_here(catalogue, "atlases", CATALOGUE_ATLASES);
         return;
     }
-    struct catalogue_item item = *found;
-    item.atlas.source = catalogue->source;
+    item.atlas.source = catalogue->source.name;
     item.atlas.name = plain_name(own, name);
-    item.atlas.path = job_copy(own, text_from(found->atlas.path));
-    item.atlas.labels = found->atlas.labels ? job_copy(own, text_from(found->atlas.labels)) : NULL;
-    item.alias = found->alias ? plain_name(own, found->alias) : NULL;
+    item.atlas.path = job_copy(own, text_from(item.atlas.path));
+    item.atlas.labels = item.atlas.labels ? job_copy(own, text_from(item.atlas.labels)) : NULL;
+    item.alias = item.alias ? plain_name(own, item.alias) : NULL;
     *LIST_ADD(own, &catalogue->items) = item;
-}
-
-enum catalogue_kind catalogue_at(struct catalogue_id *id, const char *path)
-{
-    struct stat info;
-    *id = (struct catalogue_id){0};
-    if (stat(path, &info)) {
-        return CATALOGUE_NOTHING;
-    }
-    *id = (struct catalogue_id){(uint64_t)info.st_dev, (uint64_t)info.st_ino};
-    return S_ISDIR(info.st_mode)                   ? CATALOGUE_FOLDER
-           : S_ISREG(info.st_mode) && info.st_size ? CATALOGUE_FILE
-                                                   : CATALOGUE_NOTHING;
 }
 
 const char *catalogue_join(struct job *job, const char *folder, const char *name)
@@ -83,13 +88,13 @@ const char *catalogue_join(struct job *job, const char *folder, const char *name
 static void sift_names(struct names *names, conus_catalogue *catalogue)
 {
     size_t kept = 0;
-    for (size_t i = 0; i < names->count && !catalogue->full; i++) {
+    for (size_t i = 0; i < names->count && !catalogue->source.full; i++) {
         bool is_shown = names->names[i][0] != '.';
-        if (is_shown && catalogue->seen == CATALOGUE_ENTRIES) {
+        if (is_shown && catalogue->source.seen == CATALOGUE_ENTRIES) {
             stop_here(catalogue, "files and folders", CATALOGUE_ENTRIES);
         } else if (is_shown) {
             names->names[kept++] = names->names[i];
-            catalogue->seen++;
+            catalogue->source.seen++;
         }
     }
     names->count = kept;
@@ -99,22 +104,23 @@ struct names catalogue_list(struct job *job, conus_catalogue *catalogue, const c
 {
     struct names names = {0};
     struct catalogue_id id;
-    if (catalogue->full || catalogue_at(&id, folder) != CATALOGUE_FOLDER) {
+    if (catalogue->source.full || identify(&id, folder) != CATALOGUE_FOLDER) {
         return names;
     }
-    for (size_t i = 0; i < catalogue->folders.count; i++) {
-        if (is_same(&catalogue->folders.at[i], &id)) {
+    for (size_t i = 0; i < catalogue->source.folders.count; i++) {
+        if (is_same(&catalogue->source.folders.at[i], &id)) {
             return names;
         }
     }
     if (access(folder, R_OK | X_OK)) {
-        job_warn(&catalogue->job, "%s: %s: cannot read this folder: %s", catalogue->source, folder, strerror(errno));
+        job_warn(&catalogue->job, "%s: %s: cannot read this folder: %s", catalogue->source.name, folder,
+                 strerror(errno));
         return names;
     }
-    *LIST_ADD(&catalogue->job, &catalogue->folders) = id;
+    *LIST_ADD(&catalogue->job, &catalogue->source.folders) = id;
     names = job_names(job, folder, "");
     if (names.count == NAMES_LIMIT) {
-        job_warn(&catalogue->job, "%s: %s: more than %d names: the others are left out", catalogue->source, folder,
+        job_warn(&catalogue->job, "%s: %s: more than %d names: the others are left out", catalogue->source.name, folder,
                  NAMES_LIMIT);
     }
     sift_names(&names, catalogue);

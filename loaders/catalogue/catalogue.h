@@ -20,7 +20,16 @@ struct catalogue_id {
 struct catalogue_item {
     conus_installed atlas;
     const char *alias;      /**< Another name, or NULL. */
-    struct catalogue_id id; /**< Of the file or folder atlas.path. */
+    struct catalogue_id id; /**< Of atlas.path, once it is added. */
+};
+
+/** The source that is looked at. */
+struct catalogue_source {
+    const char *name;
+    size_t first;                      /**< Its first item. */
+    size_t seen;                       /**< Files and folders so far. */
+    bool full;                         /**< A limit is reached, as a note says. */
+    LIST(struct catalogue_id) folders; /**< That were listed, each once: no link leads around in circles. */
 };
 
 struct conus_catalogue {
@@ -28,22 +37,17 @@ struct conus_catalogue {
     struct note_sink sink;
     LIST(struct catalogue_item) items;
     LIST(conus_catalogue_place) places;
-
-    /* The source that is looked at now. */
-    const char *source;
-    size_t first;                      /**< Its first item. */
-    size_t seen;                       /**< Files and folders so far. */
-    bool full;                         /**< A limit is reached, as a note says. */
-    LIST(struct catalogue_id) folders; /**< That were listed, each once: no link leads around in circles. */
+    struct catalogue_source source;
 };
 
-/** Adds a copy, of a name made plain, unless the source has this file by this name already. */
+/** Adds a copy of an atlas whose path is there, with names made plain, unless the source has this file by this name
+ * already. */
 void catalogue_add(struct job *job, conus_catalogue *catalogue, const struct catalogue_item *found);
 
 enum catalogue_kind { CATALOGUE_NOTHING, CATALOGUE_FILE, CATALOGUE_FOLDER };
 
-/** What is at @p path, and which one; an empty file is nothing: TemplateFlow has them until it fetches them. */
-enum catalogue_kind catalogue_at(struct catalogue_id *id, const char *path);
+/** What is at @p path; an empty file is nothing: TemplateFlow has them until it fetches them. */
+enum catalogue_kind catalogue_at(const char *path);
 
 /** The entries of the folder, sorted, without hidden ones. None of a folder that was listed before or is not there, and
  * none, with a note, of one that cannot be read or is beyond a limit. */

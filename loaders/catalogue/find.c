@@ -8,7 +8,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-enum { CANDIDATES = 6, NEAR = 3, TEXT = 512 };
+enum { CANDIDATES = 6, NEAR = 3 };
 
 static bool is_there(const char *path)
 {
@@ -18,42 +18,41 @@ static bool is_there(const char *path)
 
 bool conus_atlas_is_path(const char *text)
 {
-    static const char *const selectors[] = {",volume=", ",resolution=", ",orientation=", ",level=", ",map="};
-    const char *selector = NULL; /* where the first of these begins, which choose a part of the file */
-    if (strchr(text, '/') || is_there(text)) {
-        return true;
+    bool is = strchr(text, '/') || is_there(text);
+    for (const char *comma = text; !is && (comma = strchr(comma, ',')); comma++) {
+        struct text key = {comma + 1, strcspn(comma + 1, "=")}; /* of what chooses a part of the file before it */
+        if (key.data[key.size] && text_is_one_of(key, "volume/resolution/orientation/level/map", true)) {
+            char *path = memory_text(text, (size_t)(comma - text));
+            is = path && is_there(path);
+            memory_free(path);
+            return is;
+        }
     }
-    for (size_t i = 0; i < sizeof selectors / sizeof selectors[0]; i++) {
-        const char *at = strstr(text, selectors[i]);
-        selector = at && (!selector || at < selector) ? at : selector;
-    }
-    char *path = selector ? memory_text(text, (size_t)(selector - text)) : NULL;
-    bool is = path && is_there(path);
-    memory_free(path);
     return is;
 }
 
-/* Writes the text in lower case and without what separates words; a colon stays. */
-static void fold(char out[TEXT], const char *text)
+/* Takes the next character that counts: folded, upper and lower case are the same, and what separates words does not;
+ * a colon does. */
+static char next_character(const char **at, bool folded)
 {
-    size_t size = 0;
-    for (; *text && size + 1 < TEXT; text++) {
-        out[size] = *text >= 'A' && *text <= 'Z' ? (char)(*text - 'A' + 'a') : *text;
-        size += !strchr("-_.+ ", *text);
+    while (folded && **at && strchr("-_.+ ", **at)) {
+        ++*at;
     }
-    out[size] = '\0';
+    char c = **at;
+    *at += c != '\0';
+    return folded && c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
 }
 
 static bool same_text(const char *a, const char *b, bool folded)
 {
-    char one[TEXT];
-    char other[TEXT];
-    if (!folded || strlen(a) >= TEXT || strlen(b) >= TEXT) {
-        return strcmp(a, b) == 0;
-    }
-    fold(one, a);
-    fold(other, b);
-    return strcmp(one, other) == 0;
+    char c;
+    do {
+        c = next_character(&a, folded);
+        if (c != next_character(&b, folded)) {
+            return false;
+        }
+    } while (c);
+    return true;
 }
 
 static bool is_called(const struct catalogue_item *item, const char *name, bool folded)

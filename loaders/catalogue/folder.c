@@ -106,10 +106,8 @@ static void add_versions(struct job *job, conus_catalogue *catalogue, const char
         const char *numbered = job_format(job, "%s_v%s", name, versions.names[i]);
         found.atlas.name = is_newest ? name : numbered;
         found.alias = is_newest ? numbered : NULL;
-        if (catalogue_at(&found.id, found.atlas.path) == CATALOGUE_FOLDER) {
-            find_spacing(job, found.atlas.spacing, found.atlas.path);
-            catalogue_add(job, catalogue, &found);
-        }
+        find_spacing(job, found.atlas.spacing, found.atlas.path);
+        catalogue_add(job, catalogue, &found);
     }
     names_finish(&versions);
 }
@@ -130,7 +128,7 @@ static void look_at_path(struct job *job, conus_catalogue *catalogue, const char
                          enum turn turn)
 {
     struct catalogue_item found = {.atlas.path = path};
-    enum catalogue_kind kind = catalogue_at(&found.id, path);
+    enum catalogue_kind kind = catalogue_at(path);
     if (kind == CATALOGUE_FILE && turn != FOLDERS) {
         take_file(job, catalogue, &found, rule);
     } else if (kind == CATALOGUE_FOLDER && turn == FOLDERS && rule->depth) {

@@ -14,7 +14,7 @@ struct subject {
     const char *table; /* NULL = there is none */
 };
 
-/* Adds the file as "subject.stem". */
+/* Adds the file, if it is there, as "subject.stem". */
 static void add_file(struct job *job, const struct subject *subject, const char *stem, size_t length,
                      struct catalogue_item *found)
 {
@@ -28,9 +28,7 @@ static void look_at_volumes(struct job *job, const struct subject *subject)
     for (size_t i = 0; i < sizeof stems / sizeof stems[0]; i++) {
         const char *path = job_format(job, "%s/mri/%s.mgz", subject->folder, stems[i]);
         struct catalogue_item found = {.atlas = {.kind = "volume", .path = path, .labels = subject->table}};
-        if (catalogue_at(&found.id, path) == CATALOGUE_FILE) {
-            add_file(job, subject, stems[i], strlen(stems[i]), &found);
-        }
+        add_file(job, subject, stems[i], strlen(stems[i]), &found);
     }
 }
 
@@ -41,7 +39,7 @@ static bool find_surface(struct job *job, struct catalogue_item *found, const st
     bool there = false;
     for (size_t i = 0; !there && i < 2; i++) {
         found->atlas.path = job_format(job, "%s/surf/%.2s.%s", subject->folder, side, surfaces[i]);
-        there = catalogue_at(&found->id, found->atlas.path) == CATALOGUE_FILE;
+        there = catalogue_at(found->atlas.path) == CATALOGUE_FILE;
     }
     return there;
 }
@@ -53,13 +51,12 @@ static void look_at_annotations(struct job *job, const struct subject *subject)
     const char *labels = catalogue_join(job, subject->folder, "label");
     struct names names = catalogue_list(job, subject->catalogue, labels);
     for (size_t i = 0; i < names.count; i++) {
-        struct catalogue_id own;
         const char *name = names.names[i];
         const char *annotation = catalogue_join(job, labels, name);
         struct catalogue_item found = {.atlas = {.kind = "surface", .labels = annotation}};
         bool sided = strncmp(name, "lh.", 3) == 0 || strncmp(name, "rh.", 3) == 0;
         if (sided && path_ends_in(name + 3, ending) && find_surface(job, &found, subject, name) &&
-            catalogue_at(&own, annotation) == CATALOGUE_FILE) {
+            catalogue_at(annotation) == CATALOGUE_FILE) {
             add_file(job, subject, name, strlen(name) - strlen(ending), &found);
         }
     }
@@ -67,10 +64,9 @@ static void look_at_annotations(struct job *job, const struct subject *subject)
 
 void freesurfer_look(struct job *job, conus_catalogue *catalogue, const char *folder)
 {
-    struct catalogue_id id;
     const char *home = getenv("FREESURFER_HOME");
     const char *table = home && *home ? catalogue_join(job, home, "FreeSurferColorLUT.txt") : "";
-    bool has_table = catalogue_at(&id, table) == CATALOGUE_FILE;
+    bool has_table = catalogue_at(table) == CATALOGUE_FILE;
     struct names names = catalogue_list(job, catalogue, folder);
     for (size_t i = 0; i < names.count; i++) {
         const struct subject subject = {.catalogue = catalogue,

@@ -23,8 +23,7 @@ static void add_image(struct job *job, struct images *images, const char *xml_pa
 {
     const char *path = fsl_image_find(job, xml_path, written);
     struct catalogue_item image = {.atlas = {.kind = "volume", .path = path, .labels = xml_path}};
-    bool labels = path && catalogue_at(&image.id, path) == CATALOGUE_FILE &&
-                  volume_marks_find(job, image.atlas.spacing, path, true);
+    bool labels = path && volume_marks_find(job, image.atlas.spacing, path, true);
     for (size_t i = 0; i < images->count; i++) {
         labels = labels && strcmp(images->at[i].atlas.path, path) != 0;
     }
@@ -35,16 +34,6 @@ static void add_image(struct job *job, struct images *images, const char *xml_pa
             images->at[0] = image;
         }
     }
-}
-
-/* Adds the volume by the name of the XML, `behind` which stands its resolution, or by its own. */
-static void add_atlas(struct job *job, conus_catalogue *catalogue, struct catalogue_item *image, struct text xml,
-                      const char *behind)
-{
-    const char *file = path_base(image->atlas.path);
-    image->atlas.name = job_format(job, "%.*s%s", (int)xml.size, xml.data, behind);
-    image->alias = job_format(job, "%.*s", (int)volume_stem_length(file), file);
-    catalogue_add(job, catalogue, image);
 }
 
 /* Whether one of the images with a volume for each label is there. */
@@ -60,7 +49,7 @@ static bool has_maps(struct job *job, const struct fsl_atlas *atlas, const char 
 static void take_atlas(struct job *job, conus_catalogue *catalogue, const char *xml_path, const struct fsl_atlas *atlas)
 {
     const char *name = path_base(xml_path);
-    const struct text xml = {name, strlen(name) - strlen(".xml")};
+    const int length = (int)(strlen(name) - strlen(".xml"));
     struct images images = {0};
     for (size_t i = 0; i < atlas->image_count; i++) {
         const struct fsl_image *image = &atlas->images[i];
@@ -72,15 +61,20 @@ static void take_atlas(struct job *job, conus_catalogue *catalogue, const char *
     bool maps = has_maps(job, atlas, xml_path);
     for (size_t i = 0; i < images.count; i++) {
         struct catalogue_item *image = &images.at[i];
-        add_atlas(job, catalogue, image, xml, i ? job_format(job, "-%gmm", image->atlas.spacing[0]) : "");
+        const char *file = path_base(image->atlas.path);
+        image->alias = job_format(job, "%.*s", (int)volume_stem_length(file), file);
+        image->atlas.name = i ? job_format(job, "%.*s-%gmm", length, name, image->atlas.spacing[0])
+                              : job_format(job, "%.*s", length, name);
+        catalogue_add(job, catalogue, image);
     }
     if (maps) { /* the XML itself, whose labels are areas of probabilities */
-        struct catalogue_item found = {.atlas = {.kind = "probabilities", .path = xml_path}};
-        found.atlas.name = job_format(job, "%.*s-prob", (int)xml.size, xml.data);
-        (void)catalogue_at(&found.id, xml_path);
-        catalogue_add(job, catalogue, &found);
+        const char *called = job_format(job, "%.*s-prob", length, name);
+        catalogue_add(
+            job, catalogue,
+            &(const struct catalogue_item){.atlas = {.kind = "probabilities", .name = called, .path = xml_path}});
     } else if (!images.count && job_ok(job)) {
-        job_note(&catalogue->job, "%s: %s: none of the volumes that it names is there", catalogue->source, xml_path);
+        job_note(&catalogue->job, "%s: %s: none of the volumes that it names is there", catalogue->source.name,
+                 xml_path);
     }
 }
 

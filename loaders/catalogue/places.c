@@ -194,12 +194,9 @@ conus_status conus_catalogue_create(conus_catalogue **out, const conus_catalogue
     conus_status status = CONUS_OK;
     bool before = file_trace_search(true);
     for (size_t i = 0; !status && i < sizeof places / sizeof places[0]; i++) {
-        if (!catalogue->source || strcmp(catalogue->source, places[i].source) != 0) {
-            catalogue->source = places[i].source;
-            catalogue->first = catalogue->items.count;
-            catalogue->seen = 0;
-            catalogue->full = false;
-            catalogue->folders.count = 0;
+        const char *source = catalogue->source.name;
+        if (!source || strcmp(source, places[i].source) != 0) {
+            catalogue->source = (struct catalogue_source){.name = places[i].source, .first = catalogue->items.count};
         }
         status = look_at_place(catalogue, &places[i]);
     }

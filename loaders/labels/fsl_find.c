@@ -79,11 +79,11 @@ static bool begins_with_name(const char *xml, const char *relative)
 /* Tries the XMLs in the folder, those first that are called as the volume. */
 static void search_in(struct job *job, const struct search *search, const char *folder, const char *relative)
 {
-    const struct names names = labels_names(job, folder, ".xml");
+    const struct names names = job_names(job, folder, ".xml");
     for (size_t i = 0; i < 2 * names.count; i++) {
         const char *name = names.names[i % names.count];
         if (begins_with_name(name, relative) == (i < names.count)) {
-            try_xml(job, search, labels_path(job, file_beside(folder, name)), relative);
+            try_xml(job, search, job_beside(job, folder, name), relative);
         }
     }
 }
@@ -94,7 +94,7 @@ void fsl_atlas_each(struct job *job, const char *volume_path, enum fsl_use use, 
     const struct search search = {use, visit, user};
     const char *base = path_base(volume_path);
     const char *name = job_copy(job, (struct text){base, volume_stem_length(base)});
-    const char *folder = labels_path(job, path_folder(volume_path));
+    const char *folder = strchr(volume_path, '/') ? job_beside(job, volume_path, "") : "./";
     bool before = file_trace_search(true);
     search_in(job, &search, folder, name);
     if (job_ok(job) && file_trace_real_path(real, folder)) { /* in the folder above the volume is "folder/name" */
@@ -106,7 +106,7 @@ void fsl_atlas_each(struct job *job, const char *volume_path, enum fsl_use use, 
 char *fsl_image_find(struct job *job, const char *xml_path, const char *image)
 {
     static const char *const endings[] = {"", ".nii.gz", ".nii", ".hdr", ".hdr.gz", ".mgz"};
-    const char *path = labels_path(job, file_beside(xml_path, image + strspn(image, "/")));
+    const char *path = job_beside(job, xml_path, image + strspn(image, "/"));
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
         char *candidate = job_format(job, "%s%s", path, endings[i]);
         if (job_has_file(job, candidate)) {

@@ -169,10 +169,7 @@ static void parse_fsl(struct job *job, struct label_table *out, struct text text
 {
     struct fsl_atlas *atlas = fsl_atlas_parse(job, text);
     fsl_atlas_number(job, atlas, use);
-    if (job_ok(job)) {
-        *out = atlas->labels; /* it was empty */
-        atlas->labels = (struct label_table){0};
-    }
+    labels_move(job, out, &atlas->labels);
 }
 
 static bool is_fsl(const struct label_text *text)
@@ -185,5 +182,7 @@ static bool is_spm(const struct label_text *text)
     return is_fsl(text) && text_mentions(text->text, "<index>");
 }
 
-const struct label_format label_format_spm = {"SPM atlas XML", LABEL_MARKUP, is_spm, parse_fsl, NULL};
-const struct label_format label_format_fsl = {"FSL atlas XML", LABEL_MARKUP, is_fsl, parse_fsl, NULL};
+const struct label_format label_format_spm = {
+    .name = "SPM atlas XML", .kind = LABEL_MARKUP, .is = is_spm, .parse = parse_fsl};
+const struct label_format label_format_fsl = {
+    .name = "FSL atlas XML", .kind = LABEL_MARKUP, .is = is_fsl, .parse = parse_fsl};

@@ -211,4 +211,5 @@ static bool is_afni(const struct label_text *text)
     return text_is_one_of(text->root, "AFNI_attributes/AFNI_atr/VALUE_LABEL_DTABLE/ATLAS_LABEL_TABLE", true);
 }
 
-const struct label_format label_format_afni = {"AFNI label table", LABEL_MARKUP, is_afni, parse_afni, ".niml.lt"};
+const struct label_format label_format_afni = {
+    .name = "AFNI label table", .kind = LABEL_MARKUP, .is = is_afni, .parse = parse_afni, .endings = ".niml.lt"};

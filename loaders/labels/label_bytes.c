@@ -2,7 +2,6 @@
 /* Which format, by content; and MRIcron's colours, the one format that is not text. */
 #include "loaders/labels/label_format.h"
 
-#include "base/formats/encoding.h"
 #include "base/formats/xml.h"
 
 #include <string.h>
@@ -55,6 +54,11 @@ static bool is_foreign(struct text text)
     return false;
 }
 
+static bool is_format(const struct label_format *format, const struct label_text *text)
+{
+    return format->kind == text->kind && (format->rows ? label_rows_are(text, format->rows) : format->is(text));
+}
+
 const struct label_format *label_format_of(struct text text)
 {
     struct label_census census;
@@ -76,7 +80,7 @@ const struct label_format *label_format_of(struct text text)
         about.census = &census;
     }
     const struct label_format *const *format = label_formats();
-    while (*format && !((*format)->kind == about.kind && (*format)->is(&about))) {
+    while (*format && !is_format(*format, &about)) {
         format++;
     }
     return *format;
@@ -86,34 +90,22 @@ void label_text_parse(struct job *job, struct label_table *out, const struct lab
                       const struct label_use *use)
 {
     struct label_table *table = labels_new(job);
-    char *owned = NULL;
     size_t place = job_in(job, format->name, JOB_ALONE);
-    if (JOB_CALL(job, encoding_decode(&owned, &text, &job->notes)) && owned) {
-        job_adopt(job, owned);
-    }
-    if (job_ok(job)) {
+    labels_decode(job, &text);
+    if (job_ok(job) && format->rows) {
+        label_rows_parse(job, table, text, format->rows);
+    } else if (job_ok(job)) {
         format->parse(job, table, text, use);
-        labels_sort(job, table);
     }
+    labels_sort(job, table);
     job_out(job, place);
-    if (job_ok(job)) {
-        *out = *table;
-        *table = (struct label_table){0};
-    }
-}
-
-static void parse_lut(struct job *job, struct label_table *out, const uint8_t *lut)
-{
-    for (uint32_t number = 1; number < 256; number++) {
-        labels_add(job, out, number);
-    }
-    label_lut_apply(out, lut);
+    labels_move(job, out, table);
 }
 
 /* The format of @p text for @p use; NULL, and a failure that says what is needed, if it is none. */
 static const struct label_format *find_format(struct job *job, struct text text, const struct label_use *use)
 {
-    if (text.size >= 2 && (memcmp(text.data, "\xff\xfe", 2) == 0 || memcmp(text.data, "\xfe\xff", 2) == 0)) {
+    if (text_starts(text, "\xff\xfe") || text_starts(text, "\xfe\xff")) {
         job_bad(job, "the text is UTF-16, UTF-8 or Windows-1252 is needed");
         return NULL;
     }
@@ -130,24 +122,22 @@ void label_bytes_parse(struct job *job, struct label_table *out, const char **fo
                        const struct label_use *use)
 {
     struct label_table *table = labels_new(job);
-    const char *name = "MRIcron colours";
-    if (label_is_lut(data, size)) {
-        parse_lut(job, table, data);
-    } else {
-        struct text text = text_from_bytes(data, size);
-        const struct label_format *found = find_format(job, text, use);
-        if (!found) {
-            return;
-        }
-        name = found->name;
+    const bool is_lut = label_is_lut(data, size);
+    const struct text text = text_from_bytes(data, size);
+    const struct label_format *found = is_lut ? NULL : find_format(job, text, use);
+    for (uint32_t number = 1; is_lut && number < 256; number++) {
+        labels_add(job, table, number);
+    }
+    if (is_lut) {
+        label_lut_apply(table, data);
+    } else if (found) {
         label_text_parse(job, table, found, text, use);
-        if (!table->count) {
-            job_bad(job, "%s: no label but 0", name);
-        }
+    }
+    if (job_ok(job) && !table->count) {
+        job_bad(job, "%s: no label but 0", found->name);
     }
     if (job_ok(job)) {
-        *out = *table;
-        *table = (struct label_table){0};
-        *format = name;
+        *format = is_lut ? "MRIcron colours" : found->name;
     }
+    labels_move(job, out, table);
 }

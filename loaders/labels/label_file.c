@@ -43,12 +43,8 @@ static void apply_colours(struct job *job, struct label_table *table, struct tex
     struct label_table *colours = labels_new(job);
     struct attempt silent = job_try(job); /* nobody hears of a number that is there twice */
     label_text_parse(job, colours, &label_format_colours, text, &(struct label_use){0});
-    if (!job_ok(job)) {
-        job_kept(job, &silent);
-        return;
-    }
-    (void)job_dropped(job, &silent);
-    for (size_t i = 0; i < table->count; i++) {
+    labels_hush(job, &silent);
+    for (size_t i = 0; job_ok(job) && i < table->count; i++) {
         const struct label *colour = label_table_find(colours, table->entries[i].number);
         if (colour) {
             memcpy(table->entries[i].rgb, colour->rgb, sizeof colour->rgb);
@@ -124,6 +120,7 @@ static const struct file_kind *foreign_kind(const char *path, const struct bytes
 void label_file_read(struct job *job, struct label_table *out, const char **format, const char *text,
                      const struct label_use *wanted)
 {
+    const struct job_mark mark = job_mark(job);
     struct label_use use = wanted ? *wanted : (struct label_use){0};
     struct label_table *table = labels_new(job);
     const char *name = NULL;
@@ -146,7 +143,7 @@ void label_file_read(struct job *job, struct label_table *out, const char **form
     }
     if (job_ok(job)) {
         *format = name;
-        *out = *table;
-        *table = (struct label_table){0};
     }
+    labels_move(job, out, table);
+    job_release(job, mark);
 }

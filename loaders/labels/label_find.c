@@ -22,11 +22,17 @@
 enum kind { FOREIGN, WHOLE, PARTS };
 enum { FINE = 170, COARSE = 100, PAIRS_NEEDED = 2 };
 
-static bool has_entity(struct text stem, const char *entity)
+static struct text stem_of(const char *path)
+{
+    const char *name = path_base(path);
+    return (struct text){name, volume_stem_length(name)};
+}
+
+static bool has_entity(struct text stem, struct text entity)
 {
     struct text part;
     for (bool more = true; text_field(&stem, '_', &more, &part);) {
-        if (text_equal(part, entity)) {
+        if (text_compare(part, entity) == 0) {
             return true;
         }
     }
@@ -35,8 +41,7 @@ static bool has_entity(struct text stem, const char *entity)
 
 static enum kind kind_of_volume(const struct label_search *search)
 {
-    const char *name = path_base(search->volume->info->path);
-    const struct text stem = {name, volume_stem_length(name)};
+    const struct text stem = stem_of(search->volume->info->path);
     static const char whole[] = "aseg/aseg.auto/aseg.auto_noCCseg/aseg.presurf/aseg.presurf.hypos/aparc+aseg/"
                                 "aparc.a2009s+aseg/aparc.DKTatlas+aseg/aparc.DKTatlas+aseg.deep/"
                                 "aparc.DKTatlas40+aseg/wmparc/ribbon";
@@ -50,8 +55,8 @@ static enum kind kind_of_volume(const struct label_search *search)
             return PARTS;
         }
     }
-    bool derived = has_entity(stem, "desc-aseg") || has_entity(stem, "desc-aparcaseg"); /* fMRIPrep's */
-    return derived && has_entity(stem, "dseg") ? WHOLE : FOREIGN;
+    bool derived = has_entity(stem, text_from("desc-aseg")) || has_entity(stem, text_from("desc-aparcaseg"));
+    return derived && has_entity(stem, text_from("dseg")) ? WHOLE : FOREIGN; /* fMRIPrep's */
 }
 
 /* Voxels of the labels below COARSE, and the sum of their places from left to right, mm. */
@@ -112,13 +117,12 @@ static bool numbers_agree(const struct label_use *use, enum kind kind)
 /* The first table that is there: $FREESURFER_HOME's, or that above SUBJECTS/SUBJECT/mri/; NULL if none is. */
 static const char *find_freesurfer_table(struct job *job, const char *folder)
 {
-    const char *home = file_trace_environment("FREESURFER_HOME");
-    const char *roots[] = {home && home[0] ? home : NULL, home && home[0] ? home : NULL, folder};
     static const char *const below[] = {"/FreeSurferColorLUT.txt", "/luts/FreeSurferColorLUT.txt",
                                         "../../../FreeSurferColorLUT.txt"};
-    for (size_t i = 0; i < 3; i++) {
-        const char *path = roots[i] ? job_format(job, "%s%s", roots[i], below[i]) : NULL;
-        if (path && job_has_file(job, path)) {
+    const char *home = file_trace_environment("FREESURFER_HOME");
+    for (size_t i = home && home[0] ? 0 : 2; i < 3; i++) {
+        const char *path = job_format(job, "%s%s", i < 2 ? home : folder, below[i]);
+        if (job_has_file(job, path)) {
             return path;
         }
     }
@@ -313,7 +317,7 @@ static bool is_of_another(const struct folder *folder, const struct label_words 
     bool exact = label_words_equal(&folder->words, table);
     for (size_t i = 0; i < folder->names.count; i++) {
         const char *name = folder->names.names[i];
-        struct text stem = {name, volume_stem_length(name)};
+        struct text stem = stem_of(name);
         struct label_words words;
         /* macOS puts a file with a dot in front beside each file on foreign file systems */
         if (name[0] == '.' || !name[stem.size] || is_stem(folder, stem)) {
@@ -348,7 +352,7 @@ static bool is_only_table(struct job *job, const struct folder *folder, const ch
     for (size_t i = 0; only && i < folder->names.count; i++) {
         const char *name = folder->names.names[i];
         if (name[0] != '.' && table_stem(folder, name).size && strcmp(name, table) != 0) {
-            const char *path = labels_path(job, file_beside(folder->path, name));
+            const char *path = job_beside(job, folder->path, name);
             only = !job_has_file(job, path) || !may_be_table(job, path, max_memory);
         }
     }
@@ -371,18 +375,17 @@ static bool is_similar(struct job *job, const struct folder *folder, const char 
 /* Tries the tables in the folder with similar names, whose numbers must fit. A note says what was taken, or why not. */
 static void search_alike(struct job *job, struct label_search *search, const char *path)
 {
-    const char *name = path_base(search->volume->info->path);
     const char *endings = job_format(job, "%s/.ctab", list_endings(job));
-    struct folder folder = {.path = path, .endings = endings, .stem = {name, volume_stem_length(name)}};
+    struct folder folder = {.path = path, .endings = endings, .stem = stem_of(search->volume->info->path)};
     size_t tries = 0;
     label_words_find(&folder.words, folder.stem);
     if (search->use.voxels) {
-        folder.names = labels_names(job, path, job_format(job, VOLUME_ENDINGS "/%s", endings));
+        folder.names = job_names(job, path, job_format(job, VOLUME_ENDINGS "/%s", endings));
     }
     /* of NAMES_LIMIT names one that is not listed could be another volume */
     for (size_t i = 0; folder.names.count < NAMES_LIMIT && tries < TABLE_LIMIT && i < folder.names.count; i++) {
         if (is_similar(job, &folder, folder.names.names[i], search->use.max_memory)) {
-            search_judged(job, search, labels_path(job, file_beside(path, folder.names.names[i])), judge_similar);
+            search_judged(job, search, job_beside(job, path, folder.names.names[i]), judge_similar);
             tries++;
         }
     }
@@ -395,13 +398,7 @@ static size_t count_inherited(struct text table, struct text volume)
     struct text entity;
     size_t count = 0;
     for (bool more = true; text_field(&table, '_', &more, &entity); count++) {
-        struct text rest = volume;
-        struct text other;
-        bool found = false;
-        for (bool left = true; !found && text_field(&rest, '_', &left, &other);) {
-            found = text_compare(entity, other) == 0;
-        }
-        if (!found) {
+        if (!has_entity(volume, entity)) {
             return 0;
         }
     }
@@ -410,9 +407,8 @@ static size_t count_inherited(struct text table, struct text volume)
 
 static void search_inherited(struct job *job, struct label_search *search, const char *folder)
 {
-    const char *path = path_base(search->volume->info->path);
-    const struct text volume = {path, volume_stem_length(path)};
-    const struct names names = labels_names(job, folder, "dseg.tsv");
+    const struct text volume = stem_of(search->volume->info->path);
+    const struct names names = job_names(job, folder, "dseg.tsv");
     const char *best = NULL;
     size_t most = 0;
     for (size_t i = 0; i < names.count; i++) {
@@ -421,7 +417,7 @@ static void search_inherited(struct job *job, struct label_search *search, const
         most = count > most ? count : most;
     }
     if (best) {
-        label_search_file(job, search, labels_path(job, file_beside(folder, best)));
+        label_search_file(job, search, job_beside(job, folder, best));
     }
 }
 
@@ -517,7 +513,7 @@ static void colour_beside(struct job *job, struct label_search *search)
 static void search_all(struct job *job, struct label_search *search)
 {
     const char *path = search->volume->info->path;
-    const char *folder = labels_path(job, path_folder(path)); /* which may have a table under a name of its own */
+    const char *folder = strchr(path, '/') ? job_beside(job, path, "") : "./";
     search_inside(job, search);
     search_beside(job, search);
     if (!search->source) {
@@ -528,10 +524,10 @@ static void search_all(struct job *job, struct label_search *search)
         search_alike(job, search, folder);
     }
     if (!search->source) { /* of all volumes in the folder */
-        label_search_file(job, search, labels_path(job, file_beside(path, "structures.json")));
+        label_search_file(job, search, job_beside(job, path, "structures.json"));
     }
     if (!search->source) {
-        search_judged(job, search, labels_path(job, file_beside(path, "FreeSurferColorLUT.txt")), judge_freesurfer);
+        search_judged(job, search, job_beside(job, path, "FreeSurferColorLUT.txt"), judge_freesurfer);
     }
     if (!search->source) {
         search_freesurfer(job, search, folder);
@@ -556,12 +552,10 @@ void label_table_of_volume(struct job *job, struct label_table *out, const char 
     }
     file_trace_search(before);
     job_kept(job, &attempt);
-    if (!job_ok(job)) {
-        return;
+    if (job_ok(job)) {
+        *source = search.source;
     }
-    *source = search.source;
     if (found || label_table_has_colours(search.table)) {
-        *out = *search.table;
-        *search.table = (struct label_table){0};
+        labels_move(job, out, search.table);
     }
 }

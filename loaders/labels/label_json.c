@@ -316,57 +316,39 @@ static void parse_ome(struct job *job, struct label_table *out, struct text text
     }
 }
 
-static struct text after(struct text text, size_t count)
+/* Takes `c`, and the white space behind it, off `rest`; false if something else is there. */
+static bool skip(struct text *rest, char c)
 {
-    return text_trim((struct text){text.data + count, text.size - count});
-}
-
-static bool starts_with(struct text text, char c)
-{
-    return text.size && text.data[0] == c;
+    bool is = rest->size && rest->data[0] == c;
+    *rest = is ? text_trim((struct text){rest->data + 1, rest->size - 1}) : *rest;
+    return is;
 }
 
 /* { "17": "Hippocampus": the first key is a number, and its value a text. */
-static bool is_map(const struct label_text *about)
+static bool is_map(const struct label_text *text)
 {
-    struct text text = about->text;
+    struct text rest = text->text;
     size_t digits = 0;
-    struct text rest = after(text, 1);
-    if (!starts_with(text, '{') || !starts_with(rest, '"')) {
-        return false;
-    }
-    rest = after(rest, 1);
+    bool begins = skip(&rest, '{') && skip(&rest, '"');
     while (digits < rest.size && rest.data[digits] >= '0' && rest.data[digits] <= '9') {
         digits++;
     }
-    if (!digits || digits == rest.size || rest.data[digits] != '"') {
-        return false;
-    }
-    rest = after(rest, digits + 1);
-    return starts_with(rest, ':') && starts_with(after(rest, 1), '"');
-}
-
-/* Whether the field `name` stands at `at` of `object`, behind its mark, with a value that begins like one of `starts`.
- */
-static bool is_field(struct text object, size_t at, const char *name, const char *starts)
-{
-    size_t length = strlen(name);
-    const char *start = object.data + at;
-    if (at + length >= object.size || start[-1] != '"' || memcmp(start, name, length) != 0 || start[length] != '"') {
-        return false;
-    }
-    struct text rest = after(object, at + length + 1);
-    struct text value = starts_with(rest, ':') ? after(rest, 1) : (struct text){0};
-    return value.size && memchr(starts, value.data[0], strlen(starts));
+    rest = (struct text){rest.data + digits, rest.size - digits};
+    return begins && digits && skip(&rest, '"') && skip(&rest, ':') && skip(&rest, '"');
 }
 
 /* Whether `object`, text of JSON, has one of the fields `names` with a value that begins like one of `starts`. */
 static bool has_field(struct text object, const char *const *names, size_t count, const char *starts)
 {
     for (size_t i = 0; i < count; i++) {
-        for (size_t at = 1; at < object.size; at++) {
-            if (is_field(object, at, names[i], starts)) {
-                return true;
+        for (size_t at = 0; at < object.size; at++) {
+            struct text rest = {object.data + at, object.size - at};
+            struct text key = {rest.data + 1, strlen(names[i])};
+            if (rest.data[0] == '"' && rest.size > key.size + 1 && text_equal(key, names[i])) {
+                rest = (struct text){key.data + key.size, rest.size - 1 - key.size};
+                if (skip(&rest, '"') && skip(&rest, ':') && rest.size && memchr(starts, rest.data[0], strlen(starts))) {
+                    return true;
+                }
             }
         }
     }
@@ -376,14 +358,13 @@ static bool has_field(struct text object, const char *const *names, size_t count
 /* [ { "label": 1, "name": "Hippocampus": the first object decides. */
 static bool is_objects(const struct label_text *about)
 {
-    struct text text = about->text;
-    bool tree = starts_with(text, '{') && text_mentions(text, "\"children\"");
-    if (!tree && (!starts_with(text, '[') || !starts_with(after(text, 1), '{'))) {
-        return false;
-    }
+    const struct text text = about->text;
+    struct text rest = text;
+    bool is_tree = text.data[0] == '{' && text_mentions(text, "\"children\"");
     const char *end = memchr(text.data, '}', text.size);
     struct text first = {text.data, end ? (size_t)(end - text.data) : text.size};
-    return has_field(first, number_fields, NUMBER_FIELDS, "0123456789") &&
+    return (is_tree || (skip(&rest, '[') && skip(&rest, '{'))) &&
+           has_field(first, number_fields, NUMBER_FIELDS, "0123456789") &&
            has_field(first, name_fields, NAME_FIELDS, "\"");
 }
 
@@ -405,9 +386,13 @@ static bool is_lists(const struct label_text *text)
     return text->text.data[0] == '{' && text_mentions(text->text, "\"labels\"") && text_mentions(text->text, "\"R\"");
 }
 
-const struct label_format label_format_ome = {"OME image-label", LABEL_JSON, is_ome, parse_ome, ".json"};
-const struct label_format label_format_structures = {"BrainGlobe structures", LABEL_JSON, is_structures,
-                                                     parse_structures, NULL};
-const struct label_format label_format_niivue = {"NiiVue labels", LABEL_JSON, is_lists, parse_lists, NULL};
-const struct label_format label_format_map = {"JSON map of names", LABEL_JSON, is_map, parse_map, NULL};
-const struct label_format label_format_objects = {"JSON list of labels", LABEL_JSON, is_objects, parse_objects, NULL};
+const struct label_format label_format_ome = {
+    .name = "OME image-label", .kind = LABEL_JSON, .is = is_ome, .parse = parse_ome, .endings = ".json"};
+const struct label_format label_format_structures = {
+    .name = "BrainGlobe structures", .kind = LABEL_JSON, .is = is_structures, .parse = parse_structures};
+const struct label_format label_format_niivue = {
+    .name = "NiiVue labels", .kind = LABEL_JSON, .is = is_lists, .parse = parse_lists};
+const struct label_format label_format_map = {
+    .name = "JSON map of names", .kind = LABEL_JSON, .is = is_map, .parse = parse_map};
+const struct label_format label_format_objects = {
+    .name = "JSON list of labels", .kind = LABEL_JSON, .is = is_objects, .parse = parse_objects};

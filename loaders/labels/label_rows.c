@@ -30,6 +30,14 @@ static bool next_row(struct text *text, struct row *row)
     return false;
 }
 
+/* Takes the first word off `rest`, empty where there is none. */
+static struct text take_word(struct text *rest)
+{
+    struct text word = {0};
+    text_word(rest, &word);
+    return word;
+}
+
 /* Takes the last word off `rest`. */
 static struct text take_last_word(struct text *rest)
 {
@@ -85,43 +93,53 @@ static bool has_only_first_tab(const struct row *row)
     return tab == row->first.data + row->first.size && !memchr(row->rest.data, '\t', row->rest.size);
 }
 
-/* "1 0.5 0.25 0", or with a fourth number, an opacity, or the label's own number in the place of a name. */
-static bool is_unnamed(const struct label_census *census, const struct row *row, uint64_t *number)
+/* "1 0.5 0.25 0", or with a fourth number, an opacity, or the label's own number in the place of a name. The number is
+ * larger than `last`, that of the row before, unless it is the first. */
+static bool is_unnamed(const struct row *row, uint64_t *last)
 {
     struct text rest = row->rest;
     struct text word;
     size_t words = 0;
-    bool good = text_to_uint(row->first, UINT32_MAX, number) && (!census->rows || *number > census->last);
+    uint64_t number = 0;
+    bool good = text_to_uint(row->first, UINT32_MAX, &number) && (*last == UINT64_MAX || number > *last);
     for (; good && text_word(&rest, &word); words++) {
         double value;
         bool own = words == 3 && text_compare(word, row->first) == 0;
         good = own || (text_to_double(word, &value) && value >= 0 && value <= 1);
     }
+    *last = number;
     return good && (words == 3 || words == 4);
 }
 
 struct label_census label_rows_count(struct text text)
 {
     struct label_census census = {0};
-    for (struct row row = {0}; next_row(&text, &row);) {
-        uint64_t number = 0;
-        census.unnamed += is_unnamed(&census, &row, &number);
-        census.last = number;
+    uint64_t last = UINT64_MAX;
+    for (struct row row = {0}; next_row(&text, &row); census.rows++) {
         struct shape s = shape_of(&row);
         bool five_numbers = s.numbered && s.words == 4 && s.lead == 4;
+        const bool has[SHAPES] = {
+            [SHAPE_PAIRS] = census.rows % 2 == five_numbers,
+            [SHAPE_NUMBER_LAST] =
+                !s.numbered && ((s.words == 1 && s.lead == 1) || (s.words == 2 && s.lead == 0 && s.tail == 1)),
+            [SHAPE_UNNAMED] = is_unnamed(&row, &last),
+            [SHAPE_ITK_SNAP] = s.numbered && s.lead == 6 && s.quoted,
+            [SHAPE_MRTRIX] = s.numbered && s.words == 6 && s.lead == 0 && s.tail == 4,
+            [SHAPE_COLOURED] = s.numbered && s.tail >= 3,
+            [SHAPE_FSLEYES] = s.numbered && s.lead >= 3 && s.lead < s.words,
+            [SHAPE_NAMED] = s.numbered && s.lead < s.words,
+        };
+        for (int i = 0; i < SHAPES; i++) {
+            census.of[i] += has[i];
+        }
         census.tabbed = (census.tabbed || !census.rows) && has_only_first_tab(&row);
-        census.pairs += census.rows % 2 == five_numbers; /* alternately a name and five numbers */
-        census.rows++;
-        census.named += s.numbered && s.lead < s.words;
         census.coded += s.numbered && s.words == 2 && s.lead == 0 && s.tail == 1;
-        census.coloured += s.numbered && s.tail >= 3;
-        census.with_alpha += s.numbered && s.tail >= 4;
-        census.mrtrix += s.numbered && s.words == 6 && s.lead == 0 && s.tail == 4;
-        census.fsleyes += s.numbered && s.lead >= 3 && s.lead < s.words;
-        census.itk_snap += s.numbered && s.lead == 6 && s.quoted;
-        census.number_last +=
-            !s.numbered && ((s.words == 1 && s.lead == 1) || (s.words == 2 && s.lead == 0 && s.tail == 1));
+        census.with_alpha = census.with_alpha || (s.numbered && s.tail >= 4);
     }
+    if (census.rows < 2) { /* one row says too little of these */
+        census.of[SHAPE_NUMBER_LAST] = census.of[SHAPE_UNNAMED] = 0;
+    }
+    census.of[SHAPE_PAIRS] *= census.rows % 2 == 0;
     return census;
 }
 
@@ -138,30 +156,17 @@ static int compare_words(const void *a, const void *b)
     return order ? order : text_compare(x->number, y->number);
 }
 
-static void take_words(struct text *rest, struct text *words, size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        text_word(rest, &words[i]);
-    }
-}
-
-static struct text take_first_word(struct text *rest)
-{
-    struct text word;
-    take_words(rest, &word, 1);
-    return word;
-}
-
-/* Whether a word that `take` finds behind the number differs wherever the numbers do, and so can be a name or a code by
+/* Whether the first, or last, word behind the number differs wherever the numbers do, and so can be a name or a code by
  * itself: "1 Area 17 / 2 Area 18" has names of two words, "1 Precentral_L 2001 / 2 Precentral_R 2002" of one. */
-static bool words_differ(struct job *job, struct text text, size_t rows, struct text (*take)(struct text *rest))
+static bool words_differ(struct job *job, struct text text, size_t rows, bool last)
 {
     const struct job_mark mark = job_mark(job);
     struct word_of *words = job_array(job, &rows, sizeof *words);
     struct row row = {0};
     bool differ = true;
     for (size_t i = 0; i < rows && next_row(&text, &row); i++) {
-        words[i] = (struct word_of){take(&row.rest), row.first};
+        words[i].number = row.first;
+        words[i].word = last ? take_last_word(&row.rest) : take_word(&row.rest);
     }
     if (rows) {
         qsort(words, rows, sizeof *words, compare_words);
@@ -174,40 +179,10 @@ static bool words_differ(struct job *job, struct text text, size_t rows, struct 
     return differ;
 }
 
-/* What a format needs to know to parse a row. */
-struct layout {
-    bool coded;         /* MRIcron: a code behind the name */
-    size_t numbers;     /* of colours after the name: 3 or 4 */
-    bool two_names;     /* MRtrix: abbreviation and name */
-    bool underscores;   /* in names, where spaces are meant */
-    struct text before; /* what the row before says */
-};
-
-/* Fills all but the number of a row's entry. */
-typedef void parse_row(struct job *job, struct label_row *out, const struct row *row, const struct layout *layout);
-
-static void keep_row(struct job *job, struct label_table *out, const struct row *row, struct text number,
-                     parse_row *parse, const struct layout *layout)
+static struct text unquote(struct text text)
 {
-    struct label_row entry = {0};
-    size_t place = job_in(job, "line ", row->line);
-    entry.label.number = label_cell_number(job, number);
-    parse(job, &entry, row, layout);
-    job_out(job, place);
-    labels_keep(job, out, &entry);
-}
-
-static void parse_rows(struct job *job, struct label_table *out, struct text text, parse_row *parse,
-                       const struct layout *layout)
-{
-    for (struct row row = {0}; job_ok(job) && next_row(&text, &row);) {
-        keep_row(job, out, &row, row.first, parse, layout);
-    }
-}
-
-static bool is_quoted(struct text text)
-{
-    return text.size >= 2 && text.data[0] == '"' && text.data[text.size - 1] == '"';
+    bool quoted = text.size >= 2 && text.data[0] == '"' && text.data[text.size - 1] == '"';
+    return quoted ? (struct text){text.data + 1, text.size - 2} : text;
 }
 
 /* Whether a name begins as FSLeyes's three colours do, with decimal commas: "0,1 0,93 1 Frontal Pole". */
@@ -223,19 +198,56 @@ static bool begins_as_colours(struct text name)
     return comma && numbers == 3;
 }
 
-static struct text unquote(struct text text)
+/* The numbers before or behind the name. The opacity says nothing about visibility: it is 0 in FreeSurfer's own file.
+ */
+static void read_numbers(struct job *job, struct label_row *out, const struct text *cells, size_t count,
+                         const struct label_rows *rows)
 {
-    return (struct text){text.data + 1, text.size - 2};
+    static const char *const what[] = {"opacity", "visibility", "mesh visibility"};
+    if (count) {
+        label_cell_rgb(job, &out->label, cells, rows->fractions ? label_cell_fraction : label_cell_channel);
+    }
+    if (count == 4) {
+        (void)label_cell_channel(job, cells[3], what[0]);
+    }
+    for (size_t i = 3; count > 4 && i < count; i++) { /* ITK-SNAP's own opacities are 0 to 1, of others 0 to 255 */
+        double value;
+        if (!(text_to_double(cells[i], &value) && value >= 0 && value <= 255)) {
+            job_bad(job, "%s is not a number from 0 to 255", what[i - 3]);
+        }
+    }
 }
 
-static void parse_plain_row(struct job *job, struct label_row *out, const struct row *row, const struct layout *layout)
+/* Fills all but the number of an entry from what stands beside that. */
+static void read_row(struct job *job, struct label_row *out, const struct row *row, const struct label_rows *rows,
+                     size_t tail)
 {
-    out->name = row->rest;
-    if (layout->coded) {
-        take_last_word(&out->name);
+    struct text cells[6] = {{0}};
+    struct text rest = row->rest;
+    size_t found = tail ? shape_of(row).tail : 0;
+    if (found < tail) {
+        job_bad(job, "%zu numbers after the name, %zu (%s) are needed as in the other lines", found, tail,
+                tail == 4 ? "R G B A" : "R G B");
     }
-    out->name = is_quoted(out->name) ? unquote(out->name) : out->name;
-    if (begins_as_colours(out->name)) {
+    for (size_t i = 0; i < tail + rows->lead; i++) {
+        cells[tail ? tail - 1 - i : i] = tail ? take_last_word(&rest) : take_word(&rest);
+    }
+    read_numbers(job, out, cells, tail + rows->lead, rows);
+    out->underscores = rows->underscores;
+    if (rows->two_names) {
+        out->abbreviation = take_word(&rest);
+    } else if (rows->number_last) {
+        struct text name = take_last_word(&rest);
+        out->abbreviation = rest;
+        rest = name;
+    } else if (rows->coded) {
+        take_last_word(&rest);
+    }
+    rest = text_trim(rest);
+    out->name = rows->quoted || rows->is_plain ? unquote(rest) : rest;
+    if (rows->quoted && out->name.size == rest.size) {
+        job_bad(job, "no name in quotation marks after IDX R G B A VIS MSH");
+    } else if (rows->is_plain && begins_as_colours(out->name)) {
         job_bad(job, "\"%.*s\": decimals are written with a point", TEXT_SHOW(out->name, 40));
     }
 }
@@ -243,239 +255,108 @@ static void parse_plain_row(struct job *job, struct label_row *out, const struct
 /* In a short list, "1 Area 17 / 2 Crus 1", numbers may differ and yet belong to the names. */
 enum { CODED_ROWS = 8 };
 
-/* "1 Precentral_L", "1<tab>Frontal Pole", "1 Precentral_L 2001". */
-static void parse_plain(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
+void label_rows_parse(struct job *job, struct label_table *out, struct text text, const struct label_rows *format)
 {
     const struct label_census census = label_rows_count(text);
-    struct layout layout = {.coded = census.coded == census.rows && census.rows >= CODED_ROWS && !census.tabbed};
-    (void)use;
-    layout.coded = layout.coded && words_differ(job, text, census.rows, take_first_word) &&
-                   words_differ(job, text, census.rows, take_last_word);
-    parse_rows(job, out, text, parse_plain_row, &layout);
-}
-
-/* The opacity says nothing about visibility: it is 0 in FreeSurfer's own file. */
-static void check_opacity(struct job *job, struct text cell)
-{
-    (void)label_cell_channel(job, cell, "opacity");
-}
-
-static void parse_colour_row(struct job *job, struct label_row *out, const struct row *row, const struct layout *layout)
-{
-    struct text cells[4] = {{0}};
-    size_t numbers = shape_of(row).tail;
-    if (numbers < layout->numbers) {
-        job_bad(job, "%zu numbers after the name, %zu (%s) are needed as in the other lines", numbers, layout->numbers,
-                layout->numbers == 4 ? "R G B A" : "R G B");
-    }
-    out->name = row->rest;
-    for (size_t i = layout->numbers; i-- > 0;) {
-        cells[i] = take_last_word(&out->name);
-    }
-    label_cell_rgb(job, &out->label, cells, label_cell_channel);
-    if (layout->numbers == 4) {
-        check_opacity(job, cells[3]);
-    }
-    if (layout->two_names) {
-        text_word(&out->name, &out->abbreviation);
-    }
-    out->underscores = layout->underscores;
-}
-
-static void parse_colours(struct job *job, struct label_table *out, struct text text, bool underscores)
-{
-    const struct layout layout = {.numbers = label_rows_count(text).with_alpha ? 4 : 3, .underscores = underscores};
-    parse_rows(job, out, text, parse_colour_row, &layout);
-}
-
-/* "1 Left-Hippocampus 220 216 20 0". */
-static void parse_freesurfer(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
-{
-    (void)use;
-    parse_colours(job, out, text, false);
-}
-
-static void parse_slicer(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
-{
-    (void)use;
-    parse_colours(job, out, text, true);
-}
-
-/* "1 L.HIPP Left-Hippocampus 220 216 20 255"; but where the second words repeat, they are a part of the name. */
-static void parse_mrtrix(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
-{
-    struct layout layout = {.numbers = 4};
-    (void)use;
-    layout.two_names = words_differ(job, text, label_rows_count(text).rows, take_first_word);
-    parse_rows(job, out, text, parse_colour_row, &layout);
-}
-
-/* "1 0.5 0.25 0 Frontal Pole". */
-static void parse_fsleyes_row(struct job *job, struct label_row *out, const struct row *row,
-                              const struct layout *layout)
-{
-    struct text cells[3] = {{0}};
-    (void)layout;
-    out->name = row->rest;
-    take_words(&out->name, cells, 3);
-    label_cell_rgb(job, &out->label, cells, label_cell_fraction);
-}
-
-static void parse_fsleyes(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
-{
-    (void)use;
-    parse_rows(job, out, text, parse_fsleyes_row, NULL);
-}
-
-/* A number and a colour. Text behind the colour is no name. */
-static void parse_unnamed_row(struct job *job, struct label_row *out, const struct row *row,
-                              const struct layout *layout)
-{
-    parse_fsleyes_row(job, out, row, layout);
-    out->name = (struct text){0};
-}
-
-static void parse_unnamed(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
-{
-    (void)use;
-    parse_rows(job, out, text, parse_unnamed_row, NULL);
-}
-
-/* `1 220 216 20 1.00 1 1 "Left hippocampus"`. */
-static void parse_itk_snap_row(struct job *job, struct label_row *out, const struct row *row,
-                               const struct layout *layout)
-{
-    struct text rest = row->rest;
-    struct text cells[6] = {{0}};
-    (void)layout;
-    take_words(&rest, cells, 6);
-    label_cell_rgb(job, &out->label, cells, label_cell_channel);
-    for (int i = 3; i < 6; i++) { /* ITK-SNAP's own opacities are 0 to 1, those of others 0 to 255 */
-        static const char *const what[] = {"opacity", "visibility", "mesh visibility"};
-        double value;
-        if (!(text_to_double(cells[i], &value) && value >= 0 && value <= 255)) {
-            job_bad(job, "%s is not a number from 0 to 255", what[i - 3]);
-        }
-    }
-    rest = text_trim(rest);
-    if (!is_quoted(rest)) {
-        job_bad(job, "no name in quotation marks after IDX R G B A VIS MSH");
-        return;
-    }
-    out->name = unquote(rest);
-}
-
-static void parse_itk_snap(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
-{
-    (void)use;
-    parse_rows(job, out, text, parse_itk_snap_row, NULL);
-}
-
-/* The name in "HIPL Hippocampus_L 4101" or "Hippocampus_L 4101", whose number was taken off. */
-static void parse_names_row(struct job *job, struct label_row *out, const struct row *row, const struct layout *layout)
-{
-    (void)job;
-    (void)layout;
-    out->abbreviation = row->rest;
-    out->name = take_last_word(&out->abbreviation);
-}
-
-static void parse_aal(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
-{
-    (void)use;
+    const size_t count = census.rows;
+    struct label_rows rows = *format;
+    size_t tail = rows.colours_last ? census.with_alpha ? 4 : 3 : 0;
+    rows.coded = rows.is_plain && census.coded == count && count >= CODED_ROWS && !census.tabbed &&
+                 words_differ(job, text, count, false) && words_differ(job, text, count, true);
+    rows.two_names = rows.two_names && words_differ(job, text, count, false);
     for (struct row row = {0}; job_ok(job) && next_row(&text, &row);) {
-        row.rest = row.all;
-        struct text number = take_last_word(&row.rest);
-        keep_row(job, out, &row, number, parse_names_row, NULL);
-    }
-}
-
-/* "KEY R G B A", below a line with the name. */
-static void parse_pair_row(struct job *job, struct label_row *out, const struct row *row, const struct layout *layout)
-{
-    struct text rest = row->rest;
-    struct text cells[4] = {{0}};
-    take_words(&rest, cells, 4);
-    label_cell_rgb(job, &out->label, cells, label_cell_channel);
-    check_opacity(job, cells[3]);
-    out->name = layout->before;
-}
-
-/* Workbench's text: a line with the name, a line "KEY R G B A". */
-static void parse_pairs(struct job *job, struct label_table *out, struct text text, const struct label_use *use)
-{
-    (void)use;
-    for (struct row row = {0}; job_ok(job) && next_row(&text, &row);) {
-        const struct layout layout = {.before = row.all};
-        if (next_row(&text, &row)) {
-            keep_row(job, out, &row, row.first, parse_pair_row, &layout);
+        struct label_row entry = {0};
+        const struct text above = row.all;
+        if (rows.name_above && !next_row(&text, &row)) {
+            break;
         }
+        size_t place = job_in(job, "line ", row.line);
+        row.rest = rows.number_last ? row.all : row.rest;
+        entry.label.number = label_cell_number(job, rows.number_last ? take_last_word(&row.rest) : row.first);
+        read_row(job, &entry, &row, &rows, tail);
+        entry.name = rows.name_above ? above : rows.unnamed ? (struct text){0} : entry.name;
+        job_out(job, place);
+        labels_keep(job, out, &entry);
     }
 }
 
-static bool is_pairs(const struct label_text *text)
+bool label_rows_are(const struct label_text *text, const struct label_rows *rows)
 {
-    return text->census->rows >= 2 && text->census->rows % 2 == 0 && text->census->pairs == text->census->rows;
-}
-
-static bool is_aal(const struct label_text *text)
-{
-    return text->census->rows >= 2 && text->census->number_last == text->census->rows;
-}
-
-static bool is_unnamed_list(const struct label_text *text)
-{
-    return text->census->rows >= 2 && text->census->unnamed == text->census->rows;
-}
-
-static bool has_most(const struct label_text *text, size_t rows)
-{
-    return rows > text->census->rows / 2;
-}
-
-static bool is_itk_snap(const struct label_text *text)
-{
-    return has_most(text, text->census->itk_snap);
-}
-
-static bool is_freesurfer(const struct label_text *text)
-{
-    return has_most(text, text->census->coloured);
-}
-
-static bool is_mrtrix(const struct label_text *text)
-{
-    return is_freesurfer(text) && text->census->mrtrix == text->census->rows;
-}
-
-static bool is_slicer(const struct label_text *text)
-{
+    const size_t count = text->census->of[rows->shape];
     struct text rest = text->text;
     struct text line;
-    return is_freesurfer(text) && text_line(&rest, &line) && line.size && line.data[0] == '#' &&
-           text_mentions(line, "Color table file");
+    bool says = !rows->says || (text_line(&rest, &line) && text_starts(line, "#") && text_mentions(line, rows->says));
+    return says && (rows->everywhere ? count && count == text->census->rows : count > text->census->rows / 2);
 }
 
-static bool is_fsleyes(const struct label_text *text)
-{
-    return has_most(text, text->census->fsleyes);
-}
+/* A line with the name, a line "KEY R G B A". */
+const struct label_format label_format_pairs = {
+    .name = "Workbench label list",
+    .kind = LABEL_ROWS,
+    .rows = &(const struct label_rows){.shape = SHAPE_PAIRS, .everywhere = true, .lead = 4, .name_above = true},
+};
 
-static bool is_plain(const struct label_text *text)
-{
-    return has_most(text, text->census->named);
-}
+/* "HIPL Hippocampus_L 4101", "Hippocampus_L 4101". */
+const struct label_format label_format_aal = {
+    .name = "AAL text",
+    .kind = LABEL_ROWS,
+    .rows = &(const struct label_rows){.shape = SHAPE_NUMBER_LAST, .everywhere = true, .number_last = true},
+    .endings = ".nii.txt/.txt",
+};
 
-const struct label_format label_format_pairs = {"Workbench label list", LABEL_ROWS, is_pairs, parse_pairs, NULL};
-const struct label_format label_format_aal = {"AAL text", LABEL_ROWS, is_aal, parse_aal, ".nii.txt/.txt"};
-const struct label_format label_format_colours = {"FSLeyes colours", LABEL_ROWS, is_unnamed_list, parse_unnamed, NULL};
-const struct label_format label_format_itk_snap = {"ITK-SNAP labels", LABEL_ROWS, is_itk_snap, parse_itk_snap,
-                                                   ".label"};
-const struct label_format label_format_mrtrix = {"MRtrix or FreeSurfer colour table", LABEL_ROWS, is_mrtrix,
-                                                 parse_mrtrix, NULL};
-const struct label_format label_format_slicer = {"Slicer colour table", LABEL_ROWS, is_slicer, parse_slicer, ".ctbl"};
-const struct label_format label_format_freesurfer = {"FreeSurfer colour table", LABEL_ROWS, is_freesurfer,
-                                                     parse_freesurfer, NULL};
-const struct label_format label_format_fsleyes = {"FSLeyes colour table", LABEL_ROWS, is_fsleyes, parse_fsleyes,
-                                                  ".nii.lut/.lut"};
-const struct label_format label_format_plain = {"MRIcron text", LABEL_ROWS, is_plain, parse_plain, NULL};
+/* "1 0.5 0.25 0": text behind the colour is no name. */
+const struct label_format label_format_colours = {
+    .name = "FSLeyes colours",
+    .kind = LABEL_ROWS,
+    .rows =
+        &(const struct label_rows){
+            .shape = SHAPE_UNNAMED, .everywhere = true, .lead = 3, .fractions = true, .unnamed = true},
+};
+
+/* `1 220 216 20 1.00 1 1 "Left hippocampus"`. */
+const struct label_format label_format_itk_snap = {
+    .name = "ITK-SNAP labels",
+    .kind = LABEL_ROWS,
+    .rows = &(const struct label_rows){.shape = SHAPE_ITK_SNAP, .lead = 6, .quoted = true},
+    .endings = ".label",
+};
+
+/* "1 L.HIPP Left-Hippocampus 220 216 20 255"; but where the second words repeat, they are a part of the name. */
+const struct label_format label_format_mrtrix = {
+    .name = "MRtrix or FreeSurfer colour table",
+    .kind = LABEL_ROWS,
+    .rows =
+        &(const struct label_rows){.shape = SHAPE_MRTRIX, .everywhere = true, .colours_last = true, .two_names = true},
+};
+
+/* "1 Left_hippocampus 220 216 20 255". */
+const struct label_format label_format_slicer = {
+    .name = "Slicer colour table",
+    .kind = LABEL_ROWS,
+    .rows =
+        &(const struct label_rows){
+            .shape = SHAPE_COLOURED, .says = "Color table file", .colours_last = true, .underscores = true},
+    .endings = ".ctbl",
+};
+
+/* "1 Left-Hippocampus 220 216 20 0". */
+const struct label_format label_format_freesurfer = {
+    .name = "FreeSurfer colour table",
+    .kind = LABEL_ROWS,
+    .rows = &(const struct label_rows){.shape = SHAPE_COLOURED, .colours_last = true},
+};
+
+/* "1 0.5 0.25 0 Frontal Pole". */
+const struct label_format label_format_fsleyes = {
+    .name = "FSLeyes colour table",
+    .kind = LABEL_ROWS,
+    .rows = &(const struct label_rows){.shape = SHAPE_FSLEYES, .lead = 3, .fractions = true},
+    .endings = ".nii.lut/.lut",
+};
+
+/* "1 Precentral_L", "1<tab>Frontal Pole", "1 Precentral_L 2001". */
+const struct label_format label_format_plain = {
+    .name = "MRIcron text",
+    .kind = LABEL_ROWS,
+    .rows = &(const struct label_rows){.shape = SHAPE_NAMED, .is_plain = true},
+};

@@ -5,7 +5,6 @@
 
 #include "base/files/file_trace.h"
 #include "base/files/folder.h"
-#include "base/formats/encoding.h"
 #include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_format.h"
@@ -76,16 +75,6 @@ static bool read_lines(struct job *job, struct label_table *out, struct text tex
     return lines && out->count == count;
 }
 
-static struct text decode(struct job *job, const struct bytes *bytes)
-{
-    struct text text = text_from_bytes(bytes->data, bytes->size);
-    char *owned = NULL;
-    if (text_is_readable(text) && JOB_CALL(job, encoding_decode(&owned, &text, &job->notes)) && owned) {
-        job_adopt(job, owned);
-    }
-    return job_ok(job) ? text : (struct text){0};
-}
-
 /* Reads the text of the file as a table into `out`; false if it is none. */
 static bool read_names(struct job *job, struct label_table *out, const struct bytes *bytes, struct text text,
                        const struct label_use *wanted)
@@ -104,15 +93,11 @@ static bool read_names(struct job *job, struct label_table *out, const struct by
     struct attempt silent = job_try(job); /* it counts from 0 or not: that is asked here */
     label_text_parse(job, out, format, text, &use);
     bool twice = job->notes.count > silent.notes + (out->zero && !label_is_background(text_from(out->zero)));
-    if (!job_ok(job)) {
-        job_kept(job, &silent);
-        return false;
-    }
-    (void)job_dropped(job, &silent);
-    if (twice) { /* a number */
+    labels_hush(job, &silent);
+    if (twice && job_ok(job)) { /* a number */
         label_table_finish(out);
     }
-    return true;
+    return job_ok(job);
 }
 
 /* Ends an attempt at a table: the error of one that was given stays, that of one that was found is a note. */
@@ -139,7 +124,10 @@ static void take_names(struct job *job, struct label_table *out, const char *pat
     struct bytes bytes = label_file_bytes(job, path, use->max_memory);
     size_t place = job_in(job, path, JOB_ALONE);
     job_out(job, given ? place + 1 : place); /* the note about one that was found has its name */
-    struct text text = decode(job, &bytes);
+    struct text text = text_from_bytes(bytes.data, bytes.size);
+    if (text_is_readable(text)) {
+        labels_decode(job, &text);
+    }
     bool is_table = settle(job, &attempt, path, given);
     attempt = job_try(job);
     is_table = is_table && read_names(job, table, &bytes, text, use);
@@ -153,14 +141,13 @@ static void take_names(struct job *job, struct label_table *out, const char *pat
                  "%s is not used for the names of the volumes: needed is another name for each number from 0 to %zu, "
                  "or from 1 to %zu",
                  path_base(path), count - 1, count);
-    } else if (job_ok(job)) {
-        *out = *table;
-        *table = (struct label_table){0};
-        if (is_listed) {
-            job_made_of(job, path, &bytes);
-        }
-        file_trace_take(path);
+        return;
     }
+    if (is_listed) {
+        job_made_of(job, path, &bytes);
+    }
+    file_trace_take(path);
+    labels_move(job, out, table);
 }
 
 /* The path that gives the names, NULL where there is none. */

@@ -60,5 +60,5 @@ static bool is_workbench(const struct label_text *text)
     return text_is_one_of(text->root, "CaretExtension/CaretVolumeExtension/LabelTable", true);
 }
 
-const struct label_format label_format_workbench = {"Workbench label table", LABEL_MARKUP, is_workbench,
-                                                    parse_workbench, NULL};
+const struct label_format label_format_workbench = {
+    .name = "Workbench label table", .kind = LABEL_MARKUP, .is = is_workbench, .parse = parse_workbench};

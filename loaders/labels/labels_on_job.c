@@ -2,6 +2,8 @@
 /* Label tables that a job makes. */
 #include "loaders/labels/labels_on_job.h"
 
+#include "base/formats/encoding.h"
+
 #include <string.h>
 
 static void finish_table(void *table)
@@ -43,23 +45,27 @@ void labels_sort(struct job *job, struct label_table *table)
     (void)JOB_CALL(job, label_table_sort(table, &job->notes));
 }
 
-char *labels_path(struct job *job, char *path)
+void labels_move(struct job *job, struct label_table *out, struct label_table *table)
 {
-    job_took(job, path ? CONUS_OK : CONUS_ERROR_MEMORY);
-    path = job_adopt(job, path);
-    return path ? path : job->nothing;
-}
-
-static void finish_names(void *names)
-{
-    names_finish(names);
-}
-
-struct names labels_names(struct job *job, const char *folder, const char *endings)
-{
-    struct names *names = job_new(job, struct names);
-    if (names) {
-        job_own(job, finish_names, names);
+    if (job_ok(job)) {
+        *out = *table;
+        *table = (struct label_table){0};
     }
-    return JOB_CALL(job, names_list(names, folder, endings)) ? *names : (struct names){0};
+}
+
+void labels_hush(struct job *job, const struct attempt *attempt)
+{
+    if (job_ok(job)) {
+        (void)job_dropped(job, attempt);
+    } else {
+        job_kept(job, attempt);
+    }
+}
+
+void labels_decode(struct job *job, struct text *text)
+{
+    char *owned = NULL;
+    if (JOB_CALL(job, encoding_decode(&owned, text, &job->notes)) && owned) {
+        job_adopt(job, owned);
+    }
 }

@@ -5,7 +5,6 @@
 #define CONUS_LOADERS_LABELS_LABELS_ON_JOB_H
 
 #include "atlas/labels/labels.h"
-#include "base/files/folder.h"
 #include "base/job/job.h"
 
 /** An empty table; after a failure one that is none of the job's. */
@@ -23,10 +22,13 @@ void labels_set(struct job *job, char **field, struct text text);
 /** As label_table_sort(), with notes of the job. */
 void labels_sort(struct job *job, struct label_table *table);
 
-/** Takes over @p path of path_folder() and its kind; after a failure, or without memory, "". */
-char *labels_path(struct job *job, char *path);
+/** Gives all that @p table has to the empty @p out, unless the job has failed. */
+void labels_move(struct job *job, struct label_table *out, struct label_table *table);
 
-/** names_list() of @p folder, which the job owns. */
-struct names labels_names(struct job *job, const char *folder, const char *endings);
+/** Ends an attempt whose notes nobody hears: its error stays. */
+void labels_hush(struct job *job, const struct attempt *attempt);
+
+/** encoding_decode() of @p text into the job's memory. */
+void labels_decode(struct job *job, struct text *text);
 
 #endif

@@ -1,12 +1,37 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Entries of a manifest for the surfaces in a folder. */
+/* Entries of a manifest for the surfaces in a folder, or for the files of BrainGlobe. */
 #include "loaders/manifest/manifest_surfaces.h"
 
 #include "base/files/file.h"
-#include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_scan.h"
 
 #include <string.h>
+
+static bool has_file(struct job *job, const char *folder, const char *name)
+{
+    return job_has_file(job, job_format(job, "%s%s", folder, name));
+}
+
+bool brainglobe_has_voxels(struct job *job, const char *folder)
+{
+    bool annotated = has_file(job, folder, BRAINGLOBE_ANNOTATION);
+    return has_file(job, folder, "structures.json") && annotated;
+}
+
+const char *brainglobe_of_meshes(struct job *job, const char *path)
+{
+    static const char name[] = "/meshes";
+    size_t tail = strlen(name);
+    size_t length = strlen(path);
+    while (length && path[length - 1] == '/') {
+        length--;
+    }
+    if (length < tail || strncmp(path + length - tail, name, tail) != 0) {
+        return NULL;
+    }
+    const char *folder = job_format(job, "%.*s/", (int)(length - tail), path);
+    return has_file(job, folder, "structures.json") ? folder : NULL;
+}
 
 /* Takes an area if it loads; logs that `name`, unless NULL, is left out if not. */
 static bool take_area(struct job *job, const struct manifest_draft *draft, json_t *area, const char *name)
@@ -122,7 +147,7 @@ static void look_for_hemispheres(struct job *job, struct manifest_draft *draft, 
     for (size_t i = 0; !names.count && i < sizeof kinds / sizeof kinds[0]; i++) {
         for (size_t side = 0; side < 2; side++) {
             char *name = job_format(job, "%s%s", side ? "rh" : "lh", kinds[i]);
-            if (job_has_file(job, job_format(job, "%s%s", path, name))) {
+            if (has_file(job, path, name)) {
                 both[names.count++] = name;
             }
         }
@@ -203,7 +228,10 @@ struct text manifest_of_folder(struct job *job, const char *folder, bool meshes)
     struct manifest_draft draft = {.folder = folder, .options = &silent};
     manifest_draft_init(job, &draft);
     if (!meshes && brainglobe_has_voxels(job, folder)) {
-        manifest_brainglobe_set(job, &draft);
+        draft.parcellation = manifest_draft_json(job, json_pack("{s:s}", "file", BRAINGLOBE_ANNOTATION));
+        if (has_file(job, folder, BRAINGLOBE_REFERENCE)) {
+            draft.context = manifest_draft_json(job, json_pack("{s:s}", "file", BRAINGLOBE_REFERENCE));
+        }
     } else {
         manifest_surfaces_add(job, &draft, "");
         if (!json_array_size(draft.areas)) {

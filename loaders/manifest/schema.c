@@ -7,16 +7,17 @@
 #include <string.h>
 
 /* `text` as part of one line: at most 40 bytes, control characters as '?'. */
-static const char *quote_text(char out[48], const char *text)
+static const char *quote_text(struct job *job, const char *text)
 {
-    size_t i = 0;
-    for (; text[i] && i < 40; i++) {
-        out[i] = (unsigned char)text[i] < 0x20 || text[i] == 0x7f ? '?' : text[i];
+    enum { SHOWN = 40 };
+    size_t size = strnlen(text, SHOWN);
+    while (size && ((unsigned char)text[size] & 0xc0) == 0x80) { /* never half a character */
+        size--;
     }
-    while (i && ((unsigned char)text[i] & 0xc0) == 0x80) { /* never half a character */
-        i--;
+    char *out = job_format(job, "%.*s%s", (int)size, text, text[size] ? "..." : "");
+    for (char *c = out; *c; c++) {
+        *c = (unsigned char)*c < 0x20 || *c == 0x7f ? '?' : *c;
     }
-    snprintf(out + i, 4, "%s", text[i] ? "..." : "");
     return out;
 }
 
@@ -25,23 +26,17 @@ void schema_fail(const struct schema_place *place, const json_t *value, const ch
     static const char *const types[] = {
         [JSON_OBJECT] = "an object", [JSON_ARRAY] = "a list", [JSON_STRING] = "a text", [JSON_INTEGER] = "a number",
         [JSON_REAL] = "a number",    [JSON_TRUE] = "true",    [JSON_FALSE] = "false",   [JSON_NULL] = "null"};
-    char text[48];
-    char found[72];
-    if (json_is_string(value)) {
-        snprintf(found, sizeof found, "\"%s\"", quote_text(text, json_string_value(value)));
-    } else if (json_is_number(value)) {
-        snprintf(found, sizeof found, "%.9g", json_number_value(value));
-    } else {
-        snprintf(found, sizeof found, "%s", types[json_typeof(value)]);
-    }
-    job_bad(place->job, "%s: found %s, %s is needed", place->key[0] ? place->key : "content", found, wanted);
+    struct job *job = place->job;
+    const char *found = json_is_string(value)   ? job_format(job, "\"%s\"", quote_text(job, json_string_value(value)))
+                        : json_is_number(value) ? job_format(job, "%.9g", json_number_value(value))
+                                                : types[json_typeof(value)];
+    job_bad(job, "%s: found %s, %s is needed", place->key[0] ? place->key : "content", found, wanted);
 }
 
 static struct schema_place place_of_key(const struct schema_place *place, const char *key)
 {
-    char text[48];
     struct schema_place inner = *place;
-    snprintf(inner.key, sizeof inner.key, "%.100s%s%s", place->key, place->key[0] ? "." : "", quote_text(text, key));
+    snprintf(inner.key, sizeof inner.key, "%.100s%s%s", place->key, place->key[0] ? "." : "", key);
     return inner;
 }
 
@@ -52,13 +47,14 @@ struct schema_place schema_element(const struct schema_place *place, size_t inde
     return inner;
 }
 
-static void fail_unknown(const struct schema_place *place, const struct schema_field *keys)
+static void fail_unknown(const struct schema_place *place, const char *key)
 {
-    const char *known = keys->key;
-    while ((++keys)->key) {
-        known = job_format(place->job, "%s, %s", known, keys->key);
+    const struct schema_field *field = place->field->keys;
+    const char *known = field->key;
+    while ((++field)->key) {
+        known = job_format(place->job, "%s, %s", known, field->key);
     }
-    job_bad(place->job, "%s: unknown key, allowed are %s", place->key, known);
+    job_bad(place->job, "%s: unknown key, allowed are %s", place_of_key(place, quote_text(place->job, key)).key, known);
 }
 
 void schema_object(const struct schema_place *place, void *out, const json_t *object)
@@ -70,15 +66,16 @@ void schema_object(const struct schema_place *place, void *out, const json_t *ob
     }
     json_object_foreach((json_t *)object, key, value)
     {
-        struct schema_place inner = place_of_key(place, key);
-        inner.field = place->field->keys;
-        while (inner.field->key && strcmp(inner.field->key, key) != 0) {
-            inner.field++;
+        const struct schema_field *field = place->field->keys;
+        while (field->key && strcmp(field->key, key) != 0) {
+            field++;
         }
-        if (inner.field->key) {
-            inner.field->read(&inner, (char *)out + inner.field->offset, value);
+        if (field->key) {
+            struct schema_place inner = place_of_key(place, key);
+            inner.field = field;
+            field->read(&inner, (char *)out + field->offset, value);
         } else {
-            fail_unknown(&inner, place->field->keys);
+            fail_unknown(place, key);
         }
     }
     for (const struct schema_field *field = place->field->keys; field->key; field++) {
@@ -114,13 +111,13 @@ void schema_list(const struct schema_place *place, void *out, const json_t *valu
     } else if (list->most && count > list->most) {
         job_bad(place->job, "%s: %zu entries, allowed are %zu", place->key, count, list->most);
     }
-    char *entries = job_zeroed(place->job, count + 1, list->size); /* one more: of an empty list it is not NULL */
-    count = entries ? count : 0;
+    LIST(char) entries = {.at = job_zeroed(place->job, count + 1, list->size)}; /* one more: not NULL without entries */
+    entries.count = entries.at ? count : 0;
+    entries.capacity = entries.count;
     memcpy(out, &entries, sizeof entries); /* a pointer of another type is not written as one of this */
-    memcpy((char *)out + list->count, &count, sizeof count);
-    for (size_t i = 0; i < count && job_ok(place->job); i++) {
+    for (size_t i = 0; i < entries.count && job_ok(place->job); i++) {
         struct schema_place inner = is_one ? *place : schema_element(place, i);
-        list->each(&inner, entries + i * list->size, is_one ? value : json_array_get(value, i));
+        list->each(&inner, entries.at + i * list->size, is_one ? value : json_array_get(value, i));
     }
 }
 
@@ -155,25 +152,26 @@ void schema_flag(const struct schema_place *place, void *out, const json_t *valu
 
 void schema_positive(const struct schema_place *place, void *out, const json_t *value)
 {
+    const struct schema_field *field = place->field;
     double number = json_number_value(value);
     *(double *)out = number;
-    if (!(number > 0) || !isfinite(number)) {
-        schema_fail(place, value, "a number above 0");
+    if (!(number > 0) || !isfinite(number) || (field->most && number > (double)field->most)) {
+        schema_fail(place, value, field->wanted ? field->wanted : "a number above 0");
     }
 }
 
 /* True when following `path` never climbs above where it begins. */
 static bool stays_inside(const char *path)
 {
+    bool inside = path[0] != '/';
+    struct text rest = text_from(path);
+    struct text part;
     long depth = 0;
-    for (const char *part = path; *part && depth >= 0;) {
-        size_t length = strcspn(part, "/");
-        bool up = length == 2 && memcmp(part, "..", 2) == 0;
-        bool here = length == 0 || (length == 1 && part[0] == '.');
-        depth += up ? -1 : here ? 0 : 1;
-        part += length + (part[length] == '/');
+    for (bool more = true; inside && text_field(&rest, '/', &more, &part);) {
+        depth += text_equal(part, "..") ? -1 : part.size && !text_equal(part, ".");
+        inside = depth >= 0;
     }
-    return depth >= 0 && path[0] != '/';
+    return inside;
 }
 
 void schema_path(const struct schema_place *place, void *out, const json_t *value)
@@ -185,14 +183,17 @@ void schema_path(const struct schema_place *place, void *out, const json_t *valu
     schema_text(place, out, value);
 }
 
-uint32_t schema_uint(const struct schema_place *place, const json_t *value, json_int_t least)
+void schema_uint(const struct schema_place *place, void *out, const json_t *value)
 {
+    const struct schema_field *field = place->field;
     json_int_t number = json_is_integer(value) ? json_integer_value(value) : -1;
-    if (number >= least && number <= UINT32_MAX) {
-        return (uint32_t)number;
+    *(uint32_t *)out = (uint32_t)number;
+    if (number < field->first || number > UINT32_MAX) {
+        schema_fail(place, value,
+                    field->wanted  ? field->wanted
+                    : field->first ? "a whole number from 1 to 4294967295"
+                                   : "a whole number from 0 to 4294967295");
     }
-    schema_fail(place, value, least ? "a whole number from 1 to 4294967295" : "a whole number from 0 to 4294967295");
-    return 0;
 }
 
 unsigned schema_index(const struct schema_place *place, const json_t *value)

@@ -11,7 +11,6 @@
 #include "loaders/file_kind.h"
 #include "loaders/labels/fsl_atlas.h"
 #include "loaders/manifest/manifest.h"
-#include "loaders/manifest/manifest_brainglobe.h"
 #include "loaders/manifest/manifest_surfaces.h"
 #include "loaders/maps/atlas_on_job.h"
 #include "loaders/scene/load_manifest.h"

@@ -365,6 +365,7 @@ static void points_are_held_only_if_all_are_there(void **state)
     conus_atlas *atlas = NULL;
     const char *path = write_lines("held.tck");
     test_every_allocation(load_lines_mapped, (void *)path);
+    assert_true(test_every_primitive(load_lines_mapped, (void *)path) > 5);
     assert_ok(file_state_find(&before, path));
     assert_ok(load_mapped(&atlas, path));
     assert_int_equal(truncate(path, TCK_HEADER), 0);

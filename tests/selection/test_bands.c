@@ -419,6 +419,7 @@ static void every_failing_allocation_is_reported(void **state)
 {
     (void)state;
     test_every_allocation(make_and_hide, NULL);
+    assert_true(test_every_primitive(make_and_hide, NULL) > 3);
 }
 
 TEST_GROUP(bands)

@@ -430,6 +430,7 @@ static void every_failing_allocation(void **state)
 {
     (void)state;
     test_every_allocation(make_all, NULL);
+    assert_true(test_every_primitive(make_all, NULL) > 5);
 }
 
 TEST_GROUP(arrays)

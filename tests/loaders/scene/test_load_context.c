@@ -332,6 +332,7 @@ static void every_failing_allocation_of_a_map(void **state)
     write_map("m.func.gii", 8, NULL);
     assert_ok(conus_atlas_set_context(atlas, write_box("skin.gii", CONUS_MESH_GIFTI), NULL));
     test_every_allocation(attempt_map, atlas);
+    assert_true(test_every_primitive(attempt_map, atlas) > 2);
     conus_atlas_destroy(atlas);
 }
 

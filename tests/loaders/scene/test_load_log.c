@@ -409,6 +409,7 @@ static void every_failing_allocation(void **state)
     assert_ok(load_manifest(&atlas, scene, NULL, NULL));
     conus_atlas_destroy(atlas);
     test_every_allocation(load_scene, &heard);
+    assert_true(test_every_primitive(load_scene, &heard) > 5);
     assert_int_equal(heard.count, OF_SCENE);
 }
 

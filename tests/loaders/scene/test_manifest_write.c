@@ -224,9 +224,11 @@ static void every_failing_allocation_is_reported(void **state)
     (void)state;
     char path[512];
     snprintf(path, sizeof path, "%s", test_in("again.atlas.json"));
+    assert_true(test_every_primitive(write_again, path) > 5);
     test_every_allocation(write_again, path);
     test_folder("alike");
     snprintf(path, sizeof path, "%s", test_in("again.atlas.json"));
+    assert_true(test_every_primitive(write_again, path) > 5);
     test_every_allocation(write_again, path);
 }
 
@@ -270,6 +272,7 @@ static void probabilities_stand_alone(void **state)
     test_folder("probable");
     snprintf(path, sizeof path, "%s", test_in("scene.atlas.json"));
     assert_ok(write_volume("x_probseg.nii", in_percent));
+    assert_true(test_every_primitive(write_again, path) > 5);
     test_every_allocation(write_again, path);
     assert_ok(conus_atlas_load(&atlas, path, NULL));
     assert_int_equal(conus_atlas_object_count(atlas), 1);
@@ -278,6 +281,7 @@ static void probabilities_stand_alone(void **state)
     conus_atlas_destroy(atlas);
     assert_ok(write_volume("blocks.nii", in_blocks));
     assert_ok(write_volume("spot.nii", in_a_spot));
+    assert_true(test_every_primitive(write_again, path) > 5);
     test_every_allocation(write_again, path);
     assert_ok(conus_atlas_load(&atlas, path, NULL));
     assert_int_equal(conus_atlas_object_count(atlas), 5);

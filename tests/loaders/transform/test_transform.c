@@ -472,6 +472,14 @@ static conus_status transform(void *data)
     return status;
 }
 
+static conus_status transform_anew(void *path)
+{
+    struct attempt attempt = {.atlas = make_atlas(), .path = path};
+    conus_status status = transform(&attempt);
+    conus_atlas_destroy(attempt.atlas);
+    return status;
+}
+
 static void every_failing_allocation_is_survived(void **state)
 {
     (void)state;
@@ -482,6 +490,7 @@ static void every_failing_allocation_is_survived(void **state)
         struct attempt attempt = {make_atlas(), path};
         write_file(path, spline ? text : itk_affine);
         test_every_allocation(transform, &attempt);
+        assert_true(test_every_primitive(transform_anew, (void *)attempt.path) > 5);
         unlink(path);
         conus_atlas_destroy(attempt.atlas);
     }
