@@ -19,7 +19,7 @@ static void make_surface(struct buffer *out, size_t label_count)
     static const double labels[5] = {5, 5, 5, 3, 3};
     gifti_begin(out, "", label_count ? 3 : 2);
     buffer_text(out, SIDE TABLE);
-    gifti_append_tetrahedron(out, "ASCII", false, false);
+    gifti_append_tetrahedron(out, "ASCII");
     if (label_count) {
         gifti_append(out,
                      &(struct array_spec){.intent = "LABEL", .type = "INT32", .rows = label_count, .values = labels});

@@ -250,7 +250,7 @@ static void surfaces_beside_a_parcellation_are_noted(void **state)
     assert_ok(conus_manifest_write(test_in("one.atlas.json"), &options));
     assert_int_equal(count, 0);
     gifti_begin(&bytes, "", 2);
-    gifti_append_tetrahedron(&bytes, "ASCII", false, false);
+    gifti_append_tetrahedron(&bytes, "ASCII");
     gifti_end(&bytes);
     assert_ok(conus_write_file(test_in("a.gii"), bytes.data, bytes.size));
     buffer_finish(&bytes);

@@ -5,6 +5,8 @@
 #include "base/geometry/math3.h"
 #include "test.h"
 
+#include <string.h>
+
 /* Norig inv(Torig) as FreeSurfer's own documentation has it, for a volume of any size and spacing. */
 static void the_general_form_agrees(void **state)
 {
@@ -35,10 +37,22 @@ static void the_general_form_agrees(void **state)
     }
 }
 
+/* Other readers get such a file first. */
+static void another_first_byte_is_refused(void **state)
+{
+    (void)state;
+    static const uint8_t bytes[] = {0x7f, 0xff, 0xfe, '\n', '\n', 0, 0, 0, 4, 0, 0, 0, 4};
+    struct mesh mesh = {0};
+    struct notes notes = {0};
+    assert_fails(freesurfer_surface_parse(&mesh, bytes, sizeof bytes, false, &notes), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "must begin with the bytes ff ff fe"));
+}
+
 TEST_GROUP(freesurfer)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_general_form_agrees),
+        cmocka_unit_test(another_first_byte_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -114,6 +114,19 @@ static bool says(const char *wanted)
     return strstr(conus_message(), first) || (bar && strstr(conus_message(), bar + 1));
 }
 
+/* Other readers get such a file first. */
+static void another_document_is_refused(void **state)
+{
+    (void)state;
+    struct buffer bytes = {0};
+    struct gifti gifti = {0};
+    struct notes notes = {0};
+    buffer_text(&bytes, "<atlas/>");
+    assert_fails(parse(&gifti, &bytes, &notes), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "outermost element: found <atlas>, allowed is <GIFTI>"));
+    buffer_finish(&bytes);
+}
+
 static void external_files_only_where_allowed(void **state)
 {
     (void)state;
@@ -162,6 +175,7 @@ TEST_GROUP(gifti)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_type),
         cmocka_unit_test(labels_names_and_hemisphere),
+        cmocka_unit_test(another_document_is_refused),
         cmocka_unit_test(external_files_only_where_allowed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -18,7 +18,7 @@ static void make_gifti(struct buffer *out)
 {
     gifti_begin(out, "", 2);
     buffer_text(out, NAMED);
-    gifti_append_tetrahedron(out, "GZipBase64Binary", false, false);
+    gifti_append_tetrahedron(out, "GZipBase64Binary");
     gifti_end(out);
 }
 

@@ -64,16 +64,14 @@ void cifti_build(struct buffer *out, const struct cifti_spec *spec)
     nifti_set(&b, "dim", 6, CIFTI_GRAYORDINATES);
     nifti_set(&b, "intent_code", 0, 3007);
     nifti_set(&b, "sform_code", 0, 0);
-    for (int i = 0; i <= spec->copies; i++) {
-        nifti_extend(&b, (int)xml.size + 8, 32, xml.data, xml.size);
-    }
+    nifti_extend(&b, (int)xml.size + 8, 32, xml.data, xml.size);
     for (size_t i = 0; i < CIFTI_GRAYORDINATES * CIFTI_MAPS; i++) {
         nifti_voxel(&b, spec->values ? spec->values[i] : labels[i]);
     }
     if (spec->field) {
         nifti_set(&b, spec->field, spec->index, spec->value);
     }
-    buffer_append(out, b.bytes.data, b.bytes.size - spec->cut);
+    buffer_append(out, b.bytes.data, b.bytes.size);
     buffer_finish(&b.bytes);
     buffer_finish(&xml);
 }

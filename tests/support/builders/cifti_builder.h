@@ -16,8 +16,6 @@ struct cifti_spec {
     int datatype;         /**< float32 */
     bool big;             /**< Byte order.                                                    */
     const double *values; /**< [9][2]                                                         */
-    int copies;           /**< Copies of the XML besides the first; -1: none at all.          */
-    size_t cut;           /**< Bytes that are missing at the end.                             */
 };
 
 /** Appends a file of two maps, "one" and "two", with the labels 5 A (red), 7 Thalamus, 8 B and 0.

@@ -64,7 +64,7 @@ static void append_data(struct buffer *out, const struct array_spec *spec)
     size_t columns = spec->columns ? spec->columns : 1;
     const char *encoding = or (spec->encoding, "ASCII");
     for (size_t n = 0; n < spec->rows * columns; n++) {
-        double value = spec->values[spec->column_major ? n % spec->rows * columns + n / spec->rows : n];
+        double value = spec->values[n];
         if (strcmp(encoding, "ASCII") == 0) {
             buffer_number(out, value);
             buffer_text(out, n % 3 == 2 ? "\n" : " ");
@@ -96,13 +96,8 @@ void gifti_append(struct buffer *out, const struct array_spec *spec)
     buffer_format(out, "<DataArray Intent=\"NIFTI_INTENT_%s\" DataType=\"NIFTI_TYPE_%s\" Encoding=\"%s\" Endian=\"%s\"",
                   or (spec->intent, "POINTSET"), or (spec->type, "FLOAT32"), or (spec->encoding, "ASCII"),
                   spec->big_endian ? "BigEndian" : "LittleEndian");
-    buffer_format(out, " ArrayIndexingOrder=\"%s\" Dimensionality=\"%d\"",
-                  spec->column_major ? "ColumnMajorOrder" : "RowMajorOrder", spec->columns ? 2 : 1);
-    if (spec->dim0) {
-        buffer_format(out, " Dim0=\"%s\"", spec->dim0);
-    } else {
-        buffer_format(out, " Dim0=\"%zu\"", spec->rows);
-    }
+    buffer_format(out, " ArrayIndexingOrder=\"RowMajorOrder\" Dimensionality=\"%d\" Dim0=\"%zu\"",
+                  spec->columns ? 2 : 1, spec->rows);
     if (spec->columns) {
         buffer_format(out, " Dim1=\"%zu\"", spec->columns);
     }
@@ -115,14 +110,9 @@ void gifti_append(struct buffer *out, const struct array_spec *spec)
     buffer_text(out, "</Data></DataArray>\n");
 }
 
-void gifti_append_tetrahedron(struct buffer *out, const char *encoding, bool big_endian, bool column_major)
+void gifti_append_tetrahedron(struct buffer *out, const char *encoding)
 {
-    struct array_spec spec = {.encoding = encoding,
-                              .big_endian = big_endian,
-                              .column_major = column_major,
-                              .rows = 4,
-                              .columns = 3,
-                              .values = tetrahedron_vertices};
+    struct array_spec spec = {.encoding = encoding, .rows = 4, .columns = 3, .values = tetrahedron_vertices};
     gifti_append(out, &spec);
     spec.intent = "TRIANGLE";
     spec.type = "INT32";

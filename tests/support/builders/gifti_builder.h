@@ -10,9 +10,8 @@ struct array_spec {
     const char *intent;   /**< "POINTSET" */
     const char *type;     /**< "FLOAT32"  */
     const char *encoding; /**< "ASCII"    */
-    bool big_endian, column_major;
+    bool big_endian;
     size_t rows, columns; /**< Shape of the values; columns 0: Dimensionality is 1. */
-    const char *dim0;     /**< Instead of rows.                               */
     const char *inside;   /**< Elements before <Data>.                        */
     const char *data;     /**< Replaces the encoded values. */
     const char *more;     /**< Further attributes.                            */
@@ -28,6 +27,6 @@ void gifti_append(struct buffer *out, const struct array_spec *spec);
 /** A closed tetrahedron of 4 vertices and 4 triangles, facing outwards: two arrays in one encoding. */
 extern const double tetrahedron_vertices[12];
 extern const double tetrahedron_triangles[12];
-void gifti_append_tetrahedron(struct buffer *out, const char *encoding, bool big_endian, bool column_major);
+void gifti_append_tetrahedron(struct buffer *out, const char *encoding);
 
 #endif

@@ -4,7 +4,6 @@
 
 #include "builders/nifti_builder.h"
 
-#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -26,7 +25,7 @@ void trk_put_i32(struct trk_builder *builder, size_t offset, int64_t value)
     put(builder, offset, (uint64_t)value, 4);
 }
 
-void trk_put_float(struct trk_builder *builder, size_t offset, double value)
+static void put_float(struct trk_builder *builder, size_t offset, double value)
 {
     float single = (float)value;
     uint32_t bits;
@@ -39,28 +38,18 @@ void trk_put_text(struct trk_builder *builder, size_t offset, const char *text, 
     memcpy(builder->bytes.data + offset, text, size);
 }
 
-void trk_put_space(struct trk_builder *builder, const double diagonal[3], const double origin[3])
-{
-    for (size_t i = 0; i < 3; i++) {
-        trk_put_float(builder, TRK_VOXEL_SIZE + 4 * i, fabs(diagonal[i]));
-        trk_put_float(builder, TRK_VOX_TO_RAS + 20 * i, diagonal[i]);
-        trk_put_float(builder, TRK_VOX_TO_RAS + 16 * i + 12, origin[i]);
-    }
-    trk_put_float(builder, TRK_VOX_TO_RAS + 60, 1);
-}
-
 void trk_begin(struct trk_builder *builder)
 {
     static const uint8_t zeros[1000];
-    static const double ones[3] = {1, 1, 1};
-    static const double origin[3] = {0};
     buffer_clear(&builder->bytes);
     buffer_append(&builder->bytes, zeros, sizeof zeros);
     trk_put_text(builder, 0, "TRACK", 5);
     for (size_t i = 0; i < 3; i++) {
         trk_put_i16(builder, TRK_DIM + 2 * i, 10 * (int)(i + 1));
+        put_float(builder, TRK_VOXEL_SIZE + 4 * i, 1);
+        put_float(builder, TRK_VOX_TO_RAS + 20 * i, 1);
     }
-    trk_put_space(builder, ones, origin);
+    put_float(builder, TRK_VOX_TO_RAS + 60, 1);
     trk_put_text(builder, TRK_VOXEL_ORDER, "RAS", 3);
     trk_put_i32(builder, TRK_VERSION, 2);
     trk_put_i32(builder, TRK_HDR_SIZE, 1000);

@@ -30,12 +30,8 @@ void trk_begin(struct trk_builder *builder);
 
 void trk_put_i16(struct trk_builder *builder, size_t offset, int value);
 void trk_put_i32(struct trk_builder *builder, size_t offset, int64_t value);
-void trk_put_float(struct trk_builder *builder, size_t offset, double value);
 /** Puts @p size bytes of @p text. */
 void trk_put_text(struct trk_builder *builder, size_t offset, const char *text, size_t size);
-
-/** Puts voxel_size and a diagonal vox_to_ras with the origin @p origin. */
-void trk_put_space(struct trk_builder *builder, const double diagonal[3], const double origin[3]);
 
 /** Appends the number of points of a streamline, or any number. */
 void trk_append_i32(struct trk_builder *builder, int64_t value);

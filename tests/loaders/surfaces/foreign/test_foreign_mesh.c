@@ -71,11 +71,24 @@ static void large_polygons_have_a_limit(void **state)
     }
 }
 
+/* Other readers get such files first. */
+static void other_files_are_refused(void **state)
+{
+    (void)state;
+    static const char binary[] = "v 0 0 0\0\377";
+    struct foreign_mesh mesh = {0};
+    assert_fails(parse_obj(&mesh, (const uint8_t *)binary, sizeof binary), CONUS_ERROR_DATA);
+    assert_string_equal(conus_message(), "content: binary data, an OBJ file is text");
+    assert_fails(ply_parse(&mesh, (const uint8_t *)"plough\n", 7), CONUS_ERROR_DATA);
+    assert_string_equal(conus_message(), "header: a PLY file begins with a line \"ply\"");
+}
+
 TEST_GROUP(foreign_mesh)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(polygons_become_triangles),
         cmocka_unit_test(large_polygons_have_a_limit),
+        cmocka_unit_test(other_files_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
