@@ -114,7 +114,7 @@ struct fsl_maps fsl_maps_open(struct job *job, conus_atlas *atlas, const char *x
     }
     const size_t labels = found->labels.count;
     maps.has_background = label_drop_background(job, &found->labels);
-    if (!job_ok(job)) {
+    if (!job_ok(job) || !maps.image) {
         return maps;
     }
     if (labels > maps.image->info.volume_count) {

@@ -250,7 +250,7 @@ struct roi_mesh simnibs_find(struct job *job, const struct hdf5 *hdf5, const str
 {
     struct roi_mesh out = {0};
     const struct found mesh = find_mesh(job, hdf5, selector->field);
-    if (!job_ok(job)) {
+    if (!job_ok(job) || !mesh.coordinates) {
         return out;
     }
     check_shapes(job, &mesh);

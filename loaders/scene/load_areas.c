@@ -313,17 +313,18 @@ static void link_parent(struct job *job, conus_atlas *atlas, struct label_map *m
 
 static void grow_tree(struct job *job, const struct area_plan *plan, conus_atlas *atlas)
 {
-    struct label_map *map = maps_new(job, 1);
+    struct label_map map = {0};
     for (size_t i = 0; i < atlas->area_count && job_ok(job); i++) {
-        *map_at(job, map, atlas->objects[i].label) = i + 1;
+        *map_at(job, &map, atlas->objects[i].label) = i + 1;
     }
-    add_groups(job, plan, atlas, map);
+    add_groups(job, plan, atlas, &map);
     for (size_t i = 0; i < plan->areas.count && job_ok(job); i++) {
-        link_parent(job, atlas, map, &plan->areas.at[i].label);
+        link_parent(job, atlas, &map, &plan->areas.at[i].label);
     }
     for (size_t i = 0; job_ok(job) && i < plan->groups->count; i++) {
-        link_parent(job, atlas, map, &plan->groups->entries[i]);
+        link_parent(job, atlas, &map, &plan->groups->entries[i]);
     }
+    label_map_finish(&map);
     (void)JOB_CALL(job, atlas_check_tree(atlas));
 }
 

@@ -152,7 +152,8 @@ static void create_atlas(const struct scene *scene, struct area_plan *plan)
         load_create(scene->load, NULL, 0, NULL, scene->names);
         return;
     }
-    struct parcellations all = parcellations_reserve(scene->job, count);
+    struct parcellations all = {.parts = job_zeroed(scene->job, count, sizeof *all.parts), .source = ""};
+    all.count = all.parts ? count : 0;
     for (size_t i = 0; i < all.count; i++) {
         const size_t mark =
             job_in(scene->job, manifest->single ? "parcellation" : "parcellations", manifest->single ? JOB_ALONE : i);

@@ -436,7 +436,7 @@ static bool take_cifti(struct job *job, struct manifest_draft *draft, const char
     const char *why = find_fault(job, &trial);
     if (why) {
         manifest_draft_leave_out(job, draft, name, why);
-    } else {
+    } else if (file.choice.cifti.maps) {
         const struct label_table *table = &file.choice.cifti.maps[file.choice.map].table;
         const char *voxels = manifest.parcellations.count ? manifest.parcellations.at[0].source.file : NULL;
         uint32_t offset = draft->label_offset;

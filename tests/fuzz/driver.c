@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* replay TARGET FOLDER: runs a fuzz target over every file of a corpus folder, and over every prefix of the small ones,
- * so that old findings of the fuzzer are tried again with any compiler. */
+/* replay TARGET FOLDER...: runs a fuzz target over every file in corpus folders, and over every prefix of the small
+ * ones, so that old findings of the fuzzer are tried again with any compiler. */
 #include "base/files/file.h"
 
-#include <dirent.h>
+#include <ftw.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,22 +59,24 @@ static fuzz_target *find_target(const char *name)
     return NULL;
 }
 
+static fuzz_target *target;
+static size_t count;
+
+static int replay(const char *path, const struct stat *info, int type, struct FTW *walk)
+{
+    (void)info;
+    (void)walk;
+    count += type == FTW_F;
+    return type == FTW_F && !run_file(target, path);
+}
+
 int main(int argc, char **argv)
 {
-    size_t count = 0;
-    fuzz_target *run = argc == 3 ? find_target(argv[1]) : NULL;
-    DIR *folder = run ? opendir(argv[2]) : NULL;
-    bool fine = folder != NULL;
-    for (struct dirent *entry; fine && (entry = readdir(folder));) {
-        char path[4096];
-        snprintf(path, sizeof path, "%s/%s", argv[2], entry->d_name);
-        if (file_exists(path)) {
-            fine = run_file(run, path);
-            count++;
-        }
-    }
-    if (folder) {
-        closedir(folder);
+    enum { OPEN_FOLDERS = 8 };
+    target = argc > 2 ? find_target(argv[1]) : NULL;
+    bool fine = target != NULL;
+    for (int i = 2; i < argc && fine; i++) {
+        fine = nftw(argv[i], replay, OPEN_FOLDERS, FTW_PHYS) == 0;
     }
     printf("%zu inputs replayed\n", count);
     return fine && count ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -100,25 +100,33 @@ bool __wrap_job_step(struct job *job)
     return job_ok(job);
 }
 
-size_t test_every_primitive(conus_status (*attempt)(void *data), void *data)
+void test_fail_primitive(size_t k, conus_status status)
 {
     primitives = 0;
-    failing_primitive = 0;
+    failing_primitive = k;
+    primitive_fails_as = status;
+}
+
+bool test_primitive_failed(void)
+{
+    return failing_primitive && primitives >= failing_primitive;
+}
+
+size_t test_every_primitive(conus_status (*attempt)(void *data), void *data)
+{
+    test_fail_primitive(0, CONUS_OK);
     assert_ok(attempt(data));
     size_t count = primitives;
     for (size_t k = 1; k <= count; k++) {
-        primitives = 0;
-        failing_primitive = k;
-        primitive_fails_as = CONUS_ERROR_MEMORY;
+        test_fail_primitive(k, CONUS_ERROR_MEMORY);
         assert_fails(attempt(data), CONUS_ERROR_MEMORY);
-        primitives = 0;
-        primitive_fails_as = CONUS_ERROR_DATA;
+        test_fail_primitive(k, CONUS_ERROR_DATA);
         conus_status status = attempt(data);
         if (status) { /* else an attempt went on */
             assert_fails(status, CONUS_ERROR_DATA);
         }
     }
-    failing_primitive = 0;
+    test_fail_primitive(0, CONUS_OK);
     return count;
 }
 

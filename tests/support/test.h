@@ -48,9 +48,15 @@ void test_limit_allocations(size_t size);
  * time it must return CONUS_ERROR_MEMORY, or CONUS_OK if it can do without. @p attempt cleans up after itself. */
 void test_every_allocation(conus_status (*attempt)(void *data), void *data);
 
-/** Runs @p attempt, which must succeed, and then with the k-th primitive of its jobs (base/job/job.h) failing, for every k:
- * for want of memory it must return CONUS_ERROR_MEMORY, and by bad data CONUS_ERROR_DATA, or CONUS_OK where something
- * else did instead. Gives the number of primitives. */
+/** The @p k-th primitive of jobs (base/job/job.h) from now on, from 1, fails with @p status; 0 = none fails. */
+void test_fail_primitive(size_t k, conus_status status);
+
+/** Whether that primitive was reached since. */
+bool test_primitive_failed(void);
+
+/** Runs @p attempt, which must succeed, and then with the k-th primitive failing, for every k: for want of memory it
+ * must return CONUS_ERROR_MEMORY, and by bad data CONUS_ERROR_DATA, or CONUS_OK where something else did instead. Gives
+ * the number of primitives. */
 size_t test_every_primitive(conus_status (*attempt)(void *data), void *data);
 
 /** Path of @p name under Debian's mricron templates; skips the test, saying why, where it is absent. Static buffer. */

@@ -114,22 +114,6 @@ static void what_is_not_freesurfers_keeps_its_numbers(void **state)
     assert_row_of("ThalamicNuclei.nii", "174", 174, "none found", note);
 }
 
-static void a_table_in_the_folder_is_of_freesurfers_volumes_only(void **state)
-{
-    (void)state;
-    begin("beside");
-    unsetenv("FREESURFER_HOME");
-    row_text(test_in("FreeSurferColorLUT.txt"), TABLE);
-    WRITE("aal.nii", 1, 0, 1, 2, 3, 10, 17, 41, 42, 49, 53);
-    assert_row_of("aal.nii", "17", 17, "none found", "neither the name nor the labels of aal.nii are FreeSurfer's");
-    WRITE("codes.nii", 1, 0, 2001, 2002);
-    assert_row_of("codes.nii", "2001", 2001, "none found", "is not taken for the label table");
-    WRITE("mine.nii", 1, 0, 2, 3, 17, 41, 42, 53);
-    assert_row_of("mine.nii", "Left-Hippocampus", 17, source, NULL);
-    WRITE("wmparc.nii", 1, 0, 17, 2);
-    assert_row_of("wmparc.nii", "Left-Hippocampus", 17, source, NULL);
-}
-
 /* The real table, with labels of a made-up volume, in the places where it is installed. */
 static void the_real_table_is_found(void **state)
 {
@@ -171,7 +155,6 @@ TEST_GROUP(label_freesurfer)
         cmocka_unit_test(volumes_of_freesurfer_find_its_table),
         cmocka_unit_test(the_table_may_lie_in_other_places),
         cmocka_unit_test(what_is_not_freesurfers_keeps_its_numbers),
-        cmocka_unit_test(a_table_in_the_folder_is_of_freesurfers_volumes_only),
         cmocka_unit_test(the_real_table_is_found),
         cmocka_unit_test(every_allocation_may_fail),
     };

@@ -19,7 +19,7 @@ enum { PAGES = 6, ROWS = 3, COLUMNS = 4 };
 static void write_stack(const char *name, bool grey)
 {
     struct tiff_builder b;
-    tiff_begin(&b, false, false);
+    tiff_begin(&b);
     for (int page = 0; page < PAGES; page++) {
         uint8_t pixels[ROWS * COLUMNS];
         for (int i = 0; i < ROWS * COLUMNS; i++) {

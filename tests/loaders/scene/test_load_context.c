@@ -309,7 +309,7 @@ static void surfaces_of_other_units_are_noted(void **state)
                                " \"label\": 100, \"name\": \"box\"}]}";
     const char *path;
     test_folder("areas");
-    row_write("v.nii", 8, 1, NULL);
+    row_write("v.nii", 8, 1);
     assert_ok(conus_write_file(test_in("m.atlas.json"), text, strlen(text)));
     for (int large = 0; large < 2; large++) {
         conus_atlas *atlas = NULL;

@@ -163,7 +163,7 @@ static void volumes_say_what_it_is_for(void **state)
     conus_atlas *atlas = NULL;
     const conus_load_options options = {.labels = labels};
     test_folder("volume");
-    row_write("v.nii", 4, 1, NULL);
+    row_write("v.nii", 4, 1);
     row_text(test_in("lh.V1.label"), two);
     snprintf(labels, sizeof labels, "%s", test_in("lh.V1.label"));
     assert_fails(conus_atlas_load(&atlas, test_in("v.nii"), &options), CONUS_ERROR_DATA);

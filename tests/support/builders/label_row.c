@@ -17,7 +17,7 @@ void row_text(const char *path, const char *text)
     assert_ok(conus_write_file(path, text, strlen(text)));
 }
 
-void row_write(const char *name, size_t count, int edge, const char *embedded)
+void row_write(const char *name, size_t count, int edge)
 {
     struct nifti_builder file;
     const int64_t dim[3] = {(int64_t)count, 1, 1};
@@ -27,12 +27,6 @@ void row_write(const char *name, size_t count, int edge, const char *embedded)
     }
     for (size_t i = 1; i < 4; i++) {
         nifti_set(&file, "pixdim", i, i == 1 ? edge : 1);
-    }
-    if (embedded) {
-        char extension[1024] = "";
-        size_t size = (strlen(embedded) + 8 + 15) / 16 * 16;
-        snprintf(extension, sizeof extension, "%s", embedded);
-        nifti_extend(&file, (int)size, 30, extension, size - 8);
     }
     for (size_t i = 0; i < count; i++) {
         nifti_voxel(&file, (double)i * edge);

@@ -9,9 +9,8 @@
 /** Writes @p text as the file @p path. */
 void row_text(const char *path, const char *text);
 
-/** A row of @p count voxels of @p edge mm, that of world x mm holding label x; the world of i = 0 is x = 0. With the
- * table @p embedded as NIfTI extension 30, unless NULL. */
-void row_write(const char *name, size_t count, int edge, const char *embedded);
+/** A row of @p count voxels of @p edge mm, that of world x mm holding label x; the world of i = 0 is x = 0. */
+void row_write(const char *name, size_t count, int edge);
 
 /** Loads v.nii; area @p label must be called @p name, the names must come from @p source, and a note have @p note
  * (NULL: no note speaks of names). */

@@ -127,22 +127,11 @@ void nifti_begin(struct nifti_builder *builder, int version, bool big, int datat
     set_magic(builder, '+');
 }
 
-void nifti_make_pair(struct nifti_builder *builder)
-{
-    set_magic(builder, 'i');
-    nifti_set(builder, "vox_offset", 0, 0);
-}
-
 void nifti_extend(struct nifti_builder *builder, int esize, int ecode, const void *data, size_t size)
 {
     nifti_set(builder, "extender", 0, 1);
     append_ordered(&builder->bytes, (uint64_t)esize, 4, builder->big);
     append_ordered(&builder->bytes, (uint64_t)ecode, 4, builder->big);
-    nifti_gap(builder, data, size);
-}
-
-void nifti_gap(struct nifti_builder *builder, const void *data, size_t size)
-{
     buffer_append(&builder->bytes, data, size);
     nifti_set(builder, "vox_offset", 0, (double)builder->bytes.size);
 }
@@ -192,14 +181,4 @@ const char *write_packed(const char *name, const struct buffer *bytes)
     const char *path = write_bytes(name, &packed);
     buffer_finish(&packed);
     return path;
-}
-
-conus_status open_and_close(void *path)
-{
-    struct volume_file file = {0};
-    struct notes notes = {0};
-    conus_status status = volume_file_open(&file, path, 0, &notes);
-    volume_file_finish(&file);
-    notes_finish(&notes);
-    return status;
 }

@@ -22,14 +22,8 @@ void nifti_begin(struct nifti_builder *builder, int version, bool big, int datat
 /** Sets element @p index of the field that nifti1.h calls @p name ("srow" = the three rows in a row). */
 void nifti_set(struct nifti_builder *builder, const char *name, size_t index, double value);
 
-/** Turns the file into the .hdr half of a pair. */
-void nifti_make_pair(struct nifti_builder *builder);
-
 /** Appends an extension with @p esize as its size field and @p size bytes of @p data, and moves vox_offset. */
 void nifti_extend(struct nifti_builder *builder, int esize, int ecode, const void *data, size_t size);
-
-/** Appends bytes before the voxels, and moves vox_offset. */
-void nifti_gap(struct nifti_builder *builder, const void *data, size_t size);
 
 /** Appends @p value as a voxel of the datatype. */
 void nifti_voxel(struct nifti_builder *builder, double value);
@@ -47,8 +41,5 @@ void append_gzip(struct buffer *buffer, const void *data, size_t size);
 /** Writes a scratch file, as it is or as one gzip member, and returns its path (as test_scratch() does). */
 const char *write_bytes(const char *name, const struct buffer *bytes);
 const char *write_packed(const char *name, const struct buffer *bytes);
-
-/** Opens the volume @p path, a char *, and closes it: for test_every_allocation(). */
-conus_status open_and_close(void *path);
 
 #endif
