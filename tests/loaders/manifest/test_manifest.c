@@ -564,9 +564,11 @@ static void every_failing_allocation_of_a_scene_is_reported(void **state)
                                       "\"pathways\": [{\"file\": \"sphere.nii.gz\", \"names\": [\"Ball\"]}],"
                                       "\"context\": {\"file\": \"sphere.nii.gz\", \"transfer\": \"grey\"}}");
     test_every_allocation(load_scene, (void *)path);
+    assert_true(test_every_primitive(load_scene, (void *)path) > 5);
     write_four();
     for (size_t i = 0; i < 2; i++) {
         test_every_allocation(load_scene, (void *)write_manifest(series_manifests[i]));
+        assert_true(test_every_primitive(load_scene, (void *)write_manifest(series_manifests[i])) > 5);
     }
 }
 
