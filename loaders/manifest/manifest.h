@@ -123,8 +123,8 @@ struct manifest {
 /** True where @p text looks like a manifest: a JSON object with the key "conus_atlas". */
 bool manifest_is(struct text text);
 
-/** Parses @p text. All that the manifest has is the job's; its lists do not grow. CONUS_ERROR_DATA with the key, or line
- * and column where it is no JSON. */
+/** Parses @p text. All that the manifest has is the job's; its lists do not grow. CONUS_ERROR_DATA with the key, or
+ * line and column where it is no JSON. */
 void manifest_parse(struct job *job, struct manifest *out, struct text text);
 
 /** How many files there are besides surfaces and label tables. Volumes of one file count each: they are unpacked one by
