@@ -11,17 +11,8 @@
 /* How many points of labels lie in the volume, in voxels that hold the label's index, and that plus one. */
 struct fit {
     size_t inside, index, next;
+    size_t best, worst; /* of the last two */
 };
-
-static size_t best_of(struct fit fit)
-{
-    return fit.index > fit.next ? fit.index : fit.next;
-}
-
-static size_t worst_of(struct fit fit)
-{
-    return fit.index > fit.next ? fit.next : fit.index;
-}
 
 static bool voxel_at(size_t *voxel, const conus_volume_info *info, const double at[3])
 {
@@ -53,6 +44,8 @@ static struct fit count_fits(const struct fsl_atlas *atlas, const struct label_u
             fit.index += label && label == next - 1;
         }
     }
+    fit.best = fit.index > fit.next ? fit.index : fit.next;
+    fit.worst = fit.index > fit.next ? fit.next : fit.index;
     return fit;
 }
 
@@ -83,14 +76,14 @@ static struct fit find_fit(struct job *job, const struct fsl_atlas *atlas, const
     struct fit own = count_fits(atlas, use, voxel_from_point);
     bool found = from_first_image(voxel_from_point, job, atlas, use);
     struct fit fit = found ? count_fits(atlas, use, voxel_from_point) : own;
-    return best_of(fit) > best_of(own) ? fit : own;
+    return fit.best > own.best ? fit : own;
 }
 
 /* Whether the points decide: two or more fit, at least half of them, and over four times as many as fit the other way.
  */
 static bool fit_decides(struct fit fit)
 {
-    return best_of(fit) >= 2 && 2 * best_of(fit) >= fit.inside && best_of(fit) > 4 * worst_of(fit);
+    return fit.best >= 2 && 2 * fit.best >= fit.inside && fit.best > 4 * fit.worst;
 }
 
 static bool first_is_background(const struct fsl_atlas *atlas)
@@ -113,7 +106,7 @@ static void note_choice(struct job *job, const struct fsl_atlas *atlas, const st
         job_note(job,
                  "%s: %s of a label is its number in the volume: so say x y z of %zu of %zu labels, although its type "
                  "is %s",
-                 name, taken, best_of(fit), fit.inside, atlas->type);
+                 name, taken, fit.best, fit.inside, atlas->type);
     } else {
         job_warn(job,
                  "%s: %s of a label is taken for its number in the volume, since index 0 is background, although its "

@@ -3,6 +3,7 @@
 #include "loaders/labels/label_format.h"
 
 #include "base/formats/xml.h"
+#include "loaders/labels/label_rows.h"
 
 #include <string.h>
 

@@ -16,60 +16,16 @@ enum label_kind {
     LABEL_ROWS     /**< Lines of columns with white space between them. */
 };
 
-/** Shapes of rows, of which a format's has one. */
-enum label_shape {
-    SHAPE_PAIRS,       /**< Alternately a name and five numbers. */
-    SHAPE_NUMBER_LAST, /**< One or two words and a number. */
-    SHAPE_UNNAMED,     /**< A number that grows, and numbers from 0 to 1. */
-    SHAPE_ITK_SNAP,    /**< Seven numbers and a quotation mark. */
-    SHAPE_MRTRIX,      /**< A number, two words, four numbers. */
-    SHAPE_COLOURED,    /**< A number, words, three numbers or more. */
-    SHAPE_FSLEYES,     /**< Four numbers or more, and words. */
-    SHAPE_NAMED,       /**< A number and words. */
-    SHAPES
-};
-
-struct label_census {
-    size_t rows, of[SHAPES]; /**< All rows, and those that have each shape. */
-    size_t coded;            /**< Rows of a number, a word and a number. */
-    bool with_alpha;         /**< A coloured row has four numbers. */
-    bool tabbed;             /**< A tab behind every first word and no other: the name is all the rest. */
-};
-
-struct label_census label_rows_count(struct text text);
-
+/** A text whose format is looked for. */
 struct label_text {
     enum label_kind kind;
     struct text text;                  /**< Of markup and JSON without white space in front. */
     struct text root;                  /**< Markup: the outermost element. */
-    bool has_header;                   /**< Columns: the first line names them, */
-    bool is_slicer;                    /**< one as 3D Slicer does; */
-    char separator;                    /**< this stands between them. */
-    const struct label_census *census; /**< Rows. */
+    bool has_header;                   /**< Columns: the first line has their names. */
+    bool is_slicer;                    /**< Columns: one of the names is 3D Slicer's. */
+    char separator;                    /**< Columns: what stands between them. */
+    const struct label_census *census; /**< Rows: how many have which shape (label_rows.h). */
 };
-
-/** A format of rows: a number, other numbers, a name, other numbers. */
-struct label_rows {
-    enum label_shape shape;
-    bool everywhere;   /**< All rows have it, else most. */
-    const char *says;  /**< What the first line says, a comment; NULL = nothing. */
-    size_t lead;       /**< Numbers before the name, */
-    bool colours_last; /**< or behind it: R G B, or R G B A if a row has four. */
-    bool fractions;    /**< Colours are 0 to 1, else 0 to 255. */
-    bool is_plain;     /**< No numbers but for a code behind the name, and the name may stand in quotation marks. */
-    bool coded;        /**< There is such a code; label_rows_parse() finds out. */
-    bool quoted;       /**< The name stands in quotation marks. */
-    bool two_names;    /**< Abbreviation and name, if all abbreviations differ. */
-    bool unnamed;      /**< There is no name. */
-    bool name_above;   /**< The name is the line before. */
-    bool number_last;  /**< Abbreviation, name, number. */
-    bool underscores;  /**< In names, where spaces are meant. */
-};
-
-/** Whether the text has that format. */
-bool label_rows_are(const struct label_text *text, const struct label_rows *rows);
-
-void label_rows_parse(struct job *job, struct label_table *out, struct text text, const struct label_rows *rows);
 
 struct label_format {
     const char *name; /**< In words, for messages and "where the names come from". */
@@ -77,7 +33,7 @@ struct label_format {
     bool (*is)(const struct label_text *text);
     /** Appends the table in @p text to @p out, in any order; label 0 is dropped. */
     void (*parse)(struct job *job, struct label_table *out, struct text text, const struct label_use *use);
-    const struct label_rows *rows; /**< In place of these two functions; NULL: they are there. */
+    const struct label_rows *rows; /**< In place of these two functions (label_rows.h); NULL: they are there. */
     const char *endings; /**< Of files beside a volume X in which it is looked for: ".tsv"; NULL = those of others. */
 };
 

@@ -60,16 +60,12 @@ static void add_word(struct label_words *words, struct text word)
 
 void label_words_find(struct label_words *out, struct text stem)
 {
-    static const char *const places[] = {"space-", "res-", "den-", "tpl-"};
     struct text entity;
     *out = (struct label_words){.count = 0};
     for (bool more = true; text_field(&stem, '_', &more, &entity);) {
-        bool place = false;
-        for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
-            size_t length = strlen(places[i]);
-            struct text start = {entity.data, entity.size < length ? entity.size : length};
-            place = place || text_equal_ignoring_case(start, places[i]);
-        }
+        const char *dash = entity.size ? memchr(entity.data, '-', entity.size) : NULL;
+        struct text key = {entity.data, dash ? (size_t)(dash - entity.data) : 0};
+        bool place = text_is_one_of(key, "space/res/den/tpl", false);
         for (struct text word; !place && next_word(&entity, &word);) {
             add_word(out, word);
         }
