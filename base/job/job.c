@@ -399,6 +399,7 @@ struct names job_names(struct job *job, const char *folder, const char *ending)
     for (size_t i = 0; i < names.count; i++) {
         names.names[i] = job_copy(job, text_from(found.names[i]));
     }
+    names.count = job_ok(job) ? names.count : 0;
     names_finish(&found);
     return names;
 }

@@ -8,19 +8,9 @@
 #include "loaders/catalogue/volume_marks.h"
 
 #include <ctype.h>
-#include <fnmatch.h>
 #include <string.h>
 
 static const char manifest_ending[] = ".atlas.json";
-
-static bool fits_patterns(const char *name, const char *const *patterns)
-{
-    bool fits = !patterns;
-    for (; !fits && *patterns; patterns++) {
-        fits = fnmatch(*patterns, name, 0) == 0;
-    }
-    return fits;
-}
 
 /* Adds the file `found` by the first `length` bytes of its name, without `cut` at their end. */
 static void add_named(struct job *job, conus_catalogue *catalogue, struct catalogue_item *found, size_t length,
@@ -42,7 +32,7 @@ static void take_file(struct job *job, conus_catalogue *catalogue, struct catalo
     const char *name = path_base(path);
     if (volume_marks_is_volume(name)) {
         found->atlas.kind = "volume";
-        if (fits_patterns(name, rule->patterns) &&
+        if ((!rule->patterns || volume_marks_fit(name, rule->patterns, 0)) &&
             volume_marks_find(job, found->atlas.spacing, path, rule->patterns != NULL)) {
             add_named(job, catalogue, found, volume_stem_length(name), rule->cut);
         }

@@ -19,22 +19,20 @@ static const char *const tables[] = {".nii.txt", ".txt",     ".tsv", ".csv",    
 static const char *const names[] = {
     "*atlas*",    "*parc*",     "*aseg*",        "*dseg*",      "*maxprob*", "*labels*",
     "*rois*",     "roi_mni*",   "schaefer2018*", "yeo2011_*",   "aal*",      "*basc_multiscale*",
-    "*brodmann*", "talairach*", "julich*",       "*destrieux*", "*glasser*"};
-static const char *const others[] = {"*probseg*", "*_mask.*", "*_mask", "*_t1w*", "*_t2w*"};
+    "*brodmann*", "talairach*", "julich*",       "*destrieux*", "*glasser*", NULL};
+static const char *const others[] = {"*probseg*", "*_mask.*", "*_mask", "*_t1w*", "*_t2w*", NULL};
 
 bool volume_marks_is_volume(const char *name)
 {
     return name[volume_stem_length(name)] && !path_ends_in(name, ".img") && !path_ends_in(name, ".img.gz");
 }
 
-static bool matches_any(const char *name, const char *const *patterns, size_t count)
+bool volume_marks_fit(const char *name, const char *const *patterns, int flags)
 {
-    for (size_t i = 0; i < count; i++) {
-        if (fnmatch(patterns[i], name, FNM_CASEFOLD) == 0) {
-            return true;
-        }
+    while (*patterns && fnmatch(*patterns, name, flags) != 0) {
+        patterns++;
     }
-    return false;
+    return *patterns;
 }
 
 static bool has_table_beside(struct job *job, const char *path)
@@ -59,8 +57,7 @@ bool volume_marks_find(struct job *job, double spacing[3], const char *path, boo
         const struct text text = {(const char *)head.data, head.size};
         bool has_table = text_mentions(text, "<LabelTable") || text_mentions(text, "LABEL_DTABLE") ||
                          text_mentions(text, "ATLAS_LABEL_TABLE");
-        bool has_name = matches_any(name, names, sizeof names / sizeof names[0]) &&
-                        !matches_any(name, others, sizeof others / sizeof others[0]);
+        bool has_name = volume_marks_fit(name, names, FNM_CASEFOLD) && !volume_marks_fit(name, others, FNM_CASEFOLD);
         memcpy(spacing, info->spacing, sizeof info->spacing);
         labels = known || header.intent_code == INTENT_LABEL || has_table || has_name || has_table_beside(job, path);
     }

@@ -190,11 +190,11 @@ static const struct schema_field pathway_keys[] = {
     {"orientation", schema_text, AT(manifest_pathway, source.orientation)},
     {"fsl", schema_path, AT(manifest_pathway, fsl)},
     {"name", schema_text, AT(manifest_pathway, name)},
-    {"names", schema_list, SCHEMA_ENTRIES(manifest_pathway, names, name_count), .each = schema_text,
+    {"names", schema_list, SCHEMA_ENTRIES(manifest_pathway, names), .each = schema_text,
      .wanted = "a list of names, one per volume,"},
     {"threshold", schema_positive, AT(manifest_pathway, threshold)},
     {"scale", schema_positive, AT(manifest_pathway, scale)},
-    {"bands", schema_list, SCHEMA_ENTRIES(manifest_pathway, bands, band_count), .each = read_band, .keys = band_keys,
+    {"bands", schema_list, SCHEMA_ENTRIES(manifest_pathway, bands), .each = read_band, .keys = band_keys,
      .wanted = "a list of bands"},
     {"moves", schema_flag, AT(manifest_pathway, moves)},
     {"comment", .read = schema_comment},
@@ -209,15 +209,15 @@ static void check_pathway(const struct schema_place *place, const struct manifes
                       : source->orientation       ? "orientation"
                       : source->resolution[0] > 0 ? "resolution"
                                                   : NULL;
-    const char *many = pathway->fsl ? "fsl" : pathway->names ? "names" : NULL;
+    const char *many = pathway->fsl ? "fsl" : pathway->names.count ? "names" : NULL;
     const char *of_all = pathway->name            ? "name" /* what bands have of their own */
-                         : pathway->names         ? "names"
+                         : pathway->names.count   ? "names"
                          : pathway->fsl           ? "fsl"
                          : pathway->threshold > 0 ? "threshold"
                                                   : NULL;
-    if (pathway->band_count && of_all) {
+    if (pathway->bands.count && of_all) {
         job_bad(place->job, "%s: has bands and %s, one of them is allowed", place->key, of_all);
-    } else if (pathway->fsl && pathway->names) {
+    } else if (pathway->fsl && pathway->names.count) {
         job_bad(place->job, "%s: has fsl and names, one of them is allowed", place->key);
     } else if (one && many) {
         job_bad(place->job, "%s: has %s for one pathway and %s for several, one of them is allowed", place->key, one,
@@ -242,7 +242,7 @@ static void read_map(const struct schema_place *place, void *out, const json_t *
     const struct manifest_pathway *map = out;
     schema_path_or_object(place, out, value);
     check_pathway(place, map);
-    if (map->band_count) {
+    if (map->bands.count) {
         job_bad(place->job, "%s.bands: are for pathways, an area has a threshold", place->key);
     } else if (map->moves) {
         job_bad(place->job, "%s.moves: is for pathways and the context, areas always move", place->key);
@@ -348,55 +348,55 @@ static const struct schema_field manifest_keys[] = {
     {"comment", .read = schema_comment},
     {"references", .read = read_references},
     {"allow_outside", schema_flag, AT(manifest, allow_outside)},
-    {"parcellation", read_parcellations, SCHEMA_ENTRIES(manifest, parcellations, parcellation_count),
-     .each = schema_path_or_object, .keys = parcellation_keys, .many = SCHEMA_ONE},
-    {"parcellations", read_parcellations, SCHEMA_ENTRIES(manifest, parcellations, parcellation_count),
-     .each = schema_path_or_object, .keys = parcellation_keys, .most = MANIFEST_FEW},
-    {"areas", schema_list, SCHEMA_ENTRIES(manifest, areas, area_count), .each = read_area},
+    {"parcellation", read_parcellations, SCHEMA_ENTRIES(manifest, parcellations), .each = schema_path_or_object,
+     .keys = parcellation_keys, .many = SCHEMA_ONE},
+    {"parcellations", read_parcellations, SCHEMA_ENTRIES(manifest, parcellations), .each = schema_path_or_object,
+     .keys = parcellation_keys, .most = MANIFEST_FEW},
+    {"areas", schema_list, SCHEMA_ENTRIES(manifest, areas), .each = read_area},
     {"space", schema_word, AT(manifest, space), WORDS("ras", "lps"), .first = MESH_SPACE_RAS},
     {"ccf", schema_word, AT(manifest, ccf), WORDS("asr", "asl"), .first = MANIFEST_CCF_ASR},
     {"prefer", schema_word, AT(manifest, prefer), WORDS("areas", "parcellation"), .first = MANIFEST_PREFER_AREAS},
-    {"tree", schema_list, SCHEMA_ENTRIES(manifest, tree, tree_count), .each = schema_object, .keys = node_keys},
-    {"probabilities", schema_list, SCHEMA_ENTRIES(manifest, maps, map_count), .each = read_map, .keys = pathway_keys,
+    {"tree", schema_list, SCHEMA_ENTRIES(manifest, tree), .each = schema_object, .keys = node_keys},
+    {"probabilities", schema_list, SCHEMA_ENTRIES(manifest, maps), .each = read_map, .keys = pathway_keys,
      .most = MANIFEST_MANY},
-    {"pathways", schema_list, SCHEMA_ENTRIES(manifest, pathways, pathway_count), .each = read_pathway,
-     .keys = pathway_keys, .most = MANIFEST_MANY},
-    {"streamlines", schema_list, SCHEMA_ENTRIES(manifest, streamlines, streamlines_count), .each = read_streamlines,
+    {"pathways", schema_list, SCHEMA_ENTRIES(manifest, pathways), .each = read_pathway, .keys = pathway_keys,
+     .most = MANIFEST_MANY},
+    {"streamlines", schema_list, SCHEMA_ENTRIES(manifest, streamlines), .each = read_streamlines,
      .keys = streamlines_keys, .most = MANIFEST_MANY},
     {"threshold", schema_positive, AT(manifest, threshold)},
-    {"transform", schema_list, SCHEMA_ENTRIES(manifest, transforms, transform_count), .each = schema_path_or_object,
+    {"transform", schema_list, SCHEMA_ENTRIES(manifest, transforms), .each = schema_path_or_object,
      .keys = transform_keys, .most = MANIFEST_FEW, .many = SCHEMA_ONE_OR_LIST},
-    {"context", schema_list, SCHEMA_ENTRIES(manifest, contexts, context_count), .each = schema_path_or_object,
-     .keys = context_keys, .most = MANIFEST_MANY, .many = SCHEMA_ONE_OR_LIST},
+    {"context", schema_list, SCHEMA_ENTRIES(manifest, contexts), .each = schema_path_or_object, .keys = context_keys,
+     .most = MANIFEST_MANY, .many = SCHEMA_ONE_OR_LIST},
     {0},
 };
 
 static void check_manifest(struct job *job, const struct manifest *manifest)
 {
     static const char why[] = "moves: there is no transform that could move it";
-    bool labelled = manifest->parcellation_count || manifest->area_count;
-    bool moves = labelled || manifest->map_count; /* a transform needs something that moves */
-    bool fixed = !manifest->transform_count;
-    if (labelled && manifest->map_count) {
+    bool labelled = manifest->parcellations.count || manifest->areas.count;
+    bool moves = labelled || manifest->maps.count; /* a transform needs something that moves */
+    bool fixed = !manifest->transforms.count;
+    if (labelled && manifest->maps.count) {
         job_bad(job, "has probabilities and %s, which are areas both: one of them is allowed",
-                manifest->area_count ? "areas" : "a parcellation");
-    } else if (!moves && !manifest->pathway_count && !manifest->streamlines_count) {
+                manifest->areas.count ? "areas" : "a parcellation");
+    } else if (!moves && !manifest->pathways.count && !manifest->streamlines.count) {
         job_bad(job, "nothing to select: parcellation, areas, probabilities, pathways or streamlines is needed");
     }
-    for (size_t i = 0; i < manifest->pathway_count; i++) {
-        if (manifest->pathways[i].moves && fixed) {
+    for (size_t i = 0; i < manifest->pathways.count; i++) {
+        if (manifest->pathways.at[i].moves && fixed) {
             job_bad(job, "pathways[%zu].%s", i, why);
         }
-        moves = moves || manifest->pathways[i].moves;
+        moves = moves || manifest->pathways.at[i].moves;
     }
-    for (size_t i = 0; i < manifest->streamlines_count; i++) {
-        if (manifest->streamlines[i].moves && fixed) {
+    for (size_t i = 0; i < manifest->streamlines.count; i++) {
+        if (manifest->streamlines.at[i].moves && fixed) {
             job_bad(job, "streamlines[%zu].%s", i, why);
         }
-        moves = moves || manifest->streamlines[i].moves;
+        moves = moves || manifest->streamlines.at[i].moves;
     }
-    for (size_t i = 0; i < manifest->context_count; i++) {
-        if (manifest->contexts[i].moves && fixed) {
+    for (size_t i = 0; i < manifest->contexts.count; i++) {
+        if (manifest->contexts.at[i].moves && fixed) {
             job_bad(job, "context.%s", why);
         }
     }
@@ -433,14 +433,14 @@ static size_t count_volumes(const struct manifest_pathway *pathways, size_t coun
 {
     size_t volumes = 0;
     for (size_t i = 0; i < count; i++) {
-        volumes += pathways[i].names ? pathways[i].name_count : 1;
+        volumes += pathways[i].names.count ? pathways[i].names.count : 1;
     }
     return volumes;
 }
 
 size_t manifest_file_count(const struct manifest *manifest)
 {
-    return manifest->parcellation_count + manifest->context_count + manifest->streamlines_count +
-           count_volumes(manifest->maps, manifest->map_count) +
-           count_volumes(manifest->pathways, manifest->pathway_count);
+    return manifest->parcellations.count + manifest->contexts.count + manifest->streamlines.count +
+           count_volumes(manifest->maps.at, manifest->maps.count) +
+           count_volumes(manifest->pathways.at, manifest->pathways.count);
 }

@@ -86,13 +86,11 @@ struct manifest_pathway {
     struct manifest_volume source;
     char *fsl; /**< An FSL atlas XML that names the volumes of source.file, or of its own finest image.       */
     char *name;
-    char **names;
-    size_t name_count;
-    double threshold;  /**< 0 = the manifest's, else the default.                                              */
-    double scale;      /**< The probability value that means "certainly"; 0 = as the values say. */
-    conus_band *bands; /**< One pathway for each instead.                                                      */
-    size_t band_count;
-    bool moves; /**< A pathway: it is moved with the areas. */
+    LIST(char *) names;
+    double threshold;       /**< 0 = the manifest's, else the default.                                              */
+    double scale;           /**< The probability value that means "certainly"; 0 = as the values say. */
+    LIST(conus_band) bands; /**< One pathway for each instead. */
+    bool moves;             /**< A pathway: it is moved with the areas. */
 };
 
 /** A tractogram: one bundle, or its groups. */
@@ -105,36 +103,28 @@ struct manifest_streamlines {
 };
 
 struct manifest {
-    bool allow_outside; /**< Paths may leave the manifest's folder.                                           */
-    struct manifest_parcellation *parcellations; /**< By priority. */
-    size_t parcellation_count;
-    bool single; /**< There is one, which the manifest has as "parcellation", not in a list.              */
-    struct manifest_context *contexts; /**< At most one volume, and surfaces. */
-    size_t context_count;
+    bool allow_outside;                               /**< Paths may leave the manifest's folder. */
+    LIST(struct manifest_parcellation) parcellations; /**< By priority. */
+    bool single; /**< There is one, which the manifest has as "parcellation", not in a list. */
+    LIST(struct manifest_context) contexts; /**< At most one volume, and surfaces. */
     enum mesh_space space; /**< The space of the surfaces' coordinates; unstated = as each file says. */
     enum manifest_ccf ccf;
     enum manifest_preference prefer;
-    struct manifest_area *areas;
-    size_t area_count;
-    struct label *tree; /**< Parents, and areas without a shape that group others.                                */
-    size_t tree_count;
-    struct manifest_pathway *maps; /**< "probabilities", which are areas. */
-    size_t map_count;
-    struct manifest_pathway *pathways;
-    size_t pathway_count;
-    struct manifest_streamlines *streamlines;
-    size_t streamlines_count;
-    double threshold;                      /**< For pathways that give none; 0 = the default. */
-    struct manifest_transform *transforms; /**< Points go through the first one first. */
-    size_t transform_count;
-    bool single_transform; /**< There is one, which is not in a list.                                    */
+    LIST(struct manifest_area) areas;
+    LIST(struct label) tree;            /**< Parents, and areas without a shape that group others. */
+    LIST(struct manifest_pathway) maps; /**< "probabilities", which are areas. */
+    LIST(struct manifest_pathway) pathways;
+    LIST(struct manifest_streamlines) streamlines;
+    double threshold;                           /**< For pathways that give none; 0 = the default. */
+    LIST(struct manifest_transform) transforms; /**< Points go through the first one first. */
+    bool single_transform;                      /**< There is one, which is not in a list. */
 };
 
 /** True where @p text looks like a manifest: a JSON object with the key "conus_atlas". */
 bool manifest_is(struct text text);
 
-/** Parses @p text. All that the manifest has is the job's. CONUS_ERROR_DATA with the key, or line and column where it
- * is no JSON. */
+/** Parses @p text. All that the manifest has is the job's; its lists do not grow. CONUS_ERROR_DATA with the key, or
+ * line and column where it is no JSON. */
 void manifest_parse(struct job *job, struct manifest *out, struct text text);
 
 /** How many files there are besides surfaces and label tables. Volumes of one file count each: they are unpacked one by

@@ -111,13 +111,13 @@ void schema_list(const struct schema_place *place, void *out, const json_t *valu
     } else if (list->most && count > list->most) {
         job_bad(place->job, "%s: %zu entries, allowed are %zu", place->key, count, list->most);
     }
-    char *entries = job_zeroed(place->job, count + 1, list->size); /* one more: of an empty list it is not NULL */
-    count = entries ? count : 0;
+    LIST(char) entries = {.at = job_zeroed(place->job, count + 1, list->size)}; /* one more: not NULL without entries */
+    entries.count = entries.at ? count : 0;
+    entries.capacity = entries.count;
     memcpy(out, &entries, sizeof entries); /* a pointer of another type is not written as one of this */
-    memcpy((char *)out + list->count, &count, sizeof count);
-    for (size_t i = 0; i < count && job_ok(place->job); i++) {
+    for (size_t i = 0; i < entries.count && job_ok(place->job); i++) {
         struct schema_place inner = is_one ? *place : schema_element(place, i);
-        list->each(&inner, entries + i * list->size, is_one ? value : json_array_get(value, i));
+        list->each(&inner, entries.at + i * list->size, is_one ? value : json_array_get(value, i));
     }
 }
 

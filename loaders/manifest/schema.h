@@ -40,17 +40,15 @@ struct schema_field {
     unsigned first;           /**< schema_word(): the enum's value for the first word; schema_uint(): the least. */
     const struct schema_field *keys; /**< schema_object(), schema_path_or_object(). */
     schema_read *each;               /**< schema_list(): reads an entry, */
-    size_t size;                     /**< which has this size. The field is the pointer to the entries; */
-    size_t count;                    /**< their number is so far behind it. */
+    size_t size;                     /**< which has this size. */
     size_t most;                     /**< schema_list(): the most entries, schema_positive(): the largest; 0 = any. */
     enum schema_many many;
     const char *wanted; /**< What a message calls a number, or a list that may not be empty, if not as usual. */
 };
 
-/** The members for a list of a struct @p type. */
-#define SCHEMA_ENTRIES(type, entries, entry_count)                                                                     \
-    .offset = offsetof(struct type, entries), .size = sizeof *((struct type *)NULL)->entries,                          \
-    .count = offsetof(struct type, entry_count) - offsetof(struct type, entries)
+/** The members for the LIST() @p entries of a struct @p type. */
+#define SCHEMA_ENTRIES(type, entries)                                                                                  \
+    .offset = offsetof(struct type, entries), .size = sizeof *((struct type *)NULL)->entries.at
 
 /** "KEY: found ..., WANTED is needed". */
 void schema_fail(const struct schema_place *place, const json_t *value, const char *wanted);
@@ -61,14 +59,14 @@ struct schema_place schema_element(const struct schema_place *place, size_t inde
 /** @name Readers @{ */
 schema_read schema_object;         /**< Of the table `keys`: others, and required ones that are missing, are errors. */
 schema_read schema_path_or_object; /**< The same, or a text, which is the value of the first of the keys. */
-schema_read schema_list;
-schema_read schema_text;     /**< char *: one line that is not empty. */
-schema_read schema_path;     /**< The same. */
-schema_read schema_comment;  /**< Nothing. */
-schema_read schema_flag;     /**< bool. */
-schema_read schema_positive; /**< double. */
-schema_read schema_uint;     /**< uint32_t, from 0 or 1. */
-schema_read schema_word;     /**< An enum. */
+schema_read schema_list;           /**< LIST(). */
+schema_read schema_text;           /**< char *: one line that is not empty. */
+schema_read schema_path;           /**< The same. */
+schema_read schema_comment;        /**< Nothing. */
+schema_read schema_flag;           /**< bool. */
+schema_read schema_positive;       /**< double. */
+schema_read schema_uint;           /**< uint32_t, from 0 or 1. */
+schema_read schema_word;           /**< An enum. */
 /** @} */
 
 /** The index of a word in `words`. */

@@ -84,17 +84,17 @@ static void compare_xml(struct job *job, void *user, struct fsl_atlas *atlas, co
 }
 
 /* Other XMLs, and a table beside the image, may call its volumes otherwise. */
-static void compare_map_names(struct job *job, const struct fsl_maps *maps, const char *xml, uint64_t max_memory)
+static void compare_names(struct job *job, const struct rival *rival, const struct volume_file *image,
+                          uint64_t max_memory)
 {
-    struct rival rival = {maps->labels, path_base(xml)};
-    const struct label_use use = {.info = &maps->image->info, .max_memory = max_memory};
+    const struct label_use use = {.info = &image->info, .max_memory = max_memory};
     struct label_table *table = labels_new(job);
-    fsl_atlas_each(job, maps->image->path, FSL_VOLUMES, compare_xml, &rival);
+    fsl_atlas_each(job, image->path, FSL_VOLUMES, compare_xml, (void *)rival);
     struct attempt attempt = job_try(job);
     const char *from = label_volume_table(job, table, NULL, &use);
     job_hushed(job, &attempt);
     if (from) {
-        label_tables_note(job, maps->labels, rival.xml, table, from);
+        label_tables_note(job, rival->labels, rival->xml, table, from);
     }
 }
 
@@ -114,15 +114,15 @@ struct fsl_maps fsl_maps_open(struct job *job, conus_atlas *atlas, const char *x
     }
     const size_t labels = found->labels.count;
     maps.has_background = label_drop_background(job, &found->labels);
-    if (!job_ok(job)) {
-        return (struct fsl_maps){.labels = &none};
+    if (!job_ok(job) || !maps.image) {
+        return maps;
     }
     if (labels > maps.image->info.volume_count) {
         job_bad(job, "fsl: %s has %zu labels, %s has %zu volumes", path_base(xml), labels, path_base(maps.image->path),
                 maps.image->info.volume_count);
     }
-    maps.labels = &found->labels;
-    compare_map_names(job, &maps, xml, options->max_memory);
+    compare_names(job, &(struct rival){&found->labels, path_base(xml)}, maps.image, options->max_memory);
     atlas_take(job, atlas);
-    return job_ok(job) ? maps : (struct fsl_maps){.labels = &none};
+    maps.labels = job_ok(job) ? &found->labels : maps.labels;
+    return maps;
 }

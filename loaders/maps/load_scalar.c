@@ -29,21 +29,22 @@ enum {
 };
 
 /* "from 10 to below 20", "from 10 on", "below 20", "all values". */
-static const char *ends_text(struct job *job, const conus_band *band)
+static const char *ends_text(struct job *job, double from, double to)
 {
-    const char *low = NUMBER_TEXT(band->low);
-    const char *high = NUMBER_TEXT(band->high);
-    return band->low != -INFINITY && band->high != INFINITY ? job_format(job, "from %s to below %s", low, high)
-           : band->low != -INFINITY                         ? job_format(job, "from %s on", low)
-           : band->high != INFINITY                         ? job_format(job, "below %s", high)
-                                                            : "all values";
+    const char *low = NUMBER_TEXT(from);
+    const char *high = NUMBER_TEXT(to);
+    return from != -INFINITY && to != INFINITY ? job_format(job, "from %s to below %s", low, high)
+           : from != -INFINITY                 ? job_format(job, "from %s on", low)
+           : to != INFINITY                    ? job_format(job, "below %s", high)
+                                               : "all values";
 }
 
 /* Refuses a band that can be no pathway of the volume `info`, whose minimum and maximum are known. */
 static void check_band(struct job *job, const conus_band *band, const conus_volume_info *info, const conus_atlas *atlas)
 {
     if (!band->name || !band->name[0]) {
-        job_fail(job, CONUS_ERROR_ARGUMENT, "%s: the band %s has no name", info->path, ends_text(job, band));
+        job_fail(job, CONUS_ERROR_ARGUMENT, "%s: the band %s has no name", info->path,
+                 ends_text(job, band->low, band->high));
         return;
     }
     for (size_t i = atlas->area_count; i < atlas->object_count; i++) {
@@ -57,7 +58,7 @@ static void check_band(struct job *job, const conus_band *band, const conus_volu
     }
     if (!(tolerance_least(band->low) <= info->maximum && tolerance_least(band->high) > info->minimum)) {
         job_fail(job, CONUS_ERROR_ARGUMENT, "%s: band %s: %s, the values are from %s to %s", info->path, band->name,
-                 ends_text(job, band), NUMBER_TEXT(info->minimum), NUMBER_TEXT(info->maximum));
+                 ends_text(job, band->low, band->high), NUMBER_TEXT(info->minimum), NUMBER_TEXT(info->maximum));
     }
 }
 
@@ -90,45 +91,39 @@ static void check_bands(struct job *job, const conus_band *bands, size_t count, 
     }
     memcpy(sorted, bands, count * sizeof *sorted);
     qsort(sorted, count, sizeof *sorted, compare_band_names);
-    for (size_t i = 1; i < count; i++) {
-        if (compare_band_names(&sorted[i - 1], &sorted[i]) == 0) {
-            job_fail(job, CONUS_ERROR_ARGUMENT, "%s: two bands are called %s", info->path, sorted[i].name);
+    for (const conus_band *band = sorted + 1; band < sorted + count; band++) {
+        if (compare_band_names(band - 1, band) == 0) {
+            job_fail(job, CONUS_ERROR_ARGUMENT, "%s: two bands are called %s", info->path, band->name);
         }
     }
     qsort(sorted, count, sizeof *sorted, compare_ends);
-    for (size_t i = 1; i < count; i++) {
-        if ((float)sorted[i].low < (float)sorted[i - 1].high) {
-            job_fail(job, CONUS_ERROR_ARGUMENT, "%s: the bands %s (%s) and %s (%s) overlap", info->path,
-                     sorted[i - 1].name, ends_text(job, &sorted[i - 1]), sorted[i].name, ends_text(job, &sorted[i]));
+    for (const conus_band *band = sorted + 1; band < sorted + count; band++) {
+        if ((float)band->low < (float)band[-1].high) {
+            job_fail(job, CONUS_ERROR_ARGUMENT, "%s: the bands %s (%s) and %s (%s) overlap", info->path, band[-1].name,
+                     ends_text(job, band[-1].low, band[-1].high), band->name, ends_text(job, band->low, band->high));
         }
     }
-}
-
-/* Whether nothing but its upper end keeps the largest value out of the last @p count pathways. */
-static bool ends_at_the_largest(const conus_atlas *atlas, const conus_object *band, size_t count)
-{
-    double largest = atlas->volumes[band->volume].info.maximum;
-    bool is_taken = false;
-    for (size_t i = atlas->object_count - count; i < atlas->object_count; i++) {
-        is_taken = is_taken || tolerance_same(atlas->objects[i].low, largest);
-    }
-    return tolerance_same(band->high, largest) && !is_taken;
 }
 
 /* Warns of bands that look wrong, among those that have just become the last pathways of `atlas`: bands without voxels,
  * and bands that end at the largest value, so that no band has it. */
 static void warn_of_bands(struct job *job, const conus_atlas *atlas, size_t count)
 {
-    for (size_t i = atlas->object_count - count; i < atlas->object_count; i++) {
-        const conus_object *object = &atlas->objects[i];
-        const conus_band band = {object->low, object->high, object->name};
-        if (!object->voxels) {
-            job_warn(job, "pathway %s: no voxel has a value %s", object->name, ends_text(job, &band));
-        } else if (ends_at_the_largest(atlas, object, count)) {
+    const conus_object *bands = atlas->objects + (atlas->object_count - count);
+    const double largest = atlas->volumes[bands->volume].info.maximum;
+    bool is_taken = false;
+    for (size_t i = 0; i < count; i++) {
+        is_taken = is_taken || tolerance_same(bands[i].low, largest);
+    }
+    for (size_t i = 0; i < count; i++) {
+        if (!bands[i].voxels) {
+            job_warn(job, "pathway %s: no voxel has a value %s", bands[i].name,
+                     ends_text(job, bands[i].low, bands[i].high));
+        } else if (tolerance_same(bands[i].high, largest) && !is_taken) {
             job_warn(job,
                      "pathway %s: values are below %s, the largest of the volume, whose voxels are not in it; without "
                      "an upper end they are",
-                     object->name, NUMBER_TEXT(object->high));
+                     bands[i].name, NUMBER_TEXT(bands[i].high));
         }
     }
 }

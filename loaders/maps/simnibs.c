@@ -65,15 +65,12 @@ bool simnibs_is(const struct hdf5 *hdf5)
 
 static const struct hdf5_value *find_field(const struct hdf5 *hdf5, struct text mesh, struct text wanted)
 {
-    static const char *const usual[] = {"magnE", "normE", "E"};
-    const struct hdf5_value *field = NULL;
     char name[HDF5_NAME_LIMIT + 1];
-    if (wanted.size) {
-        snprintf(name, sizeof name, "%.*s", TEXT_SHOW(wanted, (size_t)HDF5_NAME_LIMIT));
-        return find_in_mesh(hdf5, mesh, "elmdata", name);
-    }
-    for (size_t i = 0; !field && i < sizeof usual / sizeof usual[0]; i++) {
-        field = find_in_mesh(hdf5, mesh, "elmdata", usual[i]);
+    const char *const names[] = {name, "magnE", "normE", "E"};
+    const struct hdf5_value *field = NULL;
+    snprintf(name, sizeof name, "%.*s", TEXT_SHOW(wanted, (size_t)HDF5_NAME_LIMIT));
+    for (size_t i = wanted.size ? 0 : 1; !field && i < (wanted.size ? 1 : sizeof names / sizeof names[0]); i++) {
+        field = find_in_mesh(hdf5, mesh, "elmdata", names[i]);
     }
     return field;
 }
@@ -253,7 +250,7 @@ struct roi_mesh simnibs_find(struct job *job, const struct hdf5 *hdf5, const str
 {
     struct roi_mesh out = {0};
     const struct found mesh = find_mesh(job, hdf5, selector->field);
-    if (!job_ok(job)) {
+    if (!job_ok(job) || !mesh.coordinates) {
         return out;
     }
     check_shapes(job, &mesh);

@@ -93,42 +93,37 @@ static struct label_table *read_table(const struct planning *p, const char *path
     return table;
 }
 
-/* Names of a folder that match a pattern. */
-struct matches {
-    LIST(const char *) names;
-    const char *folder;
-    bool numbered; /* all hold a number */
+struct paths {
+    LIST(const char *);
 };
 
-/* Finds them; all or none must hold a number. */
-static struct matches find_matches(const struct planning *p)
+/* Finds the files that match the entry's pattern; the names of all or none must hold a number. */
+static struct paths find_matches(const struct planning *p)
 {
-    struct job *job = p->job;
-    struct matches matches = {0};
-    const char *pattern = job_beside(job, p->path, p->area->files);
+    struct paths paths = {0};
+    const char *pattern = job_beside(p->job, p->path, p->area->files);
     const char *base = path_base(pattern);
+    const char *folder = base > pattern ? job_format(p->job, "%.*s", (int)(base - pattern), pattern) : "./";
     const char *ending = base + strlen(base); /* the literal end, which every matching name has */
     size_t numbered = 0;
     uint32_t number;
     while (ending > base && !strchr("*?[]\\", ending[-1])) {
         ending--;
     }
-    matches.folder = base > pattern ? job_format(job, "%.*s", (int)(base - pattern), pattern) : "./";
-    const struct names names = job_names(job, matches.folder, ending);
+    const struct names names = job_names(p->job, folder, ending);
     for (size_t i = 0; i < names.count; i++) {
         if (fnmatch(base, names.names[i], FNM_PERIOD) == 0) {
-            *LIST_ADD(job, &matches.names) = names.names[i];
-            numbered += number_in_name(job, &number, names.names[i]);
+            *LIST_ADD(p->job, &paths) = job_format(p->job, "%s%s", folder, names.names[i]);
+            numbered += number_in_name(p->job, &number, names.names[i]);
         }
     }
-    matches.numbered = numbered > 0;
-    if (!matches.names.count) {
-        job_bad(job, "files: no file matches %s", base);
-    } else if (numbered && numbered < matches.names.count) {
-        job_bad(job, "files: %zu of the %zu names hold a number, which gives the label: all or none must", numbered,
-                matches.names.count);
+    if (!paths.count) {
+        job_bad(p->job, "files: no file matches %s", base);
+    } else if (numbered && numbered < paths.count) {
+        job_bad(p->job, "files: %zu of the %zu names hold a number, which gives the label: all or none must", numbered,
+                paths.count);
     }
-    return matches;
+    return paths;
 }
 
 /* The label `number` of the table, raised by the entry's offset, with the entry's hemisphere if it has one. */
@@ -144,21 +139,17 @@ static struct label raise_label(const struct planning *p, const struct label_tab
 /* Plans "files", a pattern. */
 static void plan_pattern(const struct planning *p)
 {
-    struct job *job = p->job;
     const struct label *of_all = &p->area->label;
-    const struct matches matches = find_matches(p);
+    const struct paths paths = find_matches(p);
     const struct label_table *table =
-        p->area->labels ? read_table(p, job_beside(job, p->path, p->area->labels)) : labels_new(job);
-    for (size_t i = 0; i < matches.names.count && job_ok(job); i++) {
-        const char *name = matches.names.at[i];
-        uint32_t number = (uint32_t)i + 1;
-        if (matches.numbered) {
-            number_in_name(job, &number, name);
-        }
+        p->area->labels ? read_table(p, job_beside(p->job, p->path, p->area->labels)) : labels_new(p->job);
+    for (size_t i = 0; i < paths.count && job_ok(p->job); i++) {
+        uint32_t number;
+        number = number_in_name(p->job, &number, paths.at[i]) ? number : (uint32_t)i + 1;
         struct label label = raise_label(p, table, number);
-        label.parent = label.has_parent ? label_raise(job, label.parent, p->area->label_offset) : of_all->parent;
+        label.parent = label.has_parent ? label_raise(p->job, label.parent, p->area->label_offset) : of_all->parent;
         label.has_parent = label.has_parent || of_all->has_parent;
-        add_area(p, job_format(job, "%s%s", matches.folder, name), &label);
+        add_area(p, paths.at[i], &label);
     }
 }
 
@@ -170,21 +161,21 @@ static void end_vertex_labels(void *labels)
 /* Reads the labels of the entry's surface; NULL after a failure. */
 static struct labelled_surface *read_labelled(const struct planning *p)
 {
-    struct job *job = p->job;
-    struct labelled_surface *surface = job_new(job, struct labelled_surface);
+    struct labelled_surface *surface = job_new(p->job, struct labelled_surface);
     struct notes again = {0};
     struct mesh_file_options options = {.max_memory = p->plan->max_memory,
-                                        .read = &job->files,
-                                        .surface = job_beside(job, p->path, p->area->file),
+                                        .read = &p->job->files,
+                                        .surface = job_beside(p->job, p->path, p->area->file),
                                         .hemisphere = p->area->label.hemisphere};
-    const char *labels = job_beside(job, p->path, p->area->vertex_labels);
-    if (JOB_CALL(job, vertex_labels_read(&surface->labels, labels, &options, p->area->noted ? &again : &job->notes))) {
+    const char *labels = job_beside(p->job, p->path, p->area->vertex_labels);
+    if (JOB_CALL(p->job,
+                 vertex_labels_read(&surface->labels, labels, &options, p->area->noted ? &again : &p->job->notes))) {
         surface->path = options.surface;
-        job_own(job, end_vertex_labels, &surface->labels);
-        *LIST_ADD(job, &p->plan->labelled) = surface;
+        job_own(p->job, end_vertex_labels, &surface->labels);
+        *LIST_ADD(p->job, &p->plan->labelled) = surface;
     }
     notes_finish(&again);
-    return job_ok(job) ? surface : NULL;
+    return job_ok(p->job) ? surface : NULL;
 }
 
 /* Plans "file" with "vertex_labels": a part for each label that vertices have. */
@@ -261,37 +252,36 @@ static struct brainglobe_metadata find_axes(const struct planning *p, const char
 /* Plans "brainglobe", a folder. */
 static void plan_brainglobe(const struct planning *p)
 {
-    struct job *job = p->job;
     const double scale = p->area->scale > 0 ? p->area->scale : micrometres;
     const double scales[3] = {scale, scale, scale};
     const size_t before = p->plan->areas.count;
-    const char *folder = job_beside(job, p->path, p->area->brainglobe);
-    const struct label_table *table = read_table(p, job_format(job, "%s/structures.json", folder));
+    const char *folder = job_beside(p->job, p->path, p->area->brainglobe);
+    const struct label_table *table = read_table(p, job_format(p->job, "%s/structures.json", folder));
     size_t count = table->count;
-    bool *contains = job_zeroed(job, count, sizeof *contains); /* another structure with a mesh */
-    const char **meshes = job_array(job, &count, sizeof *meshes);
+    bool *contains = job_zeroed(p->job, count, sizeof *contains); /* another structure with a mesh */
+    const char **meshes = job_array(p->job, &count, sizeof *meshes);
     double world_from_mesh[16];
     for (size_t i = 0; i < count; i++) {
-        meshes[i] = job_format(job, "%s/meshes/%u.obj", folder, table->entries[i].number);
-        meshes[i] = job_has_file(job, meshes[i]) ? meshes[i] : NULL;
+        meshes[i] = job_format(p->job, "%s/meshes/%u.obj", folder, table->entries[i].number);
+        meshes[i] = job_has_file(p->job, meshes[i]) ? meshes[i] : NULL;
     }
     mark_containers(contains, table, meshes, count);
     const struct brainglobe_metadata metadata = find_axes(p, folder);
-    (void)JOB_CALL(job, brainglobe_axes(world_from_mesh, metadata.orientation, scales));
-    for (size_t i = 0; i < count && job_ok(job); i++) {
+    (void)JOB_CALL(p->job, brainglobe_axes(world_from_mesh, metadata.orientation, scales));
+    for (size_t i = 0; i < count && job_ok(p->job); i++) {
         if (meshes[i] && (p->area->all_structures || !contains[i])) {
             struct planned_area *area = add_area(p, meshes[i], &table->entries[i]);
             area->placed = true;
             memcpy(area->world_from_mesh, world_from_mesh, sizeof area->world_from_mesh);
         } else if (contains[i]) {
-            add_group(job, p->plan, &table->entries[i]);
+            add_group(p->job, p->plan, &table->entries[i]);
         }
     }
     const size_t added = p->plan->areas.count - before;
     if (!added) {
-        job_bad(job, "brainglobe: %s/meshes holds no ID.obj of structures.json", p->area->brainglobe);
+        job_bad(p->job, "brainglobe: %s/meshes holds no ID.obj of structures.json", p->area->brainglobe);
     }
-    job_note(job, "%s: %zu surfaces, stored times %g is mm, axes start at \"%s\"; the world's origin is that corner",
+    job_note(p->job, "%s: %zu surfaces, stored times %g is mm, axes start at \"%s\"; the world's origin is that corner",
              folder, added, scale, metadata.orientation);
 }
 
@@ -314,8 +304,8 @@ static void sort_areas(struct job *job, struct area_plan *plan)
 void area_plan_make(struct job *job, struct area_plan *out, const struct manifest *manifest, const char *path)
 {
     out->groups = labels_new(job);
-    for (size_t i = 0; i < manifest->area_count; i++) {
-        const struct manifest_area *area = &manifest->areas[i];
+    for (size_t i = 0; i < manifest->areas.count; i++) {
+        const struct manifest_area *area = &manifest->areas.at[i];
         const struct planning planning = {job, out, path, i, area};
         const size_t mark = job_in(job, "areas", i);
         (area->vertex_labels ? plan_labelled
@@ -325,8 +315,8 @@ void area_plan_make(struct job *job, struct area_plan *out, const struct manifes
         job_out(job, mark);
     }
     sort_areas(job, out);
-    for (size_t i = 0; i < manifest->tree_count; i++) {
-        const struct label *node = &manifest->tree[i];
+    for (size_t i = 0; i < manifest->tree.count; i++) {
+        const struct label *node = &manifest->tree.at[i];
         struct planned_area *area = area_plan_find(out, node->number);
         if (!area) {
             add_group(job, out, node);

@@ -15,6 +15,7 @@
 /* All surfaces of a plan, which are read before any becomes an area. */
 struct surfaces {
     struct load *load;
+    struct job *job; /* the load's */
     struct area_plan *plan;
     struct mesh *meshes; /* [count], as the plan's areas */
     bool *is_foreign;    /* [count] Another program's file. Those are read together, so that one note says how many of
@@ -52,32 +53,30 @@ static void hand_out_parts(struct surfaces *surfaces, const struct labelled_surf
             part->mesh = (struct mesh){0};
         }
         if (area->surface == labelled && !surfaces->meshes[i].triangle_count) {
-            (void)JOB_CALL(
-                &surfaces->load->job,
-                notes_warn(&surfaces->notes, "%s: label %u is on no triangle, left out", area->path, area->part));
+            (void)JOB_CALL(surfaces->job, notes_warn(&surfaces->notes, "%s: label %u is on no triangle, left out",
+                                                     area->path, area->part));
         }
     }
 }
 
 static void cut_labelled(struct surfaces *surfaces, struct labelled_surface *labelled)
 {
-    struct job *job = &surfaces->load->job;
     const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->plan->max_memory};
     struct vertex_labels *labels = &labelled->labels;
     struct mesh mesh = {0};
     struct mesh_parts parts = {0};
     load_report(surfaces->load, labelled->path, 1);
     if (!mesh_file_keeps_vertices(labelled->path)) {
-        job_refuse(job, "vertex_labels: %s: a surface that numbers its vertices is needed, any but STL",
+        job_refuse(surfaces->job, "vertex_labels: %s: a surface that numbers its vertices is needed, any but STL",
                    path_base(labelled->path));
     }
-    (void)JOB_CALL(job, mesh_file_read(&mesh, NULL, labelled->path, &options, &surfaces->notes));
-    (void)JOB_CALL(job, vertex_labels_extend(labels, mesh.vertex_count));
+    (void)JOB_CALL(surfaces->job, mesh_file_read(&mesh, NULL, labelled->path, &options, &surfaces->notes));
+    (void)JOB_CALL(surfaces->job, vertex_labels_extend(labels, mesh.vertex_count));
     if (mesh.vertex_count != labels->count) {
-        job_bad(job, "vertex_labels: %zu labels, %s has %zu vertices: they must be as many", labels->count,
+        job_bad(surfaces->job, "vertex_labels: %zu labels, %s has %zu vertices: they must be as many", labels->count,
                 path_base(labelled->path), mesh.vertex_count);
     }
-    (void)JOB_CALL(job, mesh_split(&parts, &mesh, labels->labels, &surfaces->notes));
+    (void)JOB_CALL(surfaces->job, mesh_split(&parts, &mesh, labels->labels, &surfaces->notes));
     hand_out_parts(surfaces, labelled, &parts);
     mesh_parts_finish(&parts);
     mesh_finish(&mesh);
@@ -86,11 +85,10 @@ static void cut_labelled(struct surfaces *surfaces, struct labelled_surface *lab
 /* Reads other programs' files: those with a placement of their own, or those without. */
 static void read_foreign(struct surfaces *surfaces, bool placed)
 {
-    struct job *job = &surfaces->load->job;
     struct planned_area *areas = surfaces->plan->areas.at;
     const struct mesh_foreign_options options = {placed ? MESH_SPACE_RAS : surfaces->space, surfaces->plan->max_memory};
-    struct mesh *received = job_zeroed(job, surfaces->count, sizeof *received);
-    const char **paths = job_zeroed(job, surfaces->count, sizeof *paths);
+    struct mesh *received = job_zeroed(surfaces->job, surfaces->count, sizeof *received);
+    const char **paths = job_zeroed(surfaces->job, surfaces->count, sizeof *paths);
     size_t n = 0;
     for (size_t i = 0; paths && i < surfaces->count; i++) {
         if (surfaces->is_foreign[i] && areas[i].placed == placed) {
@@ -101,36 +99,34 @@ static void read_foreign(struct surfaces *surfaces, bool placed)
         return;
     }
     load_report(surfaces->load, paths[0], n);
-    if (!JOB_CALL(job, mesh_foreign_read(received, paths, n, &options, &surfaces->notes))) {
+    if (!JOB_CALL(surfaces->job, mesh_foreign_read(received, paths, n, &options, &surfaces->notes))) {
         return;
     }
     n = 0;
     for (size_t i = 0; i < surfaces->count; i++) {
         if (surfaces->is_foreign[i] && areas[i].placed == placed) {
             surfaces->meshes[i] = received[n++];
-            name_area(job, &areas[i], &(struct label){0});
+            name_area(surfaces->job, &areas[i], &(struct label){0});
         }
     }
 }
 
 static void read_own(struct surfaces *surfaces, size_t i)
 {
-    struct job *job = &surfaces->load->job;
     struct planned_area *area = &surfaces->plan->areas.at[i];
     const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->plan->max_memory};
     struct label said = {0};
-    const size_t mark = job_in(job, "areas", area->entry);
+    const size_t mark = job_in(surfaces->job, "areas", area->entry);
     load_report(surfaces->load, area->path, 1);
-    (void)JOB_CALL(job, mesh_file_read(&surfaces->meshes[i], &said, area->path, &options, &surfaces->notes));
-    said.name = job_adopt(job, said.name);
-    said.abbreviation = job_adopt(job, said.abbreviation);
-    name_area(job, area, &said);
-    job_out(job, mark);
+    (void)JOB_CALL(surfaces->job, mesh_file_read(&surfaces->meshes[i], &said, area->path, &options, &surfaces->notes));
+    said.name = job_adopt(surfaces->job, said.name);
+    said.abbreviation = job_adopt(surfaces->job, said.abbreviation);
+    name_area(surfaces->job, area, &said);
+    job_out(surfaces->job, mark);
 }
 
 static void read_all(struct surfaces *surfaces)
 {
-    struct job *job = &surfaces->load->job;
     struct area_plan *plan = surfaces->plan;
     for (size_t i = 0; i < surfaces->count; i++) { /* the reader reports a file that is not there */
         (void)file_state_find(&plan->areas.at[i].state, plan->areas.at[i].path);
@@ -139,26 +135,30 @@ static void read_all(struct surfaces *surfaces)
         const struct planned_area *area = &plan->areas.at[i];
         surfaces->is_foreign[i] = !area->surface && mesh_file_is_foreign(area->path);
     }
-    const size_t mark = job_in(job, "areas", JOB_ALONE);
+    const size_t mark = job_in(surfaces->job, "areas", JOB_ALONE);
     read_foreign(surfaces, true);
     read_foreign(surfaces, false);
-    for (size_t i = 0; i < plan->labelled.count && job_ok(job); i++) {
+    for (size_t i = 0; i < plan->labelled.count && job_ok(surfaces->job); i++) {
         cut_labelled(surfaces, plan->labelled.at[i]);
     }
-    job_out(job, mark);
-    for (size_t i = 0; i < surfaces->count && job_ok(job); i++) {
+    job_out(surfaces->job, mark);
+    for (size_t i = 0; i < surfaces->count && job_ok(surfaces->job); i++) {
         if (!plan->areas.at[i].surface && !surfaces->is_foreign[i]) {
             read_own(surfaces, i);
         }
     }
 }
 
-/* A note "path: text" about a surface. */
+/* A note, mostly "path: text" about a surface. */
 struct said {
     const char *path; /* NULL: it is about none */
     const char *text;
-    size_t line; /* which note it is */
+    size_t line;       /* which note it is */
+    size_t count;      /* how many say the same, if it is the first of them; else 0 */
+    const char *names; /* of their surfaces, as far as they are shown */
 };
+
+enum { SHOWN = 3 };
 
 static int compare_paths(const void *a, const void *b)
 {
@@ -170,24 +170,24 @@ static int compare_with_path(const void *text, const void *path)
     return text_compare(*(const struct text *)text, text_from(*(const char *const *)path));
 }
 
+static int compare_lines(const void *a, const void *b)
+{
+    return compare_unsigned(((const struct said *)a)->line, ((const struct said *)b)->line);
+}
+
 /* Sorts notes about surfaces by their text, in front of all other notes. */
-static int compare_said(const void *a, const void *b)
+static int compare_texts(const void *a, const void *b)
 {
     const struct said *x = a;
     const struct said *y = b;
     int order = x->path && y->path ? strcmp(x->text, y->text) : (y->path != NULL) - (x->path != NULL);
-    return order ? order : compare_unsigned(x->line, y->line);
-}
-
-static bool say_the_same(const struct said *a, const struct said *b)
-{
-    return a->path && b->path && strcmp(a->text, b->text) == 0;
+    return order ? order : compare_lines(a, b);
 }
 
 /* Finds the surface that the note begins with, among the paths. */
 static struct said read_note(const char **paths, size_t count, const char *note, size_t line)
 {
-    struct said said = {.line = line};
+    struct said said = {.line = line, .names = ""};
     for (const char *end = strstr(note, ": "); end && !said.path; end = strstr(end + 1, ": ")) {
         const struct text start = {note, (size_t)(end - note)};
         const char **path = bsearch(&start, paths, count, sizeof *paths, compare_with_path);
@@ -197,37 +197,16 @@ static struct said read_note(const char **paths, size_t count, const char *note,
     return said;
 }
 
-/* Adds `note`, or if others say the same about other surfaces "N surfaces (a, b, ...): text". The log gets it with the
- * path of the first surface. `said` has `left` entries from that one on. */
-static void add_gathered(struct job *job, struct note_sink *sink, const struct said *said, size_t left,
-                         conus_severity severity, const char *note)
-{
-    enum { SHOWN = 3 };
-    const char *names = "";
-    size_t count = 1;
-    while (count < left && say_the_same(said, &said[count])) {
-        count++;
-    }
-    for (size_t i = 0; i < count && i < SHOWN && said->path; i++) {
-        names = job_format(job, "%s%s%s", names, i ? ", " : "", path_base(said[i].path));
-    }
-    sink->path = said->path ? said->path : sink->path;
-    if (count == 1) {
-        job_put(job, severity, "%s", note);
-    } else {
-        job_put(job, severity, "%zu surfaces (%s%s): %s", count, names, count > SHOWN ? ", ..." : "", said->text);
-    }
-}
-
-/* Gathers the notes of surfaces. One that several share is kept once, at the first of them. */
+/* Gathers the notes of surfaces. One that several share is kept once, at the first of them, as "N surfaces (a, b, ...):
+ * text"; the log gets it with the path of that one. */
 static void gather_notes(struct job *job, struct note_sink *sink, const struct surfaces *surfaces)
 {
     const struct notes *from = &surfaces->notes;
     size_t path_count = surfaces->count;
     size_t count = from->count;
     const char **paths = job_array(job, &path_count, sizeof *paths);
-    size_t *at = job_array(job, &count, sizeof *at); /* where a note is in `said`; SIZE_MAX if others say the same */
     struct said *said = job_array(job, &count, sizeof *said);
+    struct said *first = said; /* of those that say the same */
     for (size_t i = 0; i < path_count; i++) {
         paths[i] = surfaces->plan->areas.at[i].path;
     }
@@ -238,13 +217,24 @@ static void gather_notes(struct job *job, struct note_sink *sink, const struct s
     for (size_t i = 0; i < count; i++) {
         said[i] = read_note(paths, path_count, from->lines[i], i);
     }
-    qsort(said, count, sizeof *said, compare_said);
+    qsort(said, count, sizeof *said, compare_texts);
     for (size_t i = 0; i < count; i++) {
-        at[said[i].line] = i && say_the_same(&said[i - 1], &said[i]) ? SIZE_MAX : i;
+        const bool is_same = first->path && said[i].path && strcmp(first->text, said[i].text) == 0;
+        first = is_same ? first : &said[i];
+        if (first->count++ < SHOWN && first->path) {
+            first->names =
+                job_format(job, "%s%s%s", first->names, first->count > 1 ? ", " : "", path_base(said[i].path));
+        }
     }
+    qsort(said, count, sizeof *said, compare_lines);
     for (size_t i = 0; i < count; i++) {
-        if (at[i] != SIZE_MAX) {
-            add_gathered(job, sink, said + at[i], count - at[i], from->marks[i].severity, from->lines[i]);
+        const conus_severity severity = from->marks[i].severity;
+        sink->path = said[i].count && said[i].path ? said[i].path : sink->path;
+        if (said[i].count == 1) {
+            job_put(job, severity, "%s", from->lines[i]);
+        } else if (said[i].count) {
+            job_put(job, severity, "%zu surfaces (%s%s): %s", said[i].count, said[i].names,
+                    said[i].count > SHOWN ? ", ..." : "", said[i].text);
         }
     }
 }
@@ -256,16 +246,15 @@ static void tell_notes(const struct surfaces *surfaces)
     struct note_sink sink = load->sink;
     struct job telling = {.sink = &sink};
     gather_notes(&telling, &sink, surfaces);
-    job_took(&load->job, job_close(&telling, &load->atlas->notes, NULL));
+    job_took(surfaces->job, job_close(&telling, &load->atlas->notes, NULL));
     load_at(load, sink.path);
 }
 
 static void add_surfaces(const struct surfaces *surfaces)
 {
-    struct job *job = &surfaces->load->job;
     conus_atlas *atlas = surfaces->load->atlas;
     const struct planned_area *areas = surfaces->plan->areas.at;
-    for (size_t i = 0; i < surfaces->count && job_ok(job); i++) {
+    for (size_t i = 0; i < surfaces->count && job_ok(surfaces->job); i++) {
         const struct planned_area *area = &areas[i];
         struct mesh *mesh = &surfaces->meshes[i];
         char digits[LABEL_DIGITS];
@@ -276,9 +265,9 @@ static void add_surfaces(const struct surfaces *surfaces)
         if (area->placed) {
             mesh_transform(mesh, area->world_from_mesh);
         }
-        (void)JOB_CALL(job, atlas_add_mesh(atlas, &object, mesh));
+        (void)JOB_CALL(surfaces->job, atlas_add_mesh(atlas, &object, mesh));
         if (!area->surface || !i || strcmp(areas[i - 1].path, area->path) != 0) {
-            (void)JOB_CALL(job, atlas_note_file(atlas, area->path, &area->state));
+            (void)JOB_CALL(surfaces->job, atlas_note_file(atlas, area->path, &area->state));
         }
     }
 }
@@ -324,17 +313,18 @@ static void link_parent(struct job *job, conus_atlas *atlas, struct label_map *m
 
 static void grow_tree(struct job *job, const struct area_plan *plan, conus_atlas *atlas)
 {
-    struct label_map *map = maps_new(job, 1);
+    struct label_map map = {0};
     for (size_t i = 0; i < atlas->area_count && job_ok(job); i++) {
-        *map_at(job, map, atlas->objects[i].label) = i + 1;
+        *map_at(job, &map, atlas->objects[i].label) = i + 1;
     }
-    add_groups(job, plan, atlas, map);
+    add_groups(job, plan, atlas, &map);
     for (size_t i = 0; i < plan->areas.count && job_ok(job); i++) {
-        link_parent(job, atlas, map, &plan->areas.at[i].label);
+        link_parent(job, atlas, &map, &plan->areas.at[i].label);
     }
     for (size_t i = 0; job_ok(job) && i < plan->groups->count; i++) {
-        link_parent(job, atlas, map, &plan->groups->entries[i]);
+        link_parent(job, atlas, &map, &plan->groups->entries[i]);
     }
+    label_map_finish(&map);
     (void)JOB_CALL(job, atlas_check_tree(atlas));
 }
 
@@ -345,7 +335,7 @@ void area_plan_load(struct load *load, struct area_plan *plan, enum mesh_space s
     if (!surfaces) {
         return;
     }
-    *surfaces = (struct surfaces){.load = load, .plan = plan, .space = space};
+    *surfaces = (struct surfaces){.load = load, .job = job, .plan = plan, .space = space};
     surfaces->meshes = job_zeroed(job, plan->areas.count, sizeof *surfaces->meshes);
     surfaces->is_foreign = job_zeroed(job, plan->areas.count, sizeof *surfaces->is_foreign);
     surfaces->count = surfaces->is_foreign ? plan->areas.count : 0;

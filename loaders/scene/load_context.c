@@ -171,7 +171,7 @@ static void load_map(struct job *job, conus_atlas *atlas, const char *path, cons
         surface = find_surface(job, atlas, &map);
         job_out(job, place);
     }
-    if (JOB_CALL(job, atlas_note_file(atlas, path, &state))) {
+    if (surface && JOB_CALL(job, atlas_note_file(atlas, path, &state))) {
         set_map(atlas, surface, &map, range, options->opacity);
     }
     vertex_map_finish(&map);

@@ -24,12 +24,14 @@
 /* A manifest while it is loaded. */
 struct scene {
     struct load *load;
+    struct job *job; /* the load's */
     const struct manifest *manifest;
     const char *path;              /* of the manifest, ending in '/' if it was made for a folder */
     const struct bytes *file;      /* its bytes; NULL if it was made up */
     const char *names;             /* where the names of areas without a parcellation come from */
     const struct named_maps *maps; /* whose table names the volumes of a file that is ATLAS, and whose user sees no
                                  manifest; NULL without one */
+    bool moves;                    /* what is added moves with the areas */
     struct volume_file series;     /* kept for the pathways that follow, if any is in the same file */
     const char *series_name;       /* as the manifest writes it; NULL without one */
 };
@@ -37,70 +39,63 @@ struct scene {
 /* The path of a file that the manifest names, from where this process is; NULL for none. */
 static const char *path_of(const struct scene *scene, const char *name)
 {
-    return name ? job_beside(&scene->load->job, scene->path, name) : NULL;
+    return name ? job_beside(scene->job, scene->path, name) : NULL;
 }
 
 /* The same with what chooses a volume and places it. */
 static const char *source_path(const struct scene *scene, const struct manifest_volume *source)
 {
-    struct job *job = &scene->load->job;
     const double *r = source->resolution;
     const char *path = path_of(scene, source->file);
-    path = source->chosen ? job_format(job, "%s,volume=%u", path, source->volume) : path;
-    path = r[0] > 0 ? job_format(job, "%s,resolution=%.17g:%.17g:%.17g", path, r[0], r[1], r[2]) : path;
-    return source->orientation ? job_format(job, "%s,orientation=%s", path, source->orientation) : path;
-}
-
-/* Where the job was before an entry. */
-struct before {
-    size_t place;
-    struct job_mark memory;
-};
-
-/* Errors happen at the entry from now on. */
-static struct before enter(const struct scene *scene, const char *key, size_t entry)
-{
-    struct job *job = &scene->load->job;
-    return (struct before){scene->maps ? job->depth : job_in(job, key, entry), job_mark(job)};
+    path = source->chosen ? job_format(scene->job, "%s,volume=%u", path, source->volume) : path;
+    path = r[0] > 0 ? job_format(scene->job, "%s,resolution=%.17g:%.17g:%.17g", path, r[0], r[1], r[2]) : path;
+    return source->orientation ? job_format(scene->job, "%s,orientation=%s", path, source->orientation) : path;
 }
 
 /* What a manifest asks for in vain is its fault, not the caller's. */
 static void blame_manifest(const struct scene *scene)
 {
-    struct job *job = &scene->load->job;
-    job->status = job->status == CONUS_ERROR_ARGUMENT ? CONUS_ERROR_DATA : job->status;
+    scene->job->status = scene->job->status == CONUS_ERROR_ARGUMENT ? CONUS_ERROR_DATA : scene->job->status;
 }
 
-/* What the entry has become is the atlas's. */
-static void leave(const struct scene *scene, struct before before)
+typedef void add_function(struct scene *scene, size_t i);
+
+/* Adds entry `i` of a list, or the only one: what it has become is the atlas's. A file that is ATLAS has no manifest
+ * which a message could name. */
+static void add_entry(struct scene *scene, const char *key, size_t i, bool is_list, add_function *add)
 {
-    job_out(&scene->load->job, before.place);
-    job_release(&scene->load->job, before.memory);
+    struct job *job = scene->job;
+    const struct job_mark mark = job_mark(job);
+    const size_t place = scene->maps ? job->depth : job_in(job, key, is_list ? i : JOB_ALONE);
+    add(scene, i);
+    job_out(job, place);
+    job_release(job, mark);
     if (!scene->maps) {
         blame_manifest(scene);
     }
 }
 
-/* Moves what the atlas has by the transforms of the manifest: it goes back through the last one first. */
-static void move_atlas(const struct scene *scene)
+static void add_entries(struct scene *scene, const char *key, size_t count, bool is_list, add_function *add)
 {
-    const struct manifest *manifest = scene->manifest;
-    struct job *job = &scene->load->job;
-    for (size_t i = manifest->transform_count; i > 0; i--) {
-        const struct manifest_transform *transform = &manifest->transforms[i - 1];
-        const struct before before = enter(scene, "transform", manifest->single_transform ? JOB_ALONE : i - 1);
-        const char *path = path_of(scene, transform->file);
-        const conus_transform_options options = {.from = path_of(scene, transform->from),
-                                                 .to = path_of(scene, transform->to),
-                                                 .grid = path_of(scene, transform->grid),
-                                                 .inverse = transform->inverse,
-                                                 .vectors = transform->vectors,
-                                                 .space = transform->space,
-                                                 .transform = transform->transform,
-                                                 .max_memory = scene->load->options->max_memory};
-        transform_load(job, scene->load->atlas, path, &options);
-        leave(scene, before);
+    for (size_t i = 0; i < count && job_ok(scene->job); i++) {
+        add_entry(scene, key, i, is_list, add);
     }
+}
+
+/* Moves what the atlas has by a transform of the manifest. */
+static void move_by(struct scene *scene, size_t i)
+{
+    const struct manifest_transform *transform = &scene->manifest->transforms.at[i];
+    const char *path = path_of(scene, transform->file);
+    const conus_transform_options options = {.from = path_of(scene, transform->from),
+                                             .to = path_of(scene, transform->to),
+                                             .grid = path_of(scene, transform->grid),
+                                             .inverse = transform->inverse,
+                                             .vectors = transform->vectors,
+                                             .space = transform->space,
+                                             .transform = transform->transform,
+                                             .max_memory = scene->load->options->max_memory};
+    transform_load(scene->job, scene->load->atlas, path, &options);
 }
 
 /* Reads a parcellation, without the notes that have been made of it before. */
@@ -110,20 +105,19 @@ static void load_parcellation(const struct scene *scene, struct parcellation *pa
     static const char needed[] = "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC or OME-Zarr) or an "
                                  "FSL atlas XML of type Label";
     struct load *load = scene->load;
-    struct job *job = &load->job;
     conus_load_options options = *load->options;
-    const size_t note_count = job->notes.count;
+    const size_t note_count = scene->job->notes.count;
     const char *path = source_path(scene, &from->source);
     const bool is_asked = options.labels != NULL;
     options.labels = is_asked ? options.labels : path_of(scene, from->labels);
     load_report(load, path, 1);
-    job->sink = from->noted ? NULL : &load->sink;
-    parcellation_read(job, part, path, &options, needed);
+    scene->job->sink = from->noted ? NULL : &load->sink;
+    parcellation_read(scene->job, part, path, &options, needed);
     if (from->noted) {
-        notes_cut(&job->notes, note_count);
+        notes_cut(&scene->job->notes, note_count);
     }
-    job->sink = &load->sink;
-    parcellation_shift(job, part, from->label_offset, from->hemisphere);
+    scene->job->sink = &load->sink;
+    parcellation_shift(scene->job, part, from->label_offset, from->hemisphere);
     if (!is_asked) {
         blame_manifest(scene);
     }
@@ -131,33 +125,25 @@ static void load_parcellation(const struct scene *scene, struct parcellation *pa
 
 static void refuse_labels(const struct scene *scene, const char *labels)
 {
-    struct job *job = &scene->load->job;
     const struct manifest *manifest = scene->manifest;
-    if (manifest->parcellation_count) {
-        job_fail(job, CONUS_ERROR_ARGUMENT,
-                 "--labels %s: the manifest has %zu parcellations, it can say of each (labels)", labels,
-                 manifest->parcellation_count);
-    } else if (manifest->map_count) {
-        job_fail(job, CONUS_ERROR_ARGUMENT,
-                 "--labels %s: areas of probabilities have the names of the atlas XML, or those of the manifest",
-                 labels);
-    } else if (!path_base(scene->path)[0]) {
-        job_fail(job, CONUS_ERROR_ARGUMENT,
-                 "--labels %s: a folder of surfaces is named by its files; a manifest ('conus manifest') can name them "
-                 "by a table (\"files\" with \"labels\")",
-                 labels);
-    } else {
-        job_fail(job, CONUS_ERROR_ARGUMENT, "--labels %s: the manifest has no parcellation that they could name",
-                 labels);
-    }
+    const size_t count = manifest->parcellations.count;
+    const bool is_made_up = !path_base(scene->path)[0];
+    job_fail(scene->job, CONUS_ERROR_ARGUMENT,
+             count ? "--labels %s: the manifest has %zu parcellations, it can say of each (labels)"
+             : manifest->maps.count
+                 ? "--labels %s: areas of probabilities have the names of the atlas XML, or those of "
+                   "the manifest"
+             : is_made_up ? "--labels %s: a folder of surfaces is named by its files; a manifest ('conus "
+                            "manifest') can name them by a table (\"files\" with \"labels\")"
+                          : "--labels %s: the manifest has no parcellation that they could name",
+             labels, count);
 }
 
 /* Makes an atlas of the parcellations, if there are any, with all voxels that are no surface's. */
 static void create_atlas(const struct scene *scene, struct area_plan *plan)
 {
-    struct job *job = &scene->load->job;
     const struct manifest *manifest = scene->manifest;
-    const size_t count = manifest->parcellation_count;
+    const size_t count = manifest->parcellations.count;
     const char *labels = scene->load->options->labels;
     if (labels && !scene->maps && count != 1) {
         refuse_labels(scene, labels);
@@ -166,16 +152,17 @@ static void create_atlas(const struct scene *scene, struct area_plan *plan)
         load_create(scene->load, NULL, 0, NULL, scene->names);
         return;
     }
-    struct parcellations all = parcellations_reserve(job, count);
+    struct parcellations all = {.parts = job_zeroed(scene->job, count, sizeof *all.parts), .source = ""};
+    all.count = all.parts ? count : 0;
     for (size_t i = 0; i < all.count; i++) {
         const size_t mark =
-            job_in(job, manifest->single ? "parcellation" : "parcellations", manifest->single ? JOB_ALONE : i);
-        load_parcellation(scene, &all.parts[i], &manifest->parcellations[i]);
-        job_out(job, mark);
+            job_in(scene->job, manifest->single ? "parcellation" : "parcellations", manifest->single ? JOB_ALONE : i);
+        load_parcellation(scene, &all.parts[i], &manifest->parcellations.at[i]);
+        job_out(scene->job, mark);
     }
-    parcellations_unite(job, &all);
-    area_plan_settle(job, plan, &all, manifest->prefer);
-    parcellations_join(job, &all);
+    parcellations_unite(scene->job, &all);
+    area_plan_settle(scene->job, plan, &all, manifest->prefer);
+    parcellations_join(scene->job, &all);
     parcellations_atlas(scene->load, all.parts, all.count, &all.table, all.source);
 }
 
@@ -183,25 +170,23 @@ static void create_atlas(const struct scene *scene, struct area_plan *plan)
  * grid. */
 static void place_ccf(const struct scene *scene, const struct area_plan *plan)
 {
-    struct job *job = &scene->load->job;
     conus_atlas *atlas = scene->load->atlas;
     const enum manifest_ccf ccf = scene->manifest->ccf;
     if (ccf != MANIFEST_CCF_UNSTATED) {
-        const size_t mark = job_in(job, "ccf", JOB_ALONE);
-        (void)JOB_CALL(job, frame_set_ccf(atlas, ccf == MANIFEST_CCF_ASR));
-        job_out(job, mark);
-    } else if (plan->has_ccf && job_ok(job) && !conus_atlas_volume(atlas, 0)) {
-        (void)JOB_CALL(job, frame_set_ccf(atlas, plan->ccf_from_right));
+        const size_t mark = job_in(scene->job, "ccf", JOB_ALONE);
+        (void)JOB_CALL(scene->job, frame_set_ccf(atlas, ccf == MANIFEST_CCF_ASR));
+        job_out(scene->job, mark);
+    } else if (plan->has_ccf && job_ok(scene->job) && !conus_atlas_volume(atlas, 0)) {
+        (void)JOB_CALL(scene->job, frame_set_ccf(atlas, plan->ccf_from_right));
     }
 }
 
 static void load_areas(const struct scene *scene)
 {
     struct load *load = scene->load;
-    struct job *job = &load->job;
     struct area_plan plan = {.max_memory = load->options->max_memory};
-    const struct job_mark mark = job_mark(job);
-    area_plan_make(job, &plan, scene->manifest, scene->path);
+    const struct job_mark mark = job_mark(scene->job);
+    area_plan_make(scene->job, &plan, scene->manifest, scene->path);
     const size_t planned = area_plan_files(&plan);
     load->total = manifest_file_count(scene->manifest) + planned;
     struct load_aside aside = load_put_aside(load);
@@ -210,11 +195,11 @@ static void load_areas(const struct scene *scene)
     load->total -= planned - area_plan_files(&plan); /* the parcellation may have them */
     place_ccf(scene, &plan);
     if (scene->file && path_base(scene->path)[0]) {
-        (void)JOB_CALL(job, atlas_add_file(load->atlas, scene->path, scene->file));
+        (void)JOB_CALL(scene->job, atlas_add_file(load->atlas, scene->path, scene->file));
     }
-    atlas_take(job, load->atlas);
+    atlas_take(scene->job, load->atlas);
     area_plan_load(load, &plan, scene->manifest->space);
-    job_release(job, mark);
+    job_release(scene->job, mark);
 }
 
 static conus_pathway_options pathway_options(const struct scene *scene, const struct manifest_pathway *pathway,
@@ -222,45 +207,42 @@ static conus_pathway_options pathway_options(const struct scene *scene, const st
 {
     const conus_load_options *options = scene->load->options;
     double threshold = pathway->threshold > 0 ? pathway->threshold : scene->manifest->threshold;
-    return (conus_pathway_options){.threshold = pathway->band_count ? 0 : threshold,
+    return (conus_pathway_options){.threshold = pathway->bands.count ? 0 : threshold,
                                    .name = name,
                                    .max_memory = options->max_memory,
                                    .log = options->log,
                                    .log_user = options->log_user,
-                                   .bands = pathway->bands,
-                                   .band_count = pathway->band_count};
+                                   .bands = pathway->bands.at,
+                                   .band_count = pathway->bands.count};
 }
 
 static void open_series(const struct scene *scene, struct volume_file *out, const char *name)
 {
-    struct job *job = &scene->load->job;
     const char *path = path_of(scene, name);
     load_at(scene->load, path);
-    (void)JOB_CALL(job, volume_file_open_series(out, path, scene->load->options, &job->notes));
+    (void)JOB_CALL(scene->job, volume_file_open_series(out, path, scene->load->options, &scene->job->notes));
 }
 
 /* Adds volume `volume` of `file`; notes of opening it go to the atlas with it. */
 static void add_volume(const struct scene *scene, const struct manifest_pathway *pathway, struct volume_file *file,
                        size_t volume, const char *name)
 {
-    struct job *job = &scene->load->job;
     const conus_pathway_options options = pathway_options(scene, pathway, name);
     load_report(scene->load, file->path, 1);
-    (void)JOB_CALL(job, volume_file_select(file, volume));
-    pathway_add(job, scene->load->atlas, file, &options);
+    (void)JOB_CALL(scene->job, volume_file_select(file, volume));
+    pathway_add(scene->job, scene->load->atlas, file, &options);
 }
 
 static void add_named_volumes(const struct scene *scene, const struct manifest_pathway *pathway)
 {
-    struct job *job = &scene->load->job;
     struct volume_file file = {0};
     open_series(scene, &file, pathway->source.file);
-    if (file.info.volume_count != pathway->name_count) {
-        job_bad(job, "names: has %zu entries, %s has %zu volumes: they must be as many", pathway->name_count,
+    if (file.info.volume_count != pathway->names.count) {
+        job_bad(scene->job, "names: has %zu entries, %s has %zu volumes: they must be as many", pathway->names.count,
                 pathway->source.file, file.info.volume_count);
     }
-    for (size_t i = 0; i < pathway->name_count && job_ok(job); i++) {
-        add_volume(scene, pathway, &file, i, pathway->names[i]);
+    for (size_t i = 0; i < pathway->names.count && job_ok(scene->job); i++) {
+        add_volume(scene, pathway, &file, i, pathway->names.at[i]);
     }
     volume_file_finish(&file);
 }
@@ -268,15 +250,14 @@ static void add_named_volumes(const struct scene *scene, const struct manifest_p
 static struct fsl_maps open_fsl(const struct scene *scene, const struct manifest_pathway *entry)
 {
     struct load *load = scene->load;
-    struct job *job = &load->job;
     const char *xml = path_of(scene, entry->fsl);
     const char *image = path_of(scene, entry->source.file);
     load_at(load, xml);
-    const struct fsl_maps maps = fsl_maps_open(job, load->atlas, xml, image, load->options);
-    if (job_step(job)) {
+    const struct fsl_maps maps = fsl_maps_open(scene->job, load->atlas, xml, image, load->options);
+    if (job_step(scene->job)) {
         load_at(load, maps.image->path);
-        (void)JOB_CALL(job, notes_move(&job->notes, maps.notes));
-        atlas_take(job, load->atlas);
+        (void)JOB_CALL(scene->job, notes_move(&scene->job->notes, maps.notes));
+        atlas_take(scene->job, load->atlas);
         load->total += maps.labels->count - 1; /* it counted as one so far */
     }
     return maps;
@@ -285,17 +266,16 @@ static struct fsl_maps open_fsl(const struct scene *scene, const struct manifest
 static void add_fsl(const struct scene *scene, const struct manifest_pathway *pathway)
 {
     struct load *load = scene->load;
-    struct job *job = &load->job;
     const struct fsl_maps maps = open_fsl(scene, pathway);
-    for (size_t i = 0; i < maps.labels->count && job_ok(job); i++) {
+    for (size_t i = 0; i < maps.labels->count && job_ok(scene->job); i++) {
         const struct label *label = &maps.labels->entries[i];
         add_volume(scene, pathway, maps.image, label->number - 1, label->name);
     }
-    if (job_step(job)) {
-        job_note(job, "pathways of %s: %zu, from %s", path_base(pathway->fsl), maps.labels->count,
+    if (job_step(scene->job)) {
+        job_note(scene->job, "pathways of %s: %zu, from %s", path_base(pathway->fsl), maps.labels->count,
                  path_base(maps.image->path));
     }
-    atlas_take(job, load->atlas);
+    atlas_take(scene->job, load->atlas);
 }
 
 /* Adds a volume of the file for each label, whose number is that of the volume from 1. The areas' labels are these
@@ -304,27 +284,26 @@ static void add_labelled(const struct scene *scene, const struct manifest_pathwa
                          const struct label_table *labels, uint32_t skipped)
 {
     struct load *load = scene->load;
-    struct job *job = &load->job;
     uint32_t before = 0;
-    for (size_t i = 0; job_ok(job) && i < load->atlas->object_count; i++) {
+    for (size_t i = 0; job_ok(scene->job) && i < load->atlas->object_count; i++) {
         const uint32_t label = load->atlas->objects[i].label;
         before = label > before ? label : before;
     }
     const double asked = load->options->probability;
     const double threshold = asked > 0 ? asked : entry->threshold > 0 ? entry->threshold : 0.25; /* as of a pathway */
-    const struct probability_scale scale = probability_scale_of(job, file, entry->scale);
-    for (size_t i = 0; job_ok(job) && i < labels->count; i++) {
+    const struct probability_scale scale = probability_scale_of(scene->job, file, entry->scale);
+    for (size_t i = 0; job_ok(scene->job) && i < labels->count; i++) {
         struct label label = labels->entries[i];
         const uint32_t volume = label.number - 1;
         label.number = before + (entry->source.chosen ? 1 : label.number - skipped);
         load_report(load, file->path, 1);
-        probability_add(job, load->atlas, file, volume, &label, &scale, threshold);
+        probability_add(scene->job, load->atlas, file, volume, &label, &scale, threshold);
     }
-    if (job_ok(job)) {
-        job_note(job, "%s: %zu areas by probabilities of %s and more (values: %s)", path_base(file->path),
+    if (job_ok(scene->job)) {
+        job_note(scene->job, "%s: %zu areas by probabilities of %s and more (values: %s)", path_base(file->path),
                  labels->count, NUMBER_TEXT(threshold), scale.words);
     }
-    atlas_take(job, load->atlas);
+    atlas_take(scene->job, load->atlas);
 }
 
 static void add_fsl_areas(const struct scene *scene, const struct manifest_pathway *entry)
@@ -338,14 +317,14 @@ static const struct label_table *label_volumes(struct job *job, const struct man
                                                const struct volume_file *file)
 {
     struct label_table *table = labels_new(job);
-    const size_t count = entry->names ? entry->name_count : 1;
-    if (entry->names ? count != file->info.volume_count : !entry->source.chosen && file->info.volume_count > 1) {
+    const size_t count = entry->names.count ? entry->names.count : 1;
+    if (entry->names.count ? count != file->info.volume_count : !entry->source.chosen && file->info.volume_count > 1) {
         job_bad(job, "%s: has %zu volumes: names (one for each), fsl or volume is needed", entry->source.file,
                 file->info.volume_count);
     }
     for (size_t i = 0; i < count && job_ok(job); i++) {
         const char *stem = path_base(file->path);
-        const char *name = entry->names ? entry->names[i] : entry->name;
+        const char *name = entry->names.count ? entry->names.at[i] : entry->name;
         struct label *label = labels_add(job, table, (uint32_t)(entry->source.chosen ? entry->source.volume : i) + 1);
         labels_set(job, &label->name, name ? text_from(name) : (struct text){stem, volume_stem_length(stem)});
     }
@@ -354,27 +333,22 @@ static const struct label_table *label_volumes(struct job *job, const struct man
 
 static void add_file_areas(const struct scene *scene, const struct manifest_pathway *entry)
 {
-    struct job *job = &scene->load->job;
     struct volume_file file = {0};
     open_series(scene, &file, entry->source.file);
     if (scene->maps) {
-        named_maps_check(job, &file, scene->load->options->probability);
+        named_maps_check(scene->job, &file, scene->load->options->probability);
     }
-    add_labelled(scene, entry, &file, scene->maps ? scene->maps->table : label_volumes(job, entry, &file), 0);
+    add_labelled(scene, entry, &file, scene->maps ? scene->maps->table : label_volumes(scene->job, entry, &file), 0);
     volume_file_finish(&file);
 }
 
-static void add_probabilities(const struct scene *scene)
+static void add_areas(struct scene *scene, size_t i)
 {
-    for (size_t i = 0; i < scene->manifest->map_count && job_ok(&scene->load->job); i++) {
-        const struct manifest_pathway *entry = &scene->manifest->maps[i];
-        const struct before before = enter(scene, "probabilities", i);
-        if (entry->fsl) {
-            add_fsl_areas(scene, entry);
-        } else {
-            add_file_areas(scene, entry);
-        }
-        leave(scene, before);
+    const struct manifest_pathway *entry = &scene->manifest->maps.at[i];
+    if (entry->fsl) {
+        add_fsl_areas(scene, entry);
+    } else {
+        add_file_areas(scene, entry);
     }
 }
 
@@ -383,7 +357,7 @@ static void add_single(const struct scene *scene, const struct manifest_pathway 
     const conus_pathway_options options = pathway_options(scene, pathway, pathway->name);
     const char *path = source_path(scene, &pathway->source);
     load_report(scene->load, path, 1);
-    pathway_load(&scene->load->job, scene->load->atlas, path, &options);
+    pathway_load(scene->job, scene->load->atlas, path, &options);
 }
 
 /* Adds a pathway that is in the same file as its neighbours in the manifest. */
@@ -408,53 +382,32 @@ static bool of_one_file(const struct manifest_pathway *a, const struct manifest_
 
 static void add_pathway(struct scene *scene, size_t i)
 {
-    const struct manifest_pathway *pathway = &scene->manifest->pathways[i];
-    const bool is_last = i + 1 == scene->manifest->pathway_count;
-    const struct before before = enter(scene, "pathways", i);
+    const struct manifest_pathway *pathway = &scene->manifest->pathways.at[i];
+    const bool is_last = i + 1 == scene->manifest->pathways.count;
+    if (pathway->moves != scene->moves) {
+        return;
+    }
     if (pathway->fsl) {
         add_fsl(scene, pathway);
-    } else if (pathway->names) {
+    } else if (pathway->names.count) {
         add_named_volumes(scene, pathway);
     } else if ((i && of_one_file(pathway - 1, pathway)) || (!is_last && of_one_file(pathway, pathway + 1))) {
         add_of_series(scene, pathway);
     } else {
         add_single(scene, pathway);
     }
-    leave(scene, before);
 }
 
-/* Adds the pathways that move with the areas, or those that do not. */
-static void add_pathways(struct scene *scene, bool moves)
-{
-    for (size_t i = 0; i < scene->manifest->pathway_count && job_ok(&scene->load->job); i++) {
-        if (scene->manifest->pathways[i].moves == moves) {
-            add_pathway(scene, i);
-        }
-    }
-    volume_file_finish(&scene->series);
-    scene->series_name = NULL;
-}
-
-static void add_bundles(const struct scene *scene, size_t i)
+static void add_bundles(struct scene *scene, size_t i)
 {
     struct load *load = scene->load;
-    struct job *job = &load->job;
-    const struct manifest_streamlines *entry = &scene->manifest->streamlines[i];
-    const struct before before = enter(scene, "streamlines", i);
-    const char *path = path_of(scene, entry->file);
-    load_report(load, path, 1);
-    const double radius = streamlines_radius(job, entry->radius, path);
-    conus_atlas *alone = streamlines_load(job, path, load->options, entry->space, false);
-    streamlines_take(job, load->atlas, alone, radius, entry->name);
-    leave(scene, before);
-}
-
-static void add_streamlines(const struct scene *scene, bool moves)
-{
-    for (size_t i = 0; i < scene->manifest->streamlines_count && job_ok(&scene->load->job); i++) {
-        if (scene->manifest->streamlines[i].moves == moves) {
-            add_bundles(scene, i);
-        }
+    const struct manifest_streamlines *entry = &scene->manifest->streamlines.at[i];
+    if (entry->moves == scene->moves) {
+        const char *path = path_of(scene, entry->file);
+        load_report(load, path, 1);
+        const double radius = streamlines_radius(scene->job, entry->radius, path);
+        conus_atlas *alone = streamlines_load(scene->job, path, load->options, entry->space, false);
+        streamlines_take(scene->job, load->atlas, alone, radius, entry->name);
     }
 }
 
@@ -472,68 +425,72 @@ static const char *refuse_context(const conus_atlas *atlas, const struct manifes
                                   : NULL;
 }
 
-static void set_context(const struct scene *scene, const struct manifest_context *entry)
+/* Keeps what the entry says of its transfer function. */
+static void take_transfer(const struct scene *scene, const struct manifest_context *entry)
+{
+    char **transfer = &scene->load->atlas->transfer;
+    const char *name = entry->transfer_is_file ? path_of(scene, entry->transfer) : entry->transfer;
+    if (entry->transfer_is_file && !job_has_file(scene->job, name)) {
+        job_fail(scene->job, CONUS_ERROR_IO, "transfer.file: %s: there is no such file", name);
+    }
+    memory_free(*transfer);
+    *transfer = job_give(scene->job, job_format(scene->job, "%s", name), strlen(name) + 1);
+}
+
+static void set_context(struct scene *scene, size_t i)
 {
     struct load *load = scene->load;
-    struct job *job = &load->job;
-    const char *path = source_path(scene, &entry->source);
+    const struct manifest_context *entry = &scene->manifest->contexts.at[i];
     const conus_context_options options = {.block_threshold = entry->blocks,
                                            .max_memory = load->options->max_memory,
                                            .log = load->options->log,
                                            .log_user = load->options->log_user,
                                            .opacity = entry->opacity};
+    if (entry->moves != scene->moves) {
+        return;
+    }
+    const char *path = source_path(scene, &entry->source);
     load_report(load, path, 1);
-    const char *wrong = job_ok(job) ? refuse_context(load->atlas, entry, path) : NULL;
+    const char *wrong = job_ok(scene->job) ? refuse_context(load->atlas, entry, path) : NULL;
     if (wrong) {
-        job_bad(job, "%s", wrong);
+        job_bad(scene->job, "%s", wrong);
     }
-    context_load(job, load->atlas, path, &options);
-    if (entry->transfer && job_ok(job)) {
-        const bool is_file = entry->transfer_is_file;
-        const char *transfer = is_file ? path_of(scene, entry->transfer) : entry->transfer;
-        if (is_file && !job_has_file(job, transfer)) {
-            job_fail(job, CONUS_ERROR_IO, "transfer.file: %s: there is no such file", transfer);
-        }
-        memory_free(load->atlas->transfer);
-        load->atlas->transfer = memory_text(transfer, strlen(transfer));
-        job_took(job, load->atlas->transfer ? CONUS_OK : CONUS_ERROR_MEMORY);
-    }
-}
-
-static void set_contexts(const struct scene *scene, bool moves)
-{
-    const size_t count = scene->manifest->context_count;
-    for (size_t i = 0; i < count && job_ok(&scene->load->job); i++) {
-        const struct before before = enter(scene, "context", count > 1 ? i : JOB_ALONE);
-        if (scene->manifest->contexts[i].moves == moves) {
-            set_context(scene, &scene->manifest->contexts[i]);
-        }
-        leave(scene, before);
+    context_load(scene->job, load->atlas, path, &options);
+    if (entry->transfer && job_step(scene->job)) {
+        take_transfer(scene, entry);
     }
 }
 
 /* Adds what is around the areas: that which moves with them, or that which does not. */
 static void add_others(struct scene *scene, bool moves)
 {
-    add_pathways(scene, moves);
-    add_streamlines(scene, moves);
-    set_contexts(scene, moves);
+    const struct manifest *manifest = scene->manifest;
+    scene->moves = moves;
+    add_entries(scene, "pathways", manifest->pathways.count, true, add_pathway);
+    volume_file_finish(&scene->series);
+    scene->series_name = NULL;
+    add_entries(scene, "streamlines", manifest->streamlines.count, true, add_bundles);
+    add_entries(scene, "context", manifest->contexts.count, manifest->contexts.count > 1, set_context);
 }
 
 static void load_scene(struct scene *scene)
 {
     struct load *load = scene->load;
+    const struct manifest *manifest = scene->manifest;
     if (!job_step(&load->job)) { /* there may be no manifest */
         return;
     }
+    scene->job = &load->job;
     struct load_aside aside = load_put_aside(load);
-    const struct before before = enter(scene, scene->path, JOB_ALONE);
+    const size_t place = scene->maps ? load->job.depth : job_in(&load->job, scene->path, JOB_ALONE);
     load_areas(scene);
-    add_probabilities(scene);
+    add_entries(scene, "probabilities", manifest->maps.count, true, add_areas);
     add_others(scene, true);
-    move_atlas(scene);
+    for (size_t i = manifest->transforms.count; i > 0; i--) { /* it goes back through the last one first */
+        add_entry(scene, "transform", i - 1, !manifest->single_transform, move_by);
+    }
     add_others(scene, false);
-    job_out(&load->job, before.place);
+    job_out(&load->job, place);
     load_put_back(load, &aside);
 }
 
@@ -557,7 +514,7 @@ void manifest_load_made(struct load *load, const struct manifest *manifest, cons
 static void load_entry(struct load *load, const char *path, struct manifest_pathway *entry,
                        const struct named_maps *maps)
 {
-    const struct manifest manifest = {.maps = entry, .map_count = 1};
+    const struct manifest manifest = {.maps = {.at = entry, .count = 1}};
     const char *name = path_base(path);
     const char *folder = name == path ? "./" : job_format(&load->job, "%.*s", (int)(name - path), path);
     load_scene(&(struct scene){.load = load,

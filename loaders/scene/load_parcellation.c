@@ -248,6 +248,7 @@ static void end_parcellation(void *thing)
     struct parcellation *part = thing;
     volume_file_finish(&part->file);
     label_voxels_finish(&part->labels);
+    label_map_finish(&part->voxels);
 }
 
 void parcellation_read_opened(struct job *job, struct parcellation *out, const struct probe *probe, const char *path,

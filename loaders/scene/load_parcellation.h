@@ -14,10 +14,11 @@ struct parcellation {
     struct volume_file file;
     struct label_voxels labels;
     struct label_table *table;
-    char hemisphere;    /**< The side of areas whose table says none; 0 = unsaid. */
-    bool is_disputed;   /**< An atlas XML whose volume by itself has other names, as a note says. */
-    bool is_joined;     /**< Voxels of other files are among its own. */
-    const char *source; /**< Where the names come from, in words. */
+    struct label_map voxels; /**< Once united: label -> its voxels, before any is taken away. */
+    char hemisphere;         /**< The side of areas whose table says none; 0 = unsaid. */
+    bool is_disputed;        /**< An atlas XML whose volume by itself has other names, as a note says. */
+    bool is_joined;          /**< Voxels of other files are among its own. */
+    const char *source;      /**< Where the names come from, in words. */
 };
 
 /** Reads the labelled volume, FSL atlas XML or CIFTI file @p path, which @p probe has open, into @p out (zeroed); @p

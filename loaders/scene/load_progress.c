@@ -76,10 +76,9 @@ char *mesh_name(struct job *job, const char *path)
 
 struct load_aside load_put_aside(struct load *load)
 {
-    struct job *job = &load->job;
-    const struct load_aside aside = {job->notes, job->files};
-    job->notes = (struct notes){0};
-    job->files = (struct file_sums){0};
+    const struct load_aside aside = {load->job.notes, load->job.files};
+    load->job.notes = (struct notes){0};
+    load->job.files = (struct file_sums){0};
     return aside;
 }
 

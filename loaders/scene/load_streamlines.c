@@ -32,15 +32,12 @@ static const char *name_bundle(struct job *job, const char *wanted, const char *
     if (wanted && wanted[0]) {
         return wanted;
     }
-    size_t end = strlen(path);
-    while (end > 1 && path[end - 1] == '/') {
-        end--;
+    size_t length = strlen(path);
+    while (length > 1 && path[length - 1] == '/') {
+        length--;
     }
-    size_t start = end;
-    while (start > 0 && path[start - 1] != '/') {
-        start--;
-    }
-    return job_format(job, "%.*s", (int)stem_length(path + start, end - start), path + start);
+    const char *name = path_base(job_format(job, "%.*s", (int)length, path));
+    return job_format(job, "%.*s", (int)stem_length(name, strlen(name)), name);
 }
 
 size_t streamlines_stem_length(const char *name)

@@ -82,17 +82,6 @@ static void warp_along(struct job *job, conus_atlas *atlas, struct deformation *
     (void)JOB_CALL(job, atlas_warp(atlas, fields, count, &whole));
 }
 
-static void move_by_field(struct job *job, conus_atlas *atlas, const char *path, const conus_transform_options *options,
-                          const struct warp_plan *plan)
-{
-    struct deformation field = {0};
-    (void)JOB_CALL(job, field_file_read(&field, path, options, &job->files, &job->notes));
-    sum_images(job, atlas, options);
-    atlas_take(job, atlas);
-    warp_along(job, atlas, &field, 1, plan);
-    deformation_finish(&field);
-}
-
 static bool is_of_mni(const conus_atlas *atlas)
 {
     bool is = false;
@@ -190,27 +179,6 @@ static void read_chain(struct job *job, struct transform_chain *out, const char 
     }
 }
 
-/* Moves the atlas by all of a chain, or not at all. */
-static void move_by_chain(struct job *job, conus_atlas *atlas, const char *path, bool is_hdf5,
-                          const conus_transform_options *options, const struct warp_plan *plan)
-{
-    struct transform_chain chain = {0};
-    read_chain(job, &chain, path, is_hdf5, options);
-    if (options->from) {
-        warn_of_image(job, atlas, options);
-    }
-    sum_images(job, atlas, options);
-    atlas_take(job, atlas);
-    if (chain.count) {
-        warp_along(job, atlas, chain.fields, chain.count, plan);
-    } else if (plan->grid) {
-        (void)JOB_CALL(job, atlas_move_onto(atlas, chain.matrix, plan));
-    } else {
-        (void)JOB_CALL(job, atlas_move(atlas, chain.matrix, plan->words));
-    }
-    transform_chain_finish(&chain);
-}
-
 void transform_load(struct job *job, conus_atlas *atlas, const char *path, const conus_transform_options *options)
 {
     conus_volume_info grid;
@@ -230,22 +198,39 @@ void transform_load(struct job *job, conus_atlas *atlas, const char *path, const
     if (options->transform && (is_field || is_chain)) {
         job_fail(job, CONUS_ERROR_ARGUMENT, "%s: transform is for lists in ITK's text, and this is none", path);
     }
-    char *name = job_copy(job, text_from(path));
     note_direction(job, atlas, path, options->inverse);
     warn_of_pair(job, atlas, path, options->inverse);
-    name = job_give(job, name, strlen(path) + 1);
+    struct deformation field = {0};
+    struct transform_chain chain = {0};
     if (is_field) {
-        move_by_field(job, atlas, path, options, &plan);
+        (void)JOB_CALL(job, field_file_read(&field, path, options, &job->files, &job->notes));
     } else {
-        move_by_chain(job, atlas, path, is_chain, options, &plan);
+        read_chain(job, &chain, path, is_chain, options);
     }
-    if (!job_ok(job)) {
-        memory_free(name);
-        return;
+    if (options->from && !is_field) {
+        warn_of_image(job, atlas, options);
     }
-    memory_free(atlas->last_transform);
-    atlas->last_transform = name;
-    atlas->last_is_inverse = options->inverse;
+    sum_images(job, atlas, options);
+    atlas_take(job, atlas);
+    char *name = job_give(job, job_copy(job, text_from(path)), strlen(path) + 1);
+    if (is_field) {
+        warp_along(job, atlas, &field, 1, &plan);
+    } else if (chain.count) {
+        warp_along(job, atlas, chain.fields, chain.count, &plan);
+    } else if (plan.grid) {
+        (void)JOB_CALL(job, atlas_move_onto(atlas, chain.matrix, &plan));
+    } else {
+        (void)JOB_CALL(job, atlas_move(atlas, chain.matrix, path));
+    }
+    deformation_finish(&field);
+    transform_chain_finish(&chain);
+    if (job_ok(job)) {
+        char *before = atlas->last_transform;
+        atlas->last_transform = name;
+        atlas->last_is_inverse = options->inverse;
+        name = before;
+    }
+    memory_free(name);
 }
 
 conus_status conus_atlas_transform(conus_atlas *atlas, const char *path, const conus_transform_options *options)

@@ -159,23 +159,11 @@ static void look_at_no_volume(struct job *job, const struct manifest_draft *draf
 
 enum { FIRST_OFFSET = 1000, LAST_OFFSET = 1000000000 };
 
-/* The file of parcellation `index`, NULL past the last. */
-static const char *parcellation_file(const struct manifest_draft *draft, size_t index)
+/* The file of the first parcellation, NULL without one. */
+static const char *first_parcellation(const struct manifest_draft *draft)
 {
-    const json_t *entry = json_is_array(draft->parcellation) ? json_array_get(draft->parcellation, index)
-                          : index == 0                       ? draft->parcellation
-                                                             : NULL;
-    return json_string_value(json_object_get(entry, "file"));
-}
-
-static bool is_parcellation(const struct manifest_draft *draft, const char *name)
-{
-    const char *file;
-    bool is = false;
-    for (size_t i = 0; !is && (file = parcellation_file(draft, i)); i++) {
-        is = strcmp(file, name) == 0;
-    }
-    return is;
+    const json_t *parts = draft->parcellation;
+    return json_string_value(json_object_get(json_is_array(parts) ? json_array_get(parts, 0) : parts, "file"));
 }
 
 /* Tries both halves with the labels of the right one as they are, else behind the left one's. NULL if they load. */
@@ -213,7 +201,7 @@ static void take_halves(struct job *job, struct manifest_draft *draft, const cha
 
 static void set_second(struct job *job, struct manifest_draft *draft, const char *name)
 {
-    const char *first = parcellation_file(draft, 0);
+    const char *first = first_parcellation(draft);
     bool is_right = volume_names_are_halves(job, first, name);
     if ((!is_right && !volume_names_are_halves(job, name, first)) || json_is_array(draft->parcellation)) {
         job_bad(job, /* the user knows which is meant or first */
@@ -225,7 +213,7 @@ static void set_second(struct job *job, struct manifest_draft *draft, const char
     }
 }
 
-/* Whether `name` is a parcellation of the draft now. */
+/* Whether `name` loads as the parcellation of the draft, or as the other half of it. */
 static bool set_parcellation(struct job *job, struct manifest_draft *draft, const char *name)
 {
     json_t *value = manifest_draft_json(job, json_pack("{s:s}", "file", name));
@@ -238,7 +226,7 @@ static bool set_parcellation(struct job *job, struct manifest_draft *draft, cons
         draft->parcellation = value;
         draft->label_offset = MANIFEST_LABEL_STEP;
     }
-    return is_parcellation(draft, name);
+    return !why;
 }
 
 static void take_fsl(struct job *job, struct manifest_draft *draft, const char *xml, const struct fsl_atlas *atlas)
@@ -424,8 +412,8 @@ static void take_labelled(struct job *job, struct manifest_draft *draft, const s
 {
     uint32_t base = draft->label_offset;
     raise_offset(draft, (uint64_t)base + largest);
-    for (size_t i = 0; i < manifest->area_count; i++) {
-        const struct manifest_area *area = &manifest->areas[i];
+    for (size_t i = 0; i < manifest->areas.count; i++) {
+        const struct manifest_area *area = &manifest->areas.at[i];
         json_int_t offset = (json_int_t)base + area->label_offset;
         raise_offset(draft, (uint64_t)offset + largest);
         json_t *entry = json_pack("{s:s,s:s,s:I}", "file", area->file, "vertex_labels", area->vertex_labels,
@@ -448,9 +436,9 @@ static bool take_cifti(struct job *job, struct manifest_draft *draft, const char
     const char *why = find_fault(job, &trial);
     if (why) {
         manifest_draft_leave_out(job, draft, name, why);
-    } else {
+    } else if (file.choice.cifti.maps) {
         const struct label_table *table = &file.choice.cifti.maps[file.choice.map].table;
-        const char *voxels = manifest.parcellation_count ? manifest.parcellations[0].source.file : NULL;
+        const char *voxels = manifest.parcellations.count ? manifest.parcellations.at[0].source.file : NULL;
         uint32_t offset = draft->label_offset;
         if (voxels && set_parcellation(job, draft, voxels)) {
             manifest_draft_log(job, draft, "%s: parcellation, voxels of CIFTI labels", voxels);
@@ -560,7 +548,7 @@ static void scan_folder(struct job *job, struct manifest_draft *draft)
         manifest_surfaces_add(job, draft, "");
     }
     look_into_folders(job, draft, &names, voxels);
-    const char *file = voxels || labelled || !json_array_size(draft->areas) ? NULL : parcellation_file(draft, 0);
+    const char *file = voxels || labelled || !json_array_size(draft->areas) ? NULL : first_parcellation(draft);
     if (file) {
         manifest_draft_log(
             job, draft, "%s and surfaces: areas that are in both are there twice: take one out of the manifest", file);

@@ -11,28 +11,6 @@
 #include <math.h>
 #include <string.h>
 
-static void end_map(void *map)
-{
-    label_map_finish(map);
-}
-
-struct label_map *maps_new(struct job *job, size_t count)
-{
-    struct label_map *maps = job_zeroed(job, count, sizeof *maps);
-    for (size_t i = 0; maps && i < count; i++) {
-        job_own(job, end_map, &maps[i]);
-    }
-    return maps;
-}
-
-struct parcellations parcellations_reserve(struct job *job, size_t count)
-{
-    struct parcellations all = {.parts = job_zeroed(job, count, sizeof *all.parts), .source = ""};
-    all.voxels = maps_new(job, count);
-    all.count = job_ok(job) ? count : 0;
-    return all;
-}
-
 uint64_t *map_at(struct job *job, struct label_map *map, uint32_t label)
 {
     uint64_t *value = job_step(job) ? label_map_at(map, label) : NULL;
@@ -75,7 +53,7 @@ void parcellation_shift(struct job *job, struct parcellation *part, uint32_t off
 static size_t find_owner(struct job *job, const struct parcellations *all, size_t count, uint32_t label)
 {
     size_t owner = 0;
-    while (owner < count && !*map_at(job, &all->voxels[owner], label)) {
+    while (owner < count && !*map_at(job, &all->parts[owner].voxels, label)) {
         owner++;
     }
     return owner;
@@ -85,7 +63,7 @@ static size_t find_owner(struct job *job, const struct parcellations *all, size_
 static void refuse_clashes(struct job *job, const struct parcellations *all)
 {
     for (size_t p = 1; p < all->count; p++) {
-        const struct label_map *map = &all->voxels[p];
+        const struct label_map *map = &all->parts[p].voxels;
         uint32_t label = 0;
         for (size_t i = 0; map->slots && i <= map->mask; i++) {
             const struct label_map_slot *slot = &map->slots[i];
@@ -124,7 +102,7 @@ static void settle_hemispheres(struct job *job, struct parcellations *all)
 static void move_entries(struct job *job, struct label_table *table, const struct parcellations *all, size_t p)
 {
     const struct parcellation *part = &all->parts[p];
-    const struct label_map *voxels = &all->voxels[p];
+    const struct label_map *voxels = &all->parts[p].voxels;
     for (size_t i = 0; i < part->table->count && job_ok(job); i++) {
         struct label *entry = &part->table->entries[i];
         size_t owner = find_owner(job, all, all->count, entry->number);
@@ -149,7 +127,7 @@ void parcellations_unite(struct job *job, struct parcellations *all)
         return;
     }
     for (size_t p = 0; p < all->count; p++) {
-        (void)JOB_CALL(job, label_voxels_tally(&all->voxels[p], &all->parts[p].labels));
+        (void)JOB_CALL(job, label_voxels_tally(&all->parts[p].voxels, &all->parts[p].labels));
     }
     refuse_clashes(job, all);
     settle_hemispheres(job, all);
@@ -172,13 +150,16 @@ static const char *file_name(const struct parcellation *part)
 /* A part as later parts see it. */
 struct claim {
     const struct parcellation *part;
-    struct volume grid; /* without voxels */
-    bool same;          /* as the grid of the part that is asked about */
+    struct volume grid;    /* without voxels */
+    struct label_map lost; /* label -> voxels that earlier parts have taken */
+    bool same;             /* as the grid of the part that is asked about */
 };
 
-static void end_grid(void *grid)
+static void end_claim(void *thing)
 {
-    volume_finish(grid);
+    struct claim *claim = thing;
+    volume_finish(&claim->grid);
+    label_map_finish(&claim->lost);
 }
 
 /* Whether the voxel, whose centre is the world point, lies in an area of one of these parts. */
@@ -194,9 +175,8 @@ static bool is_claimed(const struct claim *claims, size_t count, size_t voxel, c
     return false;
 }
 
-/* Takes the voxels that the first `count` parts claim; `lost` counts them by label. */
-static void take_claimed(struct job *job, struct label_map *lost, struct parcellation *part, struct claim *claims,
-                         size_t count)
+/* Takes the voxels that the first `count` parts claim from the next one. */
+static void take_claimed(struct job *job, struct parcellation *part, struct claim *claims, size_t count)
 {
     const conus_volume_info *info = &part->file.info;
     for (size_t q = 0; q < count; q++) {
@@ -210,16 +190,15 @@ static void take_claimed(struct job *job, struct label_map *lost, struct parcell
         if (label) {
             mat4_point(centre, info->world_from_voxel, centre);
             if (is_claimed(claims, count, voxel, centre)) {
-                ++*map_at(job, lost, label);
+                ++*map_at(job, &claims[count].lost, label);
                 label_voxels_clear(&part->labels, voxel);
             }
         }
     }
 }
 
-/* Notes what the part has lost to others; `before` has the voxels of each label. */
-static void note_loss(struct job *job, const struct label_map *lost, struct label_map *before,
-                      const struct parcellation *part)
+/* Notes what the part has lost to others. */
+static void note_loss(struct job *job, const struct label_map *lost, struct parcellation *part)
 {
     enum { SHOWN = 4 };
     uint64_t sum = 0;
@@ -229,7 +208,7 @@ static void note_loss(struct job *job, const struct label_map *lost, struct labe
     for (size_t i = 0; labels && lost->slots && i <= lost->mask; i++) {
         const struct label_map_slot *slot = &lost->slots[i];
         sum += slot->value;
-        if (slot->used && *map_at(job, before, slot->label) == slot->value) {
+        if (slot->used && *map_at(job, &part->voxels, slot->label) == slot->value) {
             labels[gone++] = slot->label;
         }
     }
@@ -250,15 +229,14 @@ static void note_loss(struct job *job, const struct label_map *lost, struct labe
 static void give_voxels(struct job *job, struct parcellations *all)
 {
     struct claim *claims = job_zeroed(job, all->count, sizeof *claims);
-    struct label_map *lost = maps_new(job, all->count);
     for (size_t p = 0; p < all->count && job_ok(job); p++) {
         claims[p].part = &all->parts[p];
         (void)JOB_CALL(job, volume_init(&claims[p].grid, &all->parts[p].file.info));
-        job_own(job, end_grid, &claims[p].grid);
+        job_own(job, end_claim, &claims[p]);
     }
     for (size_t p = 1; p < all->count && job_ok(job); p++) {
-        take_claimed(job, &lost[p], &all->parts[p], claims, p);
-        note_loss(job, &lost[p], &all->voxels[p], &all->parts[p]);
+        take_claimed(job, &all->parts[p], claims, p);
+        note_loss(job, &claims[p].lost, &all->parts[p]);
     }
 }
 

@@ -7,18 +7,14 @@
 #include "loaders/scene/load_parcellation.h"
 #include "loaders/scene/load_progress.h"
 
-/** The parcellations of a manifest, which are the job's: first parcellations_reserve(), then each read and shifted,
- * then united, settled with surfaces (area_plan_settle()), and joined. */
+/** The parcellations of a manifest, which are the job's: each is read and shifted, then they are united, settled with
+ * surfaces (area_plan_settle()), and joined. */
 struct parcellations {
     struct parcellation *parts; /**< [count], earlier ones have priority; joined, one for each grid. */
     size_t count;
-    struct label_map *voxels; /**< [count] of each part: label -> its voxels, before any is taken away. */
     struct label_table table; /**< Once united: of all, sorted; its texts are the job's. */
     const char *source;       /**< Once united: where the names come from, in words. */
 };
-
-/** Makes @p count empty parts; none after a failure. */
-struct parcellations parcellations_reserve(struct job *job, size_t count);
 
 /** @p label + @p offset; a failure where that gets too large. */
 uint32_t label_raise(struct job *job, uint32_t label, uint32_t offset);
@@ -38,9 +34,6 @@ void parcellations_join(struct job *job, struct parcellations *all);
 /** Makes the load's atlas of @p count parts. */
 void parcellations_atlas(struct load *load, struct parcellation *parts, size_t count, const struct label_table *table,
                          const char *source);
-
-/** @p count empty maps, which the job ends. */
-struct label_map *maps_new(struct job *job, size_t count);
 
 /** The value of @p label, put in as 0 if it is new. Valid until the next call; a spare one after a failure. */
 uint64_t *map_at(struct job *job, struct label_map *map, uint32_t label);

@@ -60,8 +60,8 @@ static struct manifest_volume volume_of(struct job *job, const char *place, cons
     return volume;
 }
 
-static struct manifest_parcellation *plan_annotation(struct job *job, const struct brainglobe_atlas *atlas,
-                                                     const char *root)
+static struct manifest_parcellation plan_annotation(struct job *job, const struct brainglobe_atlas *atlas,
+                                                    const char *root)
 {
     const char *path = job_format(job, "%s%s/%s", root, atlas->annotation, annotations);
     if (!has_array(job, path, &atlas->metadata)) {
@@ -70,17 +70,12 @@ static struct manifest_parcellation *plan_annotation(struct job *job, const stru
                  "BrainGlobeAtlas as B; B(\"%s\").annotation' does so",
                  path, atlas->metadata.resolution[0], atlas->name);
     }
-    struct manifest_parcellation *out = job_new(job, struct manifest_parcellation);
-    if (out) {
-        out->labels = job_format(job, "%s/terminology.csv", atlas->terminology);
-        out->source = volume_of(job, atlas->annotation, annotations, &atlas->metadata);
-    }
-    return out;
+    return (struct manifest_parcellation){.labels = job_format(job, "%s/terminology.csv", atlas->terminology),
+                                          .source = volume_of(job, atlas->annotation, annotations, &atlas->metadata)};
 }
 
-/* Takes the template as the context; NULL if there is none. Nobody needs it for an answer, so one that is not there is
- * a note. */
-static struct manifest_context *plan_template(struct job *job, const struct brainglobe_atlas *atlas, const char *root)
+/* Takes the template as the context. Nobody needs it for an answer, so one that is not there is a note. */
+static void plan_template(struct job *job, struct manifest *out, const struct brainglobe_atlas *atlas, const char *root)
 {
     const char *path = job_format(job, "%s%s/%s", root, atlas->template, templates);
     const struct attempt attempt = job_try(job);
@@ -92,11 +87,9 @@ static struct manifest_context *plan_template(struct job *job, const struct brai
         job_note(job, "%s: the template of %g micrometres was not downloaded, and is left out", path,
                  atlas->metadata.resolution[0]);
     }
-    struct manifest_context *out = is_there ? job_new(job, struct manifest_context) : NULL;
-    if (out) {
-        out->source = volume_of(job, atlas->template, templates, &atlas->metadata);
+    if (is_there) {
+        LIST_ADD(job, &out->contexts)->source = volume_of(job, atlas->template, templates, &atlas->metadata);
     }
-    return out;
 }
 
 /* Notes what of the atlas is not heeded. */
@@ -122,10 +115,10 @@ void plan_brainglobe(struct job *job, struct manifest *out, const char **root, c
     if (JOB_CALL(job, brainglobe_atlas_read(&atlas, &above, folder, &job->files))) {
         *root = job_adopt(job, above);
         out->single = true;
-        out->parcellation_count = 1;
-        out->parcellations = plan_annotation(job, &atlas, *root);
-        out->contexts = atlas.template ? plan_template(job, &atlas, *root) : NULL;
-        out->context_count = out->contexts != NULL;
+        *LIST_ADD(job, &out->parcellations) = plan_annotation(job, &atlas, *root);
+        if (atlas.template) {
+            plan_template(job, out, &atlas, *root);
+        }
         note_rest(job, &atlas, *root, folder);
     }
     brainglobe_atlas_finish(&atlas);

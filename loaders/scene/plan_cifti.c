@@ -61,7 +61,6 @@ static void take_labels(struct planning *planning, const uint32_t *list, size_t 
 static void plan_surface(struct planning *planning, const struct cifti_model *model, const uint32_t *list, size_t count)
 {
     struct job *job = planning->job;
-    struct manifest *manifest = planning->manifest;
     const struct surface_item *surface = NULL;
     const char *kind = NULL;
     const char *path = planning->file->path;
@@ -80,21 +79,17 @@ static void plan_surface(struct planning *planning, const struct cifti_model *mo
         job_note(job, "%s: labels of %s are raised by %u, since others have them, too", path, structure, offset);
     }
     take_labels(planning, list, count, offset);
-    manifest->areas[manifest->area_count++] = (struct manifest_area){.file = job_copy(job, text_from(surface->name)),
-                                                                     .vertex_labels = name_map(planning),
-                                                                     .noted = true,
-                                                                     .label_offset = offset};
+    *LIST_ADD(job, &planning->manifest->areas) = (struct manifest_area){.file = job_copy(job, text_from(surface->name)),
+                                                                        .vertex_labels = name_map(planning),
+                                                                        .noted = true,
+                                                                        .label_offset = offset};
 }
 
 static void plan_voxels(struct planning *planning, const uint32_t *list, size_t count)
 {
-    struct manifest *manifest = planning->manifest;
-    manifest->parcellations = job_new(planning->job, struct manifest_parcellation);
-    if (manifest->parcellations) {
-        manifest->parcellation_count = 1;
-        manifest->single = true;
-        *manifest->parcellations = (struct manifest_parcellation){.source.file = name_map(planning), .noted = true};
-    }
+    planning->manifest->single = true;
+    *LIST_ADD(planning->job, &planning->manifest->parcellations) =
+        (struct manifest_parcellation){.source.file = name_map(planning), .noted = true};
     take_labels(planning, list, count, 0);
 }
 
@@ -126,7 +121,6 @@ void plan_cifti(struct job *job, struct manifest *out, const struct cifti_file *
     }
     const int folder = (int)(path_base(file->path) - file->path);
     const char *where = folder ? job_format(job, "%.*s", folder, file->path) : "./";
-    out->areas = job_zeroed(job, cifti->model_count, sizeof *out->areas);
     (void)JOB_CALL(job, surface_list_make(&planning.surfaces, where, max_memory));
     if (cifti_choice_has_voxels(choice)) {
         plan_model(&planning, NULL);

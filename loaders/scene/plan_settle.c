@@ -121,7 +121,7 @@ void area_plan_settle(struct job *job, struct area_plan *plan, struct parcellati
     uint64_t *counts = job_zeroed(job, count + 1, sizeof *counts); /* voxels of each planned area's label */
     for (size_t i = 0; counts && i < count; i++) {
         for (size_t p = 0; p < all->count; p++) {
-            counts[i] += *map_at(job, &all->voxels[p], plan->areas.at[i].label.number);
+            counts[i] += *map_at(job, &all->parts[p].voxels, plan->areas.at[i].label.number);
         }
     }
     if (job_step(job)) {

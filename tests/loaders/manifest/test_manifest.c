@@ -61,16 +61,16 @@ static void parcellations_are_kept_in_their_order(void **state)
     struct manifest m;
     manifest_parse(&job, &m, text_from(several));
     assert_true(job_ok(&job));
-    assert_int_equal(m.parcellation_count, 3);
+    assert_int_equal(m.parcellations.count, 3);
     assert_false(m.single);
-    assert_string_equal(m.parcellations[0].source.file, "lh.nii.gz");
-    assert_int_equal(m.parcellations[0].hemisphere, 0);
-    assert_int_equal(m.parcellations[1].hemisphere, 'R');
-    assert_int_equal(m.parcellations[1].label_offset, 1000);
-    assert_int_equal(m.parcellations[2].source.volume, 1);
-    assert_string_equal(m.parcellations[2].labels, "wm.txt");
-    assert_near(m.parcellations[2].source.resolution[2], 3, 0);
-    assert_string_equal(m.parcellations[2].source.orientation, "asr");
+    assert_string_equal(m.parcellations.at[0].source.file, "lh.nii.gz");
+    assert_int_equal(m.parcellations.at[0].hemisphere, 0);
+    assert_int_equal(m.parcellations.at[1].hemisphere, 'R');
+    assert_int_equal(m.parcellations.at[1].label_offset, 1000);
+    assert_int_equal(m.parcellations.at[2].source.volume, 1);
+    assert_string_equal(m.parcellations.at[2].labels, "wm.txt");
+    assert_near(m.parcellations.at[2].source.resolution[2], 3, 0);
+    assert_string_equal(m.parcellations.at[2].source.orientation, "asr");
     job_end(&job);
 }
 
@@ -83,33 +83,33 @@ static void every_key_of_areas_is_kept(void **state)
     manifest_parse(&job, &m, text_from(whole));
     assert_true(job_ok(&job));
     assert_true(m.allow_outside);
-    assert_int_equal(m.parcellation_count, 1);
+    assert_int_equal(m.parcellations.count, 1);
     assert_true(m.single);
-    assert_string_equal(m.parcellations[0].source.file, "/data/aal.nii");
-    assert_true(m.parcellations[0].source.chosen);
-    assert_int_equal(m.parcellations[0].source.volume, 2);
-    assert_string_equal(m.parcellations[0].labels, "../aal.txt");
-    assert_int_equal(m.parcellations[0].label_offset, 3);
-    assert_int_equal(m.parcellations[0].hemisphere, 'B');
-    assert_int_equal(m.area_count, 4);
-    assert_string_equal(m.areas[0].file, "1.gii");
-    assert_true(m.areas[1].has_label);
-    assert_int_equal(m.areas[1].label.number, 7);
-    assert_string_equal(m.areas[1].label.name, "B");
-    assert_int_equal(m.areas[1].label.rgb[1], 11);
-    assert_int_equal(m.areas[1].label.parent, 9);
-    assert_int_equal(m.areas[1].label.hemisphere, 'R');
-    assert_string_equal(m.areas[2].files, "lh/*.gii");
-    assert_string_equal(m.areas[2].labels, "lh.tsv");
-    assert_int_equal(m.areas[2].label_offset, 1000);
-    assert_string_equal(m.areas[3].brainglobe, "mouse");
-    assert_true(m.areas[3].all_structures);
-    assert_near(m.areas[3].scale, 1, 0);
-    assert_string_equal(m.areas[3].orientation, "ras");
+    assert_string_equal(m.parcellations.at[0].source.file, "/data/aal.nii");
+    assert_true(m.parcellations.at[0].source.chosen);
+    assert_int_equal(m.parcellations.at[0].source.volume, 2);
+    assert_string_equal(m.parcellations.at[0].labels, "../aal.txt");
+    assert_int_equal(m.parcellations.at[0].label_offset, 3);
+    assert_int_equal(m.parcellations.at[0].hemisphere, 'B');
+    assert_int_equal(m.areas.count, 4);
+    assert_string_equal(m.areas.at[0].file, "1.gii");
+    assert_true(m.areas.at[1].has_label);
+    assert_int_equal(m.areas.at[1].label.number, 7);
+    assert_string_equal(m.areas.at[1].label.name, "B");
+    assert_int_equal(m.areas.at[1].label.rgb[1], 11);
+    assert_int_equal(m.areas.at[1].label.parent, 9);
+    assert_int_equal(m.areas.at[1].label.hemisphere, 'R');
+    assert_string_equal(m.areas.at[2].files, "lh/*.gii");
+    assert_string_equal(m.areas.at[2].labels, "lh.tsv");
+    assert_int_equal(m.areas.at[2].label_offset, 1000);
+    assert_string_equal(m.areas.at[3].brainglobe, "mouse");
+    assert_true(m.areas.at[3].all_structures);
+    assert_near(m.areas.at[3].scale, 1, 0);
+    assert_string_equal(m.areas.at[3].orientation, "ras");
     assert_int_equal(m.space, MESH_SPACE_LPS);
     assert_int_equal(m.prefer, MANIFEST_PREFER_AREAS);
-    assert_int_equal(m.tree_count, 2);
-    assert_string_equal(m.tree[0].name, "Nine");
+    assert_int_equal(m.tree.count, 2);
+    assert_string_equal(m.tree.at[0].name, "Nine");
     job_end(&job);
 }
 
@@ -121,31 +121,31 @@ static void every_key_of_pathways_transforms_and_context_is_kept(void **state)
     manifest_parse(&job, &m, text_from(whole));
     assert_true(job_ok(&job));
     assert_near(m.threshold, 0.3, 0);
-    assert_int_equal(m.transform_count, 2);
+    assert_int_equal(m.transforms.count, 2);
     assert_false(m.single_transform);
-    assert_string_equal(m.transforms[0].file, "a.mat");
-    assert_string_equal(m.transforms[0].from, "t1.nii");
-    assert_string_equal(m.transforms[0].to, "../mni.nii");
-    assert_true(m.transforms[0].inverse && !m.transforms[1].inverse);
-    assert_string_equal(m.transforms[1].file, "b.tfm");
-    assert_true(m.pathways[1].moves && !m.pathways[0].moves && m.contexts[0].moves);
-    assert_int_equal(m.pathway_count, 5);
-    assert_int_equal(m.pathways[4].band_count, 3);
-    assert_string_equal(m.pathways[4].bands[0].name, "Air");
-    assert_true(m.pathways[4].bands[0].low == -INFINITY && m.pathways[4].bands[0].high == -200);
-    assert_true(m.pathways[4].bands[1].low == -200 && m.pathways[4].bands[1].high == -50.5);
-    assert_true(m.pathways[4].bands[2].low == 300 && m.pathways[4].bands[2].high == INFINITY);
-    assert_string_equal(m.pathways[0].source.file, "fornix.nii.gz");
-    assert_false(m.pathways[0].source.chosen);
-    assert_string_equal(m.pathways[1].name, "Cingulum");
-    assert_near(m.pathways[1].threshold, 12.5, 0);
-    assert_int_equal(m.pathways[2].name_count, 2);
-    assert_string_equal(m.pathways[2].names[1], "b");
-    assert_string_equal(m.pathways[3].fsl, "JHU.xml");
-    assert_string_equal(m.contexts[0].source.file, "t1.nii");
-    assert_true(m.contexts[0].source.chosen && m.contexts[0].transfer_is_file);
-    assert_string_equal(m.contexts[0].transfer, "t1.tf");
-    assert_near(m.contexts[0].blocks, 80, 0);
+    assert_string_equal(m.transforms.at[0].file, "a.mat");
+    assert_string_equal(m.transforms.at[0].from, "t1.nii");
+    assert_string_equal(m.transforms.at[0].to, "../mni.nii");
+    assert_true(m.transforms.at[0].inverse && !m.transforms.at[1].inverse);
+    assert_string_equal(m.transforms.at[1].file, "b.tfm");
+    assert_true(m.pathways.at[1].moves && !m.pathways.at[0].moves && m.contexts.at[0].moves);
+    assert_int_equal(m.pathways.count, 5);
+    assert_int_equal(m.pathways.at[4].bands.count, 3);
+    assert_string_equal(m.pathways.at[4].bands.at[0].name, "Air");
+    assert_true(m.pathways.at[4].bands.at[0].low == -INFINITY && m.pathways.at[4].bands.at[0].high == -200);
+    assert_true(m.pathways.at[4].bands.at[1].low == -200 && m.pathways.at[4].bands.at[1].high == -50.5);
+    assert_true(m.pathways.at[4].bands.at[2].low == 300 && m.pathways.at[4].bands.at[2].high == INFINITY);
+    assert_string_equal(m.pathways.at[0].source.file, "fornix.nii.gz");
+    assert_false(m.pathways.at[0].source.chosen);
+    assert_string_equal(m.pathways.at[1].name, "Cingulum");
+    assert_near(m.pathways.at[1].threshold, 12.5, 0);
+    assert_int_equal(m.pathways.at[2].names.count, 2);
+    assert_string_equal(m.pathways.at[2].names.at[1], "b");
+    assert_string_equal(m.pathways.at[3].fsl, "JHU.xml");
+    assert_string_equal(m.contexts.at[0].source.file, "t1.nii");
+    assert_true(m.contexts.at[0].source.chosen && m.contexts.at[0].transfer_is_file);
+    assert_string_equal(m.contexts.at[0].transfer, "t1.tf");
+    assert_near(m.contexts.at[0].blocks, 80, 0);
     job_end(&job);
 }
 
@@ -564,9 +564,11 @@ static void every_failing_allocation_of_a_scene_is_reported(void **state)
                                       "\"pathways\": [{\"file\": \"sphere.nii.gz\", \"names\": [\"Ball\"]}],"
                                       "\"context\": {\"file\": \"sphere.nii.gz\", \"transfer\": \"grey\"}}");
     test_every_allocation(load_scene, (void *)path);
+    assert_true(test_every_primitive(load_scene, (void *)path) > 5);
     write_four();
     for (size_t i = 0; i < 2; i++) {
         test_every_allocation(load_scene, (void *)write_manifest(series_manifests[i]));
+        assert_true(test_every_primitive(load_scene, (void *)write_manifest(series_manifests[i])) > 5);
     }
 }
 

@@ -94,6 +94,7 @@ static conus_status make_of(conus_roi **out, const struct hdf5_builder *builder,
             memory_free(mesh.tetrahedra);
         }
     }
+    bytes_finish(&stream); /* which hdf5_parse() takes over */
     hdf5_destroy(hdf5);
     return job_close(&job, NULL, NULL);
 }

@@ -178,6 +178,15 @@ static void every_failing_allocation_is_reported(void **state)
 {
     (void)state;
     test_every_allocation(load_again, (void *)test_in("mouse"));
+    assert_true(test_every_primitive(load_again, (void *)test_in("mouse")) > 5);
+}
+
+static void the_third_release_is_clean_after_each_failing_primitive(void **state)
+{
+    (void)state;
+    char path[1024];
+    snprintf(path, sizeof path, "%s", test_shared("files-2026/brainglobe/brainglobe-atlasapi/atlases/toy_mouse_100um"));
+    assert_true(test_every_primitive(load_again, path) > 5);
 }
 
 TEST_GROUP(brainglobe)
@@ -189,6 +198,7 @@ TEST_GROUP(brainglobe)
         cmocka_unit_test(a_manifest_may_say_where_a_stack_lies),
         cmocka_unit_test(what_cannot_be_placed_is_left_out),
         cmocka_unit_test(every_failing_allocation_is_reported),
+        cmocka_unit_test(the_third_release_is_clean_after_each_failing_primitive),
     };
     return cmocka_run_group_tests(tests, write_folder, NULL);
 }

@@ -414,16 +414,21 @@ static void every_failing_allocation_is_clean(void **state)
     assert_ok(write_volume(test_in("sub_dseg.nii"), 1, 4, "<AFNI_attributes>VALUE_LABEL_DTABLE</AFNI_attributes>"));
     write_text(test_in("sub_dseg.txt"), "notes\n");
     test_every_allocation(load_everything, NULL);
+    assert_true(test_every_primitive(load_everything, NULL) > 5);
     write_text(test_in("a.xml"), "<atlas><type>Label</type><images><imagefile>/sub_dseg</imagefile></images>"
                                  "<label index=\"1\">one</label></atlas>");
     test_every_allocation(load_everything, NULL);
+    assert_true(test_every_primitive(load_everything, NULL) > 5);
     write_text(test_in("mine.csv"), "id,name\n1,A\n");
     test_every_allocation(load_xml, NULL);
+    assert_true(test_every_primitive(load_xml, NULL) > 5);
     write_text(test_in("dseg.tsv"), "index\tname\n1\tA\n");
     test_every_allocation(load_everything, NULL);
+    assert_true(test_every_primitive(load_everything, NULL) > 5);
     write_text(test_in("a.xml"), "<atlas><type>Statistic</type><images><imagefile>/sub_dseg</imagefile></images>"
                                  "<label index=\"0\">one</label></atlas>");
     test_every_allocation(load_everything, NULL);
+    assert_true(test_every_primitive(load_everything, NULL) > 5);
 }
 
 static void arguments_are_checked(void **state)

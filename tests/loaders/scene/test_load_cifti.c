@@ -410,8 +410,10 @@ static void every_failing_allocation(void **state)
     write_both("failing");
     snprintf(path, sizeof path, "%s", test_in("x.dlabel.nii"));
     test_every_allocation(attempt, path);
+    assert_true(test_every_primitive(attempt, path) > 5);
     snprintf(path, sizeof path, "%s", test_in("failing.atlas.json"));
     test_every_allocation(attempt_manifest, path);
+    assert_true(test_every_primitive(attempt_manifest, path) > 5);
 }
 
 TEST_GROUP(load_cifti)

@@ -157,7 +157,17 @@ static void every_failing_allocation(void **state)
         char path[256];
         snprintf(path, sizeof path, "%s", write_surface("failing.gii", count));
         test_every_allocation(attempt, path);
+        assert_true(test_every_primitive(attempt, path) > 5);
     }
+}
+
+static conus_status attempt_labels(void *labels)
+{
+    const conus_load_options options = {.labels = labels};
+    conus_atlas *atlas = NULL;
+    conus_status status = conus_atlas_load(&atlas, test_shared("meshes/fsaverage5/pial_left.gii.gz"), &options);
+    conus_atlas_destroy(atlas);
+    return status;
 }
 
 /* The usual case: a surface without labels, and FreeSurfer's annotation. */
@@ -173,6 +183,7 @@ static void fsaverage_by_its_annotation(void **state)
     assert_string_equal(conus_atlas_object(atlas, 35)->name, "insula");
     assert_int_equal(conus_atlas_object(atlas, 35)->label, 35);
     conus_atlas_destroy(atlas);
+    assert_true(test_every_primitive(attempt_labels, annot) > 5);
 }
 
 TEST_GROUP(load_surface)

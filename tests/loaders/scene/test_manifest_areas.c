@@ -486,6 +486,7 @@ static void every_failing_allocation_is_reported(void **state)
     assert_file(atlas, "a.gii");
     conus_atlas_destroy(atlas);
     test_every_allocation(load_again, (void *)test_in("test.atlas.json"));
+    assert_true(test_every_primitive(load_again, (void *)test_in("test.atlas.json")) > 5);
 }
 
 TEST_GROUP(manifest_areas)

@@ -179,6 +179,7 @@ static void every_allocation_may_fail(void **state)
     write_annotation("lh.aparc.annot", 4, "alpha");
     write_annotation("lh.yeo.annot", 4, "beta");
     test_every_allocation(load, NULL);
+    assert_true(test_every_primitive(load, NULL) > 5);
 }
 
 TEST_GROUP(manifest_freesurfer)

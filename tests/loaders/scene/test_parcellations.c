@@ -567,6 +567,7 @@ static void every_failing_allocation_is_reported(void **state)
     (void)state;
     conus_atlas_destroy(loaded(THREE));
     test_every_allocation(load_again, (void *)test_in("test.atlas.json"));
+    assert_true(test_every_primitive(load_again, (void *)test_in("test.atlas.json")) > 5);
 }
 
 TEST_GROUP(parcellations)
