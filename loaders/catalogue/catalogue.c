@@ -3,11 +3,10 @@
 #include "loaders/catalogue/catalogue.h"
 
 #include "base/memory.h"
+#include "base/system/system.h"
 
 #include <errno.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static void stop_here(conus_catalogue *catalogue, const char *what, size_t limit)
 {
@@ -29,13 +28,13 @@ static const char *plain_name(struct job *job, const char *bytes)
 
 static enum catalogue_kind identify(struct catalogue_id *id, const char *path)
 {
-    struct stat info;
-    if (stat(path, &info)) {
+    struct system_stat info;
+    if (!system_stat(&info, path)) {
         return CATALOGUE_NOTHING;
     }
-    *id = (struct catalogue_id){(uint64_t)info.st_dev, (uint64_t)info.st_ino};
-    return S_ISDIR(info.st_mode)                   ? CATALOGUE_FOLDER
-           : S_ISREG(info.st_mode) && info.st_size ? CATALOGUE_FILE
+    *id = (struct catalogue_id){info.device, info.inode};
+    return info.kind == SYSTEM_FOLDER              ? CATALOGUE_FOLDER
+           : info.kind == SYSTEM_FILE && info.size ? CATALOGUE_FILE
                                                    : CATALOGUE_NOTHING;
 }
 
@@ -112,7 +111,7 @@ struct names catalogue_list(struct job *job, conus_catalogue *catalogue, const c
             return names;
         }
     }
-    if (access(folder, R_OK | X_OK)) {
+    if (!system_allows(folder, SYSTEM_READ | SYSTEM_RUN)) {
         job_warn(&catalogue->job, "%s: %s: cannot read this folder: %s", catalogue->source.name, folder,
                  strerror(errno));
         return names;

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the atlas that a name means, and the names that were perhaps meant. */
 #include "base/memory.h"
+#include "base/system/system.h"
 #include "loaders/catalogue/catalogue.h"
 
 #include <errno.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 
 enum { CANDIDATES = 6, NEAR = 3 };
 
 static bool is_there(const char *path)
 {
-    struct stat info;
-    return stat(path, &info) == 0 || (errno != ENOENT && errno != ENOTDIR);
+    struct system_stat info;
+    return system_stat(&info, path) || (errno != ENOENT && errno != ENOTDIR);
 }
 
 bool conus_atlas_is_path(const char *text)

@@ -6,11 +6,10 @@
 #include "base/files/file_trace.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "base/system/system.h"
 
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /** A rule begins with a variable, whose folders have ':' between them; with "(program)", the folder of a program in
  * $PATH; or with "(bg_config.conf)", the folder in BrainGlobe's settings. */
@@ -76,9 +75,9 @@ static const char *program_folder(struct job *job, struct text program)
     struct text path = variable(job, text_from("PATH"));
     struct text folder;
     for (bool more = true; text_field(&path, ':', &more, &folder);) {
-        char real[PATH_MAX];
+        char real[SYSTEM_PATH];
         const char *file = job_format(job, "%.*s/%.*s", (int)folder.size, folder.data, (int)program.size, program.data);
-        if (folder.size && access(file, X_OK) == 0 && realpath(file, real) && job_has_file(job, real)) {
+        if (folder.size && system_allows(file, SYSTEM_RUN) && system_real_path(real, file) && job_has_file(job, real)) {
             return job_format(job, "%.*s", (int)(strrchr(real, '/') - real), real);
         }
     }

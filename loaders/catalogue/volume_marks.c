@@ -2,12 +2,11 @@
 /* The marks of a labelled volume. */
 #include "loaders/catalogue/volume_marks.h"
 
+#include "base/system/system.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_header.h"
 
-#include <fnmatch.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { INTENT_LABEL = 1002 };
 
@@ -27,9 +26,9 @@ bool volume_marks_is_volume(const char *name)
     return name[volume_stem_length(name)] && !path_ends_in(name, ".img") && !path_ends_in(name, ".img.gz");
 }
 
-bool volume_marks_fit(const char *name, const char *const *patterns, int flags)
+bool volume_marks_fit(const char *name, const char *const *patterns, unsigned how)
 {
-    while (*patterns && fnmatch(*patterns, name, flags) != 0) {
+    while (*patterns && !text_matches(name, *patterns, how)) {
         patterns++;
     }
     return *patterns;
@@ -39,7 +38,7 @@ static bool has_table_beside(struct job *job, const char *path)
 {
     bool found = false;
     for (size_t i = 0; !found && i < sizeof tables / sizeof tables[0]; i++) {
-        found = access(job_format(job, "%.*s%s", (int)volume_stem_length(path), path, tables[i]), R_OK) == 0;
+        found = system_allows(job_format(job, "%.*s%s", (int)volume_stem_length(path), path, tables[i]), SYSTEM_READ);
     }
     return found;
 }
@@ -57,7 +56,7 @@ bool volume_marks_find(struct job *job, double spacing[3], const char *path, boo
         const struct text text = {(const char *)head.data, head.size};
         bool has_table = text_mentions(text, "<LabelTable") || text_mentions(text, "LABEL_DTABLE") ||
                          text_mentions(text, "ATLAS_LABEL_TABLE");
-        bool has_name = volume_marks_fit(name, names, FNM_CASEFOLD) && !volume_marks_fit(name, others, FNM_CASEFOLD);
+        bool has_name = volume_marks_fit(name, names, TEXT_ANY_CASE) && !volume_marks_fit(name, others, TEXT_ANY_CASE);
         memcpy(spacing, info->spacing, sizeof info->spacing);
         labels = known || header.intent_code == INTENT_LABEL || has_table || has_name || has_table_beside(job, path);
     }

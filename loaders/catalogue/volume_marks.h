@@ -8,8 +8,8 @@
 /** Whether the ending of @p name is that of a volume (of a pair, of the header). */
 bool volume_marks_is_volume(const char *name);
 
-/** Whether @p name fits one of @p patterns, NULL at the end, with @p flags of fnmatch(). */
-bool volume_marks_fit(const char *name, const char *const *patterns, int flags);
+/** Whether @p name fits one of @p patterns, NULL at the end, and @p how as for text_matches(). */
+bool volume_marks_fit(const char *name, const char *const *patterns, unsigned how);
 
 /** Decides whether the one volume in the file @p path counts as labels, and sets @p spacing to its voxels' edge lengths
  * in mm. A volume of a @p known name does. Others need a mark: NIfTI's intent "label", a label table inside, one beside

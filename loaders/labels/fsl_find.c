@@ -5,8 +5,8 @@
 #include "base/files/file_trace.h"
 #include "base/files/folder.h"
 #include "base/formats/xml.h"
+#include "base/system/system.h"
 
-#include <limits.h>
 #include <string.h>
 
 struct search {
@@ -91,7 +91,7 @@ static void search_in(struct job *job, const struct search *search, const char *
 
 void fsl_atlas_each(struct job *job, const char *volume_path, enum fsl_use use, fsl_visit *visit, void *user)
 {
-    char real[PATH_MAX];
+    char real[SYSTEM_PATH];
     const struct search search = {use, visit, user};
     const char *base = path_base(volume_path);
     const char *name = job_copy(job, (struct text){base, volume_stem_length(base)});

@@ -3,12 +3,12 @@
 #include "loaders/labels/label_search.h"
 
 #include "base/files/folder.h"
+#include "base/system/system.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_format.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* Two tables side by side. */
 struct comparison {
@@ -260,14 +260,14 @@ void label_search_text(struct job *job, struct label_search *search, const char 
 
 void label_search_file(struct job *job, struct label_search *search, const char *path)
 {
-    struct stat info;
+    struct system_stat info;
     uint64_t limit = label_file_limit(search->use.max_memory);
     if (!job_has_file(job, path)) {
         return;
     }
-    if (!stat(path, &info) && (uint64_t)info.st_size > limit) { /* tables of results may be called so */
-        job_warn(job, "%s: %lld bytes, a label table may have %llu: passed over", path_base(path),
-                 (long long)info.st_size, (unsigned long long)limit);
+    if (system_stat(&info, path) && info.size > limit) { /* tables of results may be called so */
+        job_warn(job, "%s: %lld bytes, a label table may have %llu: passed over", path_base(path), (long long)info.size,
+                 (unsigned long long)limit);
         return;
     }
     struct attempt attempt = job_try(job);

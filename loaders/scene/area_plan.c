@@ -10,7 +10,6 @@
 #include "loaders/labels/labels_on_job.h"
 #include "loaders/scene/parcellations.h"
 
-#include <fnmatch.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -112,7 +111,7 @@ static struct paths find_matches(const struct planning *p)
     }
     const struct names names = job_names(p->job, folder, ending);
     for (size_t i = 0; i < names.count; i++) {
-        if (fnmatch(base, names.names[i], FNM_PERIOD) == 0) {
+        if (text_matches(names.names[i], base, TEXT_NO_DOT)) {
             *LIST_ADD(p->job, &paths) = job_format(p->job, "%s%s", folder, names.names[i]);
             numbered += number_in_name(p->job, &number, names.names[i]);
         }

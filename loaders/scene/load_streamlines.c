@@ -11,7 +11,6 @@
 
 #include <string.h>
 #include <strings.h>
-#include <sys/mman.h>
 
 /* Length of a name without ".gz", and without the ending of a tractogram before it. */
 static size_t stem_length(const char *name, size_t length)
@@ -98,7 +97,7 @@ static void end_mapping(struct job *job, struct tractogram *tractogram, const ch
         tractogram->file_mapped = mapped->data;
         tractogram->file_mapped_size = mapped->size;
     } else {
-        munmap(mapped->data, mapped->size);
+        file_unmap(mapped->data, mapped->size);
     }
     (void)JOB_CALL(job, file_state_check(before, path));
 }

@@ -90,7 +90,7 @@ LIBRARY = {
     " loaders loaders/tiff loaders/zarr loaders/brainglobe loaders/volumes/text loaders/formats loaders/labels",
     "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/labels atlas/labels"
     " loaders/formats",
-    "loaders/labels": "base base/job base/files base/geometry base/formats atlas/labels loaders/formats",
+    "loaders/labels": "base base/system base/job base/files base/geometry base/formats atlas/labels loaders/formats",
     "loaders/child": "base base/files base/cache base/child base/system atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/files base/geometry base/formats atlas/labels atlas/surface loaders",
     "loaders/surfaces": "base base/files base/geometry base/formats base/system atlas/labels atlas/surface atlas loaders"
@@ -102,7 +102,7 @@ LIBRARY = {
     "loaders/scene": "base base/files base/geometry base/formats base/job atlas/labels atlas/surface atlas atlas/areas atlas/fit"
     " atlas/warp loaders/maps loaders loaders/volumes loaders/labels loaders/cifti loaders/surfaces/foreign loaders/surfaces"
     " loaders/manifest loaders/transform loaders/tracts loaders/brainglobe",
-    "loaders/catalogue": "base base/files base/formats base/job loaders/brainglobe loaders/volumes loaders/labels",
+    "loaders/catalogue": "base base/system base/files base/formats base/job loaders/brainglobe loaders/volumes loaders/labels",
     "loaders/arrays": "base atlas atlas/areas loaders/maps loaders/volumes loaders/scene",
     "render/gl": "base base/geometry base/system",
     "render/id": "base base/geometry atlas/surface atlas/tracts atlas render/gl",

@@ -34,9 +34,6 @@ FREE = {
     "apps/mesh/*": "is started by child.c, on Linux",
     "apps/mpi/node_atlas.c": "shares a memory file with other ranks",
     "apps/web/web.c": "is for emscripten alone",
-    "loaders/catalogue/catalogue.[ch]": "", "loaders/catalogue/f*.c": "", "loaders/catalogue/places.c": "",
-    "loaders/catalogue/volume_marks.c": "", "loaders/labels/label_search.c": "", "loaders/labels/fsl_find.c": "",
-    "loaders/scene/area_plan.c": "", "loaders/scene/load_streamlines.c": "",
 }
 
 # What is another function elsewhere: words, names, an example.
