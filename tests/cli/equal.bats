@@ -3,7 +3,7 @@
 load helpers
 
 equal() {
-    "$BATS_TEST_DIRNAME"/../equal/outputs "$@" "$CONUS"
+    TMPDIR=$PWD "$BATS_TEST_DIRNAME"/../equal/outputs "$@" "$CONUS" # what differs stays there
 }
 
 @test "one changed word, one changed sum, a command more and a command less are differences" {
