@@ -52,7 +52,7 @@ struct planned_area *area_plan_find(const struct area_plan *plan, uint32_t label
 
 size_t area_plan_files(const struct area_plan *plan)
 {
-    size_t files = plan->labelled.count;
+    size_t files = plan->labelled_count;
     for (size_t i = 0; i < plan->areas.count; i++) {
         files += !plan->areas.at[i].surface;
     }
@@ -160,7 +160,7 @@ static void end_vertex_labels(void *labels)
 /* Reads the labels of the entry's surface; NULL after a failure. */
 static struct labelled_surface *read_labelled(const struct planning *p)
 {
-    struct labelled_surface *surface = job_new(p->job, struct labelled_surface);
+    struct labelled_surface *surface = &p->plan->labelled[p->plan->labelled_count];
     struct notes again = {0};
     struct mesh_file_options options = {.max_memory = p->plan->max_memory,
                                         .read = &p->job->files,
@@ -171,7 +171,7 @@ static struct labelled_surface *read_labelled(const struct planning *p)
                  vertex_labels_read(&surface->labels, labels, &options, p->area->noted ? &again : &p->job->notes))) {
         surface->path = options.surface;
         job_own(p->job, end_vertex_labels, &surface->labels);
-        *LIST_ADD(p->job, &p->plan->labelled) = surface;
+        p->plan->labelled_count++;
     }
     notes_finish(&again);
     return job_ok(p->job) ? surface : NULL;
@@ -183,7 +183,7 @@ static void plan_labelled(const struct planning *p)
     const struct labelled_surface *surface = read_labelled(p);
     size_t count = surface ? surface->labels.count : 0;
     uint32_t *numbers = job_array(p->job, &count, sizeof *numbers);
-    if (!numbers) {
+    if (!surface || !numbers) {
         return;
     }
     memcpy(numbers, surface->labels.labels, count * sizeof *numbers);
@@ -303,7 +303,8 @@ static void sort_areas(struct job *job, struct area_plan *plan)
 void area_plan_make(struct job *job, struct area_plan *out, const struct manifest *manifest, const char *path)
 {
     out->groups = labels_new(job);
-    for (size_t i = 0; i < manifest->areas.count; i++) {
+    out->labelled = job_zeroed(job, manifest->areas.count, sizeof *out->labelled);
+    for (size_t i = 0; i < manifest->areas.count && job_ok(job); i++) {
         const struct manifest_area *area = &manifest->areas.at[i];
         const struct planning planning = {job, out, path, i, area};
         const size_t mark = job_in(job, "areas", i);

@@ -29,7 +29,8 @@ struct planned_area {
 };
 
 struct area_plan {
-    LIST(struct labelled_surface *) labelled;
+    struct labelled_surface *labelled; /**< [labelled_count] */
+    size_t labelled_count;
     LIST(struct planned_area) areas; /**< Sorted by label, no two with the same. */
     uint64_t max_memory;             /**< For each file; 0 = the default. */
     bool has_ccf;                    /**< Surfaces are of the Allen CCF, whose corner is the world's origin, */

@@ -138,8 +138,8 @@ static void read_all(struct surfaces *surfaces)
     const size_t mark = job_in(surfaces->job, "areas", JOB_ALONE);
     read_foreign(surfaces, true);
     read_foreign(surfaces, false);
-    for (size_t i = 0; i < plan->labelled.count && job_ok(surfaces->job); i++) {
-        cut_labelled(surfaces, plan->labelled.at[i]);
+    for (size_t i = 0; i < plan->labelled_count && job_ok(surfaces->job); i++) {
+        cut_labelled(surfaces, &plan->labelled[i]);
     }
     job_out(surfaces->job, mark);
     for (size_t i = 0; i < surfaces->count && job_ok(surfaces->job); i++) {

@@ -536,11 +536,12 @@ static void warn_of_table(struct load *load)
     struct job *job = &load->job;
     const char *source = "";
     struct label_table *table = labels_new(job);
-    const struct label_volume volume = {.info = job_ok(job) ? &load->atlas->volumes[0].info : NULL};
-    const struct attempt attempt = job_try(job);
-    if (volume.info) {
-        label_table_of_volume(job, table, &source, &volume, NULL);
+    if (!job_step(job)) {
+        return;
     }
+    const struct label_volume volume = {.info = &load->atlas->volumes[0].info};
+    const struct attempt attempt = job_try(job);
+    label_table_of_volume(job, table, &source, &volume, NULL);
     (void)job_dropped(job, &attempt);
     if (job_ok(job) && table->count) {
         job_warn(job, "%s: its values are stated to be probabilities, so %s, which names %zu labels, is not used",
