@@ -228,7 +228,6 @@ static void every_failing_allocation_is_reported(void **state)
     test_every_allocation(write_again, path);
     test_folder("alike");
     snprintf(path, sizeof path, "%s", test_in("again.atlas.json"));
-    assert_true(test_every_primitive(write_again, path) > 5);
     test_every_allocation(write_again, path);
 }
 
@@ -281,7 +280,6 @@ static void probabilities_stand_alone(void **state)
     conus_atlas_destroy(atlas);
     assert_ok(write_volume("blocks.nii", in_blocks));
     assert_ok(write_volume("spot.nii", in_a_spot));
-    assert_true(test_every_primitive(write_again, path) > 5);
     test_every_allocation(write_again, path);
     assert_ok(conus_atlas_load(&atlas, path, NULL));
     assert_int_equal(conus_atlas_object_count(atlas), 5);
