@@ -80,10 +80,11 @@ static bool begins_with_name(const char *xml, const char *relative)
 static void search_in(struct job *job, const struct search *search, const char *folder, const char *relative)
 {
     const struct names names = job_names(job, folder, ".xml");
-    for (size_t i = 0; i < 2 * names.count; i++) {
-        const char *name = names.names[i % names.count];
-        if (begins_with_name(name, relative) == (i < names.count)) {
-            try_xml(job, search, job_beside(job, folder, name), relative);
+    for (int pass = 0; pass < 2; pass++) {
+        for (size_t i = 0; i < names.count; i++) {
+            if (begins_with_name(names.names[i], relative) == (pass == 0)) {
+                try_xml(job, search, job_beside(job, folder, names.names[i]), relative);
+            }
         }
     }
 }

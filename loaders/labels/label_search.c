@@ -131,15 +131,15 @@ static bool note_difference(struct job *job, const struct comparison *comparison
 {
     const struct label *const *clash = comparison->clash;
     const struct label *const *named = comparison->other;
-    if (comparison->clashes) {
+    if (clash[0]) {
         job_warn(job, "\"%s\" is label %u in %s, which is used, but %u in %s (%zu of %zu such names)", clash[0]->name,
                  clash[0]->number, used, clash[1]->number, other, comparison->clashes, comparison->shared);
-    } else if (comparison->agreed < comparison->common) {
+    } else if (named[0]) {
         job_warn(job, "label %u is \"%s\" in %s, which is used, but \"%s\" in %s (%zu of %zu such labels)",
                  named[0]->number, named[0]->name, used, named[1]->name, other, comparison->common - comparison->agreed,
                  comparison->common);
     }
-    return comparison->clashes || comparison->agreed < comparison->common;
+    return clash[0] || named[0];
 }
 
 bool label_tables_note(struct job *job, const struct label_table *used, const char *source,
