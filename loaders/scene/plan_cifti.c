@@ -69,7 +69,7 @@ static void plan_surface(struct planning *planning, const struct cifti_model *mo
     (void)JOB_CALL(job, surface_list_find(&surface, &kind, &planning->surfaces, structure, model->vertex_count));
     const uint32_t offset = choose_offset(planning, list, count);
     job_out(job, mark);
-    if (!job_step(job)) { /* no surface */
+    if (!job_step(job) || !surface) {
         return;
     }
     /* names the map: sidecars of two maps with the same labels differ in nothing else */

@@ -124,7 +124,7 @@ void area_plan_settle(struct job *job, struct area_plan *plan, struct parcellati
             counts[i] += *map_at(job, &all->parts[p].voxels, plan->areas.at[i].label.number);
         }
     }
-    if (job_step(job)) {
+    if (counts && job_step(job)) {
         apply_preference(job, plan, all, counts, preference);
         hand_over_entries(job, plan, &all->table);
         labels_sort(job, plan->groups);
