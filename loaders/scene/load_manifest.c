@@ -18,7 +18,6 @@
 #include "loaders/scene/load_transform.h"
 #include "loaders/scene/parcellations.h"
 
-#include <math.h>
 #include <string.h>
 
 /* A manifest while it is loaded. */

@@ -8,7 +8,6 @@
 #include "loaders/surfaces/surface_find.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 struct planning {
     struct job *job;
