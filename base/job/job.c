@@ -125,7 +125,7 @@ void job_kept(struct job *job, const struct attempt *attempt)
 
 const char *job_dropped(struct job *job, const struct attempt *attempt)
 {
-    bool stays = job->status == CONUS_ERROR_MEMORY || job->status == CONUS_ERROR_CANCELLED;
+    bool stays = (job->status == CONUS_ERROR_MEMORY && !job->is_limit) || job->status == CONUS_ERROR_CANCELLED;
     job->attempts--;
     if (attempt->is_void || stays) {
         return "";
@@ -136,6 +136,7 @@ const char *job_dropped(struct job *job, const struct attempt *attempt)
     file_sums_cut(&job->files, attempt->files);
     job->depth = attempt->depth;
     job->status = CONUS_OK;
+    job->is_limit = false;
     return had ? job_format(job, "%s", job->message + around) : "";
 }
 
@@ -414,6 +415,7 @@ struct bytes job_read(struct job *job, const char *path, uint64_t limit, const c
     if (JOB_CALL(job, file_read_here(&bytes, &file, SIZE_MAX, limit, option)) && !job_adopt(job, bytes.data)) {
         bytes = (struct bytes){0};
     }
+    job->is_limit = !job_ok(job) && file.before.size > limit;
     file_close(&file);
     return bytes;
 }

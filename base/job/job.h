@@ -45,6 +45,7 @@ struct job_block {
 /** All 0 is a job that begins. */
 struct job {
     conus_status status;
+    bool is_limit; /**< The error is a file above the limit of job_read(). */
     char message[JOB_MESSAGE];
     const struct note_sink *sink; /**< Receives the notes, once no attempt is open; NULL = they wait for job_close(). */
     struct notes notes;
@@ -113,7 +114,8 @@ struct attempt job_try(struct job *job);
 /** Notes, files and an error become those of what is around it. */
 void job_kept(struct job *job, const struct attempt *attempt);
 /** Forgets notes, files and the error, and gives the error's message, "" if there was none, without the places around
- * the attempt. An error of memory or of cancelling stays. */
+ * the attempt. An error of memory or of cancelling stays, but not that a file is
+ * larger than job_read() may read. */
 const char *job_dropped(struct job *job, const struct attempt *attempt);
 /** Keeps the attempt unless it has failed: NULL then, else as job_dropped(). */
 const char *job_tried(struct job *job, const struct attempt *attempt);

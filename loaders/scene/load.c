@@ -255,7 +255,10 @@ static void load_folder(struct load *load, const char *path)
 static bool is_probabilistic(struct job *job, const struct open_file *file)
 {
     struct bytes bytes = {0};
-    const struct attempt attempt = job_try(job); /* its reader says why it cannot be read */
+    if (file->before.size > FSL_ATLAS_LIMIT) { /* its reader says why it cannot be read, here and below */
+        return false;
+    }
+    const struct attempt attempt = job_try(job);
     (void)JOB_CALL(job, file_read_open(&bytes, file, SIZE_MAX, FSL_ATLAS_LIMIT, ""));
     const struct fsl_atlas *atlas = fsl_atlas_parse(job, text_from_bytes(bytes.data, bytes.size));
     const bool is = job_ok(job) && !atlas->is_label;

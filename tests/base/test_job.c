@@ -154,6 +154,23 @@ static void errors_of_memory_and_cancelling_end_attempts_too(void **state)
     }
 }
 
+static void a_file_above_a_limit_is_no_want_of_memory(void **state)
+{
+    (void)state;
+    struct job job = {0};
+    const char *path = test_scratch("large");
+    assert_ok(file_write(path, "0123456789", 10));
+    struct attempt attempt = job_try(&job);
+    assert_null(job_read(&job, path, 9, "").data);
+    assert_int_equal(job.status, CONUS_ERROR_MEMORY);
+    assert_string_equal(job_tried(&job, &attempt), "file of 10 bytes, allowed are 9");
+    assert_true(job_ok(&job));
+    attempt = job_try(&job);
+    job_fail(&job, CONUS_ERROR_MEMORY, "no more");
+    (void)job_dropped(&job, &attempt);
+    assert_fails(job_close(&job, NULL, NULL), CONUS_ERROR_MEMORY);
+}
+
 static void hear(void *user, const conus_note *note)
 {
     char *heard = user;
@@ -328,6 +345,7 @@ TEST_GROUP(job)
         cmocka_unit_test(a_dropped_attempt_leaves_only_memory),
         cmocka_unit_test(a_kept_attempt_is_a_part_of_what_is_around),
         cmocka_unit_test(errors_of_memory_and_cancelling_end_attempts_too),
+        cmocka_unit_test(a_file_above_a_limit_is_no_want_of_memory),
         cmocka_unit_test(the_sink_hears_what_was_kept_in_order),
         cmocka_unit_test(what_is_given_outlives_the_job),
         cmocka_unit_test(what_is_owned_is_ended_once),
