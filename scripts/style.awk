@@ -49,6 +49,9 @@ library && FILENAME !~ /^base\/(memory|text_gnu|system\/system_unix)[.]c$/ &&
     calls(text, "malloc|calloc|realloc|reallocarray|aligned_alloc|posix_memalign|free|strdup|strndup|asprintf") {
     report(FNR, "allocation goes through base/memory.h:" $0)
 }
+library && FILENAME !~ /^base\/job\// && calls(text, "job_took") {
+    report(FNR, "an error comes to a job by JOB_CALL() or job_need():" $0)
+}
 END {
     exit findings > 0
 }

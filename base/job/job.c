@@ -79,6 +79,11 @@ bool job_took(struct job *job, conus_status status)
     return !status;
 }
 
+bool job_need(struct job *job, const void *memory)
+{
+    return job_took(job, memory ? CONUS_OK : CONUS_ERROR_MEMORY);
+}
+
 size_t job_in(struct job *job, const char *word, size_t index)
 {
     assert(job->depth < JOB_PLACES);
@@ -208,7 +213,7 @@ static void *add_block(struct job *job, size_t bytes, bool zeroed)
         return NULL;
     }
     void *data = zeroed ? memory_zeroed(bytes, 1) : memory_raw(bytes, 1);
-    if (job_took(job, data ? CONUS_OK : CONUS_ERROR_MEMORY)) {
+    if (job_need(job, data)) {
         job->blocks[job->block_count++] = (struct job_block){.data = data, .size = bytes};
     }
     return data;
@@ -287,7 +292,7 @@ void *job_grow(struct job *job, void *block, size_t count, size_t size)
         return add_block(job, bytes, false);
     }
     void *data = memory_resize(known->data, bytes, 1);
-    if (job_took(job, data ? CONUS_OK : CONUS_ERROR_MEMORY)) {
+    if (job_need(job, data)) {
         *known = (struct job_block){.data = data, .size = bytes};
     }
     return data;
@@ -315,7 +320,7 @@ void *job_give(struct job *job, void *array, size_t size)
         return NULL;
     }
     void *given = block ? array : memory_copy(array, size, 1);
-    job_took(job, given ? CONUS_OK : CONUS_ERROR_MEMORY);
+    job_need(job, given);
     if (block) {
         *block = (struct job_block){0};
     }

@@ -87,6 +87,9 @@ void job_fail(struct job *job, conus_status status, const char *format, ...) __a
 #define JOB_CALL(job, call) (job_step(job) && job_took(job, call))
 bool job_took(struct job *job, conus_status status);
 
+/** False where @p memory, which a function without a status gave, is NULL: it found none. */
+bool job_need(struct job *job, const void *memory);
+
 /** Errors happen at @p word[@p index] from now on, within the places of before. job_out() goes back to where the mark
  * was made, whatever was entered and not left since. */
 size_t job_in(struct job *job, const char *word, size_t index);

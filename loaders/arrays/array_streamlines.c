@@ -108,7 +108,7 @@ conus_status conus_atlas_add_polylines(conus_atlas *atlas, const conus_polylines
     struct job job = {.sink = &sink};
     const struct atlas_mark mark = atlas_mark(atlas);
     size_t place = job_in(&job, sink.path, JOB_ALONE);
-    job_took(&job, status);
+    (void)JOB_CALL(&job, status);
     job_out(&job, place);
     tractogram.radius = streamlines_radius(&job, options->radius, sink.path);
     if (job_ok(&job) && options->space == CONUS_FILE_SPACE_LPS) {

@@ -291,9 +291,10 @@ static void finish_map(void *map)
 static void keep_identifier(struct job *job, struct identifiers *known, uint32_t identifier, uint32_t number)
 {
     uint64_t *first = job_step(job) ? label_map_at(&known->numbers, identifier) : NULL;
-    if (!first) {
-        job_took(job, CONUS_ERROR_MEMORY);
-    } else if (!*first) {
+    if (!job_need(job, first)) {
+        return;
+    }
+    if (!*first) {
         *first = (uint64_t)number + 1;
     } else if (*first != (uint64_t)number + 1 && (!known->in_doubt || identifier > known->doubtful)) {
         known->in_doubt = true;
@@ -317,7 +318,9 @@ static void find_parents(struct job *job, struct label_table *table, size_t firs
             job_warn(job, "label table: %s has the parent_identifier %u, which no row has: no parent",
                      label->name ? label->name : "a row", label->parent);
         }
-        job_took(job, number || !label->has_parent ? CONUS_OK : CONUS_ERROR_MEMORY);
+        if (label->has_parent) {
+            job_need(job, number);
+        }
         label->parent = number && *number ? (uint32_t)(*number - 1) : 0;
         label->has_parent = label->parent != 0;
     }

@@ -213,7 +213,7 @@ static void count_strays(struct job *job, struct fit *fit, const struct label_ta
     }
     for (size_t i = 1; i < voxels->label_count; i++) { /* the first is 0 */
         const uint64_t *count = label_map_at(counts, voxels->labels[i]);
-        job_took(job, count ? CONUS_OK : CONUS_ERROR_MEMORY);
+        job_need(job, count);
         fit->voxels += count ? *count : 0;
         fit->strays += count && !find_named(table, voxels->labels[i]) ? *count : 0;
     }

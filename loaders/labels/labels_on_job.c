@@ -29,10 +29,7 @@ struct label_table *labels_new(struct job *job)
 struct label *labels_add(struct job *job, struct label_table *table, uint32_t number)
 {
     struct label *label = job_step(job) ? label_table_add(table, number) : NULL;
-    if (!label && job_ok(job)) {
-        job_took(job, CONUS_ERROR_MEMORY);
-    }
-    return label ? label : memset(job->spare, 0, sizeof *label);
+    return job_need(job, label) ? label : memset(job->spare, 0, sizeof *label);
 }
 
 void labels_set(struct job *job, char **field, struct text text)

@@ -246,7 +246,8 @@ static void tell_notes(const struct surfaces *surfaces)
     struct note_sink sink = load->sink;
     struct job telling = {.sink = &sink};
     gather_notes(&telling, &sink, surfaces);
-    job_took(surfaces->job, job_close(&telling, &load->atlas->notes, NULL));
+    conus_status told = job_close(&telling, &load->atlas->notes, NULL);
+    (void)JOB_CALL(surfaces->job, told);
     load_at(load, sink.path);
 }
 

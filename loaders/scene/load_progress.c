@@ -33,7 +33,7 @@ void load_at(struct load *load, const char *path)
         memory_free(load->path);
         load->sink.path = load->path = copy;
     } else {
-        job_took(job, CONUS_ERROR_MEMORY);
+        job_need(job, copy);
     }
 }
 
@@ -68,9 +68,7 @@ void load_create(struct load *load, struct labelled_volume *volumes, size_t coun
 char *mesh_name(struct job *job, const char *path)
 {
     char *name = job_step(job) ? mesh_file_name(path) : NULL;
-    if (!name) {
-        job_took(job, CONUS_ERROR_MEMORY);
-    }
+    job_need(job, name);
     return job_adopt(job, name);
 }
 

@@ -76,15 +76,14 @@ static void destroy_atlas(void *atlas)
 static conus_atlas *make_alone(struct job *job)
 {
     conus_atlas *atlas = job_step(job) ? memory_zeroed(1, sizeof *atlas) : NULL;
-    if (!atlas) {
-        job_took(job, CONUS_ERROR_MEMORY);
+    if (!job_need(job, atlas)) {
         return NULL;
     }
     job_own(job, destroy_atlas, atlas);
     if (job_ok(job)) {
         atlas->tractograms = memory_zeroed(1, sizeof *atlas->tractograms);
         atlas->tractogram_count = atlas->tractograms != NULL;
-        job_took(job, atlas->tractograms ? CONUS_OK : CONUS_ERROR_MEMORY);
+        job_need(job, atlas->tractograms);
     }
     return job_ok(job) ? atlas : NULL;
 }
@@ -159,8 +158,9 @@ conus_atlas *streamlines_borrow(struct job *job, const conus_atlas *alone)
     if (!atlas) {
         return NULL;
     }
-    bool whole = borrow_tractogram(atlas->tractograms, &alone->tractograms[0]);
-    job_took(job, whole ? CONUS_OK : CONUS_ERROR_MEMORY);
+    if (!borrow_tractogram(atlas->tractograms, &alone->tractograms[0])) {
+        job_need(job, NULL);
+    }
     for (size_t i = 0; i < alone->notes.count; i++) {
         conus_severity severity = alone->notes.marks ? alone->notes.marks[i].severity : CONUS_SEVERITY_NOTE;
         (void)JOB_CALL(job, notes_put(&atlas->notes, severity, "%s", alone->notes.lines[i]));

@@ -622,8 +622,7 @@ conus_status conus_manifest_write(const char *path, const conus_manifest_options
         return fail(CONUS_ERROR_ARGUMENT, "conus_manifest_write: a path is needed");
     }
     char *folder = path_folder(path);
-    job_took(&job, folder ? CONUS_OK : CONUS_ERROR_MEMORY);
-    if (folder) {
+    if (job_need(&job, folder)) {
         write_manifest(&job, path, folder, options_of(conus_manifest_options, options));
     }
     memory_free(folder);

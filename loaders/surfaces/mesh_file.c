@@ -110,7 +110,7 @@ static bool is_gifti(const struct bytes *bytes)
     return text_equal(xml_root(text_from_bytes(bytes->data, bytes->size)), "GIFTI");
 }
 
-/* Decides by the first bytes. */
+/* Decides by the first bytes; without memory for them it is one, whose reader says so. */
 static bool begins_as_own(const char *path)
 {
     enum { HEAD = 4096 };
@@ -121,10 +121,10 @@ static bool begins_as_own(const char *path)
     if (file) {
         fclose(file);
     }
-    if (gzip_is(start.data, start.size) && !gzip_head(&unpacked, start.data, start.size, HEAD)) {
-        start = unpacked;
-    }
-    bool own = is_gifti(&start) || freesurfer_is_surface(start.data, start.size);
+    conus_status status =
+        gzip_is(start.data, start.size) ? gzip_head(&unpacked, start.data, start.size, HEAD) : CONUS_OK;
+    start = unpacked.data ? unpacked : start;
+    bool own = status == CONUS_ERROR_MEMORY || is_gifti(&start) || freesurfer_is_surface(start.data, start.size);
     bytes_finish(&unpacked);
     return own;
 }

@@ -62,9 +62,12 @@ struct entry {
     int word_count;
 };
 
-static bool has_child(const struct entry *entry)
+/* How many of what could be tried are: all in a long run, else fewer; `child` of a file that another process reads. */
+static size_t trials(const struct entry *entry, size_t child, size_t all)
 {
-    return json_is_true(json_object_get(entry->facts, "child"));
+    enum { SHORT = 8 };
+    bool has_child = json_is_true(json_object_get(entry->facts, "child"));
+    return has_child ? child : getenv("CONUS_TEST_LONG") ? all : all / SHORT;
 }
 
 static struct {
@@ -363,8 +366,7 @@ static void check_prefixes(const struct entry *entry, const struct answer *whole
         report(entry, "%s", conus_message());
         return;
     }
-    size_t most = has_child(entry) ? CHILD_PREFIXES : main && !whole->code ? PREFIXES : FEW;
-    size_t step = bytes.size / most + 1;
+    size_t step = bytes.size / trials(entry, CHILD_PREFIXES, main && !whole->code ? PREFIXES : FEW) + 1;
     size_t end = strchr(path, '/') && was_cut(path, &bytes) ? 0 : bytes.size;
     for (size_t cut = 1; cut <= end; cut += step, total.prefixes++) {
         struct answer answer;
@@ -399,7 +401,7 @@ static bool is_whole(const struct answer *answer, const struct answer *whole)
 /* Asks with every allocation failing: the answer is that of all memory, or that memory is missing. */
 static void check_allocations(const struct entry *entry, const struct answer *whole)
 {
-    const long most = has_child(entry) ? CHILD_FAILURES : FAILURES;
+    const long most = (long)trials(entry, CHILD_FAILURES, FAILURES);
     bool unharmed = false;
     for (long n = 0; !unharmed; n += 1 + n / most, total.failures++) {
         struct answer answer;
@@ -416,7 +418,7 @@ static void check_allocations(const struct entry *entry, const struct answer *wh
  * is missing; by bad data there is none, or that of what is done instead. */
 static void check_primitives(const struct entry *entry, const struct answer *whole)
 {
-    const size_t most = has_child(entry) ? CHILD_FAILURES : whole->code ? FEW : FAILURES;
+    const size_t most = trials(entry, CHILD_FAILURES, whole->code ? FEW : FAILURES);
     bool reached = true;
     for (size_t k = 1; reached; k += 1 + k / most, total.primitives += 2) {
         for (int data = 0; data < 2; data++) {
