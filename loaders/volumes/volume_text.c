@@ -63,7 +63,7 @@ conus_status volume_text_parse(struct volume_header *out, const struct bytes *he
          ? afni_parse
          : metaimage_parse)(job, header.text, (struct text){(const char *)head->data, head->size});
     (void)JOB_CALL(job, describe_text(&header, header.text));
-    if (job_ok(job)) {
+    if (job->notes.count) {
         (void)JOB_CALL(job, notes_move(notes, &job->notes));
     }
     if (!job_ok(job)) {
@@ -99,7 +99,9 @@ conus_status volume_text_parse_stored(struct volume_header *out, const struct st
     }
     conus_status status = parse_text_of(out, stored, MOST, &found);
     if (!status) {
-        return notes_move(notes, &found);
+        status = notes_move(notes, &found);
+        notes_finish(&found);
+        return status;
     }
     notes_finish(&found);
     return status == CONUS_ERROR_MEMORY ? status : parse_text_of(out, stored, VOLUME_TEXT_HEAD, notes);

@@ -65,7 +65,7 @@ struct entry {
 /* How many of what could be tried are: all in a long run, else fewer; `child` of a file that another process reads. */
 static size_t trials(const struct entry *entry, size_t child, size_t all)
 {
-    enum { SHORT = 8 };
+    enum { SHORT = 16 };
     bool has_child = json_is_true(json_object_get(entry->facts, "child"));
     return has_child ? child : getenv("CONUS_TEST_LONG") ? all : all / SHORT;
 }
