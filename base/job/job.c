@@ -79,11 +79,6 @@ bool job_took(struct job *job, conus_status status)
     return !status;
 }
 
-bool job_need(struct job *job, const void *memory)
-{
-    return job_took(job, memory ? CONUS_OK : CONUS_ERROR_MEMORY);
-}
-
 size_t job_in(struct job *job, const char *word, size_t index)
 {
     assert(job->depth < JOB_PLACES);

@@ -88,7 +88,10 @@ void job_fail(struct job *job, conus_status status, const char *format, ...) __a
 bool job_took(struct job *job, conus_status status);
 
 /** False where @p memory, which a function without a status gave, is NULL: it found none. */
-bool job_need(struct job *job, const void *memory);
+static inline bool job_need(struct job *job, const void *memory)
+{
+    return job_took(job, memory ? CONUS_OK : CONUS_ERROR_MEMORY) && memory;
+}
 
 /** Errors happen at @p word[@p index] from now on, within the places of before. job_out() goes back to where the mark
  * was made, whatever was entered and not left since. */
