@@ -110,8 +110,8 @@ static bool is_gifti(const struct bytes *bytes)
     return text_equal(xml_root(text_from_bytes(bytes->data, bytes->size)), "GIFTI");
 }
 
-/* Decides by the first bytes; without memory for them it is one, whose reader says so. */
-static bool begins_as_own(const char *path)
+/* Decides by the first bytes; `unknown` where there is no memory for them, as whoever reads the file then says. */
+static bool begins_as_own(const char *path, bool unknown)
 {
     enum { HEAD = 4096 };
     uint8_t head[HEAD];
@@ -124,24 +124,25 @@ static bool begins_as_own(const char *path)
     conus_status status =
         gzip_is(start.data, start.size) ? gzip_head(&unpacked, start.data, start.size, HEAD) : CONUS_OK;
     start = unpacked.data ? unpacked : start;
-    bool own = status == CONUS_ERROR_MEMORY || is_gifti(&start) || freesurfer_is_surface(start.data, start.size);
+    bool own =
+        status == CONUS_ERROR_MEMORY ? unknown : is_gifti(&start) || freesurfer_is_surface(start.data, start.size);
     bytes_finish(&unpacked);
     return own;
 }
 
 bool mesh_file_is_foreign(const char *path)
 {
-    return mesh_foreign_is(path) && file_exists(path) && !begins_as_own(path);
+    return mesh_foreign_is(path) && file_exists(path) && !begins_as_own(path, false);
 }
 
 bool mesh_file_keeps_vertices(const char *path)
 {
-    return begins_as_own(path) || (mesh_foreign_is(path) && mesh_foreign_keeps_vertices(path));
+    return begins_as_own(path, true) || (mesh_foreign_is(path) && mesh_foreign_keeps_vertices(path));
 }
 
 bool mesh_file_is(const char *path)
 {
-    return begins_as_own(path) || mesh_file_is_foreign(path);
+    return begins_as_own(path, false) || mesh_file_is_foreign(path);
 }
 
 char *mesh_file_name(const char *path)
