@@ -321,7 +321,7 @@ static void try_connection(struct station *station)
         setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
     }
     bool fine = socket_ >= 0 && connect(socket_, found->ai_addr, found->ai_addrlen) == 0;
-    note_trouble(station, fine ? NULL : strerrordesc_np(errno));
+    note_trouble(station, fine ? NULL : strerror(errno));
     if (fine) {
         welcome(station, socket_);
     } else if (socket_ >= 0) {

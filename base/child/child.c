@@ -17,9 +17,14 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
+
+#ifndef CLOSE_RANGE_CLOEXEC
+enum { CLOSE_RANGE_CLOEXEC = 4 };
+#endif
 
 enum { WORDS_SIZE = 512, INPUT_DESCRIPTOR = 3, READ_SIZE = 1 << 20 };
 
@@ -131,6 +136,14 @@ static void limit_resource(__rlimit_resource_t resource, uint64_t value, uint64_
  * the input. All are above those that the program is to have. */
 enum { OUT, ERR = 2, REPORT = 4, INPUT = 6, ENDS };
 
+/* By its number: glibc has close_range() since 2.34, Linux since 5.9. Before, descriptors that others left open stay. */
+static void close_others(void)
+{
+#ifdef SYS_close_range
+    syscall(SYS_close_range, INPUT_DESCRIPTOR + 1, UINT_MAX, CLOSE_RANGE_CLOEXEC);
+#endif
+}
+
 /* In the new process: becomes the program, which gets no rights by what it runs, writes to no file, and has no
  * descriptors but those that it is given. Only calls that are allowed between fork and exec; ends in one way or the
  * other. */
@@ -145,7 +158,7 @@ static void become_program(const char *path, const struct child_task *task, cons
     limit_resource(RLIMIT_CPU, task->limits.seconds, 1); /* SIGXCPU, and not the SIGKILL of a lack of memory */
     limit_resource(RLIMIT_CORE, 0, 0);
     limit_resource(RLIMIT_FSIZE, 0, 0); /* pipes have no size */
-    close_range(INPUT_DESCRIPTOR + 1, UINT_MAX, CLOSE_RANGE_CLOEXEC);
+    close_others();
     if (nothing >= 0 && dup2(nothing, STDIN_FILENO) >= 0 && dup2(ends[OUT + 1], STDOUT_FILENO) >= 0 &&
         dup2(ends[ERR + 1], STDERR_FILENO) >= 0 && dup2(ends[INPUT], INPUT_DESCRIPTOR) >= 0) {
         execv(path, task->words);
