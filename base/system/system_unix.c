@@ -6,6 +6,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <locale.h>
 #include <poll.h>
 #include <sched.h>
 #include <signal.h>
@@ -271,6 +272,37 @@ bool system_program(char out[SYSTEM_PATH])
     return length > 0;
 }
 
+void system_set_variable(const char *name, const char *value)
+{
+    setenv(name, value, 1);
+}
+
+double system_to_double(const char *text, char **end)
+{
+    locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0); /* glibc hands out a static one */
+    double value = strtod_l(text, end, c_locale);
+    freelocale(c_locale);
+    return value;
+}
+
+float system_to_float(const char *text, char **end)
+{
+    locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    float value = strtof_l(text, end, c_locale);
+    freelocale(c_locale);
+    return value;
+}
+
+int system_getc(FILE *stream)
+{
+    return getc_unlocked(stream);
+}
+
+bool system_local_time(struct tm *out, time_t time)
+{
+    return localtime_r(&time, out);
+}
+
 void *system_map(int file, size_t size)
 {
     void *memory = mmap(NULL, size, PROT_READ, MAP_SHARED, file, 0);
@@ -393,19 +425,19 @@ void system_wake(const struct system_wake *wake)
 {
     const uint64_t one = 1;
     int error = errno; /* of what a signal interrupts */
-    ssize_t written = write(wake->file, &one, sizeof one);
+    ssize_t written = write((int)wake->file, &one, sizeof one);
     (void)written; /* it fails only where it was woken 2^64 times already */
     errno = error;
 }
 
 void system_wake_end(const struct system_wake *wake)
 {
-    close(wake->file);
+    close((int)wake->file);
 }
 
 bool system_wait(int file, const struct system_wake *wake)
 {
-    struct pollfd wanted[] = {{.fd = file, .events = POLLIN}, {.fd = wake->file, .events = POLLIN}};
+    struct pollfd wanted[] = {{.fd = file, .events = POLLIN}, {.fd = (int)wake->file, .events = POLLIN}};
     int count;
     do {
         count = poll(wanted, 2, -1);
@@ -413,8 +445,10 @@ bool system_wait(int file, const struct system_wake *wake)
     return !(count > 0 && wanted[1].revents);
 }
 
-void system_begin(bool pipes)
+void system_begin(int *count, char ***words, bool pipes)
 {
+    (void)count;
+    (void)words;
     struct sigaction ignore = {.sa_handler = SIG_IGN};
     sigaction(SIGXFSZ, &ignore, NULL);
     if (pipes) {
