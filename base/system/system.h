@@ -118,6 +118,10 @@ bool system_is_open_name(const char *path);
 /** The path of the program that runs. */
 bool system_program(char out[SYSTEM_PATH]);
 
+/** strtod() and strtof() by the rules of the C locale, whatever the process's locale is. */
+double system_to_double(const char *text, char **end);
+float system_to_float(const char *text, char **end);
+
 /** The first @p size bytes of an open file, for reading; NULL where that fails. Who reads where the file was cut off
  * meanwhile ends by SIGBUS. */
 void *system_map(int file, size_t size);
@@ -142,7 +146,8 @@ void *system_function(const char *library, const char *name);
 
 /** What ends a wait from another thread, or from a signal's handler. */
 struct system_wake {
-    int file; /**< Of eventfd(). */
+    intptr_t file; /**< Can be read from once it is woken, */
+    int end;       /**< by what is written here. */
 };
 bool system_wake_begin(struct system_wake *out);
 void system_wake(const struct system_wake *wake);
