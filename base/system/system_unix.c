@@ -320,6 +320,21 @@ float system_to_float(const char *text, char **end)
     return strtof_l(text, end, find_c_locale());
 }
 
+void system_set_variable(const char *name, const char *value)
+{
+    setenv(name, value, 1);
+}
+
+int system_getc(FILE *stream)
+{
+    return getc_unlocked(stream);
+}
+
+bool system_local_time(struct tm *out, time_t time)
+{
+    return localtime_r(&time, out);
+}
+
 void *system_map(int file, size_t size)
 {
     void *memory = mmap(NULL, size, PROT_READ, MAP_SHARED, file, 0);
@@ -487,8 +502,10 @@ bool system_wait(int file, const struct system_wake *wake)
     return !(count > 0 && wanted[1].revents);
 }
 
-void system_begin(bool pipes)
+void system_begin(int *count, char ***words, bool pipes)
 {
+    (void)count;
+    (void)words;
     struct sigaction ignore = {.sa_handler = SIG_IGN};
     sigaction(SIGXFSZ, &ignore, NULL);
     if (pipes) {
