@@ -179,7 +179,8 @@ void *system_function(const char *library, const char *name);
 
 /** What ends a wait from another thread, or from a signal's handler. */
 struct system_wake {
-    intptr_t file; /**< Of eventfd(); of an event. */
+    intptr_t file; /**< Can be read from once it is woken, */
+    int end;       /**< by what is written here; unused on Windows, where file is an event. */
 };
 bool system_wake_begin(struct system_wake *out);
 void system_wake(const struct system_wake *wake);
