@@ -3,6 +3,8 @@
  * too. */
 #include "base/text.h"
 
+#include "base/system/system.h"
+
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
@@ -66,7 +68,7 @@ char *text_copy(const char *text, size_t most)
 ptrdiff_t text_read_line(char **line, size_t *capacity, char end, FILE *in)
 {
     size_t length = 0;
-    for (int c = EOF; c != (unsigned char)end && (c = getc_unlocked(in)) != EOF;) {
+    for (int c = EOF; c != (unsigned char)end && (c = system_getc(in)) != EOF;) {
         if (*capacity - length < 2 || !*line) {
             size_t more = *line ? 2 * *capacity : 128;
             char *grown = realloc(*line, more);

@@ -180,7 +180,7 @@ static int add_file(struct page *page, const char *path, bool is_context)
 /* Whether it was looked for where the environment says: in a page it lies beside the atlas. */
 static bool is_of_freesurfer(const struct page_file *file)
 {
-    const char *home = getenv("FREESURFER_HOME");
+    const char *home = system_variable("FREESURFER_HOME");
     return home && *home && strncmp(file->path, home, strlen(home)) == 0;
 }
 
@@ -264,8 +264,8 @@ static int open_as_page(struct page *page, const struct stage *stage)
         }
         free(name);
     }
-    setenv("CONUS_HDF5", "/dev/null", 1);
-    setenv("FREESURFER_HOME", "", 1);
+    system_set_variable("CONUS_HDF5", "/dev/null");
+    system_set_variable("FREESURFER_HOME", "");
     conus_status status = made ? conus_atlas_load(&atlas, path, NULL) : CONUS_ERROR_MEMORY;
     status = status || !context ? status : conus_atlas_set_context(atlas, context, NULL);
     int code = EXIT_DONE;

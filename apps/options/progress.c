@@ -102,7 +102,8 @@ void progress_update(struct progress *progress, uint64_t done, uint64_t errors)
     char line[LINE_SIZE];
     make_line(line, progress, done, errors);
     if (progress->on_terminal) {
-        dprintf(progress->to, "\r\033[K%s", line);
+        char shown[LINE_SIZE + 8];
+        system_write(progress->to, shown, (size_t)snprintf(shown, sizeof shown, "\r\033[K%s", line));
         messages_unfinished(true);
     } else {
         print_error_line("%s", line);
@@ -112,7 +113,7 @@ void progress_update(struct progress *progress, uint64_t done, uint64_t errors)
 void progress_finish(struct progress *progress, uint64_t done, uint64_t errors)
 {
     if (progress->on_terminal) {
-        dprintf(progress->to, "\r\033[K");
+        system_write(progress->to, "\r\033[K", strlen("\r\033[K"));
         messages_unfinished(false);
     }
     if (progress->kind == PROGRESS_JSON) {

@@ -14,6 +14,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -23,6 +24,21 @@ enum {
     SYSTEM_NO_FILE = -1, /**< No open file. */
     SYSTEM_HERE = -100   /**< As a folder: names count from the current one. */
 };
+
+/** What stands between the names of a path, all that are taken; conus writes '/'. */
+#ifdef _WIN32
+#define SYSTEM_SEPARATORS "/\\"
+#else
+#define SYSTEM_SEPARATORS "/"
+#endif
+/** What stands between the folders of a list, such as $PATH, and the list of those with data of all users. */
+#ifdef _WIN32
+#define SYSTEM_LIST ';'
+#define SYSTEM_DATA_FOLDERS ""
+#else
+#define SYSTEM_LIST ':'
+#define SYSTEM_DATA_FOLDERS "/usr/local/share:/usr/share"
+#endif
 
 enum system_kind { SYSTEM_FILE, SYSTEM_FOLDER, SYSTEM_LINK, SYSTEM_PIPE, SYSTEM_OTHER };
 
@@ -122,6 +138,27 @@ bool system_is_open_name(const char *path);
 /** The path of the program that runs. */
 bool system_program(char out[SYSTEM_PATH]);
 
+/** What the environment says, in UTF-8; NULL where it says nothing. */
+#ifdef _WIN32
+const char *system_variable(const char *name);
+#else
+static inline const char *system_variable(const char *name)
+{
+    return getenv(name);
+}
+#endif
+
+/** Sets it, for this program and those that it starts. */
+void system_set_variable(const char *name, const char *value);
+
+/** strtod() and strtof() of the C locale, whatever the process's is. */
+double system_to_double(const char *text, char **end);
+float system_to_float(const char *text, char **end);
+/** getc() of a stream that no other thread uses. */
+int system_getc(FILE *stream);
+/** The time where the user is. */
+bool system_local_time(struct tm *out, time_t time);
+
 /** The first @p size bytes of an open file, for reading; NULL where that fails. Who reads where the file was cut off
  * meanwhile ends by SIGBUS. */
 void *system_map(int file, size_t size);
@@ -146,7 +183,8 @@ void *system_function(const char *library, const char *name);
 
 /** What ends a wait from another thread, or from a signal's handler. */
 struct system_wake {
-    int file; /**< Of eventfd(). */
+    intptr_t file; /**< Can be read from once it is woken, */
+    int end;       /**< by what is written here; unused on Windows, where file is an event. */
 };
 bool system_wake_begin(struct system_wake *out);
 void system_wake(const struct system_wake *wake);
@@ -156,8 +194,9 @@ bool system_wait(int file, const struct system_wake *wake);
 
 /* Of programs, not of the library. */
 
-/** Has a limit on files be an error of writing, not a sudden end; if @p pipes, a broken pipe, too. */
-void system_begin(bool pipes);
+/** Gives the words of the command line in UTF-8, and has streams be binary. Has a limit on files be an error of
+ * writing, not a sudden end; if @p pipes, a broken pipe, too. */
+void system_begin(int *count, char ***words, bool pipes);
 /** Has @p call hear of the first SIGINT or SIGTERM; not of one that is ignored. */
 void system_interrupt(void (*call)(int number));
 /** Whether the first thread's stack has less than @p size bytes. */
