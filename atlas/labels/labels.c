@@ -88,11 +88,10 @@ conus_status label_table_sort(struct label_table *table, struct notes *notes)
     conus_status status = CONUS_OK;
     size_t kept = 0;
     size_t conflicts = 0;
-    order_sort(table->entries, table->count, sizeof *table->entries,
-               compare_labels); /* of equal ones the first is kept */
+    order_sort(table->entries, table->count, sizeof *table->entries, compare_labels);
     for (size_t i = 0; !status && i < table->count; i++) {
         struct label *label = &table->entries[i];
-        struct label *last = kept ? &table->entries[kept - 1] : NULL;
+        struct label *last = kept ? &table->entries[kept - 1] : NULL; /* of equal ones the first that appeared */
         if (last && last->number == label->number) {
             bool differ = last->name && label->name && strcmp(last->name, label->name) != 0;
             if (differ && ++conflicts <= CONFLICTS_SHOWN) {
