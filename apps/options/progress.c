@@ -7,6 +7,7 @@
 #include "options/messages.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 const char *const progress_kinds[] = {"auto", "json", "none", NULL};
@@ -16,22 +17,16 @@ enum { LINE_SIZE = 256 };
 static const double interval_ms = 100;
 static const double log_interval_ms = 5 * 60 * 1000;
 
-static int redirected = -1;
-
-void progress_redirect(int descriptor)
-{
-    redirected = descriptor;
-}
-
 void progress_start(struct progress *out, enum progress_kind kind, bool quiet, const char *what, uint64_t total)
 {
     double start = clock_ms();
-    bool is_redirected = redirected >= 0;
+    const char *other = getenv(PROGRESS_VARIABLE);
+    bool is_redirected = other && *other;
     bool is_for_people = is_redirected || (kind == PROGRESS_AUTO && !quiet);
     *out = (struct progress){.kind = is_redirected ? PROGRESS_AUTO : kind,
                              .what = what,
                              .total = total,
-                             .to = is_redirected ? redirected : STDERR_FILENO,
+                             .to = is_redirected ? (int)strtol(other, NULL, 10) : STDERR_FILENO,
                              .started = start,
                              .shown = start};
     if (out->kind == PROGRESS_JSON) {

@@ -126,6 +126,10 @@ static inline bool system_remove(const char *path)
     return system_remove_in(SYSTEM_HERE, path);
 }
 bool system_make_folder(const char *path, bool for_us_alone);
+/** Removes an empty folder. */
+bool system_remove_folder(const char *path);
+/** Makes a link, which must not be there, to the file or folder at a whole path; ENOSYS where there are none. */
+bool system_link(const char *target, const char *path);
 /** Gives each name in a folder, "." and ".." too, while @p take returns true. */
 bool system_list(const char *folder, bool (*take)(void *user, const char *name), void *user);
 /** The path from the root on, without links, "." and "..". */

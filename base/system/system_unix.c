@@ -260,6 +260,16 @@ bool system_make_folder(const char *path, bool for_us_alone)
     return mkdir(path, for_us_alone ? 0700 : 0777) == 0;
 }
 
+bool system_remove_folder(const char *path)
+{
+    return rmdir(path) == 0;
+}
+
+bool system_link(const char *target, const char *path)
+{
+    return symlink(target, path) == 0;
+}
+
 bool system_list(const char *folder, bool (*take)(void *user, const char *name), void *user)
 {
     DIR *entries = opendir(folder);

@@ -3,6 +3,7 @@
 #include "loaders/child/mesh_child.h"
 
 #include "base/child/child.h"
+#include "base/child/process.h"
 #include "base/system/system.h"
 #include "base/text.h"
 
@@ -74,7 +75,7 @@ static conus_status take_frames(void *user, size_t *used, size_t *wanted, const 
 /* The request as a file in memory, or -1. */
 static int request_file(const struct mesh_child_request *request)
 {
-    int descriptor = child_create_input(program.name);
+    int descriptor = process_file(program.name);
     if (descriptor >= 0 && !(system_write(descriptor, request->head.data, request->head.size) &&
                              system_write(descriptor, request->voxels, request->size))) {
         close(descriptor);
