@@ -65,7 +65,7 @@ size_t path_plain_length(const char *path, size_t length)
 
 const char *path_joint(const char *folder, size_t length)
 {
-    return length && !is_separator(folder[length - 1]) ? "/" : "";
+    return length > drive_length(folder) && !is_separator(folder[length - 1]) ? "/" : "";
 }
 
 char *path_cut(char *path)

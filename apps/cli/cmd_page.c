@@ -328,7 +328,7 @@ static int put_file(FILE *out, const struct page_file *file, const char *folder,
     char digits[BASE64_ENCODE_RAW_LENGTH(sizeof piece)];
     FILE *in = system_stream(file->path, "r");
     if (!in) {
-        return print_data_error("%s: %s", file->path, strerror(errno));
+        return print_data_error("%s: %s", file->path, text_error(errno));
     }
     fputs("<script type=\"application/octet-stream\" data-file=\"", out);
     put_text(out, folder, false);
@@ -423,7 +423,7 @@ static int read_template(char **out, const char *given)
     }
     if (!in || text_read_line(&text, &size, '\0', in) < 0 || !strstr(text, mark)) {
         print_error_line("%s: %s", name,
-                         in ? "no template of a page, which has the line <!-- atlas -->" : strerror(errno));
+                         in ? "no template of a page, which has the line <!-- atlas -->" : text_error(errno));
         if (in) {
             fclose(in);
         }

@@ -2,6 +2,7 @@
 /* Starts the window: a program of its own, so that other commands need not load its libraries. */
 #include "base/path.h"
 #include "base/system/system.h"
+#include "base/text.h"
 #include "cli/commands.h"
 #include "options/messages.h"
 
@@ -28,7 +29,7 @@ static int become_view(char **words)
                          "program nor in PATH",
                          program, program);
     } else {
-        print_error_line("conus view: the program %s cannot be started: %s", program, strerror(errno));
+        print_error_line("conus view: the program %s cannot be started: %s", program, text_error(errno));
     }
     return EXIT_DATA;
 }

@@ -32,7 +32,7 @@ void progress_start(struct progress *out, enum progress_kind kind, bool quiet, c
     if (out->kind == PROGRESS_JSON) {
         out->shown -= 2 * interval_ms; /* a program that reads along gets the first block at once */
     }
-    out->on_terminal = is_for_people && isatty(out->to);
+    out->on_terminal = is_for_people && system_is_terminal(out->to);
     out->in_log = is_for_people && !out->on_terminal && !is_redirected;
 }
 

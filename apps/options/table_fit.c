@@ -185,7 +185,7 @@ enum { WIDTH_LIMIT = 100000 };
 size_t terminal_width(int descriptor)
 {
     unsigned known = system_columns(descriptor);
-    if (known || !isatty(descriptor)) {
+    if (known || !system_is_terminal(descriptor)) {
         return known;
     }
     const char *columns = system_variable("COLUMNS");
@@ -197,5 +197,5 @@ bool terminal_has_colour(int descriptor)
 {
     const char *none = system_variable("NO_COLOR"); /* no-color.org: any text but the empty one */
     const char *term = system_variable("TERM");
-    return isatty(descriptor) && !(none && *none) && term && *term && strcmp(term, "dumb") != 0;
+    return system_is_terminal(descriptor) && !(none && *none) && term && *term && strcmp(term, "dumb") != 0;
 }

@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "base/system/system.h"
+#include "base/text.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -388,7 +389,7 @@ conus_status hdf5_read_bytes(struct hdf5 **out, struct text file, const char *co
     bool is_there = copy.descriptor >= 0 && system_write(copy.descriptor, file.data, file.size) &&
                     file_state_of(&copy.before, copy.descriptor);
     conus_status status = is_there ? hdf5_read(out, &copy, wanted, count, max_memory)
-                                   : fail(CONUS_ERROR_IO, "HDF5: cannot copy the file: %s", strerror(errno));
+                                   : fail(CONUS_ERROR_IO, "HDF5: cannot copy the file: %s", text_error(errno));
     if (copy.descriptor >= 0) {
         file_close(&copy);
     }

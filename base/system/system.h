@@ -2,7 +2,7 @@
 /** @file
  * What operating systems do differently. Nothing else includes their headers, but base/child (processes), apps/link
  * (sockets) and the programs that only one system has. What they have alike comes in through this header: read(),
- * write(), close(), dup(), lseek(), ftruncate(), fdopen(), isatty(), clock_gettime() and nanosleep().
+ * write(), close(), dup(), lseek(), ftruncate(), fdopen(), clock_gettime() and nanosleep().
  *
  * Paths are UTF-8 with '/'. What fails returns false or -1, with errno set, and its text is the caller's. Nothing here
  * needs anything else of conus, so that programs have it, too. */
@@ -31,12 +31,15 @@ enum {
 #else
 #define SYSTEM_SEPARATORS "/"
 #endif
-/** What stands between the folders of a list, such as $PATH, and the list of those with data of all users. */
+/** What stands between the folders of a list, such as $PATH, the variable with the folder of what is
+ * kept for the next time, and the list of those with data of all users. */
 #ifdef _WIN32
 #define SYSTEM_LIST ';'
+#define SYSTEM_CACHE_HOME "LOCALAPPDATA"
 #define SYSTEM_DATA_FOLDERS ""
 #else
 #define SYSTEM_LIST ':'
+#define SYSTEM_CACHE_HOME "XDG_CACHE_HOME"
 #define SYSTEM_DATA_FOLDERS "/usr/local/share:/usr/share"
 #endif
 
@@ -207,6 +210,8 @@ bool system_leave_signals(void);
 void system_step_back(int by);
 /** Has @p call called after so many seconds, 0 = never, from whatever the program waits for. */
 void system_alarm(unsigned seconds, void (*call)(int number));
+/** Whether a person sees what is written there; Windows' isatty() takes NUL for a terminal. */
+bool system_is_terminal(int file);
 /** Columns of a terminal; 0 = none, or not known. */
 unsigned system_columns(int file);
 

@@ -559,6 +559,11 @@ void system_alarm(unsigned seconds, void (*call)(int number))
     alarm(seconds);
 }
 
+bool system_is_terminal(int file)
+{
+    return isatty(file);
+}
+
 unsigned system_columns(int file)
 {
     struct winsize size = {0};

@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_AT_ONCE = 1 << 30, SHARED = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE };
+enum { MOST_AT_ONCE = 1 << 30, STACK = 8 << 20, SHARED = FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE };
 typedef wchar_t wide_path[SYSTEM_PATH];
 
 /* What the system says, as errno has it; false. */
@@ -52,21 +52,40 @@ static bool fail_last(void)
     return fail_with(GetLastError());
 }
 
+/* The open file that has a name on other systems, which results of theirs have; else SYSTEM_NO_FILE. */
+static int find_standard(const char *path)
+{
+    static const char *const names[] = {"/dev/stdin", "/dev/stdout", "/dev/stderr"};
+    for (int i = 0; i < 3; i++) {
+        if (strcmp(path, names[i]) == 0) {
+            return i;
+        }
+    }
+    return SYSTEM_NO_FILE;
+}
+
+static bool is_nothing(const char *path)
+{
+    return strcmp(path, "/dev/null") == 0;
+}
+
 /* A path for the system, of any length; false with errno where it is no UTF-8, or too long. */
 static bool widen(wide_path out, const char *path)
 {
     wide_path plain;
+    path = is_nothing(path) ? "NUL" : path;
     DWORD length = (DWORD)MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, plain, SYSTEM_PATH);
     if (!length || length == 1) {
         errno = !length && GetLastError() == ERROR_INSUFFICIENT_BUFFER ? ENAMETOOLONG : ENOENT;
         return false;
     }
-    if (length < MAX_PATH - 12) { /* the least of a folder's */
+    wide_path whole;
+    DWORD whole_length = GetFullPathNameW(plain, SYSTEM_PATH, whole, NULL);
+    if (whole_length && whole_length < MAX_PATH - 12) { /* the least of a folder's */
         memcpy(out, plain, length * sizeof out[0]);
         return true;
     }
-    wide_path whole;
-    length = GetFullPathNameW(plain, SYSTEM_PATH, whole, NULL);
+    length = whole_length;
     bool is_server = whole[0] == '\\' && whole[1] == '\\';
     if (!length || length >= SYSTEM_PATH - 8) {
         errno = ENAMETOOLONG;
@@ -119,6 +138,9 @@ static bool widen_in(wide_path out, int folder, const char *name)
     if (length >= SYSTEM_PATH || swprintf(out, SYSTEM_PATH, L"%ls\\%ls", path, last) < 0) {
         errno = ENAMETOOLONG;
         return false;
+    }
+    for (wchar_t *at = out; *at; at++) { /* a path with the mark of long ones has no other */
+        *at = *at == '/' ? '\\' : *at;
     }
     return true;
 }
@@ -276,7 +298,8 @@ static bool stat_path(struct system_stat *out, const wchar_t *path, DWORD more)
 bool system_stat(struct system_stat *out, const char *path)
 {
     wide_path wide;
-    return widen(wide, path) && stat_path(out, wide, 0);
+    int standard = find_standard(path);
+    return standard >= 0 ? system_stat_open(out, standard) : widen(wide, path) && stat_path(out, wide, 0);
 }
 
 bool system_stat_link(struct system_stat *out, int folder, const char *name)
@@ -307,6 +330,10 @@ bool system_allows(const char *path, unsigned how)
 
 int system_open_in(int folder, const char *name, unsigned how)
 {
+    int standard = folder == SYSTEM_HERE ? find_standard(name) : SYSTEM_NO_FILE;
+    if (standard >= 0) {
+        return system_copy(standard);
+    }
     wide_path path;
     DWORD access =
         (how & SYSTEM_READ || !(how & SYSTEM_WRITE) ? GENERIC_READ : 0) | (how & SYSTEM_WRITE ? GENERIC_WRITE : 0);
@@ -681,7 +708,8 @@ bool system_is_open_name(const char *path)
         name = *at == '/' || *at == '\\' ? at + 1 : name;
     }
     size_t length = strcspn(name, ".: ");
-    bool found = strncmp(path, "\\\\.\\", 4) == 0 || strncmp(path, "//./", 4) == 0;
+    bool found = find_standard(path) >= 0 || is_nothing(path) || strncmp(path, "\\\\.\\", 4) == 0 ||
+                 strncmp(path, "//./", 4) == 0;
     for (size_t i = 0; i < sizeof names / sizeof names[0] && !found; i++) {
         size_t same = strcspn(names[i], "#");
         bool has_number = names[i][same] && length == same + 1 && name[same] >= '1' && name[same] <= '9';
@@ -698,13 +726,10 @@ bool system_program(char out[SYSTEM_PATH])
     return length && length < SYSTEM_PATH && narrow(out, SYSTEM_PATH, wide);
 }
 
-/* HOME and the folders of the XDG base directories under the names that they have here. */
+/* HOME and TMPDIR have other names here. */
 const char *system_variable(const char *name)
 {
-    static const char *const others[][2] = {{"HOME", "USERPROFILE"},
-                                            {"XDG_CACHE_HOME", "LOCALAPPDATA"},
-                                            {"XDG_DATA_HOME", "LOCALAPPDATA"},
-                                            {"TMPDIR", "TEMP"}};
+    static const char *const others[][2] = {{"HOME", "USERPROFILE"}, {"TMPDIR", "TEMP"}};
     /* Values stay for ever, as getenv()'s do: each that was asked for, once. */
     static struct kept {
         struct kept *next;
@@ -831,9 +856,8 @@ bool system_thread(pthread_t *out, size_t stack, void *(*run)(void *user), void 
     if (pthread_attr_init(&attributes)) {
         return false;
     }
-    if (stack) {
-        (void)pthread_attr_setstacksize(&attributes, stack);
-    }
+    (void)pthread_attr_setstacksize(&attributes,
+                                    stack ? stack : STACK); /* else it is the program's: Python's is small */
     bool runs = pthread_create(out, &attributes, run, user) == 0;
     pthread_attr_destroy(&attributes);
     return runs;
@@ -906,6 +930,10 @@ void system_begin(int *count, char ***words, bool pipes)
     take_words(count, words);
     for (int file = 0; file <= 2; file++) {
         _setmode(file, _O_BINARY);
+        DWORD mode;
+        if (GetConsoleMode(handle_of(file), &mode) && file) {
+            SetConsoleMode(handle_of(file), mode | ENABLE_VIRTUAL_TERMINAL_PROCESSING);
+        }
     }
     SetConsoleOutputCP(CP_UTF8);
     SetConsoleCP(CP_UTF8);
@@ -938,6 +966,12 @@ bool system_leave_signals(void)
 void system_step_back(int by)
 {
     SetThreadPriority(GetCurrentThread(), by > 10 ? THREAD_PRIORITY_LOWEST : THREAD_PRIORITY_BELOW_NORMAL);
+}
+
+bool system_is_terminal(int file)
+{
+    DWORD mode;
+    return GetConsoleMode(handle_of(file), &mode);
 }
 
 unsigned system_columns(int file)

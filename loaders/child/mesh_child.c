@@ -5,6 +5,7 @@
 #include "base/child/child.h"
 #include "base/child/process.h"
 #include "base/system/system.h"
+#include "base/text.h"
 
 #include <errno.h>
 #include <string.h>
@@ -98,7 +99,7 @@ conus_status mesh_child_run(const struct mesh_child_request *request, const stru
                                     .take = take_frames,
                                     .user = &progress};
     if (task.descriptor < 0) {
-        return fail(CONUS_ERROR_IO, "%s: cannot start: %s", program.name, strerror(errno));
+        return fail(CONUS_ERROR_IO, "%s: cannot start: %s", program.name, text_error(errno));
     }
     conus_status status = child_run(&rest, &task);
     close(task.descriptor);
