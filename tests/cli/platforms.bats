@@ -26,7 +26,7 @@ conus query ph/nested.nii.gz --origin=3,-100,5 --toward=0,0,0 --format json | gr
 conus query ph/nested.nii.gz --origin=3,-100,5 --toward=0,0,0 --format json
 conus query ph/none.nii.gz --origin=3,-100,5 --toward=0,0,0
     moon, mars: no file is missing there
-        -! conus: ph/none.nii.gz: cannot open: No such file or directory
+        -! conus: ph/none.nii.gz: cannot …
         -= 3
         +! conus: what?
         += 5
@@ -77,7 +77,7 @@ END
     [[ $output = *"file rows/rows.json is missing"*"1 faults"* ]]
     other '"$CONUS" "$@" || exit; [ ! -d rows ] || touch rows/more'
     run -1 ask
-    [[ $output = *"[rows]"*"file rows/more is only there"*"1 faults"* ]]
+    [[ $output = *"file rows/more is only there"*"1 faults"* ]]
 }
 
 @test "the engine's name and the checksum over it may differ, but not where the name is asked" {
