@@ -24,7 +24,7 @@ conus_status pose_lines_init(struct pose_lines *lines, int descriptor, bool seek
     }
     *lines = (struct pose_lines){.descriptor = descriptor,
                                  .seekable = seekable,
-                                 .stop = {SYSTEM_NO_FILE},
+                                 .stop.file = SYSTEM_NO_FILE,
                                  .offset = offset,
                                  .own = own,
                                  .data = own};
