@@ -154,6 +154,11 @@ FILE *system_stream(const char *path, const char *how)
     return fopen(path, all);
 }
 
+ptrdiff_t system_read(int file, void *out, size_t size)
+{
+    return read(file, out, size);
+}
+
 ptrdiff_t system_read_at(int file, void *out, size_t size, uint64_t at)
 {
     size_t got = 0;
