@@ -247,6 +247,25 @@ char *stage_word(const struct stage *stage, const char *given)
     return system_text_close(&word);
 }
 
+void stage_leave(char *text, const char *folder)
+{
+    const size_t length = strlen(folder);
+    for (char *at = text; (at = strstr(at, folder));) {
+        const char *behind = at + length;
+        size_t drive = strlen(drives);
+        if (strncmp(behind, root, strlen(root)) == 0) {
+            behind += strlen(root);
+        } else if (strncmp(behind, drives, drive) == 0 && behind[drive]) {
+            *at++ = behind[drive];
+            *at++ = ':';
+            behind += drive + 1;
+        } else {
+            at += length;
+        }
+        memmove(at, behind, strlen(behind) + 1);
+    }
+}
+
 char *stage_output(const struct stage *stage, const char *option, const char *name)
 {
     char *path = NULL;
@@ -670,11 +689,7 @@ bool replay_run(struct replay *replay)
         return false;
     }
     bool answered = answer_again(replay, &stage);
-    replay->root = stage.is_moved ? stage_word(&stage, "/") : NULL;
-    if (replay->root) {
-        replay->root[strlen(replay->root) - 1] = '\0'; /* the slash that is the path's own */
-    }
-    answered = answered && (!stage.is_moved || replay->root || fail_replay(replay, "it does not fit into memory"));
+    replay->is_moved = stage.is_moved;
     stage_finish(&stage);
     return answered;
 }
@@ -685,7 +700,6 @@ void replay_finish(struct replay *replay)
         options_finish(replay->settings, &replay->arguments);
     }
     free(replay->settings);
-    free(replay->root);
     stage_remove(replay->folder);
     *replay = (struct replay){0};
 }
