@@ -19,7 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEVELS = 64, COPIED_AT_ONCE = 1 << 16 };
+enum { LEVELS = 64, TRIES = 8, COPIED_AT_ONCE = 1 << 16 };
 
 static const char root[] = "/root";     /* of absolute paths */
 static const char drives[] = "/drive/"; /* of those that begin with one: "C/a" of "C:/a" */
@@ -198,6 +198,7 @@ bool stage_begin(struct stage *out)
     uint8_t random[3];
     *out = (struct stage){0};
     do {
+        errno = ENAMETOOLONG;
         bool fits = system_random(random, sizeof random) && snprintf(path, sizeof path, "%s/conus-verify-%02x%02x%02x",
                                                                      path_is_whole(temporary) ? temporary : "/tmp",
                                                                      random[0], random[1], random[2]) < SYSTEM_PATH;
@@ -327,27 +328,36 @@ char *stage_find_output(const char *folder, const char *option)
     return found;
 }
 
+static void remove_folder(char *path);
+
 static bool remove_entry(void *user, const char *name)
 {
-    const char *folder = user;
     char path[SYSTEM_PATH];
     struct system_stat info;
     if (strcmp(name, ".") != 0 && strcmp(name, "..") != 0 &&
-        snprintf(path, sizeof path, "%s/%s", folder, name) < SYSTEM_PATH &&
+        snprintf(path, sizeof path, "%s/%s", (const char *)user, name) < SYSTEM_PATH &&
         system_stat_link(&info, SYSTEM_HERE, path)) {
         if (info.kind == SYSTEM_FOLDER) {
-            (void)system_list(path, remove_entry, path);
+            remove_folder(path);
+        } else {
+            (void)system_remove(path);
         }
-        (void)(info.kind == SYSTEM_FOLDER ? system_remove_folder(path) : system_remove(path));
     }
     return true;
+}
+
+/* Some systems leave out names of a folder from which others are removed meanwhile. */
+static void remove_folder(char *path)
+{
+    for (size_t i = 0; i < TRIES && !system_remove_folder(path); i++) {
+        (void)system_list(path, remove_entry, path);
+    }
 }
 
 void stage_remove(char *folder)
 {
     if (folder) {
-        (void)system_list(folder, remove_entry, folder);
-        (void)system_remove_folder(folder);
+        remove_folder(folder);
     }
     free(folder);
 }
