@@ -35,7 +35,7 @@ int output_write(const char *path, const char *text, size_t size)
         return print_status(conus_write_file(path, text, size));
     }
     if (fwrite(text, 1, size, stdout) != size || fflush(stdout)) {
-        int error = errno;
+        int error = system_stream_error();
         clearerr(stdout);
         return print_stdout_error(error);
     }
@@ -96,7 +96,7 @@ int output_finish(int code)
     }
     bool failed = ferror(stdout);
     if (fflush(stdout) || failed) {
-        return print_stdout_error(failed ? EIO : errno);
+        return print_stdout_error(failed ? EIO : system_stream_error());
     }
     return code;
 }

@@ -98,7 +98,7 @@ struct child {
 
 static conus_status fail_system(const struct child *child, const char *action)
 {
-    return fail(CONUS_ERROR_IO, "%s: cannot %s: %s", child->name, action, strerror(errno));
+    return fail(CONUS_ERROR_IO, "%s: cannot %s: %s", child->name, action, text_error(errno));
 }
 
 static conus_status start_child(struct child *child, const char *path)

@@ -9,6 +9,7 @@
 #ifndef CONUS_BASE_SYSTEM_H
 #define CONUS_BASE_SYSTEM_H
 
+#include <errno.h>
 #include <pthread.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -97,6 +98,16 @@ int system_copy(int file);
 
 /** fopen(), whose file programs that are started do not get. */
 FILE *system_stream(const char *path, const char *how);
+
+/** The errno of a stream that cannot be written to. */
+#ifdef _WIN32
+int system_stream_error(void);
+#else
+static inline int system_stream_error(void)
+{
+    return errno;
+}
+#endif
 
 /** Reads @p size bytes from byte @p at on; their number, which is smaller only at the end of the file. */
 ptrdiff_t system_read_at(int file, void *out, size_t size, uint64_t at);

@@ -99,6 +99,13 @@ static bool widen(wide_path out, const char *path)
     return true;
 }
 
+static void put_slashes(char *path)
+{
+    for (char *at = path; *at; at++) {
+        *at = *at == '\\' ? '/' : *at;
+    }
+}
+
 /* A path of the system, with '/' and without its mark of long ones. */
 static bool narrow(char *out, size_t size, const wchar_t *path)
 {
@@ -112,9 +119,7 @@ static bool narrow(char *out, size_t size, const wchar_t *path)
         errno = GetLastError() == ERROR_INSUFFICIENT_BUFFER ? ENAMETOOLONG : EILSEQ;
         return false;
     }
-    for (char *at = out; *at; at++) {
-        *at = *at == '\\' ? '/' : *at;
-    }
+    put_slashes(out);
     return true;
 }
 
@@ -186,7 +191,13 @@ static bool is_link(HANDLE handle)
            (info.ReparseTag == IO_REPARSE_TAG_SYMLINK || info.ReparseTag == IO_REPARSE_TAG_MOUNT_POINT);
 }
 
-/* A descriptor that owns the handle, of -1 errno stays. */
+static bool is_folder(HANDLE handle)
+{
+    FILE_STANDARD_INFO info;
+    return GetFileInformationByHandleEx(handle, FileStandardInfo, &info, sizeof info) && info.Directory;
+}
+
+/* A descriptor that owns the handle; of -1 errno stays. */
 static int own_handle(HANDLE handle, int flags)
 {
     int file =
@@ -258,30 +269,46 @@ static struct timespec time_from(LARGE_INTEGER time)
     return (struct timespec){.tv_sec = (units - rest) / 10000000, .tv_nsec = (long)(100 * rest)};
 }
 
+/* The volume and the number of a file in it, 0 where none are known; what FAT has is smaller. */
+static void find_identity(uint64_t *device, uint64_t *inode, HANDLE handle)
+{
+    FILE_ID_INFO id;
+    BY_HANDLE_FILE_INFORMATION small;
+    uint64_t parts[2];
+    if (GetFileInformationByHandleEx(handle, FileIdInfo, &id, sizeof id)) {
+        memcpy(parts, &id.FileId, sizeof parts);
+        *device = id.VolumeSerialNumber;
+        *inode = parts[0] ^ parts[1];
+        return;
+    }
+    bool known = GetFileInformationByHandle(handle, &small);
+    *device = known ? small.dwVolumeSerialNumber : 0;
+    *inode = known ? (uint64_t)small.nFileIndexHigh << 32 | small.nFileIndexLow : 0;
+}
+
 static bool stat_handle(struct system_stat *out, HANDLE handle)
 {
-    BY_HANDLE_FILE_INFORMATION info;
+    FILE_STANDARD_INFO info;
     FILE_BASIC_INFO times;
     DWORD type = GetFileType(handle);
     if (type != FILE_TYPE_DISK) {
         *out = (struct system_stat){.kind = type == FILE_TYPE_PIPE ? SYSTEM_PIPE : SYSTEM_OTHER, .links = 1};
         return handle != INVALID_HANDLE_VALUE || fail_with(ERROR_INVALID_HANDLE);
     }
-    if (!GetFileInformationByHandle(handle, &info) ||
+    if (!GetFileInformationByHandleEx(handle, FileStandardInfo, &info, sizeof info) ||
         !GetFileInformationByHandleEx(handle, FileBasicInfo, &times, sizeof times)) {
         return fail_last();
     }
-    *out = (struct system_stat){.device = info.dwVolumeSerialNumber,
-                                .inode = (uint64_t)info.nFileIndexHigh << 32 | info.nFileIndexLow,
-                                .size = (uint64_t)info.nFileSizeHigh << 32 | info.nFileSizeLow,
-                                .links = info.nNumberOfLinks,
+    *out = (struct system_stat){.size = (uint64_t)info.EndOfFile.QuadPart,
+                                .links = info.NumberOfLinks,
                                 .changed = time_from(times.LastWriteTime),
                                 .altered = time_from(times.ChangeTime),
                                 .used = time_from(times.LastAccessTime),
-                                .kind = is_link(handle)                                    ? SYSTEM_LINK
-                                        : info.dwFileAttributes & FILE_ATTRIBUTE_DIRECTORY ? SYSTEM_FOLDER
-                                                                                           : SYSTEM_FILE,
+                                .kind = is_link(handle)  ? SYSTEM_LINK
+                                        : info.Directory ? SYSTEM_FOLDER
+                                                         : SYSTEM_FILE,
                                 .ours_alone = is_ours_alone(handle)};
+    find_identity(&out->device, &out->inode, handle);
     return true;
 }
 
@@ -335,8 +362,10 @@ int system_open_in(int folder, const char *name, unsigned how)
         return system_copy(standard);
     }
     wide_path path;
-    DWORD access =
-        (how & SYSTEM_READ || !(how & SYSTEM_WRITE) ? GENERIC_READ : 0) | (how & SYSTEM_WRITE ? GENERIC_WRITE : 0);
+    DWORD access = (how & SYSTEM_READ || !(how & SYSTEM_WRITE) ? GENERIC_READ : 0) |
+                   (how & SYSTEM_APPEND  ? FILE_APPEND_DATA | SYNCHRONIZE
+                    : how & SYSTEM_WRITE ? GENERIC_WRITE
+                                         : 0);
     DWORD make = how & SYSTEM_NEW ? CREATE_NEW : how & SYSTEM_MAKE ? OPEN_ALWAYS : OPEN_EXISTING;
     DWORD more = how & SYSTEM_NO_LINK ? FILE_FLAG_OPEN_REPARSE_POINT : 0;
     if (!widen_in(path, folder, name)) {
@@ -347,12 +376,13 @@ int system_open_in(int folder, const char *name, unsigned how)
     if (handle == INVALID_HANDLE_VALUE && errno == EACCES) {
         handle = open_handle(path, access, make, more);
     }
-    if (handle != INVALID_HANDLE_VALUE && how & SYSTEM_NO_LINK && is_link(handle)) {
+    const bool refused_link = handle != INVALID_HANDLE_VALUE && how & SYSTEM_NO_LINK && is_link(handle);
+    if (refused_link || (handle != INVALID_HANDLE_VALUE && how & SYSTEM_WRITE && is_folder(handle))) {
         CloseHandle(handle);
-        errno = ELOOP;
+        errno = refused_link ? ELOOP : EISDIR;
         return -1;
     }
-    int file = own_handle(handle, how & SYSTEM_APPEND ? _O_APPEND : 0);
+    int file = own_handle(handle, 0);
     if (file >= 0 && how & SYSTEM_EMPTY && GetFileType(handle) == FILE_TYPE_DISK && ftruncate(file, 0)) {
         close(file);
         file = -1;
@@ -508,13 +538,21 @@ bool system_write_at(int file, const void *data, size_t size, uint64_t at)
 bool system_write(int file, const void *data, size_t size)
 {
     for (size_t done = 0; done < size;) {
-        int n = write(file, (const char *)data + done, at_once(size - done));
-        if (n < 0) {
-            return false;
+        DWORD n = 0;
+        if (!WriteFile(handle_of(file), (const char *)data + done, at_once(size - done), &n, NULL)) {
+            return fail_last();
         }
-        done += (size_t)n;
+        done += n;
     }
     return true;
+}
+
+int system_stream_error(void)
+{
+    if (errno == EINVAL) { /* UCRT has it for what it knows no other for: a full disk, a pipe that nobody reads */
+        fail_with(_doserrno);
+    }
+    return errno;
 }
 
 bool system_to_disk(int file)
@@ -749,6 +787,9 @@ const char *system_variable(const char *name)
         return NULL;
     }
     WideCharToMultiByte(CP_UTF8, WC_ERR_INVALID_CHARS, value, -1, made->text, size, NULL, NULL);
+    if (wcsncmp(value + (*value != 0), L":\\", 2) == 0) { /* a folder: conus joins names to it, and shows it */
+        put_slashes(made->text);
+    }
     pthread_mutex_lock(&lock);
     struct kept *found = kept;
     while (found && strcmp(found->text, made->text) != 0) {

@@ -153,12 +153,22 @@ static void lines_are_read_as_by_getdelim(void **state)
     free(bytes);
 }
 
+static void errors_have_the_words_of_strerror(void **state)
+{
+    (void)state;
+    for (int error = 0; error < 140; error++) { /* Linux has 133 */
+        char wanted[64];
+        snprintf(wanted, sizeof wanted, "%s", strerror(error));
+        assert_string_equal(text_error(error), wanted);
+    }
+}
+
 TEST_GROUP(text_gnu)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(parts_are_found_as_by_memmem),  cmocka_unit_test(words_are_taken_as_by_strsep),
         cmocka_unit_test(copies_are_those_of_strndup),   cmocka_unit_test(names_match_as_by_fnmatch),
-        cmocka_unit_test(lines_are_read_as_by_getdelim),
+        cmocka_unit_test(lines_are_read_as_by_getdelim), cmocka_unit_test(errors_have_the_words_of_strerror),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

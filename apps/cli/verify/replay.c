@@ -6,6 +6,7 @@
 #include "base/child/process.h"
 #include "base/path.h"
 #include "base/system/system.h"
+#include "base/text.h"
 #include "conus/catalogue.h"
 #include "conus/version.h"
 #include "options/messages.h"
@@ -156,7 +157,7 @@ bool stage_link(const struct stage *stage, const char *path, const char *target)
                 (make_folders(link, from) &&
                  (system_link(target, link) || errno == EEXIST || (cannot_link() && copy_any(target, link, LEVELS))));
     if (!made) {
-        print_error_line("%s: cannot link: %s", path, strerror(errno));
+        print_error_line("%s: cannot link: %s", path, text_error(errno));
     }
     free(link);
     return made;
@@ -649,7 +650,7 @@ static bool run_again(struct replay *replay, const struct stage *stage, char *co
     const struct process_start start = {.path = program,
                                         .words = words,
                                         .folder = stage->cwd,
-                                        .given = isatty(STDERR_FILENO) ? STDERR_FILENO : SYSTEM_NO_FILE};
+                                        .given = system_is_terminal(STDERR_FILENO) ? STDERR_FILENO : SYSTEM_NO_FILE};
     system_set_variable("CONUS_CACHE", "off"); /* verify asks about what the files hold now */
     system_set_variable(PROGRESS_VARIABLE, "3");
     if (!system_program(program) || !process_begin(&process, &start)) {
