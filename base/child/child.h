@@ -2,7 +2,8 @@
 /** @file
  * Runs a program that links a large library, with limits on memory, processor time and waiting. If the library crashes
  * or never ends, that costs an error line and nothing else. The program has an empty stdin, its input as descriptor 3
- * and no other descriptors. It cannot write to files, gains no rights, and ends when its parent does. */
+ * and no other descriptors, and ends when its parent does (on macOS, which cannot be told so, when it next writes). On
+ * Linux it cannot write to files and gains no rights; Windows and macOS have less of that (process.h). */
 #ifndef CONUS_BASE_CHILD_CHILD_H
 #define CONUS_BASE_CHILD_CHILD_H
 

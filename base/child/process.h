@@ -28,9 +28,9 @@ struct process_start {
     char *const *words; /**< As of execv(): the first is the program's name. */
     const char *folder; /**< Where it runs; NULL = where this process does. */
     int given;          /**< What becomes its descriptor 3; SYSTEM_NO_FILE = nothing. */
-    /** It stands in for this process, as a part of the same program: Ctrl-C ends it, and while it runs not this one.
-     * Otherwise it has these limits, and, as far as the system can tell it so, gains no rights and writes to no file.
-     */
+    /** NULL = it stands in for this process, as a part of the same program: Ctrl-C ends it, and while it runs not this
+     * one. Else it has these limits. On Linux it then gains no rights and writes to no file, on macOS it writes to
+     * none, on Windows it starts no program. */
     const struct process_limits *limits;
 };
 
@@ -45,8 +45,7 @@ struct process {
 
 enum { PROCESS_OUT, PROCESS_ERR };
 
-/** Starts it; false where the program cannot be run. It does not outlive this process, as far as the system can tell.
- */
+/** Starts it; false where the program cannot be run. On Linux and Windows it does not outlive this process. */
 bool process_begin(struct process *out, const struct process_start *start);
 
 /** Room for what was written, and how much came. */

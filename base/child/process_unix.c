@@ -18,6 +18,12 @@
 #include <sys/syscall.h>
 #endif
 
+#ifdef __GLIBC__
+typedef __rlimit_resource_t limited;
+#else
+typedef int limited;
+#endif
+
 #ifndef CLOSE_RANGE_CLOEXEC
 enum { CLOSE_RANGE_CLOEXEC = 4 };
 #endif
@@ -62,7 +68,7 @@ static bool open_pipe(int ends[2])
 }
 
 /* A limit that is already lower stays. The hard one may be higher, by what follows the signal of the soft one. */
-static void limit_resource(int resource, uint64_t value, uint64_t more)
+static void limit_resource(limited resource, uint64_t value, uint64_t more)
 {
     struct rlimit limit;
     if (getrlimit(resource, &limit) == 0) {

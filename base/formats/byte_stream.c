@@ -45,7 +45,7 @@ static conus_status read_unsummed(struct byte_source *source, uint8_t *out, size
             memcpy(out, source->memory, size);
             source->memory += size;
         } else {
-            n = read(source->descriptor, out + got, size - got);
+            n = system_read(source->descriptor, out + got, size - got);
         }
         if (n == 0 || (n < 0 && errno != EINTR)) {
             return fail(CONUS_ERROR_IO, "%s", n ? text_error(errno) : FILE_CHANGED);

@@ -424,7 +424,7 @@ static conus_status take_numbers(struct matlab_array *array, const struct hdf5_o
         return fail_object(object, is_text ? "an array of characters must be of unsigned numbers of 1 or 2 bytes"
                                            : "an array of numbers must be of numbers");
     }
-    array->type = types[value->class - HDF5_FLOAT][__builtin_ctzl(value->size)];
+    array->type = types[value->class - HDF5_FLOAT][__builtin_ctzll(value->size)];
     array->bytes = (struct text){(const char *)value->data, value->count * value->size};
     return CONUS_OK;
 }

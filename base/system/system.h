@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * What operating systems do differently. Nothing else includes their headers, but base/child (processes), apps/link
- * (sockets) and the programs that only one system has. What they have alike comes in through this header: read(),
- * write(), close(), dup(), lseek(), ftruncate(), fdopen(), clock_gettime() and nanosleep().
+ * (sockets) and the programs that only one system has. What they have alike comes in through this header: close(),
+ * lseek(), ftruncate(), fdopen(), clock_gettime() and nanosleep().
  *
  * Paths are UTF-8 with '/'. What fails returns false or -1, with errno set, and its text is the caller's. Nothing here
  * needs anything else of conus, so that programs have it, too. */
@@ -109,6 +109,8 @@ static inline int system_stream_error(void)
 }
 #endif
 
+/** read(), of any size. */
+ptrdiff_t system_read(int file, void *out, size_t size);
 /** Reads @p size bytes from byte @p at on; their number, which is smaller only at the end of the file. */
 ptrdiff_t system_read_at(int file, void *out, size_t size, uint64_t at);
 /** Write all of it, from byte @p at on or where the file stands. */

@@ -19,6 +19,7 @@
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #ifdef __linux__
+#include <sys/auxv.h>
 #include <sys/vfs.h>
 #elif defined __APPLE__
 #include <mach-o/dyld.h>
@@ -152,6 +153,11 @@ FILE *system_stream(const char *path, const char *how)
     char all[8];
     snprintf(all, sizeof all, "%se", how);
     return fopen(path, all);
+}
+
+ptrdiff_t system_read(int file, void *out, size_t size)
+{
+    return read(file, out, size);
 }
 
 ptrdiff_t system_read_at(int file, void *out, size_t size, uint64_t at)
@@ -306,6 +312,12 @@ bool system_program(char out[SYSTEM_PATH])
 #else
     ssize_t length = readlink("/proc/self/exe", out, SYSTEM_PATH - 1);
     out[length > 0 ? length : 0] = '\0';
+#ifdef __linux__
+    if (length <= 0) { /* there is no /proc: how it was started */
+        const char *started = (const char *)getauxval(AT_EXECFN);
+        return started && realpath(started, out);
+    }
+#endif
     return length > 0;
 #endif
 }

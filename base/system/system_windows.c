@@ -26,20 +26,35 @@ static bool fail_with(DWORD error)
     static const struct {
         DWORD windows;
         int posix;
-    } known[] = {{ERROR_FILE_NOT_FOUND, ENOENT},      {ERROR_PATH_NOT_FOUND, ENOENT},
-                 {ERROR_INVALID_NAME, ENOENT},        {ERROR_INVALID_DRIVE, ENOENT},
-                 {ERROR_BAD_NETPATH, ENOENT},         {ERROR_BAD_NET_NAME, ENOENT},
-                 {ERROR_BAD_PATHNAME, ENOENT},        {ERROR_FILE_EXISTS, EEXIST},
-                 {ERROR_ALREADY_EXISTS, EEXIST},      {ERROR_ACCESS_DENIED, EACCES},
-                 {ERROR_SHARING_VIOLATION, EACCES},   {ERROR_WRITE_PROTECT, EROFS},
-                 {ERROR_LOCK_VIOLATION, EAGAIN},      {ERROR_DISK_FULL, ENOSPC},
-                 {ERROR_HANDLE_DISK_FULL, ENOSPC},    {ERROR_DIRECTORY, ENOTDIR},
-                 {ERROR_DIR_NOT_EMPTY, ENOTEMPTY},    {ERROR_NOT_ENOUGH_MEMORY, ENOMEM},
-                 {ERROR_OUTOFMEMORY, ENOMEM},         {ERROR_COMMITMENT_LIMIT, ENOMEM},
-                 {ERROR_TOO_MANY_OPEN_FILES, EMFILE}, {ERROR_FILENAME_EXCED_RANGE, ENAMETOOLONG},
-                 {ERROR_BROKEN_PIPE, EPIPE},          {ERROR_NO_DATA, EPIPE},
-                 {ERROR_INVALID_HANDLE, EBADF},       {ERROR_NOT_SUPPORTED, ENOSYS},
-                 {ERROR_INVALID_FUNCTION, ENOSYS},    {ERROR_CALL_NOT_IMPLEMENTED, ENOSYS}};
+    } known[] = {{ERROR_FILE_NOT_FOUND, ENOENT},
+                 {ERROR_PATH_NOT_FOUND, ENOENT},
+                 {ERROR_INVALID_NAME, ENOENT},
+                 {ERROR_INVALID_DRIVE, ENOENT},
+                 {ERROR_BAD_NETPATH, ENOENT},
+                 {ERROR_BAD_NET_NAME, ENOENT},
+                 {ERROR_BAD_PATHNAME, ENOENT},
+                 {ERROR_FILE_EXISTS, EEXIST},
+                 {ERROR_ALREADY_EXISTS, EEXIST},
+                 {ERROR_ACCESS_DENIED, EACCES},
+                 {ERROR_SHARING_VIOLATION, EACCES},
+                 {ERROR_WRITE_PROTECT, EROFS},
+                 {ERROR_LOCK_VIOLATION, EAGAIN},
+                 {ERROR_DISK_FULL, ENOSPC},
+                 {ERROR_HANDLE_DISK_FULL, ENOSPC},
+                 {ERROR_DIRECTORY, ENOTDIR},
+                 {ERROR_DIR_NOT_EMPTY, ENOTEMPTY},
+                 {ERROR_NOT_ENOUGH_MEMORY, ENOMEM},
+                 {ERROR_OUTOFMEMORY, ENOMEM},
+                 {ERROR_COMMITMENT_LIMIT, ENOMEM},
+                 {ERROR_TOO_MANY_OPEN_FILES, EMFILE},
+                 {ERROR_FILENAME_EXCED_RANGE, ENAMETOOLONG},
+                 {ERROR_BROKEN_PIPE, EPIPE},
+                 {ERROR_PIPE_NOT_CONNECTED, EPIPE},
+                 {ERROR_NO_DATA, EPIPE},
+                 {ERROR_INVALID_HANDLE, EBADF},
+                 {ERROR_NOT_SUPPORTED, ENOSYS},
+                 {ERROR_INVALID_FUNCTION, ENOSYS},
+                 {ERROR_CALL_NOT_IMPLEMENTED, ENOSYS}};
     errno = EIO;
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
         errno = known[i].windows == error ? known[i].posix : errno;
@@ -497,6 +512,14 @@ static OVERLAPPED offset_of(uint64_t at)
     return (OVERLAPPED){.Offset = (DWORD)at, .OffsetHigh = (DWORD)(at >> 32)};
 }
 
+ptrdiff_t system_read(int file, void *out, size_t size)
+{
+    DWORD n = 0;
+    bool fine = ReadFile(handle_of(file), out, at_once(size), &n, NULL) || GetLastError() == ERROR_BROKEN_PIPE ||
+                GetLastError() == ERROR_HANDLE_EOF; /* the end of a pipe, of a file */
+    return fine ? (ptrdiff_t)n : (fail_last(), -1);
+}
+
 ptrdiff_t system_read_at(int file, void *out, size_t size, uint64_t at)
 {
     HANDLE handle = handle_of(file);
@@ -865,11 +888,11 @@ void system_make_sparse(void *memory, size_t size)
     (void)size;
 }
 
-/* NTFS writes a time down when it likes, and a server's clock is its own. */
 bool system_has_own_clock(const char *path)
 {
-    (void)path;
-    return false;
+    wide_path wide;
+    wide_path volume;
+    return widen(wide, path) && GetVolumePathNameW(wide, volume, SYSTEM_PATH) && GetDriveTypeW(volume) == DRIVE_FIXED;
 }
 
 bool system_boot(uint8_t out[16])

@@ -50,7 +50,7 @@ static ptrdiff_t read_some(const struct pose_lines *lines, char *at, size_t size
         *stopped = !lines->seekable && !system_wait(lines->descriptor, &lines->stop);
         ptrdiff_t got = *stopped          ? 0
                         : lines->seekable ? system_read_at(lines->descriptor, at, size, lines->offset)
-                                          : read(lines->descriptor, at, size);
+                                          : system_read(lines->descriptor, at, size);
         if (got >= 0 || (errno != EINTR && errno != EAGAIN)) {
             return got;
         }

@@ -26,7 +26,7 @@ static bool note(void *user, const char *name)
 {
     char *text = user;
     strncat(text, name, 200);
-    strcat(text, " ");
+    strncat(text, " ", 2);
     return true;
 }
 
@@ -181,7 +181,7 @@ static void check_long_paths(void)
     char other[1024];
     size_t length = strlen(path);
     snprintf(other, sizeof other, "%s/b", path);
-    strcpy(path + length, "/a");
+    memcpy(path + length, "/a", sizeof "/a");
     CHECK(write_text(path, "long", SYSTEM_NEW) && file_has(path, "long"));
     CHECK(system_rename(path, other, true) && !file_has(path, "long"));
     path[length] = '\0';

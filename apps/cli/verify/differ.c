@@ -5,6 +5,7 @@
 #include "base/system/system.h"
 #include "base/text.h"
 #include "cli/verify/record.h"
+#include "cli/verify/replay.h"
 #include "options/output.h"
 #include "options/provenance.h"
 
@@ -233,7 +234,7 @@ static bool is_free(const struct comparing *comparing, const char *name, const j
 {
     const struct sidecar_terms *terms = comparing->terms;
     const unsigned holds = FREE | (terms->older ? FREE_OLDER : 0) | (terms->other_engine ? FREE_ENGINE : 0) |
-                           (terms->root ? FREE_MOVED : 0) | (!recorded ? FREE_ABSENT : 0);
+                           (terms->folder ? FREE_MOVED : 0) | (!recorded ? FREE_ABSENT : 0);
     for (size_t i = 0; i < sizeof free_values / sizeof free_values[0]; i++) {
         if (holds & free_values[i].freedom && name_fits(name, free_values[i].name)) {
             return true;
@@ -291,10 +292,8 @@ static void compare_values(struct comparing *out, const char *name, const json_t
     }
     char *one = json_text(a);
     char *other = json_text(b);
-    const char *root = out->terms->root;
-    size_t length = root ? strlen(root) : 0;
-    for (char *at = other; at && length && (at = strstr(at, root));) { /* wherever it stands */
-        memmove(at, at + length, strlen(at + length) + 1);
+    if (other && out->terms->folder) {
+        stage_leave(other, out->terms->folder);
     }
     if (one && other && strcmp(one, other) != 0 &&
         asprintf(&out->said, "%s is %.60s there, and %.60s when it is answered again", name, one, other) < 0) {

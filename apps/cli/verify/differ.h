@@ -33,9 +33,9 @@ void differences_finish(struct differences *differences);
 /** How the second of two sidecars came about. Zeroed: in the same place, by the same version and engine. */
 struct sidecar_terms {
     const struct arguments *arguments; /**< The recorded command line, which names the outputs; NULL = unknown. */
-    const char *root;                  /**< Folder before absolute paths that were found elsewhere; NULL = none were. */
-    bool other_engine;                 /**< It was answered by another engine than the recorded one. */
-    bool older;                        /**< Another version of conus wrote the first one. */
+    const char *folder; /**< Of the stage, where absolute paths were found elsewhere; NULL = none were. */
+    bool other_engine;  /**< It was answered by another engine than the recorded one. */
+    bool older;         /**< Another version of conus wrote the first one. */
 };
 
 /** Compares every value of the sidecar @p recorded with the one of @p again, the sidecar of the same answer made anew:

@@ -20,7 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEVELS = 64, COPIED_AT_ONCE = 1 << 16 };
+enum { LEVELS = 64, TRIES = 8, COPIED_AT_ONCE = 1 << 16 };
 
 static const char root[] = "/root";     /* of absolute paths */
 static const char drives[] = "/drive/"; /* of those that begin with one: "C/a" of "C:/a" */
@@ -199,6 +199,7 @@ bool stage_begin(struct stage *out)
     uint8_t random[3];
     *out = (struct stage){0};
     do {
+        errno = ENAMETOOLONG;
         bool fits = system_random(random, sizeof random) && snprintf(path, sizeof path, "%s/conus-verify-%02x%02x%02x",
                                                                      path_is_whole(temporary) ? temporary : "/tmp",
                                                                      random[0], random[1], random[2]) < SYSTEM_PATH;
@@ -246,6 +247,25 @@ char *stage_word(const struct stage *stage, const char *given)
         fputc(*at, out);
     }
     return system_text_close(&word);
+}
+
+void stage_leave(char *text, const char *folder)
+{
+    const size_t length = strlen(folder);
+    for (char *at = text; (at = strstr(at, folder));) {
+        const char *behind = at + length;
+        size_t drive = strlen(drives);
+        if (strncmp(behind, root, strlen(root)) == 0) {
+            behind += strlen(root);
+        } else if (strncmp(behind, drives, drive) == 0 && behind[drive]) {
+            *at++ = behind[drive];
+            *at++ = ':';
+            behind += drive + 1;
+        } else {
+            at += length;
+        }
+        memmove(at, behind, strlen(behind) + 1);
+    }
 }
 
 char *stage_output(const struct stage *stage, const char *option, const char *name)
@@ -309,27 +329,36 @@ char *stage_find_output(const char *folder, const char *option)
     return found;
 }
 
+static void remove_folder(char *path);
+
 static bool remove_entry(void *user, const char *name)
 {
-    const char *folder = user;
     char path[SYSTEM_PATH];
     struct system_stat info;
     if (strcmp(name, ".") != 0 && strcmp(name, "..") != 0 &&
-        snprintf(path, sizeof path, "%s/%s", folder, name) < SYSTEM_PATH &&
+        snprintf(path, sizeof path, "%s/%s", (const char *)user, name) < SYSTEM_PATH &&
         system_stat_link(&info, SYSTEM_HERE, path)) {
         if (info.kind == SYSTEM_FOLDER) {
-            (void)system_list(path, remove_entry, path);
+            remove_folder(path);
+        } else {
+            (void)system_remove(path);
         }
-        (void)(info.kind == SYSTEM_FOLDER ? system_remove_folder(path) : system_remove(path));
     }
     return true;
+}
+
+/* Some systems leave out names of a folder from which others are removed meanwhile. */
+static void remove_folder(char *path)
+{
+    for (size_t i = 0; i < TRIES && !system_remove_folder(path); i++) {
+        (void)system_list(path, remove_entry, path);
+    }
 }
 
 void stage_remove(char *folder)
 {
     if (folder) {
-        (void)system_list(folder, remove_entry, folder);
-        (void)system_remove_folder(folder);
+        remove_folder(folder);
     }
     free(folder);
 }
@@ -671,11 +700,7 @@ bool replay_run(struct replay *replay)
         return false;
     }
     bool answered = answer_again(replay, &stage);
-    replay->root = stage.is_moved ? stage_word(&stage, "/") : NULL;
-    if (replay->root) {
-        replay->root[strlen(replay->root) - 1] = '\0'; /* the slash that is the path's own */
-    }
-    answered = answered && (!stage.is_moved || replay->root || fail_replay(replay, "it does not fit into memory"));
+    replay->is_moved = stage.is_moved;
     stage_finish(&stage);
     return answered;
 }
@@ -686,7 +711,6 @@ void replay_finish(struct replay *replay)
         options_finish(replay->settings, &replay->arguments);
     }
     free(replay->settings);
-    free(replay->root);
     stage_remove(replay->folder);
     *replay = (struct replay){0};
 }

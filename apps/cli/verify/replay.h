@@ -20,7 +20,7 @@ struct replay {
     struct arguments arguments;
     void *settings;
     char *folder;         /**< Made by replay_run(); replay_finish() removes it. */
-    char *root;           /**< Folder before absolute paths there; NULL = none. */
+    bool is_moved;        /**< An absolute path is no longer where it was: all of them are in that folder. */
     char why[REPLAY_WHY]; /**< The reason of a failure. */
     bool is_said;         /**< The command itself gave it, which knows what is in the files. */
 };
@@ -58,6 +58,9 @@ void stage_finish(struct stage *stage);
 /** The word @p given, whose paths are those that were recorded, with the paths in the stage. NULL without memory; the
  * caller frees it. */
 char *stage_word(const struct stage *stage, const char *given);
+
+/** Takes the stage's folder from the absolute paths in @p text, wherever they stand: stage_word()'s are as given. */
+void stage_leave(char *text, const char *folder);
 
 /** A new path for the output of @p option, with the name @p name. NULL where it cannot be made; the caller frees it. */
 char *stage_output(const struct stage *stage, const char *option, const char *name);

@@ -332,7 +332,7 @@ static int compare_sidecars(struct checking *checking, const struct replay *repl
     struct verdict *verdict = checking->verdict;
     const struct record *record = &verdict->record;
     const struct sidecar_terms terms = {.arguments = &replay->arguments,
-                                        .root = replay->root,
+                                        .folder = replay->is_moved ? replay->folder : NULL,
                                         .other_engine = replay->engine != NULL,
                                         .older = is_other_version(record)};
     char *difference = NULL;
