@@ -5,7 +5,8 @@ load helpers
 # ask OPTION...: asks conus and the program `other`, a script, what stands in `corpus`.
 ask() {
     chmod +x other
-    TMPDIR=$PWD "$BATS_TEST_DIRNAME"/../platforms/ask --corpus corpus --jobs 1 "$@" "$CONUS" -- ./other # what differs stays there
+    # what differs stays there
+    TMPDIR=$PWD "$BATS_TEST_DIRNAME"/../platforms/ask --corpus corpus --jobs 1 "$@" "$CONUS" -- ./other
 }
 
 # other SCRIPT: how the other build differs; its conus is $CONUS.
@@ -62,7 +63,8 @@ END
 @test "one other byte on standard output, on standard error and in a file, another exit code, a file less and more" {
     other '"$CONUS" "$@" | sed "s/Shell outer/Shell Outer/"'
     run -1 ask
-    [[ $output = *'$ conus query'*'--format json'*'-'*'Shell outer'*'+'*'Shell Outer'*"2 faults"* ]] # and exit code 3 of none
+    # A pipe loses the exit code of none.nii.gz, the second fault.
+    [[ $output = *'$ conus query'*'--format json'*'-'*'Shell outer'*'+'*'Shell Outer'*"2 faults"* ]]
     other '"$CONUS" "$@" 2>../err || { code=$?; sed "s/cannot/can not/" ../err >&2; exit $code; }'
     run -1 ask
     [[ $output = *'+! conus: ph/none.nii.gz: can not open'*"1 faults"* ]]
@@ -81,7 +83,8 @@ END
 }
 
 @test "the engine's name and the checksum over it may differ, but not where the name is asked" {
-    other '"$CONUS" "$@" >../out; code=$?; sed -E "s/rays, [a-z0-9]+/rays, scalar/; s/(\"Checksum\": \").{4}/\10000/" ../out; exit $code'
+    other '"$CONUS" "$@" >../out; code=$?
+        sed -E "s/rays, [a-z0-9]+/rays, scalar/; s/(\"Checksum\": \").{4}/\10000/" ../out; exit $code'
     run -1 ask
     [[ $output = *'+"engine": "rays, scalar"'*"1 faults"* ]]
     other '"$CONUS" "$@" >../out; code=$?; sed -E "s/(\"sha256\": \").{4}/\10000/" ../out; exit $code'
