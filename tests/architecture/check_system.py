@@ -29,7 +29,6 @@ FREE = {
     "apps/link/station.c": "has sockets",
     "apps/viewer/devices/spacemouse.c": "has a socket",
     "apps/cli/verify/replay.c": "forks, to answer again",
-    "apps/cli/cmd_view.c": "becomes another program",
     "apps/hdf5/*": "is started by child.c, on Linux",
     "apps/mesh/*": "is started by child.c, on Linux",
     "apps/mpi/node_atlas.c": "shares a memory file with other ranks",

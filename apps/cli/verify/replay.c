@@ -115,11 +115,11 @@ static bool make_cwd(struct stage *out, const struct record *record)
     return made || (print_system_error(out->cwd, "make"), false);
 }
 
-bool stage_begin(struct stage *out)
+bool stage_begin(struct stage *out, const char *name)
 {
     const char *temporary = getenv("TMPDIR");
     *out = (struct stage){0};
-    if (asprintf(&out->folder, "%s/conus-verify-XXXXXX", path_is_whole(temporary) ? temporary : "/tmp") < 0) {
+    if (asprintf(&out->folder, "%s/conus-%s-XXXXXX", path_is_whole(temporary) ? temporary : "/tmp", name) < 0) {
         out->folder = NULL;
         return refuse("not enough memory");
     }
@@ -134,7 +134,7 @@ bool stage_begin(struct stage *out)
 
 bool stage_make(struct stage *out, const struct record *record, const struct found_file *found)
 {
-    bool made = stage_begin(out) && make_cwd(out, record);
+    bool made = stage_begin(out, "verify") && make_cwd(out, record);
     for (size_t i = 0; i < record->input_count; i++) {
         const char *path = record->inputs[i].path;
         char here[SYSTEM_PATH];
