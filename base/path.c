@@ -2,17 +2,37 @@
 /* Takes paths apart. It needs nothing else of conus, so that programs have it, too. */
 #include "base/path.h"
 
+#include "base/system/system.h"
+
+#include <ctype.h>
 #include <string.h>
 #include <strings.h>
 
+static bool is_separator(char c)
+{
+    return c && strchr(SYSTEM_SEPARATORS, c);
+}
+
+/* Length of the drive that a path begins with: "C:", where there are such. */
+static size_t drive_length(const char *path)
+{
+    return SYSTEM_SEPARATORS[1] && isalpha((unsigned char)path[0]) && path[1] == ':' ? 2 : 0;
+}
+
+/* The first separator, or NULL. */
+static char *find_separator(char *path)
+{
+    return strpbrk(path, SYSTEM_SEPARATORS);
+}
+
 bool path_is_whole(const char *path)
 {
-    return path && path[0] == '/';
+    return path && is_separator(path[drive_length(path)]);
 }
 
 bool path_is_name(const char *path)
 {
-    return !strchr(path, '/');
+    return path_folder_length(path) == 0;
 }
 
 const char *path_base(const char *path)
@@ -27,7 +47,8 @@ size_t path_folder_length(const char *path)
 
 size_t path_length_above(const char *path, size_t length)
 {
-    while (length && path[length - 1] != '/') {
+    const size_t drive = drive_length(path);
+    while (length > drive && !is_separator(path[length - 1])) {
         length--;
     }
     return length;
@@ -35,7 +56,8 @@ size_t path_length_above(const char *path, size_t length)
 
 size_t path_plain_length(const char *path, size_t length)
 {
-    while (length > 1 && path[length - 1] == '/') {
+    const size_t root = drive_length(path) + 1;
+    while (length > root && is_separator(path[length - 1])) {
         length--;
     }
     return length;
@@ -43,12 +65,13 @@ size_t path_plain_length(const char *path, size_t length)
 
 const char *path_joint(const char *folder, size_t length)
 {
-    return length && folder[length - 1] != '/' ? "/" : "";
+    return length > drive_length(folder) && !is_separator(folder[length - 1]) ? "/" : "";
 }
 
 char *path_cut(char *path)
 {
-    char *cut = strrchr(path, '/');
+    size_t length = path_folder_length(path);
+    char *cut = length > drive_length(path) ? path + length - 1 : NULL;
     if (cut) {
         *cut = '\0';
     }
@@ -63,18 +86,21 @@ void path_join_again(char *cut)
 bool path_part(const char **rest, const char **part, size_t *size)
 {
     *part = *rest;
-    *size = strcspn(*rest, "/");
-    *rest += *size + ((*rest)[*size] == '/');
+    *size = strcspn(*rest, SYSTEM_SEPARATORS);
+    *rest += *size + is_separator((*rest)[*size]);
     return *rest > *part;
 }
 
 bool path_each_folder(char *path, size_t from, bool (*take)(void *user, const char *folder), void *user)
 {
     bool goes_on = true;
-    for (char *at = strchr(path + from, '/'); at && goes_on; at = strchr(at + 1, '/')) {
+    const size_t root = drive_length(path) + 1; /* no folder of its own where there are drives */
+    for (char *at = find_separator(path + (from > root || root == 1 ? from : root)); at && goes_on;
+         at = find_separator(at + 1)) {
+        const char separator = *at;
         *at = '\0';
         goes_on = take(user, path);
-        *at = '/';
+        *at = separator;
     }
     return goes_on;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The parts of a path. Nothing else takes paths apart. */
+/** @file The parts of a path. Nothing else takes paths apart. A '/' here is any separator of the system, and "C:" a
+ * drive where there are such (base/system/system.h). */
 #ifndef CONUS_BASE_PATH_H
 #define CONUS_BASE_PATH_H
 

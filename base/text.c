@@ -4,9 +4,9 @@
 
 #include "base/memory.h"
 #include "base/order.h"
+#include "base/system/system.h"
 
 #include <float.h>
-#include <locale.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -257,10 +257,8 @@ static bool copy_number(char copy[NUMBER_LIMIT + 1], struct text text)
 /* Reads one of the two by the rules of the C locale, whatever the process's locale is. */
 static bool read_number(double *wide, float *narrow, const char *number, size_t size)
 {
-    locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0); /* glibc hands out a static one */
     char *end;
-    double value = wide ? strtod_l(number, &end, c_locale) : (double)strtof_l(number, &end, c_locale);
-    freelocale(c_locale);
+    double value = wide ? system_to_double(number, &end) : (double)system_to_float(number, &end);
     if (end != number + size) {
         return false;
     }

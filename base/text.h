@@ -104,6 +104,9 @@ bool text_contains(struct text text, struct text part);
 /** True when every byte of @p text is one of @p these: of an empty one, too. */
 bool text_has_only(struct text text, const char *these);
 
+/** What glibc says of an error of the system (errno), so that messages are the same on all. */
+const char *text_error(int error);
+
 /** How many bytes must be inserted, deleted or replaced to turn @p a into @p b, ignoring case; for guessing what was
  * meant. SIZE_MAX if either is longer than 255 bytes. */
 size_t text_distance(struct text a, struct text b);

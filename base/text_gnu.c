@@ -3,7 +3,10 @@
  * too. */
 #include "base/text.h"
 
+#include "base/system/system.h"
+
 #include <ctype.h>
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -66,7 +69,7 @@ char *text_copy(const char *text, size_t most)
 ptrdiff_t text_read_line(char **line, size_t *capacity, char end, FILE *in)
 {
     size_t length = 0;
-    for (int c = EOF; c != (unsigned char)end && (c = getc_unlocked(in)) != EOF;) {
+    for (int c = EOF; c != (unsigned char)end && (c = system_getc(in)) != EOF;) {
         if (*capacity - length < 2 || !*line) {
             size_t more = *line ? 2 * *capacity : 128;
             char *grown = realloc(*line, more);
@@ -177,4 +180,40 @@ bool text_matches(const char *name, const char *pattern, unsigned how)
         }
     }
     return true;
+}
+
+const char *text_error(int error)
+{
+    static const struct {
+        int error;
+        const char *words;
+    } known[] = {{EIO, "Input/output error"},
+                 {EBUSY, "Device or resource busy"},
+                 {ENOMEM, "Cannot allocate memory"},
+                 {ENAMETOOLONG, "File name too long"},
+                 {ELOOP, "Too many levels of symbolic links"},
+                 {EILSEQ, "Invalid or incomplete multibyte or wide character"},
+                 {ENOENT, "No such file or directory"},
+                 {EEXIST, "File exists"},
+                 {EACCES, "Permission denied"},
+                 {EPERM, "Operation not permitted"},
+                 {EISDIR, "Is a directory"},
+                 {ENOTDIR, "Not a directory"},
+                 {ENOTEMPTY, "Directory not empty"},
+                 {EINVAL, "Invalid argument"},
+                 {EBADF, "Bad file descriptor"},
+                 {EMFILE, "Too many open files"},
+                 {EFBIG, "File too large"},
+                 {ENOSPC, "No space left on device"},
+                 {ESPIPE, "Illegal seek"},
+                 {EROFS, "Read-only file system"},
+                 {EPIPE, "Broken pipe"},
+                 {ENOSYS, "Function not implemented"},
+                 {EAGAIN, "Resource temporarily unavailable"}};
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+        if (known[i].error == error) {
+            return known[i].words;
+        }
+    }
+    return strerror(error);
 }

@@ -5,6 +5,7 @@
 #include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/system/system.h"
+#include "base/text.h"
 #include "cache/atlas_cache.h"
 #include "conus/cache.h"
 
@@ -173,7 +174,7 @@ conus_status conus_cache_clear(void)
     for (size_t i = 0; folder >= 0 && i < cache->count; i++) {
         const char *name = cache->entries[i].file;
         if (!system_remove_in(folder, name) && errno != ENOENT) {
-            status = fail(CONUS_ERROR_IO, "%s/%s: cannot remove: %s", cache->folder.data, name, strerror(errno));
+            status = fail(CONUS_ERROR_IO, "%s/%s: cannot remove: %s", cache->folder.data, name, text_error(errno));
         }
     }
     if (folder >= 0) {

@@ -4,8 +4,8 @@
 include(CMakePackageConfigHelpers)
 
 # Libraries
-install(TARGETS conus EXPORT conus-targets LIBRARY COMPONENT runtime NAMELINK_COMPONENT devel
-  INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS conus EXPORT conus-targets LIBRARY COMPONENT runtime NAMELINK_COMPONENT devel RUNTIME COMPONENT runtime
+  ARCHIVE COMPONENT devel INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS conus_static EXPORT conus-static-targets COMPONENT devel INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY include/conus DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT devel FILES_MATCHING PATTERN "*.h")
 
@@ -30,7 +30,7 @@ foreach(program IN ITEMS conus_cli conus-view conus-mpi conus-mesh conus-hdf5)
     continue()
   endif()
   install(TARGETS ${program} COMPONENT runtime)
-  if(program MATCHES "mesh|hdf5") # started by conus, no commands for people
+  if(program MATCHES "mesh|hdf5" OR CMAKE_CROSSCOMPILING) # started by conus, no commands for people; or cannot write its pages here
     continue()
   endif()
   set(name $<TARGET_FILE_BASE_NAME:${program}>)

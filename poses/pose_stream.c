@@ -11,6 +11,7 @@
 #include "base/options.h"
 #include "base/path.h"
 #include "base/system/system.h"
+#include "base/text.h"
 #include "conus/file.h"
 #include "poses/pose_candidates.h"
 #include "poses/pose_table.h"
@@ -421,7 +422,7 @@ static conus_status begin_text(conus_pose_stream *stream)
 
 static conus_status fail_errno(const char *action)
 {
-    return fail(CONUS_ERROR_IO, "cannot %s: %s", action, strerror(errno));
+    return fail(CONUS_ERROR_IO, "cannot %s: %s", action, text_error(errno));
 }
 
 static conus_status begin_file(conus_pose_stream *stream)

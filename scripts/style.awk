@@ -42,6 +42,10 @@ FNR == 2 && FILENAME ~ /[.](c|cpp)$/ && FILENAME !~ /^examples\// && !/^\/[*\/]/
 calls(text, "strcpy|strcat|sprintf|vsprintf|gets|atoi|atol|atof|strtok|scanf|sscanf|fscanf|alloca|rand|srand") {
     report(FNR, "banned function:" $0)
 }
+# C promises "not 0" of these, no number.
+text ~ /([-+*] *(isnan|isinf|isfinite|signbit) *\(|(isnan|isinf|isfinite|signbit) *\([^()]*\) *[-+*])/ {
+    report(FNR, "arithmetic with a truth:" $0)
+}
 library && calls(text, "exit|_exit|abort|printf|fprintf|vprintf|vfprintf|puts|putchar|perror|system|setlocale") {
     report(FNR, "not in the library:" $0)
 }

@@ -2,6 +2,7 @@
 /* The table of options of conus batch and conus-mpi, and what --format and --shard mean. */
 #include "batch/batch_settings.h"
 
+#include "base/system/system.h"
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/output.h"
@@ -144,7 +145,7 @@ bool batch_format(conus_format *out, const struct batch_settings *settings, cons
 /* Number of an environment's variable; `missing` where it is not set. */
 static bool read_variable(uint64_t *out, const char *name, uint64_t missing)
 {
-    const char *text = getenv(name);
+    const char *text = system_variable(name);
     *out = missing;
     return !text || count_parse(text, UINT32_MAX, out);
 }
@@ -152,7 +153,7 @@ static bool read_variable(uint64_t *out, const char *name, uint64_t missing)
 static int shard_of_slurm(struct shard *out)
 {
     uint64_t id, count, lowest, highest, step;
-    if (!getenv("SLURM_ARRAY_TASK_ID") || !getenv("SLURM_ARRAY_TASK_COUNT")) {
+    if (!system_variable("SLURM_ARRAY_TASK_ID") || !system_variable("SLURM_ARRAY_TASK_COUNT")) {
         return EXIT_DONE;
     }
     bool numbers = read_variable(&id, "SLURM_ARRAY_TASK_ID", 0) && read_variable(&count, "SLURM_ARRAY_TASK_COUNT", 0) &&
@@ -164,7 +165,7 @@ static int shard_of_slurm(struct shard *out)
         return print_usage_error(
             "SLURM_ARRAY_TASK_ID=%s does not say which part of the poses to answer; --shard I/N does "
             "(0/1 is all of them)",
-            getenv("SLURM_ARRAY_TASK_ID"));
+            system_variable("SLURM_ARRAY_TASK_ID"));
     }
     *out = (struct shard){(id - lowest) / step, count};
     print_error_line("note: shard %llu/%llu, from SLURM_ARRAY_TASK_ID=%llu", (unsigned long long)out->index,

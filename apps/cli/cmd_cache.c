@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus cache: what is kept for the next time, where, and an end to it. */
+#include "base/system/system.h"
 #include "cli/answers/aligned.h"
 #include "cli/commands.h"
 #include "conus/cache.h"
@@ -45,7 +46,7 @@ static void put_tsv(FILE *out, const void *cache)
         char when[32] = "n/a";
         struct tm parts;
         const time_t used = (time_t)entry->last_used;
-        if (localtime_r(&used, &parts)) {
+        if (system_local_time(&parts, used)) {
             strftime(when, sizeof when, "%Y-%m-%d %H:%M:%S", &parts);
         }
         fprintf(out, "%s\t%" PRIu64 "\t%s\t", entry->kind, entry->size, when);

@@ -105,7 +105,7 @@ static int run_mesh(const void *given, const struct arguments *arguments)
         .pass_band = settings->pass_band,
         .decimate = settings->decimate,
         .max_memory = settings->atlas.max_memory,
-        .progress = !settings->common.quiet && isatty(STDERR_FILENO) ? show_progress : NULL,
+        .progress = !settings->common.quiet && system_is_terminal(STDERR_FILENO) ? show_progress : NULL,
         .log = settings->common.quiet ? NULL : log_note,
     };
     if (options.no_smoothing && option_given(arguments, "pass-band")) {

@@ -193,7 +193,7 @@ static int add_file(struct page *page, const char *path, bool is_context)
 /* Whether it was looked for where the environment says: in a page it lies beside the atlas. */
 static bool is_of_freesurfer(const struct page_file *file)
 {
-    const char *home = getenv("FREESURFER_HOME");
+    const char *home = system_variable("FREESURFER_HOME");
     return home && *home && strncmp(file->path, home, strlen(home)) == 0;
 }
 
@@ -277,8 +277,8 @@ static int open_as_page(struct page *page, const struct stage *stage)
         }
         free(name);
     }
-    setenv("CONUS_HDF5", "/dev/null", 1);
-    setenv("FREESURFER_HOME", "", 1);
+    system_set_variable("CONUS_HDF5", "/dev/null");
+    system_set_variable("FREESURFER_HOME", "");
     conus_status status = made ? conus_atlas_load(&atlas, path, NULL) : CONUS_ERROR_MEMORY;
     status = status || !context ? status : conus_atlas_set_context(atlas, context, NULL);
     int code = EXIT_DONE;
@@ -341,7 +341,7 @@ static int put_file(FILE *out, const struct page_file *file, const char *folder,
     char digits[BASE64_ENCODE_RAW_LENGTH(sizeof piece)];
     FILE *in = system_stream(file->path, "r");
     if (!in) {
-        return print_data_error("%s: %s", file->path, strerror(errno));
+        return print_data_error("%s: %s", file->path, text_error(errno));
     }
     fputs("<script type=\"application/octet-stream\" data-file=\"", out);
     put_text(out, folder, false);
@@ -440,7 +440,7 @@ static int read_template(char **out, const char *given, const char *before)
     }
     if (!in || text_read_line(&text, &size, '\0', in) < 0 || !strstr(text, mark)) {
         print_error_line("%s: %s", name,
-                         in ? "no template of a page, which has the line <!-- atlas -->" : strerror(errno));
+                         in ? "no template of a page, which has the line <!-- atlas -->" : text_error(errno));
         if (in) {
             fclose(in);
         }

@@ -3,6 +3,7 @@
  * shows a page in the browser. */
 #include "base/path.h"
 #include "base/system/system.h"
+#include "base/text.h"
 #include "cli/cmd_page.h"
 #include "cli/commands.h"
 #include "cli/verify/replay.h"
@@ -32,7 +33,7 @@ static int become_view(char **words)
     if (errno == ENOENT) {
         return -1;
     }
-    print_error_line("conus view: the program %s cannot be started: %s", program, strerror(errno));
+    print_error_line("conus view: the program %s cannot be started: %s", program, text_error(errno));
     return EXIT_DATA;
 }
 

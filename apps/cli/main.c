@@ -159,13 +159,13 @@ static bool run_on_own_stack(struct call *call)
 
 int main(int argc, char **argv)
 {
-    struct call call = {.count = argc, .words = argv};
     /* A buffer for the longest help: a full disk is found, with its reason, when all is written at the end. */
     static char buffer[1 << 16];
     setvbuf(stdout, buffer, _IOFBF, sizeof buffer);
     /* A reader that went away is an error of writing, with a message and an exit code, not a sudden end; likewise a
      * file that `ulimit -f` does not let grow. */
-    system_begin(true);
+    system_begin(&argc, &argv, true);
+    struct call call = {.count = argc, .words = argv};
     /* `ulimit -s 64` leaves too little for 256 rays side by side, for Embree and for OpenGL. */
     if (!system_stack_is_below(ENOUGH) || !run_on_own_stack(&call)) {
         run_call(&call);

@@ -2,10 +2,12 @@
 /* The station's thread: its sockets, its peers, the newest poses. */
 #include "link/station.h"
 
+#include "base/system/system.h"
 #include "options/clock.h"
 
 #include <arpa/inet.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <netdb.h>
 #include <netinet/tcp.h>
@@ -14,14 +16,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/eventfd.h>
 #include <sys/socket.h>
-#include <time.h>
-#include <unistd.h>
 
-enum { PEERS = 4, CHUNK = 16 * 1024, OUTGOING = 128 * 1024, REQUEST_MS = 20, RETRY_MS = 1000 };
+enum { PEERS = 4, CHUNK = 16 * 1024, OUTGOING = 128 * 1024, REQUEST_MS = 20, RETRY_MS = 1000, CONNECT_MS = 2000 };
 
 static const double stale_after_s = 0.5;
+
+enum { THREAD, WAITER, WAKES }; /* whom the station wakes: its own thread; who waits for a pose */
 
 /* One that is connected. */
 struct peer {
@@ -36,13 +37,14 @@ struct peer {
 struct station {
     struct station_options options; /* strings are owned */
     pthread_t thread;
-    int listener, wake; /* wake: an eventfd */
+    int listener;
+    struct system_wake wakes[WAKES];
+    size_t wake_count; /* of those that are open */
     uint16_t port;
     struct peer peers[PEERS];
     double next_try_ms; /* of a connection that we make */
 
     pthread_mutex_t lock; /* guards what follows */
-    pthread_cond_t arrived;
     bool stop;
     struct igtl_pose tool, second, reference, head; /* newest of each; name "" = none yet */
     double arrived_ms, second_arrived_ms, head_arrived_ms, time_s;
@@ -177,7 +179,7 @@ static void hear(void *user, const struct igtl_poses *poses)
             station->arrived_ms = clock_ms();
             station->time_s = poses->time_s;
             station->number++;
-            pthread_cond_broadcast(&station->arrived);
+            system_wake(&station->wakes[WAITER]);
         }
     }
     void (*call)(void) = heard ? station->on_pose : NULL;
@@ -302,6 +304,35 @@ static void note_trouble(struct station *station, const char *trouble)
     pthread_mutex_unlock(&station->lock);
 }
 
+/* Has programs that are started not get it, and its end be an error of send(); it never waits. */
+static int keep(int socket)
+{
+    if (socket >= 0) {
+        fcntl(socket, F_SETFD, FD_CLOEXEC);
+        fcntl(socket, F_SETFL, O_NONBLOCK);
+#ifdef SO_NOSIGPIPE /* where send() may not know MSG_NOSIGNAL */
+        setsockopt(socket, SOL_SOCKET, SO_NOSIGPIPE, &(int){1}, sizeof(int));
+#endif
+    }
+    return socket;
+}
+
+static bool connect_soon(int socket, const struct addrinfo *to)
+{
+    struct pollfd wanted = {.fd = socket, .events = POLLOUT};
+    int error = 0;
+    socklen_t size = sizeof error;
+    if (connect(socket, to->ai_addr, to->ai_addrlen) == 0) {
+        return true;
+    }
+    if (errno != EINPROGRESS || poll(&wanted, 1, CONNECT_MS) != 1) {
+        return false;
+    }
+    getsockopt(socket, SOL_SOCKET, SO_ERROR, &error, &size);
+    errno = error;
+    return !error;
+}
+
 /* A connection that we make; waits a little at most, on the station's own thread. */
 static void try_connection(struct station *station)
 {
@@ -315,13 +346,9 @@ static void try_connection(struct station *station)
         note_trouble(station, gai_strerror(code));
         return;
     }
-    int socket_ = socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    const struct timeval patience = {.tv_sec = 2};
-    if (socket_ >= 0) {
-        setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
-    }
-    bool fine = socket_ >= 0 && connect(socket_, found->ai_addr, found->ai_addrlen) == 0;
-    note_trouble(station, fine ? NULL : strerrordesc_np(errno));
+    int socket_ = keep(socket(found->ai_family, SOCK_STREAM, 0));
+    bool fine = socket_ >= 0 && connect_soon(socket_, found);
+    note_trouble(station, fine ? NULL : strerror(errno));
     if (fine) {
         welcome(station, socket_);
     } else if (socket_ >= 0) {
@@ -338,10 +365,18 @@ static bool is_stopped(struct station *station)
     return stop;
 }
 
+/* Has it wait for the next waking. */
+static void forget(const struct system_wake *wake)
+{
+    char bytes[CHUNK];
+    while (read((int)wake->file, bytes, sizeof bytes) > 0) {
+    }
+}
+
 /* Reads from connected peers before it accepts a new one, which may take the place of a silent peer. */
 static void serve(struct station *station)
 {
-    struct pollfd polled[PEERS + 2] = {{.fd = station->wake, .events = POLLIN},
+    struct pollfd polled[PEERS + 2] = {{.fd = (int)station->wakes[THREAD].file, .events = POLLIN},
                                        {.fd = station->listener, .events = POLLIN}};
     for (int p = 0; p < PEERS; p++) {
         struct peer *peer = &station->peers[p];
@@ -350,9 +385,8 @@ static void serve(struct station *station)
         polled[2 + p].events = (short)(peer->sent < peer->out_size ? POLLIN | POLLOUT : POLLIN);
     }
     poll(polled, PEERS + 2, 100);
-    uint64_t ticks;
-    if (polled[0].revents && read(station->wake, &ticks, sizeof ticks) < 0) {
-        return;
+    if (polled[0].revents) {
+        forget(&station->wakes[THREAD]);
     }
     for (int p = 0; p < PEERS; p++) {
         struct peer *peer = &station->peers[p];
@@ -365,7 +399,7 @@ static void serve(struct station *station)
         }
     }
     if (polled[1].revents & POLLIN) {
-        int socket = accept4(station->listener, NULL, NULL, SOCK_CLOEXEC);
+        int socket = keep(accept(station->listener, NULL, NULL));
         if (socket >= 0) {
             welcome(station, socket);
         }
@@ -395,7 +429,7 @@ static bool open_listener(struct station *station, char *why, size_t size)
         snprintf(why, size, "tracker: \"%s\" is no IPv4 address to wait on", address);
         return false;
     }
-    station->listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    station->listener = keep(socket(AF_INET, SOCK_STREAM, 0));
     if (station->listener >= 0) {
         setsockopt(station->listener, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     }
@@ -423,10 +457,9 @@ static void free_station(struct station *station)
     if (station->listener >= 0) {
         close(station->listener);
     }
-    if (station->wake >= 0) {
-        close(station->wake);
+    for (size_t i = 0; i < station->wake_count; i++) {
+        system_wake_end(&station->wakes[i]);
     }
-    pthread_cond_destroy(&station->arrived);
     pthread_mutex_destroy(&station->lock);
     free((char *)station->options.host);
     free((char *)station->options.listen);
@@ -459,7 +492,6 @@ static void set_options(struct station *station, const struct station_options *o
 
 bool station_start(struct station **out, const struct station_options *options, char *why, size_t size)
 {
-    pthread_condattr_t clock;
     struct station *station = calloc(1, sizeof *station);
     snprintf(why, size, "tracker: not enough memory");
     if (!station) {
@@ -469,14 +501,12 @@ bool station_start(struct station **out, const struct station_options *options, 
         station->peers[p].socket = -1;
     }
     pthread_mutex_init(&station->lock, NULL);
-    pthread_condattr_init(&clock);
-    pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
-    pthread_cond_init(&station->arrived, &clock);
-    pthread_condattr_destroy(&clock);
     set_options(station, options);
     station->listener = -1;
-    station->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    bool open = station->wake >= 0 && (options->host || open_listener(station, why, size));
+    while (station->wake_count < WAKES && system_wake_begin(&station->wakes[station->wake_count])) {
+        station->wake_count++;
+    }
+    bool open = station->wake_count == WAKES && (options->host || open_listener(station, why, size));
     if (!open || pthread_create(&station->thread, NULL, run, station)) {
         free_station(station);
         return false;
@@ -485,20 +515,13 @@ bool station_start(struct station **out, const struct station_options *options, 
     return true;
 }
 
-static void wake(struct station *station)
-{
-    const uint64_t one = 1;
-    ssize_t written = write(station->wake, &one, sizeof one);
-    (void)written; /* it is awake already */
-}
-
 void station_stop(struct station *station)
 {
     if (station) {
         pthread_mutex_lock(&station->lock);
         station->stop = true;
         pthread_mutex_unlock(&station->lock);
-        wake(station);
+        system_wake(&station->wakes[THREAD]);
         pthread_join(station->thread, NULL);
         free_station(station);
     }
@@ -561,20 +584,18 @@ void station_ask(struct station *station, struct station_update *out)
 
 bool station_wait(struct station *station, uint64_t after, double seconds, struct station_update *out)
 {
-    struct timespec until;
-    clock_gettime(CLOCK_MONOTONIC, &until);
-    double end = (double)until.tv_nsec * 1e-9 + seconds;
-    until.tv_sec += (time_t)floor(end);
-    until.tv_nsec = (long)((end - floor(end)) * 1e9);
-    pthread_mutex_lock(&station->lock);
-    int waited = 0;
-    while (station->number <= after && !waited) {
-        waited = pthread_cond_timedwait(&station->arrived, &station->lock, &until);
+    struct pollfd arrived = {.fd = (int)station->wakes[WAITER].file, .events = POLLIN};
+    const double end_ms = clock_ms() + 1e3 * seconds;
+    double left_ms = 1e3 * seconds;
+    station_ask(station, out);
+    while (out->number <= after && left_ms > 0) {
+        if (poll(&arrived, 1, (int)ceil(left_ms)) > 0) {
+            forget(&station->wakes[WAITER]);
+        }
+        station_ask(station, out);
+        left_ms = end_ms - clock_ms();
     }
-    bool newer = station->number > after;
-    fill_update(station, out);
-    pthread_mutex_unlock(&station->lock);
-    return newer;
+    return out->number > after;
 }
 
 void station_send(struct station *station, const char *json, const struct igtl_point *points, size_t count)
@@ -588,7 +609,7 @@ void station_send(struct station *station, const char *json, const struct igtl_p
     station->outgoing_size = size;
     station->outgoing_number++;
     pthread_mutex_unlock(&station->lock);
-    wake(station);
+    system_wake(&station->wakes[THREAD]);
 }
 
 uint16_t station_port(struct station *station)

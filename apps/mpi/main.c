@@ -424,7 +424,7 @@ int main(int argc, char **argv)
     static const struct program program = {.name = "conus-mpi", .commands = commands};
     int provided, code;
     struct cluster cluster;
-    system_begin(false); /* a file that may not grow is an error of writing */
+    system_begin(&argc, &argv, false); /* a file that may not grow is an error of writing */
     if (pages_answer(&code, &program, argc, argv)) {
         return code;
     }

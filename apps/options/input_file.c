@@ -3,6 +3,7 @@
 #include "options/input_file.h"
 
 #include "base/system/system.h"
+#include "base/text.h"
 #include "options/messages.h"
 
 #include <errno.h>
@@ -23,7 +24,7 @@ static FILE *refuse_kind(const char *path, enum system_kind kind, const char *ne
 
 static FILE *fail_to(const char *action, const char *path)
 {
-    print_error_line("%s: cannot %s: %s", path, action, strerror(errno));
+    print_error_line("%s: cannot %s: %s", path, action, text_error(errno));
     return NULL;
 }
 

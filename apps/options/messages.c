@@ -3,6 +3,7 @@
 #include "options/messages.h"
 
 #include "base/system/system.h"
+#include "base/text.h"
 #include "conus/file.h"
 #include "options/table_fit.h"
 
@@ -83,7 +84,7 @@ int print_usage_error(const char *format, ...)
 
 int print_system_error(const char *path, const char *action)
 {
-    return print_data_error("%s: cannot %s: %s", path, action, strerror(errno));
+    return print_data_error("%s: cannot %s: %s", path, action, text_error(errno));
 }
 
 int exit_code_of(conus_status status)

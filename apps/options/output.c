@@ -24,7 +24,7 @@ bool output_is_stdout(const char *path)
 static int print_stdout_error(int error)
 {
     if (error != EPIPE) {
-        print_error_line("standard output: cannot write: %s", strerror(error));
+        print_error_line("standard output: cannot write: %s", text_error(error));
     }
     return EXIT_DATA;
 }
@@ -44,7 +44,7 @@ int output_write(const char *path, const char *text, size_t size)
 
 static int write_fitted(const char *text, size_t size, const char *whole)
 {
-    if (!isatty(STDOUT_FILENO)) {
+    if (!system_is_terminal(STDOUT_FILENO)) {
         return output_write(NULL, text, size);
     }
     char *fitted = table_fit(text, terminal_width(STDOUT_FILENO), terminal_has_colour(STDOUT_FILENO), whole);

@@ -7,6 +7,7 @@
 #include "options/messages.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 const char *const progress_kinds[] = {"auto", "json", "none", NULL};
@@ -16,28 +17,22 @@ enum { LINE_SIZE = 256 };
 static const double interval_ms = 100;
 static const double log_interval_ms = 5 * 60 * 1000;
 
-static int redirected = -1;
-
-void progress_redirect(int descriptor)
-{
-    redirected = descriptor;
-}
-
 void progress_start(struct progress *out, enum progress_kind kind, bool quiet, const char *what, uint64_t total)
 {
     double start = clock_ms();
-    bool is_redirected = redirected >= 0;
+    const char *other = getenv(PROGRESS_VARIABLE);
+    bool is_redirected = other && *other;
     bool is_for_people = is_redirected || (kind == PROGRESS_AUTO && !quiet);
     *out = (struct progress){.kind = is_redirected ? PROGRESS_AUTO : kind,
                              .what = what,
                              .total = total,
-                             .to = is_redirected ? redirected : STDERR_FILENO,
+                             .to = is_redirected ? (int)strtol(other, NULL, 10) : STDERR_FILENO,
                              .started = start,
                              .shown = start};
     if (out->kind == PROGRESS_JSON) {
         out->shown -= 2 * interval_ms; /* a program that reads along gets the first block at once */
     }
-    out->on_terminal = is_for_people && isatty(out->to);
+    out->on_terminal = is_for_people && system_is_terminal(out->to);
     out->in_log = is_for_people && !out->on_terminal && !is_redirected;
 }
 
@@ -107,7 +102,8 @@ void progress_update(struct progress *progress, uint64_t done, uint64_t errors)
     char line[LINE_SIZE];
     make_line(line, progress, done, errors);
     if (progress->on_terminal) {
-        dprintf(progress->to, "\r\033[K%s", line);
+        char shown[LINE_SIZE + 8];
+        system_write(progress->to, shown, (size_t)snprintf(shown, sizeof shown, "\r\033[K%s", line));
         messages_unfinished(true);
     } else {
         print_error_line("%s", line);
@@ -117,7 +113,7 @@ void progress_update(struct progress *progress, uint64_t done, uint64_t errors)
 void progress_finish(struct progress *progress, uint64_t done, uint64_t errors)
 {
     if (progress->on_terminal) {
-        dprintf(progress->to, "\r\033[K");
+        system_write(progress->to, "\r\033[K", strlen("\r\033[K"));
         messages_unfinished(false);
     }
     if (progress->kind == PROGRESS_JSON) {

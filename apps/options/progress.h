@@ -26,9 +26,9 @@ struct progress {
 /** @p quiet: no lines for people. @p what is counted: "poses"; @p total of them, 0 = not known. */
 void progress_start(struct progress *out, enum progress_kind kind, bool quiet, const char *what, uint64_t total);
 
-/** For a process that answers on behalf of another: from here on, progress goes to the terminal at @p descriptor,
- * whatever was asked for, and nowhere if that is no terminal. */
-void progress_redirect(int descriptor);
+/** The variable of the environment by which a process that answers for another one shows its progress on the terminal
+ * at the descriptor that it names, whatever was asked for, and nowhere if that is no terminal. */
+#define PROGRESS_VARIABLE "CONUS_PROGRESS_TO"
 
 /** Whether progress will be shown, so that it is worth counting the work. */
 bool progress_is_shown(const struct progress *progress);

@@ -185,17 +185,17 @@ enum { WIDTH_LIMIT = 100000 };
 size_t terminal_width(int descriptor)
 {
     unsigned known = system_columns(descriptor);
-    if (known || !isatty(descriptor)) {
+    if (known || !system_is_terminal(descriptor)) {
         return known;
     }
-    const char *columns = getenv("COLUMNS");
+    const char *columns = system_variable("COLUMNS");
     long width = columns ? strtol(columns, NULL, 10) : 0;
     return width > 0 && width < WIDTH_LIMIT ? (size_t)width : 0;
 }
 
 bool terminal_has_colour(int descriptor)
 {
-    const char *none = getenv("NO_COLOR"); /* no-color.org: any text but the empty one */
-    const char *term = getenv("TERM");
-    return isatty(descriptor) && !(none && *none) && term && *term && strcmp(term, "dumb") != 0;
+    const char *none = system_variable("NO_COLOR"); /* no-color.org: any text but the empty one */
+    const char *term = system_variable("TERM");
+    return system_is_terminal(descriptor) && !(none && *none) && term && *term && strcmp(term, "dumb") != 0;
 }

@@ -265,7 +265,7 @@ int main(int count, char **words)
     struct arguments arguments;
     struct view_settings settings = {0};
     int code;
-    system_begin(false); /* a file that may not grow is an error of writing */
+    system_begin(&count, &words, false); /* a file that may not grow is an error of writing */
     if (pages_answer(&code, &program, count, words)) {
         return code;
     }

@@ -12,8 +12,9 @@
 
 conus_status cache_folder_path(struct buffer *out)
 {
-    const char *cache = getenv("XDG_CACHE_HOME");
-    const char *home = getenv("HOME");
+    const char *cache = system_variable("XDG_CACHE_HOME");
+    cache = cache ? cache : system_variable(SYSTEM_CACHE_HOME);
+    const char *home = system_variable("HOME");
     if (path_is_whole(cache)) { /* the specification: relative ones are ignored */
         buffer_format(out, "%s/conus", cache);
     } else if (path_is_whole(home)) {

@@ -29,7 +29,7 @@
 bool cache_limit(uint64_t *out)
 {
     static const char units[] = "KMGT";
-    const char *text = getenv("CONUS_CACHE");
+    const char *text = system_variable("CONUS_CACHE");
     char *end = NULL;
     *out = CACHE_LIMIT;
     if (!text || !*text) {
@@ -48,9 +48,9 @@ bool cache_limit(uint64_t *out)
 conus_status cache_check_limit(void)
 {
     uint64_t limit;
-    return cache_limit(&limit)
-               ? CONUS_OK
-               : fail(CONUS_ERROR_ARGUMENT, "$CONUS_CACHE: \"%s\"; allowed is " CACHE_LIMITS, getenv("CONUS_CACHE"));
+    return cache_limit(&limit) ? CONUS_OK
+                               : fail(CONUS_ERROR_ARGUMENT, "$CONUS_CACHE: \"%s\"; allowed is " CACHE_LIMITS,
+                                      system_variable("CONUS_CACHE"));
 }
 
 /* Appends a string and its end; a mark tells NULL from an empty one. */
@@ -70,7 +70,7 @@ bool cache_store_begin(struct cache_store *store, const char *ending, const char
     }
     cache_key_append(&store->key, "conus " CONUS_VERSION);
     cache_key_append(&store->key, build);
-    cache_key_append(&store->key, BYTE_ORDER == LITTLE_ENDIAN ? CPU " little" : CPU " big");
+    cache_key_append(&store->key, __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ ? CPU " little" : CPU " big");
     cache_key_append(&store->key, relative && system_here(here) ? here : NULL);
     cache_key_append(&store->key, path);
     return true;

@@ -39,9 +39,6 @@ struct child_task {
  * there is none. memory_free() it. */
 conus_status child_find(char **path, const struct child_program *program);
 
-/** An empty file in memory for a program's input, which shows up as @p name; -1 and errno where there is none. */
-int child_create_input(const char *name);
-
 /** Runs the program to its end. @p rest gets the output that `take` did not use; the caller's to finish. Fails with the
  * status of `take`, or with one line about how the program failed: a crash, too much memory or time, its message on
  * stderr. Whatever it returns, no process is left. */

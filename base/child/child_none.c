@@ -2,20 +2,11 @@
 /* Stands for the programs that read with a large library, where no program can be started, as in a web page. */
 #include "base/child/child.h"
 
-#include <errno.h>
-
 conus_status child_find(char **path, const struct child_program *program)
 {
     (void)path;
     return fail(CONUS_ERROR_UNSUPPORTED, "%s reads this, which a web page cannot start; the program conus can",
                 program->name);
-}
-
-int child_create_input(const char *name)
-{
-    (void)name;
-    errno = ENOSYS;
-    return -1;
 }
 
 conus_status child_run(struct bytes *rest, const struct child_task *task)

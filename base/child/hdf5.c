@@ -4,9 +4,11 @@
 
 #include "base/byte_order.h"
 #include "base/child/child.h"
+#include "base/child/process.h"
 #include "base/memory.h"
 #include "base/order.h"
 #include "base/system/system.h"
+#include "base/text.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -385,11 +387,11 @@ conus_status hdf5_read(struct hdf5 **out, const struct open_file *file, const ch
 conus_status hdf5_read_bytes(struct hdf5 **out, struct text file, const char *const *wanted, size_t count,
                              uint64_t max_memory)
 {
-    struct open_file copy = {.descriptor = child_create_input("conus-hdf5")};
+    struct open_file copy = {.descriptor = process_file("conus-hdf5")};
     bool is_there = copy.descriptor >= 0 && system_write(copy.descriptor, file.data, file.size) &&
                     file_state_of(&copy.before, copy.descriptor);
     conus_status status = is_there ? hdf5_read(out, &copy, wanted, count, max_memory)
-                                   : fail(CONUS_ERROR_IO, "HDF5: cannot copy the file: %s", strerror(errno));
+                                   : fail(CONUS_ERROR_IO, "HDF5: cannot copy the file: %s", text_error(errno));
     if (copy.descriptor >= 0) {
         file_close(&copy);
     }

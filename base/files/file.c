@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/path.h"
 #include "base/system/system.h"
+#include "base/text.h"
 #include "conus/file.h"
 
 #include <errno.h>
@@ -21,7 +22,7 @@ void bytes_finish(struct bytes *bytes)
 
 static conus_status fail_errno(const char *path, const char *action)
 {
-    return fail(CONUS_ERROR_IO, "%s: cannot %s: %s", path, action, strerror(errno));
+    return fail(CONUS_ERROR_IO, "%s: cannot %s: %s", path, action, text_error(errno));
 }
 
 /* Recorded by a trace. */
@@ -53,7 +54,7 @@ conus_status file_state_check(const struct file_state *before, const char *path)
 
 static conus_status fail_read(const char *action)
 {
-    return fail(CONUS_ERROR_IO, "cannot %s: %s", action, strerror(errno));
+    return fail(CONUS_ERROR_IO, "cannot %s: %s", action, text_error(errno));
 }
 
 conus_status file_open_here(struct open_file *out, const char *path)
@@ -336,7 +337,7 @@ conus_status file_make_folder(const char *path)
     if (system_make_folder(path, false) || (errno == EEXIST && file_is_folder(path))) {
         return CONUS_OK;
     }
-    return fail(CONUS_ERROR_IO, "%s: cannot make this folder: %s", path, strerror(errno));
+    return fail(CONUS_ERROR_IO, "%s: cannot make this folder: %s", path, text_error(errno));
 }
 
 void *file_map(const char *path, const struct file_state *before)

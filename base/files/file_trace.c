@@ -246,7 +246,7 @@ conus_status names_list(struct names *out, const char *folder, const char *endin
 
 const char *file_trace_environment(const char *name)
 {
-    const char *value = getenv(name);
+    const char *value = system_variable(name);
     if (open_trace) {
         keep(TRACE_ENVIRONMENT, name, value, NULL, NULL);
     }
@@ -388,7 +388,7 @@ static bool holds(const struct traced *item)
     case TRACE_REAL_PATH:
         return compare_texts(system_real_path(real, item->path) ? real : NULL, item->more) == 0;
     case TRACE_ENVIRONMENT:
-        return compare_texts(getenv(item->path), item->more) == 0;
+        return compare_texts(system_variable(item->path), item->more) == 0;
     case TRACE_NOTHING:
     case TRACE_FILE:
     case TRACE_FOLDER:

@@ -6,6 +6,7 @@
 #include "base/formats/gzip.h"
 #include "base/memory.h"
 #include "base/system/system.h"
+#include "base/text.h"
 #include "base/threads.h"
 
 #include <assert.h>
@@ -47,7 +48,7 @@ static conus_status read_unsummed(struct byte_source *source, uint8_t *out, size
             n = read(source->descriptor, out + got, size - got);
         }
         if (n == 0 || (n < 0 && errno != EINTR)) {
-            return fail(CONUS_ERROR_IO, "%s", n ? strerror(errno) : FILE_CHANGED);
+            return fail(CONUS_ERROR_IO, "%s", n ? text_error(errno) : FILE_CHANGED);
         }
         got += n > 0 ? (size_t)n : 0;
     }
@@ -281,7 +282,7 @@ conus_status byte_stream_open(struct byte_stream *out, const char *path)
     struct system_stat info;
     struct byte_source source = {.descriptor = system_open(path, SYSTEM_READ | SYSTEM_AT_ONCE)};
     bool found = source.descriptor >= 0 && system_stat_open(&info, source.descriptor);
-    conus_status status = found ? CONUS_OK : fail(CONUS_ERROR_IO, "cannot open: %s", strerror(errno));
+    conus_status status = found ? CONUS_OK : fail(CONUS_ERROR_IO, "cannot open: %s", text_error(errno));
     if (!status && info.kind != SYSTEM_FILE) {
         status = fail(CONUS_ERROR_IO, "cannot read: a regular file is needed");
     }

@@ -5,6 +5,7 @@
 #include "base/byte_order.h"
 #include "base/memory.h"
 #include "base/system/system.h"
+#include "base/text.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -183,7 +184,7 @@ static conus_status feed(struct follower *follower)
 {
     ptrdiff_t got = system_read_at(follower->descriptor, follower->stored, STORED_BLOCK, follower->packed);
     if (got <= 0) {
-        return got ? fail(CONUS_ERROR_IO, "cannot read: %s", strerror(errno)) : fail_mismatch();
+        return got ? fail(CONUS_ERROR_IO, "cannot read: %s", text_error(errno)) : fail_mismatch();
     }
     follower->packed += (uint64_t)got;
     follower->z.next_in = follower->stored;

@@ -5,17 +5,14 @@
 
 #include <stdbool.h>
 
-#if defined(__x86_64__)
-static inline bool processor_has_avx512(void)
-{
-    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-           __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
-}
+/** AVX2 with FMA; AVX-512 with F, DQ, BW and VL. False on other processors than x86-64. */
+bool processor_has_avx2(void);
+bool processor_has_avx512(void);
 
-static inline bool processor_has_avx2(void)
-{
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-}
-#endif
+enum { PROCESSOR_AVX2 = 1, PROCESSOR_AVX512 = 2 };
+
+/** Which of the two a processor has by @p leaf_1, ECX of cpuid's leaf 1, and @p leaf_7, EBX of its leaf 7, on a system
+ * that saves the registers of @p xcr0. Without its registers a set is none: they would change under a kernel. */
+unsigned processor_sets(unsigned leaf_1, unsigned leaf_7, unsigned xcr0);
 
 #endif

@@ -1,13 +1,31 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds the build's identity among the notes of the object that this file is a part of. */
+/* Finds the build's identity in the head of the program or library that this file is a part of. The linker computes it
+ * from all that it writes: of ELF's it is a note (--build-id), of macOS's LC_UUID, of Windows's, by lld's --build-id,
+ * the GUID that a file of debugging symbols would have, too. A web page has none: nothing is cached there. */
 #include "base/system/build_id.h"
 
-#include <elf.h>
-#include <link.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
+#ifdef __ELF__
+#include <elf.h>
+#include <link.h>
+#elif defined __APPLE__
+#include <dlfcn.h>
+#include <mach-o/loader.h>
+#elif defined _WIN32
+#include <windows.h>
+#endif
 
+static void write_id(char out[BUILD_ID_SIZE], const uint8_t *id, size_t size)
+{
+    for (size_t i = 0; i < size && 2 * i + 2 < BUILD_ID_SIZE; i++) {
+        snprintf(out + 2 * i, 3, "%02x", id[i]);
+    }
+}
+
+#ifdef __ELF__
 /* The name of the note, "GNU" and its NUL. */
 static const char owner[4] = "GNU";
 
@@ -28,10 +46,7 @@ static void read_notes(char out[BUILD_ID_SIZE], const uint8_t *at, size_t size, 
         }
         if (note.n_type == NT_GNU_BUILD_ID && note.n_namesz == sizeof owner &&
             memcmp(at + sizeof note, owner, sizeof owner) == 0) {
-            const uint8_t *id = at + sizeof note + name;
-            for (size_t i = 0; i < note.n_descsz && 2 * i + 2 < BUILD_ID_SIZE; i++) {
-                snprintf(out + 2 * i, 3, "%02x", id[i]);
-            }
+            write_id(out, at + sizeof note + name, note.n_descsz);
         }
         at += whole;
         size -= whole;
@@ -60,9 +75,56 @@ static int read_build_id(struct dl_phdr_info *info, size_t size, void *out)
     return 1;
 }
 
+static void read_own(char out[BUILD_ID_SIZE])
+{
+    dl_iterate_phdr(read_build_id, out);
+}
+#elif defined __APPLE__
+static void read_own(char out[BUILD_ID_SIZE])
+{
+    Dl_info own;
+    const struct mach_header_64 *head = dladdr((const void *)write_id, &own) ? own.dli_fbase : NULL;
+    const uint8_t *at = (const uint8_t *)(head + 1);
+    for (size_t i = 0; head && i < head->ncmds; i++) {
+        struct uuid_command command;
+        memcpy(&command, at, sizeof(struct load_command));
+        if (command.cmd == LC_UUID) {
+            memcpy(&command, at, sizeof command);
+            write_id(out, command.uuid, sizeof command.uuid);
+        }
+        at += command.cmdsize;
+    }
+}
+#elif defined _WIN32
+extern const uint8_t __ImageBase[]; /* of the linker: where the program or library begins */
+
+static void read_own(char out[BUILD_ID_SIZE])
+{
+    enum { KIND = 4, GUID = 16 };
+    const IMAGE_DOS_HEADER *dos = (const IMAGE_DOS_HEADER *)(const void *)__ImageBase;
+    const IMAGE_NT_HEADERS *head = (const IMAGE_NT_HEADERS *)(const void *)(__ImageBase + dos->e_lfanew);
+    IMAGE_DATA_DIRECTORY notes = head->OptionalHeader.DataDirectory[IMAGE_DIRECTORY_ENTRY_DEBUG];
+    for (size_t at = 0; at + sizeof(IMAGE_DEBUG_DIRECTORY) <= notes.Size; at += sizeof(IMAGE_DEBUG_DIRECTORY)) {
+        IMAGE_DEBUG_DIRECTORY note;
+        memcpy(&note, __ImageBase + notes.VirtualAddress + at, sizeof note);
+        const uint8_t *data = __ImageBase + note.AddressOfRawData;
+        if (note.Type == IMAGE_DEBUG_TYPE_CODEVIEW && note.SizeOfData >= KIND + GUID &&
+            memcmp(data, "RSDS", KIND) == 0) {
+            write_id(out, data + KIND, GUID);
+        }
+    }
+}
+#else
+static void read_own(char out[BUILD_ID_SIZE])
+{
+    (void)write_id;
+    (void)out;
+}
+#endif
+
 bool build_id_find(char out[BUILD_ID_SIZE])
 {
     out[0] = '\0';
-    dl_iterate_phdr(read_build_id, out);
+    read_own(out);
     return out[0];
 }

@@ -2,7 +2,7 @@
 /** @file
  * What operating systems do differently. Nothing else includes their headers, but base/child (processes), apps/link
  * (sockets) and the programs that only one system has. What they have alike comes in through this header: read(),
- * write(), close(), dup(), lseek(), ftruncate(), fdopen(), isatty(), clock_gettime() and nanosleep().
+ * write(), close(), dup(), lseek(), ftruncate(), fdopen(), clock_gettime() and nanosleep().
  *
  * Paths are UTF-8 with '/'. What fails returns false or -1, with errno set, and its text is the caller's. Nothing here
  * needs anything else of conus, so that programs have it, too. */
@@ -14,6 +14,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -23,6 +24,24 @@ enum {
     SYSTEM_NO_FILE = -1, /**< No open file. */
     SYSTEM_HERE = -100   /**< As a folder: names count from the current one. */
 };
+
+/** What stands between the names of a path, all that are taken; conus writes '/'. */
+#ifdef _WIN32
+#define SYSTEM_SEPARATORS "/\\"
+#else
+#define SYSTEM_SEPARATORS "/"
+#endif
+/** What stands between the folders of a list, such as $PATH, the variable with the folder of what is
+ * kept for the next time, and the list of those with data of all users. */
+#ifdef _WIN32
+#define SYSTEM_LIST ';'
+#define SYSTEM_CACHE_HOME "LOCALAPPDATA"
+#define SYSTEM_DATA_FOLDERS ""
+#else
+#define SYSTEM_LIST ':'
+#define SYSTEM_CACHE_HOME "XDG_CACHE_HOME"
+#define SYSTEM_DATA_FOLDERS "/usr/local/share:/usr/share"
+#endif
 
 enum system_kind { SYSTEM_FILE, SYSTEM_FOLDER, SYSTEM_LINK, SYSTEM_PIPE, SYSTEM_OTHER };
 
@@ -107,6 +126,10 @@ static inline bool system_remove(const char *path)
     return system_remove_in(SYSTEM_HERE, path);
 }
 bool system_make_folder(const char *path, bool for_us_alone);
+/** Removes an empty folder. */
+bool system_remove_folder(const char *path);
+/** Makes a link, which must not be there, to the file or folder at a whole path; ENOSYS where there are none. */
+bool system_link(const char *target, const char *path);
 /** Gives each name in a folder, "." and ".." too, while @p take returns true. */
 bool system_list(const char *folder, bool (*take)(void *user, const char *name), void *user);
 /** The path from the root on, without links, "." and "..". */
@@ -117,6 +140,27 @@ bool system_here(char out[SYSTEM_PATH]);
 bool system_is_open_name(const char *path);
 /** The path of the program that runs. */
 bool system_program(char out[SYSTEM_PATH]);
+
+/** What the environment says, in UTF-8; NULL where it says nothing. */
+#ifdef _WIN32
+const char *system_variable(const char *name);
+#else
+static inline const char *system_variable(const char *name)
+{
+    return getenv(name);
+}
+#endif
+
+/** Sets it, for this program and those that it starts. */
+void system_set_variable(const char *name, const char *value);
+
+/** strtod() and strtof() of the C locale, whatever the process's is. */
+double system_to_double(const char *text, char **end);
+float system_to_float(const char *text, char **end);
+/** getc() of a stream that no other thread uses. */
+int system_getc(FILE *stream);
+/** The time where the user is. */
+bool system_local_time(struct tm *out, time_t time);
 
 /** The first @p size bytes of an open file, for reading; NULL where that fails. Who reads where the file was cut off
  * meanwhile ends by SIGBUS. */
@@ -142,7 +186,8 @@ void *system_function(const char *library, const char *name);
 
 /** What ends a wait from another thread, or from a signal's handler. */
 struct system_wake {
-    int file; /**< Of eventfd(). */
+    intptr_t file; /**< Can be read from once it is woken, */
+    int end;       /**< by what is written here; unused on Windows, where file is an event. */
 };
 bool system_wake_begin(struct system_wake *out);
 void system_wake(const struct system_wake *wake);
@@ -152,8 +197,9 @@ bool system_wait(int file, const struct system_wake *wake);
 
 /* Of programs, not of the library. */
 
-/** Has a limit on files be an error of writing, not a sudden end; if @p pipes, a broken pipe, too. */
-void system_begin(bool pipes);
+/** Gives the words of the command line in UTF-8, and has streams be binary. Has a limit on files be an error of
+ * writing, not a sudden end; if @p pipes, a broken pipe, too. */
+void system_begin(int *count, char ***words, bool pipes);
 /** Has @p call hear of the first SIGINT or SIGTERM; not of one that is ignored. */
 void system_interrupt(void (*call)(int number));
 /** Whether the first thread's stack has less than @p size bytes. */
@@ -169,6 +215,8 @@ void system_become(const char *program, char **words);
 /** Has the desktop show a file, of a path from the root on, by the program that it has for such files, and does not
  * wait for that. False where it is known that it cannot. */
 bool system_show(const char *path);
+/** Whether a person sees what is written there; Windows' isatty() takes NUL for a terminal. */
+bool system_is_terminal(int file);
 /** Columns of a terminal; 0 = none, or not known. */
 unsigned system_columns(int file);
 

@@ -6,59 +6,72 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <locale.h>
 #include <poll.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/eventfd.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
-#include <sys/vfs.h>
 #include <sys/wait.h>
+#ifdef __linux__
+#include <sys/vfs.h>
+#elif defined __APPLE__
+#include <mach-o/dyld.h>
+#include <sys/random.h>
+#include <sys/sysctl.h>
+#include <xlocale.h>
+#define st_mtim st_mtimespec
+#define st_ctim st_ctimespec
+#define st_atim st_atimespec
+#define O_NOATIME 0 /* what is read gets another time of its last use */
+#endif
 
-_Static_assert(SYSTEM_HERE == AT_FDCWD, "SYSTEM_HERE is AT_FDCWD");
-
-static bool take_stat(struct system_stat *out, const struct stat *info, bool found)
+/* AT_FDCWD is -100 on Linux and -2 on macOS. */
+static int number_of(int folder)
 {
-    if (found) {
-        *out = (struct system_stat){.device = (uint64_t)info->st_dev,
-                                    .inode = (uint64_t)info->st_ino,
-                                    .size = (uint64_t)info->st_size,
-                                    .links = (uint64_t)info->st_nlink,
-                                    .changed = info->st_mtim,
-                                    .altered = info->st_ctim,
-                                    .used = info->st_atim,
-                                    .kind = S_ISREG(info->st_mode)    ? SYSTEM_FILE
-                                            : S_ISDIR(info->st_mode)  ? SYSTEM_FOLDER
-                                            : S_ISLNK(info->st_mode)  ? SYSTEM_LINK
-                                            : S_ISFIFO(info->st_mode) ? SYSTEM_PIPE
-                                                                      : SYSTEM_OTHER,
-                                    .ours_alone = info->st_uid == geteuid() && !(info->st_mode & (S_IWGRP | S_IWOTH))};
-    }
-    return found;
+    return folder == SYSTEM_HERE ? AT_FDCWD : folder;
+}
+
+static bool take_stat(struct system_stat *out, const struct stat *info)
+{
+    *out = (struct system_stat){.device = (uint64_t)info->st_dev,
+                                .inode = (uint64_t)info->st_ino,
+                                .size = (uint64_t)info->st_size,
+                                .links = (uint64_t)info->st_nlink,
+                                .changed = info->st_mtim,
+                                .altered = info->st_ctim,
+                                .used = info->st_atim,
+                                .kind = S_ISREG(info->st_mode)    ? SYSTEM_FILE
+                                        : S_ISDIR(info->st_mode)  ? SYSTEM_FOLDER
+                                        : S_ISLNK(info->st_mode)  ? SYSTEM_LINK
+                                        : S_ISFIFO(info->st_mode) ? SYSTEM_PIPE
+                                                                  : SYSTEM_OTHER,
+                                .ours_alone = info->st_uid == geteuid() && !(info->st_mode & (S_IWGRP | S_IWOTH))};
+    return true;
 }
 
 bool system_stat(struct system_stat *out, const char *path)
 {
     struct stat info;
-    return take_stat(out, &info, stat(path, &info) == 0);
+    return stat(path, &info) == 0 && take_stat(out, &info);
 }
 
 bool system_stat_link(struct system_stat *out, int folder, const char *name)
 {
     struct stat info;
-    return take_stat(out, &info, fstatat(folder, name, &info, AT_SYMLINK_NOFOLLOW) == 0);
+    return fstatat(number_of(folder), name, &info, AT_SYMLINK_NOFOLLOW) == 0 && take_stat(out, &info);
 }
 
 bool system_stat_open(struct system_stat *out, int file)
 {
     struct stat info;
-    return take_stat(out, &info, fstat(file, &info) == 0);
+    return fstat(file, &info) == 0 && take_stat(out, &info);
 }
 
 bool system_allows(const char *path, unsigned how)
@@ -74,7 +87,7 @@ int system_open_in(int folder, const char *name, unsigned how)
     for (size_t i = 0; i < sizeof flags / sizeof flags[0]; i++) {
         all |= how & (unsigned)SYSTEM_APPEND << i ? flags[i] : 0;
     }
-    return openat(folder, name, all, 0666);
+    return openat(number_of(folder), name, all, 0666);
 }
 
 int system_open_folder(const char *path)
@@ -110,7 +123,7 @@ int system_open_nameless(const char *folder)
 #endif
 }
 
-/* The name by which an open file can be opened again. */
+/* The name by which an open file can be opened again. There is no such one on macOS, whose /dev/fd has copies. */
 static void name_open(char out[32], int file)
 {
     snprintf(out, 32, "/proc/self/fd/%d", file);
@@ -180,12 +193,22 @@ bool system_write(int file, const void *data, size_t size)
 
 bool system_to_disk(int file)
 {
+#ifdef F_FULLFSYNC /* of macOS, whose fsync() leaves it in the disk's own memory */
+    return fcntl(file, F_FULLFSYNC) == 0 || fsync(file) == 0;
+#else
     return fsync(file) == 0;
+#endif
 }
 
 bool system_reserve(int file, uint64_t size)
 {
+#ifdef __APPLE__
+    fstore_t room = {
+        .fst_flags = F_ALLOCATEALL, .fst_posmode = F_PEOFPOSMODE, .fst_length = (off_t)size}; /* behind it */
+    return fcntl(file, F_PREALLOCATE, &room) == 0 && ftruncate(file, (off_t)size) == 0;
+#else
     return posix_fallocate(file, 0, (off_t)size) == 0;
+#endif
 }
 
 bool system_has_room(int folder, uint64_t size)
@@ -230,12 +253,22 @@ bool system_rename_in(int folder, const char *from, const char *to)
 
 bool system_remove_in(int folder, const char *name)
 {
-    return unlinkat(folder, name, 0) == 0;
+    return unlinkat(number_of(folder), name, 0) == 0;
 }
 
 bool system_make_folder(const char *path, bool for_us_alone)
 {
     return mkdir(path, for_us_alone ? 0700 : 0777) == 0;
+}
+
+bool system_remove_folder(const char *path)
+{
+    return rmdir(path) == 0;
+}
+
+bool system_link(const char *target, const char *path)
+{
+    return symlink(target, path) == 0;
 }
 
 bool system_list(const char *folder, bool (*take)(void *user, const char *name), void *user)
@@ -267,9 +300,50 @@ bool system_is_open_name(const char *path)
 
 bool system_program(char out[SYSTEM_PATH])
 {
+#ifdef __APPLE__
+    char path[SYSTEM_PATH]; /* as it was started: by a link, say */
+    uint32_t size = sizeof path;
+    return _NSGetExecutablePath(path, &size) == 0 && realpath(path, out);
+#else
     ssize_t length = readlink("/proc/self/exe", out, SYSTEM_PATH - 1);
     out[length > 0 ? length : 0] = '\0';
     return length > 0;
+#endif
+}
+
+/* That of glibc and musl is a static one. */
+static locale_t find_c_locale(void)
+{
+#ifdef __APPLE__
+    return NULL; /* which stands for it */
+#else
+    return newlocale(LC_ALL_MASK, "C", (locale_t)0);
+#endif
+}
+
+double system_to_double(const char *text, char **end)
+{
+    return strtod_l(text, end, find_c_locale());
+}
+
+float system_to_float(const char *text, char **end)
+{
+    return strtof_l(text, end, find_c_locale());
+}
+
+void system_set_variable(const char *name, const char *value)
+{
+    setenv(name, value, 1);
+}
+
+int system_getc(FILE *stream)
+{
+    return getc_unlocked(stream);
+}
+
+bool system_local_time(struct tm *out, time_t time)
+{
+    return localtime_r(&time, out);
 }
 
 void *system_map(int file, size_t size)
@@ -300,6 +374,7 @@ void system_make_sparse(void *memory, size_t size)
 /* Those of linux/magic.h, and ZFS and bcachefs. */
 bool system_has_own_clock(const char *path)
 {
+#ifdef __linux__
     static const uint64_t magics[] = {0xef53 /* ext2 to ext4 */,
                                       0x58465342 /* XFS */,
                                       0x9123683e /* Btrfs */,
@@ -319,23 +394,32 @@ bool system_has_own_clock(const char *path)
         found = (uint64_t)(uint32_t)info.f_type == magics[i];
     }
     return found;
+#else
+    (void)path;
+    return false; /* not known */
+#endif
 }
 
 bool system_boot(uint8_t out[16])
 {
-    char text[36] = ""; /* 8-4-4-4-12 digits */
+    char text[37] = ""; /* 8-4-4-4-12 digits */
     size_t digits = 0;
+#ifdef __APPLE__
+    size_t size = sizeof text;
+    bool whole = sysctlbyname("kern.bootsessionuuid", text, &size, NULL, 0) == 0;
+#else
     int file = system_open("/proc/sys/kernel/random/boot_id", SYSTEM_READ);
-    bool whole = file >= 0 && read(file, text, sizeof text) == (ssize_t)sizeof text;
+    bool whole = file >= 0 && read(file, text, sizeof text - 1) == (ssize_t)sizeof text - 1;
     if (file >= 0) {
         close(file);
     }
+#endif
     memset(out, 0, 16);
-    for (size_t i = 0; whole && i < sizeof text && digits < 32; i++) {
-        static const char hex[] = "0123456789abcdef";
-        const char *digit = memchr(hex, text[i], sizeof hex - 1);
+    for (size_t i = 0; whole && text[i] && digits < 32; i++) {
+        static const char hex[] = "0123456789abcdef0123456789ABCDEF";
+        const char *digit = strchr(hex, text[i]);
         if (digit) {
-            out[digits / 2] = (uint8_t)(out[digits / 2] << 4 | (digit - hex));
+            out[digits / 2] = (uint8_t)(out[digits / 2] << 4 | (digit - hex) % 16);
             digits++;
         }
     }
@@ -351,6 +435,9 @@ size_t system_processors(void)
 {
 #ifdef __EMSCRIPTEN__ /* whose pages have no threads here */
     return 1;
+#elif defined __APPLE__
+    long count = sysconf(_SC_NPROCESSORS_ONLN);
+    return count > 0 ? (size_t)count : 1;
 #else
     cpu_set_t set;
     CPU_ZERO(&set);
@@ -386,27 +473,39 @@ void *system_function(const char *library, const char *name)
 
 bool system_wake_begin(struct system_wake *out)
 {
-    out->file = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    return out->file >= 0;
+    int ends[2];
+#ifdef __APPLE__
+    bool made = pipe(ends) == 0;
+    for (size_t i = 0; made && i < 2; i++) {
+        fcntl(ends[i], F_SETFD, FD_CLOEXEC);
+        fcntl(ends[i], F_SETFL, O_NONBLOCK);
+    }
+#else
+    bool made = pipe2(ends, O_CLOEXEC | O_NONBLOCK) == 0;
+#endif
+    if (made) {
+        *out = (struct system_wake){ends[0], ends[1]};
+    }
+    return made;
 }
 
 void system_wake(const struct system_wake *wake)
 {
-    const uint64_t one = 1;
     int error = errno; /* of what a signal interrupts */
-    ssize_t written = write(wake->file, &one, sizeof one);
-    (void)written; /* it fails only where it was woken 2^64 times already */
+    ssize_t written = write(wake->end, "", 1);
+    (void)written; /* it fails only where it was woken very often already */
     errno = error;
 }
 
 void system_wake_end(const struct system_wake *wake)
 {
-    close(wake->file);
+    close((int)wake->file);
+    close(wake->end);
 }
 
 bool system_wait(int file, const struct system_wake *wake)
 {
-    struct pollfd wanted[] = {{.fd = file, .events = POLLIN}, {.fd = wake->file, .events = POLLIN}};
+    struct pollfd wanted[] = {{.fd = file, .events = POLLIN}, {.fd = (int)wake->file, .events = POLLIN}};
     int count;
     do {
         count = poll(wanted, 2, -1);
@@ -414,8 +513,10 @@ bool system_wait(int file, const struct system_wake *wake)
     return !(count > 0 && wanted[1].revents);
 }
 
-void system_begin(bool pipes)
+void system_begin(int *count, char ***words, bool pipes)
 {
+    (void)count;
+    (void)words;
     struct sigaction ignore = {.sa_handler = SIG_IGN};
     sigaction(SIGXFSZ, &ignore, NULL);
     if (pipes) {
@@ -520,6 +621,11 @@ bool system_show(const char *path)
     return child > 0 && status == 0;
 }
 #endif
+
+bool system_is_terminal(int file)
+{
+    return isatty(file);
+}
 
 unsigned system_columns(int file)
 {

@@ -7,10 +7,14 @@
 #define CONUS_PUBLIC_EXPORT_H
 
 /** @def CONUS_API
- * A function of the library. */
+ * A function of the library. On Windows CONUS_STATIC says that it is linked statically: who uses conus.dll does not
+ * define it. */
 /** @def CONUS_CHECKED
  * A function of the library whose result must be used. */
-#if defined(__GNUC__)
+#if defined(_WIN32) && !defined(CONUS_STATIC)
+#define CONUS_API __declspec(dllimport)
+#define CONUS_CHECKED __declspec(dllimport)
+#elif defined(__GNUC__)
 #define CONUS_API __attribute__((visibility("default")))
 #define CONUS_CHECKED __attribute__((visibility("default"), warn_unused_result))
 #else

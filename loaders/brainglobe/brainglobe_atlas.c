@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "base/path.h"
 #include "base/system/system.h"
+#include "base/text.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -107,7 +108,7 @@ static conus_status find_root(char **out, char **name, const char *folder)
 {
     char real[SYSTEM_PATH];
     if (!file_trace_real_path(real, folder)) {
-        return fail(CONUS_ERROR_IO, "cannot open: %s", strerror(errno));
+        return fail(CONUS_ERROR_IO, "cannot open: %s", text_error(errno));
     }
     for (int i = 0; i < LEVELS_TO_ROOT; i++) {
         char *cut = path_cut(real);

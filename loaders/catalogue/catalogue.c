@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "base/system/system.h"
+#include "base/text.h"
 
 #include <errno.h>
 #include <string.h>
@@ -113,7 +114,7 @@ struct names catalogue_list(struct job *job, conus_catalogue *catalogue, const c
     }
     if (!system_allows(folder, SYSTEM_READ | SYSTEM_RUN)) {
         job_warn(&catalogue->job, "%s: %s: cannot read this folder: %s", catalogue->source.name, folder,
-                 strerror(errno));
+                 text_error(errno));
         return names;
     }
     *LIST_ADD(&catalogue->job, &catalogue->source.folders) = id;

@@ -3,6 +3,7 @@
 #include "loaders/catalogue/catalogue.h"
 
 #include "base/files/file.h"
+#include "base/system/system.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -64,7 +65,7 @@ static void look_at_annotations(struct job *job, const struct subject *subject)
 
 void freesurfer_look(struct job *job, conus_catalogue *catalogue, const char *folder)
 {
-    const char *home = getenv("FREESURFER_HOME");
+    const char *home = system_variable("FREESURFER_HOME");
     const char *table = home && *home ? catalogue_join(job, home, "FreeSurferColorLUT.txt") : "";
     bool has_table = catalogue_at(table) == CATALOGUE_FILE;
     struct names names = catalogue_list(job, catalogue, folder);

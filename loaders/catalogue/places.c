@@ -57,7 +57,7 @@ static const struct place places[] = {
 /* What the environment says, "" where it does not. */
 static struct text variable(struct job *job, struct text name)
 {
-    const char *value = getenv(job_copy(job, name));
+    const char *value = system_variable(job_copy(job, name));
     return text_from(value ? value : "");
 }
 
@@ -65,7 +65,7 @@ static struct text variable(struct job *job, struct text name)
 static const struct {
     const char *name, *value;
     bool in_home;
-} defaults[] = {{"XDG_DATA_DIRS", "/usr/local/share:/usr/share", false},
+} defaults[] = {{"XDG_DATA_DIRS", SYSTEM_DATA_FOLDERS, false},
                 {"XDG_DATA_HOME", "/.local/share", true},
                 {"XDG_CACHE_HOME", "/.cache", true}};
 
@@ -74,7 +74,7 @@ static const char *program_folder(struct job *job, struct text program)
 {
     struct text path = variable(job, text_from("PATH"));
     struct text folder;
-    for (bool more = true; text_field(&path, ':', &more, &folder);) {
+    for (bool more = true; text_field(&path, SYSTEM_LIST, &more, &folder);) {
         char real[SYSTEM_PATH];
         const char *file = job_format(job, "%.*s/%.*s", (int)folder.size, folder.data, (int)program.size, program.data);
         if (folder.size && system_allows(file, SYSTEM_RUN) && system_real_path(real, file) && job_has_file(job, real)) {
@@ -163,7 +163,7 @@ static conus_status look_at_place(conus_catalogue *catalogue, const struct place
     if (!folders.size) {
         (void)note_place(catalogue, place, folders, "");
     }
-    for (bool more = true; text_field(&folders, ':', &more, &folder);) {
+    for (bool more = true; text_field(&folders, SYSTEM_LIST, &more, &folder);) {
         if (folder.size) {
             const char *path = note_place(catalogue, place, folder, rest);
             if (place->how.subjects) {

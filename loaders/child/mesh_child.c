@@ -3,7 +3,9 @@
 #include "loaders/child/mesh_child.h"
 
 #include "base/child/child.h"
+#include "base/child/process.h"
 #include "base/system/system.h"
+#include "base/text.h"
 
 #include <errno.h>
 #include <string.h>
@@ -73,7 +75,7 @@ static conus_status take_frames(void *user, size_t *used, size_t *wanted, const 
 /* The request as a file in memory, or -1. */
 static int request_file(const struct mesh_child_request *request)
 {
-    int descriptor = child_create_input(program.name);
+    int descriptor = process_file(program.name);
     if (descriptor >= 0 && !(system_write(descriptor, request->head.data, request->head.size) &&
                              system_write(descriptor, request->voxels, request->size))) {
         close(descriptor);
@@ -97,7 +99,7 @@ conus_status mesh_child_run(const struct mesh_child_request *request, const stru
                                     .take = take_frames,
                                     .user = &progress};
     if (task.descriptor < 0) {
-        return fail(CONUS_ERROR_IO, "%s: cannot start: %s", program.name, strerror(errno));
+        return fail(CONUS_ERROR_IO, "%s: cannot start: %s", program.name, text_error(errno));
     }
     conus_status status = child_run(&rest, &task);
     close(task.descriptor);

@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "base/system/system.h"
+#include "base/text.h"
 
 #include <errno.h>
 #include <string.h>
@@ -12,7 +13,7 @@ enum { CAPACITY = 4 * (POSE_LINE_LIMIT + 1) };
 
 static conus_status fail_to_read(void)
 {
-    return fail(CONUS_ERROR_IO, "cannot read: %s", strerror(errno));
+    return fail(CONUS_ERROR_IO, "cannot read: %s", text_error(errno));
 }
 
 conus_status pose_lines_init(struct pose_lines *lines, int descriptor, bool seekable, uint64_t offset)

@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 #include "base/system/system.h"
+#include "base/text.h"
 #include "conus/version.h"
 #include "selection/engine/voxels/distance_map.h"
 
@@ -123,7 +124,7 @@ static bool pack_whether(struct pack_walk *walk, const void *thing)
 static void pack_write_at(struct pack_walk *walk, size_t at, const uint8_t *data, size_t size)
 {
     if (!walk->status && !system_write_at(walk->file, data, size, walk->file_at + at)) {
-        walk->status = fail(CONUS_ERROR_IO, "cannot write a packed atlas: %s", strerror(errno));
+        walk->status = fail(CONUS_ERROR_IO, "cannot write a packed atlas: %s", text_error(errno));
     }
 }
 

@@ -227,7 +227,7 @@ double score_contribution(const conus_result *result, const struct cone *cone, d
 static int falling(double x, double y)
 {
     if (isnan(x) || isnan(y)) {
-        return isnan(x) - isnan(y);
+        return (isnan(x) != 0) - (isnan(y) != 0); /* C promises no more than "not 0" */
     }
     return (x < y) - (x > y);
 }

@@ -9,6 +9,7 @@
 #include "options/provenance.h"
 #include "test.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -352,6 +353,55 @@ static void a_staging_folder_has_every_path(void **state)
     free(file);
 }
 
+static bool has_links = true;
+
+int __real_symlink(const char *target, const char *path);
+int __wrap_symlink(const char *target, const char *path);
+
+int __wrap_symlink(const char *target, const char *path)
+{
+    errno = EPERM; /* as of a disk of FAT */
+    return has_links ? __real_symlink(target, path) : -1;
+}
+
+static void a_stage_without_links_has_copies(void **state)
+{
+    (void)state;
+    char inner[8192];
+    char text[8] = "";
+    struct stat info;
+    test_folder("copies");
+    put_file(test_in("file"), "abc");
+    assert_int_equal(mkdir(test_in("store"), 0755), 0);
+    assert_int_equal(mkdir(test_in("store/deep"), 0755), 0);
+    put_file(test_in("store/deep/chunk"), "of it");
+    struct recorded_file inputs[] = {{.path = "x/file"}, {.path = "x/store"}, {.path = "x/store/deep/chunk"}};
+    char *paths[] = {realpath(test_in("file"), NULL), realpath(test_in("store"), NULL),
+                     realpath(test_in("store/deep/chunk"), NULL)};
+    struct found_file found[] = {
+        {paths[0], FILE_SAME, false}, {paths[1], FILE_UNSUMMED, true}, {paths[2], FILE_SAME, false}};
+    struct record record = {.inputs = inputs, .input_count = 3};
+    struct stage stage;
+    has_links = false;
+    assert_true(stage_make(&stage, &record, found));
+    has_links = true;
+    snprintf(inner, sizeof inner, "%s/x/store/deep/chunk", stage.cwd);
+    assert_int_equal(lstat(inner, &info), 0);
+    assert_true(S_ISREG(info.st_mode) && info.st_nlink == 1);
+    FILE *chunk = fopen(inner, "r");
+    assert_non_null(chunk);
+    assert_int_equal(fread(text, 1, sizeof text, chunk), 5);
+    assert_string_equal(text, "of it");
+    fclose(chunk);
+    stage_finish(&stage);
+    stage_remove(stage.folder);
+    assert_int_equal(access(inner, F_OK), -1);
+    for (size_t i = 0; i < 3; i++) {
+        assert_int_equal(access(paths[i], F_OK), 0);
+        free(paths[i]);
+    }
+}
+
 static void find(struct differences *out, const char *a, const char *b)
 {
     assert_true(differences_find(out, a, strlen(a), b, strlen(b), 1));
@@ -538,6 +588,7 @@ TEST_GROUP(verify)
         cmocka_unit_test(files_are_found_by_length_and_checksum),
         cmocka_unit_test(a_folder_is_not_found_by_the_slash_behind_it),
         cmocka_unit_test(a_staging_folder_has_every_path),
+        cmocka_unit_test(a_stage_without_links_has_copies),
         cmocka_unit_test(the_cell_that_differs_is_named),
         cmocka_unit_test(more_differences_than_are_listed_are_counted),
         cmocka_unit_test(the_setting_that_differs_is_named),

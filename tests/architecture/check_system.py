@@ -25,10 +25,9 @@ CXX = re.compile(r"[a-z_]+")  # C++ has no ending
 # Files that include and call what they like, and why. The rooms of labels, catalogue and scene are written anew.
 FREE = {
     "base/system/*": "is the room of the system",
-    "base/child/child.c": "starts processes",
+    "base/child/process_*.c": "start processes",
     "apps/link/station.c": "has sockets",
     "apps/viewer/devices/spacemouse.c": "has a socket",
-    "apps/cli/verify/replay.c": "forks, to answer again",
     "apps/hdf5/*": "is started by child.c, on Linux",
     "apps/mesh/*": "is started by child.c, on Linux",
     "apps/mpi/node_atlas.c": "shares a memory file with other ranks",

@@ -258,7 +258,7 @@ static void assert_same_scores(const conus_atlas *a, const conus_atlas *b, const
         const conus_selector_options options = {.score = "nearness"};
         double x = score_of(a, &options, pose, 40, object);
         double y = score_of(b, &options, pose, 40, object);
-        assert_true(isnan(x) == isnan(y));
+        assert_true(!isnan(x) == !isnan(y));
         if (!isnan(x)) {
             assert_near(x, y, 1e-9);
         }

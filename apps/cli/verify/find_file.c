@@ -174,7 +174,7 @@ bool file_find(struct found_file *out, const struct recorded_file *file, const s
         search(out, file, places);
     }
     if (out->state != FILE_MISSING && !out->path) {
-        print_error_line("%s: %s", file->path, strerror(errno));
+        print_error_line("%s: %s", file->path, text_error(errno));
     }
     return out->state == FILE_MISSING || out->path;
 }

@@ -3,6 +3,7 @@
  */
 #include "cli/verify/replay.h"
 
+#include "base/child/process.h"
 #include "base/path.h"
 #include "base/system/system.h"
 #include "conus/catalogue.h"
@@ -11,23 +12,25 @@
 #include "options/output.h"
 #include "options/progress.h"
 
-#include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
-#include <ftw.h>
-#include <signal.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/prctl.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-enum { OPEN_FOLDERS = 16, LEVELS = 64 };
+enum { LEVELS = 64, COPIED_AT_ONCE = 1 << 16 };
 
-static const char root[] = "/root"; /* of absolute paths */
+static const char root[] = "/root";     /* of absolute paths */
+static const char drives[] = "/drive/"; /* of those that begin with one: "C/a" of "C:/a" */
+
+/* Writes the folder of an absolute path in the stage; gives what of the path belongs behind it. */
+static const char *put_folder(FILE *out, const struct stage *stage, const char *path)
+{
+    bool has_drive = path[0] != '/' && path[1] == ':';
+    fprintf(out, "%s%s%.*s", stage->folder, has_drive ? drives : root, has_drive, path);
+    return path + (has_drive ? 2 : 0);
+}
 
 /* How many components of `path` are "..". */
 static size_t levels_up(const char *path)
@@ -65,21 +68,93 @@ static bool is_in_link(char *path, size_t from)
     return !path_each_folder(path, from, is_no_link, NULL);
 }
 
+/* Whether there is no other way to have a file in the stage than a copy. */
+static bool cannot_link(void)
+{
+    return errno == ENOSYS || errno == EPERM;
+}
+
+/* What is there already stays, as it does where links are. */
+static bool copy_file(const char *from, const char *to)
+{
+    char bytes[COPIED_AT_ONCE];
+    int in = system_open(from, SYSTEM_READ);
+    int out = in < 0 ? SYSTEM_NO_FILE : system_open(to, SYSTEM_WRITE | SYSTEM_MAKE | SYSTEM_NEW);
+    bool is_there = in >= 0 && out < 0 && errno == EEXIST;
+    bool copied = out >= 0;
+    ptrdiff_t size = 1;
+    for (uint64_t at = 0; copied && size > 0; at += size > 0 ? (uint64_t)size : 0) {
+        size = system_read_at(in, bytes, sizeof bytes, at);
+        copied = size >= 0 && system_write(out, bytes, (size_t)size);
+    }
+    int error = errno;
+    if (in >= 0) {
+        close(in);
+    }
+    if (out >= 0 && close(out)) {
+        copied = false;
+    }
+    errno = copied ? errno : error;
+    return copied || is_there;
+}
+
+struct copying {
+    const char *from, *to;
+    int levels; /* of folders that may follow */
+    bool done;
+};
+
+static bool copy_any(const char *from, const char *to, int levels);
+
+static bool copy_entry(void *user, const char *name)
+{
+    struct copying *copying = user;
+    char from[SYSTEM_PATH];
+    char to[SYSTEM_PATH];
+    if (strcmp(name, ".") != 0 && strcmp(name, "..") != 0) {
+        errno = ENAMETOOLONG;
+        copying->done = snprintf(from, sizeof from, "%s/%s", copying->from, name) < SYSTEM_PATH &&
+                        snprintf(to, sizeof to, "%s/%s", copying->to, name) < SYSTEM_PATH &&
+                        copy_any(from, to, copying->levels);
+    }
+    return copying->done;
+}
+
+static bool copy_any(const char *from, const char *to, int levels)
+{
+    struct system_stat info;
+    struct copying copying = {.from = from, .to = to, .levels = levels - 1, .done = true};
+    if (!system_stat(&info, from)) {
+        return false;
+    }
+    if (info.kind != SYSTEM_FOLDER) {
+        return copy_file(from, to);
+    }
+    return levels && make_folder(NULL, to) && system_list(from, copy_entry, &copying) && copying.done;
+}
+
 /* Refuses ".." behind the first folder of a path: it could lead out of the replay's folder. Paths that conus writes
  * have none there. */
 bool stage_link(const struct stage *stage, const char *path, const char *target)
 {
-    bool absolute = path_is_whole(path);
-    const char *below = absolute ? stage->folder : stage->cwd;
-    char *link = NULL;
-    if (absolute && levels_up(path)) {
+    struct system_text text;
+    if (path_is_whole(path) && levels_up(path)) {
         return refuse("%s: has \"..\" in it, and moved", path);
     }
-    if (asprintf(&link, "%s%s%s", below, absolute ? root : "/", path) < 0) {
+    FILE *out = system_text_open(&text);
+    if (out && path_is_whole(path)) {
+        fputs(put_folder(out, stage, path), out);
+    } else if (out) {
+        fprintf(out, "%s/%s", stage->cwd, path);
+    }
+    char *link = system_text_close(&text);
+    if (!link) {
         return refuse("not enough memory");
     }
     size_t from = strlen(stage->folder) + 1;
-    bool made = is_in_link(link, from) || (make_folders(link, from) && (symlink(target, link) == 0 || errno == EEXIST));
+    bool made = is_in_link(link, from) ||
+                (make_folders(link, from) &&
+                 (system_link(target, link) || errno == EEXIST || (cannot_link() && copy_any(target, link, LEVELS))));
     if (!made) {
         print_error_line("%s: cannot link: %s", path, strerror(errno));
     }
@@ -117,19 +192,23 @@ static bool make_cwd(struct stage *out, const struct record *record)
 
 bool stage_begin(struct stage *out, const char *name)
 {
-    const char *temporary = getenv("TMPDIR");
+    const char *temporary = system_variable("TMPDIR");
+    char path[SYSTEM_PATH];
+    char real[SYSTEM_PATH];
+    uint8_t random[3];
     *out = (struct stage){0};
-    if (asprintf(&out->folder, "%s/conus-%s-XXXXXX", path_is_whole(temporary) ? temporary : "/tmp", name) < 0) {
-        out->folder = NULL;
-        return refuse("not enough memory");
-    }
-    if (!mkdtemp(out->folder)) {
-        print_system_error(out->folder, "make");
-        free(out->folder);
-        out->folder = NULL;
-        return false;
-    }
-    return asprintf(&out->messages, "%s/messages", out->folder) >= 0 || (out->messages = NULL);
+    do {
+        bool fits =
+            system_random(random, sizeof random) &&
+            snprintf(path, sizeof path, "%s/conus-%s-%02x%02x%02x", path_is_whole(temporary) ? temporary : "/tmp", name,
+                     random[0], random[1], random[2]) < SYSTEM_PATH;
+        if (fits && system_make_folder(path, true)) {
+            out->folder = strdup(system_real_path(real, path) ? real : path);
+            return out->folder || refuse("not enough memory");
+        }
+    } while (errno == EEXIST);
+    print_system_error(path, "make");
+    return false;
 }
 
 bool stage_make(struct stage *out, const struct record *record, const struct found_file *found)
@@ -153,7 +232,6 @@ bool stage_make(struct stage *out, const struct record *record, const struct fou
 void stage_finish(struct stage *stage)
 {
     free(stage->cwd);
-    free(stage->messages);
     *stage = (struct stage){.folder = stage->folder};
 }
 
@@ -164,9 +242,7 @@ char *stage_word(const struct stage *stage, const char *given)
     FILE *out = system_text_open(&word);
     for (const char *at = given; out && *at; at++) {
         bool begins = at == given || at[-1] == '=' || at[-1] == '@';
-        if (path_is_whole(at) && begins && stage->is_moved) {
-            fprintf(out, "%s%s", stage->folder, root);
-        }
+        at = begins && path_is_whole(at) && stage->is_moved ? put_folder(out, stage, at) : at;
         fputc(*at, out);
     }
     return system_text_close(&word);
@@ -187,43 +263,73 @@ char *stage_output(const struct stage *stage, const char *option, const char *na
     return path;
 }
 
+/* Files in a folder: how many, and the first by name, with and without a sidecar's. */
+struct listed {
+    char first[SYSTEM_NAME + 1], other[SYSTEM_NAME + 1];
+    size_t count;
+};
+
+static void keep_first(char *first, const char *name)
+{
+    if (!*first || strcmp(name, first) < 0) {
+        snprintf(first, SYSTEM_NAME + 1, "%s", name);
+    }
+}
+
+static bool list_file(void *user, const char *name)
+{
+    struct listed *listed = user;
+    if (strcmp(name, ".") != 0 && strcmp(name, "..") != 0) {
+        listed->count++;
+    }
+    if (name[0] != '.') {
+        keep_first(listed->first, name);
+    }
+    if (name[0] != '.' && !path_ends_in(name, ".json")) {
+        keep_first(listed->other, name);
+    }
+    return true;
+}
+
 /* The one of two files that is no sidecar: that has ".json" behind or in place of the other's ending. */
 char *stage_find_output(const char *folder, const char *option)
 {
     char *path = NULL;
     char *found = NULL;
+    struct listed listed = {0};
     if (!folder || asprintf(&path, "%s/out/%s", folder, option) < 0) {
         return NULL;
     }
-    struct dirent **entries = NULL;
-    int count = scandir(path, &entries, NULL, alphasort);
-    for (int i = 0; i < count; i++) {
-        const char *name = entries[i]->d_name;
-        bool is_sidecar = path_ends_in(name, ".json") && count > 3; /* with . and .. */
-        if (name[0] != '.' && !is_sidecar && !found && asprintf(&found, "%s/%s", path, name) < 0) {
-            found = NULL;
-        }
+    (void)system_list(path, list_file, &listed);
+    const char *name = listed.count > 1 ? listed.other : listed.first;
+    if (*name && asprintf(&found, "%s/%s", path, name) < 0) {
+        found = NULL;
     }
-    for (int i = 0; i < count; i++) {
-        free(entries[i]);
-    }
-    free((void *)entries);
     free(path);
     return found;
 }
 
-static int remove_entry(const char *path, const struct stat *info, int kind, struct FTW *at)
+static bool remove_entry(void *user, const char *name)
 {
-    (void)info;
-    (void)kind;
-    (void)at;
-    return remove(path);
+    const char *folder = user;
+    char path[SYSTEM_PATH];
+    struct system_stat info;
+    if (strcmp(name, ".") != 0 && strcmp(name, "..") != 0 &&
+        snprintf(path, sizeof path, "%s/%s", folder, name) < SYSTEM_PATH &&
+        system_stat_link(&info, SYSTEM_HERE, path)) {
+        if (info.kind == SYSTEM_FOLDER) {
+            (void)system_list(path, remove_entry, path);
+        }
+        (void)(info.kind == SYSTEM_FOLDER ? system_remove_folder(path) : system_remove(path));
+    }
+    return true;
 }
 
 void stage_remove(char *folder)
 {
     if (folder) {
-        nftw(folder, remove_entry, OPEN_FOLDERS, FTW_DEPTH | FTW_PHYS);
+        (void)system_list(folder, remove_entry, folder);
+        (void)system_remove_folder(folder);
     }
     free(folder);
 }
@@ -309,7 +415,7 @@ bool replay_check(struct replay *out, const struct command *const *commands)
     return true;
 }
 
-/* Words on the way, in the child. */
+/* Words on the way. */
 struct writing {
     const struct replay *replay;
     const struct stage *stage;
@@ -459,42 +565,6 @@ static void put_words(struct writing *out)
     }
 }
 
-static bool redirect(const char *path, int flags, int descriptor)
-{
-    int file = open(path, flags | O_CLOEXEC, 0600);
-    bool done = file >= 0 && dup2(file, descriptor) >= 0;
-    if (file >= 0 && file != descriptor) {
-        close(file);
-    }
-    return done;
-}
-
-static int answer_in_child(const struct replay *replay, const struct stage *stage)
-{
-    static struct writing writing;
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    signal(SIGINT, SIG_DFL);
-    progress_redirect(fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
-    if (!redirect("/dev/null", O_RDONLY, STDIN_FILENO) || !redirect("/dev/null", O_WRONLY, STDOUT_FILENO) ||
-        !redirect(stage->messages, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO) || chdir(stage->cwd)) {
-        return EXIT_DATA;
-    }
-    writing = (struct writing){.replay = replay, .stage = stage, .whole = true};
-    put_words(&writing);
-    if (!writing.whole) {
-        return print_data_error("its command line does not fit into memory, or is not whole");
-    }
-    const struct command *command = replay->command;
-    struct arguments arguments;
-    void *settings = calloc(1, command->settings_size);
-    int code = settings ? options_parse(&arguments, settings, command, replay->arguments.family, writing.count,
-                                        writing.words, 2)
-                        : EXIT_DATA;
-    code = code < 0 ? command->run(settings, &arguments) : code;
-    fflush(NULL);
-    return code;
-}
-
 /* Leaves out what stands in quotation marks: words of files that the one who wrote the sidecar may not have. */
 static void drop_quotes(char *line)
 {
@@ -505,42 +575,87 @@ static void drop_quotes(char *line)
     }
 }
 
-/* The last line that the child said, without "conus: ". */
-static void take_message(struct replay *replay, const char *path)
+/* What the process says, line by line. */
+struct saying {
+    struct replay *replay;
+    char line[REPLAY_WHY];
+    size_t length;
+};
+
+/* A message: of several the last counts, without "conus: ". */
+static void take_line(struct saying *saying)
 {
     static const char name[] = "conus: ";
-    char line[REPLAY_WHY];
-    FILE *file = system_stream(path, "r");
-    while (file && fgets(line, sizeof line, file)) {
-        size_t length = strcspn(line, "\n");
-        line[length] = '\0';
-        drop_quotes(line);
-        replay->is_said = true;
-        snprintf(replay->why, sizeof replay->why, "%s", strncmp(line, name, strlen(name)) ? line : line + strlen(name));
-    }
-    if (file) {
-        fclose(file);
+    char *line = saying->line;
+    line[saying->length] = '\0';
+    saying->length = 0;
+    drop_quotes(line);
+    saying->replay->is_said = true;
+    snprintf(saying->replay->why, sizeof saying->replay->why, "%s",
+             strncmp(line, name, strlen(name)) ? line : line + strlen(name));
+}
+
+static void take_bytes(struct saying *saying, const char *bytes, size_t size)
+{
+    for (size_t i = 0; i < size; i++) {
+        if (bytes[i] != '\n') {
+            saying->line[saying->length++] = bytes[i];
+        }
+        if (bytes[i] == '\n' || saying->length == sizeof saying->line - 1) {
+            take_line(saying);
+        }
     }
 }
 
-static bool wait_for(struct replay *replay, pid_t child, const char *messages)
+/* Runs this program with the words, until it has ended. */
+static bool run_again(struct replay *replay, const struct stage *stage, char *const *words)
 {
-    int status = 0;
-    struct sigaction before;
-    struct sigaction ignore = {.sa_handler = SIG_IGN};
-    sigaction(SIGINT, &ignore, &before); /* the child ends, and this process removes its folder */
-    pid_t ended = waitpid(child, &status, 0);
-    sigaction(SIGINT, &before, NULL);
-    if (ended == child && WIFEXITED(status) &&
-        (WEXITSTATUS(status) == EXIT_DONE || WEXITSTATUS(status) == EXIT_DIFFERENT)) {
-        return true;
-    }
-    if (ended == child && WIFSIGNALED(status)) {
-        return fail_replay(replay, "signal %d ended it", WTERMSIG(status));
+    char program[SYSTEM_PATH];
+    char rows[4096]; /* that were asked for on stdout: of none is there use */
+    char messages[4096];
+    struct process process;
+    struct process_end end = {0};
+    struct process_part parts[2] = {{.data = rows, .capacity = sizeof rows},
+                                    {.data = messages, .capacity = sizeof messages}};
+    struct saying saying = {.replay = replay};
+    const struct process_start start = {.path = program,
+                                        .words = words,
+                                        .folder = stage->cwd,
+                                        .given = isatty(STDERR_FILENO) ? STDERR_FILENO : SYSTEM_NO_FILE};
+    setenv("CONUS_CACHE", "off", 1); /* verify asks about what the files hold now */
+    setenv(PROGRESS_VARIABLE, "3", 1);
+    if (!system_program(program) || !process_begin(&process, &start)) {
+        return fail_replay(replay, "no process for it");
     }
     fail_replay(replay, "it cannot be answered again");
-    take_message(replay, messages);
-    return false;
+    while (process_writes(&process) && process_read(parts, &process, INFINITY) == PROCESS_CAME) {
+        take_bytes(&saying, messages, parts[PROCESS_ERR].got);
+    }
+    if (saying.length) {
+        take_line(&saying);
+    }
+    bool ended = process_wait(&end, &process, INFINITY);
+    process_finish(&process);
+    if (ended && end.kind != PROCESS_EXITED) {
+        replay->is_said = false;
+        return fail_replay(replay, "%.*s ended it", (int)strcspn(end.how, ","), end.how);
+    }
+    return ended && (end.code == EXIT_DONE || end.code == EXIT_DIFFERENT);
+}
+
+static bool answer_again(struct replay *replay, const struct stage *stage)
+{
+    struct writing writing = {.replay = replay, .stage = stage, .whole = true};
+    put_words(&writing);
+    bool answered = writing.whole && run_again(replay, stage, writing.words);
+    if (!writing.whole) {
+        replay->is_said = true;
+        fail_replay(replay, "its command line does not fit into memory, or is not whole");
+    }
+    for (int i = 0; i < writing.count; i++) {
+        free(writing.words[i]);
+    }
+    return answered;
 }
 
 bool replay_run(struct replay *replay)
@@ -555,13 +670,7 @@ bool replay_run(struct replay *replay)
         stage_finish(&stage);
         return false;
     }
-    fflush(NULL);
-    pid_t child = fork();
-    if (child == 0) {
-        setenv("CONUS_CACHE", "off", 1); /* verify asks about what the files hold now */
-        _exit(answer_in_child(replay, &stage));
-    }
-    bool answered = child > 0 ? wait_for(replay, child, stage.messages) : fail_replay(replay, "no process for it");
+    bool answered = answer_again(replay, &stage);
     replay->root = stage.is_moved ? stage_word(&stage, "/") : NULL;
     if (replay->root) {
         replay->root[strlen(replay->root) - 1] = '\0'; /* the slash that is the path's own */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * Answers again what a sidecar records: in a child process and a new folder. The folder holds links to the files that
- * were found, and gets all outputs. */
+ * Answers again what a sidecar records: this program runs once more, in a new folder. The folder holds links to the
+ * files that were found, or copies where the system has no links, and gets all outputs. */
 #ifndef CONUS_CLI_VERIFY_REPLAY_H
 #define CONUS_CLI_VERIFY_REPLAY_H
 
@@ -39,16 +39,15 @@ bool replay_run(struct replay *replay);
 void replay_finish(struct replay *replay);
 
 struct stage {
-    char *folder;   /**< In $TMPDIR or /tmp, "conus-NAME-" and six letters; nobody else can read it. */
-    char *cwd;      /**< Where relative paths begin; deep enough for every "..". */
-    char *messages; /**< Path of the file that takes the child's messages. */
-    bool is_moved;  /**< An absolute path is no longer where it was: all of them are links. */
+    char *folder;  /**< In $TMPDIR or /tmp, "conus-NAME-" and six letters; nobody else can read it. */
+    char *cwd;     /**< Where relative paths begin; deep enough for every "..". */
+    bool is_moved; /**< An absolute path is no longer where it was: all of them are links. */
 };
 
 /** Makes its folder and nothing in it. False likewise. */
 bool stage_begin(struct stage *out, const char *name);
-/** Makes a link to @p target by the name @p path, and the folders before it. False, after an error message, where that
- * fails. */
+/** Makes a link to @p target by the name @p path, or where the system has none a copy, and the folders before it.
+ * False, after an error message, where that fails. */
 bool stage_link(const struct stage *stage, const char *path, const char *target);
 
 /** Makes it. False, after an error message, where that fails; @p out is the caller's to stage_finish() in any case, and

@@ -97,7 +97,7 @@ static void cast(struct window *window, uint32_t width, uint32_t height)
         }
         cells_cast(nearest, width, height, &shadow->cells, &shadow->eye);
         for (size_t pixel = 0; pixel < pixels; pixel++) {
-            mask[pixel] = isfinite(nearest[pixel]);
+            mask[pixel] = isfinite(nearest[pixel]) != 0;
         }
         outline_draw(rgba, &shadow->top, mask, width, height);
         find_hidden(mask + pixels, window, rgba, nearest);

@@ -5,6 +5,7 @@
 #include "base/files/file_trace.h"
 #include "base/memory.h"
 #include "base/system/system.h"
+#include "base/text.h"
 
 #include <errno.h>
 #include <nettle/sha2.h>
@@ -128,7 +129,8 @@ static conus_status read_at(const struct plain_file *plain, uint8_t *out, size_t
     ptrdiff_t got = system_read_at(plain->descriptor, out, size, at);
     if (got < 0 || (size_t)got < size) {
         file_trace_failed();
-        return got < 0 ? fail(CONUS_ERROR_IO, "cannot read: %s", strerror(errno)) : fail(CONUS_ERROR_IO, FILE_CHANGED);
+        return got < 0 ? fail(CONUS_ERROR_IO, "cannot read: %s", text_error(errno))
+                       : fail(CONUS_ERROR_IO, FILE_CHANGED);
     }
     return CONUS_OK;
 }

@@ -261,7 +261,7 @@ static void without_a_radius_a_ball_reaches_the_nearest(void **state)
         }
         assert_near(conus_selection_ball(selection), cases[i].radius, 0);
         for (size_t k = 0; k < 2; k++) {
-            assert_int_equal(isnan(found[k + 1]), isnan(cases[i].nearest[k]));
+            assert_int_equal(!isnan(found[k + 1]), !isnan(cases[i].nearest[k]));
             assert_true(isnan(found[k + 1]) || fabs(found[k + 1] - cases[i].nearest[k]) < 1e-12);
         }
         conus_selection_destroy(selection);
