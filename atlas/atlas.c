@@ -7,10 +7,10 @@
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "base/text.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static void object_finish(conus_object *object)
@@ -420,7 +420,7 @@ conus_status conus_atlas_prefixes(const char **prefixes, const conus_atlas *atla
     for (size_t i = 0; i < atlas->object_count; i++) {
         named[i] = &atlas->objects[i];
     }
-    qsort((void *)named, atlas->object_count, sizeof(void *), compare_names);
+    order_sort((void *)named, atlas->object_count, sizeof(void *), compare_names);
     for (size_t first = 0, end; first < atlas->object_count; first = end) {
         for (end = first + 1; end < atlas->object_count && strcmp(named[first]->name, named[end]->name) == 0;) {
             end++;

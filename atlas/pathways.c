@@ -5,10 +5,10 @@
 #include "atlas/labels/labels.h"
 #include "atlas/space.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "base/tolerance.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* What was written as an end reaches it, and is no longer below it. */
 static struct volume_step step_of(double low, double high, uint32_t number)
@@ -44,7 +44,7 @@ static conus_status add_objects(conus_atlas *atlas, const conus_volume_info *inf
     if (!status) {
         volume.map = *map;
         volume.step_count = count;
-        qsort(volume.steps, count, sizeof *steps, compare_steps);
+        order_sort(volume.steps, count, sizeof *steps, compare_steps);
         volume_count_steps(counts, &volume);
     }
     for (size_t i = 0; i < count && !status; i++) {

@@ -3,6 +3,7 @@
 #include "base/name_set.h"
 
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -41,6 +42,6 @@ conus_status name_set_add(struct name_set *set, const char *name, size_t value)
     }
     set->items[set->count++] = (struct known_name){name, value};
     size_t length = lowest_bit(set->count); /* the new name, and all runs as long as those behind them */
-    qsort(set->items + set->count - length, length, sizeof *set->items, compare_known);
+    order_sort(set->items + set->count - length, length, sizeof *set->items, compare_known);
     return CONUS_OK;
 }

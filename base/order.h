@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Three-way comparisons, below 0, 0 or above 0, and sorted lists of numbers. */
+/** @file Three-way comparisons, below 0, 0 or above 0, and the one way to sort. */
 #ifndef CONUS_BASE_ORDER_H
 #define CONUS_BASE_ORDER_H
 
@@ -17,9 +17,17 @@ static inline int compare_double(double a, double b)
     return (a > b) - (a < b);
 }
 
-/** For qsort() and bsearch() of uint32_t or uint64_t. */
-int compare_u32(const void *a, const void *b);
-int compare_u64(const void *a, const void *b);
+/** Compares two rows, as for bsearch(); the other knows the @p user of order_sort_by(), too. */
+typedef int order_compare(const void *a, const void *b);
+typedef int order_compare_by(const void *a, const void *b, void *user);
+
+/** Of rows that are a uint32_t, a uint64_t, a double, or a pointer to text. */
+order_compare compare_u32, compare_u64, compare_f64, compare_text_pointers;
+
+/** Sorts @p count rows of @p size bytes, which may lie anywhere that malloc() would put them. It never fails. Rows that
+ * are equal keep their order, on every platform and without memory, too: then it takes O(n log(n)^2), in place. */
+void order_sort(void *rows, size_t count, size_t size, order_compare *compare);
+void order_sort_by(void *rows, size_t count, size_t size, order_compare_by *compare, void *user);
 
 /** Sorts @p numbers and keeps each once. Returns how many are left. */
 size_t u32_sort_unique(uint32_t *numbers, size_t count);

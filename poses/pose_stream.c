@@ -9,6 +9,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "base/order.h"
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
@@ -22,7 +23,6 @@
 
 #include <errno.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static conus_status parse_matrix(conus_pose_list *list, struct text text, const conus_pose_options *options)
@@ -190,10 +190,7 @@ struct row_name {
 
 static int compare_row_names(const void *a, const void *b)
 {
-    const struct row_name *one = a;
-    const struct row_name *other = b;
-    int order = strcmp(one->name, other->name);
-    return order ? order : (one->row > other->row) - (one->row < other->row);
+    return strcmp(((const struct row_name *)a)->name, ((const struct row_name *)b)->name);
 }
 
 /* Of rows with the name of an earlier one the first, and how many there are. Forgets the names. */
@@ -209,9 +206,7 @@ static conus_status note_equal_names(struct notes *notes, struct row_names *name
     for (size_t i = 0; i < count; at += strlen(at) + 1, i++) {
         sorted[i] = (struct row_name){at, i};
     }
-    if (count) {
-        qsort(sorted, count, sizeof *sorted, compare_row_names);
-    }
+    order_sort(sorted, count, sizeof *sorted, compare_row_names); /* rows of one name stay in order */
     for (size_t i = 1; i < count; i++) {
         if (strcmp(sorted[i - 1].name, sorted[i].name) == 0) {
             first = !first || sorted[i].row < first->row ? &sorted[i] : first;

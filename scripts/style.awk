@@ -42,6 +42,9 @@ FNR == 2 && FILENAME ~ /[.](c|cpp)$/ && FILENAME !~ /^examples\// && !/^\/[*\/]/
 calls(text, "strcpy|strcat|sprintf|vsprintf|gets|atoi|atol|atof|strtok|scanf|sscanf|fscanf|alloca|rand|srand") {
     report(FNR, "banned function:" $0)
 }
+FILENAME !~ /^tests\// && calls(text, "qsort|qsort_r") {
+    report(FNR, "not stable everywhere; base/order.h is:" $0)
+}
 # C promises "not 0" of these, no number.
 text ~ /([-+*] *(isnan|isinf|isfinite|signbit) *\(|(isnan|isinf|isfinite|signbit) *\([^()]*\) *[-+*])/ {
     report(FNR, "arithmetic with a truth:" $0)
@@ -49,7 +52,7 @@ text ~ /([-+*] *(isnan|isinf|isfinite|signbit) *\(|(isnan|isinf|isfinite|signbit
 library && calls(text, "exit|_exit|abort|printf|fprintf|vprintf|vfprintf|puts|putchar|perror|system|setlocale") {
     report(FNR, "not in the library:" $0)
 }
-library && FILENAME !~ /^base\/(memory|text_gnu|system\/system_unix)[.]c$/ &&
+library && FILENAME !~ /^base\/(memory|order|text_gnu|system\/system_unix)[.]c$/ &&
     calls(text, "malloc|calloc|realloc|reallocarray|aligned_alloc|posix_memalign|free|strdup|strndup|asprintf") {
     report(FNR, "allocation goes through base/memory.h:" $0)
 }

@@ -2,6 +2,7 @@
 /* Parses a table of batches. */
 #include "batch/batch_jobs.h"
 
+#include "base/order.h"
 #include "base/text.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -77,14 +78,9 @@ struct claim {
     size_t line;
 };
 
-/* Sorts by place, then by line, the output of a line before its sidecar. */
 static int by_place(const void *a, const void *b)
 {
-    const struct claim *x = a;
-    const struct claim *y = b;
-    int order = path_place_order(&x->place, &y->place);
-    order = order ? order : (x->line > y->line) - (x->line < y->line);
-    return order ? order : !!x->sidecar - !!y->sidecar;
+    return path_place_order(&((const struct claim *)a)->place, &((const struct claim *)b)->place);
 }
 
 /* The first in the table whose place an earlier one has; NULL = none. */
@@ -118,7 +114,7 @@ static bool make_claims(struct claim *claims, const struct batch_jobs *jobs)
     return true;
 }
 
-/* Sorts the claims: a table may have a million rows. */
+/* Sorts the claims: a table may have a million rows. Those of one place stay in order of their lines. */
 static bool check_outputs(const struct batch_jobs *jobs, const char *path)
 {
     size_t count = 2 * jobs->count;
@@ -128,7 +124,7 @@ static bool check_outputs(const struct batch_jobs *jobs, const char *path)
     if (!fine) {
         print_error_line("not enough memory");
     } else {
-        qsort(claims, count, sizeof *claims, by_place);
+        order_sort(claims, count, sizeof *claims, by_place);
         twice = find_double(claims, count);
     }
     if (twice) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus merge: checks the shards of a batch and joins them into one file. */
+#include "base/order.h"
 #include "base/system/system.h"
 #include "base/text.h"
 #include "batch/batch_file.h"
@@ -340,7 +341,7 @@ static int merge_shards(struct merge *merge)
     if (code) {
         return code;
     }
-    qsort(merge->parts, merge->count, sizeof *merge->parts, by_index);
+    order_sort(merge->parts, merge->count, sizeof *merge->parts, by_index);
     code = check_set(merge);
     code = code ? code : check_poses(merge);
     memcpy(merge->record.fingerprint, merge->parts[0].record.fingerprint, sizeof merge->record.fingerprint);

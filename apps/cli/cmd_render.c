@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus render: draws an atlas, with or without a cone, into a picture file. */
+#include "base/order.h"
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
@@ -117,8 +118,7 @@ static int compare_paths(const void *a, const void *b)
 {
     const struct drawn_row *one = a;
     const struct drawn_row *other = b;
-    int order = strcmp(one->path ? one->path : "", other->path ? other->path : "");
-    return order ? order : (one->row->line > other->row->line) - (one->row->line < other->row->line);
+    return strcmp(one->path ? one->path : "", other->path ? other->path : "");
 }
 
 static int check_clashes(const struct drawn_rows *rows)
@@ -131,7 +131,7 @@ static int check_clashes(const struct drawn_rows *rows)
     for (size_t i = 0; i < rows->count; i++) {
         sorted[i] = rows->items[i];
     }
-    qsort(sorted, rows->count, sizeof *sorted, compare_paths);
+    order_sort(sorted, rows->count, sizeof *sorted, compare_paths);
     for (size_t i = 1; i < rows->count && !code; i++) {
         const char *path = sorted[i].path;
         if (path && sorted[i - 1].path && strcmp(path, sorted[i - 1].path) == 0) {

@@ -20,7 +20,7 @@ static const double log_interval_ms = 5 * 60 * 1000;
 void progress_start(struct progress *out, enum progress_kind kind, bool quiet, const char *what, uint64_t total)
 {
     double start = clock_ms();
-    const char *other = getenv(PROGRESS_VARIABLE);
+    const char *other = system_variable(PROGRESS_VARIABLE);
     bool is_redirected = other && *other;
     bool is_for_people = is_redirected || (kind == PROGRESS_AUTO && !quiet);
     *out = (struct progress){.kind = is_redirected ? PROGRESS_AUTO : kind,

@@ -5,6 +5,7 @@
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -348,11 +349,6 @@ static conus_status list_pairs(struct merging *merging)
     return status;
 }
 
-static int by_text(const void *a, const void *b)
-{
-    return strcmp(*(const char *const *)a, *(const char *const *)b);
-}
-
 static conus_status list_names(struct merging *merging)
 {
     const conus_atlas *atlas = merging->atlas;
@@ -368,14 +364,14 @@ static conus_status list_names(struct merging *merging)
     for (size_t i = 0; i < merging->pair_count; i++) {
         merging->names[merging->name_count++] = merging->pairs[i].name;
     }
-    qsort(merging->names, merging->name_count, sizeof(char *), by_text);
+    order_sort(merging->names, merging->name_count, sizeof(char *), compare_text_pointers);
     return CONUS_OK;
 }
 
 static bool is_unique(const struct merging *merging, const char *name)
 {
     const char **names = merging->names;
-    const char **found = bsearch(&name, names, merging->name_count, sizeof(char *), by_text);
+    const char **found = bsearch(&name, names, merging->name_count, sizeof(char *), compare_text_pointers);
     bool first = found == names || strcmp(found[-1], name) != 0;
     bool last = found + 1 == names + merging->name_count || strcmp(found[1], name) != 0;
     return first && last;

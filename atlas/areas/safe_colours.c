@@ -5,9 +5,9 @@
 #include "atlas/labels/labels.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -254,10 +254,7 @@ static int by_contacts(const void *a, const void *b)
     if (one->last != other->last) {
         return one->last ? 1 : -1;
     }
-    if (one->contacts != other->contacts) {
-        return one->contacts < other->contacts ? 1 : -1;
-    }
-    return one->node < other->node ? -1 : 1;
+    return compare_unsigned(other->contacts, one->contacts);
 }
 
 /* Chooses a colour that no touching area has: a plain one first, and among those the one that fewest areas have. */
@@ -291,7 +288,7 @@ static conus_status colour_nodes(uint8_t *colours, const struct map *map, const 
             }
         }
     }
-    qsort(turns, count, sizeof *turns, by_contacts);
+    order_sort(turns, count, sizeof *turns, by_contacts);
     for (size_t n = 0; n < count; n++) {
         size_t near[COLOUR_LIMIT] = {0};
         for (size_t other = 1; other < map->count; other++) {

@@ -3,8 +3,8 @@
 #include "atlas/areas/sides.h"
 
 #include "base/memory.h"
+#include "base/order.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static const struct {
@@ -122,7 +122,7 @@ static conus_status index_names(struct name_index *out, const conus_atlas *atlas
         out->areas[i] = &atlas->objects[i];
     }
     out->count = atlas->area_count;
-    qsort(out->areas, out->count, sizeof(void *), by_name);
+    order_sort(out->areas, out->count, sizeof(void *), by_name);
     return CONUS_OK;
 }
 

@@ -83,40 +83,15 @@ static int compare_labels(const void *a, const void *b)
     return compare_unsigned(((const struct label *)a)->number, ((const struct label *)b)->number);
 }
 
-/* qsort is not stable; the order of appearance decides which duplicate is kept. */
-static conus_status sort_stably(struct label_table *table)
-{
-    size_t n = table->count;
-    struct label *from = table->entries;
-    struct label *spare = memory_raw(n, sizeof *spare);
-    if (!spare) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t width = 1; width < n; width *= 2) {
-        for (size_t start = 0; start < n; start += 2 * width) {
-            size_t middle = start + width < n ? start + width : n;
-            size_t end = start + 2 * width < n ? start + 2 * width : n;
-            size_t a = start;
-            size_t b = middle;
-            for (size_t k = start; k < end; k++) {
-                bool first = b == end || (a < middle && compare_labels(&from[a], &from[b]) <= 0);
-                spare[k] = from[first ? a++ : b++];
-            }
-        }
-        memcpy(from, spare, n * sizeof *from);
-    }
-    memory_free(spare);
-    return CONUS_OK;
-}
-
 conus_status label_table_sort(struct label_table *table, struct notes *notes)
 {
-    conus_status status = sort_stably(table);
+    conus_status status = CONUS_OK;
     size_t kept = 0;
     size_t conflicts = 0;
+    order_sort(table->entries, table->count, sizeof *table->entries, compare_labels);
     for (size_t i = 0; !status && i < table->count; i++) {
         struct label *label = &table->entries[i];
-        struct label *last = kept ? &table->entries[kept - 1] : NULL;
+        struct label *last = kept ? &table->entries[kept - 1] : NULL; /* of equal ones the first that appeared */
         if (last && last->number == label->number) {
             bool differ = last->name && label->name && strcmp(last->name, label->name) != 0;
             if (differ && ++conflicts <= CONFLICTS_SHOWN) {

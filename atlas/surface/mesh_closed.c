@@ -6,7 +6,6 @@
 #include "base/memory.h"
 #include "base/order.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static bool are_equal(const float a[3], const float b[3])
@@ -96,16 +95,11 @@ static void gather_edges(struct edges *edges, const struct mesh *mesh, const uin
     }
 }
 
-static int compare_items(const void *a, const void *b)
-{
-    return compare_unsigned(*(const uint64_t *)a, *(const uint64_t *)b);
-}
-
 static void sort_items(uint64_t *items, size_t count)
 {
     enum { FEW = 24 };
     if (count > FEW) {
-        qsort(items, count, sizeof *items, compare_items);
+        order_sort(items, count, sizeof *items, compare_u64);
         return;
     }
     for (size_t i = 1; i < count; i++) {

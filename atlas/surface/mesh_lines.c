@@ -7,7 +7,6 @@
 #include "base/order.h"
 
 #include <stdbool.h>
-#include <stdlib.h>
 
 void mesh_lines_finish(struct mesh_lines *lines)
 {
@@ -103,7 +102,5 @@ static int compare_crossings(const void *a, const void *b)
 
 void mesh_lines_sort(struct mesh_lines *lines)
 {
-    if (lines->crossing_count > 1) {
-        qsort(lines->crossings, lines->crossing_count, sizeof *lines->crossings, compare_crossings);
-    }
+    order_sort(lines->crossings, lines->crossing_count, sizeof *lines->crossings, compare_crossings);
 }

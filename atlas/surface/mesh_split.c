@@ -5,7 +5,6 @@
 #include "base/memory.h"
 #include "base/order.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 struct labelled {
@@ -45,10 +44,7 @@ struct mesh_part *mesh_parts_find(const struct mesh_parts *parts, uint32_t label
 
 static int compare_labelled(const void *a, const void *b)
 {
-    const struct labelled *x = a;
-    const struct labelled *y = b;
-    int order = compare_unsigned(x->label, y->label);
-    return order ? order : compare_unsigned(x->triangle, y->triangle);
+    return compare_unsigned(((const struct labelled *)a)->label, ((const struct labelled *)b)->label);
 }
 
 static conus_status gather_triangles(struct splitting *work, const uint32_t *labels, struct notes *notes)
@@ -68,7 +64,7 @@ static conus_status gather_triangles(struct splitting *work, const uint32_t *lab
     if (!work->count) {
         return fail(CONUS_ERROR_DATA, "none of %zu triangles is labelled", mesh->triangle_count);
     }
-    qsort(work->triangles, work->count, sizeof *work->triangles, compare_labelled);
+    order_sort(work->triangles, work->count, sizeof *work->triangles, compare_labelled);
     return left_out ? notes_add(notes, "%s: %zu of %zu triangles have no label and were left out",
                                 mesh->path ? mesh->path : "mesh", left_out, mesh->triangle_count)
                     : CONUS_OK;

@@ -3,6 +3,7 @@
 #include "base/cache/cache_folder.h"
 
 #include "base/memory.h"
+#include "base/order.h"
 #include "base/path.h"
 #include "base/system/system.h"
 
@@ -101,9 +102,7 @@ conus_status cache_folder_list(struct cache_listing *out, const char *path, cons
         system_list(path, take_entry, &search);
         close(search.folder);
     }
-    if (out->count) {
-        qsort(out->items, out->count, sizeof *out->items, compare_use);
-    }
+    order_sort(out->items, out->count, sizeof *out->items, compare_use);
     return search.status;
 }
 

@@ -59,7 +59,7 @@ static conus_status take_chosen(char **path, const char *chosen, const struct ch
 
 conus_status child_find(char **path, const struct child_program *program)
 {
-    const char *chosen = getenv(program->variable);
+    const char *chosen = system_variable(program->variable);
     if (chosen && *chosen) {
         return take_chosen(path, chosen, program);
     }
@@ -67,10 +67,10 @@ conus_status child_find(char **path, const struct child_program *program)
     char self[SYSTEM_PATH];
     size_t length = system_program(self) ? path_folder_length(self) : 0;
     conus_status status = length > 1 ? look_in(&found, program->name, self, length - 1) : CONUS_OK;
-    const char *list = getenv("PATH");
+    const char *list = system_variable("PATH");
     struct text rest = text_from(list ? list : "");
     struct text folder;
-    for (bool more = true; !status && !found && text_field(&rest, ':', &more, &folder);) {
+    for (bool more = true; !status && !found && text_field(&rest, SYSTEM_LIST, &more, &folder);) {
         status = look_in(&found, program->name, folder.data, folder.size);
     }
     if (!status && !found) {

@@ -300,9 +300,7 @@ static conus_status settle(struct hdf5 *hdf5)
         hdf5->objects[i].attributes = attributes;
         attributes = attributes ? attributes + hdf5->objects[i].attribute_count : NULL;
     }
-    if (hdf5->count) {
-        qsort(hdf5->objects, hdf5->count, sizeof *hdf5->objects, compare_objects);
-    }
+    order_sort(hdf5->objects, hdf5->count, sizeof *hdf5->objects, compare_objects);
     hdf5->places = memory_zeroed(hdf5->count, sizeof *hdf5->places);
     if (!hdf5->places) {
         return CONUS_ERROR_MEMORY;
@@ -314,7 +312,7 @@ static conus_status settle(struct hdf5 *hdf5)
         }
         hdf5->places[i] = (struct place){hdf5->objects[i].address, i};
     }
-    qsort(hdf5->places, hdf5->count, sizeof *hdf5->places, compare_addresses);
+    order_sort(hdf5->places, hdf5->count, sizeof *hdf5->places, compare_addresses);
     return CONUS_OK;
 }
 

@@ -220,7 +220,7 @@ static bool read_some(struct process_part *part, intptr_t *end)
 
 enum process_reading process_read(struct process_part parts[2], struct process *process, double seconds)
 {
-    enum { LONGEST = 1000000 }; /* milliseconds of a wait in an int */
+    static const double LONGEST = 1e6; /* whose milliseconds fit into an int */
     struct pollfd ends[2] = {{.fd = (int)process->ends[0], .events = POLLIN},
                              {.fd = (int)process->ends[1], .events = POLLIN}};
     parts[0].got = parts[1].got = 0;

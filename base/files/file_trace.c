@@ -3,6 +3,7 @@
 #include "base/files/file_trace.h"
 
 #include "base/memory.h"
+#include "base/order.h"
 #include "base/system/system.h"
 #include "conus/file.h"
 
@@ -293,9 +294,7 @@ void file_trace_end(struct file_trace *trace)
 {
     size_t kept = 0;
     open_trace = NULL;
-    if (trace->count) {
-        qsort(trace->items, trace->count, sizeof *trace->items, compare_items);
-    }
+    order_sort(trace->items, trace->count, sizeof *trace->items, compare_items);
     for (size_t i = 0; i < trace->count; i++) {
         struct traced *last = kept ? &trace->items[kept - 1] : NULL;
         bool repeated = last && compare_questions(last, &trace->items[i]) == 0;

@@ -3,9 +3,9 @@
 #include "base/files/folder.h"
 
 #include "base/memory.h"
+#include "base/order.h"
 #include "base/system/system.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 void names_finish(struct names *names)
@@ -14,11 +14,6 @@ void names_finish(struct names *names)
         memory_free(names->names[i]);
     }
     memory_free(names->names);
-}
-
-static int compare_names(const void *a, const void *b)
-{
-    return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
 static bool ends_with(const char *name, const char *ending)
@@ -67,8 +62,8 @@ conus_status names_read(struct names *out, const char *folder, const char *endin
 {
     struct wanted wanted = {.out = out, .ending = ending};
     system_list(folder, take_name, &wanted);
-    if (!wanted.status && out->count) {
-        qsort(out->names, out->count, sizeof *out->names, compare_names);
+    if (!wanted.status) {
+        order_sort(out->names, out->count, sizeof *out->names, compare_text_pointers);
     }
     return wanted.status;
 }

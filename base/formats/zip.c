@@ -292,7 +292,7 @@ static int compare_entries(const void *a, const void *b)
 static conus_status sort_entries(struct zip *zip)
 {
     size_t kept = 0;
-    qsort(zip->entries, zip->count, sizeof *zip->entries, compare_entries);
+    order_sort(zip->entries, zip->count, sizeof *zip->entries, compare_entries);
     for (size_t i = 1; i < zip->count; i++) {
         if (compare_entries(&zip->entries[i - 1], &zip->entries[i]) == 0) {
             return fail_entry(CONUS_ERROR_DATA, zip->entries[i].name, "there are two of this name");
@@ -324,7 +324,7 @@ static conus_status read_entries(struct zip *zip, struct extent *extents, const 
     if (status) {
         return status;
     }
-    qsort(extents, zip->count, sizeof *extents, compare_extents);
+    order_sort(extents, zip->count, sizeof *extents, compare_extents);
     for (size_t i = 1; i < zip->count; i++) {
         if (extents[i].from < extents[i - 1].to) {
             return fail(CONUS_ERROR_DATA, "zip: two files share the byte %llu", (unsigned long long)extents[i].from);

@@ -640,6 +640,21 @@ bool system_make_folder(const char *path, bool for_us_alone)
             errno = errno == EACCES && GetFileAttributesW(wide) != INVALID_FILE_ATTRIBUTES ? EEXIST : errno, false);
 }
 
+bool system_remove_folder(const char *path)
+{
+    wide_path wide;
+    return widen(wide, path) && (RemoveDirectoryW(wide) || fail_at(wide, GetLastError()));
+}
+
+/* A right that few have here: those who ask copy. */
+bool system_link(const char *target, const char *path)
+{
+    (void)target;
+    (void)path;
+    errno = ENOSYS;
+    return false;
+}
+
 bool system_list(const char *folder, bool (*take)(void *user, const char *name), void *user)
 {
     char pattern[SYSTEM_PATH];

@@ -3,6 +3,7 @@
 #include "bench/support/bench.h"
 
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -85,13 +86,6 @@ conus_status bench_load_labels(conus_atlas **out, const char *path)
     return status;
 }
 
-static int compare_times(const void *a, const void *b)
-{
-    double x = *(const double *)a;
-    double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double median(const double *sorted, size_t count)
 {
     return 0.5 * (sorted[(count - 1) / 2] + sorted[count / 2]);
@@ -107,9 +101,9 @@ struct times {
 /* Fills in the variant's numbers; returns how far apart the middle half of its times is, as a part of the median. */
 static double summarise(struct bench_variant *variant, const struct times *times, size_t rounds)
 {
-    qsort(times->warm, rounds, sizeof *times->warm, compare_times);
-    qsort(times->cold, rounds, sizeof *times->cold, compare_times);
-    qsort(times->cpu, rounds, sizeof *times->cpu, compare_times);
+    order_sort(times->warm, rounds, sizeof *times->warm, compare_f64);
+    order_sort(times->cold, rounds, sizeof *times->cold, compare_f64);
+    order_sort(times->cpu, rounds, sizeof *times->cpu, compare_f64);
     variant->median_ms = median(times->warm, rounds);
     variant->min_ms = times->warm[0];
     variant->p90_ms = times->warm[(rounds - 1) * 9 / 10];
@@ -178,7 +172,7 @@ static void take_round(const struct bench *bench, const struct bench_variant *va
         for (int i = 0; i < count; i++) {
             runs[i] = time_once(bench, variant, &cpu);
         }
-        qsort(runs, (size_t)count, sizeof *runs, compare_times);
+        order_sort(runs, (size_t)count, sizeof *runs, compare_f64);
         warm = median(runs, (size_t)count);
     }
     times->cold[round] = first / (double)per;

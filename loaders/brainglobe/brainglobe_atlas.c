@@ -6,6 +6,7 @@
 #include "base/files/file_trace.h"
 #include "base/formats/json_text.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
@@ -200,9 +201,7 @@ conus_status brainglobe_versions(struct names *out, const char *folder)
         status = status || !is ? status : names_add(out, all.names[i]);
         buffer_finish(&path);
     }
-    if (out->count) {
-        qsort(out->names, out->count, sizeof *out->names, compare_versions);
-    }
+    order_sort(out->names, out->count, sizeof *out->names, compare_versions);
     names_finish(&all);
     return status;
 }

@@ -14,7 +14,6 @@
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* The list of structures of the CIFTI-2 specification, "BrainStructure". */
@@ -384,7 +383,7 @@ static conus_status order_models(struct cifti *cifti)
     if (!cifti->model_count) {
         return fail(CONUS_ERROR_DATA, "BrainModel: found none");
     }
-    qsort(cifti->models, cifti->model_count, sizeof *cifti->models, compare_models);
+    order_sort(cifti->models, cifti->model_count, sizeof *cifti->models, compare_models);
     for (size_t i = 0; i < cifti->model_count; i++) {
         const struct cifti_model *model = &cifti->models[i];
         if (model->offset != next) {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables with a header row: BIDS dseg.tsv, Slicer's CSV, and others. The names of the columns decide what they
  * mean; unknown columns are allowed. And CSV without one, number and name in front. */
+#include "base/order.h"
 #include "loaders/labels/label_format.h"
 
 #include "loaders/labels/label_cells.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum column {
@@ -344,7 +344,7 @@ static void check_names_differ(struct job *job, const struct label_table *table)
         labels[count] = &table->entries[i];
         count += table->entries[i].name != NULL;
     }
-    qsort(labels, count, sizeof(struct label *), compare_names);
+    order_sort(labels, count, sizeof(struct label *), compare_names);
     for (size_t i = 1; i < count; i++) {
         if (labels[i - 1]->number != labels[i]->number && compare_names(&labels[i - 1], &labels[i]) == 0) {
             job_bad(job,

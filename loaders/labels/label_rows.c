@@ -3,9 +3,9 @@
  * columns in most rows; a row that then breaks the format is an error, never a reason to read it as something else. */
 #include "loaders/labels/label_rows.h"
 
+#include "base/order.h"
 #include "loaders/labels/label_cells.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 struct row {
@@ -168,9 +168,7 @@ static bool words_differ(struct job *job, struct text text, size_t rows, bool la
         words[i].number = row.first;
         words[i].word = last ? take_last_word(&row.rest) : take_word(&row.rest);
     }
-    if (rows) {
-        qsort(words, rows, sizeof *words, compare_words);
-    }
+    order_sort(words, rows, sizeof *words, compare_words);
     for (size_t i = 1; i < rows; i++) {
         bool same = text_compare(words[i - 1].word, words[i].word) == 0;
         differ = differ && !(same && text_compare(words[i - 1].number, words[i].number) != 0);

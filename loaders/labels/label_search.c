@@ -3,11 +3,11 @@
 #include "loaders/labels/label_search.h"
 
 #include "base/files/folder.h"
+#include "base/order.h"
 #include "base/system/system.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_format.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* Two tables side by side. */
@@ -61,7 +61,7 @@ static const struct label **list_names(struct job *job, size_t *count, const str
         list[named] = &table->entries[i];
         named += table->entries[i].name && compare_spelling(table->entries[i].name, "") != 0;
     }
-    qsort(list, named, sizeof(struct label *), compare_names);
+    order_sort(list, named, sizeof(struct label *), compare_names);
     for (size_t start = 0, end; start < named; start = end) {
         for (end = start + 1; end < named && compare_names(&list[start], &list[end]) == 0;) {
             end++;

@@ -10,6 +10,7 @@
 #include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "base/order.h"
 #include "base/text_number.h"
 #include "base/tolerance.h"
 #include "loaders/labels/fsl_find.h"
@@ -19,7 +20,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -64,9 +64,7 @@ static void check_band(struct job *job, const conus_band *band, const conus_volu
 
 static int compare_ends(const void *a, const void *b)
 {
-    const conus_band *first = a;
-    const conus_band *second = b;
-    return (first->low > second->low) - (first->low < second->low);
+    return compare_double(((const conus_band *)a)->low, ((const conus_band *)b)->low);
 }
 
 static int compare_band_names(const void *a, const void *b)
@@ -90,13 +88,13 @@ static void check_bands(struct job *job, const conus_band *bands, size_t count, 
         return;
     }
     memcpy(sorted, bands, count * sizeof *sorted);
-    qsort(sorted, count, sizeof *sorted, compare_band_names);
+    order_sort(sorted, count, sizeof *sorted, compare_band_names);
     for (const conus_band *band = sorted + 1; band < sorted + count; band++) {
         if (compare_band_names(band - 1, band) == 0) {
             job_fail(job, CONUS_ERROR_ARGUMENT, "%s: two bands are called %s", info->path, band->name);
         }
     }
-    qsort(sorted, count, sizeof *sorted, compare_ends);
+    order_sort(sorted, count, sizeof *sorted, compare_ends);
     for (const conus_band *band = sorted + 1; band < sorted + count; band++) {
         if ((float)band->low < (float)band[-1].high) {
             job_fail(job, CONUS_ERROR_ARGUMENT, "%s: the bands %s (%s) and %s (%s) overlap", info->path, band[-1].name,

@@ -287,9 +287,7 @@ static void plan_brainglobe(const struct planning *p)
 /* Sorts the areas by label, of which no two may have the same. */
 static void sort_areas(struct job *job, struct area_plan *plan)
 {
-    if (plan->areas.count) {
-        qsort(plan->areas.at, plan->areas.count, sizeof *plan->areas.at, compare_areas);
-    }
+    order_sort(plan->areas.at, plan->areas.count, sizeof *plan->areas.at, compare_areas);
     for (size_t i = 1; i < plan->areas.count; i++) {
         const struct planned_area *a = &plan->areas.at[i - 1];
         const struct planned_area *b = &plan->areas.at[i];

@@ -160,11 +160,6 @@ struct said {
 
 enum { SHOWN = 3 };
 
-static int compare_paths(const void *a, const void *b)
-{
-    return strcmp(*(const char *const *)a, *(const char *const *)b);
-}
-
 static int compare_with_path(const void *text, const void *path)
 {
     return text_compare(*(const struct text *)text, text_from(*(const char *const *)path));
@@ -176,12 +171,11 @@ static int compare_lines(const void *a, const void *b)
 }
 
 /* Sorts notes about surfaces by their text, in front of all other notes. */
-static int compare_texts(const void *a, const void *b)
+static int compare_said(const void *a, const void *b)
 {
     const struct said *x = a;
     const struct said *y = b;
-    int order = x->path && y->path ? strcmp(x->text, y->text) : (y->path != NULL) - (x->path != NULL);
-    return order ? order : compare_lines(a, b);
+    return x->path && y->path ? strcmp(x->text, y->text) : (y->path != NULL) - (x->path != NULL);
 }
 
 /* Finds the surface that the note begins with, among the paths. */
@@ -213,11 +207,11 @@ static void gather_notes(struct job *job, struct note_sink *sink, const struct s
     if (!count || !path_count) {
         return;
     }
-    qsort(paths, path_count, sizeof *paths, compare_paths);
+    order_sort(paths, path_count, sizeof *paths, compare_text_pointers);
     for (size_t i = 0; i < count; i++) {
         said[i] = read_note(paths, path_count, from->lines[i], i);
     }
-    qsort(said, count, sizeof *said, compare_texts);
+    order_sort(said, count, sizeof *said, compare_said);
     for (size_t i = 0; i < count; i++) {
         const bool is_same = first->path && said[i].path && strcmp(first->text, said[i].text) == 0;
         first = is_same ? first : &said[i];
@@ -226,7 +220,7 @@ static void gather_notes(struct job *job, struct note_sink *sink, const struct s
                 job_format(job, "%s%s%s", first->names, first->count > 1 ? ", " : "", path_base(said[i].path));
         }
     }
-    qsort(said, count, sizeof *said, compare_lines);
+    order_sort(said, count, sizeof *said, compare_lines);
     for (size_t i = 0; i < count; i++) {
         const conus_severity severity = from->marks[i].severity;
         sink->path = said[i].count && said[i].path ? said[i].path : sink->path;

@@ -253,7 +253,7 @@ conus_status freesurfer_annot_parse(uint32_t **labels, size_t *count, struct lab
     conus_status status = take_vertices(&annot);
     status = status ? status : take_table(&annot);
     if (!status) {
-        qsort(annot.entries, annot.entry_count, sizeof *annot.entries, compare_entries);
+        order_sort(annot.entries, annot.entry_count, sizeof *annot.entries, compare_entries);
         out = memory_raw(annot.count, sizeof *out);
         status = out ? note_colours(&annot) : CONUS_ERROR_MEMORY;
     }

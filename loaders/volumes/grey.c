@@ -7,7 +7,6 @@
 #include "base/order.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -73,7 +72,7 @@ static conus_status find_plateaus(struct scan *scan, size_t count)
         sample[n] = label_voxels_at(scan->labels, i);
         n += sample[n] != 0;
     }
-    qsort(sample, n, sizeof *sample, compare_u32);
+    order_sort(sample, n, sizeof *sample, compare_u32);
     size_t ranked[PLATEAUS] = {0};
     for (size_t i = 0, start = 0; i < n; i++) {
         if (i + 1 < n && sample[i + 1] == sample[i]) {
@@ -185,7 +184,7 @@ static conus_status find_values(struct values *out, const struct scan *scan)
         return CONUS_ERROR_MEMORY;
     }
     size_t n = gather_values(out->sorted, scan, every);
-    qsort(out->sorted, n, sizeof *out->sorted, compare_u32);
+    order_sort(out->sorted, n, sizeof *out->sorted, compare_u32);
     double weight = (double)(every * scan->step); /* a voxel stands for so many */
     for (size_t i = 0, start = 0; i < n; i++) {
         if (i + 1 == n || out->sorted[i + 1] != out->sorted[i]) {

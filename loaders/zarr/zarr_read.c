@@ -3,12 +3,12 @@
 #include "base/buffer.h"
 #include "base/byte_order.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "loaders/zarr/zarr.h"
 
 #include <errno.h>
 #include <math.h>
 #include <nettle/sha2.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { SPACE = 3, PIECE = 1 << 20, FILES = 1 << 22 /* some seconds, where hardly any is there */ };
@@ -270,9 +270,7 @@ static conus_status sum_shard(struct reading *reading, const struct open_file *f
 
 static int compare_entries(const void *a, const void *b)
 {
-    uint64_t one = ((const struct entry *)a)->from;
-    uint64_t other = ((const struct entry *)b)->from;
-    return (one > other) - (one < other);
+    return compare_unsigned(((const struct entry *)a)->from, ((const struct entry *)b)->from);
 }
 
 static conus_status refuse_entry(const struct entry *entry)
@@ -302,7 +300,7 @@ static conus_status check_index(const struct entry *entries, size_t count, uint6
     }
     if (!status) {
         sorted[there++] = *own;
-        qsort(sorted, there, sizeof *sorted, compare_entries);
+        order_sort(sorted, there, sizeof *sorted, compare_entries);
     }
     for (size_t i = 1; !status && i < there; i++) {
         if (sorted[i - 1].from + sorted[i - 1].size > sorted[i].from) {

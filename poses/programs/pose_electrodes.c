@@ -8,8 +8,6 @@
 #include "poses/rows/pose_columns.h"
 #include "poses/rows/pose_row.h"
 
-#include <stdlib.h>
-
 /* Columns that are read; the others are for other programs. */
 enum column { NAME, X, Y, Z, GROUP, PROBE_NAME, COLUMNS };
 
@@ -138,7 +136,7 @@ static conus_status find_neighbours(struct reading *reading)
             sorted[count++] = &reading->contacts[i];
         }
     }
-    qsort(sorted, count, sizeof(struct contact *), compare_contacts);
+    order_sort(sorted, count, sizeof(struct contact *), compare_contacts);
     for (size_t i = 1; i < count; i++) {
         struct contact *inner = sorted[i - 1];
         struct contact *outer = sorted[i];

@@ -7,11 +7,11 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "base/order.h"
 #include "poses/rows/pose_list.h"
 #include "poses/rows/pose_row.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { PROBE_LIMIT = 1024, NAME_SIZE = 32, CHANNEL_LIMIT = INT32_MAX };
@@ -374,13 +374,13 @@ static conus_status check_unique(const conus_probe *probe)
     if (!sorted) {
         return CONUS_ERROR_MEMORY;
     }
-    qsort(sorted, probe->count, sizeof *sorted, by_id);
+    order_sort(sorted, probe->count, sizeof *sorted, by_id);
     for (size_t i = 1; i < probe->count && !status; i++) {
         if (!by_id(&sorted[i - 1], &sorted[i])) {
             status = fail(CONUS_ERROR_DATA, "contact_ids: two contacts are called \"%s\"", sorted[i].id);
         }
     }
-    qsort(sorted, probe->count, sizeof *sorted, by_channel);
+    order_sort(sorted, probe->count, sizeof *sorted, by_channel);
     for (size_t i = 1; i < probe->count && !status; i++) {
         if (sorted[i].channel >= 0 && !by_channel(&sorted[i - 1], &sorted[i])) {
             status = fail(CONUS_ERROR_DATA, "device_channel_indices: two contacts of %s have the channel %lld",

@@ -5,13 +5,13 @@
 #include "atlas/atlas.h"
 #include "base/files/file.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "base/path.h"
 #include "base/text.h"
 #include "render/image/image_srgb.h"
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { SAMPLE_LIMIT = 1 << 16, FILE_LIMIT = 1 << 20 };
@@ -233,7 +233,7 @@ conus_status transfer_window(double *low, double *high, const struct volume *vol
             sample[count++] = volume_value(volume, i);
         }
     }
-    qsort(sample, count, sizeof *sample, by_value);
+    order_sort(sample, count, sizeof *sample, by_value);
     *low = volume->info.minimum;
     *high = count ? (double)sample[(count - 1) * 995 / 1000] : volume->info.maximum;
     *high = *high > *low ? *high : *low + 1;

@@ -4,10 +4,10 @@
 #include "render/image/deep_image.h"
 
 #include "base/memory.h"
+#include "base/order.h"
 #include "render/image/exr_stream.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
 
@@ -236,7 +236,7 @@ conus_status deep_image_format(struct bytes *out, const struct deep_image *image
         struct image_channel *order = memory_raw(image->channel_count, sizeof *order);
         if (order) {
             memcpy(order, image->channels, image->channel_count * sizeof *order);
-            qsort(order, image->channel_count, sizeof *order, by_name);
+            order_sort(order, image->channel_count, sizeof *order, by_name);
         }
         code = order ? row_init(&row, image) : EXR_ERR_OUT_OF_MEMORY;
         if (!code) {

@@ -4,8 +4,8 @@
 
 #include "base/buffer.h"
 #include "base/memory.h"
+#include "base/order.h"
 
-#include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
 
@@ -61,16 +61,12 @@ static int by_text(const void *a, const void *b)
 
 static int by_uses(const void *a, const void *b)
 {
-    const struct word *x = a;
-    const struct word *y = b;
-    return x->uses != y->uses ? (x->uses > y->uses ? -1 : 1) : (x->index > y->index) - (x->index < y->index);
+    return compare_unsigned(((const struct word *)b)->uses, ((const struct word *)a)->uses);
 }
 
 static int by_index(const void *a, const void *b)
 {
-    const struct word *x = a;
-    const struct word *y = b;
-    return (x->index > y->index) - (x->index < y->index);
+    return compare_unsigned(((const struct word *)a)->index, ((const struct word *)b)->index);
 }
 
 /* The most frequent 128 words get numbers of one byte, the next up to 16384 of two, and so on; among those of one
@@ -78,10 +74,10 @@ static int by_index(const void *a, const void *b)
 static void rank(struct dictionary *dictionary)
 {
     struct word *words = dictionary->words;
-    qsort(words, dictionary->count, sizeof *words, by_uses);
+    order_sort(words, dictionary->count, sizeof *words, by_uses);
     for (size_t start = 0, end = VARINT_CLASS_LIMIT; start < dictionary->count; start = end, end *= 128) {
         size_t last = end < dictionary->count ? end : dictionary->count;
-        qsort(words + start, last - start, sizeof *words, by_index);
+        order_sort(words + start, last - start, sizeof *words, by_index);
     }
     for (size_t i = 0; i < dictionary->count; i++) {
         dictionary->rank_of[words[i].index] = (uint32_t)i;
@@ -102,7 +98,7 @@ static conus_status dictionary_init(struct dictionary *out, const struct id_mani
         }
     }
     if (uses) {
-        qsort(uses, slots, sizeof *uses, by_text);
+        order_sort(uses, slots, sizeof *uses, by_text);
     }
     *out = (struct dictionary){.words = memory_raw(slots, sizeof *out->words),
                                .index_of = memory_raw(slots, sizeof *out->index_of),

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lays pairs of areas out as a table. */
 #include "base/memory.h"
+#include "base/order.h"
 #include "base/status.h"
 #include "selection/ends/connectivity.h"
 
@@ -29,7 +30,7 @@ static conus_status list_areas(conus_connectivity *connectivity)
         const conus_connection *pair = &connectivity->pairs[i / 2];
         areas[i] = i % 2 ? pair->area_b : pair->area_a;
     }
-    qsort(areas, count, sizeof *areas, by_number);
+    order_sort(areas, count, sizeof *areas, by_number);
     size_t kept = 0;
     for (size_t i = 0; i < count; i++) {
         if (!kept || areas[kept - 1] != areas[i]) {

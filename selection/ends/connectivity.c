@@ -14,7 +14,6 @@
 
 #include <math.h>
 #include <stddef.h>
-#include <stdlib.h>
 
 static const double RADIUS_LIMIT = 100;
 
@@ -240,7 +239,7 @@ static conus_status count_all(conus_connection **out, size_t *count, struct conn
         next = add_kinds(next, connecting->selector->atlas, all + first, end - first);
         first = end;
     }
-    qsort(*out, *count, sizeof **out, by_count);
+    order_sort(*out, *count, sizeof **out, by_count);
     return CONUS_OK;
 }
 

@@ -3,6 +3,7 @@
 #include "selection/evidence/layers.h"
 
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <stdlib.h>
 
@@ -54,7 +55,7 @@ static int compare(const void *a, const void *b)
 static void sort_pixel(conus_interval *intervals, size_t count)
 {
     if (count > FEW) {
-        qsort(intervals, count, sizeof *intervals, compare);
+        order_sort(intervals, count, sizeof *intervals, compare);
         return;
     }
     for (size_t i = 1; i < count; i++) {

@@ -4,9 +4,8 @@
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "selection/region/region_rows.h"
-
-#include <stdlib.h>
 
 /* Axes in the order in which voxels are stored. */
 static const int STORED[3] = {0, 1, 2};
@@ -320,13 +319,6 @@ static void add_values(void *user, const struct volume *volume, const size_t at[
     }
 }
 
-static int ascending(const void *a, const void *b)
-{
-    uint32_t x = *(const uint32_t *)a;
-    uint32_t y = *(const uint32_t *)b;
-    return (x > y) - (x < y);
-}
-
 static void count_areas(struct census *census, const struct region *region, const struct volume *volume,
                         struct census_labels *labels)
 {
@@ -372,7 +364,7 @@ void census_take(struct census *census, const conus_atlas *atlas, const struct r
             census_walk_box(region, volume, &volume->box, add_values, census);
         }
     }
-    qsort(census->touched, census->touched_count, sizeof *census->touched, ascending);
+    order_sort(census->touched, census->touched_count, sizeof *census->touched, compare_u32);
 }
 
 bool census_is_weighted(const conus_atlas *atlas, uint32_t object)

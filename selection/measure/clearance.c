@@ -6,10 +6,9 @@
 #include "atlas/tracts/capsule.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "selection/measure/label_runs.h"
 #include "selection/measure/near.h"
-
-#include <stdlib.h>
 
 /* Tubes are looked for round the needle, each time so many times as far as before. */
 static const double WIDER = 2;
@@ -179,8 +178,8 @@ static conus_status index_voxels(struct clearance_index *index, const conus_atla
     }
     index->bricks = quarry.bricks;
     index->brick_count = quarry.count;
-    if (!status && quarry.count) {
-        qsort(quarry.bricks, quarry.count, sizeof *quarry.bricks, by_object);
+    if (!status) {
+        order_sort(quarry.bricks, quarry.count, sizeof *quarry.bricks, by_object);
     }
     for (size_t first = 0, end = 0; !status && first < quarry.count; first = end) {
         uint32_t object = quarry.bricks[first].object;

@@ -3,8 +3,7 @@
 #include "selection/measure/score.h"
 
 #include "base/geometry/math3.h"
-
-#include <stdlib.h>
+#include "base/order.h"
 
 #define MM_PER_M 1000.0
 
@@ -255,7 +254,7 @@ void score_rank(struct statistics *statistics, const struct ranking *ranking, co
         }
         statistics->results[i].score = formula_value(&ranking->formula, values);
     }
-    qsort(statistics->results, ranked, sizeof *statistics->results, compare);
+    order_sort(statistics->results, ranked, sizeof *statistics->results, compare);
     for (size_t i = 0; i < ranked; i++) {
         statistics->results[i].rank = (uint32_t)i + 1;
     }

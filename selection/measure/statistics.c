@@ -5,6 +5,7 @@
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -408,7 +409,7 @@ conus_status statistics_gather(struct statistics *out, const struct gathering *g
     size_t count = tally->touched_count;
     conus_result *results = memory_raw(count, sizeof *results);
     if (results) {
-        qsort(tally->touched, count, sizeof *tally->touched, by_number);
+        order_sort(tally->touched, count, sizeof *tally->touched, by_number);
         for (size_t i = 0; i < count; i++) {
             uint32_t number = tally->touched[i];
             results[i] = describe(number, &tally->objects[number], gathering, &totals);

@@ -5,9 +5,9 @@
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "selection/region/region_segment.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static const double PARTS = 0x1p40; /* in a mm */
@@ -218,13 +218,6 @@ static void add_run(void *user, const struct tract_run *run, const struct tract_
     }
 }
 
-static int ascending(const void *a, const void *b)
-{
-    uint32_t x = *(const uint32_t *)a;
-    uint32_t y = *(const uint32_t *)b;
-    return (x > y) - (x < y);
-}
-
 void tract_census_take(struct tract_census *census, const struct tract_index *index, const conus_atlas *atlas,
                        const struct region *region)
 {
@@ -240,5 +233,5 @@ void tract_census_take(struct tract_census *census, const struct tract_index *in
         struct taking taking = {.census = census, .atlas = atlas, .owners = &index->of[i]};
         tract_census_walk(&atlas->tractograms[i], region, add_run, &taking);
     }
-    qsort(census->touched, census->touched_count, sizeof *census->touched, ascending);
+    order_sort(census->touched, census->touched_count, sizeof *census->touched, compare_u32);
 }

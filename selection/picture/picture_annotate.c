@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Letters of directions and the scale of a picture, and all of its text. */
+#include "base/order.h"
 #include "selection/picture/picture.h"
 
 #include "base/geometry/math3.h"
@@ -7,7 +8,6 @@
 #include "render/flat/legend.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { CELL_SIZE = 24 };
@@ -141,7 +141,7 @@ static conus_status draw_directions(conus_image *image, const struct picture *pi
         const double y = -sign * m[4 + n / 2];
         directions[n] = (struct direction){letters[n], x, y, hypot(x, y), sign * m[8 + n / 2] < 0};
     }
-    qsort(directions, 6, sizeof *directions, compare_flat);
+    order_sort(directions, 6, sizeof *directions, compare_flat);
     conus_status status = CONUS_OK;
     for (size_t n = 0; n < 6 && !status; n++) {
         const struct direction *direction = &directions[n];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Everything in the cone as a deep image: a sample for each interval of a pixel's ray inside an object. */
 #include "base/memory.h"
+#include "base/order.h"
 #include "render/image/deep_image.h"
 #include "render/image/id_manifest.h"
 #include "selection/picture/picture.h"
@@ -90,12 +91,7 @@ static struct named *list_objects(size_t *count, const conus_selection *selectio
 
 static int by_label(const void *a, const void *b)
 {
-    const struct named *x = a;
-    const struct named *y = b;
-    if (x->object->label != y->object->label) {
-        return x->object->label < y->object->label ? -1 : 1;
-    }
-    return (x->number > y->number) - (x->number < y->number);
+    return compare_unsigned(((const struct named *)a)->object->label, ((const struct named *)b)->object->label);
 }
 
 /* Room for the tables of a manifest: of objects, and of labels, which are no more. */
@@ -166,7 +162,7 @@ static conus_status format_names(struct bytes *out, struct names *names, struct 
 {
     static const char *const components[] = {"name", "label", "kind"};
     size_t labels = 0;
-    qsort(named, count, sizeof *named, by_label);
+    order_sort(named, count, sizeof *named, by_label);
     conus_status status = name_labels(names, &labels, named, count);
     if (status) {
         return status;

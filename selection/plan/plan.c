@@ -17,7 +17,6 @@
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { SHANK_LIMIT = 1000, BLOCK = 32, DEFAULT_TOP = 20, SPARE = 16 };
@@ -466,9 +465,7 @@ static int better_first(const void *a, const void *b)
 static void cut_list(conus_plan *plan)
 {
     struct entries *list = &plan->list;
-    if (list->count) {
-        qsort((void *)list->items, list->count, sizeof(struct entry *), better_first);
-    }
+    order_sort((void *)list->items, list->count, sizeof(struct entry *), better_first);
     while (list->count > plan->asked.options.top) {
         memory_free(list->items[--list->count]);
     }
@@ -764,7 +761,7 @@ static void list_kept(struct plan_numbers *out, const conus_plan *plan)
     for (size_t i = 0; i < plan->kept.count; i++) {
         all[count++] = plan->kept.items[i] > plan->done ? plan->kept.items[i] : 0;
     }
-    qsort(all, count, sizeof *all, compare_u64);
+    order_sort(all, count, sizeof *all, compare_u64);
     for (size_t i = 0; i < count; i++) {
         if (all[i] > (out->count ? all[out->count - 1] : 0)) {
             all[out->count++] = all[i];

@@ -83,7 +83,7 @@ static void join(struct plan_spans *spans, size_t first)
 {
     size_t count = first;
     if (spans->count > first) {
-        qsort(spans->items + first, spans->count - first, sizeof *spans->items, by_entry);
+        order_sort(spans->items + first, spans->count - first, sizeof *spans->items, by_entry);
     }
     for (size_t i = first; i < spans->count; i++) {
         struct plan_span span = spans->items[i];

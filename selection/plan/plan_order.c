@@ -2,13 +2,13 @@
 /* The order of poses: keys as they are printed, a score by a formula of them, and Pareto fronts. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "base/text.h"
 #include "base/text_number.h"
 #include "selection/plan/plan.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const char DEFAULT_RANK[] = "leeway,-depth";
@@ -239,15 +239,12 @@ int plan_keys_compare(const double *a, const double *b, size_t count)
 /* Poses to be put in order: their keys, and which pose. */
 struct ranked {
     const double *keys;
-    size_t count, pose;
+    size_t pose;
 };
 
-static int better_first(const void *a, const void *b)
+static int better_first(const void *a, const void *b, void *key_count)
 {
-    const struct ranked *x = a;
-    const struct ranked *y = b;
-    int order = plan_keys_compare(y->keys, x->keys, x->count);
-    return order ? order : (x->pose > y->pose) - (x->pose < y->pose);
+    return plan_keys_compare(((const struct ranked *)b)->keys, ((const struct ranked *)a)->keys, *(size_t *)key_count);
 }
 
 /* Whether keys `a` are at least as good in all and better in one. */
@@ -274,10 +271,10 @@ conus_status plan_fronts(uint64_t *front, const double *keys, size_t count, size
     conus_status status = poses && newest && older ? CONUS_OK : CONUS_ERROR_MEMORY;
     size_t fronts = 0;
     for (size_t i = 0; i < count && !status; i++) {
-        poses[i] = (struct ranked){keys + i * key_count, key_count, i};
+        poses[i] = (struct ranked){keys + i * key_count, i};
     }
     if (!status) {
-        qsort(poses, count, sizeof *poses, better_first);
+        order_sort_by(poses, count, sizeof *poses, better_first, &key_count);
     }
     for (size_t i = 0; i < count && !status; i++) {
         size_t low = 0;

@@ -143,15 +143,14 @@ static void write_regions(struct buffer *out, const struct shank *shank)
     }
 }
 
-/* By probe, shank and height. */
+/* By probe, shank and height; contacts side by side stay in order of their queries. */
 static int by_height(const void *a, const void *b)
 {
     const struct site *x = a;
     const struct site *y = b;
     int order = compare_unsigned(x->contact->index, y->contact->index);
     order = order ? order : strcmp(x->contact->shank, y->contact->shank);
-    order = order ? order : compare_double(x->contact->offset[2], y->contact->offset[2]);
-    return order ? order : compare_unsigned(x->query, y->query);
+    return order ? order : compare_double(x->contact->offset[2], y->contact->offset[2]);
 }
 
 /* By probe and channel. */
@@ -164,7 +163,7 @@ static int by_channel(const void *a, const void *b)
 }
 
 /* [query_count], sorted. Where the file names no channels, they are in its order. */
-static conus_status sort_sites(struct site **out, const conus_report *report, int compare(const void *, const void *))
+static conus_status sort_sites(struct site **out, const conus_report *report, order_compare *compare)
 {
     struct site *sites = memory_raw(report->query_count, sizeof *sites);
     if (!sites) {
@@ -176,7 +175,7 @@ static conus_status sort_sites(struct site **out, const conus_report *report, in
         place = i && sites[i - 1].contact->index == contact->index ? place + 1 : 0;
         sites[i] = (struct site){contact, i, contact->channel < -1 ? place : contact->channel};
     }
-    qsort(sites, report->query_count, sizeof *sites, compare);
+    order_sort(sites, report->query_count, sizeof *sites, compare);
     *out = sites;
     return CONUS_OK;
 }

@@ -6,8 +6,6 @@
 #include "base/order.h"
 #include "selection/report/report_writers.h"
 
-#include <stdlib.h>
-
 /* A voxel that is listed. */
 struct listed_voxel {
     uint32_t object;
@@ -42,13 +40,13 @@ static bool is_listed(const conus_report *report, uint32_t number)
 static size_t keep_unique(struct listed_voxel *hits, size_t count)
 {
     size_t kept = 0;
-    qsort(hits, count, sizeof *hits, by_voxel);
+    order_sort(hits, count, sizeof *hits, by_voxel);
     for (size_t i = 0; i < count; i++) {
         if (!kept || hits[kept - 1].object != hits[i].object || hits[kept - 1].voxel != hits[i].voxel) {
             hits[kept++] = hits[i];
         }
     }
-    qsort(hits, kept, sizeof *hits, by_distance);
+    order_sort(hits, kept, sizeof *hits, by_distance);
     return kept;
 }
 
@@ -156,7 +154,7 @@ static conus_status add_all(conus_report *report, const conus_selection *selecti
         return CONUS_ERROR_MEMORY;
     }
     list_voxels(&listing, selection);
-    qsort(listing.hits, listing.count, sizeof *listing.hits, by_distance);
+    order_sort(listing.hits, listing.count, sizeof *listing.hits, by_distance);
     for (size_t i = 0; i < listing.count; i++) {
         write_voxel(report, &listing.hits[i]);
     }
@@ -232,9 +230,7 @@ static conus_status add_points(conus_report *report, const conus_selection *sele
             near.tractogram = tractogram;
             near.count = 0;
             tract_census_walk(tractogram, near.region, add_run, &near);
-            if (near.count) { /* else there may be no array */
-                qsort(near.points, near.count, sizeof *near.points, compare_u64);
-            }
+            order_sort(near.points, near.count, sizeof *near.points, compare_u64);
         }
         status = near.failed ? CONUS_ERROR_MEMORY : CONUS_OK;
         if (!status) {

@@ -8,7 +8,6 @@
 #include "selection/selector.h"
 #include "selection/study/study.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* Without a far end the needle ends where no object can be nearest farther on; without a limit, that is the distance of
@@ -75,7 +74,7 @@ static conus_status build(struct conus_clearances *clearances, conus_selector *s
         needle_point(row->at, &needle, found->depth);
         memcpy(row->near, found->distance > 0 ? found->point : row->at, sizeof row->near);
     }
-    qsort(clearances->rows, clearances->count, sizeof *clearances->rows, compare);
+    order_sort(clearances->rows, clearances->count, sizeof *clearances->rows, compare);
     return CONUS_OK;
 }
 

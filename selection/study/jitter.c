@@ -9,8 +9,6 @@
 #include "base/order.h"
 #include "poses/rows/pose_row.h"
 
-#include <stdlib.h>
-
 enum { DEFAULT_SAMPLES = 1024, SAMPLE_LIMIT = 1 << 20 };
 
 /* Point `index` of the Sobol sequence along `dimension`, as a part of 2^32: primitive polynomials and initial numbers
@@ -270,7 +268,7 @@ static conus_status fill_rows(conus_jitter *jitter, const struct count *counts, 
             jitter->rows[jitter->count++] = describe(&counts[number], selector, number, jitter->options.samples);
         }
     }
-    qsort(jitter->rows, count, sizeof *jitter->rows, compare);
+    order_sort(jitter->rows, count, sizeof *jitter->rows, compare);
     for (size_t i = 0; i + 1 < count; i++) {
         jitter->rows[i].rank = (uint32_t)i + 1;
     }

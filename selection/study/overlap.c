@@ -12,7 +12,6 @@
 #include "selection/selector.h"
 #include "selection/study/shares.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* Lines through a voxel along each of its first two axes, on which it is told what is in several surfaces or in none.
@@ -470,7 +469,7 @@ static conus_status build(struct conus_overlap *overlap, const conus_selector *s
                 overlap->rows[overlap->count++] = describe(&counting, object);
             }
         }
-        qsort(overlap->rows, overlap->count, sizeof *overlap->rows, compare_rows);
+        order_sort(overlap->rows, overlap->count, sizeof *overlap->rows, compare_rows);
     }
     shares_finish(&counting.shares);
     mesh_lines_finish(&counting.lines);

@@ -139,9 +139,9 @@ static conus_status build(conus_segments *segments, conus_selector *selector)
     segments->rows = status ? NULL : memory_raw(2 * layers.count + 1, sizeof *segments->rows); /* each with a gap */
     if (segments->rows) {
         join_intervals(segments, &layers, selector);
-        qsort(segments->rows, segments->count, sizeof *segments->rows, compare);
+        order_sort(segments->rows, segments->count, sizeof *segments->rows, compare);
         add_gaps(segments);
-        qsort(segments->rows, segments->count, sizeof *segments->rows, compare);
+        order_sort(segments->rows, segments->count, sizeof *segments->rows, compare);
         for (size_t i = 0; i < segments->count; i++) {
             place(segments->rows[i].entry_at, &segments->cone, segments->rows[i].entry);
             place(segments->rows[i].exit_at, &segments->cone, segments->rows[i].exit);

@@ -10,8 +10,6 @@
 #include "selection/measure/census.h"
 #include "selection/selector.h"
 
-#include <stdlib.h>
-
 /* The narrowest round cone about an axis that holds some of an object (Eq. 13): of a voxel's the angle of its centre,
  * of a surface's or streamline's that of its nearest point to the axis, exact but for rounding. */
 struct admission {
@@ -315,7 +313,7 @@ static conus_status build(conus_sweep *sweep, const conus_selector *selector)
             sweep->rows[sweep->count++] = describe(&admissions[number], sweep->atlas, &sweep->cone, number);
         }
     }
-    qsort(sweep->rows, sweep->count, sizeof *sweep->rows, compare);
+    order_sort(sweep->rows, sweep->count, sizeof *sweep->rows, compare);
     for (size_t i = 0; i + 1 < sweep->count; i++) {
         sweep->rows[i].margin = sweep->rows[i + 1].angle - sweep->rows[i].angle;
     }

@@ -84,7 +84,7 @@ LIBRARY = {
     "loaders/zarr": "base base/formats base/system",
     "loaders/brainglobe": "base base/files base/geometry base/formats base/system",
     "loaders/tracts": "base base/files base/geometry base/formats atlas/tracts loaders loaders/surfaces/foreign",
-    "loaders/volumes/text": "base/job base/geometry atlas/labels atlas",
+    "loaders/volumes/text": "base base/job base/geometry atlas/labels atlas",
     "loaders/volumes/stored": "base base/files base/cache base/formats base/system",
     "loaders/volumes": "base base/files base/child base/geometry base/formats atlas/labels atlas loaders/volumes/stored"
     " loaders loaders/tiff loaders/zarr loaders/brainglobe loaders/volumes/text loaders/formats loaders/labels",
@@ -130,7 +130,7 @@ LIBRARY = {
 }
 RULES = {**LIBRARY, **APPS}
 # What programs link beside the library (conus_system in base/CMakeLists.txt).
-SHARED = {"base/child/process.h", "base/path.h", "base/system/system.h", "base/text.h"}
+SHARED = {"base/child/process.h", "base/order.h", "base/path.h", "base/system/system.h", "base/text.h"}
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 

@@ -2,6 +2,7 @@
 /* Parses a TSV or CSV result and finds its rows by their keys. */
 #include "cli/answers/results_reader.h"
 
+#include "base/order.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 
@@ -213,7 +214,7 @@ static int sort_rows(struct results *results, const char *path)
     for (size_t i = 0; i < results->rows; i++) {
         results->order[i] = i;
     }
-    qsort_r(results->order, results->rows, sizeof *results->order, by_key, results);
+    order_sort_by(results->order, results->rows, sizeof *results->order, by_key, results);
     for (size_t i = 1; i < results->rows; i++) {
         size_t row = results->order[i];
         if (compare_rows(results, row, results, results->order[i - 1]) == 0) {

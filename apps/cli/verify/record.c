@@ -2,6 +2,7 @@
 /* Reads a sidecar, strictly, and cuts the command line in it into words. */
 #include "cli/verify/record.h"
 
+#include "base/order.h"
 #include "options/provenance.h"
 
 #include <stdarg.h>
@@ -171,9 +172,7 @@ static int by_path(const void *a, const void *b)
 static const char *join_equal(struct record *out)
 {
     size_t kept = 0;
-    if (out->input_count) {
-        qsort(out->inputs, out->input_count, sizeof *out->inputs, by_path);
-    }
+    order_sort(out->inputs, out->input_count, sizeof *out->inputs, by_path);
     for (size_t i = 0; i < out->input_count; i++) {
         const struct recorded_file *file = &out->inputs[i];
         struct recorded_file *last = kept ? &out->inputs[kept - 1] : NULL;

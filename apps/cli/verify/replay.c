@@ -622,8 +622,8 @@ static bool run_again(struct replay *replay, const struct stage *stage, char *co
                                         .words = words,
                                         .folder = stage->cwd,
                                         .given = isatty(STDERR_FILENO) ? STDERR_FILENO : SYSTEM_NO_FILE};
-    setenv("CONUS_CACHE", "off", 1); /* verify asks about what the files hold now */
-    setenv(PROGRESS_VARIABLE, "3", 1);
+    system_set_variable("CONUS_CACHE", "off"); /* verify asks about what the files hold now */
+    system_set_variable(PROGRESS_VARIABLE, "3");
     if (!system_program(program) || !process_begin(&process, &start)) {
         return fail_replay(replay, "no process for it");
     }

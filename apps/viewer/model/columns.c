@@ -2,6 +2,7 @@
 /* A table of columns: where each value lies in a result, and how it is written; files of results. */
 #include "viewer/model/columns.h"
 
+#include "base/order.h"
 #include "conus/streamlines.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -283,7 +284,7 @@ struct row {
     size_t index;
     const char *text; /* NULL of numbers */
     double value;
-    bool is_unassigned, falls;
+    bool is_unassigned;
 };
 
 static int compare_values(const struct row *a, const struct row *b)
@@ -299,16 +300,13 @@ static bool is_missing(const struct row *row)
     return !row->text && isnan(row->value);
 }
 
-static int compare_rows(const void *left, const void *right)
+static int compare_rows(const void *left, const void *right, void *falls)
 {
     const struct row *a = left;
     const struct row *b = right;
     int order = a->is_unassigned - b->is_unassigned;
     order = order ? order : is_missing(a) - is_missing(b);
-    if (order == 0) {
-        order = a->falls ? compare_values(b, a) : compare_values(a, b);
-    }
-    return order ? order : (a->index > b->index) - (a->index < b->index);
+    return order ? order : *(bool *)falls ? compare_values(b, a) : compare_values(a, b);
 }
 
 size_t *result_order(const struct viewer *viewer, const struct view_atlas *view, const conus_selection *selection)
@@ -317,6 +315,7 @@ size_t *result_order(const struct viewer *viewer, const struct view_atlas *view,
     bool by_depth = list->order == RESULT_RANK && !list->reversed && viewer->cone.order == CONUS_ORDER_DEPTH;
     size_t column = !by_depth ? list->order : has_layers(viewer) ? RESULT_ENTRY : RESULT_DISTANCE;
     const struct column *of = &columns[column];
+    bool falls = of->falls != list->reversed;
     size_t count = conus_selection_count(selection);
     struct row *rows = calloc(count + 1, sizeof *rows);
     size_t *order = calloc(count + 1, sizeof *order);
@@ -326,11 +325,10 @@ size_t *result_order(const struct viewer *viewer, const struct view_atlas *view,
         rows[i] = (struct row){.index = i,
                                .text = is_text ? text_of(view, of, result) : NULL,
                                .value = is_text ? NAN : value_of(viewer, view, of, result),
-                               .is_unassigned = !result->object,
-                               .falls = of->falls != list->reversed};
+                               .is_unassigned = !result->object};
     }
     if (rows && order) {
-        qsort(rows, count, sizeof *rows, compare_rows);
+        order_sort_by(rows, count, sizeof *rows, compare_rows, &falls);
     }
     for (size_t i = 0; rows && order && i < count; i++) {
         order[i] = rows[i].index;

@@ -2,6 +2,7 @@
 /* The question of a study and its answer, as conus sweep computes it. Plots and text come from the same selections. */
 #include "viewer/model/study.h"
 
+#include "base/order.h"
 #include "options/angles.h"
 #include "viewer/model/view_atlas.h"
 #include "viewer/pictures/camera.h"
@@ -143,9 +144,7 @@ static conus_status sweep(struct work *work, size_t atlas)
         conus_selection_destroy(selection);
         go_on(work, i, answer->angle_count);
     }
-    if (table->curve_count) {
-        qsort(table->curves, table->curve_count, sizeof *table->curves, compare_curves);
-    }
+    order_sort(table->curves, table->curve_count, sizeof *table->curves, compare_curves);
     return status;
 }
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Collects times and writes their medians. */
 #include "viewer/model/times.h"
+
+#include "base/order.h"
 #include "base/system/system.h"
 #include "conus/file.h"
 
@@ -36,13 +38,6 @@ void times_pause(struct times *times)
     times->frame_started = 0;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double x = *(const double *)a;
-    double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 conus_status times_write(struct times *times, const char *path)
 {
     struct system_text text;
@@ -62,7 +57,7 @@ conus_status times_write(struct times *times, const char *path)
         size_t count = times->counts[kind] < TIMES_KEPT ? times->counts[kind] : TIMES_KEPT;
         double *samples = times->samples[kind];
         if (count) {
-            qsort(samples, count, sizeof *samples, by_size);
+            order_sort(samples, count, sizeof *samples, compare_f64);
             fprintf(out, ",\n \"%s\": {\"count\": %zu, \"median\": %.3f, \"p90\": %.3f, \"max\": %.3f}", names[kind],
                     count, samples[count / 2], samples[count * 9 / 10], samples[count - 1]);
         }

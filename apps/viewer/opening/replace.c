@@ -2,6 +2,8 @@
 /* Matches the objects of an atlas that was opened twice, and copies the user's changes from the first to the second. */
 #include "viewer/opening/replace.h"
 
+#include "base/order.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -87,7 +89,7 @@ static bool identities_find(struct identities *out, const conus_atlas *atlas, co
         out->ordered[number - 1] = out->by_number[number];
     }
     if (out->ordered) {
-        qsort(out->ordered, count, sizeof *out->ordered, compare_identities);
+        order_sort(out->ordered, count, sizeof *out->ordered, compare_identities);
     }
     return out->by_number && out->ordered;
 }

@@ -2,6 +2,7 @@
 /* Reads folders; what the dialog lists and answers, without how it looks. */
 #include "viewer/window/dialog.h"
 
+#include "base/order.h"
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
@@ -87,9 +88,7 @@ void folder_read(struct folder *folder, const char *path, enum folder_filter fil
     snprintf(folder->path, sizeof folder->path, "%s", path);
     folder->filter = filter;
     folder->failed = !system_list(path, take_entry, folder) || folder->failed;
-    if (folder->count) {
-        qsort(folder->entries, folder->count, sizeof *folder->entries, compare);
-    }
+    order_sort(folder->entries, folder->count, sizeof *folder->entries, compare);
 }
 
 void folder_finish(struct folder *folder)

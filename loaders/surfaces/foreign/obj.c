@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses Wavefront's OBJ: vertices first, then faces, so that a face may come before its vertices. */
+#include "base/order.h"
 #include "loaders/surfaces/foreign/foreign_mesh.h"
 
 #include "base/memory.h"
 #include "loaders/surfaces/foreign/words.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A statement "o"; of those with one name, the first one stands for all. */
@@ -174,17 +174,12 @@ static conus_status read_faces(struct obj *obj)
 
 static int by_name(const void *a, const void *b)
 {
-    const struct object *first = a;
-    const struct object *second = b;
-    int order = text_compare(first->name, second->name);
-    return order ? order : (first->place > second->place) - (first->place < second->place);
+    return text_compare(((const struct object *)a)->name, ((const struct object *)b)->name);
 }
 
 static int by_place(const void *a, const void *b)
 {
-    const struct object *first = a;
-    const struct object *second = b;
-    return (first->place > second->place) - (first->place < second->place);
+    return compare_unsigned(((const struct object *)a)->place, ((const struct object *)b)->place);
 }
 
 /* Numbers the objects that have triangles, and gives each triangle the number of its own. */
@@ -192,12 +187,12 @@ static conus_status number_objects(struct obj_objects *out, struct obj *obj)
 {
     size_t triangles = obj->mesh->triangle_count;
     struct object *objects = obj->objects;
-    qsort(objects, obj->object_count, sizeof *objects, by_name);
+    order_sort(objects, obj->object_count, sizeof *objects, by_name);
     for (size_t i = 0; i < obj->object_count; i++) {
         bool same = i > 0 && text_compare(objects[i].name, objects[i - 1].name) == 0;
         objects[i].first = same ? objects[i - 1].first : objects[i].place;
     }
-    qsort(objects, obj->object_count, sizeof *objects, by_place);
+    order_sort(objects, obj->object_count, sizeof *objects, by_place);
     uint32_t *numbers = memory_zeroed(obj->object_count, sizeof *numbers); /* from 1, of the first of a name */
     out->names = memory_zeroed(obj->object_count, sizeof *out->names);
     if (!numbers || !out->names) {

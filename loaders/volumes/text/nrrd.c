@@ -3,11 +3,11 @@
  * and where they lie), and 3D Slicer's segments (Segment0_Name:=..., _LabelValue, _Layer, _Color). */
 #include "atlas/frame.h"
 #include "base/geometry/math3.h"
+#include "base/order.h"
 #include "loaders/volumes/text/header_text.h"
 #include "loaders/volumes/text/text_volume.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { AXES = 4, SEGMENT_LIMIT = 1 << 12 };
@@ -413,7 +413,7 @@ static void take_segments(struct job *job, struct text_volume *out, const struct
     if (!job_ok(job)) {
         return;
     }
-    qsort(out->segments, out->segment_count, sizeof *out->segments, compare_segments);
+    order_sort(out->segments, out->segment_count, sizeof *out->segments, compare_segments);
     for (size_t i = 1; i < out->segment_count; i++) {
         const struct text_segment *segment = &out->segments[i];
         const char *before = segment[-1].label.name;

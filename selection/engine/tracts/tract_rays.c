@@ -5,6 +5,7 @@
 #include "atlas/tracts/capsule.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <stdlib.h>
 
@@ -227,7 +228,7 @@ void tract_rays_join(struct layers *layers, size_t first)
 {
     size_t kept = first;
     if (layers->count > first) {
-        qsort(layers->intervals + first, layers->count - first, sizeof *layers->intervals, compare);
+        order_sort(layers->intervals + first, layers->count - first, sizeof *layers->intervals, compare);
     }
     for (size_t i = first; i < layers->count; i++) {
         conus_interval interval = layers->intervals[i];

@@ -4,6 +4,7 @@
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -76,7 +77,7 @@ static int compare(const void *a, const void *b)
 static void sort_pixel(struct crossing *crossings, size_t count)
 {
     if (count > FEW) {
-        qsort(crossings, count, sizeof *crossings, compare);
+        order_sort(crossings, count, sizeof *crossings, compare);
         return;
     }
     for (size_t i = 1; i < count; i++) {

@@ -3,6 +3,7 @@
 #include "selection/engine/voxels/object_colours.h"
 
 #include "base/memory.h"
+#include "base/order.h"
 
 #include <stdlib.h>
 
@@ -50,12 +51,7 @@ static void note_volume(const struct neighbours *neighbours, const struct volume
 
 static int most_neighbours_first(const void *a, const void *b)
 {
-    const struct degree *x = a;
-    const struct degree *y = b;
-    if (x->neighbours != y->neighbours) {
-        return x->neighbours < y->neighbours ? 1 : -1;
-    }
-    return (x->object > y->object) - (x->object < y->object);
+    return compare_unsigned(((const struct degree *)b)->neighbours, ((const struct degree *)a)->neighbours);
 }
 
 /* The lowest colour that no neighbour has; those without a colour leave all to it. */
@@ -84,7 +80,7 @@ conus_status object_colours_find(struct object_colours *out, const struct volume
                 degrees[object].neighbours += (uint32_t)__builtin_popcountll(neighbours.of[object][w]);
             }
         }
-        qsort(degrees, OBJECTS_COLOURED, sizeof *degrees, most_neighbours_first);
+        order_sort(degrees, OBJECTS_COLOURED, sizeof *degrees, most_neighbours_first);
         for (size_t i = 0; i < OBJECTS_COLOURED; i++) {
             out->of[i] = OBJECT_NO_COLOUR;
         }
