@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus page: one HTML file with the atlas, a question and its answer inside. */
+#include "cli/cmd_page.h"
+
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
@@ -27,25 +29,14 @@
 
 enum { FILE_LIMIT = 4096, SIZE_LIMIT = 100000000 };
 
-static const char template_name[] = "share/conus/page.html";
+/* From the program's folder: that of a release or a wheel, and an installation's. */
+static const char *const template_names[] = {"page.html", "../share/conus/page.html"};
 /* Where the template takes the atlas. */
 static const char mark[] = "<!-- atlas -->";
 
-struct page_settings {
-    struct common_settings common;
-    const char *output;
-    double origin[3], toward[3];
-    double angle;
-    size_t layers; /* conus_layers */
-    uint32_t resolution;
-    const char *context;
-    const char *template;
-    bool large, force;
-};
-
 static const char *const layer_names[] = {"visible", "all", NULL};
 
-static const struct option own_options[] = {
+static const struct option output_options[] = {
     {.name = "output",
      .letter = 'o',
      OPTION_AT(struct page_settings, output),
@@ -55,6 +46,10 @@ static const struct option own_options[] = {
      .endings = ".html",
      .words = "save, export, share",
      .common = true},
+    {0},
+};
+
+static const struct option page_options[] = {
     {.name = "origin",
      OPTION_AT(struct page_settings, origin),
      .value = "X,Y,Z",
@@ -94,9 +89,17 @@ static const struct option own_options[] = {
     {.name = "template",
      OPTION_AT(struct page_settings, template),
      .value = "FILE.html",
-     .help = "the page without an atlas (default: share/conus/page.html of this installation)"},
+     .help = "the page without an atlas (default: page.html beside this program, or in ../share/conus)"},
     {.name = "large", OPTION_AT(struct page_settings, large), .help = "write a page whose files have more than 100 MB"},
+    {0},
+};
+
+static const struct option force_options[] = {
     {.name = "force", OPTION_AT(struct page_settings, force), .help = "replace a file"},
+    {0},
+};
+
+static const struct option quiet_option[] = {
     {.name = "quiet",
      .letter = 'q',
      OPTION_AT(struct page_settings, common.quiet),
@@ -105,7 +108,17 @@ static const struct option own_options[] = {
 };
 
 static const struct option_group groups[] = {
-    {"Options", own_options, 0},
+    {"Options", output_options, 0},
+    {"", page_options, 0},
+    {"", force_options, 0},
+    {"", quiet_option, 0},
+    {"", plain_options, offsetof(struct page_settings, common)},
+    {0},
+};
+
+const struct option_group page_view_groups[] = {
+    {"Options", page_options, 0},
+    {"", quiet_option, 0},
     {"", plain_options, offsetof(struct page_settings, common)},
     {0},
 };
@@ -298,7 +311,7 @@ static int open_as_page(struct page *page, const struct stage *stage)
 static int check_opens(struct page *page)
 {
     struct stage stage;
-    int code = stage_begin(&stage) ? EXIT_DONE : EXIT_DATA;
+    int code = stage_begin(&stage, "verify") ? EXIT_DONE : EXIT_DATA;
     if (!code) {
         stage.cwd = strdup(stage.folder);
         code = stage.cwd ? open_as_page(page, &stage) : print_no_memory();
@@ -408,18 +421,22 @@ static int put_question(struct page *page)
 }
 
 /* The template's text, the caller's to free. */
-static int read_template(char **out, const char *given)
+static int read_template(char **out, const char *given, const char *before)
 {
     char path[SYSTEM_PATH];
     size_t folder = system_program(path) ? path_folder_length(path) : 0;
-    snprintf(path + folder, sizeof path - folder, "%s%s", folder ? "../" : "", folder ? template_name : "");
+    FILE *in = given ? system_stream(given, "r") : NULL;
+    for (size_t i = 0; !given && !in && folder && i < sizeof template_names / sizeof template_names[0]; i++) {
+        snprintf(path + folder, sizeof path - folder, "%s", template_names[i]);
+        in = system_stream(path, "r");
+    }
     const char *name = given ? given : path;
-    FILE *in = system_stream(name, "r");
     char *text = NULL;
     size_t size = 0;
     if (!in && !given) {
-        return print_data_error(
-            "the page's template is not installed: no %s (Debian package conus-page); --template names one", name);
+        return print_data_error("%sthe page's template is not installed: no page.html beside this program, and no %s "
+                                "(Debian package conus-page); --template names one",
+                                before, folder ? path : template_names[1]);
     }
     if (!in || text_read_line(&text, &size, '\0', in) < 0 || !strstr(text, mark)) {
         print_error_line("%s: %s", name,
@@ -476,9 +493,8 @@ static void say_files(const struct page *page)
     free(list.data);
 }
 
-static int run_page(const void *given, const struct arguments *arguments)
+int page_write(struct page_settings settings, const struct arguments *arguments, const char *before)
 {
-    struct page_settings settings = *(const struct page_settings *)given;
     const struct atlas_settings atlas_settings = {.no_cache = true}; /* which has inputs in another order */
     struct page page = {.settings = &settings};
     struct atlas_name name = {0};
@@ -489,7 +505,7 @@ static int run_page(const void *given, const struct arguments *arguments)
     if (!settings.force && system_allows(settings.output, 0)) {
         return print_usage_error("%s is there already; --force replaces it", settings.output);
     }
-    int code = read_template(&template, settings.template);
+    int code = read_template(&template, settings.template, before);
     while (conus_inputs_at(page.seen)) {
         page.seen++;
     }
@@ -520,6 +536,11 @@ static int run_page(const void *given, const struct arguments *arguments)
     atlas_name_finish(&name);
     conus_atlas_destroy(page.atlas);
     return code;
+}
+
+static int run_page(const void *settings, const struct arguments *arguments)
+{
+    return page_write(*(const struct page_settings *)settings, arguments, "");
 }
 
 const struct command cmd_page = {

@@ -79,9 +79,10 @@ static int help(int count, char **words)
     if (count > 1) {
         return print_usage_error("unexpected argument \"%s\"", words[1]);
     }
-    if (command->hand_over) {
-        char *ask[] = {words[0], (char[]){"--help"}, NULL};
-        return command->hand_over(ask);
+    char *ask[] = {words[0], (char[]){"--help"}, NULL};
+    int code = command->hand_over ? command->hand_over(ask) : -1;
+    if (code >= 0) {
+        return code;
     }
     help_command(stdout, command);
     return EXIT_DONE;
@@ -111,8 +112,9 @@ static int dispatch(int count, char **words)
     if (!command) {
         return unknown_command(name);
     }
-    if (command->hand_over) {
-        return command->hand_over(words + 1);
+    code = command->hand_over ? command->hand_over(words + 1) : -1;
+    if (code >= 0) {
+        return code;
     }
     struct arguments arguments;
     void *settings = calloc(1, command->settings_size);

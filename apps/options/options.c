@@ -203,6 +203,11 @@ static int print_unknown_option(const struct arguments *arguments, const char *w
 {
     const struct command *command = arguments->command;
     const char *program = command->program ? command->program : "conus";
+    if (command->hand_over) {
+        return print_usage_error("unknown option %s of %s %s where %s-%s is not installed; %s %s --help lists those "
+                                 "that it has there",
+                                 word, program, command->name, program, command->name, program, command->name);
+    }
     const struct option *meant = NULL; /* the option that people call by this name */
     const struct option *option;
     for (size_t i = 0; !meant && (option = option_at(command, i)); i++) {

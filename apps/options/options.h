@@ -150,8 +150,8 @@ struct command {
     size_t settings_size;                /**< Bytes of the settings that @p run gets, zeroed before parsing. */
     void (*more_help)(FILE *out);        /**< Ends --help; may be NULL. */
     int (*run)(const void *settings, const struct arguments *arguments); /**< Gives the exit code. */
-    int (*hand_over)(char **words); /**< Becomes the program that has this command, which has a name and a summary
-                                         only. Gives the exit code where that fails. */
+    int (*hand_over)(char **words); /**< Becomes the program that has this command, with its own options. Gives the
+                                         exit code where that fails, -1 where there is none: it is run here then. */
 };
 
 /** Fills @p settings (zeroed, command->settings_size bytes) and @p out from words[first..count). @p family, which may

@@ -223,6 +223,11 @@ bool system_leave_signals(void);
 void system_step_back(int by);
 /** Has @p call called after so many seconds, 0 = never, from whatever the program waits for. */
 void system_alarm(unsigned seconds, void (*call)(int number));
+/** Becomes another program, a path or a name in $PATH; comes back, with errno, only where that fails. */
+void system_become(const char *program, char **words);
+/** Has the desktop show a file, of a path from the root on, by the program that it has for such files, and does not
+ * wait for that. False where it is known that it cannot. */
+bool system_show(const char *path);
 /** Whether a person sees what is written there; Windows' isatty() takes NUL for a terminal. */
 bool system_is_terminal(int file);
 /** Columns of a terminal; 0 = none, or not known. */

@@ -18,6 +18,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
+#include <sys/wait.h>
 #ifdef __linux__
 #include <sys/auxv.h>
 #include <sys/vfs.h>
@@ -570,6 +571,68 @@ void system_alarm(unsigned seconds, void (*call)(int number))
     signal(SIGALRM, call);
     alarm(seconds);
 }
+
+#ifdef __EMSCRIPTEN__ /* which starts no programs */
+void system_become(const char *program, char **words)
+{
+    (void)program;
+    (void)words;
+    errno = ENOENT;
+}
+
+bool system_show(const char *path)
+{
+    (void)path;
+    return false;
+}
+#else
+void system_become(const char *program, char **words)
+{
+    (void)(strchr(program, '/') ? execv : execvp)(program, words);
+}
+
+/* Becomes the program that shows a file, without this one's terminal, streams and signals. */
+static void become_shower(const char *program, const char *path)
+{
+    struct sigaction usual = {.sa_handler = SIG_DFL};
+    sigset_t none;
+    sigemptyset(&none);
+    sigaction(SIGXFSZ, &usual, NULL);
+    sigaction(SIGPIPE, &usual, NULL);
+    pthread_sigmask(SIG_SETMASK, &none, NULL);
+    setsid();
+    int nothing = open("/dev/null", O_RDWR);
+    for (int file = 0; file <= 2 && nothing >= 0; file++) {
+        dup2(nothing, file);
+    }
+    char *words[] = {(char *)program, (char *)path, NULL};
+    execvp(program, words);
+    kill(getpid(), SIGKILL);
+}
+
+bool system_show(const char *path)
+{
+    enum { STEPS = 100, STEP = 20000000 }; /* 2 s: it may be the browser that runs, until it is closed */
+#ifdef __APPLE__
+    static const char program[] = "open";
+#else
+    static const char program[] = "xdg-open";
+    /* Without a screen it would take a browser for terminals. */
+    if (!getenv("DISPLAY") && !getenv("WAYLAND_DISPLAY") && !getenv("BROWSER")) {
+        return false;
+    }
+#endif
+    int status = 0;
+    pid_t child = fork();
+    if (child == 0) {
+        become_shower(program, path);
+    }
+    for (int i = 0; i < STEPS && child > 0 && waitpid(child, &status, WNOHANG) == 0; i++) {
+        nanosleep(&(struct timespec){.tv_nsec = STEP}, NULL);
+    }
+    return child > 0 && status == 0;
+}
+#endif
 
 bool system_is_terminal(int file)
 {

@@ -1038,6 +1038,20 @@ bool system_is_terminal(int file)
     return GetConsoleMode(handle_of(file), &mode);
 }
 
+/* The window and other programs for Unix are not here. */
+void system_become(const char *program, char **words)
+{
+    (void)program;
+    (void)words;
+    errno = ENOENT;
+}
+
+bool system_show(const char *path)
+{
+    wide_path wide;
+    return widen(wide, path) && (intptr_t)ShellExecuteW(NULL, L"open", wide, NULL, NULL, SW_SHOWNORMAL) > 32;
+}
+
 unsigned system_columns(int file)
 {
     CONSOLE_SCREEN_BUFFER_INFO info;

@@ -28,7 +28,6 @@ FREE = {
     "base/child/process_*.c": "start processes",
     "apps/link/station.c": "has sockets",
     "apps/viewer/devices/spacemouse.c": "has a socket",
-    "apps/cli/cmd_view.c": "becomes another program",
     "apps/hdf5/*": "is started by child.c, on Linux",
     "apps/mesh/*": "is started by child.c, on Linux",
     "apps/mpi/node_atlas.c": "shares a memory file with other ranks",

@@ -194,3 +194,110 @@ END
     /usr/bin/python3 "$BATS_TEST_DIRNAME/hdf5.py" minc m.mnc 8 || skip 'no python3-h5py'
     refuses 'm.mnc: a page cannot open it: no page reads HDF5' m.mnc
 }
+
+# A folder with conus and the template alone, without a window, as a wheel or a release has it, and a desktop whose
+# xdg-open writes its words and input to the file "shown".
+alone() {
+    mkdir -p alone desktop tmp
+    cp "$CONUS" template.html alone
+    mv alone/template.html alone/page.html
+    printf '#!/bin/sh\nprintf "%%s\\n" "$@" >"%s/shown"\ncat >>"%s/shown"\necho noise\n%s\n' "$PWD" "$PWD" "$1" >desktop/xdg-open
+    chmod +x desktop/xdg-open
+    export LD_LIBRARY_PATH=${CONUS%/apps/cli/conus} TMPDIR=$PWD/tmp DISPLAY=:none PATH=$PWD/desktop:/usr/bin:/bin
+    ! command -v conus-view || skip 'a window is installed'
+}
+
+# view ARGUMENT...: without a window; the page is then the one that was shown.
+view() {
+    rm -f shown
+    run -0 --separate-stderr alone/conus view "$@"
+    [ -z "$output" ]
+    [ "$(wc -l <shown)" -eq 1 ]
+    shown=$(cat shown)
+}
+
+@test "without a window conus view has the browser show what conus page writes" {
+    alone true
+    view slabs.nii.gz
+    [ "${#stderr_lines[@]}" -eq 2 ]
+    [ "${stderr_lines[0]}" = 'conus: note: the page has inside: slabs.nii.gz, slabs.tsv' ]
+    [[ "${stderr_lines[1]}" == "conus: note: opened in the browser: $shown, which stays "*' package conus-view)' ]]
+    [[ $shown == "$TMPDIR"/conus-view-??????/slabs.html ]]
+    [ "$(stat -c %a "${shown%/*}")" = 700 ]
+    page --quiet
+    cmp page.html "$shown"
+    local first=$shown
+    view slabs.nii.gz --origin 3,4,40 --toward 3,4,0 --angle 30 --layers all --quiet
+    [ -z "$stderr" ]
+    page --origin 3,4,40 --toward 3,4,0 --angle 30 --layers all --quiet --force
+    cmp page.html "$shown"
+    [ "$first" != "$shown" ] && [ -e "$first" ] # no page takes the place of another
+    # its options are those of conus page, but for the two about the file
+    alone/conus view --help | sed -n '/^Options/,$s/^.* --\([a-z]*\).*/\1/p' >options
+    alone/conus page --help | sed -n '/^Options/,$s/^.* --\([a-z]*\).*/\1/p' | grep -vxE 'output|force' >wanted
+    diff wanted options
+    alone/conus help view | diff - <(alone/conus view --help)
+}
+
+@test "any name of an atlas gives the page a name that no program misreads" {
+    alone true
+    local odd=$'-a b\'c"d%20#?é;$x'
+    mkdir -- "$odd"
+    cp slabs.nii.gz "./$odd/$odd.nii.gz"
+    view "./$odd/$odd.nii.gz" --quiet
+    [ "${shown##*/}" = '_a_b_c_d_20__é__x.html' ]
+    grep -qF 'data-file="-a b' "$shown"
+    # 100 bytes of a name, and no half of the letter of 2 bytes that would be the 100th and the next
+    local long
+    printf -v long '%099dé' 0
+    cp slabs.nii.gz "$long.nii.gz"
+    view "$long.nii.gz" --quiet
+    [ "${shown##*/}" = "${long%é}.html" ]
+}
+
+@test "a browser that cannot be started leaves the page, its name and success" {
+    unshown() {
+        run -0 --separate-stderr "$@" alone/conus view slabs.nii.gz --quiet
+        [ -z "$output" ]
+        check_message 'no browser could be started here: open '
+        local path=${stderr#*open }
+        [ -s "${path%% in one*}" ]
+    }
+    alone 'exit 4'
+    unshown env
+    rm shown
+    unshown env -u DISPLAY -u WAYLAND_DISPLAY -u BROWSER
+    [ ! -e shown ] # which would be a browser in the terminal
+    rm desktop/xdg-open
+    command -v xdg-open || unshown env
+}
+
+@test "conus view does not wait for the browser" {
+    mkfifo held
+    alone "read line <'$PWD/held'" # as a browser that runs until it is closed
+    view slabs.nii.gz --quiet 3>&-
+    echo >held # ends it: it was still there
+}
+
+@test "what a page has not is refused, and nothing is left" {
+    alone true
+    left_nothing() { # STATUS WORDS ARGUMENT...
+        run "-$1" --separate-stderr alone/conus view "${@:3}"
+        check_message "$2"
+        [ -z "$(ls -A tmp)" ] && [ ! -e shown ]
+    }
+    for option in --script --atlas --output --force --full-screen; do
+        left_nothing 2 "unknown option $option of conus view where conus-view is not installed" slabs.nii.gz $option x
+    done
+    left_nothing 2 'ATLAS is missing'
+    left_nothing 3 'none.nii.gz' none.nii.gz
+    left_nothing 2 'toward' slabs.nii.gz --origin 1,1,1
+    TMPDIR=$PWD/slabs.tsv left_nothing 3 'slabs.tsv/conus-view-' slabs.nii.gz
+    rm alone/page.html
+    left_nothing 3 'the window, conus-view, is not installed (Debian package conus-view), and the page' slabs.nii.gz
+    # an installation's template
+    mkdir -p share/conus
+    cp template.html share/conus/page.html
+    view slabs.nii.gz --quiet
+    cmp <(page --quiet && cat page.html) "$shown"
+}

@@ -66,7 +66,7 @@ consumer_answers() {
     run -3 --separate-stderr env CONUS_MESH=/nowhere/mesh "$PWD/alone/bin/conus" mesh sphere.nii.gz -o out
     check_message 'CONUS_MESH: /nowhere/mesh is no program; conus-mesh is needed (Debian package conus-mesh)'
     run -3 --separate-stderr env PATH=/nowhere "$PWD/alone/bin/conus" view sphere.nii.gz
-    check_message 'conus view: the program conus-view is not installed (Debian package conus-view)'
+    check_message 'the window, conus-view, is not installed (Debian package conus-view), and the page'
     mkdir closed # a folder in the place of a program
     printf 'no program' >closed/conus-view
     run -3 --separate-stderr env PATH="$PWD/closed" "$PWD/alone/bin/conus" view sphere.nii.gz

@@ -191,7 +191,7 @@ static bool make_cwd(struct stage *out, const struct record *record)
     return made || (print_system_error(out->cwd, "make"), false);
 }
 
-bool stage_begin(struct stage *out)
+bool stage_begin(struct stage *out, const char *name)
 {
     const char *temporary = system_variable("TMPDIR");
     char path[SYSTEM_PATH];
@@ -200,9 +200,10 @@ bool stage_begin(struct stage *out)
     *out = (struct stage){0};
     do {
         errno = ENAMETOOLONG;
-        bool fits = system_random(random, sizeof random) && snprintf(path, sizeof path, "%s/conus-verify-%02x%02x%02x",
-                                                                     path_is_whole(temporary) ? temporary : "/tmp",
-                                                                     random[0], random[1], random[2]) < SYSTEM_PATH;
+        bool fits =
+            system_random(random, sizeof random) &&
+            snprintf(path, sizeof path, "%s/conus-%s-%02x%02x%02x", path_is_whole(temporary) ? temporary : "/tmp", name,
+                     random[0], random[1], random[2]) < SYSTEM_PATH;
         if (fits && system_make_folder(path, true)) {
             out->folder = strdup(system_real_path(real, path) ? real : path);
             return out->folder || refuse("not enough memory");
@@ -214,7 +215,7 @@ bool stage_begin(struct stage *out)
 
 bool stage_make(struct stage *out, const struct record *record, const struct found_file *found)
 {
-    bool made = stage_begin(out) && make_cwd(out, record);
+    bool made = stage_begin(out, "verify") && make_cwd(out, record);
     for (size_t i = 0; i < record->input_count; i++) {
         const char *path = record->inputs[i].path;
         char here[SYSTEM_PATH];

@@ -39,13 +39,13 @@ bool replay_run(struct replay *replay);
 void replay_finish(struct replay *replay);
 
 struct stage {
-    char *folder;  /**< In $TMPDIR or /tmp; nobody else can read it. */
+    char *folder;  /**< In $TMPDIR or /tmp, "conus-NAME-" and six letters; nobody else can read it. */
     char *cwd;     /**< Where relative paths begin; deep enough for every "..". */
     bool is_moved; /**< An absolute path is no longer where it was: all of them are links. */
 };
 
 /** Makes its folder and nothing in it. False likewise. */
-bool stage_begin(struct stage *out);
+bool stage_begin(struct stage *out, const char *name);
 /** Makes a link to @p target by the name @p path, or where the system has none a copy, and the folders before it.
  * False, after an error message, where that fails. */
 bool stage_link(const struct stage *stage, const char *path, const char *target);
