@@ -161,7 +161,7 @@ def test_conda_asks_for_switches_that_exist():
 def test_homebrew_and_scoop_ask_for_what_a_release_has():
     formula = (ROOT / "packaging" / "homebrew" / "conus.rb").read_text()
     lists = (ROOT / "CMakeLists.txt").read_text()
-    parts = re.search(r"%w\[([A-Z ]+)\]", formula)[1].split()
+    parts = re.search(r"%w\[([A-Z0-9 ]+)\]", formula)[1].split()
     assert parts and all(re.search(rf"(?m)^option\(CONUS_{part}\b", lists) for part in parts)
     scoop = json.loads((ROOT / "packaging" / "scoop" / "conus.json").read_text())
     archive = scoop["architecture"]["64bit"]
