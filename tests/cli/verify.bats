@@ -542,3 +542,11 @@ store() {
         threshold tool-axis toward up voxels-of window | grep -vxFf - others >unknown || true
     [ ! -s unknown ] || { cat unknown; echo 'these options are not known to apps/cli/verify/replay.c'; return 1; }
 }
+
+# What a user of another machine answers again (data-samples/README.md). A version that writes other bytes makes it anew.
+@test "the result that is shipped is answered again, byte for byte" {
+    cp "$BATS_TEST_DIRNAME"/../../data-samples/u-shape* .
+    run -0 "$CONUS" verify u-shape-answers.tsv
+    has 'u-shape-answers.tsv: identical'
+    [ "$(cut -f 1 u-shape-answers.tsv | sort -u | wc -l)" -eq 61 ] # 60 poses and the header
+}

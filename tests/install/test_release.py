@@ -153,8 +153,19 @@ def test_containers_run_what_is_there():
 def test_conda_asks_for_switches_that_exist():
     recipe = yaml_of("packaging/conda/recipe.yaml")
     lists = "".join((ROOT / name).read_text() for name in ("CMakeLists.txt", "python/CMakeLists.txt"))
-    switches = set(re.findall(r"-D(CONUS_\w+)=", " ".join(recipe["build"]["script"])))
+    switches = set(re.findall(r"-D(CONUS_\w+)=", f"{recipe['build']['script']} {recipe['context']}"))
     assert switches and all(re.search(rf"\b{switch}\b", lists) for switch in switches)
+    assert "skip" not in recipe["build"]
+
+
+def test_homebrew_and_scoop_ask_for_what_a_release_has():
+    formula = (ROOT / "packaging" / "homebrew" / "conus.rb").read_text()
+    lists = (ROOT / "CMakeLists.txt").read_text()
+    parts = re.search(r"%w\[([A-Z0-9 ]+)\]", formula)[1].split()
+    assert parts and all(re.search(rf"(?m)^option\(CONUS_{part}\b", lists) for part in parts)
+    scoop = json.loads((ROOT / "packaging" / "scoop" / "conus.json").read_text())
+    archive = scoop["architecture"]["64bit"]
+    assert archive["url"].endswith(archive["extract_dir"] + ".zip") and scoop["version"] in archive["extract_dir"]
 
 
 class TestBoutiques:
