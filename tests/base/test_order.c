@@ -34,7 +34,7 @@ static void assert_stable(size_t count, size_t size, bool has_memory, uint64_t *
     assert_non_null(rows);
     assert_non_null(wanted);
     fill_rows(rows, count, size, random);
-    for (uint8_t key = 0; key < KEYS; key++) {
+    for (int key = 0; key < KEYS; key++) {
         for (size_t i = 0; i < count && size; i++) {
             if (rows[i * size] == key) {
                 memcpy(wanted + at, rows + i * size, size);
