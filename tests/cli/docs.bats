@@ -15,6 +15,7 @@ same_engine() {
 examples() {
     local folder
     folder=$(basename "$1" .md)
+    [ ! -e "$folder" ] || folder+=-$(basename "$(dirname "$1")") # a README
     "$ROOT/scripts/check-docs" --examples "$1" >"$folder.sh"
     mkdir "$folder"
     for file in "$TEMPLATES"/{aal,ch2,ch2bet}.*; do
