@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the atlas that a name means, and the names that were perhaps meant. */
 #include "base/memory.h"
+#include "base/path.h"
 #include "base/system/system.h"
 #include "loaders/catalogue/catalogue.h"
 
@@ -18,7 +19,7 @@ static bool is_there(const char *path)
 
 bool conus_atlas_is_path(const char *text)
 {
-    bool is = strchr(text, '/') || is_there(text);
+    bool is = !path_is_name(text) || is_there(text);
     for (const char *comma = text; !is && (comma = strchr(comma, ',')); comma++) {
         struct text key = {comma + 1, strcspn(comma + 1, "=")}; /* of what chooses a part of the file before it */
         if (key.data[key.size] && text_is_one_of(key, "volume/resolution/orientation/level/map", true)) {

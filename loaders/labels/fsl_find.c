@@ -5,6 +5,7 @@
 #include "base/files/file_trace.h"
 #include "base/files/folder.h"
 #include "base/formats/xml.h"
+#include "base/path.h"
 #include "base/system/system.h"
 
 #include <string.h>
@@ -95,7 +96,7 @@ void fsl_atlas_each(struct job *job, const char *volume_path, enum fsl_use use, 
     const struct search search = {use, visit, user};
     const char *base = path_base(volume_path);
     const char *name = job_copy(job, (struct text){base, volume_stem_length(base)});
-    const char *folder = strchr(volume_path, '/') ? job_beside(job, volume_path, "") : "./";
+    const char *folder = !path_is_name(volume_path) ? job_beside(job, volume_path, "") : "./";
     bool before = file_trace_search(true);
     search_in(job, &search, folder, name);
     if (job_ok(job) && file_trace_real_path(real, folder)) { /* in the folder above the volume is "folder/name" */

@@ -7,6 +7,7 @@
 #include "base/files/file_trace.h"
 #include "base/files/folder.h"
 #include "base/geometry/math3.h"
+#include "base/path.h"
 #include "loaders/labels/fsl_find.h"
 #include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_file.h"
@@ -513,7 +514,7 @@ static void colour_beside(struct job *job, struct label_search *search)
 static void search_all(struct job *job, struct label_search *search)
 {
     const char *path = search->volume->info->path;
-    const char *folder = strchr(path, '/') ? job_beside(job, path, "") : "./";
+    const char *folder = !path_is_name(path) ? job_beside(job, path, "") : "./";
     search_inside(job, search);
     search_beside(job, search);
     if (!search->source) {

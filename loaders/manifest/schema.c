@@ -2,6 +2,8 @@
 /* Reads JSON values by tables of keys. */
 #include "loaders/manifest/schema.h"
 
+#include "base/path.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -163,11 +165,10 @@ void schema_positive(const struct schema_place *place, void *out, const json_t *
 /* True when following `path` never climbs above where it begins. */
 static bool stays_inside(const char *path)
 {
-    bool inside = path[0] != '/';
-    struct text rest = text_from(path);
+    bool inside = !path_is_whole(path);
     struct text part;
     long depth = 0;
-    for (bool more = true; inside && text_field(&rest, '/', &more, &part);) {
+    while (inside && path_part(&path, &part.data, &part.size)) {
         depth += text_equal(part, "..") ? -1 : part.size && !text_equal(part, ".");
         inside = depth >= 0;
     }
