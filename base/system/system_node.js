@@ -29,7 +29,6 @@ mergeInto(LibraryManager.library, {
         try {
           return call();
         } catch (error) {
-          if (error.code === "EOF") return 0; // of a pipe, on Windows
           if (error.code !== "EAGAIN") throw error;
           Atomics.wait(new Int32Array(new SharedArrayBuffer(4)), 0, 0, 5);
         }
@@ -67,7 +66,9 @@ mergeInto(LibraryManager.library, {
         }
         return length;
       },
-      fchmod: (fd, mode) => fs.fchmodSync(SYSCALLS.getStreamFromFD(fd).nfd, mode),
+      // Of a folder only the names are asked for: no kinds, which a file that has just gone would not have.
+      lookupNode: () => ({ id: 1, mode: 0 }),
+      fchmod: (fd, mode) => fs.fchmodSync(SYSCALLS.getStreamFromFD(fd).nfd, mode & ~process.umask()), // C's umask() does not know it
     },
 
     begin: () => {

@@ -100,8 +100,8 @@ int system_open_temporary(char *path, size_t ending, bool for_us_alone)
 {
     int file = mkostemps(path, (int)ending, O_CLOEXEC);
     if (file >= 0 && !for_us_alone) {
-#ifdef __EMSCRIPTEN__ /* whose umask() does not know node's */
-        mode_t mask = S_IWGRP | S_IWOTH;
+#ifdef __EMSCRIPTEN__ /* whose umask() is not node's: system_node.js takes that */
+        mode_t mask = 0;
 #else
         mode_t mask = umask(0);
         umask(mask);
@@ -249,7 +249,7 @@ bool system_rename(const char *from, const char *to, bool replace)
     if (replace) {
         return rename(from, to) == 0;
     }
-    bool is_new = link(from, to) == 0; /* unlike rename(), never in the place of another */
+    bool is_new = linkat(AT_FDCWD, from, AT_FDCWD, to, 0) == 0; /* unlike rename(), never in the place of another */
     if (is_new) {
         unlink(from);
     }
