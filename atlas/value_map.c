@@ -190,7 +190,7 @@ void value_map_spread(uint64_t *above, const struct value_map *map, const double
         double value = (double)value_map_code(map, i < kept ? i + VALUE_RUN : 0);
         for (size_t b = 0; b < count; b++) {
             /* The last run may be filled up with the background: fewer are counted for it, modulo 2^64. */
-            above[b] += value > bounds[b] ? (i < kept ? 1 : map->count - kept) : 0;
+            above[b] += value > bounds[b] ? (i < kept ? 1 : (uint64_t)map->count - kept) : 0;
         }
     }
 }

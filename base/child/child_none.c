@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Stands for the programs that read with a large library, where no program can be started, as in a web page. */
+/* Stands for the programs that read with a large library, where no program can be started: in WebAssembly. */
 #include "base/child/child.h"
 
 conus_status child_find(char **path, const struct child_program *program)
 {
     (void)path;
-    return fail(CONUS_ERROR_UNSUPPORTED, "%s reads this, which a web page cannot start; the program conus can",
+    return fail(CONUS_ERROR_UNSUPPORTED,
+                "%s reads this, which WebAssembly (a web page, npx) cannot start; the program conus can",
                 program->name);
 }
 

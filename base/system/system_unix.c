@@ -100,8 +100,12 @@ int system_open_temporary(char *path, size_t ending, bool for_us_alone)
 {
     int file = mkostemps(path, (int)ending, O_CLOEXEC);
     if (file >= 0 && !for_us_alone) {
+#ifdef __EMSCRIPTEN__ /* whose umask() is not node's: system_node.js takes that */
+        mode_t mask = 0;
+#else
         mode_t mask = umask(0);
         umask(mask);
+#endif
         if (fchmod(file, 0666 & ~mask)) {
             int error = errno;
             close(file);
@@ -245,7 +249,7 @@ bool system_rename(const char *from, const char *to, bool replace)
     if (replace) {
         return rename(from, to) == 0;
     }
-    bool is_new = link(from, to) == 0; /* unlike rename(), never in the place of another */
+    bool is_new = linkat(AT_FDCWD, from, AT_FDCWD, to, 0) == 0; /* unlike rename(), never in the place of another */
     if (is_new) {
         unlink(from);
     }
@@ -310,6 +314,9 @@ bool system_program(char out[SYSTEM_PATH])
     char path[SYSTEM_PATH]; /* as it was started: by a link, say */
     uint32_t size = sizeof path;
     return _NSGetExecutablePath(path, &size) == 0 && realpath(path, out);
+#elif defined __EMSCRIPTEN__ /* what runs is node: system_node.js says where conus is */
+    const char *path = getenv("_");
+    return path && realpath(path, out);
 #else
     ssize_t length = readlink("/proc/self/exe", out, SYSTEM_PATH - 1);
     out[length > 0 ? length : 0] = '\0';

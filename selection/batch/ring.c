@@ -162,7 +162,7 @@ static conus_status run_threads(struct pool *pool, pthread_t *threads)
     pthread_cond_destroy(&pool->answered);
     pthread_mutex_destroy(&pool->lock);
     pthread_mutex_destroy(&pool->reading);
-    return !count         ? fail(CONUS_ERROR_MEMORY, "threads: the system cannot start one")
+    return !count         ? run_alone(pool->ring) /* there are no threads, in WebAssembly, or no more */
            : pool->failed ? fail(pool->failed->status, "%s", pool->failed->message)
                           : CONUS_OK;
 }

@@ -12,7 +12,7 @@
 /** The steps for the block in a slot. Each function gets @p user. */
 struct ring {
     void *user;
-    size_t workers; /**< 1 = the calling thread does all; else each is a thread. */
+    size_t workers; /**< 1 = the calling thread does all, as where no other can be started; else each is a thread. */
     size_t slots;   /**< ring_slots(workers) */
 
     /** Fills the slot; @p may_follow: whether there may be another block. One thread at a time. */

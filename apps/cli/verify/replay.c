@@ -655,7 +655,7 @@ static bool run_again(struct replay *replay, const struct stage *stage, char *co
     system_set_variable("CONUS_CACHE", "off"); /* verify asks about what the files hold now */
     system_set_variable(PROGRESS_VARIABLE, "3");
     if (!system_program(program) || !process_begin(&process, &start)) {
-        return fail_replay(replay, "no process for it");
+        return fail_replay(replay, errno == ENOSYS ? "WebAssembly has no process for it" : "no process for it");
     }
     fail_replay(replay, "it cannot be answered again");
     while (process_writes(&process) && process_read(parts, &process, INFINITY) == PROCESS_CAME) {
