@@ -576,7 +576,7 @@ def test_progress_is_told_and_its_exception_ends_the_run(atlas):
 def test_ctrl_c_ends_a_run(atlas):
     origins, directions = np.zeros((100000, 3)), np.tile([1.0, 0, 0], (100000, 1))
     with pytest.raises(KeyboardInterrupt):
-        atlas.select_many(origins, directions, progress=lambda *_: os.kill(os.getpid(), signal.SIGINT))
+        atlas.select_many(origins, directions, progress=lambda *_: signal.raise_signal(signal.SIGINT))
 
 
 def test_results_are_in_memory_once(atlas):
