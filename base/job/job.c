@@ -3,6 +3,7 @@
 #include "base/job/job.h"
 
 #include "base/memory.h"
+#include "base/path.h"
 
 #include <assert.h>
 #include <stdarg.h>
@@ -382,8 +383,7 @@ void *list_add(struct job *job, void *array, size_t *count, size_t *capacity, si
 
 char *job_beside(struct job *job, const char *path, const char *name)
 {
-    const char *slash = name[0] == '/' ? NULL : strrchr(path, '/');
-    return job_format(job, "%.*s%s", slash ? (int)(slash - path) + 1 : 0, path, name);
+    return job_format(job, "%.*s%s", path_is_whole(name) ? 0 : (int)path_folder_length(path), path, name);
 }
 
 bool job_has_file(struct job *job, const char *path)

@@ -2,6 +2,8 @@
 /* Reads JSON values by tables of keys. */
 #include "loaders/manifest/schema.h"
 
+#include "base/path.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -163,12 +165,13 @@ void schema_positive(const struct schema_place *place, void *out, const json_t *
 /* True when following `path` never climbs above where it begins. */
 static bool stays_inside(const char *path)
 {
-    bool inside = path[0] != '/';
-    struct text rest = text_from(path);
-    struct text part;
+    bool inside = !path_is_whole(path);
+    const char *part;
+    size_t size;
     long depth = 0;
-    for (bool more = true; inside && text_field(&rest, '/', &more, &part);) {
-        depth += text_equal(part, "..") ? -1 : part.size && !text_equal(part, ".");
+    while (inside && path_part(&path, &part, &size)) {
+        const bool here = size == 0 || (size == 1 && part[0] == '.');
+        depth += size == 2 && strncmp(part, "..", 2) == 0 ? -1 : !here;
         inside = depth >= 0;
     }
     return inside;
