@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """packaging/sbom.py VERSION FOLDER: writes an SPDX 2.3 document of a release: conus, the Debian packages that its library
-is built with (Build-Depends), and the files in FOLDER with their SHA-256. For scripts/release."""
+is built with (Build-Depends), the sources of the six that are in programs and wheels of other systems
+(cmake/libraries.sums), and the files in FOLDER with their SHA-256. For scripts/release."""
 import datetime
 import hashlib
 import json
@@ -33,12 +34,22 @@ def build_depends():
             yield name, shown.stdout or "NOASSERTION"
 
 
+def linked():
+    """Debian's archives that scripts/libraries builds from, with their SHA-256."""
+    for line in (ROOT / "cmake" / "libraries.sums").read_text().splitlines():
+        if not line.startswith("#"):
+            digest, archive = line.split()
+            name, found = re.fullmatch(r"(.+)_(.+)\.tar\.\w+", archive).groups()
+            yield package(f"{name}-source-{found.rpartition('.')[2]}", found.rpartition(".")[0], packageFileName=archive,
+                          checksums=[{"algorithm": "SHA256", "checksumValue": digest}])
+
+
 def main(version, folder):
     when = datetime.datetime.fromtimestamp(int(os.environ["SOURCE_DATE_EPOCH"]), datetime.timezone.utc)
     home = re.search(r'^url: "(.*)"$', (ROOT / "CITATION.cff").read_text(), re.M)[1]
     own = package("conus", version, licenseConcluded="BSD-3-Clause", licenseDeclared="BSD-3-Clause",
                   copyrightText="2026 The conus authors", homepage=home)
-    others = [package(name, found) for name, found in build_depends()]
+    others = [*(package(name, found) for name, found in build_depends()), *linked()]
     files = [{"SPDXID": f"SPDXRef-File-{number}", "fileName": f"./{file.relative_to(folder)}",
               "checksums": [{"algorithm": "SHA256", "checksumValue": hashlib.sha256(file.read_bytes()).hexdigest()},
                             {"algorithm": "SHA1", "checksumValue": hashlib.sha1(file.read_bytes()).hexdigest()}],

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""build_conus.py FILE.c: writes the C source of the module conus._conus.
+"""build_conus.py FILE.py [FOLDER...]: writes the module conus._declarations, by cffi.
 
 The declarations are the public headers, without what only a compiler needs. So a function that is in
-the headers is in the module, with the types that the headers say.
+the headers is in the module, with the types that the headers say. Beside them stand the headers' version
+and the folders in which the package looks for the library, from its own, which is the first.
 """
 import pathlib
 import re
@@ -12,13 +13,6 @@ import cffi
 
 HERE = pathlib.Path(__file__).resolve().parent
 HEADERS = HERE.parent / "include" / "conus"
-
-SOURCE = "#include <conus/conus.h>"
-CALLBACKS = """
-extern "Python" bool conus_py_receive(void *user, const conus_answers *answers);
-extern "Python" void conus_py_log(void *user, const conus_note *note);
-extern "Python" bool conus_py_load_progress(void *user, const char *path, size_t done, size_t total);
-"""
 
 
 def read_header(name, seen):
@@ -36,15 +30,22 @@ def declarations():
     text = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
     text = re.sub(r"#ifdef __cplusplus.*?#endif", "", text, flags=re.S)
     text = re.sub(r"^#(?:.*\\\n)*.*$", "", text, flags=re.M)
-    return re.sub(r"\bCONUS_(API|CHECKED)\b", "", text) + CALLBACKS
+    return re.sub(r"\bCONUS_(API|CHECKED)\b", "", text)
 
 
-def write_source(path):
+def version():
+    text = (HEADERS / "version.h").read_text()
+    return ".".join(re.findall(r"#define CONUS_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)", text))
+
+
+def write_module(path, folders):
     ffi = cffi.FFI()
     ffi.cdef(declarations())
-    ffi.set_source("conus._conus", SOURCE, py_limited_api=True)
-    ffi.emit_c_code(path)
+    ffi.set_source("conus._declarations", None)
+    ffi.emit_python_code(path)
+    with open(path, "a", encoding="utf-8") as file:
+        file.write(f"VERSION = {version()!r}\nFOLDERS = {['', *folders]!r}\n")
 
 
 if __name__ == "__main__":
-    write_source(sys.argv[1])
+    write_module(sys.argv[1], sys.argv[2:])

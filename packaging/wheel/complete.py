@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""complete.py WHEEL FOLDER: writes the wheel into FOLDER with the libraries that it needs inside, their licences
+"""complete.py WHEEL FOLDER [TARGET]: writes the wheel into FOLDER with the libraries that it needs inside, their licences
 beside them, and the tag of the glibc that it needs. As auditwheel does, which Debian does not have; for Debian only,
 whose packages know the licences. Needs patchelf. Of a wheel for another processor, $CC is the compiler for it, and
-$_PYTHON_HOST_PLATFORM says which it is, as it does to setuptools.
+$_PYTHON_HOST_PLATFORM says which it is, as it does to setuptools. In a wheel of a TARGET of scripts/libraries the
+six libraries are linked already, so that it gets only their licences, and the tag.
 
 A library in the wheel has a part of its SHA-256 in its name, so that it is not taken for another one of that name,
 which another package has loaded. Those that libconus loads by their name when it needs them keep it. Of these
@@ -22,6 +23,8 @@ import tempfile
 # Every Linux that pip installs wheels of this kind on has these, of at least the versions below (PEP 600).
 EVERYWHERE = re.compile(r"(linux-vdso|ld-linux[-a-z0-9]*|lib(c|m|dl|rt|pthread|gcc_s|stdc\+\+))\.so\.\d+")
 LEFT_OUT = ("libconus", "libembree", "libEGL", "libGL", "libOpenGL")  # of what is loaded; the last three are a driver's
+TARGETS = {"windows": "win_amd64", "macos-arm64": "macosx_11_0_arm64", "macos-x86-64": "macosx_11_0_x86_64",
+           "linux-arm64": "manylinux_2_28_aarch64", "linux-x86-64": "manylinux_2_28_x86_64"}
 NEWEST = {"GLIBCXX": (3, 4, 30), "CXXABI": (1, 3, 13), "GCC": (12, 0, 0)}  # of manylinux_2_35
 
 
@@ -93,39 +96,49 @@ def glibc(files):
     return wanted
 
 
-def main(wheel, results):
+def add_libraries(top, licences):
+    """Puts in what the library and the program need; gives the platform."""
+    package, inside = top / "conus", top / "conus.libs"
+    own = {package / "libconus.so.0": "", package / "bin" / "conus": "/.."}
+    by_name = loaded(package / "libconus.so.0")
+    paths = needed(package / "libconus.so.0", by_name)
+    names = {name: name if name in by_name else name_inside(name, path) for name, path in paths.items()}
+    inside.mkdir()
+    for name, path in sorted(paths.items()):
+        library = inside / names[name]
+        shutil.copy(path, library)
+        os.chmod(library, 0o755)
+        run("patchelf", "--set-soname", names[name], library)
+        redirect(library, names, [""])
+        copy_licence(path, licences)
+    for file, to_package in own.items():
+        redirect(file, names, [to_package, f"{to_package}/../conus.libs"])
+    version = glibc([*own, *inside.iterdir()])
+    return f"manylinux_{version[0]}_{version[1]}_{sysconfig.get_platform().partition('-')[2]}"
+
+
+def main(wheel, results, target=None):
     with tempfile.TemporaryDirectory() as scratch:
         run(sys.executable, "-m", "wheel", "unpack", "--dest", scratch, wheel)
         (top,) = pathlib.Path(scratch).iterdir()
-        package, inside = top / "conus", top / "conus.libs"
-        own = {package / "_conus.abi3.so": "", package / "libconus.so.0": "", package / "bin" / "conus": "/.."}
-        by_name = loaded(package / "libconus.so.0")
-        paths = needed(package / "libconus.so.0", by_name)
-        names = {name: name if name in by_name else name_inside(name, path) for name, path in paths.items()}
         (information,) = top.glob("*.dist-info")
         licences = information / "licenses"
-        inside.mkdir()
         licences.mkdir(exist_ok=True)
-        for name, path in sorted(paths.items()):
-            library = inside / names[name]
-            shutil.copy(path, library)
-            os.chmod(library, 0o755)
-            run("patchelf", "--set-soname", names[name], library)
-            redirect(library, names, [""])
-            copy_licence(path, licences)
-        for file, to_package in own.items():
-            os.chmod(file, 0o755)  # wheel unpack has forgotten it
-            redirect(file, names, [to_package, f"{to_package}/../conus.libs"])
-        version = glibc([*own, *inside.iterdir()])
-        tag = f"cp39-abi3-manylinux_{version[0]}_{version[1]}_{sysconfig.get_platform().partition('-')[2]}"
+        for file in top.glob("conus/**/*conus*"):
+            if file.suffix != ".py":
+                os.chmod(file, 0o755)  # wheel unpack has forgotten it
+        if target:
+            shutil.copytree(pathlib.Path("build", f"{target}-sysroot", "licences"), licences, dirs_exist_ok=True)
+        tag = f"py3-none-{TARGETS[target] if target else add_libraries(top, licences)}"
         kind = information / "WHEEL"
-        kind.write_text(re.sub(r"^Tag: .*$", f"Tag: {tag}", kind.read_text(), flags=re.M))
+        words = kind.read_text().replace("Root-Is-Purelib: true", "Root-Is-Purelib: false")
+        kind.write_text(re.sub(r"^Tag: .*$", f"Tag: {tag}", words, flags=re.M))
         results.mkdir(parents=True, exist_ok=True)
         run(sys.executable, "-m", "wheel", "pack", "--dest-dir", results, top)
-    print(f"{tag}, with {len(names)} libraries")
+    print(tag)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 3:
+    if len(sys.argv) not in (3, 4):
         raise SystemExit(__doc__)
-    main(pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]))
+    main(pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), *sys.argv[3:])

@@ -12,7 +12,7 @@ import numpy as np
 
 from ._answers import Answers, Array, Jitter, Objects, Overlap, Selection, Sweep, Track, kind_word
 from ._axis import Clearances, Segments
-from ._callback import Callback
+from ._callback import Callback, load_progress, receive
 from ._candidates import candidates_stream, depth_of
 from ._connectivity import Connectivity, options_of as _ends
 from ._conus import ffi, lib
@@ -200,7 +200,7 @@ def _from_file(
     with telling(progress, "file", 1) as tell:
         state = Callback(tell)
         handle = state.hear(options)
-        options.progress, options.progress_user = lib.conus_py_load_progress, handle
+        options.progress, options.progress_user = load_progress, handle
         status = lib.conus_atlas_load(out, file, options)
         raw = owned(out[0], lib.conus_atlas_destroy)
         state.check(status)
@@ -1115,7 +1115,7 @@ class Selector(Guarded):
             collector = _Collector(len(array), tell)
             state = Callback(collector.take)
             handle, select = ffi.new_handle(state), lib.conus_select_many
-            self._call(select, astray, self._p, array.struct, options, lib.conus_py_receive, handle, state=state)
+            self._call(select, astray, self._p, array.struct, options, receive, handle, state=state)
         collector.finish()
         errors = {i: self._reason(array, i, options.angle) for i in map(int, np.flatnonzero(collector.status))}
         self._warn(astray, many=True)

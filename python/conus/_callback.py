@@ -32,7 +32,7 @@ class Callback:
     def hear(self, options: Any) -> Any:
         """Lets the notes of the call go to the logger; gives the handle, which must live as long as the call."""
         handle = ffi.new_handle(self)
-        options.log, options.log_user = lib.conus_py_log, handle
+        options.log, options.log_user = log, handle
         return handle
 
     def check(self, status: int) -> None:
@@ -48,19 +48,19 @@ def _log_note(note: Any) -> None:
     _LOGGER.log(level, "%s", line if line.startswith(path) else f"{path}: {line}")
 
 
-@ffi.def_extern()  # type: ignore[misc]
-def conus_py_log(user: Any, note: Any) -> None:
+@ffi.callback("void(void *, const conus_note *)")  # type: ignore[misc]
+def log(user: Any, note: Any) -> None:
     callback: Callback = ffi.from_handle(user)
     callback.run(_log_note, note)
 
 
-@ffi.def_extern()  # type: ignore[misc]
-def conus_py_load_progress(user: Any, path: Any, done: int, total: int) -> bool:
+@ffi.callback("bool(void *, const char *, size_t, size_t)")  # type: ignore[misc]
+def load_progress(user: Any, path: Any, done: int, total: int) -> bool:
     callback: Callback = ffi.from_handle(user)
     return callback.call(os.fsdecode(ffi.string(path)), done, total)
 
 
-@ffi.def_extern()  # type: ignore[misc]
-def conus_py_receive(user: Any, answers: Any) -> bool:
+@ffi.callback("bool(void *, const conus_answers *)")  # type: ignore[misc]
+def receive(user: Any, answers: Any) -> bool:
     callback: Callback = ffi.from_handle(user)
     return callback.call(answers)

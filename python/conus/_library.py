@@ -142,7 +142,13 @@ class Guarded(Bound):
                 one._leave()
 
 
-os.register_at_fork(after_in_child=Guarded.free_locks)
+def after_fork(call: Any) -> None:
+    """Calls it in each process that is forked from this one; Windows forks none."""
+    if hasattr(os, "register_at_fork"):
+        os.register_at_fork(after_in_child=call)
+
+
+after_fork(Guarded.free_locks)
 
 
 def shown(value: Any, most: Optional[int] = 60) -> str:

@@ -18,6 +18,7 @@ from ._library import (
     Bound,
     GLError,
     Guarded,
+    after_fork,
     array_of,
     byte_count,
     check,
@@ -53,7 +54,7 @@ def _note_fork() -> None:
     _Process.forked = _Process.forked or _Process.used
 
 
-os.register_at_fork(after_in_child=_note_fork)
+after_fork(_note_fork)
 
 
 class GLOwner:

@@ -72,11 +72,15 @@ def _arguments(what: Path, sidecar: Optional[Path], search: Union[Path, Sequence
     return [*words, *(f"--search={_word('search', folder)}" for folder in folders), "--", _word("result", what)]
 
 
-_PACKED = os.path.join(os.path.dirname(os.path.abspath(__file__)), "bin", "conus")  # the wheel's
+_PACKED = os.path.join(
+    os.path.dirname(os.path.abspath(__file__)), "bin", "conus.exe" if os.name == "nt" else "conus"
+)  # the wheel's
 
 
 def main() -> NoReturn:
     """The command ``conus`` of the wheel."""
+    if os.name == "nt":  # where exec gives the prompt back before the program's end
+        sys.exit(subprocess.call([_PACKED, *sys.argv[1:]]))
     os.execv(_PACKED, ["conus", *sys.argv[1:]])
 
 
@@ -85,7 +89,7 @@ def _run(*words: str) -> subprocess.CompletedProcess[str]:
     if not program:
         raise FileError("there is no program conus in $PATH, and $CONUS names none")
     try:
-        return subprocess.run([program, *words], capture_output=True, text=True, check=False)
+        return subprocess.run([program, *words], capture_output=True, encoding="utf-8", check=False)
     except OSError as error:
         raise FileError(f"{program}: {error.strerror}") from None
     except ValueError as error:

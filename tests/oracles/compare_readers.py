@@ -1623,7 +1623,7 @@ values("probabilities by name", named_probseg, nan=("1 voxels are not finite num
 
 # ---- arrays in Python
 
-PYTHON = sys.argv[4] if list(pathlib.Path(sys.argv[4]).glob("conus/_conus*.so")) else None
+PYTHON = sys.argv[4] if pathlib.Path(sys.argv[4], "conus", "_conus.py").exists() else None
 PRELUDE = f"""
 import nibabel
 import numpy as np

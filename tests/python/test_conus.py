@@ -10,6 +10,8 @@ import pathlib
 import pickle
 import shutil
 import signal
+import subprocess
+import sys
 import threading
 import warnings
 
@@ -20,6 +22,20 @@ import pytest
 
 import conus
 from support import AAL, AFFINE, NAMES, assert_rows_of_the_program, call_conus, needs_aal, page_blocks, plates, run_conus, same
+
+
+def test_a_library_of_another_version_is_refused(tmp_path):
+    """The declarations are those of one version: members of structs may lie elsewhere in another."""
+    package = pathlib.Path(conus.__file__).parent
+    shutil.copytree(package, tmp_path / "conus")
+    library = next((package / "../..").resolve().glob("libconus.so.?"))
+    (tmp_path / "conus" / library.name).symlink_to(library)
+    with open(tmp_path / "conus" / "_declarations.py", "a", encoding="utf-8") as file:
+        file.write("VERSION = '9.8.7'\n")
+    done = subprocess.run([sys.executable, "-c", "import conus"], env={**os.environ, "PYTHONPATH": str(tmp_path)},
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and done.stderr.splitlines()[-1] == (
+        f"ImportError: conus: {tmp_path}/conus/{library.name} is of version {conus.__version__}, wanted is 9.8.7, the package's own")
 
 
 # One cone
@@ -560,7 +576,7 @@ def test_progress_is_told_and_its_exception_ends_the_run(atlas):
 def test_ctrl_c_ends_a_run(atlas):
     origins, directions = np.zeros((100000, 3)), np.tile([1.0, 0, 0], (100000, 1))
     with pytest.raises(KeyboardInterrupt):
-        atlas.select_many(origins, directions, progress=lambda *_: os.kill(os.getpid(), signal.SIGINT))
+        atlas.select_many(origins, directions, progress=lambda *_: signal.raise_signal(signal.SIGINT))
 
 
 def test_results_are_in_memory_once(atlas):

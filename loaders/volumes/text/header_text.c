@@ -2,6 +2,7 @@
 /* Lines, keys and values of headers of text. */
 #include "loaders/volumes/text/header_text.h"
 
+#include "base/path.h"
 #include "loaders/volumes/text/text_volume.h"
 
 #include <stdio.h>
@@ -165,16 +166,18 @@ char *header_file(struct job *job, struct text value, const char *name, const ch
     if (list || pattern) {
         job_refuse(job, "%s: found \"%.*s\", %s", name, HEADER_SHOW(value), allowed);
     }
-    bool inside = value.size && !memchr(value.data, '\0', value.size) && value.data[0] != '/';
-    rest = value;
-    for (bool more = inside; text_field(&rest, '/', &more, &word);) {
-        inside = inside && !text_equal(word, "..");
+    char *name_of_file = job_copy(job, value);
+    bool inside = value.size && !memchr(value.data, '\0', value.size) && !path_is_whole(name_of_file);
+    const char *part;
+    size_t size;
+    for (const char *at = name_of_file; inside && path_part(&at, &part, &size);) {
+        inside = size != 2 || strncmp(part, "..", 2) != 0;
     }
     if (!inside) {
         job_bad(job, "%s: found \"%.*s\", allowed is the name of a file in the header's folder or below it", name,
                 HEADER_SHOW(value));
     }
-    return job_copy(job, value);
+    return name_of_file;
 }
 
 double header_unit(struct text unit)
