@@ -24,25 +24,34 @@ def package(name, version, **more):
             "copyrightText": "NOASSERTION", **more}
 
 
+def installed(name):
+    """The version of a Debian package that is here."""
+    shown = subprocess.run(["dpkg-query", "-W", "-f", "${Version}", name], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                           text=True)
+    return shown.stdout or "NOASSERTION"
+
+
 def build_depends():
     """Names of the Debian packages, and their versions where they are installed."""
     control = (ROOT / "packaging" / "debian" / "control").read_text()
     names = re.findall(r"(?m)^ ([a-z0-9.+-]+)", re.search(r"Build-Depends:\n((?: .*\n)+)", control)[1])
     for name in sorted(set(names)):
         if not TOOLS.fullmatch(name):
-            shown = subprocess.run(["dpkg-query", "-W", "-f", "${Version}", name], stdout=subprocess.PIPE,
-                                   stderr=subprocess.DEVNULL, text=True)
-            yield name, shown.stdout or "NOASSERTION"
+            yield name, installed(name)
 
 
 def linked():
-    """Debian's archives that scripts/libraries builds from, with their SHA-256."""
+    """Debian's archives that scripts/libraries builds from, with their SHA-256; the compilers, which add parts of their own,
+    such as mingw-w64's start of a program."""
     for line in (ROOT / "cmake" / "libraries.sums").read_text().splitlines():
         if not line.startswith("#"):
             digest, archive = line.split()
             name, found = re.fullmatch(r"(.+)_(.+)\.tar\.\w+", archive).groups()
             yield package(f"{name}-source-{found.rpartition('.')[2]}", found.rpartition(".")[0], packageFileName=archive,
                           checksums=[{"algorithm": "SHA256", "checksumValue": digest}])
+    found, digest = re.search(r"ziglang==(\S+) --hash=sha256:(\w+)", (ROOT / "scripts" / "packages").read_text()).groups()
+    yield package("ziglang", found, checksums=[{"algorithm": "SHA256", "checksumValue": digest}])
+    yield package("emscripten", installed("emscripten"))
 
 
 def document(name, version, others, how, files=()):

@@ -84,11 +84,35 @@ static bool is_nothing(const char *path)
     return strcmp(path, "/dev/null") == 0;
 }
 
-/* A path for the system, of any length; false with errno where it is no UTF-8, or too long. */
+static const char *last_name(const char *path)
+{
+    const char *name = path;
+    for (const char *at = path; *at; at++) {
+        name = *at == '/' || *at == '\\' ? at + 1 : name;
+    }
+    return name;
+}
+
+/* Whether Windows would open another file by it: it drops dots and spaces at the end, and opens streams after a colon.
+ */
+static bool is_of_another(const char *path)
+{
+    const char *name = last_name(path);
+    const char *colon = strrchr(name, ':');
+    size_t length = strlen(name);
+    bool is_dropped = length && (name[length - 1] == ' ' || name[length - 1] == '.');
+    return (is_dropped && strcmp(name, ".") != 0 && strcmp(name, "..") != 0) || (colon && colon != path + 1);
+}
+
+/* A path for the system, of any length; false with errno where it is no UTF-8, too long, or of no file here. */
 static bool widen(wide_path out, const char *path)
 {
     wide_path plain;
     path = is_nothing(path) ? "NUL" : path;
+    if (is_of_another(path)) {
+        errno = ENOENT;
+        return false;
+    }
     DWORD length = (DWORD)MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, plain, SYSTEM_PATH);
     if (!length || length == 1) {
         errno = !length && GetLastError() == ERROR_INSUFFICIENT_BUFFER ? ENAMETOOLONG : ENOENT;
@@ -764,10 +788,7 @@ bool system_here(char out[SYSTEM_PATH])
 bool system_is_open_name(const char *path)
 {
     static const char *const names[] = {"CON", "CONIN$", "CONOUT$", "NUL", "PRN", "AUX", "COM#", "LPT#"};
-    const char *name = path;
-    for (const char *at = path; *at; at++) {
-        name = *at == '/' || *at == '\\' ? at + 1 : name;
-    }
+    const char *name = last_name(path);
     size_t length = strcspn(name, ".: ");
     bool found = find_standard(path) >= 0 || is_nothing(path) || strncmp(path, "\\\\.\\", 4) == 0 ||
                  strncmp(path, "//./", 4) == 0;

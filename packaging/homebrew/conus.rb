@@ -1,5 +1,5 @@
-# For a tap of Homebrew, on macOS and Linux. The host is a placeholder, and the sum is that of the source package,
-# which scripts/release prints. Never run by us: Debian has no brew.
+# For a tap of Homebrew, on macOS and Linux. The host and the sum of zeros are placeholders: scripts/release writes that of
+# the source package into SHA256SUMS. Without the page of conus page. Never run by us: Debian has no brew.
 class Conus < Formula
   desc "Which brain areas and fibre pathways are in that cone"
   homepage "https://conus.example.org"

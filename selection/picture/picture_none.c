@@ -6,7 +6,8 @@
 
 static conus_status refuse(void)
 {
-    return fail(CONUS_ERROR_UNSUPPORTED, "this build of conus leaves out pictures");
+    return fail(CONUS_ERROR_UNSUPPORTED,
+                "this build of conus leaves out pictures; conus page shows the atlas in a browser");
 }
 
 conus_status image_format_exr(struct bytes *out, const conus_image *image)

@@ -111,6 +111,14 @@ static void check_errors(void)
     CHECK(!system_rename("there", "folder", true));
     CHECK(!system_remove("missing") && errno == ENOENT);
     CHECK(!system_list("missing", note, (char[8]){0}) && errno == ENOENT);
+    /* Windows drops what ends a name, and a colon names a stream of a file; on Linux these are other names. */
+    static const char *const others[] = {"there ", "there.", "./there..", "there:a", "folder\\a:b", "there::$DATA"};
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+        bool is_refused = system_open(others[i], SYSTEM_READ) < 0 && errno == ENOENT &&
+                          !write_text(others[i], "a", SYSTEM_NEW) && errno == ENOENT && !system_stat(&info, others[i]);
+        check(is_refused, others[i], __LINE__);
+    }
+    CHECK(system_stat(&info, ".") && system_stat(&info, "folder/..") && file_has("./there", "12"));
 }
 
 static void check_files(void)
