@@ -36,11 +36,9 @@ def build(scratch):
 
 
 def built(target):
-    """The same, of a preset; and the page, where scripts/web has made it."""
+    """The same, of a preset."""
     library, program = LIBRARY.get(target, "libconus.so.0"), "conus.exe" if target == "windows" else "conus"
-    page = ROOT / "build" / "web" / "apps" / "web" / "page.html"
-    files = {library: ROOT / "build" / target / library, f"bin/{program}": ROOT / "build" / target / "apps" / "cli" / program}
-    return files | ({"bin/page.html": page} if page.exists() else {})
+    return {library: ROOT / "build" / target / library, f"bin/{program}": ROOT / "build" / target / "apps" / "cli" / program}
 
 
 class Build(build_py):

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """packaging/sbom.py VERSION FOLDER: writes an SPDX 2.3 document of a release: conus, the Debian packages that its library
 is built with (Build-Depends), the sources of the six that are in programs and wheels of other systems
-(cmake/libraries.sums), and the files in FOLDER with their SHA-256. For scripts/release."""
+(cmake/libraries.sums), and the files in FOLDER with their SHA-256. For scripts/release; packaging/wheel/complete.py
+writes that of a wheel by document()."""
 import datetime
 import hashlib
 import json
@@ -53,31 +54,35 @@ def linked():
     yield package("emscripten", installed("emscripten"))
 
 
-def main(version, folder):
+def document(name, version, others, how, files=()):
+    """SPDX of conus as it is in what has this name; the other packages are related to it by this word."""
     when = datetime.datetime.fromtimestamp(int(os.environ["SOURCE_DATE_EPOCH"]), datetime.timezone.utc)
     home = re.search(r'^url: "(.*)"$', (ROOT / "CITATION.cff").read_text(), re.M)[1]
     own = package("conus", version, licenseConcluded="BSD-3-Clause", licenseDeclared="BSD-3-Clause",
                   copyrightText="2026 The conus authors", homepage=home)
+    content = hashlib.sha256(json.dumps([files, others]).encode()).hexdigest()
+    return json.dumps({
+        "spdxVersion": "SPDX-2.3", "dataLicense": "CC0-1.0", "SPDXID": "SPDXRef-DOCUMENT", "name": name,
+        "documentNamespace": f"{home}/spdx/{name}-{content[:16]}",
+        "creationInfo": {"created": when.strftime("%Y-%m-%dT%H:%M:%SZ"), "creators": ["Organization: The conus authors"]},
+        "packages": [own, *others], "files": files,
+        "relationships": [
+            {"spdxElementId": "SPDXRef-DOCUMENT", "relationshipType": "DESCRIBES", "relatedSpdxElement": own["SPDXID"]},
+            *({"spdxElementId": other["SPDXID"], "relationshipType": how, "relatedSpdxElement": own["SPDXID"]}
+              for other in others),
+            *({"spdxElementId": file["SPDXID"], "relationshipType": "GENERATED_FROM", "relatedSpdxElement": own["SPDXID"]}
+              for file in files)],
+    }, indent=1) + "\n"
+
+
+def main(version, folder):
     others = [*(package(name, found) for name, found in build_depends()), *linked()]
     files = [{"SPDXID": f"SPDXRef-File-{number}", "fileName": f"./{file.relative_to(folder)}",
               "checksums": [{"algorithm": "SHA256", "checksumValue": hashlib.sha256(file.read_bytes()).hexdigest()},
                             {"algorithm": "SHA1", "checksumValue": hashlib.sha1(file.read_bytes()).hexdigest()}],
               "licenseConcluded": "NOASSERTION", "copyrightText": "NOASSERTION"}
              for number, file in enumerate(sorted(folder.rglob("*"))) if file.is_file() and not file.name.endswith(".part")]
-    content = hashlib.sha256(json.dumps([files, others]).encode()).hexdigest()
-    json.dump({
-        "spdxVersion": "SPDX-2.3", "dataLicense": "CC0-1.0", "SPDXID": "SPDXRef-DOCUMENT", "name": f"conus-{version}",
-        "documentNamespace": f"{home}/spdx/conus-{version}-{content[:16]}",
-        "creationInfo": {"created": when.strftime("%Y-%m-%dT%H:%M:%SZ"), "creators": ["Organization: The conus authors"]},
-        "packages": [own, *others], "files": files,
-        "relationships": [
-            {"spdxElementId": "SPDXRef-DOCUMENT", "relationshipType": "DESCRIBES", "relatedSpdxElement": own["SPDXID"]},
-            *({"spdxElementId": other["SPDXID"], "relationshipType": "BUILD_DEPENDENCY_OF",
-               "relatedSpdxElement": own["SPDXID"]} for other in others),
-            *({"spdxElementId": file["SPDXID"], "relationshipType": "GENERATED_FROM", "relatedSpdxElement": own["SPDXID"]}
-              for file in files)],
-    }, sys.stdout, indent=1)
-    print()
+    sys.stdout.write(document(f"conus-{version}", version, others, "BUILD_DEPENDENCY_OF", files))
 
 
 if __name__ == "__main__":

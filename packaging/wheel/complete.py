@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """complete.py WHEEL FOLDER [TARGET]: writes the wheel into FOLDER with the libraries that it needs inside, their licences
-beside them, and the tag of the glibc that it needs. As auditwheel does, which Debian does not have; for Debian only,
-whose packages know the licences. Needs patchelf. Of a wheel for another processor, $CC is the compiler for it, and
-$_PYTHON_HOST_PLATFORM says which it is, as it does to setuptools. In a wheel of a TARGET of scripts/libraries the
-six libraries are linked already, so that it gets only their licences, and the tag.
+beside them, a list of them (SPDX, in the folder sboms), the page where scripts/web has made it in build/web, and the tag
+of the glibc that it needs. As auditwheel does, which Debian does not have; for Debian only, whose packages know the
+licences. Needs patchelf. Of a wheel for another processor, $CC is the compiler for it, and $_PYTHON_HOST_PLATFORM says
+which it is, as it does to setuptools. In a wheel of a TARGET of scripts/libraries the six libraries are linked already.
 
 A library in the wheel has a part of its SHA-256 in its name, so that it is not taken for another one of that name,
 which another package has loaded. Those that libconus loads by their name when it needs them keep it. Of these
@@ -20,9 +20,13 @@ import sys
 import sysconfig
 import tempfile
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+import sbom  # pylint: disable=wrong-import-position
+
 # Every Linux that pip installs wheels of this kind on has these, of at least the versions below (PEP 600).
 EVERYWHERE = re.compile(r"(linux-vdso|ld-linux[-a-z0-9]*|lib(c|m|dl|rt|pthread|gcc_s|stdc\+\+))\.so\.\d+")
 LEFT_OUT = ("libconus", "libembree", "libEGL", "libGL", "libOpenGL")  # of what is loaded; the last three are a driver's
+PAGE = pathlib.Path("build", "web", "apps", "web", "page.html")
 TARGETS = {"windows": "win_amd64", "macos-arm64": "macosx_11_0_arm64", "macos-x86-64": "macosx_11_0_x86_64",
            "linux-arm64": "manylinux_2_28_aarch64", "linux-x86-64": "manylinux_2_28_x86_64"}
 NEWEST = {"GLIBCXX": (3, 4, 30), "CXXABI": (1, 3, 13), "GCC": (12, 0, 0)}  # of manylinux_2_35
@@ -74,13 +78,15 @@ def redirect(file, names, folders):
 
 
 def copy_licence(path, folder):
-    """That of the package which a library is of, which may have it in /lib or in /usr/lib."""
+    """That of the package which a library is of, which may have it in /lib or in /usr/lib. Gives the package for SPDX."""
     found = subprocess.run(["dpkg", "-S", f"*/{path.parent.name}/{path.name}"], stdout=subprocess.PIPE,
                            stderr=subprocess.DEVNULL, text=True)
     if found.returncode:
         raise SystemExit(f"complete.py: {path}: of no package, so its licence is not known")
-    package = found.stdout.split(":")[0]
-    shutil.copy(f"/usr/share/doc/{package}/copyright", folder / f"{package}.txt")
+    package = found.stdout.split(": ")[0]
+    name = package.split(":")[0]
+    shutil.copy(f"/usr/share/doc/{name}/copyright", folder / f"{name}.txt")
+    return sbom.package(name, run("dpkg-query", "-W", "-f", "${Version}", package))
 
 
 def glibc(files):
@@ -97,12 +103,13 @@ def glibc(files):
 
 
 def add_libraries(top, licences):
-    """Puts in what the library and the program need; gives the platform."""
+    """Puts in what the library and the program need; gives the platform, and the Debian packages for SPDX."""
     package, inside = top / "conus", top / "conus.libs"
     own = {package / "libconus.so.0": "", package / "bin" / "conus": "/.."}
     by_name = loaded(package / "libconus.so.0")
     paths = needed(package / "libconus.so.0", by_name)
     names = {name: name if name in by_name else name_inside(name, path) for name, path in paths.items()}
+    packages = []
     inside.mkdir()
     for name, path in sorted(paths.items()):
         library = inside / names[name]
@@ -110,11 +117,18 @@ def add_libraries(top, licences):
         os.chmod(library, 0o755)
         run("patchelf", "--set-soname", names[name], library)
         redirect(library, names, [""])
-        copy_licence(path, licences)
+        packages.append(copy_licence(path, licences))
     for file, to_package in own.items():
         redirect(file, names, [to_package, f"{to_package}/../conus.libs"])
     version = glibc([*own, *inside.iterdir()])
-    return f"manylinux_{version[0]}_{version[1]}_{sysconfig.get_platform().partition('-')[2]}"
+    unique = [package for number, package in enumerate(packages) if package not in packages[:number]]
+    return f"manylinux_{version[0]}_{version[1]}_{sysconfig.get_platform().partition('-')[2]}", unique
+
+
+def add_page(package, licences):
+    shutil.copy(PAGE, package / "bin")
+    for file in pathlib.Path("build", "web-sysroot", "licences").iterdir():
+        shutil.copy(file, licences)
 
 
 def main(wheel, results, target=None):
@@ -127,9 +141,18 @@ def main(wheel, results, target=None):
         for file in top.glob("conus/**/*conus*"):
             if file.suffix != ".py":
                 os.chmod(file, 0o755)  # wheel unpack has forgotten it
+        if PAGE.exists():
+            add_page(top / "conus", licences)
+        else:
+            print("complete.py: note: the wheel has no page; scripts/web makes it", file=sys.stderr)
         if target:
             shutil.copytree(pathlib.Path("build", f"{target}-sysroot", "licences"), licences, dirs_exist_ok=True)
-        tag = f"py3-none-{TARGETS[target] if target else add_libraries(top, licences)}"
+        platform, packages = (TARGETS[target], []) if target else add_libraries(top, licences)
+        tag = f"py3-none-{platform}"
+        packages += [source for source in sbom.linked() if (licences / source["packageFileName"].partition("_")[0]).exists()]
+        (information / "sboms").mkdir()
+        (information / "sboms" / "conus.spdx.json").write_text(
+            sbom.document(f"{top.name}-{tag}", top.name.partition("-")[2], packages, "CONTAINED_BY"))
         kind = information / "WHEEL"
         words = kind.read_text().replace("Root-Is-Purelib: true", "Root-Is-Purelib: false")
         kind.write_text(re.sub(r"^Tag: .*$", f"Tag: {tag}", words, flags=re.M))

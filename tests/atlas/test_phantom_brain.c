@@ -105,6 +105,25 @@ static void the_pathway_is_a_tube_at_the_default_threshold(void **state)
     assert_int_equal(phantom_brain_pathway((double[]){0, -18, 10}), 0);
 }
 
+/* A voxel's centre is (x, y, z) from the middle: x is whole, y and z are whole and a half. The value is 65535 * 2^(-2t)
+ * with t = d^2 / 25, half way between two numbers only for t = 1/2: d^2 = (r - 49)^2 + y^2 = 12.5, where r^2 = x^2 +
+ * z^2. (d is algebraic, so that no other t but a whole half has a rational power.) Above the arc's ends (2r)^2 is then
+ * that of an odd number: y = 1/2 wants 2r = 105 or 91, y = 5/2 103 or 93, y = 7/2 99 or 97; and (2x, 2z) are the legs
+ * of these: (0, 2r), and of 5 * 21 = 105 (84, 63), of 13 * 7 = 91 (84, 35), of 97 (72, 65). Halves round up: 32768. */
+static void the_pathway_is_rounded_up_half_way(void **state)
+{
+    (void)state;
+    static const double halves[][3] = {{0, 1, 105}, {0, 1, 91},  {0, 5, 103}, {0, 5, 93}, {0, 7, 99},
+                                       {0, 7, 97},  {84, 1, 63}, {84, 1, 35}, {72, 7, 65}};
+    for (size_t i = 0; i < sizeof halves / sizeof halves[0]; i++) {
+        for (int signs = 0; signs < 4; signs++) {
+            const double x = signs & 1 ? -halves[i][0] : halves[i][0];
+            const double y = signs & 2 ? -halves[i][1] : halves[i][1];
+            assert_int_equal(phantom_brain_pathway((double[]){x / 2, y / 2 - 18, halves[i][2] / 2 + 10}), 32768);
+        }
+    }
+}
+
 static void the_files_are_one_scene(void **state)
 {
     (void)state;
@@ -150,6 +169,7 @@ TEST_GROUP(phantom_brain)
         cmocka_unit_test(areas_keep_to_their_own_cells),
         cmocka_unit_test(no_area_is_convex),
         cmocka_unit_test(the_pathway_is_a_tube_at_the_default_threshold),
+        cmocka_unit_test(the_pathway_is_rounded_up_half_way),
         cmocka_unit_test(the_files_are_one_scene),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
