@@ -7,6 +7,7 @@ import math
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -80,6 +81,7 @@ _PACKED = os.path.join(
 def main() -> NoReturn:
     """The command ``conus`` of the wheel."""
     if os.name == "nt":  # where exec gives the prompt back before the program's end
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to the program, too, which ends as it should
         sys.exit(subprocess.call([_PACKED, *sys.argv[1:]]))
     os.execv(_PACKED, ["conus", *sys.argv[1:]])
 

@@ -6,6 +6,7 @@ pynwb and ndx-anatomical-localization are the user's; nothing else of conus need
 from __future__ import annotations
 
 import importlib
+import os
 from typing import Any, Optional, Sequence
 
 from ._conus import lib
@@ -22,7 +23,7 @@ _SPACES = {
 
 def _method(contacts: Contacts) -> str:
     volume = lib.conus_atlas_volume(contacts.atlas._p, 0)
-    name = text(volume.path).rpartition("/")[2] if volume else "of surfaces"
+    name = os.path.basename(text(volume.path)) if volume else "of surfaces"
     version = text(lib.conus_version())
     return f"conus {version}, atlas {name}" + (f" sha256 {text(volume.sha256)}" if volume else "")
 

@@ -123,6 +123,7 @@ consumer_answers() {
     run -0 /usr/bin/python3 -c "import conus; print(conus.__version__, conus.load('$ATLAS').select(
         (0, 0, 60), toward=(0, 0, 0), angle=40.107045)[0].name, conus.__file__)"
     [ "$output" = "$EXPECTED $PYTHONPATH/conus/__init__.py" ]
+    not grep -rF "$CONUS_BUILD" "$PYTHONPATH"
 }
 
 @test "the shared library has the functions of the headers, and no other" {

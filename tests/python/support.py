@@ -10,7 +10,7 @@ import numpy as np
 import pandas
 import pytest
 
-AAL = "/usr/share/mricron/templates/aal.nii.gz"
+AAL = os.path.abspath("/usr/share/mricron/templates/aal.nii.gz")  # on Windows with its drive
 needs_aal = pytest.mark.skipif(not os.path.exists(AAL), reason="mricron-data is not installed")
 
 AFFINE = np.array([[2, 0, 0, -39], [0, 2, 0, -29], [0, 0, 2, -29], [0, 0, 0, 1]], float)

@@ -3,6 +3,7 @@
 import csv
 import io
 import os
+import pathlib
 
 import nibabel
 import numpy as np
@@ -41,7 +42,7 @@ def test_list_is_that_of_the_program(own):
         (row["name"], row["source"], row["kind"], row["path"]) for row in rows
     ]
     assert found[0] == conus.InstalledAtlas("other_parcellation", "own", "volume", (1, 1, 3),
-                                            str(own / "other_parcellation.nii.gz"), None)
+                                            (own / "other_parcellation.nii.gz").as_posix(), None)
     assert list(pandas.DataFrame(found)["name"]) == ["other_parcellation", "plates_atlas"]
 
 
@@ -84,7 +85,7 @@ def test_labels_of_the_list_and_others(own, monkeypatch):
 
 @needs_aal
 def test_aal(monkeypatch, tmp_path):
-    monkeypatch.setenv("XDG_DATA_DIRS", AAL.partition("/mricron/")[0])
+    monkeypatch.setenv("XDG_DATA_DIRS", str(pathlib.Path(AAL).parents[2]))
     monkeypatch.chdir(tmp_path)
     assert conus.load("mricron:aal").info().equals(conus.load(AAL).info())
 

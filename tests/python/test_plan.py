@@ -272,7 +272,8 @@ def test_no_file_that_was_read_is_replaced(tmp_path):
     plan = conus.load(tmp_path / "plates.nii").plan({"right": 4}, origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS)
     (tmp_path / "link.csv").symlink_to(table)
     (tmp_path / "hard.tsv").hardlink_to(table)
-    for name in ("plates.tsv", "link.csv", "hard.tsv"):
+    names = ["plates.tsv", "hard.tsv"] + ["link.csv"] * (tmp_path / "link.csv").is_symlink()  # wine makes none, and says nothing
+    for name in names:
         with pytest.raises(conus.ArgumentError, match="would overwrite the input .*plates.tsv"):
             plan.save(tmp_path / name)
     assert table.read_bytes() == before

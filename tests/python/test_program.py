@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """conus.verify, conus.cite and conus.page say what the program says."""
+import functools
 import json
+import os
+import signal
+import subprocess
 
 import nibabel
 import pytest
@@ -27,9 +31,9 @@ def test_identical(rows):
 
 
 def test_different(rows):
-    text = rows.read_text()
-    assert text.count("\t208\t") == 1
-    rows.write_text(text.replace("\t208\t", "\t207\t"))
+    text = rows.read_bytes()
+    assert text.count(b"\t208\t") == 1
+    rows.write_bytes(text.replace(b"\t208\t", b"\t207\t"))
     found = conus.verify("rows.tsv")
     assert not found and found.verdict == "different"
     (difference,) = found.differences
@@ -47,7 +51,7 @@ def test_moved_and_missing(rows, tmp_path):
     for search in (folder, [str(folder)]):
         found = conus.verify(rows, search=search)
         assert found and found.files[0].state == "moved"
-        assert found.files[0].found == str((folder / "other.nii.gz").resolve())
+        assert found.files[0].found == (folder / "other.nii.gz").resolve().as_posix()
 
 
 def test_page(rows):
@@ -79,7 +83,7 @@ def test_html_of_a_selection(rows, monkeypatch):
 
     (rows.parent / "page.html").write_text("<!-- atlas -->\n<p>")
     program = conus._program.page
-    monkeypatch.setattr(conus._program, "page", lambda *names, **words: program(*names, template="page.html", **words))
+    monkeypatch.setattr(conus._program, "page", functools.partial(program, template="page.html"))
 
     def asked(**words):
         shown = atlas.select((-60, 19, 19), **words).to_html(height=500)
@@ -101,8 +105,8 @@ def test_html_of_a_selection(rows, monkeypatch):
     refused(atlas.near((19, 19, 19)), "one cone")
     refused(conus.load("plates.nii.gz", hide="1").select((-60, 19, 19), direction=(1, 0, 0)), "another")
     refused(conus.load(plates(), AFFINE).select((-60, 19, 19), direction=(1, 0, 0)), "array|no such|No such|not")
-    monkeypatch.setattr(conus._program, "page", program)
-    refused(atlas.select((-60, 19, 19), direction=(1, 0, 0)), "template")
+    monkeypatch.setattr(conus._program, "page", functools.partial(program, template="none.html"))
+    refused(atlas.select((-60, 19, 19), direction=(1, 0, 0)), "none.html")
 
 
 def test_cite(rows):
@@ -125,5 +129,24 @@ def test_errors(rows, monkeypatch, tmp_path):
         conus.verify(rows)
     monkeypatch.delenv("CONUS")
     monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(conus._program, "_PACKED", str(tmp_path / "no-program"))
     with pytest.raises(conus.FileError, match="no program conus"):
         conus.cite(rows)
+
+
+def test_ctrl_c_is_the_programs_on_windows(monkeypatch):
+    """There the command of a wheel waits for the program, which says and does what belongs to Ctrl-C, and gives its status."""
+
+    def interrupted(words):
+        signal.raise_signal(signal.SIGINT)
+        return len(words)
+
+    before = signal.getsignal(signal.SIGINT)
+    monkeypatch.setattr(os, "name", "nt")
+    monkeypatch.setattr(subprocess, "call", interrupted)
+    monkeypatch.setattr("sys.argv", ["conus", "query", "--help"])
+    try:
+        with pytest.raises(SystemExit, match="3"):
+            conus._program.main()
+    finally:
+        signal.signal(signal.SIGINT, before)
