@@ -50,7 +50,7 @@ def linked():
             yield package(f"{name}-source-{found.rpartition('.')[2]}", found.rpartition(".")[0], packageFileName=archive,
                           checksums=[{"algorithm": "SHA256", "checksumValue": digest}])
     found, digest = re.search(r"ziglang==(\S+) --hash=sha256:(\w+)", (ROOT / "scripts" / "packages").read_text()).groups()
-    yield package("ziglang", found, checksums=[{"algorithm": "SHA256", "checksumValue": digest}])
+    yield package("zig", found, checksums=[{"algorithm": "SHA256", "checksumValue": digest}])
     yield package("emscripten", installed("emscripten"))
 
 

@@ -149,7 +149,7 @@ def main(wheel, results, target=None):
             shutil.copytree(pathlib.Path("build", f"{target}-sysroot", "licences"), licences, dirs_exist_ok=True)
         platform, packages = (TARGETS[target], []) if target else add_libraries(top, licences)
         tag = f"py3-none-{platform}"
-        packages += [source for source in sbom.linked() if (licences / source["packageFileName"].partition("_")[0]).exists()]
+        packages += [source for source in sbom.linked() if (licences / source["name"].partition("-")[0]).exists()]
         (information / "sboms").mkdir()
         (information / "sboms" / "conus.spdx.json").write_text(
             sbom.document(f"{top.name}-{tag}", top.name.partition("-")[2], packages, "CONTAINED_BY"))
