@@ -27,7 +27,7 @@ static char *find_separator(char *path)
 
 bool path_is_whole(const char *path)
 {
-    return path && is_separator(path[drive_length(path)]);
+    return path && (drive_length(path) || is_separator(path[0]));
 }
 
 bool path_is_name(const char *path)

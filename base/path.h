@@ -7,7 +7,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/** Whether @p path begins at the root, so that no folder stands before it; false for NULL. */
+/** Whether no folder may stand before @p path: it begins at a root or with a drive, "C:a" too, which is in whatever
+ * folder that drive has been left at. False for NULL. */
 bool path_is_whole(const char *path);
 
 /** Whether @p path has no folder. */

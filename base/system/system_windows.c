@@ -189,13 +189,19 @@ static bool widen_in(wide_path out, int folder, const char *name)
     return true;
 }
 
-/* The reason why there is nothing at a path: on its way there may be a file, which other systems say. */
+/* The reason why there is nothing at a path: on its way there may be a file, or a name that is too long, which other
+ * systems say. */
 static bool fail_at(const wchar_t *path, DWORD error)
 {
     wide_path above;
     fail_with(error);
     size_t length = wcslen(path);
     memcpy(above, path, (length + 1) * sizeof above[0]);
+    for (const wchar_t *at = path; errno == ENOENT && *at; at += *at ? 1 : 0) {
+        size_t name = wcscspn(at, L"/\\");
+        errno = name > SYSTEM_NAME ? ENAMETOOLONG : ENOENT;
+        at += name;
+    }
     for (; errno == ENOENT && length; length--) {
         if (above[length - 1] == '\\' || above[length - 1] == '/') {
             above[length - 1] = 0;

@@ -42,11 +42,11 @@ conus_status brainglobe_atlas_is(bool *out, const char *folder)
 /* "/annotation-sets/NAME/1_2" without its slash, if every part of it goes down. */
 static conus_status copy_place(char **out, const char *key, const char *place)
 {
-    struct text rest = text_from(place + (place[0] == '/'));
+    const char *rest = place + (place[0] == '/');
     struct text part;
-    char *copy = memory_text(rest.data, rest.size);
-    bool goes_down = rest.size;
-    for (bool more = true; text_field(&rest, '/', &more, &part);) {
+    char *copy = memory_text(rest, strlen(rest));
+    bool goes_down = !path_is_whole(rest) && path_base(rest)[0];
+    while (path_part(&rest, &part.data, &part.size)) {
         goes_down = goes_down && part.size && part.data[0] != '.';
     }
     if (copy && goes_down) {
@@ -112,12 +112,9 @@ static conus_status find_root(char **out, char **name, const char *folder)
         return fail(CONUS_ERROR_IO, "cannot open: %s", text_error(errno));
     }
     for (int i = 0; i < LEVELS_TO_ROOT; i++) {
-        char *cut = path_cut(real);
-        if (i == 1) {
+        const char *cut = path_cut(real);
+        if (cut && i == 1) {
             *name = memory_text(cut + 1, strlen(cut + 1));
-        }
-        if (cut == real) {
-            break;
         }
     }
     *out = join(real, "/", "");

@@ -3,6 +3,7 @@
 #include "loaders/catalogue/catalogue.h"
 
 #include "base/memory.h"
+#include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
 
@@ -80,8 +81,7 @@ void catalogue_add(struct job *job, conus_catalogue *catalogue, const struct cat
 
 const char *catalogue_join(struct job *job, const char *folder, const char *name)
 {
-    size_t length = strlen(folder);
-    return job_format(job, "%s%s%s", folder, length && folder[length - 1] == '/' ? "" : "/", name);
+    return job_format(job, "%s%s%s", folder, folder[0] ? path_joint(folder, strlen(folder)) : "/", name);
 }
 
 /* Takes the hidden ones out, and those behind the limit. */

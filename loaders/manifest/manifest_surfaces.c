@@ -3,6 +3,7 @@
 #include "loaders/manifest/manifest_surfaces.h"
 
 #include "base/files/file.h"
+#include "base/path.h"
 #include "loaders/manifest/manifest_scan.h"
 
 #include <string.h>
@@ -20,16 +21,12 @@ bool brainglobe_has_voxels(struct job *job, const char *folder)
 
 const char *brainglobe_of_meshes(struct job *job, const char *path)
 {
-    static const char name[] = "/meshes";
-    size_t tail = strlen(name);
-    size_t length = strlen(path);
-    while (length && path[length - 1] == '/') {
-        length--;
-    }
-    if (length < tail || strncmp(path + length - tail, name, tail) != 0) {
+    const size_t length = path_plain_length(path, strlen(path));
+    const size_t above = path_length_above(path, length);
+    if (!above || !text_equal((struct text){path + above, length - above}, "meshes")) {
         return NULL;
     }
-    const char *folder = job_format(job, "%.*s/", (int)(length - tail), path);
+    const char *folder = job_format(job, "%.*s", (int)above, path);
     return has_file(job, folder, "structures.json") ? folder : NULL;
 }
 

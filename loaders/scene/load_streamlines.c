@@ -5,6 +5,7 @@
 #include "atlas/fit/tract_fit.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
+#include "base/path.h"
 #include "base/text_number.h"
 #include "loaders/maps/atlas_on_job.h"
 #include "loaders/tracts/tract_file.h"
@@ -31,12 +32,9 @@ static const char *name_bundle(struct job *job, const char *wanted, const char *
     if (wanted && wanted[0]) {
         return wanted;
     }
-    size_t length = strlen(path);
-    while (length > 1 && path[length - 1] == '/') {
-        length--;
-    }
-    const char *name = path_base(job_format(job, "%.*s", (int)length, path));
-    return job_format(job, "%.*s", (int)stem_length(name, strlen(name)), name);
+    const size_t length = path_plain_length(path, strlen(path));
+    const size_t above = path_length_above(path, length);
+    return job_format(job, "%.*s", (int)stem_length(path + above, length - above), path + above);
 }
 
 size_t streamlines_stem_length(const char *name)

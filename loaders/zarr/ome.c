@@ -4,6 +4,7 @@
 
 #include "base/formats/json_text.h"
 #include "base/memory.h"
+#include "base/path.h"
 #include "loaders/zarr/zarr.h"
 
 #include <math.h>
@@ -150,10 +151,9 @@ static conus_status apply_all(struct ome_level *level, const json_t *list, size_
 /* Whether the path is that of a folder below. */
 static bool is_below(const char *path)
 {
-    struct text rest = text_from(path);
     struct text part;
-    bool good = path[0];
-    for (bool more = true; good && text_field(&rest, '/', &more, &part);) {
+    bool good = !path_is_whole(path) && path_base(path)[0];
+    while (good && path_part(&path, &part.data, &part.size)) {
         good = part.size && !text_equal(part, ".") && !text_equal(part, "..");
     }
     return good;

@@ -39,11 +39,11 @@ static void check_paths(void)
     } rows[] = {{"a\\b.nii", "b.nii", "/", 2, 7, false, false},
                 {"C:\\a", "a", "/", 3, 4, true, false},
                 {"C:/a/", "", "", 5, 4, true, false},
-                {"C:a", "a", "/", 2, 3, false, false},
-                {"C:", "", "", 2, 2, false, false},
+                {"C:a", "a", "/", 2, 3, true, false},
+                {"C:", "", "", 2, 2, true, false},
                 {"C:\\", "", "", 3, 3, true, false},
                 {"\\\\s\\t\\a", "a", "/", 6, 7, true, false},
-                {"a:b\\c", "c", "/", 4, 5, false, false},
+                {"a:b\\c", "c", "/", 4, 5, true, false},
                 {"\\a\\", "", "", 3, 2, true, false},
                 {"ab", "ab", "/", 0, 2, false, true}};
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -119,6 +119,13 @@ static void check_errors(void)
         check(is_refused, others[i], __LINE__);
     }
     CHECK(system_stat(&info, ".") && system_stat(&info, "folder/..") && file_has("./there", "12"));
+    char name[300];
+    snprintf(name, sizeof name, "folder/%0256d", 0);
+    CHECK(system_open(name, SYSTEM_READ) < 0 && errno == ENAMETOOLONG);
+    CHECK(system_open(name, SYSTEM_WRITE | SYSTEM_NEW) < 0 && errno == ENAMETOOLONG);
+    CHECK(!system_stat(&info, name) && errno == ENAMETOOLONG);
+    name[strlen(name) - 1] = '\0'; /* 255 characters are the most */
+    CHECK(!system_stat(&info, name) && errno == ENOENT);
 }
 
 static void check_files(void)
