@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """packaging/sbom.py VERSION FOLDER: writes an SPDX 2.3 document of a release: conus, the Debian packages that its library
-is built with (Build-Depends), the sources of the six that are in programs and wheels of other systems
+is built with (Build-Depends), the sources of those that are in programs and wheels of other systems
 (cmake/libraries.sums), and the files in FOLDER with their SHA-256. For scripts/release; packaging/wheel/complete.py
 writes that of a wheel by document()."""
 import datetime

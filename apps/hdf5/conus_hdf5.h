@@ -6,6 +6,7 @@
 #define CONUS_HDF5_CONUS_HDF5_H
 
 #include "base/child/hdf5_protocol.h"
+#include "memory_limit.h"
 
 #include <hdf5.h>
 
@@ -22,10 +23,6 @@ struct description {
     uint64_t dims[HDF5_RANK_LIMIT];
     const char *name;
 };
-
-/** Lets the program have @p bytes of memory more than it has: a damaged file may make libhdf5 ask for any number. The
- * limit that it was started with holds. */
-void memory_allow(uint64_t bytes);
 
 /** Begins the stream, which may have @p limit bytes. */
 void stream_begin(uint64_t limit);

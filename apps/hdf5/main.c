@@ -2,22 +2,18 @@
 /* The program conus-hdf5: opens the HDF5 file that is its descriptor 3, and answers what was asked. */
 #include "conus_hdf5.h"
 
+#include "base/system/system.h"
+
 #include <conus/version.h>
 
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
 
 enum { INPUT = 3 };
 
 /* Bytes of memory for libhdf5's own, beside the file and the datasets. */
 #define MEMORY_SPARE (UINT64_C(1) << 27)
-
-/* Larger files are read, not mapped: libhdf5's driver of images in memory is made for small ones. */
-#define IMAGE_LIMIT (UINT64_C(1) << 32)
 
 /* The mapped file, which libhdf5 takes in place of memory of its own: nothing is copied, nothing freed. */
 static void *image;
@@ -49,29 +45,21 @@ static herr_t image_leave(void *memory, H5FD_file_image_op_t use, void *user)
 /* Where nothing can be: libhdf5 refuses an image with the name of a file that exists. */
 static const char image_name[] = "/dev/null/image";
 
-/* An access by which libhdf5 reads no path; 0 where the file cannot be mapped. */
-static hid_t image_access(size_t size)
+static hid_t open_input(void)
 {
     H5FD_file_image_callbacks_t callbacks = {
         .image_malloc = image_place, .image_memcpy = image_keep, .image_free = image_leave};
-    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-    image = mmap(NULL, size, PROT_READ, MAP_PRIVATE, INPUT, 0);
-    bool fine = image != MAP_FAILED && access >= 0 && H5Pset_fapl_core(access, 1 << 16, false) >= 0 &&
-                H5Pset_file_image_callbacks(access, &callbacks) >= 0 && H5Pset_file_image(access, image, size) >= 0;
-    return fine ? access : 0;
-}
-
-static hid_t open_input(void)
-{
-    struct stat info;
-    if (fstat(INPUT, &info) || info.st_size <= 0) {
+    struct system_stat info;
+    if (!system_stat_open(&info, INPUT) || !info.size) {
         refuse(false, "an HDF5 file of at least one byte is needed");
     }
-    bool mapped = (uint64_t)info.st_size <= IMAGE_LIMIT;
-    hid_t access = mapped ? image_access((size_t)info.st_size) : H5Pcreate(H5P_FILE_ACCESS);
-    memory_allow(MEMORY_SPARE + (uint64_t)info.st_size); /* packed bytes are copied, too */
-    bool ready = access > 0 && (mapped || H5Pset_fapl_sec2(access) >= 0);
-    hid_t file = ready ? H5Fopen(mapped ? image_name : "/proc/self/fd/3", H5F_ACC_RDONLY, access) : -1;
+    image = system_map(INPUT, (size_t)info.size);
+    memory_allow(MEMORY_SPARE + info.size); /* packed bytes are copied, too */
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    bool fine = image && access >= 0 && H5Pset_fapl_core(access, 1 << 16, false) >= 0 &&
+                H5Pset_file_image_callbacks(access, &callbacks) >= 0 &&
+                H5Pset_file_image(access, image, (size_t)info.size) >= 0;
+    hid_t file = fine ? H5Fopen(image_name, H5F_ACC_RDONLY, access) : -1;
     if (file < 0) {
         refuse_damaged("HDF5", "open it");
     }
@@ -99,17 +87,17 @@ static bool is_answered(const char *word)
 int main(int argc, char **argv)
 {
     char *end = NULL;
+    system_begin(&argc, &argv, false);
     if (argc == 2 && is_answered(argv[1])) {
         return fflush(stdout) ? 1 : 0;
     }
-    signal(SIGXFSZ, SIG_IGN); /* it writes to no file, and an output that may not grow is an error of writing */
     uint64_t limit = argc > 2 ? strtoull(argv[1], &end, 10) : 0;
     if (!end || *end) {
         fputs(help, stderr);
         return 2;
     }
     /* A filter that the file names would else be looked for in folders, and loaded. Variables choose drivers, too. */
-    clearenv();
+    system_forget_variables();
     stream_begin(limit);
     if (H5PLset_loading_state(0) < 0 || H5Eset_auto2(H5E_DEFAULT, NULL, NULL) < 0) {
         refuse(false, "libhdf5 cannot be told to load nothing");

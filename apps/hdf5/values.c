@@ -261,7 +261,7 @@ static void check_chunks(const struct source *source, hid_t plan)
         refuse(false, "%s: %.0f chunks of %.0f bytes, far larger than its %zu elements", source->path, count, bytes,
                source->count);
     }
-    memory_allow(rank > 0 ? (uint64_t)(BUFFERS * bytes) : 0);
+    memory_allow(rank > 0 ? (uint64_t)((double)BUFFERS * bytes) : 0);
 }
 
 /* Writes what has been found to be harmless. */

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The stream of frames on stdout, and what memory there is for it. */
+/* The stream of frames on stdout. */
 #include "conus_hdf5.h"
+
+#include "base/system/system.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 static uint64_t left;   /* bytes that the stream may still have */
 static uint64_t frames; /* that were written */
@@ -53,29 +53,6 @@ static void put_frame(const struct description *what, uint64_t size)
     put(what->name, name);
     put(zeros, padding(name));
     frames++;
-}
-
-/* The address space that is in use, bytes; 0 where nothing says so. */
-static uint64_t space_in_use(void)
-{
-    char line[128] = ""; /* pages, and more */
-    FILE *file = fopen("/proc/self/statm", "r");
-    bool is_read = file && fgets(line, sizeof line, file);
-    if (file) {
-        fclose(file);
-    }
-    return is_read ? strtoull(line, NULL, 10) * (uint64_t)sysconf(_SC_PAGESIZE) : 0;
-}
-
-void memory_allow(uint64_t bytes)
-{
-    static uint64_t space;
-    struct rlimit limit;
-    space = space ? space : space_in_use();
-    if (space && !__builtin_add_overflow(space, bytes, &space) && getrlimit(RLIMIT_AS, &limit) == 0) {
-        limit.rlim_cur = limit.rlim_max < space ? limit.rlim_max : space;
-        setrlimit(RLIMIT_AS, &limit);
-    }
 }
 
 void stream_begin(uint64_t limit)

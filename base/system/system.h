@@ -223,6 +223,8 @@ bool system_leave_signals(void);
 void system_step_back(int by);
 /** Has @p call called after so many seconds, 0 = never, from whatever the program waits for. */
 void system_alarm(unsigned seconds, void (*call)(int number));
+/** Has getenv() find nothing, in whatever library. */
+void system_forget_variables(void);
 /** Becomes another program, a path or a name in $PATH; comes back, with errno, only where that fails. */
 void system_become(const char *program, char **words);
 /** Has the desktop show a file, of a path from the root on, by the program that it has for such files, and does not

@@ -23,6 +23,7 @@
 #include <sys/auxv.h>
 #include <sys/vfs.h>
 #elif defined __APPLE__
+#include <crt_externs.h>
 #include <mach-o/dyld.h>
 #include <sys/random.h>
 #include <sys/sysctl.h>
@@ -353,6 +354,16 @@ float system_to_float(const char *text, char **end)
 void system_set_variable(const char *name, const char *value)
 {
     setenv(name, value, 1);
+}
+
+void system_forget_variables(void)
+{
+#ifdef __APPLE__
+    static char *none[1];
+    *_NSGetEnviron() = none;
+#else
+    clearenv();
+#endif
 }
 
 int system_getc(FILE *stream)

@@ -866,6 +866,12 @@ void system_set_variable(const char *name, const char *value)
     }
 }
 
+void system_forget_variables(void)
+{
+    static char *none[1];
+    _environ = none;
+}
+
 double system_to_double(const char *text, char **end)
 {
     _locale_t c_locale = _create_locale(LC_ALL, "C");

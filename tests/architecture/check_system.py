@@ -28,7 +28,7 @@ FREE = {
     "base/child/process_*.c": "start processes",
     "apps/link/station.c": "has sockets",
     "apps/viewer/devices/spacemouse.c": "has a socket",
-    "apps/hdf5/*": "is started by child.c, on Linux",
+    "apps/hdf5/memory_space.c": "limits a libhdf5 of the system, on Linux",
     "apps/mesh/*": "is started by child.c, on Linux",
     "apps/mpi/node_atlas.c": "shares a memory file with other ranks",
     "apps/web/web.c": "is for emscripten alone",
