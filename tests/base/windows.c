@@ -238,6 +238,8 @@ static void check_the_rest(void)
     system_wake_end(&wake);
     char *end;
     CHECK(system_to_double("1.5e3,", &end) == 1500 && *end == ',');
+    system_forget_variables(); /* at the end: HOME and TMPDIR are gone, too */
+    CHECK(!getenv("CONUS_X") && !getenv("PATH"));
 }
 
 int main(int count, char **words)
