@@ -189,7 +189,7 @@ int path_place_order(const struct path_place *a, const struct path_place *b)
 {
     int order = (a->device > b->device) - (a->device < b->device);
     order = order ? order : (a->inode > b->inode) - (a->inode < b->inode);
-    return order ? order : strcmp(a->name, b->name);
+    return order ? order : system_name_order(a->name, b->name);
 }
 
 bool paths_equal(const char *a, const char *b)

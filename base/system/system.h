@@ -151,6 +151,9 @@ bool system_real_path(char out[SYSTEM_PATH], const char *path);
 bool system_here(char out[SYSTEM_PATH]);
 /** Whether a path is a name of what some process has open, or of a device: what is there belongs to others. */
 bool system_is_open_name(const char *path);
+/** As strcmp(), of names in a folder: 0 where both lead to one file. Windows, and macOS as most have it, do not tell
+ * upper and lower case apart. */
+int system_name_order(const char *a, const char *b);
 /** The path of the program that runs. */
 bool system_program(char out[SYSTEM_PATH]);
 

@@ -50,7 +50,9 @@ mergeInto(LibraryManager.library, {
         const nfd = fs.openSync(path, how, mode);
         const is = fs.fstatSync(nfd);
         const fd = FS.nextfd(Math.max(nfd, least || 0));
-        return FS.streams[fd] = { fd, nfd, position: 0, path, flags, seekable: is.isFile() || is.isDirectory(),
+        const seekable = is.isFile() || is.isDirectory();
+        // Of a device, to which writing is appending, the end is not looked for.
+        return FS.streams[fd] = { fd, nfd, position: 0, path, flags: seekable ? flags : flags & ~0o2000, seekable,
           node: { id: is.ino, mode: is.mode, node_ops: NODERAWFS, path } };
       },
       llseek: (stream, offset, whence) => {

@@ -309,6 +309,15 @@ bool system_is_open_name(const char *path)
     return strncmp(path, "/dev/", strlen("/dev/")) == 0 || strncmp(path, "/proc/", strlen("/proc/")) == 0;
 }
 
+int system_name_order(const char *a, const char *b)
+{
+#ifdef __APPLE__ /* which has letters beside a to z alike, too */
+    return strcasecmp(a, b);
+#else
+    return strcmp(a, b);
+#endif
+}
+
 bool system_program(char out[SYSTEM_PATH])
 {
 #ifdef __APPLE__

@@ -807,6 +807,15 @@ bool system_is_open_name(const char *path)
     return found;
 }
 
+int system_name_order(const char *a, const char *b)
+{
+    wide_path one;
+    wide_path other;
+    bool are_text = MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, a, -1, one, SYSTEM_PATH) &&
+                    MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, b, -1, other, SYSTEM_PATH);
+    return are_text ? CompareStringOrdinal(one, -1, other, -1, TRUE) - CSTR_EQUAL : strcmp(a, b);
+}
+
 bool system_program(char out[SYSTEM_PATH])
 {
     wide_path wide;

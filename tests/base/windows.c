@@ -73,6 +73,14 @@ static void check_names_of_devices(void)
     }
 }
 
+static void check_order_of_names(void)
+{
+    CHECK(system_name_order("rows.TSV", "ROWS.tsv") == 0);
+    CHECK(system_name_order("\xc3\xa4", "\xc3\x84") == 0); /* ä, Ä */
+    CHECK(system_name_order("a", "B") < 0 && system_name_order("b", "A") > 0 && system_name_order("a", "ab") < 0);
+    CHECK(system_name_order("a", "\xff") < 0); /* no text, and no name */
+}
+
 static bool write_text(const char *path, const char *text, unsigned how)
 {
     int file = system_open(path, SYSTEM_WRITE | how);
@@ -248,6 +256,7 @@ int main(int count, char **words)
     CHECK(count == 2 && strcmp(words[1], "\xc3\xa4 b\"c") == 0); /* ä b"c */
     check_paths();
     check_names_of_devices();
+    check_order_of_names();
     check_errors();
     check_files();
     check_long_paths();
