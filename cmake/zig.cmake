@@ -10,6 +10,7 @@ if(target STREQUAL windows)
   set(CMAKE_C_FLAGS_INIT "-D_FILE_OFFSET_BITS=64")
 elseif(target MATCHES macos)
   set(CMAKE_SYSTEM_NAME Darwin)
+  set(CMAKE_BUILD_WITH_INSTALL_NAME_DIR ON) # else the library has the name of the folder in which it was built
 else()
   set(CMAKE_SYSTEM_NAME Linux)
 endif()
