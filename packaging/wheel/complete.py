@@ -146,7 +146,8 @@ def main(wheel, results, target=None):
         else:
             print("complete.py: note: the wheel has no page; scripts/web makes it", file=sys.stderr)
         if target:
-            shutil.copytree(pathlib.Path("build", f"{target}-sysroot", "licences"), licences, dirs_exist_ok=True)
+            shutil.copytree(pathlib.Path("build", f"{target}-sysroot", "licences"), licences, dirs_exist_ok=True,
+                            ignore=shutil.ignore_patterns("hdf5"))  # which conus-hdf5 has, and no wheel
         platform, packages = (TARGETS[target], []) if target else add_libraries(top, licences)
         tag = f"py3-none-{platform}"
         packages += [source for source in sbom.linked() if (licences / source["name"].partition("-")[0]).exists()]
