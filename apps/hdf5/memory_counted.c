@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The memory of a libhdf5 that scripts/libraries has built, which takes it from here: macOS, Windows and qemu have no
  * limits of space, or none that was seen to hold. */
-#include "memory_counted.h"
-
 #include "memory_limit.h"
 
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -385,11 +385,10 @@ conus_status hdf5_read(struct hdf5 **out, const struct open_file *file, const ch
 conus_status hdf5_read_bytes(struct hdf5 **out, struct text file, const char *const *wanted, size_t count,
                              uint64_t max_memory)
 {
-    struct open_file copy = {.descriptor = process_file("conus-hdf5")};
+    struct open_file copy = {.descriptor = system_open_scratch("conus-hdf5")};
     bool is_there = copy.descriptor >= 0 && system_write(copy.descriptor, file.data, file.size) &&
                     file_state_of(&copy.before, copy.descriptor);
-    bool is_asked = is_there || errno == ENOSYS; /* without processes: for the words about that */
-    conus_status status = is_asked ? hdf5_read(out, &copy, wanted, count, max_memory)
+    conus_status status = is_there ? hdf5_read(out, &copy, wanted, count, max_memory)
                                    : fail(CONUS_ERROR_IO, "HDF5: cannot copy the file: %s", text_error(errno));
     if (copy.descriptor >= 0) {
         file_close(&copy);

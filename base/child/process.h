@@ -73,7 +73,4 @@ bool process_wait(struct process_end *out, struct process *process, double secon
 /** Ends it where it still runs. */
 void process_finish(struct process *process);
 
-/** An empty file, in memory where there are such, for what a process is given; -1 = none. @p name is for people. */
-int process_file(const char *name);
-
 #endif

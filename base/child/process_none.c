@@ -38,10 +38,3 @@ void process_finish(struct process *process)
 {
     (void)process;
 }
-
-int process_file(const char *name)
-{
-    (void)name;
-    errno = ENOSYS;
-    return -1;
-}

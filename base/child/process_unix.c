@@ -13,7 +13,6 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 #ifdef __linux__
-#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
 #endif
@@ -37,25 +36,6 @@ static double seconds_now(void)
     clock_gettime(CLOCK_MONOTONIC, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
-
-#ifdef __APPLE__
-int process_file(const char *name)
-{
-    char path[SYSTEM_PATH];
-    const char *folder = getenv("TMPDIR");
-    snprintf(path, sizeof path, "%s/%s-XXXXXX", folder && *folder ? folder : "/tmp", name);
-    int file = system_open_temporary(path, 0, true);
-    if (file >= 0) {
-        unlink(path);
-    }
-    return file;
-}
-#else
-int process_file(const char *name)
-{
-    return memfd_create(name, MFD_CLOEXEC);
-}
-#endif
 
 /* A pipe that programs do not get. */
 static bool open_pipe(int ends[2])

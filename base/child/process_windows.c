@@ -7,7 +7,6 @@
 #include <windows.h>
 /* Behind windows.h, whose names they use. */
 #include <errno.h>
-#include <fcntl.h>
 #include <io.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,28 +37,6 @@ static bool fail_last(void)
             : error == ERROR_NOT_ENOUGH_MEMORY                             ? ENOMEM
                                                                            : EIO;
     return false;
-}
-
-int process_file(const char *name)
-{
-    wchar_t folder[MAX_PATH + 1];
-    wchar_t path[MAX_PATH + 1];
-    (void)name;
-    if (!GetTempPathW(MAX_PATH + 1, folder) || !GetTempFileNameW(folder, L"con", 0, path)) {
-        fail_last();
-        return -1;
-    }
-    HANDLE file =
-        CreateFileW(path, GENERIC_READ | GENERIC_WRITE | DELETE, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE,
-                    NULL, CREATE_ALWAYS, FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, NULL);
-    int descriptor = file != INVALID_HANDLE_VALUE ? _open_osfhandle((intptr_t)file, _O_BINARY | _O_NOINHERIT) : -1;
-    if (file == INVALID_HANDLE_VALUE) {
-        fail_last();
-        DeleteFileW(path);
-    } else if (descriptor < 0) {
-        CloseHandle(file);
-    }
-    return descriptor;
 }
 
 /* The words as one text, so that CommandLineToArgvW() and the start of C programs give them back: a quotation mark and

@@ -91,6 +91,8 @@ int system_open_temporary(char *path, size_t ending, bool for_us_alone);
 int system_open_nameless(const char *folder);
 /** Gives it a name, which must not be there. */
 bool system_name(int file, const char *path);
+/** Opens an empty file, in memory where there are such, that is gone once it is closed; @p name is for people. */
+int system_open_scratch(const char *name);
 /** An open file once more, for writing: where it is open for reading only. */
 int system_open_again(int file);
 /** Another number for the same open file. */

@@ -129,6 +129,22 @@ int system_open_nameless(const char *folder)
 #endif
 }
 
+int system_open_scratch(const char *name)
+{
+#ifdef __linux__
+    return memfd_create(name, MFD_CLOEXEC);
+#else
+    char path[SYSTEM_PATH];
+    const char *folder = getenv("TMPDIR");
+    snprintf(path, sizeof path, "%s/%s-XXXXXX", folder && *folder ? folder : "/tmp", name);
+    int file = system_open_temporary(path, 0, true);
+    if (file >= 0) {
+        unlink(path);
+    }
+    return file;
+#endif
+}
+
 /* The name by which an open file can be opened again. There is no such one on macOS, whose /dev/fd has copies. */
 static void name_open(char out[32], int file)
 {

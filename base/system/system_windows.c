@@ -197,10 +197,10 @@ static bool fail_at(const wchar_t *path, DWORD error)
     fail_with(error);
     size_t length = wcslen(path);
     memcpy(above, path, (length + 1) * sizeof above[0]);
-    for (const wchar_t *at = path; errno == ENOENT && *at; at += *at ? 1 : 0) {
+    for (const wchar_t *at = path; errno == ENOENT && *at;) {
         size_t name = wcscspn(at, L"/\\");
         errno = name > SYSTEM_NAME ? ENAMETOOLONG : ENOENT;
-        at += name;
+        at += name + (at[name] != 0);
     }
     for (; errno == ENOENT && length; length--) {
         if (above[length - 1] == '\\' || above[length - 1] == '/') {
@@ -474,6 +474,24 @@ int system_open_nameless(const char *folder)
     (void)folder;
     errno = ENOSYS;
     return -1;
+}
+
+int system_open_scratch(const char *name)
+{
+    wide_path folder;
+    wide_path path;
+    (void)name;
+    if (!GetTempPathW(SYSTEM_PATH, folder) || !GetTempFileNameW(folder, L"con", 0, path)) {
+        fail_last();
+        return -1;
+    }
+    HANDLE handle = CreateFileW(path, GENERIC_READ | GENERIC_WRITE | DELETE, SHARED, NULL, CREATE_ALWAYS,
+                                FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, NULL);
+    if (handle == INVALID_HANDLE_VALUE) {
+        fail_last();
+        DeleteFileW(path);
+    }
+    return own_handle(handle, 0);
 }
 
 bool system_name(int file, const char *path)
@@ -1103,15 +1121,8 @@ unsigned system_columns(int file)
 
 FILE *system_text_open(struct system_text *out)
 {
-    wide_path folder;
-    wide_path name;
+    int file = system_open_scratch("text");
     *out = (struct system_text){0};
-    if (!GetTempPathW(SYSTEM_PATH, folder) || !GetTempFileNameW(folder, L"con", 0, name)) {
-        return NULL;
-    }
-    int file = own_handle(CreateFileW(name, GENERIC_READ | GENERIC_WRITE, SHARED, NULL, CREATE_ALWAYS,
-                                      FILE_ATTRIBUTE_TEMPORARY | FILE_FLAG_DELETE_ON_CLOSE, NULL),
-                          0);
     out->stream = file < 0 ? NULL : fdopen(file, "w+b");
     if (file >= 0 && !out->stream) {
         close(file);

@@ -75,7 +75,7 @@ static conus_status take_frames(void *user, size_t *used, size_t *wanted, const 
 /* The request as a file in memory, or -1. */
 static int request_file(const struct mesh_child_request *request)
 {
-    int descriptor = process_file(program.name);
+    int descriptor = system_open_scratch(program.name);
     if (descriptor >= 0 && !(system_write(descriptor, request->head.data, request->head.size) &&
                              system_write(descriptor, request->voxels, request->size))) {
         close(descriptor);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What libhdf5 takes of the programs for other systems is counted: to the byte, from the first memory_allow() on, and
  * given back with what is freed. The tests use one counter, in this order. */
-#include "hdf5/memory_counted.h"
 #include "hdf5/memory_limit.h"
 #include "test.h"
 

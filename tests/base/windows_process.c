@@ -98,7 +98,7 @@ static char self[] = "conus";
 static void check_words(void)
 {
     char *words[] = {self, "say", "", "a b", "q\"u\"", "b\\s\\", "e\\\\\"x", "t \\", "\xc3\xa4\xe8\x84\xb3", NULL};
-    int file = process_file("input");
+    int file = system_open_scratch("input");
     CHECK(file >= 0 && system_write(file, "given", 5) && lseek(file, 0, SEEK_SET) == 0);
     struct answer answer = ask(words, NULL, file, INFINITY);
     CHECK(answer.begun && answer.end.kind == PROCESS_EXITED && answer.end.code == 7);

@@ -242,10 +242,12 @@ char *stage_word(const struct stage *stage, const char *given)
 {
     struct system_text word;
     FILE *out = system_text_open(&word);
-    for (const char *at = given; out && *at; at += *at ? 1 : 0) {
+    for (const char *at = given; out && *at;) {
         bool begins = at == given || at[-1] == '=' || at[-1] == '@';
         at = begins && path_is_whole(at) && stage->is_moved ? put_folder(out, stage, at) : at;
-        fwrite(at, 1, *at ? 1 : 0, out); /* a drive alone has nothing behind it */
+        if (*at) { /* a drive alone has nothing behind it */
+            fputc(*at++, out);
+        }
     }
     return system_text_close(&word);
 }
