@@ -32,9 +32,7 @@ enum {
     F(png_, set_write_fn) F(png_, write_end) F(png_, write_info) F(png_, write_row)
 /* clang-format on */
 
-static struct {
-    PNG_FUNCTIONS(LIBRARY_MEMBER)
-} libpng;
+LIBRARY_TABLE(libpng, PNG_FUNCTIONS);
 
 #define JUMP_TARGET(png) (*libpng.set_longjmp_fn(png, longjmp, sizeof(jmp_buf))) /* png_jmpbuf() */
 
