@@ -459,6 +459,14 @@ static const struct option picture_options[] = {
      .value = "NAME|FILE",
      .help = "colours and opacities of the context by its values: a preset or a file (docs/formats.md)",
      .needs = "context"},
+    {.name = "engine",
+     OPTION_AT(struct render_settings, engine.engine),
+     .value = "NAME",
+     .help =
+         "what draws in space: OpenGL, or rays on all processors, in the same look; also traces the cone's rays, with "
+         "the same hits; auto is gl where there is a driver, else rays, and rays for hits:",
+     .choices = settings_engines,
+     .words = "GPU, CPU, software"},
     {.name = "no-skipping",
      OPTION_AT(struct render_settings, no_skipping),
      .help = "sample empty space, too: the same picture, slower"},
@@ -508,7 +516,7 @@ static const struct option_group groups[] = {
     {"", space_options, offsetof(struct render_settings, aim.space)},
     {"", shape_options, offsetof(struct render_settings, engine)},
     {"How rays are traced", pixel_options, offsetof(struct render_settings, engine)},
-    {"", engine_options, offsetof(struct render_settings, engine)},
+    {"", engine_options + 1, offsetof(struct render_settings, engine)}, /* --engine is above */
     {"Atlas", atlas_options, offsetof(struct render_settings, atlas)},
     {"", shown_options, offsetof(struct render_settings, atlas)},
     {"", quiet_options, offsetof(struct render_settings, common)},
@@ -575,6 +583,9 @@ static bool check_cone(const struct render_settings *settings, const struct argu
     }
     if (!cone && settings->atlas.hemispheres == CONUS_HEMISPHERES_MERGED) {
         return refuse("--hemispheres merged has no effect without a cone: --origin or --pose");
+    }
+    if (!cone && !render_cuts_need_space(&settings->cuts) && option_given(arguments, "engine")) {
+        return refuse("--engine has no effect on cuts without a cone: --cuts 3d,... adds the view in space");
     }
     const struct option *of_rays = option_with(arguments, OPTION_OF_RAYS);
     const char *unused = of_rays ? of_rays->name : NULL;
@@ -742,10 +753,11 @@ static conus_status make_renderer(struct picture *picture)
                                             .pathways = picture->translucent.pathways,
                                             .pathway_count = picture->translucent.pathway_count,
                                             .streamline_colour = settings->figure.streamline_colour,
-                                            .log = settings->common.verbose ? log_line : NULL};
+                                            .log = settings->common.verbose ? log_line : NULL,
+                                            .engine = (conus_engine)settings->engine.engine};
     conus_status status = conus_renderer_create(&picture->renderer, picture->atlas, &options);
     if (!status && settings->common.verbose) {
-        print_error_line("OpenGL: %s", conus_renderer_device(picture->renderer));
+        print_error_line("drawn by %s", conus_renderer_device(picture->renderer));
     }
     return status;
 }

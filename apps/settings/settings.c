@@ -14,7 +14,7 @@
 #define FIELD(type, member) OPTION_AT(struct type, member)
 
 static const char *const apertures[] = {"circle", "square", NULL};
-static const char *const engines[] = {"auto", "rays", "gl", NULL};
+const char *const settings_engines[] = {"auto", "rays", "gl", NULL};
 static const char *const samplings[] = {"exact", "slices", NULL};
 const char *const settings_hemispheres[] = {"as-is", "split", "merged", NULL};
 static const char *const layers[] = {"visible", "all", NULL};
@@ -272,7 +272,7 @@ const struct option engine_options[] = {
      FIELD(engine_settings, engine),
      .value = "NAME",
      .help = "rays on the CPU or an OpenGL pass, with the same hits; auto is rays in this program:",
-     .choices = engines,
+     .choices = settings_engines,
      .flags = OPTION_OF_RAYS},
     {.name = "sampling",
      FIELD(engine_settings, sampling),

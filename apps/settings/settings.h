@@ -74,6 +74,8 @@ extern const struct option quiet_options[];          /**< common_settings: --hel
 extern const struct option plain_options[];          /**< common_settings: --help, --version */
 /** The words of --hemispheres, in the order of conus_hemispheres; NULL ends it. */
 extern const char *const settings_hemispheres[];
+/** Likewise of --engine, of conus_engine. */
+extern const char *const settings_engines[];
 extern const struct option atlas_options[];      /**< atlas_settings */
 extern const struct option shown_options[];      /**< atlas_settings: --only, --hide */
 extern const struct option more_atlas_options[]; /**< atlas_settings: --atlas; of commands that answer for several */

@@ -6,6 +6,7 @@
 #include "bench/peers/peers.h"
 #include "bench/support/bench.h"
 #include "bench/support/frame.h"
+#include "render/colour/colour_gl.h"
 #include "render/colour/colour_view.h"
 #include "render/colour/renderer.h"
 #include "render/gl/target.h"
@@ -45,11 +46,11 @@ struct way {
 static conus_status draw_ours(struct scene *scene)
 {
     struct gl_current previous;
-    conus_status status = gl_context_use(scene->renderer->context, &previous);
+    conus_status status = gl_context_use(colour_gl_context(scene->renderer->colour.device), &previous);
     if (!status) {
         target_bind(&scene->target);
         target_clear(&scene->target);
-        status = colour_pass_draw(&scene->renderer->colour, &scene->view);
+        status = colour_gl_draw(&scene->renderer->colour, &scene->view);
         glFinish();
         gl_current_restore(&previous);
     }
@@ -106,7 +107,7 @@ static conus_status scene_init(struct scene *scene, const struct bench_options *
                 options->slices);
     scene->pixels = (size_t)size[0] * size[1];
     scene->opacity_limit = options->check ? OPACITY_LIMIT_CHECK : OPACITY_LIMIT;
-    status = gl_context_use(scene->renderer->context, &previous);
+    status = gl_context_use(colour_gl_context(scene->renderer->colour.device), &previous);
     if (!status) {
         status = target_init(&scene->target, scene->view.width, scene->view.height, &colour, 1);
         gl_current_restore(&previous);
@@ -117,7 +118,7 @@ static conus_status scene_init(struct scene *scene, const struct bench_options *
 static void scene_finish(struct scene *scene)
 {
     struct gl_current previous;
-    if (scene->renderer && !gl_context_use(scene->renderer->context, &previous)) {
+    if (scene->renderer && !gl_context_use(colour_gl_context(scene->renderer->colour.device), &previous)) {
         target_finish(&scene->target);
         gl_current_restore(&previous);
     }
@@ -156,7 +157,7 @@ static conus_status measure_pictures(struct bench *bench, struct way ways[WAYS],
     struct scene *scene = ways[0].scene;
     struct gl_current previous;
     conus_status status = draw_ours(scene);
-    status = status ? status : gl_context_use(scene->renderer->context, &previous);
+    status = status ? status : gl_context_use(colour_gl_context(scene->renderer->colour.device), &previous);
     if (!status) {
         status = target_read(&scene->target, "colour", ways[0].rgba);
         gl_current_restore(&previous);

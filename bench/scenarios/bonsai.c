@@ -8,6 +8,7 @@
 #include "bench/support/frame.h"
 #include "bench/support/slicing.h"
 #include "bench/support/trace.h"
+#include "render/colour/colour_gl.h"
 #include "render/colour/renderer.h"
 
 #include <inttypes.h>
@@ -112,7 +113,7 @@ static conus_status draw_frame(void *data, int way)
         } else {
             glEnable(GL_BLEND);
             glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-            status = colour_pass_draw(pass, &view);
+            status = colour_gl_draw(pass, &view);
         }
     }
     glDisable(GL_SCISSOR_TEST);
@@ -261,7 +262,7 @@ static conus_status scene_init(struct scene *scene, const struct bonsai *bonsai,
     status = status ? status : make_renderer(scene);
     status = status ? status : aim_camera(scene, options);
     status = status ? status : make_engines(scene, options);
-    status = status ? status : gl_context_use(scene->renderer->context, &scene->previous);
+    status = status ? status : gl_context_use(colour_gl_context(scene->renderer->colour.device), &scene->previous);
     scene->is_current = !status;
     status = status ? status : frame_resize(&scene->frame, (uint32_t[]){scene->view.width, scene->view.height});
     if (status) {

@@ -147,7 +147,7 @@ void slicing_draw(struct slicing *slicing, const struct colour_pass *pass, const
         cut_plane(slicing->polygons + (size_t)n * SLICE_CORNERS, (const double(*)[3])box, slices_depth(&slices, plane),
                   plane);
     }
-    colour_pass_prepare(pass, view);
+    colour_gl_prepare(pass, view);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     glUseProgram(slicing->program);

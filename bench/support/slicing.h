@@ -5,7 +5,7 @@
 #ifndef CONUS_BENCH_SUPPORT_SLICING_H
 #define CONUS_BENCH_SUPPORT_SLICING_H
 
-#include "render/colour/colour.h"
+#include "render/colour/colour_gl.h"
 
 struct slicing {
     uint32_t slices;

@@ -18,11 +18,12 @@
 extern "C" {
 #endif
 
-typedef struct conus_renderer conus_renderer; /**< GL objects of one atlas, for pictures. */
+typedef struct conus_renderer conus_renderer; /**< One atlas made ready for pictures. */
 typedef struct conus_cutter conus_cutter;     /**< A flat cut of one atlas that is drawn again and again. */
 
 /** @name In space
- * A renderer uses GL, and belongs to the thread that made it.
+ * A renderer belongs to the thread that made it. It draws with OpenGL, or by rays on all processors; the pictures look
+ * the same. By rays they have the same bytes on every system.
  * @{ */
 
 /**
@@ -55,6 +56,8 @@ typedef struct conus_renderer_options {
     const char *streamline_colour; /**< Streamlines are coloured by "bundle", by "direction" (red: left to right, green:
                                       back to front, blue: upwards), or by a number that their files have for points or
                                       streamlines, by its name. NULL = "bundle". Copied. */
+    conus_engine engine; /**< What draws. #CONUS_ENGINE_AUTO = OpenGL where there is a driver, else rays, with a word in
+                            @p log. */
 } conus_renderer_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -67,12 +70,12 @@ typedef struct conus_transfer_point {
 } conus_transfer_point;
 
 /**
- * Makes the GL objects of an atlas.
+ * Makes an atlas ready for pictures.
  * @param[out] out The renderer; end it with conus_renderer_destroy().
  * @param atlas Must outlive the renderer.
  * @param options NULL = defaults.
- * @return #CONUS_OK; #CONUS_ERROR_GL without an OpenGL 4.5 context; #CONUS_ERROR_MEMORY above max_memory; the errors of
- * reading a TF file.
+ * @return #CONUS_OK; with #CONUS_ENGINE_GL #CONUS_ERROR_GL without an OpenGL 4.5 context and #CONUS_ERROR_UNSUPPORTED
+ * in a build without OpenGL; #CONUS_ERROR_MEMORY above max_memory; the errors of reading a TF file.
  * @threads Any, while none changes the atlas.
  * @since 0.1
  */
@@ -90,7 +93,7 @@ CONUS_API void conus_renderer_destroy(conus_renderer *renderer);
 /**
  * Names what draws, as GL calls its renderer.
  * @param renderer The renderer.
- * @return "llvmpipe (LLVM 15.0.6, 256 bits)". Borrowed from the renderer.
+ * @return "llvmpipe (LLVM 15.0.6, 256 bits)", or "rays". Borrowed from the renderer.
  * @threads The one that made the renderer.
  * @since 0.1
  */

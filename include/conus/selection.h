@@ -20,9 +20,9 @@ extern "C" {
 typedef struct conus_selector conus_selector;   /**< An engine made ready for one atlas. */
 typedef struct conus_selection conus_selection; /**< The answer to one query. Immutable. */
 
-/** The engine that traces the rays of a cone's pixels. */
+/** The engine that traces the rays of a cone's pixels, or of a picture's. */
 typedef enum conus_engine {
-    CONUS_ENGINE_AUTO = 0, /**< The library chooses: rays. */
+    CONUS_ENGINE_AUTO = 0, /**< The library chooses: rays, and for pictures gl where there is a driver. */
     CONUS_ENGINE_RAYS,     /**< Rays on the CPU. Needs no driver and gives the pixels that gl gives. */
     CONUS_ENGINE_GL        /**< An OpenGL 4.5 driver. */
 } conus_engine;

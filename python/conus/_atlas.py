@@ -1367,20 +1367,21 @@ class Atlas:
         )
 
     def renderer(self, *, transfer: Any = None, max_memory: int = 0, pathway_transfers: Any = None,
-                 streamline_colour: Optional[str] = None) -> Renderer:
+                 streamline_colour: Optional[str] = None, engine: str = "auto") -> Renderer:
         """The atlas made ready to be drawn again and again: see :class:`Renderer`."""
         return Renderer(self, transfer=transfer, max_memory=max_memory, pathway_transfers=pathway_transfers,
-                        streamline_colour=streamline_colour)
+                        streamline_colour=streamline_colour, engine=engine)
 
     def render(self, selection: Optional[Selection] = None, *, transfer: Any = None, max_memory: int = 0,
-               pathway_transfers: Any = None, streamline_colour: Optional[str] = None, **view: Any) -> Picture:
+               pathway_transfers: Any = None, streamline_colour: Optional[str] = None, engine: str = "auto",
+               **view: Any) -> Picture:
         """Draws one picture in space, as ``conus render`` does.
 
         Parameters
         ----------
         selection
             Its cone is drawn, with a legend.
-        transfer, max_memory, pathway_transfers, streamline_colour
+        transfer, max_memory, pathway_transfers, streamline_colour, engine
             As of :class:`Renderer`.
         **view
             Those of :meth:`Renderer.render`: size=(700, 525), camera_origin=(0, 0, 500), ...
@@ -1393,11 +1394,11 @@ class Atlas:
         Raises
         ------
         GLError
-            Without an OpenGL 4.5 driver. Debian's libgl1-mesa-dri has one in software.
+            With engine="gl" without an OpenGL 4.5 driver. Debian's libgl1-mesa-dri has one in software.
         """
         with self.renderer(
             transfer=transfer, max_memory=max_memory, pathway_transfers=pathway_transfers,
-            streamline_colour=streamline_colour
+            streamline_colour=streamline_colour, engine=engine
         ) as renderer:
             return renderer.render(selection, **view)
 

@@ -58,16 +58,19 @@ after_fork(_note_fork)
 
 
 class GLOwner:
-    """The thread that makes an object of OpenGL, and alone may use and end it."""
+    """The thread that makes an object of OpenGL, or one that may be, and alone may use and end it."""
 
-    def __init__(self) -> None:
+    def __init__(self, uses_gl: bool = True) -> None:
         self._thread = threading.get_ident()
+        self._uses_gl = uses_gl
         self.check("")
 
     def check(self, name: str) -> None:
         """Comes before each use. Behind a fork the driver would wait for threads that are not there."""
         if threading.get_ident() != self._thread:
-            raise ArgumentError(f"{name}: with OpenGL it belongs to the thread that made it")
+            raise ArgumentError(f"{name}: {'with OpenGL ' if self._uses_gl else ''}it belongs to the thread that made it")
+        if not self._uses_gl:
+            return
         if _Process.forked:
             raise GLError(
                 "OpenGL was used before this process was forked, and does not cross a fork: "
@@ -78,6 +81,8 @@ class GLOwner:
     def ender(self, destroy: Callable[[Any], None]) -> Callable[[Any], None]:
         """Ends an object; elsewhere it does nothing."""
         thread = self._thread
+        if not self._uses_gl:
+            return destroy
         return lambda p: None if _Process.forked or threading.get_ident() != thread else destroy(p)
 
 
@@ -98,7 +103,7 @@ class Picture(Guarded):
     Attributes
     ----------
     device : str
-        The device that drew it, as OpenGL names it.
+        The device that drew it, as OpenGL names it, or "rays".
     """
 
     def __init__(self, pointer: Any, device: str) -> None:
@@ -164,7 +169,8 @@ class Picture(Guarded):
 class Renderer(Bound):
     """An atlas made ready to be drawn again and again; :meth:`Atlas.render` draws one picture.
 
-    It uses OpenGL 4.5, in hardware or software, and belongs to the thread that makes it.
+    It draws by OpenGL 4.5, in hardware or software, or by rays on all processors, and belongs to the thread that
+    makes it.
 
     Parameters
     ----------
@@ -182,17 +188,20 @@ class Renderer(Bound):
     streamline_colour : str, optional
         Streamlines are coloured by "bundle" (the default), "direction", or a number that their files have for
         points or streamlines, by its name.
+    engine : str
+        "gl" for OpenGL, "rays" for rays on all processors, in the same look; "auto" is OpenGL where there is a driver,
+        else rays.
 
     Raises
     ------
     GLError
-        Without an OpenGL 4.5 driver, and in a process that was forked from one that used OpenGL.
+        With "gl" without an OpenGL 4.5 driver, and unless by rays in a process that was forked from one that used OpenGL.
     ArgumentError
         For a transfer function that is none, for one without a context, and for a number that no streamlines have.
     """
 
     def __init__(self, atlas: Atlas, *, transfer: Any = None, max_memory: int = 0,
-                 pathway_transfers: Any = None, streamline_colour: str | None = None) -> None:
+                 pathway_transfers: Any = None, streamline_colour: str | None = None, engine: str = "auto") -> None:
         self.atlas = atlas
         self._p: Any = None
         pointer, out = atlas._p, ffi.new("conus_renderer **")
@@ -204,7 +213,8 @@ class Renderer(Bound):
         options.pathways, options.pathway_count = pathways, len(alive)
         colour = ffi.NULL if streamline_colour is None else utf8("streamline_colour", streamline_colour)
         options.streamline_colour = colour
-        self._owner = GLOwner()
+        options.engine = choice("engine", engine, ("auto", "rays", "gl"))
+        self._owner = GLOwner(engine != "rays")
         check(lib.conus_renderer_create(out, pointer, options))
         self._p = owned(out[0], self._owner.ender(lib.conus_renderer_destroy), pointer)
         if is_name:
@@ -234,7 +244,7 @@ class Renderer(Bound):
 
     @property
     def device(self) -> str:
-        """The device that draws, as OpenGL names it."""
+        """The device that draws, as OpenGL names it, or "rays"."""
         return text(lib.conus_renderer_device(self._mine()))
 
     @property

@@ -1,23 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The colour pass: its programs, uploads, changes and draw call. */
+/* The colour pass: what of an atlas is drawn, and changes of it. */
 #include "render/colour/colour.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "render/colour/colour_view.h"
 #include "render/colour/field.h"
 #include "render/colour/pathways.h"
-#include "render/gl/context.h"
-#include "render/gl/shaders.h"
-#include "render/gl/volume_texture.h"
 #include "render/image/image_srgb.h"
 
 #include <string.h>
-
-enum {
-    TABLE_PER_LEVEL = 4, /**< Entries of the transfer table for each step between neighbouring densities. */
-    COLOUR_TABLE_ENTRIES = (FIELD_LEVELS - 1) * TABLE_PER_LEVEL + 1
-};
 
 enum { MESH_POINTS = 100000, SLAB_VOXELS = 1 << 17 };
 
@@ -97,15 +88,27 @@ static conus_status colour_add_corners(struct colour_pass *pass, const struct co
     return CONUS_OK;
 }
 
-/* Uploads the texels of `volume` as `task` makes them. Ends the task. No texels if the task is empty. */
-static conus_status colour_upload_texels(const struct colour_volume *volume, struct field_task *task)
+static conus_status hold(struct colour_texels *out, const struct colour_pass *pass, enum volume_texture_kind kind,
+                         const size_t dim[3], const void *texels, uint64_t *memory_left)
+{
+    return pass->device->functions->hold(out, pass->device, kind, dim, texels, memory_left);
+}
+
+static conus_status check(const struct colour_pass *pass, const char *what)
+{
+    const struct colour_functions *functions = pass->device->functions;
+    return functions->check ? functions->check(what) : CONUS_OK;
+}
+
+/* Hands over the texels of `volume` as `task` makes them. Ends the task. No texels if the task is empty. */
+static conus_status fill_texels(const struct colour_pass *pass, struct colour_volume *volume, struct field_task *task)
 {
     struct field_slab slab;
     while (task->volume && field_task_next(&slab, task)) {
-        volume_texture_fill(volume->field, VOLUME_TEXTURE_BYTE4, volume->size, slab.first, slab.count, slab.texels);
+        pass->device->functions->fill(&volume->field, slab.first, slab.count, slab.texels);
     }
     field_task_end(task);
-    return gl_check("texels of a volume");
+    return check(pass, "texels of a volume");
 }
 
 /* Copies the object numbers of `count` voxels from `at` on, `bytes` bytes each. */
@@ -121,9 +124,9 @@ static void copy_numbers(void *out, const struct volume *volume, size_t bytes, s
     }
 }
 
-/* Uploads object numbers in as few bytes as the highest, `last`, needs, a few slices at a time. */
-static conus_status upload_numbers(GLuint *out, const struct colour_volume *box, const struct volume *volume,
-                                   size_t last, uint64_t *memory_left)
+/* Hands over object numbers in as few bytes as the highest, `last`, needs, a few slices at a time. */
+static conus_status fill_numbers(struct colour_pass *pass, const struct colour_volume *box, const struct volume *volume,
+                                 size_t last, uint64_t *memory_left)
 {
     static const enum volume_texture_kind kinds[] = {
         [1] = VOLUME_TEXTURE_UINT8, [2] = VOLUME_TEXTURE_UINT16, [4] = VOLUME_TEXTURE_UINT32};
@@ -131,7 +134,7 @@ static conus_status upload_numbers(GLuint *out, const struct colour_volume *box,
     const size_t *dim = box->size;
     size_t step = SLAB_VOXELS / (dim[0] * dim[1]) + 1;
     uint8_t *some = memory_raw(step * dim[0] * dim[1], bytes);
-    conus_status status = some ? volume_texture_create(out, kinds[bytes], dim, NULL, memory_left) : CONUS_ERROR_MEMORY;
+    conus_status status = some ? hold(&pass->objects, pass, kinds[bytes], dim, NULL, memory_left) : CONUS_ERROR_MEMORY;
     for (size_t first = 0; first < dim[2] && !status; first += step) {
         size_t count = dim[2] - first < step ? dim[2] - first : step;
         uint8_t *row = some;
@@ -141,13 +144,13 @@ static conus_status upload_numbers(GLuint *out, const struct colour_volume *box,
                 copy_numbers(row, volume, bytes, at, box->size[0]);
             }
         }
-        volume_texture_fill(*out, kinds[bytes], dim, first, count, some);
+        pass->device->functions->fill(&pass->objects, first, count, some);
     }
     memory_free(some);
-    return status ? status : gl_check("volume texture");
+    return status ? status : check(pass, "volume texture");
 }
 
-/* Makes the texture of the field that `task` makes, and uploads the distances to bricks with densities that are
+/* Holds the field that `task` makes, and hands over the distances to bricks with densities that are
  * `visible`. */
 static conus_status begin_field(struct colour_pass *pass, struct colour_volume *out, struct field_task *task,
                                 const bool *visible, uint64_t *memory_left)
@@ -160,10 +163,8 @@ static conus_status begin_field(struct colour_pass *pass, struct colour_volume *
         place_volume(out, task->volume, field->first, field->dim);
         status = add_content(pass, &bricks, out);
     }
-    status = status ? status : volume_texture_create(&out->field, VOLUME_TEXTURE_BYTE4, field->dim, NULL, memory_left);
-    if (!status) {
-        status = volume_texture_create(&out->empty, VOLUME_TEXTURE_UINT8, bricks.dim, bricks.distance, memory_left);
-    }
+    status = status ? status : hold(&out->field, pass, VOLUME_TEXTURE_BYTE4, field->dim, NULL, memory_left);
+    status = status ? status : hold(&out->empty, pass, VOLUME_TEXTURE_UINT8, bricks.dim, bricks.distance, memory_left);
     bricks_finish(&bricks);
     return status;
 }
@@ -177,7 +178,7 @@ static conus_status begin_areas(struct colour_pass *pass, struct field_task *tas
     }
     conus_status status = begin_field(pass, &pass->areas, task, visible, memory_left);
     if (!status) {
-        status = upload_numbers(&pass->objects, &pass->areas, task->volume, last, memory_left);
+        status = fill_numbers(pass, &pass->areas, task->volume, last, memory_left);
     }
     pass->has_areas = true;
     return status;
@@ -208,7 +209,7 @@ static conus_status colour_upload_objects(struct colour_pass *pass, const conus_
     conus_status status = pathways_join(&joint, atlas, pass->drawn, hazy);
     struct field_task own = {.volume = &joint};
     status = status ? status : begin_areas(pass, &own, atlas->object_count, memory_left);
-    status = status ? status : colour_upload_texels(&pass->areas, &own);
+    status = status ? status : fill_texels(pass, &pass->areas, &own);
     field_task_end(&own);
     volume_finish(&joint);
     if (status) {
@@ -219,9 +220,9 @@ static conus_status colour_upload_objects(struct colour_pass *pass, const conus_
     status = hazy->transfers ? haze_fill(&field, atlas, hazy, *memory_left) : CONUS_OK;
     if (!status && field.texels) {
         status = volume_init(&grid, &field.info);
-        status = status ? status
-                        : volume_texture_create(&pass->haze.field, VOLUME_TEXTURE_HALF4, field.info.dim, field.texels,
-                                                memory_left);
+        status = status
+                     ? status
+                     : hold(&pass->haze.field, pass, VOLUME_TEXTURE_HALF4, field.info.dim, field.texels, memory_left);
         if (!status) {
             place_volume(&pass->haze, &grid, (const size_t[3]){0, 0, 0}, grid.info.dim);
             pass->has_haze = true;
@@ -330,12 +331,8 @@ static conus_status colour_upload_context(struct colour_pass *pass, struct field
     find_visible(visible, table, transfer);
     conus_status status = begin_field(pass, &pass->context, task, visible, memory_left);
     if (!status) {
-        glCreateTextures(GL_TEXTURE_2D, 1, &pass->transfer);
-        glTextureStorage2D(pass->transfer, 1, GL_RGBA32F, COLOUR_TABLE_ENTRIES, 1);
-        glTextureSubImage2D(pass->transfer, 0, 0, 0, COLOUR_TABLE_ENTRIES, 1, GL_RGBA, GL_FLOAT, table);
-        glTextureParameteri(pass->transfer, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-        glTextureParameteri(pass->transfer, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-        status = gl_check("transfer function");
+        status = hold(&pass->transfer, pass, VOLUME_TEXTURE_FLOAT4, (const size_t[3]){COLOUR_TABLE_ENTRIES, 1, 1},
+                      table, memory_left);
     }
     return status;
 }
@@ -343,8 +340,8 @@ static conus_status colour_upload_context(struct colour_pass *pass, struct field
 /* Bone: pale, since the areas inside have the colours. */
 static const double around_srgb[3] = {0.86, 0.83, 0.78};
 
-/* Creates the buffers and the tables by object number. */
-static conus_status colour_upload_palette(struct colour_pass *pass, const conus_atlas *atlas)
+/* Makes the tables by object number. */
+static conus_status make_palette(struct colour_pass *pass, const conus_atlas *atlas)
 {
     size_t count = 1 + atlas->object_count + atlas->context_surface_count;
     pass->object_count = atlas->object_count;
@@ -368,44 +365,7 @@ static conus_status colour_upload_palette(struct colour_pass *pass, const conus_
     }
     const struct context_surface *mapped = atlas_mapped_surface(atlas);
     pass->mapped_opacity = mapped ? (float)mapped->opacity : 1;
-    glCreateBuffers(1, &pass->palette);
-    glNamedBufferData(pass->palette, (GLsizeiptr)(count * 4 * sizeof *pass->colours), NULL, GL_DYNAMIC_DRAW);
-    glCreateBuffers(1, &pass->opacities);
-    glNamedBufferData(pass->opacities, (GLsizeiptr)(count * sizeof(float)), NULL, GL_DYNAMIC_DRAW);
-    glCreateBuffers(1, &pass->view);
-    glNamedBufferData(pass->view, sizeof(struct colour_view_block), NULL, GL_DYNAMIC_DRAW);
-    glCreateVertexArrays(1, &pass->vertices);
-    return gl_check("colour pass");
-}
-
-conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind,
-                                   const struct colour_pass *pass)
-{
-    const struct program_define defines[] = {{"MARKER_LIMIT", COLOUR_MARKER_LIMIT},
-                                             {"TRANSFER_ENTRIES", COLOUR_TABLE_ENTRIES},
-                                             {"FIELD_SURFACE", FIELD_SURFACE},
-                                             {"PLAIN_AREAS", kind == COLOUR_RAYS_PLAIN || kind == COLOUR_SLICES},
-                                             {"SLICES", kind == COLOUR_SLICES},
-                                             {"TILE", COLOUR_TILE},
-                                             {"TRANSLUCENT", kind == COLOUR_LAYERS},
-                                             {"AREAS", !pass || pass->may_have_areas},
-                                             {"CONTEXT", !pass || pass->may_have_context},
-                                             {"HAZE", !pass || pass->hazy.transfers}};
-    const struct program_shader more = {"colour_layers.glsl", shader_colour_layers};
-    const struct program_source source = {.vertex = *vertex,
-                                          .fragment = {"colour.frag.glsl", shader_colour_frag},
-                                          .more = kind == COLOUR_LAYERS ? more : (struct program_shader){0},
-                                          .defines = defines,
-                                          .define_count = sizeof defines / sizeof *defines};
-    return program_create(out, &source);
-}
-
-static const struct program_shader screen = {.file = "screen.vert.glsl", .text = shader_screen_vert};
-
-static conus_status need_program(GLuint *program, const struct program_shader *vertex, enum colour_program kind,
-                                 const struct colour_pass *pass)
-{
-    return *program ? CONUS_OK : colour_program_create(program, vertex, kind, pass);
+    return CONUS_OK;
 }
 
 conus_status colour_fields_start(struct colour_fields *out, const conus_atlas *atlas, const struct transfer *transfer)
@@ -425,15 +385,38 @@ void colour_fields_end(struct colour_fields *fields)
     field_task_end(&fields->context);
 }
 
-conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas, const struct transfer *transfer,
-                              struct haze_choice *hazy, struct colour_fields *fields, uint64_t max_memory)
+static void release_all(struct colour_pass *pass)
 {
-    struct colour_pass pass = {.hazy = *hazy, .may_have_context = fields->context.volume};
+    void (*const release)(struct colour_texels *) = pass->device->functions->release;
+    release(&pass->transfer);
+    release(&pass->objects);
+    release(&pass->areas.field);
+    release(&pass->areas.empty);
+    release(&pass->context.field);
+    release(&pass->context.empty);
+    release(&pass->haze.field);
+}
+
+static void free_tables(struct colour_pass *pass)
+{
+    memory_free(pass->colours);
+    memory_free(pass->shown);
+    memory_free(pass->opacity);
+    memory_free(pass->around);
+    memory_free(pass->drawn);
+    memory_free(pass->content);
+    haze_choice_finish(&pass->hazy);
+    tube_colouring_finish(&pass->streamlines);
+}
+
+conus_status colour_pass_init(struct colour_pass *out, struct colour_device *device, const conus_atlas *atlas,
+                              const struct transfer *transfer, struct haze_choice *hazy, struct colour_fields *fields,
+                              uint64_t max_memory)
+{
+    struct colour_pass pass = {.device = device, .hazy = *hazy, .may_have_context = fields->context.volume};
     pass.may_have_areas = atlas->volume_count > pass.may_have_context;
-    conus_status status = need_program(&pass.program, &screen, COLOUR_RAYS, &pass);
-    if (!status) {
-        status = colour_upload_palette(&pass, atlas);
-    }
+    conus_status status = make_palette(&pass, atlas);
+    status = status ? status : device->functions->prepare(device, &pass);
     if (!status) {
         status = colour_upload_objects(&pass, atlas, &pass.hazy, &fields->objects, &max_memory);
         pass.object_points = pass.content_count;
@@ -441,10 +424,11 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
     if (!status && fields->context.volume) {
         status = colour_upload_context(&pass, &fields->context, transfer, &max_memory);
     }
-    status = status ? status : colour_upload_texels(&pass.areas, &fields->objects);
-    status = status ? status : colour_upload_texels(&pass.context, &fields->context);
+    status = status ? status : fill_texels(&pass, &pass.areas, &fields->objects);
+    status = status ? status : fill_texels(&pass, &pass.context, &fields->context);
     if (!status && (atlas->mesh_count || atlas->context_surface_count || atlas->tractogram_count)) {
-        status = mesh_layer_create(&pass.meshes, atlas, &max_memory);
+        pass.has_meshes = true;
+        status = device->functions->add_meshes(device, atlas, &max_memory);
         status = status ? status : add_mesh_content(&pass, atlas);
         status = status ? status : add_bundle_content(&pass, atlas);
     }
@@ -452,8 +436,9 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
         status = colour_add_corners(&pass, &pass.areas);
     }
     if (status) {
-        pass.hazy = (struct haze_choice){0}; /* is still the caller's */
-        colour_pass_finish(&pass);
+        pass.hazy = (struct haze_choice){0}; /* is still the caller's, as the device is */
+        release_all(&pass);
+        free_tables(&pass);
         return status;
     }
     *hazy = (struct haze_choice){0};
@@ -461,24 +446,9 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
     return CONUS_OK;
 }
 
-static bool has_layers(const struct colour_pass *pass, const struct colour_view *view)
+bool colour_pass_has_layers(const struct colour_pass *pass, const struct colour_view *view)
 {
     return view->opacity || pass->has_haze || pass->around_count;
-}
-
-conus_status colour_pass_need(struct colour_pass *pass, const struct colour_view *view)
-{
-    bool layers = has_layers(pass, view);
-    return need_program(layers ? &pass->layer_program : &pass->program, &screen, layers ? COLOUR_LAYERS : COLOUR_RAYS,
-                        pass);
-}
-
-/* GL ignores the number 0. */
-static void delete_textures(const struct colour_pass *pass)
-{
-    const GLuint textures[] = {pass->transfer,      pass->objects,       pass->areas.field, pass->areas.empty,
-                               pass->context.field, pass->context.empty, pass->haze.field};
-    glDeleteTextures(sizeof textures / sizeof *textures, textures);
 }
 
 /* Replaces the points that came from voxels before by `fresh`. */
@@ -505,10 +475,10 @@ static conus_status exchange_content(struct colour_pass *pass, const struct colo
 
 conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atlas, uint64_t max_memory)
 {
-    struct colour_pass fresh = {.drawn = pass->drawn};
+    struct colour_pass fresh = {.device = pass->device, .drawn = pass->drawn};
     struct field_task task = colour_objects_task(atlas);
     conus_status status = colour_upload_objects(&fresh, atlas, &pass->hazy, &task, &max_memory);
-    status = status ? status : colour_upload_texels(&fresh.areas, &task);
+    status = status ? status : fill_texels(&fresh, &fresh.areas, &task);
     field_task_end(&task);
     status = status ? status : exchange_content(pass, &fresh);
     if (!status) {
@@ -523,7 +493,7 @@ conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atl
         fresh.objects = old.objects;
         status = colour_pass_paint_streamlines(pass, atlas, NULL, NULL);
     }
-    delete_textures(&fresh);
+    release_all(&fresh);
     memory_free(fresh.content);
     return status;
 }
@@ -532,7 +502,8 @@ conus_status colour_pass_paint_streamlines(struct colour_pass *pass, const conus
                                            struct tube_colouring *colouring, const bool *const *is_pale)
 {
     const struct tube_colouring *used = colouring ? colouring : &pass->streamlines;
-    conus_status status = pass->meshes ? mesh_layer_update(pass->meshes, atlas, used, is_pale) : CONUS_OK;
+    conus_status status =
+        pass->has_meshes ? pass->device->functions->paint(pass->device, atlas, used, is_pale) : CONUS_OK;
     if (!status && colouring) {
         tube_colouring_finish(&pass->streamlines);
         pass->streamlines = *colouring;
@@ -572,11 +543,11 @@ conus_status colour_pass_include(struct colour_pass *pass, const conus_atlas *at
 conus_status colour_pass_set_transfer(struct colour_pass *pass, const conus_atlas *atlas,
                                       const struct transfer *transfer, uint64_t max_memory)
 {
-    struct colour_pass fresh = {0};
+    struct colour_pass fresh = {.device = pass->device};
     struct field_task task = {0};
     conus_status status = colour_context_task(&task, atlas_context(atlas), transfer);
     status = status || !task.volume ? status : colour_upload_context(&fresh, &task, transfer, &max_memory);
-    status = status ? status : colour_upload_texels(&fresh.context, &task);
+    status = status ? status : fill_texels(&fresh, &fresh.context, &task);
     field_task_end(&task);
     if (!status && task.volume) {
         struct colour_pass old = {.context = pass->context, .transfer = pass->transfer};
@@ -585,35 +556,26 @@ conus_status colour_pass_set_transfer(struct colour_pass *pass, const conus_atla
         fresh.context = old.context;
         fresh.transfer = old.transfer;
     }
-    delete_textures(&fresh);
+    release_all(&fresh);
     memory_free(fresh.content);
     return status;
 }
 
 void colour_pass_finish(struct colour_pass *pass)
 {
-    const GLuint buffers[] = {pass->view, pass->palette, pass->opacities};
-    if (pass->program) { /* otherwise there may be no GL at all */
-        mesh_layer_destroy(pass->meshes);
-        tube_colouring_finish(&pass->streamlines);
-        delete_textures(pass);
-        glDeleteBuffers(sizeof buffers / sizeof *buffers, buffers);
-        glDeleteVertexArrays(1, &pass->vertices);
-        glDeleteProgram(pass->program);
-        glDeleteProgram(pass->layer_program);
+    if (pass->device && !colour_pass_enter(pass)) {
+        release_all(pass);
+        colour_pass_leave(pass);
     }
-    memory_free(pass->colours);
-    memory_free(pass->shown);
-    memory_free(pass->opacity);
-    memory_free(pass->around);
-    memory_free(pass->drawn);
-    memory_free(pass->content);
-    haze_choice_finish(&pass->hazy);
+    if (pass->device) {
+        pass->device->functions->destroy(pass->device);
+    }
+    free_tables(pass);
     *pass = (struct colour_pass){0};
 }
 
-/* Opacities by object number: those that the view asks for, and of the surfaces around them the context's. */
-static const float *find_opacities(const struct colour_pass *pass, const struct colour_view *view)
+/* Those that the view asks for, and of the surfaces around the areas the context's. */
+static void find_opacities(const struct colour_pass *pass, const struct colour_view *view)
 {
     size_t count = pass->object_count + 1;
     for (size_t number = 0; number < count; number++) {
@@ -623,13 +585,10 @@ static const float *find_opacities(const struct colour_pass *pass, const struct 
         pass->opacity[i] = pass->around[i - count] * (float)(1 - view->fade);
     }
     pass->opacity[0] = pass->mapped_opacity * (float)(1 - view->fade);
-    return pass->opacity;
 }
 
-void colour_pass_prepare(const struct colour_pass *pass, const struct colour_view *view)
+void colour_pass_look(const struct colour_pass *pass, const struct colour_view *view)
 {
-    struct colour_view_block block = {0};
-    colour_view_pack(&block, pass, view);
     size_t count = 1 + pass->object_count + pass->around_count;
     for (size_t number = 0; number < count; number++) {
         bool is_object = number <= pass->object_count;
@@ -643,46 +602,5 @@ void colour_pass_prepare(const struct colour_pass *pass, const struct colour_vie
         shown = shown == EMPHASIS_PALE && view->pale_rgb ? EMPHASIS_FULL : shown;
         pass->shown[4 * number + 3] = (float)shown;
     }
-    glNamedBufferSubData(pass->view, 0, sizeof block, &block);
-    glNamedBufferSubData(pass->palette, 0, (GLsizeiptr)(count * 4 * sizeof *pass->shown), pass->shown);
-    const bool layers = has_layers(pass, view);
-    if (layers) {
-        const float *opacity = find_opacities(pass, view);
-        glNamedBufferSubData(pass->opacities, 0, (GLsizeiptr)(count * sizeof *opacity), opacity);
-    }
-    const struct mesh_layer *meshes = pass->meshes;
-    const struct mesh_layer_peels peels = meshes ? mesh_layer_peels(meshes) : (struct mesh_layer_peels){0};
-    const GLuint textures[] = {pass->context.field,
-                               pass->context.empty,
-                               pass->transfer,
-                               pass->areas.field,
-                               pass->areas.empty,
-                               pass->objects,
-                               meshes ? mesh_layer_surface(meshes) : 0,
-                               meshes ? mesh_layer_object(meshes) : 0,
-                               pass->haze.field,
-                               peels.surface,
-                               peels.object};
-    glBindTextures(0, sizeof textures / sizeof *textures, textures);
-    glBindBufferBase(GL_UNIFORM_BUFFER, 0, pass->view);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, pass->palette);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, view->tiles ? view->tiles : pass->palette); /* or any, not read */
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, pass->opacities);
-    glBindVertexArray(pass->vertices);
-    glUseProgram(layers ? pass->layer_program : pass->program);
-}
-
-conus_status colour_pass_begin(const struct colour_pass *pass, const struct colour_view *view)
-{
-    const float *opacity = has_layers(pass, view) ? find_opacities(pass, view) : NULL;
-    const struct mesh_layer_view layer = {view->camera, view->width, view->height,  {view->shift[0], view->shift[1]},
-                                          opacity,      view->draft, view->listener};
-    return pass->meshes ? mesh_layer_draw(pass->meshes, &layer) : CONUS_OK;
-}
-
-conus_status colour_pass_draw(const struct colour_pass *pass, const struct colour_view *view)
-{
-    colour_pass_prepare(pass, view);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-    return gl_check("colour pass");
+    find_opacities(pass, view);
 }

@@ -13,39 +13,53 @@
 #include "render/colour/haze.h"
 #include "render/colour/transfer.h"
 #include "render/gl/camera.h"
-#include "render/gl/context.h"
-#include "render/gl/program.h"
-#include "render/id/mesh_layer.h"
+#include "render/gl/listener.h"
+#include "render/gl/texel.h"
 #include "render/id/slices.h"
+#include "render/id/tubes.h"
 
 enum {
     COLOUR_MARKER_LIMIT = 64,
     COLOUR_TILE = 4 /**< Pixels along the edge of the squares that colour_view.tiles is about. */
 };
 
+/** Texels that the pass's device holds: of a volume, i fastest, or of a table, which is as long as a volume of one row.
+ * A zeroed one has none. */
+struct colour_texels {
+    enum volume_texture_kind kind;
+    size_t dim[3];
+    uint32_t name; /**< OpenGL: the texture. */
+    void *bytes;   /**< The CPU: those of volume_texture_fill(); fields have one more texel behind them. */
+};
+
+/** The transfer function in a table: linear R, G, B, and extinction per mm (transfer_table()). */
+enum {
+    TABLE_PER_LEVEL = 4, /**< Entries for each step between neighbouring densities. */
+    COLOUR_TABLE_ENTRIES = (FIELD_LEVELS - 1) * TABLE_PER_LEVEL + 1
+};
+
 /** A volume as the colour pass holds it: the box of voxels around which anything is visible. */
 struct colour_volume {
-    GLuint field, empty;
+    struct colour_texels field, empty;
     size_t dim[3];            /**< Voxels of the grid. */
     size_t first[3], size[3]; /**< The box: its first voxel, of which each is a brick's first, and its voxels. */
     double world_from_voxel[16];
     double texture_from_world[16]; /**< Texture coordinates: 0 to 1 over the box's cells. */
 };
 
-/** GL objects of one atlas; everything here happens in the context that was current at colour_pass_init(). */
+/** All that is drawn of one atlas, and what draws it. */
 struct colour_pass {
-    GLuint program;       /**< Over one triangle on the screen. */
-    GLuint layer_program; /**< The same for translucent pictures; 0 until one is drawn. */
-    GLuint view, palette, opacities, vertices, transfer, objects;
+    struct colour_device *device; /**< The pass's own. */
+    struct colour_texels objects; /**< Numbers by voxel of the areas. */
+    struct colour_texels transfer;
     struct colour_volume areas, context, haze;
-    struct haze_choice hazy;           /**< Pathways that are haze.                */
-    struct mesh_layer *meshes;         /**< NULL if there are none.              */
-    struct tube_colouring streamlines; /**< How they are coloured. */
-    bool has_areas, has_haze;
+    struct haze_choice hazy;               /**< Pathways that are haze.                */
+    struct tube_colouring streamlines;     /**< How they are coloured. */
+    bool has_areas, has_haze, has_meshes;  /**< Streamlines are among the meshes. */
     bool may_have_areas, may_have_context; /**< Whatever is hidden: programs leave out what they never need. */
     size_t object_count, around_count;     /**< Objects, and surfaces around them, whose numbers follow.            */
     float *colours;       /**< [1 + object_count + around_count][4] linear R, G, B, 1.                         */
-    float *shown;         /**< The same for the last picture.                                                  */
+    float *shown;         /**< The same for the last picture, with the emphasis in place of 1.                 */
     float *opacity;       /**< [1 + object_count + around_count] of the last picture.                          */
     float *around;        /**< [around_count] opacities of the surfaces around the areas.                      */
     float mapped_opacity; /**< Opacity of the surface that has a map. */
@@ -66,17 +80,15 @@ struct colour_view {
     uint32_t width, height;
     uint32_t slices; /**< N of Eq. 7; 0 = default.                                       */
     bool no_skipping;
-    double draft;                  /**< mm; fewer streamlines, at least so wide: see tube_layer.h. 0 = all. */
-    struct gl_listener listener;   /**< Hears of pieces of streamlines, and of each time that rays are cast. */
-    GLuint tiles;                  /**< Buffer of a number for each square of COLOUR_TILE pixels, row by row: what has 0
-                                        is not drawn. 0 = all is drawn. */
-    double shift[2];               /**< From pixel centres to rays, in pixels, right and up.                   */
-    const double *world_from_cone; /**< NULL = no cone; else its apex and frame, looking down -z.      */
-    double cone_slope, cone_radius; /**< Tangent of half its angle; mm about the apex, 0 unless a cylinder. */
-    double cone_start, cone_length; /**< Depths along its axis between which it is drawn, mm.           */
-    bool grey_cone;                 /**< In place of orange. */
-    double fade;                    /**< How much the context is thinned, 0 to 1 (gone).                */
-    double line_width;              /**< mm, of axis, rim and outline.                                  */
+    double draft;                     /**< mm; fewer streamlines, at least so wide: see tube_layer.h. 0 = all. */
+    struct picture_listener listener; /**< Hears of the pieces that are drawn, and of each time that rays are cast. */
+    double shift[2];                  /**< From pixel centres to rays, in pixels, right and up.                   */
+    const double *world_from_cone;    /**< NULL = no cone; else its apex and frame, looking down -z.      */
+    double cone_slope, cone_radius;   /**< Tangent of half its angle; mm about the apex, 0 unless a cylinder. */
+    double cone_start, cone_length;   /**< Depths along its axis between which it is drawn, mm.           */
+    bool grey_cone;                   /**< In place of orange. */
+    double fade;                      /**< How much the context is thinned, 0 to 1 (gone).                */
+    double line_width;                /**< mm, of axis, rim and outline.                                  */
     const struct colour_marker *markers;
     size_t marker_count;     /**< Markers from COLOUR_MARKER_LIMIT on are not drawn.             */
     const uint8_t *emphasis; /**< [object_count + 1] of enum emphasis, by number; NULL = all full. */
@@ -84,6 +96,58 @@ struct colour_view {
     const uint32_t *group;   /**< [object_count + 1] whose colour each object has; NULL = its own. */
     const float *opacity;    /**< [object_count + 1] of surfaces, 0 to 1, by number; NULL = all 1. */
 };
+
+/** Where in each pixel the rays of a picture are: the picture is their mean. */
+struct colour_rays {
+    const double (*shifts)[2]; /**< [count] From the pixels' centres, in pixels, right and up. */
+    size_t count;
+    const uint32_t *tiles; /**< A number for each square of COLOUR_TILE pixels, row by row: what has 0 is not drawn.
+                              NULL = all is drawn, by one ray through each pixel's centre. */
+};
+
+/** What holds texels and draws: OpenGL or the CPU. */
+struct colour_device;
+
+struct colour_functions {
+    /** Makes what is called below work on this thread until leave(); NULL = it always does. */
+    conus_status (*enter)(struct colour_device *device);
+    void (*leave)(struct colour_device *device);
+
+    /** Holds texels of kind and dim; @p texels NULL = fill() will bring them. Takes their size off @p memory_left.
+     * CONUS_ERROR_MEMORY above that. */
+    conus_status (*hold)(struct colour_texels *out, struct colour_device *device, enum volume_texture_kind kind,
+                         const size_t dim[3], const void *texels, uint64_t *memory_left);
+    /** @p count slices from @p first on. */
+    void (*fill)(struct colour_texels *texels, size_t first, size_t count, const void *from);
+    void (*release)(struct colour_texels *texels);
+    /** An error of what was done before, naming @p what; NULL = there is none. */
+    conus_status (*check)(const char *what);
+
+    /** Makes what the pass needs, which knows what the atlas may have. */
+    conus_status (*prepare)(struct colour_device *device, const struct colour_pass *pass);
+    /** Adds the meshes and streamlines of the atlas, which has some. */
+    conus_status (*add_meshes)(struct colour_device *device, const conus_atlas *atlas, uint64_t *memory_left);
+    /** Updates what is hidden of them, and colours streamlines, if there are any (tubes_paint()). */
+    conus_status (*paint)(struct colour_device *device, const conus_atlas *atlas,
+                          const struct tube_colouring *colouring, const bool *const *is_pale);
+
+    /** Draws: width * height pixels of linear R, G, B times A, and A, bottom row first; 0 where nothing is drawn. */
+    conus_status (*draw)(float *rgba, struct colour_device *device, const struct colour_pass *pass,
+                         const struct colour_view *view, const struct colour_rays *rays);
+    const char *(*name)(const struct colour_device *device);
+    void (*destroy)(struct colour_device *device);
+};
+
+/** First member of every device. */
+struct colour_device {
+    const struct colour_functions *functions;
+};
+
+/* The devices that there are: colour_gl.c, with a context of its own (CONUS_ERROR_GL without an OpenGL 4.5 driver), and
+ * colour_rays.c, which draws by rays on all processors: the pictures look the same. They have the same bytes on every
+ * processor and system, by any number of threads. */
+conus_status colour_gl_create(struct colour_device **out, conus_log log, void *log_user);
+conus_status colour_rays_create(struct colour_device **out);
 
 /** The fields that a new pass of one atlas needs. */
 struct colour_fields {
@@ -95,13 +159,26 @@ struct colour_fields {
 conus_status colour_fields_start(struct colour_fields *out, const conus_atlas *atlas, const struct transfer *transfer);
 void colour_fields_end(struct colour_fields *fields);
 
-/** Takes @p hazy over on success. Waits for @p fields. */
-conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas, const struct transfer *transfer,
-                              struct haze_choice *hazy, struct colour_fields *fields, uint64_t max_memory);
+/** Takes @p device, which is entered, and @p hazy over on success. Waits for @p fields. */
+conus_status colour_pass_init(struct colour_pass *out, struct colour_device *device, const conus_atlas *atlas,
+                              const struct transfer *transfer, struct haze_choice *hazy, struct colour_fields *fields,
+                              uint64_t max_memory);
+/** The device, which goes, too, is entered by this. */
 void colour_pass_finish(struct colour_pass *pass);
 
-/** Compiles the program that @p view needs; to be called before drawing. */
-conus_status colour_pass_need(struct colour_pass *pass, const struct colour_view *view);
+/** For the calls below. */
+static inline conus_status colour_pass_enter(const struct colour_pass *pass)
+{
+    const struct colour_functions *functions = pass->device->functions;
+    return functions->enter ? functions->enter(pass->device) : CONUS_OK;
+}
+
+static inline void colour_pass_leave(const struct colour_pass *pass)
+{
+    if (pass->device->functions->leave) {
+        pass->device->functions->leave(pass->device);
+    }
+}
 
 /** Updates the hidden objects. */
 conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atlas, uint64_t max_memory);
@@ -112,7 +189,7 @@ conus_status colour_pass_include(struct colour_pass *pass, const conus_atlas *at
                                  uint64_t max_memory);
 
 /** Colours streamlines by @p colouring, which is taken over on success (NULL = as before), those of @p is_pale palely
- * (tube_layer_update()). */
+ * (tubes_paint()). */
 conus_status colour_pass_paint_streamlines(struct colour_pass *pass, const conus_atlas *atlas,
                                            struct tube_colouring *colouring, const bool *const *is_pale);
 
@@ -120,26 +197,10 @@ conus_status colour_pass_paint_streamlines(struct colour_pass *pass, const conus
 conus_status colour_pass_set_transfer(struct colour_pass *pass, const conus_atlas *atlas,
                                       const struct transfer *transfer, uint64_t max_memory);
 
-/** Draws the meshes of @p view into textures of the pass, which the calls below use. To be called before each of them,
- * and before the picture's framebuffer is bound. CONUS_ERROR_CANCELLED. */
-conus_status colour_pass_begin(const struct colour_pass *pass, const struct colour_view *view);
+/** Whether something is translucent in the picture, or might be. */
+bool colour_pass_has_layers(const struct colour_pass *pass, const struct colour_view *view);
 
-/** Draws into the bound framebuffer (RGBA float, linear radiance times opacity). */
-conus_status colour_pass_draw(const struct colour_pass *pass, const struct colour_view *view);
-
-/** Prepares everything for drawing @p view, except the draw call, and binds it. */
-void colour_pass_prepare(const struct colour_pass *pass, const struct colour_view *view);
-
-enum colour_program {
-    COLOUR_RAYS = 0,   /**< Over one triangle on the screen: what pictures use.                          */
-    COLOUR_RAYS_PLAIN, /**< The same, with areas as single samples show them: to compare with COLOUR_SLICES. */
-    COLOUR_LAYERS,     /**< Over one triangle where something is translucent.                                */
-    COLOUR_SLICES      /**< Polygons on the planes, blended by the framebuffer: the paper's way. The vertex shader hands
-                           on the plane's number as `layout(location = 0) flat out float`.                    */
-};
-
-/** @p pass NULL = for areas, a context and haze; else the program does not look for what its atlas never has. */
-conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind,
-                                   const struct colour_pass *pass);
+/** Sets the colours and opacities by object number that the view asks for: pass->shown and pass->opacity. */
+void colour_pass_look(const struct colour_pass *pass, const struct colour_view *view);
 
 #endif

@@ -104,7 +104,4 @@ void colour_view_pack(struct colour_view_block *block, const struct colour_pass 
         }
     }
     block->counts[0] = (int32_t)count;
-    block->counts[3] = view->tiles ? 1 : 0;
-    block->counts[1] = pass->meshes ? 1 : 0;
-    block->counts[2] = pass->meshes ? (int32_t)mesh_layer_peels(pass->meshes).count : 0;
 }

@@ -20,7 +20,7 @@ struct colour_view_block {
  * volume. */
 struct slices colour_pass_slices(const struct colour_pass *pass, const struct camera *camera, uint32_t count);
 
-/** Fills a zeroed @p block. */
+/** Fills a zeroed @p block, but for what counts meshes and tiles. */
 void colour_view_pack(struct colour_view_block *block, const struct colour_pass *pass, const struct colour_view *view);
 
 #endif

@@ -287,12 +287,10 @@ conus_status gl_check(const char *what)
                 error == GL_OUT_OF_MEMORY ? ", out of memory" : "");
 }
 
-conus_status gl_tell(const struct gl_listener *listener, size_t done, size_t total)
+conus_status gl_tell(const struct picture_listener *listener, size_t done, size_t total)
 {
-    if (!listener->progress) {
-        return CONUS_OK;
+    if (listener->progress) {
+        glFinish();
     }
-    glFinish();
-    return listener->progress(listener->user, done, total) ? CONUS_OK
-                                                           : fail(CONUS_ERROR_CANCELLED, "the picture was cancelled");
+    return listener_tell(listener, done, total);
 }

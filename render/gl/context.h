@@ -10,6 +10,7 @@
 
 #include "base/status.h"
 #include "render/gl/functions.h"
+#include "render/gl/listener.h"
 
 struct gl_context;
 
@@ -42,14 +43,7 @@ bool gl_is_software(void);
 /** CONUS_ERROR_GL, naming @p what, when GL has recorded an error in the current context since the last check. */
 conus_status gl_check(const char *what);
 
-/** Receives progress and may cancel a picture between its pieces; `progress` may be NULL. */
-struct gl_listener {
-    conus_progress progress;
-    void *user;
-};
-
-/** Waits until everything is drawn, and reports piece @p done of @p total. CONUS_ERROR_CANCELLED if the listener wants
- * no more. Without a listener it does nothing. */
-conus_status gl_tell(const struct gl_listener *listener, size_t done, size_t total);
+/** listener_tell(), once everything is drawn. Without a listener it does nothing. */
+conus_status gl_tell(const struct picture_listener *listener, size_t done, size_t total);
 
 #endif

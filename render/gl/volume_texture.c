@@ -18,6 +18,7 @@ static const struct format formats[] = {
     [VOLUME_TEXTURE_FLOAT] = {GL_R32F, GL_RED, GL_FLOAT, GL_LINEAR, 4},
     [VOLUME_TEXTURE_BYTE4] = {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, GL_LINEAR, 4},
     [VOLUME_TEXTURE_HALF4] = {GL_RGBA16F, GL_RGBA, GL_FLOAT, GL_LINEAR, 8},
+    [VOLUME_TEXTURE_FLOAT4] = {GL_RGBA32F, GL_RGBA, GL_FLOAT, GL_NEAREST, 16},
 };
 
 void volume_texture_fill(GLuint texture, enum volume_texture_kind kind, const size_t dim[3], size_t first, size_t count,

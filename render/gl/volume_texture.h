@@ -5,17 +5,9 @@
 
 #include "base/status.h"
 #include "render/gl/functions.h"
+#include "render/gl/texel.h"
 
 #include <stdint.h>
-
-enum volume_texture_kind {
-    VOLUME_TEXTURE_UINT8 = 1, /**< R8UI; integers are never filtered. */
-    VOLUME_TEXTURE_UINT16,    /**< R16UI */
-    VOLUME_TEXTURE_UINT32,    /**< R32UI */
-    VOLUME_TEXTURE_FLOAT,     /**< R32F, trilinear between voxel centres, clamped to the edge. */
-    VOLUME_TEXTURE_BYTE4,     /**< RGBA8, likewise.                                            */
-    VOLUME_TEXTURE_HALF4      /**< RGBA16F, likewise; its voxels are four floats each.         */
-};
 
 /** Uploads @p voxels (i fastest; NULL = volume_texture_fill() will) in the current context. *out is the caller's to
  * glDeleteTextures(). @p memory_left is what may still be used, in bytes; this texture's size is taken off it. Errors:

@@ -8,9 +8,8 @@
 #include "atlas/atlas.h"
 #include "render/gl/camera.h"
 #include "render/gl/target.h"
+#include "render/id/mesh_list.h"
 #include "render/id/tube_layer.h"
-
-enum { MESH_LAYER_PEELS = 8 };
 
 struct mesh_layer;
 
@@ -23,15 +22,6 @@ void mesh_layer_destroy(struct mesh_layer *layer);
 /** Updates the hidden meshes and bundles, and colours the streamlines: see tube_layer_update(). */
 conus_status mesh_layer_update(struct mesh_layer *layer, const conus_atlas *atlas,
                                const struct tube_colouring *colouring, const bool *const *is_pale);
-
-struct mesh_layer_view {
-    const struct camera *camera;
-    uint32_t width, height;
-    double shift[2];             /**< From pixel centres to rays, in pixels, right and up. */
-    const float *opacity;        /**< By mesh, from 0 on; NULL = all 1. A mesh of opacity 0 is not drawn. */
-    double draft;                /**< mm; fewer streamlines, at least so wide: see tube_layer.h. 0 = all. */
-    struct gl_listener listener; /**< Hears of pieces of streamlines. */
-};
 
 /** Draws into textures of its own; its framebuffer stays bound. CONUS_ERROR_CANCELLED if the listener ends it. */
 conus_status mesh_layer_draw(struct mesh_layer *layer, const struct mesh_layer_view *view);

@@ -31,7 +31,7 @@ layout(std140, binding = 0) uniform View
 
 layout(binding = 0) uniform sampler3D context_field;  // gradient, density
 layout(binding = 1) uniform usampler3D context_empty; // distance to the next brick that shows
-layout(binding = 2) uniform sampler2D transfer;       // linear R, G, B; extinction per mm
+layout(binding = 2) uniform sampler3D transfer;       // linear R, G, B; extinction per mm
 layout(binding = 3) uniform sampler3D areas_field;
 layout(binding = 4) uniform usampler3D areas_empty;
 layout(binding = 5) uniform usampler3D area_objects;
@@ -163,7 +163,7 @@ vec4 context_sample(vec3 place, float mm)
         return vec4(0.0);
     }
     vec4 field = textureLod(context_field, place, 0.0);
-    vec4 entry = texelFetch(transfer, ivec2(int(field.a * float(TRANSFER_ENTRIES - 1) + 0.5), 0), 0);
+    vec4 entry = texelFetch(transfer, ivec3(int(field.a * float(TRANSFER_ENTRIES - 1) + 0.5), 0, 0), 0);
     if (entry.a == 0.0) {
         return vec4(0.0);
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Stands for pictures and their files, in a build without them: each function says so. */
+/* Stands for pictures and their files, in a build without the libraries that they need: each function says so. */
 #include "render/image/image_codecs.h"
 
 #include "conus/picture.h"
@@ -76,44 +76,6 @@ conus_status conus_window_camera(conus_pose *camera, double frustum[4], const co
                                  const double eye[3])
 {
     (void)camera, (void)frustum, (void)window, (void)size, (void)eye;
-    return refuse();
-}
-
-conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atlas,
-                                   const conus_renderer_options *options)
-{
-    (void)out, (void)atlas, (void)options;
-    return refuse();
-}
-
-/* These are never called: without OpenGL there is no renderer. */
-void conus_renderer_destroy(conus_renderer *renderer)
-{
-    (void)renderer;
-}
-
-const char *conus_renderer_device(const conus_renderer *renderer)
-{
-    (void)renderer;
-    return "";
-}
-
-const conus_transfer_point *conus_renderer_transfer(size_t *count, const conus_renderer *renderer)
-{
-    (void)renderer;
-    *count = 0;
-    return NULL;
-}
-
-conus_status conus_renderer_set_transfer(conus_renderer *renderer, const conus_transfer_point *points, size_t count)
-{
-    (void)renderer, (void)points, (void)count;
-    return refuse();
-}
-
-conus_status conus_renderer_update(conus_renderer *renderer)
-{
-    (void)renderer;
     return refuse();
 }
 

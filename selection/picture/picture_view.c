@@ -573,7 +573,7 @@ static conus_status draw(struct picture *picture, conus_renderer *renderer)
     view->slices = picture->options.slices;
     view->no_skipping = picture->options.no_skipping;
     view->draft = picture->options.draft ? pixel_mm(picture) : 0;
-    view->listener = (struct gl_listener){picture->options.progress, picture->options.progress_user};
+    view->listener = (struct picture_listener){picture->options.progress, picture->options.progress_user};
     view->fade = picture->options.fade;
     view->opacity = picture->opacity;
     view->emphasis = picture->emphasis;

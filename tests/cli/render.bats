@@ -266,7 +266,7 @@ END
     fails 2 '--camera and --camera-origin exclude each other' \
         render a.nii -o a.png --camera c.csv --camera-origin 0,0,9 --camera-toward 0,0,0
     fails 2 '--angle has no effect without a cone: --origin or --pose' render a.nii -o a.png --angle 5
-    fails 2 '--engine has no effect without a cone' render a.nii -o a.png --engine gl
+    fails 2 '--engine has no effect on cuts without a cone: --cuts 3d' render a.nii -o a.png --engine gl --cuts axial
     fails 2 '--field-of-view: 180 is out of range' render a.nii -o a.png --field-of-view 180
     fails 3 'a.nii: cannot open' render a.nii -o a.png
     nothing_left
@@ -285,14 +285,27 @@ END
         render atlas.png -o transfer.png --context sphere.nii.gz --transfer transfer.png
 }
 
-@test "no OpenGL is exit code 4" {
+@test "without OpenGL pictures are drawn by rays; exit code 4 where OpenGL is asked for" {
     sphere --size 16
+    answers render sphere.nii.gz -o rays.png $SMALL --engine rays --origin 0,0,50 --toward 0,0,0
     export __EGL_VENDOR_LIBRARY_DIRS=/nonexistent
-    run --separate-stderr "$CONUS" render sphere.nii.gz -o out.png $SMALL
+    run --separate-stderr "$CONUS" render sphere.nii.gz -o out.png $SMALL --engine gl
     [ "$status" -ne 0 ] || skip "this EGL is found all the same"
     [ "$status" -eq 4 ]
     check_message 'no OpenGL 4.5 core context'
     [ ! -e out.png ]
+    run -0 --separate-stderr "$CONUS" render sphere.nii.gz -o auto.png $SMALL --origin 0,0,50 --toward 0,0,0 --verbose
+    [[ $stderr == *'no OpenGL 4.5 core context'*'drawn by rays'* ]]
+    cmp auto.png rays.png
+}
+
+@test "pictures by rays have the same bytes by one thread and by several" {
+    "$CONUS" phantom brain -o brain
+    for threads in 0 0-15; do
+        run -0 taskset -c "$threads" "$CONUS" render brain/brain.atlas.json -o "by-$threads.png" $SMALL --engine rays -q \
+            --origin -120,60,60 --toward 0,0,0 --opacity 0.5 --pathway-transfer own
+    done
+    cmp by-0.png by-0-15.png
 }
 
 @test "an atlas of surfaces without a volume: rows and picture into files" {

@@ -24,7 +24,7 @@ SIZE(conus_grid_options, 16);
 SIZE(conus_batch_options, 152);
 SIZE(conus_pose_array, 72);
 SIZE(conus_many_options, 24);
-SIZE(conus_renderer_options, 64);
+SIZE(conus_renderer_options, 72);
 SIZE(conus_view, 208);
 SIZE(conus_cut_view, 144);
 SIZE(conus_mesh_options, 80);

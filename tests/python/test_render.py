@@ -470,6 +470,20 @@ def test_opengl_crosses_no_fork_but_spawn(atlas):
         assert same(pool.apply_async(select_by_gl, (atlas,)).get(HANG), selected)
 
 
+def draw_by_rays(atlas):
+    return atlas.render(size=(60, 40), engine="rays").array
+
+
+def test_rays_draw_what_opengl_draws_also_behind_a_fork(atlas):
+    drawn, picture = draw(atlas), atlas.render(size=(60, 40), engine="rays")
+    assert picture.device == "rays"
+    assert np.abs(picture.array - drawn).mean() < 2e-3 * np.abs(drawn).max()
+    with multiprocessing.get_context("fork").Pool(1) as pool:
+        assert np.array_equal(pool.apply_async(draw_by_rays, (atlas,)).get(HANG), picture.array)
+    with pytest.raises(conus.ArgumentError, match="engine"):
+        atlas.render(engine="paper")
+
+
 def test_a_gl_selector_crosses_no_fork():
     """The rays engine answers in the child, and what uses OpenGL is an error there, also where it is dropped."""
     script = """

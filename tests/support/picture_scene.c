@@ -9,6 +9,9 @@
 #include "test.h"
 #include "test_gl.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 const double picture_identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
 double picture_nothing(const double world[3])
@@ -105,10 +108,23 @@ void picture_rigid(double out[16], double angle, const double to[3])
     }
 }
 
+conus_engine picture_engine(void)
+{
+    const char *engine = getenv("CONUS_TEST_ENGINE");
+    return engine && strcmp(engine, "rays") == 0 ? CONUS_ENGINE_RAYS : CONUS_ENGINE_GL;
+}
+
+void picture_need_engine(void)
+{
+    if (picture_engine() == CONUS_ENGINE_GL) {
+        test_need_gl();
+    }
+}
+
 conus_renderer *picture_renderer(const conus_atlas *atlas, const char *transfer)
 {
-    test_need_gl();
-    const conus_renderer_options options = {.transfer = transfer};
+    picture_need_engine();
+    const conus_renderer_options options = {.transfer = transfer, .engine = picture_engine()};
     conus_renderer *renderer = NULL;
     assert_ok(conus_renderer_create(&renderer, atlas, &options));
     return renderer;

@@ -28,7 +28,13 @@ conus_atlas *picture_atlas(const conus_volume_info *grid, picture_function label
 /** A rotation by @p angle about (1, 2, 3), then the translation @p to. */
 void picture_rigid(double out[16], double angle, const double to[3]);
 
-/** A renderer; skips the running test if there is no GL. */
+/** What draws in tests of pictures: OpenGL, or rays where $CONUS_TEST_ENGINE says so. */
+conus_engine picture_engine(void);
+
+/** Skips the running test if it needs OpenGL and there is none. */
+void picture_need_engine(void);
+
+/** A renderer by picture_engine(), which skips the test likewise. */
 conus_renderer *picture_renderer(const conus_atlas *atlas, const char *transfer);
 
 /** A camera at @p distance from the world's origin, looking at it along @p forward. */

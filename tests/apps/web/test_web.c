@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The functions that the web page calls, on this machine, linked with the stubs for OpenGL and pictures (CONUS_GL=OFF).
+/* The functions that the web page calls, on this machine, linked with the stubs for OpenGL and pictures (CONUS_PICTURES=OFF).
  * A change that makes answers or cuts need drawing code fails here. */
 #include "web/web.c" // NOLINT: linked with what stands for OpenGL, so not in the room's program
 
@@ -121,8 +121,8 @@ static void test_nothing_that_draws_is_linked(void **state)
 static void test_pictures_are_refused(void **state)
 {
     (void)state;
-    conus_renderer *renderer = NULL;
-    assert_int_equal(conus_renderer_create(&renderer, page.atlas, NULL), CONUS_ERROR_UNSUPPORTED);
+    conus_image *image = NULL;
+    assert_int_equal(conus_render(&image, NULL, NULL), CONUS_ERROR_UNSUPPORTED);
     const conus_selector_options gl = {.engine = CONUS_ENGINE_GL};
     conus_selector *selector = NULL;
     assert_int_equal(conus_selector_create(&selector, page.atlas, &gl), CONUS_ERROR_UNSUPPORTED);

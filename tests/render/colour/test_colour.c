@@ -6,7 +6,6 @@
 #include "picture_scene.h"
 #include "render/colour/renderer.h"
 #include "test.h"
-#include "test_gl.h"
 #include "value_maps.h"
 
 #include <stdio.h>
@@ -338,7 +337,7 @@ static void pathways_are_drawn_in_place_of_areas(void **state)
 static conus_status create_and_destroy(void *data)
 {
     conus_renderer *renderer = NULL;
-    conus_status status = conus_renderer_create(&renderer, data, NULL);
+    conus_status status = conus_renderer_create(&renderer, data, &(conus_renderer_options){.engine = picture_engine()});
     conus_renderer_destroy(renderer);
     return status;
 }
@@ -360,9 +359,11 @@ static void limits_are_kept(void **state)
     conus_atlas *atlas = picture_atlas(&grid, picture_ball_of_20, NULL, soft_shell);
     conus_renderer_destroy(picture_renderer(atlas, NULL)); /* skips where there is no GL */
     conus_renderer *renderer = NULL;
-    assert_fails(conus_renderer_create(&renderer, atlas, &(conus_renderer_options){.max_memory = 40000}),
+    assert_fails(conus_renderer_create(&renderer, atlas,
+                                       &(conus_renderer_options){.max_memory = 40000, .engine = picture_engine()}),
                  CONUS_ERROR_MEMORY);
-    assert_fails(conus_renderer_create(&renderer, atlas, &(conus_renderer_options){.transfer = "brian"}),
+    assert_fails(conus_renderer_create(&renderer, atlas,
+                                       &(conus_renderer_options){.transfer = "brian", .engine = picture_engine()}),
                  CONUS_ERROR_ARGUMENT);
     assert_null(renderer);
     conus_atlas_destroy(atlas);

@@ -8,7 +8,6 @@
 #include "render/colour/renderer.h"
 #include "render/image/image.h"
 #include "test.h"
-#include "test_gl.h"
 #include "value_maps.h"
 
 #include <stdlib.h>
@@ -235,7 +234,8 @@ static void cone_and_markers_among_meshes(void **state)
 static conus_status create_and_destroy(void *atlas)
 {
     conus_renderer *renderer = NULL;
-    conus_status status = conus_renderer_create(&renderer, atlas, NULL);
+    conus_status status =
+        conus_renderer_create(&renderer, atlas, &(conus_renderer_options){.engine = picture_engine()});
     conus_renderer_destroy(renderer);
     return status;
 }

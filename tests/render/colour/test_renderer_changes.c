@@ -9,7 +9,6 @@
 #include "picture_scene.h"
 #include "render/image/image.h"
 #include "test.h"
-#include "test_gl.h"
 #include "value_maps.h"
 
 #include <string.h>

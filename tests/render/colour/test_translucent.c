@@ -9,7 +9,6 @@
 #include "render/colour/pathways.h"
 #include "render/image/image.h"
 #include "test.h"
-#include "test_gl.h"
 #include "value_maps.h"
 
 #include <stdlib.h>
@@ -66,9 +65,10 @@ static double faint(const double p[3])
 
 static conus_renderer *renderer_of(const conus_atlas *atlas, const char *function)
 {
-    test_need_gl();
+    picture_need_engine();
     const conus_pathway_transfer transfer = {.transfer = function};
-    const conus_renderer_options options = {.pathways = &transfer, .pathway_count = function ? 1 : 0};
+    const conus_renderer_options options = {
+        .pathways = &transfer, .pathway_count = function ? 1 : 0, .engine = picture_engine()};
     conus_renderer *renderer = NULL;
     assert_ok(conus_renderer_create(&renderer, atlas, &options));
     return renderer;
@@ -394,7 +394,7 @@ static void relative_functions_span_what_is_shown(void **state)
     static const float values[4] = {2, 3, 4, 5};
     static const conus_band band = {.name = "band", .low = 1, .high = INFINITY};
     const conus_pathway_transfer transfer = {.transfer = "own"};
-    const conus_renderer_options options = {.pathways = &transfer, .pathway_count = 1};
+    const conus_renderer_options options = {.pathways = &transfer, .pathway_count = 1, .engine = picture_engine()};
     conus_volume_info info = picture_grid(dim, (double[]){1, 1, 1}, picture_identity);
     info.role = CONUS_ROLE_SCALAR;
     info.threshold = 0.5;
@@ -421,7 +421,7 @@ static void functions_that_fit_no_pathway_are_refused(void **state)
     conus_atlas *atlas = picture_atlas(&grid, picture_ball_of_20, NULL, NULL);
     const conus_pathway_transfer transfers[] = {{0, "heat"}, {1, "heat"}, {3, "heat"}, {2, "none"}};
     struct haze_choice choice = {0};
-    conus_renderer_options options = {.pathways = transfers, .pathway_count = 1};
+    conus_renderer_options options = {.pathways = transfers, .pathway_count = 1, .engine = picture_engine()};
     assert_fails(haze_choose(&choice, atlas, &options), CONUS_ERROR_ARGUMENT); /* there is no pathway */
     haze_choice_finish(&choice);
     add_pathway(atlas, around, slab);
@@ -444,7 +444,7 @@ static void functions_that_fit_no_pathway_are_refused(void **state)
 static conus_status attempt(void *data)
 {
     const conus_pathway_transfer transfer = {.transfer = "own"};
-    const conus_renderer_options options = {.pathways = &transfer, .pathway_count = 1};
+    const conus_renderer_options options = {.pathways = &transfer, .pathway_count = 1, .engine = picture_engine()};
     struct haze_choice choice = {0};
     struct haze_field field = {0};
     conus_status status = haze_choose(&choice, data, &options);

@@ -8,6 +8,7 @@
 #include "mesh_scene.h"
 #include "picture_scene.h"
 #include "render/id/mesh_layer.h"
+#include "render/id/surface_rays.h"
 #include "test.h"
 #include "test_gl.h"
 #include "tract_scene.h"
@@ -125,9 +126,36 @@ struct layer_picture {
     uint32_t object[WIDTH * HEIGHT];
 };
 
+static void draw_by_rays(struct layer_picture *out, const conus_atlas *atlas, const struct mesh_layer_view *view,
+                         const struct tube_colouring *colouring, const bool *const *is_pale)
+{
+    uint64_t memory = 1 << 24;
+    struct surface_rays *rays = NULL;
+    struct surface_band band = {0};
+    assert_ok(surface_rays_create(&rays, atlas, &memory));
+    assert_ok(surface_rays_update(rays, atlas, colouring, is_pale));
+    assert_ok(surface_rays_begin(rays, view));
+    assert_ok(surface_band_init(&band, rays));
+    for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++) {
+        const struct surface_hit *hit = &band.solid[i % (SURFACE_BAND * WIDTH)];
+        if (i % (SURFACE_BAND * WIDTH) == 0) {
+            surface_rays_fill(&band, rays, i / (SURFACE_BAND * WIDTH), view->shift);
+        }
+        memcpy(out->surface[i], hit->normal, sizeof hit->normal);
+        out->surface[i][3] = hit->depth;
+        out->object[i] = hit->object;
+    }
+    surface_band_finish(&band);
+    surface_rays_destroy(rays);
+}
+
 static void draw_view(struct layer_picture *out, const conus_atlas *atlas, const struct mesh_layer_view *view,
                       const struct tube_colouring *colouring, const bool *const *is_pale)
 {
+    if (picture_engine() == CONUS_ENGINE_RAYS) {
+        draw_by_rays(out, atlas, view, colouring, is_pale);
+        return;
+    }
     struct test_gl gl;
     test_gl_enter(&gl);
     uint64_t memory = 1 << 24;
@@ -482,10 +510,13 @@ static bool hear(void *user, size_t done, size_t total)
     return ++pieces->heard < pieces->most;
 }
 
-/* 62,500 points make two pieces. */
+/* 62,500 points make two pieces with OpenGL. By rays pictures have pieces of their own (test_picture_rays.c). */
 static void pieces_make_the_whole_and_may_be_the_last(void **state)
 {
     (void)state;
+    if (picture_engine() == CONUS_ENGINE_RAYS) {
+        skip();
+    }
     static struct layer_picture whole, cut;
     conus_atlas *atlas = atlas_of(dots(1));
     struct mesh_layer *layer = NULL;
@@ -496,7 +527,7 @@ static void pieces_make_the_whole_and_may_be_the_last(void **state)
     struct camera camera = picture_camera((double[]){0, 1, 0}, 200, radians_from_degrees(12));
     struct mesh_layer_view view = {&camera, WIDTH, HEIGHT, {0, 0}, NULL, false, {NULL, NULL}};
     draw_view(&whole, atlas, &view, &(const struct tube_colouring){0}, NULL);
-    view.listener = (struct gl_listener){hear, &all};
+    view.listener = (struct picture_listener){hear, &all};
     draw_view(&cut, atlas, &view, &(const struct tube_colouring){0}, NULL);
     assert_memory_equal(&cut, &whole, sizeof whole);
     assert_int_equal(all.heard, 2);

@@ -3,7 +3,7 @@
 #include "gl_pair.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"
-#include "render/colour/colour.h"
+#include "render/colour/colour_gl.h"
 #include "render/gl/program.h"
 #include "render/gl/shaders.h"
 #include "scene.h"

@@ -1,0 +1,294 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The colour pass by OpenGL: its programs, textures and draw calls. */
+#include "render/colour/colour_gl.h"
+
+#include "base/memory.h"
+#include "render/colour/colour_view.h"
+#include "render/gl/shaders.h"
+#include "render/gl/target.h"
+#include "render/gl/volume_texture.h"
+#include "render/id/mesh_layer.h"
+
+#include <string.h>
+
+/* Everything but the context is of it. */
+struct colour_gl {
+    struct colour_device device;
+    struct gl_context *context;
+    struct gl_current previous; /* what was current before enter() */
+    GLuint program;             /* Over one triangle on the screen. */
+    GLuint layer_program;       /* The same for translucent pictures; 0 until one is drawn. */
+    GLuint view, palette, opacities, vertices;
+    GLuint tiles;              /* Of the picture under way; 0 = all is drawn. */
+    struct mesh_layer *meshes; /* NULL if there are none. */
+    struct target target;      /* of the last picture */
+};
+
+static struct colour_gl *gl_of(const struct colour_pass *pass)
+{
+    return (struct colour_gl *)pass->device;
+}
+
+static conus_status enter(struct colour_device *device)
+{
+    struct colour_gl *gl = (struct colour_gl *)device;
+    return gl_context_use(gl->context, &gl->previous);
+}
+
+static void leave(struct colour_device *device)
+{
+    gl_current_restore(&((struct colour_gl *)device)->previous);
+}
+
+static conus_status hold(struct colour_texels *out, struct colour_device *device, enum volume_texture_kind kind,
+                         const size_t dim[3], const void *texels, uint64_t *memory_left)
+{
+    (void)device;
+    out->kind = kind;
+    memcpy(out->dim, dim, sizeof out->dim);
+    return volume_texture_create(&out->name, kind, dim, texels, memory_left);
+}
+
+static void fill(struct colour_texels *texels, size_t first, size_t count, const void *from)
+{
+    volume_texture_fill(texels->name, texels->kind, texels->dim, first, count, from);
+}
+
+/* GL ignores the number 0. */
+static void release(struct colour_texels *texels)
+{
+    glDeleteTextures(1, &texels->name);
+}
+
+conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind,
+                                   const struct colour_pass *pass)
+{
+    const struct program_define defines[] = {{"MARKER_LIMIT", COLOUR_MARKER_LIMIT},
+                                             {"TRANSFER_ENTRIES", COLOUR_TABLE_ENTRIES},
+                                             {"FIELD_SURFACE", FIELD_SURFACE},
+                                             {"PLAIN_AREAS", kind == COLOUR_RAYS_PLAIN || kind == COLOUR_SLICES},
+                                             {"SLICES", kind == COLOUR_SLICES},
+                                             {"TILE", COLOUR_TILE},
+                                             {"TRANSLUCENT", kind == COLOUR_LAYERS},
+                                             {"AREAS", !pass || pass->may_have_areas},
+                                             {"CONTEXT", !pass || pass->may_have_context},
+                                             {"HAZE", !pass || pass->hazy.transfers}};
+    const struct program_shader more = {"colour_layers.glsl", shader_colour_layers};
+    const struct program_source source = {.vertex = *vertex,
+                                          .fragment = {"colour.frag.glsl", shader_colour_frag},
+                                          .more = kind == COLOUR_LAYERS ? more : (struct program_shader){0},
+                                          .defines = defines,
+                                          .define_count = sizeof defines / sizeof *defines};
+    return program_create(out, &source);
+}
+
+static conus_status need_program(GLuint *program, enum colour_program kind, const struct colour_pass *pass)
+{
+    static const struct program_shader screen = {.file = "screen.vert.glsl", .text = shader_screen_vert};
+    return *program ? CONUS_OK : colour_program_create(program, &screen, kind, pass);
+}
+
+static conus_status prepare(struct colour_device *device, const struct colour_pass *pass)
+{
+    struct colour_gl *gl = (struct colour_gl *)device;
+    const GLsizeiptr count = (GLsizeiptr)(1 + pass->object_count + pass->around_count);
+    conus_status status = need_program(&gl->program, COLOUR_RAYS, pass);
+    if (status) {
+        return status;
+    }
+    glCreateBuffers(1, &gl->palette);
+    glNamedBufferData(gl->palette, count * 4 * (GLsizeiptr)sizeof *pass->colours, NULL, GL_DYNAMIC_DRAW);
+    glCreateBuffers(1, &gl->opacities);
+    glNamedBufferData(gl->opacities, count * (GLsizeiptr)sizeof *pass->opacity, NULL, GL_DYNAMIC_DRAW);
+    glCreateBuffers(1, &gl->view);
+    glNamedBufferData(gl->view, sizeof(struct colour_view_block), NULL, GL_DYNAMIC_DRAW);
+    glCreateVertexArrays(1, &gl->vertices);
+    return gl_check("colour pass");
+}
+
+static conus_status add_meshes(struct colour_device *device, const conus_atlas *atlas, uint64_t *memory_left)
+{
+    return mesh_layer_create(&((struct colour_gl *)device)->meshes, atlas, memory_left);
+}
+
+static conus_status paint(struct colour_device *device, const conus_atlas *atlas,
+                          const struct tube_colouring *colouring, const bool *const *is_pale)
+{
+    return mesh_layer_update(((struct colour_gl *)device)->meshes, atlas, colouring, is_pale);
+}
+
+void colour_gl_prepare(const struct colour_pass *pass, const struct colour_view *view)
+{
+    const struct colour_gl *gl = gl_of(pass);
+    const struct mesh_layer *meshes = gl->meshes;
+    const struct mesh_layer_peels peels = meshes ? mesh_layer_peels(meshes) : (struct mesh_layer_peels){0};
+    const bool layers = colour_pass_has_layers(pass, view);
+    const GLsizeiptr count = (GLsizeiptr)(1 + pass->object_count + pass->around_count);
+    struct colour_view_block block = {0};
+    colour_view_pack(&block, pass, view);
+    block.counts[1] = meshes ? 1 : 0;
+    block.counts[2] = (int32_t)peels.count;
+    block.counts[3] = gl->tiles ? 1 : 0;
+    colour_pass_look(pass, view);
+    glNamedBufferSubData(gl->view, 0, sizeof block, &block);
+    glNamedBufferSubData(gl->palette, 0, count * 4 * (GLsizeiptr)sizeof *pass->shown, pass->shown);
+    if (layers) {
+        glNamedBufferSubData(gl->opacities, 0, count * (GLsizeiptr)sizeof *pass->opacity, pass->opacity);
+    }
+    const GLuint textures[] = {pass->context.field.name,
+                               pass->context.empty.name,
+                               pass->transfer.name,
+                               pass->areas.field.name,
+                               pass->areas.empty.name,
+                               pass->objects.name,
+                               meshes ? mesh_layer_surface(meshes) : 0,
+                               meshes ? mesh_layer_object(meshes) : 0,
+                               pass->haze.field.name,
+                               peels.surface,
+                               peels.object};
+    glBindTextures(0, sizeof textures / sizeof *textures, textures);
+    glBindBufferBase(GL_UNIFORM_BUFFER, 0, gl->view);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, gl->palette);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, gl->tiles ? gl->tiles : gl->palette); /* or any, not read */
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, gl->opacities);
+    glBindVertexArray(gl->vertices);
+    glUseProgram(layers ? gl->layer_program : gl->program);
+}
+
+conus_status colour_gl_draw(const struct colour_pass *pass, const struct colour_view *view)
+{
+    colour_gl_prepare(pass, view);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    return gl_check("colour pass");
+}
+
+/* Draws the meshes into textures of their own, which the rays then find. */
+static conus_status draw_meshes(struct mesh_layer *meshes, const struct colour_pass *pass,
+                                const struct colour_view *view)
+{
+    colour_pass_look(pass, view);
+    const struct mesh_layer_view layer = {.camera = view->camera,
+                                          .width = view->width,
+                                          .height = view->height,
+                                          .shift = {view->shift[0], view->shift[1]},
+                                          .opacity = colour_pass_has_layers(pass, view) ? pass->opacity : NULL,
+                                          .draft = view->draft,
+                                          .listener = view->listener};
+    return meshes ? mesh_layer_draw(meshes, &layer) : CONUS_OK;
+}
+
+/* Draws into the target, over what is there where there are tiles: by that part of all rays. */
+static conus_status draw_rays(struct colour_gl *gl, const struct colour_pass *pass, const struct colour_view *view,
+                              float part)
+{
+    conus_status status = draw_meshes(gl->meshes, pass, view);
+    if (status) {
+        return status;
+    }
+    target_bind(&gl->target);
+    if (gl->tiles) {
+        glEnable(GL_BLEND);
+        glBlendColor(0, 0, 0, part);
+        glBlendFunc(GL_CONSTANT_ALPHA, GL_ONE);
+    }
+    status = colour_gl_draw(pass, view);
+    glDisable(GL_BLEND);
+    return status;
+}
+
+static conus_status resize_target(struct target *target, const struct colour_view *view)
+{
+    static const struct target_attachment colour = {"colour", TARGET_FLOAT4};
+    if (target->width == view->width && target->height == view->height) {
+        return CONUS_OK;
+    }
+    target_finish(target);
+    return target_init(target, view->width, view->height, &colour, 1);
+}
+
+static GLuint upload_tiles(const uint32_t *tiles, const struct colour_view *view)
+{
+    const size_t across = (view->width + COLOUR_TILE - 1) / COLOUR_TILE;
+    const size_t upward = (view->height + COLOUR_TILE - 1) / COLOUR_TILE;
+    GLuint buffer = 0;
+    glCreateBuffers(1, &buffer);
+    glNamedBufferData(buffer, (GLsizeiptr)(across * upward * sizeof *tiles), tiles, GL_STREAM_DRAW);
+    return buffer;
+}
+
+static conus_status draw(float *rgba, struct colour_device *device, const struct colour_pass *pass,
+                         const struct colour_view *view, const struct colour_rays *rays)
+{
+    struct colour_gl *gl = (struct colour_gl *)device;
+    const bool layers = colour_pass_has_layers(pass, view);
+    conus_status status =
+        need_program(layers ? &gl->layer_program : &gl->program, layers ? COLOUR_LAYERS : COLOUR_RAYS, pass);
+    status = status ? status : resize_target(&gl->target, view);
+    if (status) {
+        return status;
+    }
+    target_bind(&gl->target);
+    target_clear(&gl->target);
+    gl->tiles = rays->tiles ? upload_tiles(rays->tiles, view) : 0;
+    for (size_t n = 0; n < rays->count && !status; n++) {
+        struct colour_view shifted = *view;
+        memcpy(shifted.shift, rays->shifts[n], sizeof shifted.shift);
+        status = gl->tiles ? gl_tell(&view->listener, n, rays->count) : CONUS_OK;
+        status = status ? status : draw_rays(gl, pass, &shifted, 1.0F / (float)rays->count);
+    }
+    glDeleteBuffers(1, &gl->tiles);
+    gl->tiles = 0;
+    return status ? status : target_read(&gl->target, "colour", rgba);
+}
+
+static const char *name(const struct colour_device *device)
+{
+    return gl_context_renderer(colour_gl_context(device));
+}
+
+static void destroy(struct colour_device *device)
+{
+    struct colour_gl *gl = (struct colour_gl *)device;
+    if (gl->program && !enter(device)) { /* otherwise there may be no GL at all */
+        const GLuint buffers[] = {gl->view, gl->palette, gl->opacities};
+        mesh_layer_destroy(gl->meshes);
+        target_finish(&gl->target);
+        glDeleteBuffers(sizeof buffers / sizeof *buffers, buffers);
+        glDeleteVertexArrays(1, &gl->vertices);
+        glDeleteProgram(gl->program);
+        glDeleteProgram(gl->layer_program);
+        leave(device);
+    }
+    gl_context_destroy(gl->context);
+    memory_free(gl);
+}
+
+conus_status colour_gl_create(struct colour_device **out, conus_log log, void *log_user)
+{
+    static const struct colour_functions functions = {.enter = enter,
+                                                      .leave = leave,
+                                                      .hold = hold,
+                                                      .fill = fill,
+                                                      .release = release,
+                                                      .check = gl_check,
+                                                      .prepare = prepare,
+                                                      .add_meshes = add_meshes,
+                                                      .paint = paint,
+                                                      .draw = draw,
+                                                      .name = name,
+                                                      .destroy = destroy};
+    struct colour_gl *gl = memory_zeroed(1, sizeof *gl);
+    conus_status status = gl ? gl_context_create(&gl->context, log, log_user) : CONUS_ERROR_MEMORY;
+    if (status) {
+        memory_free(gl);
+        return status;
+    }
+    gl->device.functions = &functions;
+    *out = &gl->device;
+    return CONUS_OK;
+}
+
+struct gl_context *colour_gl_context(const struct colour_device *device)
+{
+    return ((const struct colour_gl *)device)->context;
+}
