@@ -3,6 +3,7 @@
 #include "render/image/image_codecs.h"
 
 #include "conus/picture.h"
+#include "render/draw/paint.h"
 
 static conus_status refuse(void)
 {
@@ -28,15 +29,15 @@ conus_status image_format_png(struct bytes *out, const conus_image *image)
     return refuse();
 }
 
-conus_status image_format_svg(struct bytes *out, const conus_image *image)
+conus_status draw_paint(float *const plane[4], const struct draw_list *list)
 {
-    (void)out, (void)image;
+    (void)plane, (void)list;
     return refuse();
 }
 
-conus_status image_format_pdf(struct bytes *out, const conus_image *image)
+conus_status draw_format_pdf(struct buffer *out, const struct draw_list *list, const uint8_t *rgba, double dpi)
 {
-    (void)out, (void)image;
+    (void)out, (void)list, (void)rgba, (void)dpi;
     return refuse();
 }
 

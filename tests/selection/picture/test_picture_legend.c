@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "builders/area_rows.h"
 #include "picture_scene.h"
-#include "render/flat/legend.h"
+#include "render/draw/legend.h"
 #include "render/image/image.h"
 #include "selection/picture/picture.h"
 #include "test.h"
@@ -127,8 +127,9 @@ static void check_legend(const struct scene *scene, const struct legend *legend,
     conus_image *image = NULL;
     conus_image *expected = NULL;
     assert_ok(font_create(&font));
-    assert_ok(image_create_rgba(&expected, WIDTH, HEIGHT));
-    assert_ok(legend_draw(expected, font, legend));
+    assert_ok(image_create_listed(&expected, WIDTH, HEIGHT));
+    legend_draw(expected->list, font, legend);
+    assert_ok(image_paint(expected));
     assert_ok(draw(&image, scene));
     const struct image_rgba a = image_rgba(image);
     const struct image_rgba b = image_rgba(expected);

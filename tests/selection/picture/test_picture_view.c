@@ -5,7 +5,7 @@
 #include "golden_picture.h"
 #include "picture_scene.h"
 #include "render/colour/renderer.h"
-#include "render/flat/font.h"
+#include "render/draw/font.h"
 #include "render/image/image.h"
 #include "test.h"
 #include "test_gl.h"
