@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds the font of the system and measures text. */
+/* Opens the font and measures text. */
 #include "render/draw/font.h"
 
 #include "base/library.h"
@@ -7,24 +7,19 @@
 #include "base/text.h"
 
 #include <cairo-ft.h>
-#include <fontconfig/fontconfig.h>
 #include <math.h>
 #include <string.h>
 
 #define ELLIPSIS "\xe2\x80\xa6"
 
 /* clang-format off */
-#define FREETYPE_FUNCTIONS(F) F(FT_, Done_FreeType) F(FT_, Init_FreeType) F(FT_, New_Face)
+#define FREETYPE_FUNCTIONS(F) F(FT_, Done_FreeType) F(FT_, Init_FreeType) F(FT_, New_Memory_Face)
 #define CAIRO_FUNCTIONS(F)                                                                                             \
     F(cairo_, font_face_destroy) F(cairo_, font_face_set_user_data) F(cairo_, font_options_create)                     \
     F(cairo_, font_options_destroy) F(cairo_, font_options_set_hint_metrics)                                           \
     F(cairo_, font_options_set_hint_style) F(cairo_, ft_font_face_create_for_ft_face) F(cairo_, scaled_font_create)    \
     F(cairo_, scaled_font_destroy) F(cairo_, scaled_font_text_extents) F(cairo_, set_font_face)                        \
     F(cairo_, set_font_options)
-#define FONTCONFIG_FUNCTIONS(F)                                                                                        \
-    F(Fc, ConfigDestroy) F(Fc, ConfigSubstitute) F(Fc, DefaultSubstitute) F(Fc, FontMatch)                             \
-    F(Fc, InitLoadConfigAndFonts) F(Fc, NameParse) F(Fc, PatternDestroy) F(Fc, PatternGetInteger)                      \
-    F(Fc, PatternGetString)
 /* clang-format on */
 
 static struct {
@@ -33,9 +28,6 @@ static struct {
 static struct {
     CAIRO_FUNCTIONS(LIBRARY_MEMBER)
 } cairo;
-static struct {
-    FONTCONFIG_FUNCTIONS(LIBRARY_MEMBER)
-} fontconfig;
 
 struct font {
     cairo_font_face_t *face; /* which holds FreeType's */
@@ -48,43 +40,6 @@ static void release_library(void *library)
     freetype.Done_FreeType(library); /* and its faces */
 }
 
-static conus_status open_match(FT_Library library, FT_Face *face, FcPattern *match)
-{
-    FcChar8 *path = NULL;
-    int index = 0;
-    if (!match || fontconfig.PatternGetString(match, FC_FILE, 0, &path) != FcResultMatch) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "no text in pictures: no scalable font is installed (see fc-match sans)");
-    }
-    fontconfig.PatternGetInteger(match, FC_INDEX, 0, &index);
-    const char *file = (const char *)path;
-    FT_Error error = freetype.New_Face(library, file, index, face);
-    return error ? fail(CONUS_ERROR_UNSUPPORTED, "%s: FreeType error %d", file, error) : CONUS_OK;
-}
-
-static conus_status open_sans(FT_Library library, FT_Face *face)
-{
-    FcConfig *config = fontconfig.InitLoadConfigAndFonts(); /* our own, so that it can be destroyed */
-    if (!config) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "no text in pictures: fontconfig cannot read its settings");
-    }
-    FcPattern *pattern = fontconfig.NameParse((const FcChar8 *)"sans:scalable=true");
-    FcPattern *match = NULL;
-    if (pattern && fontconfig.ConfigSubstitute(config, pattern, FcMatchPattern)) {
-        FcResult result;
-        fontconfig.DefaultSubstitute(pattern);
-        match = fontconfig.FontMatch(config, pattern, &result);
-    }
-    conus_status status = open_match(library, face, match);
-    if (match) {
-        fontconfig.PatternDestroy(match);
-    }
-    if (pattern) {
-        fontconfig.PatternDestroy(pattern);
-    }
-    fontconfig.ConfigDestroy(config);
-    return status;
-}
-
 static conus_status open_face(struct font *font)
 {
     static const cairo_user_data_key_t owned;
@@ -93,39 +48,33 @@ static conus_status open_face(struct font *font)
     if (freetype.Init_FreeType(&library)) {
         return fail(CONUS_ERROR_MEMORY, "no memory for a font");
     }
-    conus_status status = open_sans(library, &face);
-    if (status) {
-        freetype.Done_FreeType(library);
-        return status;
-    }
-    font->face = cairo.ft_font_face_create_for_ft_face(face, 0);
-    if (cairo.font_face_set_user_data(font->face, &owned, library, release_library)) {
-        cairo.font_face_destroy(font->face);
-        font->face = NULL;
+    bool has_face = !freetype.New_Memory_Face(library, font_sans, (FT_Long)font_sans_size, 0, &face);
+    font->face = has_face ? cairo.ft_font_face_create_for_ft_face(face, 0) : NULL;
+    if (!has_face || cairo.font_face_set_user_data(font->face, &owned, library, release_library)) {
+        font_destroy(font);
         freetype.Done_FreeType(library);
         return fail(CONUS_ERROR_MEMORY, "no memory for a font");
     }
-    font->options = cairo.font_options_create();
-    cairo.font_options_set_hint_style(font->options, CAIRO_HINT_STYLE_SLIGHT);
-    cairo.font_options_set_hint_metrics(font->options, CAIRO_HINT_METRICS_OFF); /* widths are the same everywhere */
     return CONUS_OK;
 }
 
 conus_status font_create(struct font **out)
 {
+    conus_status status =
+        library_load(&freetype, FREETYPE_FUNCTIONS(LIBRARY_NAME), CONUS_FREETYPE_FILE, "libfreetype6");
+    status = status ? status : library_load(&cairo, CAIRO_FUNCTIONS(LIBRARY_NAME), CONUS_CAIRO_FILE, "libcairo2");
+    if (status) {
+        return status;
+    }
     struct font *font = memory_zeroed(1, sizeof *font);
     if (!font) {
         return CONUS_ERROR_MEMORY;
     }
-    conus_status status =
-        library_load(&freetype, FREETYPE_FUNCTIONS(LIBRARY_NAME), CONUS_FREETYPE_FILE, "libfreetype6");
-    status =
-        status ? status
-               : library_load(&fontconfig, FONTCONFIG_FUNCTIONS(LIBRARY_NAME), CONUS_FONTCONFIG_FILE, "libfontconfig1");
-    status = status ? status : library_load(&cairo, CAIRO_FUNCTIONS(LIBRARY_NAME), CONUS_CAIRO_FILE, "libcairo2");
-    status = status ? status : open_face(font);
+    font->options = cairo.font_options_create();
+    cairo.font_options_set_hint_metrics(font->options, CAIRO_HINT_METRICS_OFF); /* widths are the same everywhere */
+    cairo.font_options_set_hint_style(font->options, CAIRO_HINT_STYLE_SLIGHT);
+    status = open_face(font);
     if (status) {
-        font_destroy(font);
         return status;
     }
     *out = font;
@@ -134,7 +83,7 @@ conus_status font_create(struct font **out)
 
 void font_destroy(struct font *font)
 {
-    if (font && font->face) {
+    if (font) {
         cairo.font_face_destroy(font->face);
         cairo.font_options_destroy(font->options);
     }

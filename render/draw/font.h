@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Text in pictures, in the sans-serif font of the system (fontconfig finds it, FreeType reads it). */
+/** @file Text in pictures. Its font is part of the program, so that a picture is the same everywhere. */
 #ifndef CONUS_RENDER_DRAW_FONT_H
 #define CONUS_RENDER_DRAW_FONT_H
 
@@ -8,7 +8,12 @@
 struct font;
 struct _cairo; /* a cairo_t */
 
-/** CONUS_ERROR_UNSUPPORTED where no scalable font is installed: a picture without text is better than none then. */
+/** The font file, Liberation Sans (cmake/embed.cmake), which has the widths of Arial. */
+extern const unsigned char font_sans[];
+extern const size_t font_sans_size;
+
+/** CONUS_ERROR_UNSUPPORTED where cairo or FreeType cannot be loaded: a picture without text is better than none then.
+ */
 conus_status font_create(struct font **out);
 void font_destroy(struct font *font);
 

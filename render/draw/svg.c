@@ -117,7 +117,7 @@ conus_status draw_format_svg(struct buffer *out, const struct draw_list *list, c
     buffer_number(out, mm > 0 ? list->height * mm : list->height);
     buffer_format(out, "%s\" viewBox=\"0 0 %u %u\">\n", mm > 0 ? "mm" : "", list->width, list->height);
     conus_status status = put_picture(out, list, png, png_size);
-    buffer_text(out, "<g font-family=\"sans-serif\" xml:space=\"preserve\">\n");
+    buffer_text(out, "<g font-family=\"Liberation Sans, Arial, Helvetica, sans-serif\" xml:space=\"preserve\">\n");
     for (size_t i = 0; i < list->count && !status; i++) {
         const struct draw_item *item = &list->items[i];
         (item->kind == DRAW_TEXT ? put_text : item->kind == DRAW_BOX ? put_box : put_path)(out, item);

@@ -1,25 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lines, text and legends on pictures. */
-#include "conus/file.h"
 #include "render/draw/legend.h"
 #include "render/image/image.h"
 #include "test.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const float WHITE[4] = {1, 1, 1, 1};
 
-static struct font *need_font(void)
+static struct font *make_font(void)
 {
     struct font *font = NULL;
-    conus_status status = font_create(&font);
-    if (status == CONUS_ERROR_UNSUPPORTED) {
-        print_message("skipped: %s\n", conus_message());
-        skip();
-    }
-    assert_ok(status);
+    assert_ok(font_create(&font));
     return font;
 }
 
@@ -108,7 +101,7 @@ static void colours_are_laid_over(void **state)
 static void text_has_a_width_that_adds_up(void **state)
 {
     (void)state;
-    struct font *font = need_font();
+    struct font *font = make_font();
     double width = font_width(font, 20, "Hippocampus");
     assert_true(width > 60 && width < 200);
     assert_near(font_width(font, 40, "Hippocampus"), 2 * width, 1e-2);
@@ -124,7 +117,7 @@ static void text_has_a_width_that_adds_up(void **state)
 static void text_is_drawn_in_its_place(void **state)
 {
     (void)state;
-    struct font *font = need_font();
+    struct font *font = make_font();
     conus_image *image = make_image(200, 60);
     draw_text(image->list, font, (double[]){20.25, 40}, 24, WHITE, "HEx");
     const float *opacity = conus_image_floats(image, "A");
@@ -147,7 +140,7 @@ static void text_is_drawn_in_its_place(void **state)
 static void long_text_ends_in_an_ellipsis(void **state)
 {
     (void)state;
-    struct font *font = need_font();
+    struct font *font = make_font();
     char out[64];
     const char *name = "Gyrus fron\xc3\xa9\xc3\xa9\xc3\xa9\xc3\xa9\xc3\xa9 inferior, pars opercularis";
     font_shorten(out, sizeof out, font, 20, name, 1000);
@@ -203,7 +196,7 @@ static bool has_colour(const conus_image *image, const uint8_t rgb[3])
 static void legend_shows_every_colour_in_its_corner(void **state)
 {
     (void)state;
-    struct font *font = need_font();
+    struct font *font = make_font();
     for (int corner = LEGEND_TOP_LEFT; corner <= LEGEND_BOTTOM_RIGHT; corner++) {
         conus_image *image = make_image(1000, 750);
         struct legend legend = LEGEND;
@@ -229,7 +222,7 @@ static void ink_is_for_letters_and_hollow_chips(void **state)
 {
     (void)state;
     static const float ink[4] = {0, 0, 0, 1};
-    struct font *font = need_font();
+    struct font *font = make_font();
     conus_image *image = make_image(1000, 750);
     struct legend legend = LEGEND;
     legend.ink = ink;
@@ -245,7 +238,7 @@ static void ink_is_for_letters_and_hollow_chips(void **state)
 static void hollow_rows_and_headings_are_dim(void **state)
 {
     (void)state;
-    struct font *font = need_font();
+    struct font *font = make_font();
     for (int dim = 0; dim < 3; dim++) {
         conus_image *image = make_image(1000, 750);
         const struct legend_row row = {.hollow = dim == 1, .heading = dim == 2, .name = "HHHH"};
@@ -263,7 +256,7 @@ static void hollow_rows_and_headings_are_dim(void **state)
 static void legend_fits_into_any_image(void **state)
 {
     (void)state;
-    struct font *font = need_font();
+    struct font *font = make_font();
     struct legend_row rows[200];
     for (size_t i = 0; i < 200; i++) {
         rows[i] = ROWS[i % 4];
@@ -304,7 +297,7 @@ static void a_key_is_shown_below_too_many_rows(void **state)
                                             {.rgb = {255, 0, 0}, .name = "first"},
                                             {.rgb = {0, 255, 0}, .name = "second"},
                                             {.rgb = {0, 0, 255}, .name = "third"}};
-    struct font *font = need_font();
+    struct font *font = make_font();
     struct legend_row rows[64];
     for (size_t i = 0; i < 64; i++) {
         rows[i] = i < 60 ? (struct legend_row){.rgb = {200, 200, (uint8_t)i}, .name = "row"} : key[i - 60];
@@ -333,23 +326,6 @@ static void a_key_is_shown_below_too_many_rows(void **state)
     font_destroy(font);
 }
 
-static void missing_fonts_are_told_apart(void **state)
-{
-    (void)state;
-    const char *path = test_scratch("fonts.conf");
-    const char *old = getenv("FONTCONFIG_FILE");
-    static const char empty[] = "<?xml version=\"1.0\"?><fontconfig></fontconfig>";
-    assert_ok(conus_write_file(path, empty, sizeof empty - 1));
-    char *absolute = realpath(path, NULL);
-    setenv("FONTCONFIG_FILE", absolute, 1);
-    struct font *font = NULL;
-    assert_fails(font_create(&font), CONUS_ERROR_UNSUPPORTED);
-    assert_null(font);
-    assert_non_null(strstr(conus_message(), "no text in pictures"));
-    old ? setenv("FONTCONFIG_FILE", old, 1) : unsetenv("FONTCONFIG_FILE");
-    free(absolute);
-}
-
 static conus_status draw_once(void *data)
 {
     (void)data;
@@ -369,7 +345,7 @@ static conus_status draw_once(void *data)
 static void every_failing_allocation_is_survived(void **state)
 {
     (void)state;
-    font_destroy(need_font());
+    font_destroy(make_font());
     test_every_allocation(draw_once, NULL);
 }
 
@@ -383,7 +359,7 @@ static void a_legend_that_fits_is_whole(void **state)
         {.name = "a name that is longer than most of them are", .detail = {"41.1 %", "37.2 mm"}},
         {.name = "short", .detail = {"1.0 %", "9.9 mm"}},
         {.name = "unassigned", .hollow = true, .detail = {"0.0 %"}}};
-    struct font *font = need_font();
+    struct font *font = make_font();
     for (int width = 200; width <= 800; width += 300) {
         const double limit[2] = {width, 400};
         const double at[2] = {31, 17};
@@ -411,7 +387,7 @@ static void a_legend_that_fits_is_whole(void **state)
 static void dim_letters_have_contrast_on_the_panel(void **state)
 {
     (void)state;
-    struct font *font = need_font();
+    struct font *font = make_font();
     const struct legend_row row = {.name = "MMMM", .heading = true};
     const struct legend legend = {.rows = &row, .count = 1, .size = 40, .widest = 1};
     conus_image *image = make_image(300, 220);
@@ -450,7 +426,6 @@ TEST_GROUP(legend)
         cmocka_unit_test(dim_letters_have_contrast_on_the_panel),
         cmocka_unit_test(legend_fits_into_any_image),
         cmocka_unit_test(a_key_is_shown_below_too_many_rows),
-        cmocka_unit_test(missing_fonts_are_told_apart),
         cmocka_unit_test(every_failing_allocation_is_survived),
         cmocka_unit_test(a_legend_that_fits_is_whole),
     };

@@ -2,7 +2,6 @@
 /* Pictures for papers: sides, backgrounds, letters, places of the legend, and sizes on paper. */
 #include "base/geometry/math3.h"
 #include "picture_scene.h"
-#include "render/draw/font.h"
 #include "render/image/image.h"
 #include "selection/picture/picture.h"
 #include "test.h"
@@ -78,16 +77,6 @@ static conus_image *render(const struct scene *scene, conus_view view)
     conus_image *image = NULL;
     assert_ok(conus_render(&image, scene->renderer, &view));
     return image;
-}
-
-static void need_font(void)
-{
-    struct font *font = NULL;
-    conus_status status = font_create(&font);
-    font_destroy(font);
-    if (status) {
-        skip();
-    }
 }
 
 /* CCF numbers of a world point are 1000 (10 - z), 1000 (4 - y), 1000 (5 + x); those from bregma are the mm from
@@ -245,7 +234,6 @@ static void letters_tell_left_from_right(void **state)
         bool left_is_l, right_is_l;
     } cases[] = {{CONUS_SIDE_FRONT, false, true},  {CONUS_SIDE_BACK, true, false},  {CONUS_SIDE_TOP, true, false},
                  {CONUS_SIDE_BOTTOM, false, true}, {CONUS_SIDE_LEFT, false, false}, {CONUS_SIDE_RIGHT, false, false}};
-    need_font();
     struct scene scene = need_scene(state);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const conus_view view = {.side = cases[i].side,
@@ -311,7 +299,6 @@ static void assert_same_top(const conus_image *a, const conus_image *b, uint32_t
 
 static void a_legend_outside_leaves_the_drawing_alone(void **state)
 {
-    need_font();
     struct scene scene = need_scene(state);
     conus_view view = {.width = 2 * WIDTH,
                        .height = 2 * HEIGHT,
@@ -359,7 +346,6 @@ static uint32_t height_with_legend(const struct scene *scene, conus_layers layer
  * (80 mm, 5.7 degrees) and nothing else: with all layers there is one row more. */
 static void occluded_objects_have_a_row_with_all_layers(void **state)
 {
-    need_font();
     struct scene scene = need_scene(state);
     uint32_t six = height_with_legend(&scene, CONUS_LAYERS_VISIBLE);
     uint32_t seven = height_with_legend(&scene, CONUS_LAYERS_ALL);
@@ -444,7 +430,6 @@ static void scale_and_directions_lie_on_nothing(void **state)
         uint32_t width, height;
         double dpi;
     } sizes[] = {{355, 266, 150}, {300, 225, 0}, {225, 300, 0}, {600, 200, 0}};
-    need_font();
     struct scene scene = need_scene(state);
     conus_selection *selection = NULL;
     conus_pose pose;
@@ -479,7 +464,6 @@ static double all(const double p[3])
 static void a_cube_makes_room_for_scale_and_directions(void **state)
 {
     (void)state;
-    need_font();
     test_need_gl();
     conus_volume_info grid = picture_grid((size_t[]){40, 40, 40}, (double[]){1, 1, 1}, picture_identity);
     struct scene scene = {.atlas = picture_atlas(&grid, all, NULL, NULL)};
@@ -499,7 +483,6 @@ static void a_cube_makes_room_for_scale_and_directions(void **state)
 static void a_legend_leaves_the_drawing_large(void **state)
 {
     static const uint32_t sizes[][2] = {{320, 240}, {400, 400}};
-    need_font();
     struct scene scene = need_scene(state);
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         for (int side = CONUS_SIDE_OF_CONE; side <= CONUS_SIDE_BOTTOM; side++) {
@@ -527,7 +510,6 @@ static void a_legend_leaves_the_drawing_large(void **state)
  * corner. */
 static void scale_and_directions_follow_a_given_camera(void **state)
 {
-    need_font();
     struct scene scene = need_scene(state);
     conus_pose camera;
     assert_ok(conus_pose_toward(&camera, (double[]){-150, 38, 18}, (double[]){0, 38, 18}, NULL));
@@ -541,7 +523,6 @@ static void scale_and_directions_follow_a_given_camera(void **state)
 /* 18 mm before its middle a ball of radius 8 spans 52 degrees: all of a square picture of 30 degrees. */
 static void without_free_corners_scale_and_directions_have_patches(void **state)
 {
-    need_font();
     struct scene scene = need_scene(state);
     conus_pose camera;
     assert_ok(conus_pose_toward(&camera, (double[]){-38, 0, 0}, (double[]){0, 0, 0}, NULL));
@@ -616,7 +597,6 @@ static void probes_that_cannot_be_drawn_are_refused(void **state)
                                 {.probes = &empty, .probe_count = 1},
                                 {.probe_count = 1},
                                 {.probes = probes, .probe_count = 3, .width = 200, .height = 400}};
-    need_font();
     for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
         conus_image *image = NULL;
         assert_fails(conus_render(&image, scene.renderer, &views[i]), CONUS_ERROR_ARGUMENT);
@@ -664,7 +644,6 @@ static void files_say_how_large_they_are(void **state)
 /* Twice the pixels per inch on twice the pixels give the same sheet, legend included, to a few pixels. */
 static void letters_grow_with_the_resolution(void **state)
 {
-    need_font();
     struct scene scene = need_scene(state);
     uint32_t extra[2];
     for (uint32_t times = 1; times <= 2; times++) {
@@ -684,7 +663,6 @@ static void a_measured_distance_is_drawn(void **state)
 {
     static const double places[6] = {-30, 0, 10, 30, 0, 10};
     const double scale = 150 / (200 * tan(radians_from_degrees(30)));
-    need_font();
     struct scene scene = need_scene(state);
     conus_pose camera;
     conus_image *image = NULL;
