@@ -121,7 +121,7 @@ CONUS_CHECKED conus_status conus_image_load(conus_image **out, const char *path)
  * @param image The image.
  * @param path The ending decides the format.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another ending; #CONUS_ERROR_IO where the system refuses;
- * #CONUS_ERROR_UNSUPPORTED for .pdf without cairo.
+ * #CONUS_ERROR_UNSUPPORTED for .pdf where cairo cannot be loaded.
  * @threads Any: the object does not change.
  * @since 0.1
  */

@@ -27,6 +27,7 @@ import sbom  # pylint: disable=wrong-import-position
 EVERYWHERE = re.compile(r"(linux-vdso|ld-linux[-a-z0-9]*|lib(c|m|dl|rt|pthread|gcc_s|stdc\+\+))\.so\.\d+")
 LEFT_OUT = ("libconus", "libembree", "libEGL", "libGL", "libOpenGL")  # of what is loaded; the last three are a driver's
 PAGE = pathlib.Path("build", "web", "apps", "web", "page.html")
+FONT = pathlib.Path("/usr/share/fonts/truetype/liberation2/LiberationSans-Regular.ttf")  # which the library has inside
 TARGETS = {"windows": "win_amd64", "macos-arm64": "macosx_11_0_arm64", "macos-x86-64": "macosx_11_0_x86_64",
            "linux-arm64": "manylinux_2_28_aarch64", "linux-x86-64": "manylinux_2_28_x86_64"}
 NEWEST = {"GLIBCXX": (3, 4, 30), "CXXABI": (1, 3, 13), "GCC": (12, 0, 0)}  # of manylinux_2_35
@@ -120,6 +121,7 @@ def add_libraries(top, licences):
         packages.append(copy_licence(path, licences))
     for file, to_package in own.items():
         redirect(file, names, [to_package, f"{to_package}/../conus.libs"])
+    packages.append(copy_licence(FONT, licences))
     version = glibc([*own, *inside.iterdir()])
     unique = [package for number, package in enumerate(packages) if package not in packages[:number]]
     return f"manylinux_{version[0]}_{version[1]}_{sysconfig.get_platform().partition('-')[2]}", unique

@@ -3,7 +3,6 @@
 #include "render/flat/cut_trace.h"
 
 #include "base/memory.h"
-#include "render/flat/draw.h"
 
 #include <math.h>
 #include <string.h>
@@ -75,7 +74,7 @@ static bool walk_around(struct walk *walk, size_t first)
     return fits;
 }
 
-conus_status cut_trace_areas(struct shapes *shapes, const uint32_t *objects, uint32_t width, uint32_t height,
+conus_status cut_trace_areas(struct draw_list *out, const uint32_t *objects, uint32_t width, uint32_t height,
                              const conus_object *list, const bool *skips, const double at[2])
 {
     struct walk walk = {.objects = objects, .width = width, .height = height};
@@ -93,10 +92,10 @@ conus_status cut_trace_areas(struct shapes *shapes, const uint32_t *objects, uin
             walk.points[k][0] += at[0];
             walk.points[k][1] += at[1];
         }
-        struct image_shape shape = {.kind = SHAPE_LOOP, .width = 1, .points = walk.points, .point_count = walk.count};
-        draw_colour(shape.rgba, list[object - 1].rgb, 1);
+        struct draw_item loop = {.kind = DRAW_LOOP, .width = 1, .points = walk.points, .count = walk.count};
+        draw_colour(loop.rgba, list[object - 1].rgb, 1);
         if (fits) {
-            shapes_add(shapes, &shape);
+            draw_item(out, &loop);
         }
     }
     memory_free(walk.walked);
@@ -122,10 +121,10 @@ static size_t cross_cell(double points[4][2], const double corner[2], const doub
     return count;
 }
 
-void cut_trace_cone(struct shapes *shapes, const struct cut_place *place, const struct cut_cone *cone,
+void cut_trace_cone(struct draw_list *out, const struct cut_place *place, const struct cut_cone *cone,
                     const double at[2])
 {
-    struct cut_lines lines = {.shapes = shapes, .limit = {INFINITY, INFINITY}};
+    struct cut_lines lines = {.out = out, .limit = {INFINITY, INFINITY}};
     memcpy(lines.at, at, sizeof lines.at);
     for (uint32_t row = 0; row + CELL <= place->height; row += CELL) {
         for (uint32_t column = 0; column + CELL <= place->width; column += CELL) {
@@ -149,16 +148,14 @@ void cut_trace_cone(struct shapes *shapes, const struct cut_place *place, const 
 /* Object 0 is the cone. */
 static void flush(struct cut_lines *lines)
 {
-    struct image_shape shape = {.kind = SHAPE_PAIRS,
-                                .width = lines->object ? 1 : CONE_LINE,
-                                .points = lines->points,
-                                .point_count = lines->count};
+    struct draw_item item = {
+        .kind = DRAW_LINES, .width = lines->object ? 1 : CONE_LINE, .points = lines->points, .count = lines->count};
     const uint8_t *rgb = lines->object == CUT_AROUND ? around_rgb
                          : lines->object             ? lines->list[lines->object - 1].rgb
                                                      : cone_rgb;
-    draw_colour(shape.rgba, rgb, lines->object ? 1 : 0.9F);
+    draw_colour(item.rgba, rgb, lines->object ? 1 : 0.9F);
     if (lines->count) {
-        shapes_add(lines->shapes, &shape);
+        draw_item(lines->out, &item);
     }
     lines->count = 0;
 }
@@ -176,7 +173,7 @@ void cut_lines_add(void *user, const double from[2], const double to[2], uint32_
         lines->object = object;
     }
     if (!memory_reserve(&lines->points, &lines->capacity, lines->count + 2, sizeof *lines->points)) {
-        lines->shapes->failed = true;
+        lines->out->failed = true;
         return;
     }
     for (int a = 0; a < 2; a++) {

@@ -3,25 +3,25 @@
 #ifndef CONUS_RENDER_FLAT_CUT_TRACE_H
 #define CONUS_RENDER_FLAT_CUT_TRACE_H
 
+#include "render/draw/list.h"
 #include "render/flat/cut.h"
-#include "render/image/shapes.h"
 
 /** Adds a loop around each group of a number's pixels that touch by their sides, and around each hole in it: through
  * the middles of the outermost pixels, one pixel wide, in the colour of `list[number - 1]`. @p at is the upper left
- * corner of the pixels among the shapes. Numbers for which @p skips is true have none; NULL = none is skipped.
+ * corner of the pixels in the picture. Numbers for which @p skips is true have none; NULL = none is skipped.
  * CONUS_ERROR_MEMORY. */
-conus_status cut_trace_areas(struct shapes *shapes, const uint32_t *objects, uint32_t width, uint32_t height,
+conus_status cut_trace_areas(struct draw_list *out, const uint32_t *objects, uint32_t width, uint32_t height,
                              const conus_object *list, const bool *skips, const double at[2]);
 
 /** Adds the line of a cone or cylinder in the cut. */
-void cut_trace_cone(struct shapes *shapes, const struct cut_place *place, const struct cut_cone *cone,
+void cut_trace_cone(struct draw_list *out, const struct cut_place *place, const struct cut_cone *cone,
                     const double at[2]);
 
-/** Lines of surfaces on their way from cut_view.line to shapes: one shape for each object. */
+/** Lines of surfaces on their way from cut_view.line to the list: one item for each object. */
 struct cut_lines {
-    struct shapes *shapes;
+    struct draw_list *out;
     const conus_object *list;
-    double at[2], limit[2]; /**< The corner among the shapes; width and height: what is beyond is left out. */
+    double at[2], limit[2]; /**< The corner in the picture; width and height: what is beyond is left out. */
     uint32_t object;        /**< Object of `points`. */
     double (*points)[2];
     size_t count, capacity;

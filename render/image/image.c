@@ -3,7 +3,7 @@
 #include "render/image/image.h"
 
 #include "base/memory.h"
-#include "render/image/shapes.h"
+#include "render/draw/paint.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -40,7 +40,7 @@ void conus_image_destroy(conus_image *image)
     memory_free(image->channels);
     memory_free(image->attributes);
     memory_free(image->png_rgba);
-    shapes_destroy(image->shapes);
+    draw_list_destroy(image->list);
     bytes_finish(&image->encoded);
     memory_free(image);
 }
@@ -94,10 +94,26 @@ conus_status image_create_rgba(conus_image **out, uint32_t width, uint32_t heigh
     return CONUS_OK;
 }
 
-conus_status image_keep_shapes(conus_image *image)
+conus_status image_create_listed(conus_image **out, uint32_t width, uint32_t height)
 {
-    image->shapes = image->shapes ? image->shapes : memory_zeroed(1, sizeof *image->shapes);
-    return image->shapes ? CONUS_OK : CONUS_ERROR_MEMORY;
+    conus_image *image = NULL;
+    conus_status status = image_create_rgba(&image, width, height);
+    status = status ? status : draw_list_create(&image->list, width, height);
+    if (status) {
+        conus_image_destroy(image);
+        return status;
+    }
+    *out = image;
+    return CONUS_OK;
+}
+
+conus_status image_paint(conus_image *image)
+{
+    const struct image_rgba rgba = image_rgba(image);
+    conus_status status = draw_paint(rgba.plane, image->list);
+    draw_list_destroy(image->list);
+    image->list = NULL;
+    return status;
 }
 
 struct image_attribute *image_find_attribute(const conus_image *image, const char *name)

@@ -9,6 +9,7 @@
 #include "base/files/file.h"
 #include "base/status.h"
 #include "conus/image.h"
+#include "render/draw/list.h"
 
 /** Longest side, and largest sum of all channels in bytes, of an image that is created or read. */
 #define IMAGE_MAX_SIDE 65536U
@@ -41,9 +42,9 @@ struct conus_image {
     uint8_t *png_rgba; /**< [png_width * png_height * 4] sRGB, A not premultiplied: the pixels of a PNG in place of R,
                             G, B, A; NULL if none. May be larger than the image, for pictures too small to see. */
     uint32_t png_width, png_height;
-    struct shapes *shapes; /**< Lines and text that are not in the pixels; NULL = they are. */
-    double dpi;            /**< Pixels per inch; 0 = not known. */
-    struct bytes encoded;  /**< The result of conus_image_encode(). */
+    struct draw_list *list; /**< Lines and text that are not in the pixels; NULL = they are. */
+    double dpi;             /**< Pixels per inch; 0 = not known. */
+    struct bytes encoded;   /**< The result of conus_image_encode(). */
 };
 
 /** An image without channels. Sides from 1 to IMAGE_MAX_SIDE. */
@@ -56,8 +57,11 @@ conus_status image_add_channel(conus_image *image, const char *name, enum image_
 /** An image with the zeroed (transparent black) float channels R, G, B, A. */
 conus_status image_create_rgba(conus_image **out, uint32_t width, uint32_t height);
 
-/** From now on draw.h and font.h put lines and text into the image's list of shapes. */
-conus_status image_keep_shapes(conus_image *image);
+/** Likewise, with an empty list. */
+conus_status image_create_listed(conus_image **out, uint32_t width, uint32_t height);
+
+/** Lays the list, which is there, over the pixels, and ends it. */
+conus_status image_paint(conus_image *image);
 
 /** Attribute names have 1 to 31 bytes; a second attribute of a name replaces the first. */
 conus_status image_add_text(conus_image *image, const char *name, const char *text);

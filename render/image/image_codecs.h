@@ -13,10 +13,6 @@ conus_status image_format_exr(struct bytes *out, const conus_image *image);
 conus_status image_parse_exr(conus_image **out, const uint8_t *data, size_t size);
 /** 8-bit sRGB with opacity: png_rgba, or else image_srgb_bytes(). */
 conus_status image_format_png(struct bytes *out, const conus_image *image);
-/** The pixels and the image's shapes, which must be there. */
-conus_status image_format_svg(struct bytes *out, const conus_image *image);
-/** Likewise. CONUS_ERROR_UNSUPPORTED without cairo. */
-conus_status image_format_pdf(struct bytes *out, const conus_image *image);
 /** 1 to 16 bits of any colour type, taken as sRGB whatever gamma or profile it states. */
 conus_status image_parse_png(conus_image **out, const uint8_t *data, size_t size);
 

@@ -2,6 +2,11 @@
 /* Image files: detects the format of a file that is read, and picks the format of one that is written. */
 #include "render/image/image_codecs.h"
 
+#include "base/memory.h"
+#include "render/draw/paint.h"
+#include "render/draw/svg.h"
+#include "render/image/image_srgb.h"
+
 #include <string.h>
 #include <strings.h>
 
@@ -28,15 +33,45 @@ conus_status conus_image_load(conus_image **out, const char *path)
     return status ? fail_in(status, path) : CONUS_OK;
 }
 
+static conus_status finish_text(struct bytes *out, struct buffer *text, conus_status status)
+{
+    if (status) {
+        buffer_finish(text);
+        return status;
+    }
+    *out = (struct bytes){(uint8_t *)text->data, text->size};
+    return CONUS_OK;
+}
+
+static conus_status format_svg(struct bytes *out, const conus_image *image)
+{
+    struct buffer text = {0};
+    struct bytes png = {0};
+    conus_status status = image_format_png(&png, image);
+    status = status ? status : draw_format_svg(&text, image->list, png.data, png.size, image->dpi);
+    bytes_finish(&png);
+    return finish_text(out, &text, status);
+}
+
+static conus_status format_pdf(struct bytes *out, const conus_image *image)
+{
+    struct buffer text = {0};
+    uint8_t *rgba = NULL;
+    conus_status status = image_srgb_bytes(&rgba, image);
+    status = status ? status : draw_format_pdf(&text, image->list, rgba, image->dpi);
+    memory_free(rgba);
+    return finish_text(out, &text, status);
+}
+
 /* The formats that are written. */
 static const struct {
     const char *ending; /* without its dot */
-    bool shapes;        /* lines and texts stay shapes; other formats have them in the pixels */
+    bool listed;        /* lines and texts stay a list; other formats have them in the pixels */
     conus_status (*format)(struct bytes *out, const conus_image *image);
 } formats[] = {{"exr", false, image_format_exr},
                {"png", false, image_format_png},
-               {"svg", true, image_format_svg},
-               {"pdf", true, image_format_pdf}};
+               {"svg", true, format_svg},
+               {"pdf", true, format_pdf}};
 
 enum { FORMATS = sizeof formats / sizeof *formats };
 
@@ -52,12 +87,12 @@ static size_t find_format(const char *ending)
 
 static conus_status format_image(struct bytes *out, const conus_image *image, size_t format)
 {
-    if (formats[format].shapes != (image->shapes != NULL)) {
+    if (formats[format].listed != (image->list != NULL)) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: a picture whose lines and text are %s (conus_view.shapes)",
                     formats[format].ending,
-                    image->shapes ? "kept as shapes is written as svg or pdf"
-                                  : "pixels is "
-                                    "written as png or exr");
+                    image->list ? "kept as shapes is written as svg or pdf"
+                                : "pixels is "
+                                  "written as png or exr");
     }
     return formats[format].format(out, image);
 }

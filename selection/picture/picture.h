@@ -4,8 +4,7 @@
 #define CONUS_SELECTION_PICTURE_PICTURE_H
 
 #include "render/colour/renderer.h"
-#include "render/flat/draw.h"
-#include "render/flat/font.h"
+#include "render/draw/font.h"
 #include "selection/picture/picture_emphasis.h"
 
 /** Tangents of a frustum's edges are at most so large. */
@@ -29,7 +28,7 @@ struct picture {
     struct picture_legend *legend; /**< NULL = none.                                                   */
     struct picture_probes *probes; /**< Strips; NULL = none. */
     double em, line;               /**< Size of letters, and of the thinnest line, pixels.             */
-    float ink[4];                  /**< Colour of letters, in the form of draw.h. */
+    float ink[4];                  /**< Colour of letters, in the form of list.h. */
     float dim;                     /**< Opacity of letters that say less.                              */
     struct camera camera;
     struct camera_frame frame;
@@ -43,22 +42,22 @@ struct picture {
     float *rgba;  /**< [height * width * 4], bottom row first. */
 };
 
-/** Lays the legend of the areas hit, a scale bar and the directions (R L A P S I) over @p image; with a font. */
-conus_status picture_annotate(conus_image *image, const struct picture *picture);
+/** Appends the legend of the areas hit, a scale bar and the directions (R L A P S I); with a font. */
+void picture_annotate(struct draw_list *list, const struct picture *picture);
 
 /** Likewise of a cut, whose letters are light: the legend, a scale bar, and letters where the cut's axes are within 15
  * degrees of the world's; the camera's first two columns are the cut's right and up. */
-conus_status picture_annotate_cut(conus_image *image, struct picture *picture, double mm_per_pixel);
+void picture_annotate_cut(struct draw_list *list, struct picture *picture, double mm_per_pixel);
 
 /** Draws the line that the options measure, with its length, if both of its @p ends, pixels, lie in the drawing. */
-conus_status picture_draw_measured(conus_image *image, const struct picture *picture, double ends[2][2]);
+void picture_draw_measured(struct draw_list *list, const struct picture *picture, double ends[2][2]);
 
 /** The letter of the direction, in the world, to which a picture's axis points; NULL where none is within 15 degrees.
  */
 const char *picture_letter_of(const double axis[3]);
 
 /** A bar, as long as so many mm are, in the lower right corner of the drawing. */
-conus_status picture_draw_bar(conus_image *image, const struct picture *picture, double pixels_per_mm);
+void picture_draw_bar(struct draw_list *list, const struct picture *picture, double pixels_per_mm);
 
 /** Whether letters at the edges of the drawing say where it is seen from; else a cross of directions does. */
 bool picture_is_across(const struct picture *picture);
@@ -76,7 +75,7 @@ void picture_key_boxes(struct draw_box out[2], const struct picture *picture);
 bool picture_overlaps(const struct draw_box *a, const struct draw_box *b);
 
 /** Under text that has no free place, so that it can be read. */
-void picture_lay_patch(conus_image *image, const struct picture *picture, const struct draw_box *box);
+void picture_lay_patch(struct draw_list *list, const struct picture *picture, const struct draw_box *box);
 
 /** The opacity that was drawn in a box of the drawing, summed over its pixels. */
 double picture_covered(const struct picture *picture, const struct draw_box *box);
@@ -127,7 +126,7 @@ conus_status picture_probes_init(struct picture *picture);
 void picture_probes_finish(struct picture *picture);
 
 /** The lines over the drawing, and their strips; with no font only the lines. */
-conus_status picture_probes_draw(conus_image *image, const struct picture *picture);
+conus_status picture_probes_draw(struct draw_list *list, const struct picture *picture);
 
 enum { PICTURE_TEXT = 160, PICTURE_NUMBER = 24 };
 /** A coordinate: all its digits where it was given with up to six after the point, else to a thousandth, which is less
@@ -147,7 +146,7 @@ void picture_legend_size(double out[2], const struct picture *picture);
  * A legend below follows. */
 void picture_lower(struct picture *picture, uint32_t height);
 
-conus_status picture_legend_draw(conus_image *image, const struct picture *picture);
+void picture_legend_draw(struct draw_list *list, const struct picture *picture);
 
 /** The part of the drawing that a legend inside it takes; empty without one. */
 struct draw_box picture_legend_box(const struct picture *picture);

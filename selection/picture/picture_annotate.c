@@ -4,8 +4,7 @@
 #include "selection/picture/picture.h"
 
 #include "base/geometry/math3.h"
-#include "render/flat/draw.h"
-#include "render/flat/legend.h"
+#include "render/draw/legend.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -44,23 +43,22 @@ bool picture_is_across(const struct picture *picture)
 }
 
 /* The drawing under the patch shows through a little. */
-void picture_lay_patch(conus_image *image, const struct picture *picture, const struct draw_box *box)
+void picture_lay_patch(struct draw_list *list, const struct picture *picture, const struct draw_box *box)
 {
     const float grey = picture->ink[1] > 0.5F ? 0 : 1;
     if (picture_covered(picture, box) > 0) {
-        draw_box(image, box, 0.3 * picture->em, (const float[4]){grey, grey, grey, 0.7F});
+        draw_box(list, box, 0.3 * picture->em, (const float[4]){grey, grey, grey, 0.7F});
     }
 }
 
-static conus_status draw_edges(conus_image *image, const struct picture *picture)
+static void draw_edges(struct draw_list *list, const struct picture *picture)
 {
     const double *m = picture->camera.world_from_camera;
     const struct camera_frame *frame = &picture->frame;
     double size = 1.5 * picture->em;
     double centre[2] = {(frame->left + (double)frame->width - frame->right) / 2,
                         (frame->top + (double)frame->height - frame->bottom) / 2};
-    conus_status status = CONUS_OK;
-    for (int n = 0; n < 4 && !status; n++) {
+    for (int n = 0; n < 4; n++) {
         double axis[3];
         double near = 0.7 * size;
         double at[2] = {centre[0], centre[1]};
@@ -72,11 +70,10 @@ static conus_status draw_edges(conus_image *image, const struct picture *picture
         const char *letter = picture_letter_of(axis);
         const double half = font_width(picture->font, size, letter) / 2;
         const double corner[2] = {at[0] - half, at[1] + 0.36 * size};
-        picture_lay_patch(image, picture,
+        picture_lay_patch(list, picture,
                           &(struct draw_box){at[0] - half, at[1] - 0.4 * size, at[0] + half, at[1] + 0.4 * size});
-        status = font_draw(picture->font, image, corner, size, picture->ink, letter);
+        draw_text(list, picture->font, corner, size, picture->ink, letter);
     }
-    return status;
 }
 
 /* Half an axis of the cross, to where it ends in the picture. */
@@ -128,7 +125,7 @@ static int compare_flat(const void *a, const void *b)
 }
 
 /* Letters of the longest lines first: they lie at their ends. */
-static conus_status draw_directions(conus_image *image, const struct picture *picture, const struct draw_box *box)
+static void draw_directions(struct draw_list *list, const struct picture *picture, const struct draw_box *box)
 {
     const double *m = picture->camera.world_from_camera;
     const double centre[2] = {(box->left + box->right) / 2, (box->top + box->bottom) / 2};
@@ -142,21 +139,19 @@ static conus_status draw_directions(conus_image *image, const struct picture *pi
         directions[n] = (struct direction){letters[n], x, y, hypot(x, y), sign * m[8 + n / 2] < 0};
     }
     order_sort(directions, 6, sizeof *directions, compare_flat);
-    conus_status status = CONUS_OK;
-    for (size_t n = 0; n < 6 && !status; n++) {
+    for (size_t n = 0; n < 6; n++) {
         const struct direction *direction = &directions[n];
         const float *ink = picture->ink;
         const float line[4] = {ink[0], ink[1], ink[2], direction->is_behind ? 0.45F : 1}; /* no text */
         const float letter[4] = {ink[0], ink[1], ink[2], direction->is_behind ? picture->dim : 1};
         const double end[2] = {centre[0] + length * direction->x, centre[1] + length * direction->y};
-        draw_line(image, centre, end, (direction->is_behind ? 1.2 : 2.2) * picture->line, line);
+        draw_line(list, centre, end, (direction->is_behind ? 1.2 : 2.2) * picture->line, line);
         if (direction->flat > 0.15) {
             boxes[n] = place_letter(picture, direction, centre, boxes, n);
             const double corner[2] = {boxes[n].left, boxes[n].top + 0.76 * picture->em};
-            status = font_draw(picture->font, image, corner, picture->em, letter, direction->letter);
+            draw_text(list, picture->font, corner, picture->em, letter, direction->letter);
         }
     }
-    return status;
 }
 
 /* A scale bar: as long as so many mm, its words above its middle. */
@@ -186,29 +181,29 @@ static void measure_bar(struct bar *out, const struct picture *picture, double p
     out->box = (struct draw_box){middle - half, out->base - 1.4 * size, middle + half, out->base + 0.4 * size};
 }
 
-static conus_status draw_bar(conus_image *image, const struct picture *picture, const struct bar *bar)
+static void draw_bar(struct draw_list *list, const struct picture *picture, const struct bar *bar)
 {
     double size = picture->em;
     double line = 2 * picture->line;
     const double base = bar->base;
     for (int end = 0; end < 2; end++) {
         double x = end ? bar->right : bar->left;
-        draw_line(image, (double[]){x, base - 0.3 * size}, (double[]){x, base + 0.3 * size}, line, picture->ink);
+        draw_line(list, (double[]){x, base - 0.3 * size}, (double[]){x, base + 0.3 * size}, line, picture->ink);
     }
-    draw_line(image, (double[]){bar->left, base}, (double[]){bar->right, base}, line, picture->ink);
+    draw_line(list, (double[]){bar->left, base}, (double[]){bar->right, base}, line, picture->ink);
     const double at[2] = {(bar->left + bar->right - font_width(picture->font, size, bar->text)) / 2,
                           base - 0.55 * size};
-    return font_draw(picture->font, image, at, size, picture->ink, bar->text);
+    draw_text(list, picture->font, at, size, picture->ink, bar->text);
 }
 
-conus_status picture_draw_bar(conus_image *image, const struct picture *picture, double pixels_per_mm)
+void picture_draw_bar(struct draw_list *list, const struct picture *picture, double pixels_per_mm)
 {
     struct bar bar;
     measure_bar(&bar, picture, pixels_per_mm, EDGE, LEGEND_BOTTOM_RIGHT);
     if (picture->rgba) {
-        picture_lay_patch(image, picture, &bar.box);
+        picture_lay_patch(list, picture, &bar.box);
     }
-    return draw_bar(image, picture, &bar);
+    draw_bar(list, picture, &bar);
 }
 
 /* Draws the scale bar, for the depth of the middle of the scene, and the cross of directions, in a corner of the
@@ -295,19 +290,17 @@ void picture_key_boxes(struct draw_box out[2], const struct picture *picture)
     out[1] = key.has_bar ? key.bar.box : (struct draw_box){0};
 }
 
-static conus_status draw_key(conus_image *image, const struct picture *picture)
+static void draw_key(struct draw_list *list, const struct picture *picture)
 {
     const struct key key = choose_key(picture);
-    conus_status status = CONUS_OK;
     if (key.has_cross) {
-        picture_lay_patch(image, picture, &key.cross);
-        status = draw_directions(image, picture, &key.cross);
+        picture_lay_patch(list, picture, &key.cross);
+        draw_directions(list, picture, &key.cross);
     }
-    if (key.has_bar && !status) {
-        picture_lay_patch(image, picture, &key.bar.box);
-        status = draw_bar(image, picture, &key.bar);
+    if (key.has_bar) {
+        picture_lay_patch(list, picture, &key.bar.box);
+        draw_bar(list, picture, &key.bar);
     }
-    return status;
 }
 
 /* Where the pathway's value is largest, world mm. */
@@ -334,14 +327,13 @@ static float ink_on(const float rgba[4])
 }
 
 /* The number of each pathway that the legend names by one, on a disc of its colour; beside one that is there. */
-static conus_status draw_tags(conus_image *image, const struct picture *picture)
+static void draw_tags(struct draw_list *list, const struct picture *picture)
 {
     enum { TAGS = 64 };
     double places[TAGS][2];
     size_t count = 0;
     const double radius = 0.75 * picture->em;
-    conus_status status = CONUS_OK;
-    for (uint32_t number = 1; number <= picture->atlas->object_count && count < TAGS && !status; number++) {
+    for (uint32_t number = 1; number <= picture->atlas->object_count && count < TAGS; number++) {
         size_t tag = picture_tag(picture, number);
         double peak[3];
         double *at = places[count];
@@ -367,14 +359,13 @@ static conus_status draw_tags(conus_image *image, const struct picture *picture)
         char text[CELL_SIZE];
         snprintf(text, sizeof text, "%zu", tag);
         const double corner[2] = {at[0] - font_width(picture->font, picture->em, text) / 2, at[1] + 0.36 * picture->em};
-        draw_box(image, &disc, radius, colour);
-        draw_frame(image, &disc, radius, fmax(1, 0.1 * picture->em), ink);
-        status = font_draw(picture->font, image, corner, picture->em, ink, text);
+        draw_box(list, &disc, radius, colour);
+        draw_frame(list, &disc, radius, fmax(1, 0.1 * picture->em), ink);
+        draw_text(list, picture->font, corner, picture->em, ink, text);
     }
-    return status;
 }
 
-conus_status picture_draw_measured(conus_image *image, const struct picture *picture, double ends[2][2])
+void picture_draw_measured(struct draw_list *list, const struct picture *picture, double ends[2][2])
 {
     static const float dark[4] = {0.02F, 0.02F, 0.025F, 0.85F}; /* light on dark is seen on everything */
     static const float light[4] = {0.83F, 0.9F, 0.83F, 1};
@@ -385,57 +376,62 @@ conus_status picture_draw_measured(conus_image *image, const struct picture *pic
     for (int n = 0; n < 4; n++) {
         double at = ends[n / 2][n % 2];
         if (!(at >= 0 && at <= picture->drawing[n % 2])) {
-            return CONUS_OK;
+            return;
         }
     }
     vec3_sub(offset, places + 3, places);
     snprintf(text, sizeof text, "%.2f mm", vec3_length(offset));
     for (int layer = 0; layer < 2; layer++) {
         const float *rgba = layer ? light : dark;
-        draw_line(image, ends[0], ends[1], (layer ? 2 : 4) * picture->line, rgba);
+        draw_line(list, ends[0], ends[1], (layer ? 2 : 4) * picture->line, rgba);
         for (int n = 0; n < 2; n++) {
-            draw_line(image, ends[n], ends[n], (layer ? 6 : 8) * picture->line, rgba);
+            draw_line(list, ends[n], ends[n], (layer ? 6 : 8) * picture->line, rgba);
         }
     }
     const double middle[2] = {(ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2};
     double half = font_width(picture->font, size, text) / 2;
     const struct draw_box box = {middle[0] - half - 0.4 * size, middle[1] - 0.75 * size, middle[0] + half + 0.4 * size,
                                  middle[1] + 0.75 * size};
-    draw_box(image, &box, 0.3 * size, dark);
-    return font_draw(picture->font, image, (const double[]){middle[0] - half, middle[1] + 0.36 * size}, size, light,
-                     text);
+    draw_box(list, &box, 0.3 * size, dark);
+    draw_text(list, picture->font, (const double[]){middle[0] - half, middle[1] + 0.36 * size}, size, light, text);
 }
 
-static conus_status draw_measured(conus_image *image, const struct picture *picture)
+static void draw_measured(struct draw_list *list, const struct picture *picture)
 {
     double ends[2][2];
     double depth;
     for (int n = 0; n < 2; n++) {
         if (!camera_project(&ends[n][0], &ends[n][1], &depth, &picture->camera, &picture->frame,
                             picture->options.measured + 3 * n)) {
-            return CONUS_OK;
+            return;
         }
     }
-    return picture_draw_measured(image, picture, ends);
+    picture_draw_measured(list, picture, ends);
 }
 
-conus_status picture_annotate(conus_image *image, const struct picture *picture)
+void picture_annotate(struct draw_list *list, const struct picture *picture)
 {
-    conus_status status = picture->legend ? draw_tags(image, picture) : CONUS_OK;
-    status = status || !picture->legend ? status : picture_legend_draw(image, picture);
-    if (!status && picture_is_across(picture)) {
-        status = draw_edges(image, picture);
+    if (picture->legend) {
+        draw_tags(list, picture);
+        picture_legend_draw(list, picture);
     }
-    status = status ? status : draw_key(image, picture);
-    return status || !picture->options.measured ? status : draw_measured(image, picture);
+    if (picture_is_across(picture)) {
+        draw_edges(list, picture);
+    }
+    draw_key(list, picture);
+    if (picture->options.measured) {
+        draw_measured(list, picture);
+    }
 }
 
-conus_status picture_annotate_cut(conus_image *image, struct picture *picture, double mm_per_pixel)
+void picture_annotate_cut(struct draw_list *list, struct picture *picture, double mm_per_pixel)
 {
-    conus_status status = picture->legend ? picture_legend_draw(image, picture) : CONUS_OK;
+    if (picture->legend) {
+        picture_legend_draw(list, picture);
+    }
     memcpy(picture->ink, (const float[]){0.83F, 0.83F, 0.86F, 1}, sizeof picture->ink); /* on black, mostly */
-    if (!status && picture_is_across(picture)) {
-        status = draw_edges(image, picture);
+    if (picture_is_across(picture)) {
+        draw_edges(list, picture);
     }
-    return status ? status : picture_draw_bar(image, picture, 1 / mm_per_pixel);
+    picture_draw_bar(list, picture, 1 / mm_per_pixel);
 }

@@ -63,7 +63,7 @@ static void lay_out(conus_image *image, const struct picture *picture, const uin
 }
 
 /* The places as they are seen from before the cut; the camera's first columns are its axes. */
-static conus_status draw_measured(conus_image *image, const struct picture *picture, const conus_cut_view *view)
+static void draw_measured(struct draw_list *list, const struct picture *picture, const conus_cut_view *view)
 {
     const double *axes = picture->camera.world_from_camera;
     double ends[2][2];
@@ -73,29 +73,29 @@ static conus_status draw_measured(conus_image *image, const struct picture *pict
         ends[n][0] = view->width / 2.0 + vec3_dot(axes, offset) / view->mm_per_pixel;
         ends[n][1] = view->height / 2.0 - vec3_dot(axes + 4, offset) / view->mm_per_pixel;
     }
-    return picture_draw_measured(image, picture, ends);
+    picture_draw_measured(list, picture, ends);
 }
 
 static conus_status make_image(conus_image **out, struct picture *picture, const conus_cut_view *view,
                                const uint8_t *rgba)
 {
     conus_image *image = NULL;
-    conus_status status = image_create_rgba(&image, picture->options.width, picture->sheet_height);
+    conus_status status = image_create_listed(&image, picture->options.width, picture->sheet_height);
     if (!status) {
         image->dpi = picture->options.dpi;
         lay_out(image, picture, rgba);
-        status = picture->options.shapes ? image_keep_shapes(image) : CONUS_OK;
-    }
-    if (!status) {
         status = picture_add_volumes(image, picture->atlas, true);
     }
     if (!status && picture->font) {
         double *axes = picture->camera.world_from_camera;
         cut_view_axes(axes, axes + 4, view); /* the letters at the edges depend on them */
         picture->frame = (struct camera_frame){.width = picture->drawing[0], .height = picture->drawing[1]};
-        status = picture_annotate_cut(image, picture, view->mm_per_pixel);
-        status = status || !picture->options.measured ? status : draw_measured(image, picture, view);
+        picture_annotate_cut(image->list, picture, view->mm_per_pixel);
+        if (picture->options.measured) {
+            draw_measured(image->list, picture, view);
+        }
     }
+    status = status || picture->options.shapes ? status : image_paint(image);
     if (status) {
         conus_image_destroy(image);
         return status;

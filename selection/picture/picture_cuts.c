@@ -7,7 +7,6 @@
 #include "render/flat/cut_trace.h"
 #include "render/image/image.h"
 #include "render/image/image_srgb.h"
-#include "render/image/shapes.h"
 #include "selection/picture/picture.h"
 #include "selection/picture/picture_cutter.h"
 
@@ -381,8 +380,7 @@ static void lay_cut(const struct sheet *sheet, const struct panel *panel)
     }
 }
 
-/* Draws the outlines that are not in the pixels: of areas that are no surfaces, then of surfaces, and of the cone over
- * them. */
+/* Appends the outlines of areas that are no surfaces, then of surfaces, and of the cone over them. */
 static conus_status trace(const struct sheet *sheet, const struct cut *cut, struct cut_lines *lines)
 {
     const conus_atlas *atlas = sheet->picture.atlas;
@@ -395,14 +393,14 @@ static conus_status trace(const struct sheet *sheet, const struct cut *cut, stru
         skips[cut->surfaces[i]] = true;
     }
     conus_status status = sheet->look->no_outlines ? CONUS_OK
-                                                   : cut_trace_areas(lines->shapes, cut->objects, cut->of.width,
+                                                   : cut_trace_areas(lines->out, cut->objects, cut->of.width,
                                                                      cut->of.height, atlas->objects, skips, lines->at);
     memory_free(skips);
     cut_lines_finish(lines);
     if (!status && sheet->view.selection) {
         struct cut_cone cone;
         cutter_cone(&cone, sheet->view.selection);
-        cut_trace_cone(lines->shapes, &cut->of, &cone, lines->at);
+        cut_trace_cone(lines->out, &cut->of, &cone, lines->at);
     }
     return status;
 }
@@ -418,13 +416,12 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
     memcpy(view.centre, panel->centre, sizeof view.centre);
     memcpy(view.right, panel->plane->right, sizeof view.right);
     memcpy(view.up, panel->plane->up, sizeof view.up);
-    struct shapes *shapes = sheet->image->shapes;
-    struct cut_lines lines = {.shapes = shapes,
+    struct cut_lines lines = {.out = sheet->image->list,
                               .list = sheet->picture.atlas->objects,
                               .at = {(double)panel->at[0], (double)panel->at[1]},
                               .limit = {(double)panel->size[0], (double)panel->size[1]}};
-    view.no_outlines = view.no_outlines || shapes;
-    conus_status status = cutter_draw_bare(&cut, sheet->cutter, &view, shapes ? cut_lines_add : NULL, &lines);
+    view.no_outlines = true;
+    conus_status status = cutter_draw_bare(&cut, sheet->cutter, &view, cut_lines_add, &lines);
     size_t pixels = (size_t)view.width * view.height;
     sheet->rgba = status ? NULL : memory_copy(cut->rgba, pixels, 4);
     sheet->stack = sheet->rgba ? memory_raw(pixels, sizeof *sheet->stack) : NULL;
@@ -434,12 +431,10 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
         if (view.selection) {
             struct cut_cone cone;
             cutter_cone(&cone, view.selection);
-            cone.no_line = shapes;
+            cone.no_line = true;
             cut_draw_cone(sheet->rgba, &cut->of, &cone);
         }
         lay_cut(sheet, panel);
-    }
-    if (!status && shapes) {
         status = trace(sheet, cut, &lines);
     }
     memory_free(lines.points); /* of a cut that failed */
@@ -456,6 +451,7 @@ static conus_status draw_space(struct sheet *sheet, const struct panel *panel)
     view.width = (uint32_t)panel->size[0];
     view.height = (uint32_t)panel->size[1];
     view.legend = CONUS_LEGEND_NONE;
+    view.shapes = true;
     view.dpi = sheet->picture.em * 72 / POINTS;
     view.background = view.background == CONUS_BACKGROUND_LIGHT ? CONUS_BACKGROUND_TRANSPARENT : view.background;
     conus_status status = conus_render(&image, sheet->renderer, &view);
@@ -470,22 +466,20 @@ static conus_status draw_space(struct sheet *sheet, const struct panel *panel)
             lay_pixel(sheet, panel->at[0] + x, panel->at[1] + y, over);
         }
     }
-    if (sheet->image->shapes) {
-        shapes_take(sheet->image->shapes, image->shapes, (double[]){(double)panel->at[0], (double)panel->at[1]});
-    }
+    draw_take(sheet->image->list, image->list, (double[]){(double)panel->at[0], (double)panel->at[1]});
     conus_image_destroy(image);
     return CONUS_OK;
 }
 
-static conus_status write_centred(const struct sheet *sheet, double x, double baseline, double size, const char *text)
+static void write_centred(const struct sheet *sheet, double x, double baseline, double size, const char *text)
 {
     const struct picture *picture = &sheet->picture;
     const double at[2] = {x - font_width(picture->font, size, text) / 2, baseline};
-    return font_draw(picture->font, sheet->image, at, size, picture->ink, text);
+    draw_text(sheet->image->list, picture->font, at, size, picture->ink, text);
 }
 
 /* Letters in the bands around the cut, where they lie on nothing, and the title below. */
-static conus_status annotate(const struct sheet *sheet, const struct panel *panel)
+static void annotate(const struct sheet *sheet, const struct panel *panel)
 {
     const double em = sheet->picture.em;
     const double size = 1.2 * em;
@@ -499,17 +493,16 @@ static conus_status annotate(const struct sheet *sheet, const struct panel *pane
                                  {middle[0], (double)panel->at[1] - 0.5 * sheet->above + 0.36 * size}};
     const char *words[4];
     char title[TITLE_SIZE];
-    conus_status status = CONUS_OK;
     for (int n = 0; n < 4; n++) {
         double axis[3];
         vec3_scale(axis, n < 2 ? panel->plane->right : panel->plane->up, n % 2 ? 1 : -1);
         words[n] = picture_letter_of(axis);
     }
-    for (int n = 0; n < (has_letters ? 4 : 2) && !status && words[0] && words[2]; n++) {
-        status = write_centred(sheet, places[n][0], places[n][1], size, words[n]);
+    for (int n = 0; n < (has_letters ? 4 : 2) && words[0] && words[2]; n++) {
+        write_centred(sheet, places[n][0], places[n][1], size, words[n]);
     }
     put_title(title, sheet, panel, sheet->title);
-    return status ? status : write_centred(sheet, middle[0], bottom + sheet->above + (TITLE - 0.5) * em, em, title);
+    write_centred(sheet, middle[0], bottom + sheet->above + (TITLE - 0.5) * em, em, title);
 }
 
 static conus_status draw_panel(struct sheet *sheet, const struct panel *panel)
@@ -518,7 +511,10 @@ static conus_status draw_panel(struct sheet *sheet, const struct panel *panel)
         return draw_space(sheet, panel);
     }
     conus_status status = draw_cut(sheet, panel);
-    return status || !sheet->picture.font ? status : annotate(sheet, panel);
+    if (!status && sheet->picture.font) {
+        annotate(sheet, panel);
+    }
+    return status;
 }
 
 /* A legend inside has the upper left corner, since nothing counts as covered. */
@@ -529,28 +525,32 @@ static conus_status draw_legend(struct sheet *sheet)
         return CONUS_OK;
     }
     picture->rgba = memory_zeroed((size_t)picture->drawing[0] * picture->drawing[1], 4 * sizeof *picture->rgba);
-    return picture->rgba ? picture_legend_draw(sheet->image, picture) : CONUS_ERROR_MEMORY;
+    if (!picture->rgba) {
+        return CONUS_ERROR_MEMORY;
+    }
+    picture_legend_draw(sheet->image->list, picture);
+    return CONUS_OK;
 }
 
 static conus_status draw_sheet(struct sheet *sheet)
 {
     struct picture *picture = &sheet->picture;
     conus_status status = lay_out(sheet);
-    status = status ? status : image_create_rgba(&sheet->image, picture->options.width, picture->sheet_height);
+    status = status ? status : image_create_listed(&sheet->image, picture->options.width, picture->sheet_height);
     if (status) {
         return status;
     }
     sheet->image->dpi = picture->options.dpi;
     lay_background(sheet);
-    status = picture->options.shapes ? image_keep_shapes(sheet->image) : CONUS_OK;
     for (size_t i = 0; i < sheet->count && !status; i++) {
         status = draw_panel(sheet, &sheet->panels[i]);
     }
     bool has_cuts = sheet->panels[sheet->count - 1].plane;
     if (!status && picture->font && has_cuts) {
-        status = picture_draw_bar(sheet->image, picture, sheet->pixels_per_mm);
+        picture_draw_bar(sheet->image->list, picture, sheet->pixels_per_mm);
     }
     status = status ? status : draw_legend(sheet);
+    status = status || picture->options.shapes ? status : image_paint(sheet->image);
     return status ? status : picture_add_volumes(sheet->image, picture->atlas, true);
 }
 

@@ -6,7 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "render/colour/pathways.h"
-#include "render/flat/legend.h"
+#include "render/draw/legend.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -729,11 +729,11 @@ struct draw_box picture_legend_box(const struct picture *picture)
     return is_inside ? box_in(picture, corner_of(picture)) : (struct draw_box){0};
 }
 
-conus_status picture_legend_draw(conus_image *image, const struct picture *picture)
+void picture_legend_draw(struct draw_list *list, const struct picture *picture)
 {
     struct legend legend = picture->legend->legend;
     if (picture->options.legend == CONUS_LEGEND_INSIDE) {
         legend.corner = corner_of(picture);
     }
-    return legend_draw(image, picture->font, &legend);
+    legend_draw(list, picture->font, &legend);
 }

@@ -3,23 +3,12 @@
 #include "render/image/image_codecs.h"
 
 #include "conus/picture.h"
+#include "render/draw/paint.h"
 
 static conus_status refuse(void)
 {
     return fail(CONUS_ERROR_UNSUPPORTED,
                 "this build of conus leaves out pictures; conus page shows the atlas in a browser");
-}
-
-conus_status image_format_exr(struct bytes *out, const conus_image *image)
-{
-    (void)out, (void)image;
-    return refuse();
-}
-
-conus_status image_parse_exr(conus_image **out, const uint8_t *data, size_t size)
-{
-    (void)out, (void)data, (void)size;
-    return refuse();
 }
 
 conus_status image_format_png(struct bytes *out, const conus_image *image)
@@ -28,15 +17,15 @@ conus_status image_format_png(struct bytes *out, const conus_image *image)
     return refuse();
 }
 
-conus_status image_format_svg(struct bytes *out, const conus_image *image)
+conus_status draw_paint(float *const plane[4], const struct draw_list *list)
 {
-    (void)out, (void)image;
+    (void)plane, (void)list;
     return refuse();
 }
 
-conus_status image_format_pdf(struct bytes *out, const conus_image *image)
+conus_status draw_format_pdf(struct buffer *out, const struct draw_list *list, const uint8_t *rgba, double dpi)
 {
-    (void)out, (void)image;
+    (void)out, (void)list, (void)rgba, (void)dpi;
     return refuse();
 }
 
@@ -49,12 +38,6 @@ conus_status image_parse_png(conus_image **out, const uint8_t *data, size_t size
 conus_status conus_image_of_selection(conus_image **out, const conus_selection *selection)
 {
     (void)out, (void)selection;
-    return refuse();
-}
-
-conus_status conus_selection_write_deep(const conus_selection *selection, const char *path)
-{
-    (void)selection, (void)path;
     return refuse();
 }
 

@@ -214,7 +214,7 @@ static bool project(double at[2], const struct picture *picture, const double po
 }
 
 /* A line, without what of it lies right of the drawing. */
-static void draw_in_drawing(conus_image *image, const struct picture *picture, double from[2], double to[2],
+static void draw_in_drawing(struct draw_list *list, const struct picture *picture, double from[2], double to[2],
                             double width, const float rgba[4])
 {
     const double limit = picture->drawing[0] - width / 2;
@@ -225,12 +225,12 @@ static void draw_in_drawing(conus_image *image, const struct picture *picture, d
         out[0] = limit;
     }
     if (in[0] < limit) {
-        draw_line(image, from, to, width, rgba);
+        draw_line(list, from, to, width, rgba);
     }
 }
 
 /* Draws a probe in the colours of what it passes, over all that lies before it. */
-static void draw_line_of(conus_image *image, const struct picture *picture, size_t index)
+static void draw_line_of(struct draw_list *list, const struct picture *picture, size_t index)
 {
     const conus_segments *segments = picture->options.probes[index].segments;
     const double width = 0.3 * picture->em;
@@ -240,7 +240,7 @@ static void draw_line_of(conus_image *image, const struct picture *picture, size
         !project(to, picture, ends[1])) {
         return;
     }
-    draw_in_drawing(image, picture, from, to, width + fmax(2, 0.14 * picture->em), CASING);
+    draw_in_drawing(list, picture, from, to, width + fmax(2, 0.14 * picture->em), CASING);
     for (int pass = 0; pass < 2; pass++) { /* first what is in no object, all along */
         for (size_t i = 0; i < (pass ? conus_segments_count(segments) : 1); i++) {
             const conus_segment *row = conus_segments_segment(segments, i);
@@ -249,7 +249,7 @@ static void draw_line_of(conus_image *image, const struct picture *picture, size
             bool is_seen = pass && row->object && isfinite(row->exit);
             bool has_ends = is_seen && project(from, picture, row->entry_at) && project(to, picture, row->exit_at);
             if (!pass || has_ends) {
-                draw_in_drawing(image, picture, from, to, width, colour);
+                draw_in_drawing(list, picture, from, to, width, colour);
             }
         }
     }
@@ -257,8 +257,7 @@ static void draw_line_of(conus_image *image, const struct picture *picture, size
 
 /* Its name beyond its near end, or left or right of its line where the scale or the directions are beyond;
  * farther where another name is. */
-static conus_status write_line_name(conus_image *image, const struct picture *picture, struct draw_box *boxes,
-                                    size_t index)
+static void write_line_name(struct draw_list *list, const struct picture *picture, struct draw_box *boxes, size_t index)
 {
     const double em = picture->em;
     const char *name = picture->options.probes[index].name;
@@ -266,7 +265,7 @@ static conus_status write_line_name(conus_image *image, const struct picture *pi
     double from[2], to[2];
     if (!name || !name[0] || !picture_probe_ends(ends, picture, index) || !project(from, picture, ends[0]) ||
         !project(to, picture, ends[1])) {
-        return CONUS_OK;
+        return;
     }
     const double width = font_width(picture->font, em, name);
     const double length = fmax(hypot(from[0] - to[0], from[1] - to[1]), 1e-9);
@@ -297,8 +296,8 @@ static conus_status write_line_name(conus_image *image, const struct picture *pi
         }
     }
     boxes[index] = box;
-    picture_lay_patch(image, picture, &box);
-    return font_draw(picture->font, image, (double[]){box.left, box.top + 0.84 * em}, em, picture->ink, name);
+    picture_lay_patch(list, picture, &box);
+    draw_text(list, picture->font, (double[]){box.left, box.top + 0.84 * em}, em, picture->ink, name);
 }
 
 /* A strip's name beside it. */
@@ -342,7 +341,7 @@ static size_t place_labels(struct beside *labels, size_t count, const struct sca
     return count;
 }
 
-static conus_status write_labels(conus_image *image, const struct picture *picture, const struct scale *scale,
+static conus_status write_labels(struct draw_list *list, const struct picture *picture, const struct scale *scale,
                                  double left, size_t index)
 {
     const conus_segments *segments = picture->options.probes[index].segments;
@@ -363,23 +362,21 @@ static conus_status write_labels(conus_image *image, const struct picture *pictu
         }
     }
     count = place_labels(labels, count, scale, LINE * letters);
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; i < count && !status; i++) {
+    for (size_t i = 0; i < count; i++) {
         char name[TEXT_SIZE];
         double x = left + (STRIP + LEADER) * em;
         font_shorten(name, sizeof name, picture->font, letters,
                      name_of(picture, labels[i].object, picture->probes->is_short),
                      picture->probes->names[index] + 0.01);
-        draw_line(image, (double[]){left + STRIP * em, labels[i].wanted}, (double[]){x - 0.25 * em, labels[i].y},
+        draw_line(list, (double[]){left + STRIP * em, labels[i].wanted}, (double[]){x - 0.25 * em, labels[i].y},
                   picture->line, faint);
-        status =
-            font_draw(picture->font, image, (double[]){x, labels[i].y + 0.36 * letters}, letters, picture->ink, name);
+        draw_text(list, picture->font, (double[]){x, labels[i].y + 0.36 * letters}, letters, picture->ink, name);
     }
     memory_free(labels);
-    return status;
+    return CONUS_OK;
 }
 
-static conus_status draw_strip(conus_image *image, const struct picture *picture, const struct scale *scale,
+static conus_status draw_strip(struct draw_list *list, const struct picture *picture, const struct scale *scale,
                                double left, size_t index)
 {
     const conus_drawn_probe *probe = &picture->options.probes[index];
@@ -396,21 +393,20 @@ static conus_status draw_strip(conus_image *image, const struct picture *picture
         if (row && row->object) {
             float colour[4];
             colour_of(colour, picture, row->object);
-            draw_box(image, &box, 0, colour);
+            draw_box(list, &box, 0, colour);
         }
         if (exit > entry && (!row || row->object)) {
-            draw_frame(image, &box, 0, picture->line, picture->ink);
+            draw_frame(list, &box, 0, picture->line, picture->ink);
         }
     }
     double room = (STRIP + LEADER + COLUMN_GAP / 2) * em + picture->probes->names[index];
     font_shorten(head, sizeof head, picture->font, em, probe->name ? probe->name : "", room);
-    conus_status status =
-        font_draw(picture->font, image, (double[]){left, MARGIN * em + 0.8 * em}, em, picture->ink, head);
-    return status ? status : write_labels(image, picture, scale, left, index);
+    draw_text(list, picture->font, (double[]){left, MARGIN * em + 0.8 * em}, em, picture->ink, head);
+    return write_labels(list, picture, scale, left, index);
 }
 
 /* Depths at the left: the closest of 1, 2, 5, 10, ... mm apart that leave room for their numbers. */
-static conus_status draw_depths(conus_image *image, const struct picture *picture, const struct scale *scale)
+static void draw_depths(struct draw_list *list, const struct picture *picture, const struct scale *scale)
 {
     static const double steps[] = {1, 2, 5};
     const struct picture_probes *probes = picture->probes;
@@ -423,23 +419,20 @@ static conus_status draw_depths(conus_image *image, const struct picture *pictur
         step = steps[i] * power >= least ? steps[i] * power : step;
     }
     const char *unit = "mm";
-    conus_status status =
-        font_draw(picture->font, image, (double[]){right - font_width(picture->font, em, unit), MARGIN * em + 0.8 * em},
-                  em, picture->ink, unit);
+    const double over[2] = {right - font_width(picture->font, em, unit), MARGIN * em + 0.8 * em};
+    draw_text(list, picture->font, over, em, picture->ink, unit);
     long last = (long)floor((probes->to + 1e-9) / step);
-    for (long k = (long)ceil(probes->from / step - 1e-9); k <= last && !status; k++) {
+    for (long k = (long)ceil(probes->from / step - 1e-9); k <= last; k++) {
         char text[CELL_SIZE];
         double y = y_of(scale, picture, (double)k * step);
         snprintf(text, sizeof text, "%g", (double)k * step);
-        draw_line(image, (double[]){right + 0.15 * em, y}, (double[]){right + 0.4 * em, y}, picture->line,
-                  picture->ink);
+        draw_line(list, (double[]){right + 0.15 * em, y}, (double[]){right + 0.4 * em, y}, picture->line, picture->ink);
         const double at[2] = {right - font_width(picture->font, em, text), y + 0.36 * em};
-        status = font_draw(picture->font, image, at, em, picture->ink, text);
+        draw_text(list, picture->font, at, em, picture->ink, text);
     }
-    return status;
 }
 
-conus_status picture_probes_draw(conus_image *image, const struct picture *picture)
+conus_status picture_probes_draw(struct draw_list *list, const struct picture *picture)
 {
     const size_t count = picture->options.probe_count;
     struct scale scale = {.top = HEAD * picture->em + MARGIN * picture->em / 2,
@@ -447,20 +440,20 @@ conus_status picture_probes_draw(conus_image *image, const struct picture *pictu
     struct draw_box *boxes = memory_zeroed(count, sizeof *boxes);
     conus_status status = boxes ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < count; i++) {
-        draw_line_of(image, picture, i);
+        draw_line_of(list, picture, i);
     }
-    for (size_t i = 0; i < count && picture->font && !status; i++) {
-        status = write_line_name(image, picture, boxes, i);
+    for (size_t i = 0; i < count && picture->font && boxes; i++) {
+        write_line_name(list, picture, boxes, i);
     }
     memory_free(boxes);
     if (status || !picture->probes || picture->probes->to <= picture->probes->from || scale.bottom <= scale.top) {
         return status;
     }
     scale.pixels_per_mm = (scale.bottom - scale.top) / (picture->probes->to - picture->probes->from);
-    status = draw_depths(image, picture, &scale);
+    draw_depths(list, picture, &scale);
     double left = picture->probes->left + picture->probes->numbers;
     for (size_t i = 0; i < count && !status; i++) {
-        status = draw_strip(image, picture, &scale, left, i);
+        status = draw_strip(list, picture, &scale, left, i);
         left += (STRIP + LEADER + COLUMN_GAP) * picture->em + picture->probes->names[i];
     }
     return status;

@@ -7,8 +7,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "conus/version.h"
-#include "render/flat/draw.h"
-#include "render/flat/legend.h"
+#include "render/draw/legend.h"
 #include "render/image/image_srgb.h"
 #include "selection/picture/cryptomatte.h"
 #include "selection/selection.h"
@@ -227,25 +226,36 @@ static void shade(float colour[4], float factor)
     }
 }
 
+static void set_pixel(const struct image_rgba *planes, size_t pixel, const float colour[4])
+{
+    for (int c = 0; c < 4; c++) {
+        planes->plane[c][pixel] = colour[c];
+    }
+}
+
+/* The device's pixels on the left, the background beside them. */
 static void draw_pixels(conus_image *picture, const conus_selection *selection, uint32_t factor)
 {
+    const struct image_rgba planes = image_rgba(picture);
     uint32_t n = selection->evidence.resolution;
+    float colour[4];
+    draw_colour(colour, BACKGROUND, 1);
+    for (size_t pixel = 0; pixel < (size_t)picture->width * picture->height; pixel++) {
+        set_pixel(&planes, pixel, colour);
+    }
     for (uint32_t y = 0; y < n; y++) {
         for (uint32_t x = 0; x < n; x++) {
             size_t pixel = evidence_pixel(n, x, y);
             const conus_object *object = conus_atlas_object(selection->atlas, selection->evidence.object[pixel]);
-            float colour[4];
             draw_colour(colour, object ? object->rgb : NOTHING, 1);
             shade(colour, selection->in_cone[pixel] ? 1 : HIDDEN_SHADE);
             /* A pixel of the device is `factor` pixels wide; its first row and column are darker, to make a grid. */
-            const struct image_rgba planes = image_rgba(picture);
             float shaded[4] = {colour[0], colour[1], colour[2], 1};
             shade(shaded, LINE_SHADE);
             for (uint32_t j = 0; j < factor; j++) {
                 for (uint32_t i = 0; i < factor; i++) {
                     size_t to = ((size_t)y * factor + j) * picture->width + (size_t)x * factor + i;
-                    bool line = factor >= GRID && (i == 0 || j == 0);
-                    draw_over(&planes, to, line ? shaded : colour, 1);
+                    set_pixel(&planes, to, factor >= GRID && (i == 0 || j == 0) ? shaded : colour);
                 }
             }
         }
@@ -256,7 +266,7 @@ struct details {
     char pixels[24], share[24], distance[24];
 };
 
-static conus_status draw_legend(conus_image *panel, const conus_selection *selection, struct font *font)
+static conus_status draw_legend(struct draw_list *panel, const conus_selection *selection, struct font *font)
 {
     size_t results = conus_selection_count(selection);
     size_t count = 0;
@@ -292,72 +302,42 @@ static conus_status draw_legend(conus_image *panel, const conus_selection *selec
                                       .count = count,
                                       .size = LETTERS,
                                       .widest = 1};
-        status = legend_draw(panel, font, &legend);
+        legend_draw(panel, font, &legend);
     }
     memory_free(rows);
     memory_free(details);
     return status;
 }
 
-/* A panel with the legend, or *out = NULL where no font is installed. */
-static conus_status create_panel(conus_image **out, const conus_selection *selection, uint32_t height)
-{
-    struct font *font = NULL;
-    conus_image *panel = NULL;
-    conus_status status = font_create(&font);
-    if (status == CONUS_ERROR_UNSUPPORTED) {
-        *out = NULL;
-        return CONUS_OK;
-    }
-    status = status ? status : image_create_rgba(&panel, LEGEND_WIDTH, height);
-    status = status ? status : draw_legend(panel, selection, font);
-    font_destroy(font);
-    if (status) {
-        conus_image_destroy(panel);
-        return status;
-    }
-    *out = panel;
-    return CONUS_OK;
-}
-
-/* Lays the panel over the picture's right edge. */
-static void copy_panel(conus_image *picture, const conus_image *panel)
-{
-    const struct image_rgba to = image_rgba(picture);
-    const struct image_rgba from = image_rgba(panel);
-    for (size_t y = 0; y < panel->height; y++) {
-        size_t start = y * picture->width + picture->width - panel->width;
-        for (size_t x = 0; x < panel->width; x++) {
-            size_t pixel = y * panel->width + x;
-            float rest = 1 - from.plane[3][pixel];
-            for (int c = 0; c < 4; c++) {
-                to.plane[c][start + x] = from.plane[c][pixel] + rest * to.plane[c][start + x];
-            }
-        }
-    }
-}
-
+/* With the legend on the right; without it where no font is installed. */
 static conus_status create_picture(conus_image **out, const conus_selection *selection)
 {
     uint32_t n = selection->evidence.resolution;
     uint32_t factor = (PICTURE_SIDE + n - 1) / n;
     uint32_t side = factor * n;
-    conus_image *panel = NULL;
+    struct font *font = NULL;
+    struct draw_list *panel = NULL;
     conus_image *picture = NULL;
-    conus_status status = create_panel(&panel, selection, side);
-    status = status ? status : image_create_rgba(&picture, side + (panel ? LEGEND_WIDTH : 0), side);
+    conus_status status = font_create(&font);
+    status = status == CONUS_ERROR_UNSUPPORTED ? CONUS_OK : status;
+    status = status ? status : image_create_listed(&picture, side + (font ? LEGEND_WIDTH : 0), side);
+    status = status ? status : draw_list_create(&panel, LEGEND_WIDTH, side);
     if (!status) {
-        float background[4];
-        draw_colour(background, BACKGROUND, 1);
-        draw_box(picture, &(struct draw_box){-1, -1, picture->width + 1.0, side + 1.0}, 0, background);
         draw_pixels(picture, selection, factor);
-        if (panel) {
-            copy_panel(picture, panel);
-        }
-        *out = picture;
     }
-    conus_image_destroy(panel);
-    return status;
+    if (!status && font) {
+        status = draw_legend(panel, selection, font);
+        draw_take(picture->list, panel, (double[]){side, 0});
+    }
+    status = status ? status : image_paint(picture);
+    draw_list_destroy(panel);
+    font_destroy(font);
+    if (status) {
+        conus_image_destroy(picture);
+        return status;
+    }
+    *out = picture;
+    return CONUS_OK;
 }
 
 conus_status conus_image_of_selection(conus_image **out, const conus_selection *selection)

@@ -534,18 +534,18 @@ static conus_status add_attributes(conus_image *image, const struct picture *pic
 static conus_status make_image(conus_image **out, const struct picture *picture, const conus_renderer *renderer)
 {
     conus_image *image = NULL;
-    conus_status status = image_create_rgba(&image, picture->options.width, picture->sheet_height);
+    conus_status status = image_create_listed(&image, picture->options.width, picture->sheet_height);
     if (!status) {
         image->dpi = picture->options.dpi;
         lay_over_background(image, picture);
-        status = picture->options.shapes ? image_keep_shapes(image) : CONUS_OK;
     }
     if (!status && picture->options.probe_count) {
-        status = picture_probes_draw(image, picture);
+        status = picture_probes_draw(image->list, picture);
     }
-    if (!status) {
-        status = picture->font ? picture_annotate(image, picture) : CONUS_OK;
+    if (!status && picture->font) {
+        picture_annotate(image->list, picture);
     }
+    status = status || picture->options.shapes ? status : image_paint(image);
     status = status ? status : add_attributes(image, picture, renderer);
     if (status) {
         conus_image_destroy(image);

@@ -17,7 +17,7 @@ ROOMS = "base cache atlas poses loaders render selection include apps".split()
 
 ISO_C = """assert ctype errno fenv float inttypes limits locale math setjmp stdalign stdarg stdatomic stdbool stddef stdint
     stdio stdlib string time"""
-LIBRARIES = """jansson libdeflate zlib zstd expat nettle/* epoxy/* png openexr cairo* ft2build fontconfig/* embree?/*
+LIBRARIES = """jansson libdeflate zlib zstd expat nettle/* epoxy/* png openexr cairo* ft2build embree?/*
     GLFW/* imgui* backends/imgui* spnav X11/Xlib hdf5 mpi vtk* *mmintrin wasm_simd128 emscripten cpuid conus/*"""
 HEADERS = [f"{name}.h" for name in f"{ISO_C} pthread strings {LIBRARIES}".split()]
 CXX = re.compile(r"[a-z_]+")  # C++ has no ending

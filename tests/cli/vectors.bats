@@ -43,19 +43,29 @@ BOX='blocks.nii.gz --labels blocks.txt --cuts axial:0 --origin=-90,0,0 --toward=
     pdfinfo ball.pdf | grep -q 'Page size: *225 x 150 pts' # a pixel is a 96th inch
 }
 
-@test "without a font there is no text, and what lacks is said in one line" {
+@test "a picture is the same whatever fonts are installed" {
     sphere --size 16
     printf '<fontconfig></fontconfig>' >none.conf
-    FONTCONFIG_FILE=$PWD/none.conf answers render sphere.nii.gz --cuts axial -o bare.svg
-    xmllint --noout bare.svg
-    not grep -q '<text' bare.svg
-    FONTCONFIG_FILE=$PWD/none.conf answers render sphere.nii.gz --cuts axial -o bare.pdf
+    for ending in png svg pdf; do
+        answers render sphere.nii.gz --cuts axial -o here.$ending
+        FONTCONFIG_FILE=$PWD/none.conf answers render sphere.nii.gz --cuts axial -o there.$ending
+        cmp {here,there}.$ending
+    done
+    [ "$(pdffonts here.pdf | sed -n '3s/^[A-Z]*+\([A-Za-z]*\) .*/\1/p')" = LiberationSans ]
+}
+
+@test "without cairo there is no text, and what lacks is said in one line" {
+    sphere --size 16
     mkdir library
     : >library/libcairo.so.2 # an empty library
-    LD_LIBRARY_PATH=$PWD/library fails 3 'libcairo.so.2 cannot be loaded (Debian: libcairo2)' \
-        render sphere.nii.gz --cuts axial -o x.pdf
-    [ ! -e x.pdf ]
-    LD_LIBRARY_PATH=$PWD/library answers render sphere.nii.gz --cuts axial -o fine.svg
+    for ending in pdf png; do
+        LD_LIBRARY_PATH=$PWD/library fails 3 'libcairo.so.2 cannot be loaded (Debian: libcairo2)' \
+            render sphere.nii.gz --cuts axial -o x.$ending
+        [ ! -e x.$ending ]
+    done
+    LD_LIBRARY_PATH=$PWD/library answers render sphere.nii.gz --cuts axial -o bare.svg
+    xmllint --noout bare.svg
+    not grep -q '<text' bare.svg
     fails 3 'cannot write' render sphere.nii.gz --cuts axial -o none/x.svg
     fails 2 'x.eps' render sphere.nii.gz --cuts axial -o x.eps
 }

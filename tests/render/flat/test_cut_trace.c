@@ -2,7 +2,6 @@
 /* Outlines of a cut: for every pattern of pixels the outline covers exactly the pixels that border on another
  * number. */
 #include "render/flat/cut_trace.h"
-#include "render/image/image.h"
 
 #include "test.h"
 
@@ -13,25 +12,21 @@ enum { SIDE = 12, TRIALS = 400 };
 
 static const conus_object list[] = {{.rgb = {255, 0, 0}}, {.rgb = {0, 0, 255}}};
 
-static struct shapes *trace(const uint32_t *objects, const bool *skips)
+static struct draw_list *trace(const uint32_t *objects, const bool *skips)
 {
-    conus_image *image = NULL;
-    assert_ok(image_create_rgba(&image, 1, 1));
-    assert_ok(image_keep_shapes(image));
-    struct shapes *shapes = image->shapes;
-    image->shapes = NULL;
-    conus_image_destroy(image);
-    assert_ok(cut_trace_areas(shapes, objects, SIDE, SIDE, list, skips, (double[]){100, 200}));
-    assert_false(shapes->failed);
-    return shapes;
+    struct draw_list *lines = NULL;
+    assert_ok(draw_list_create(&lines, 1, 1));
+    assert_ok(cut_trace_areas(lines, objects, SIDE, SIDE, list, skips, (double[]){100, 200}));
+    assert_false(lines->failed);
+    return lines;
 }
 
 /* Marks the pixels whose centres a loop passes; all its lines are along the axes. */
-static void mark(uint8_t marks[SIDE * SIDE], const struct image_shape *loop)
+static void mark(uint8_t marks[SIDE * SIDE], const struct draw_item *loop)
 {
-    for (size_t k = 0; k < loop->point_count; k++) {
+    for (size_t k = 0; k < loop->count; k++) {
         const double *from = loop->points[k];
-        const double *to = loop->points[(k + 1) % loop->point_count];
+        const double *to = loop->points[(k + 1) % loop->count];
         double step[2] = {to[0] - from[0], to[1] - from[1]};
         double length = fabs(step[0]) + fabs(step[1]);
         assert_true(step[0] == 0 || step[1] == 0);
@@ -77,10 +72,10 @@ static void outlines_cover_the_outermost_pixels(void **state)
         for (int i = 0; i < SIDE * SIDE; i++) {
             objects[i] = test_random(&random, 0, 100) < trial % 90 ? (uint32_t)test_random(&random, 1, 3) : 0;
         }
-        struct shapes *shapes = trace(objects, NULL);
-        for (size_t i = 0; i < shapes->count; i++) {
-            assert_int_equal(shapes->items[i].kind, SHAPE_LOOP);
-            mark(marks[shapes->items[i].rgba[2] > 0], &shapes->items[i]);
+        struct draw_list *lines = trace(objects, NULL);
+        for (size_t i = 0; i < lines->count; i++) {
+            assert_int_equal(lines->items[i].kind, DRAW_LOOP);
+            mark(marks[lines->items[i].rgba[2] > 0], &lines->items[i]);
         }
         for (size_t i = 0; i < SIDE * SIDE; i++) {
             for (uint32_t n = 1; n <= 2; n++) {
@@ -89,7 +84,7 @@ static void outlines_cover_the_outermost_pixels(void **state)
                 assert_true(marks[n - 1][i] || !is_one || !borders(objects, i, false));
             }
         }
-        shapes_destroy(shapes);
+        draw_list_destroy(lines);
     }
 }
 
@@ -102,16 +97,16 @@ static void a_hole_has_a_loop_and_what_is_skipped_has_none(void **state)
             objects[SIDE * row + column] = row == 5 && column == 4 ? 2 : 1;
         }
     }
-    struct shapes *shapes = trace(objects, NULL);
-    assert_int_equal(shapes->count, 3);
-    assert_int_equal(shapes->items[0].point_count, 4);
+    struct draw_list *lines = trace(objects, NULL);
+    assert_int_equal(lines->count, 3);
+    assert_int_equal(lines->items[0].count, 4);
     static const double corners[4][2] = {{107.5, 202.5}, {107.5, 208.5}, {101.5, 208.5}, {101.5, 202.5}};
-    assert_memory_equal(shapes->items[0].points, corners, sizeof corners);
-    shapes_destroy(shapes);
-    shapes = trace(objects, (const bool[]){false, true, false});
-    assert_int_equal(shapes->count, 1);
-    assert_int_equal(shapes->items[0].rgba[2], 1);
-    shapes_destroy(shapes);
+    assert_memory_equal(lines->items[0].points, corners, sizeof corners);
+    draw_list_destroy(lines);
+    lines = trace(objects, (const bool[]){false, true, false});
+    assert_int_equal(lines->count, 1);
+    assert_int_equal(lines->items[0].rgba[2], 1);
+    draw_list_destroy(lines);
 }
 
 /* Two cuts of a cone: through its apex along the axis, and across it 20 mm away, where it is a circle. */
@@ -122,15 +117,15 @@ static void the_line_of_a_cone_is_where_its_wall_is(void **state)
     const struct cut_cone cone = {.world_from_cone = matrix, .slope = 0.25, .far = INFINITY};
     struct cut_place place = {
         .centre = {0, 0, -20}, .right = {1, 0, 0}, .up = {0, 1, 0}, .mm_per_pixel = 0.1, .width = 160, .height = 160};
-    struct shapes *shapes = trace((const uint32_t[SIDE *SIDE]){0}, NULL);
-    cut_trace_cone(shapes, &place, &cone, (double[]){0, 0});
-    assert_int_equal(shapes->count, 1);
-    assert_true(shapes->items[0].point_count > 100);
-    for (size_t k = 0; k < shapes->items[0].point_count; k++) {
-        const double *p = shapes->items[0].points[k];
+    struct draw_list *lines = trace((const uint32_t[SIDE *SIDE]){0}, NULL);
+    cut_trace_cone(lines, &place, &cone, (double[]){0, 0});
+    assert_int_equal(lines->count, 1);
+    assert_true(lines->items[0].count > 100);
+    for (size_t k = 0; k < lines->items[0].count; k++) {
+        const double *p = lines->items[0].points[k];
         assert_near(hypot(p[0] - 80, p[1] - 80), 50, 0.1);
     }
-    shapes_destroy(shapes);
+    draw_list_destroy(lines);
 }
 
 TEST_GROUP(cut_trace)

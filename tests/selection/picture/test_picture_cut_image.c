@@ -2,7 +2,6 @@
 /* Cuts as figures: the cut's own pixels, letters, the scale, the legend, the sheet. */
 #include "render/image/image.h"
 #include "render/image/image_srgb.h"
-#include "render/image/shapes.h"
 
 #include "builders/area_rows.h"
 #include "conus/phantom.h"
@@ -216,13 +215,12 @@ static void a_legend_has_its_place(void **state)
 }
 
 /* The first shape that is a text, or a line of that width; NULL = none. */
-static const struct image_shape *find_shape(const conus_image *image, enum shape_kind kind, const char *text,
-                                            double width)
+static const struct draw_item *find_shape(const conus_image *image, enum draw_kind kind, const char *text, double width)
 {
-    for (size_t i = 0; i < image->shapes->count; i++) {
-        const struct image_shape *shape = &image->shapes->items[i];
-        if (shape->kind == kind && (text ? strcmp(shape->text, text) == 0 : shape->width == width)) {
-            return shape;
+    for (size_t i = 0; i < image->list->count; i++) {
+        const struct draw_item *item = &image->list->items[i];
+        if (item->kind == kind && (text ? strcmp(item->text, text) == 0 : item->width == width)) {
+            return item;
         }
     }
     return NULL;
@@ -238,16 +236,16 @@ static void a_measured_distance_is_drawn(void **state)
         conus_image *image = NULL;
         const conus_view sheet = {.shapes = true, .measured = places[outside]};
         assert_ok(conus_cut_image(&image, atlas, &plain, &sheet));
-        const struct image_shape *line = find_shape(image, SHAPE_LINE, NULL, 4);
-        const struct image_shape *text = find_shape(image, SHAPE_TEXT, "13.00 mm", 0);
+        const struct draw_item *line = find_shape(image, DRAW_LINES, NULL, 4);
+        const struct draw_item *text = find_shape(image, DRAW_TEXT, "13.00 mm", 0);
         assert_int_equal(line != NULL, !outside);
         assert_int_equal(text != NULL, !outside);
         if (line && text) {
-            assert_near(line->from[0], WIDTH / 2.0 - 20, 1e-9);
-            assert_near(line->from[1], HEIGHT / 2.0 - 10, 1e-9);
-            assert_near(line->to[0], WIDTH / 2.0 - 14, 1e-9);
-            assert_near(line->to[1], HEIGHT / 2.0 - 18, 1e-9);
-            assert_near(text->from[0] + text->length / 2, WIDTH / 2.0 - 17, 1);
+            assert_near(line->points[0][0], WIDTH / 2.0 - 20, 1e-9);
+            assert_near(line->points[0][1], HEIGHT / 2.0 - 10, 1e-9);
+            assert_near(line->points[1][0], WIDTH / 2.0 - 14, 1e-9);
+            assert_near(line->points[1][1], HEIGHT / 2.0 - 18, 1e-9);
+            assert_near(text->points[0][0] + text->length / 2, WIDTH / 2.0 - 17, 1);
         }
         conus_image_destroy(image);
     }

@@ -2,9 +2,7 @@
 /* Pictures for papers: sides, backgrounds, letters, places of the legend, and sizes on paper. */
 #include "base/geometry/math3.h"
 #include "picture_scene.h"
-#include "render/flat/font.h"
 #include "render/image/image.h"
-#include "render/image/shapes.h"
 #include "selection/picture/picture.h"
 #include "test.h"
 #include "test_gl.h"
@@ -79,16 +77,6 @@ static conus_image *render(const struct scene *scene, conus_view view)
     conus_image *image = NULL;
     assert_ok(conus_render(&image, scene->renderer, &view));
     return image;
-}
-
-static void need_font(void)
-{
-    struct font *font = NULL;
-    conus_status status = font_create(&font);
-    font_destroy(font);
-    if (status) {
-        skip();
-    }
 }
 
 /* CCF numbers of a world point are 1000 (10 - z), 1000 (4 - y), 1000 (5 + x); those from bregma are the mm from
@@ -246,7 +234,6 @@ static void letters_tell_left_from_right(void **state)
         bool left_is_l, right_is_l;
     } cases[] = {{CONUS_SIDE_FRONT, false, true},  {CONUS_SIDE_BACK, true, false},  {CONUS_SIDE_TOP, true, false},
                  {CONUS_SIDE_BOTTOM, false, true}, {CONUS_SIDE_LEFT, false, false}, {CONUS_SIDE_RIGHT, false, false}};
-    need_font();
     struct scene scene = need_scene(state);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const conus_view view = {.side = cases[i].side,
@@ -312,7 +299,6 @@ static void assert_same_top(const conus_image *a, const conus_image *b, uint32_t
 
 static void a_legend_outside_leaves_the_drawing_alone(void **state)
 {
-    need_font();
     struct scene scene = need_scene(state);
     conus_view view = {.width = 2 * WIDTH,
                        .height = 2 * HEIGHT,
@@ -360,23 +346,23 @@ static uint32_t height_with_legend(const struct scene *scene, conus_layers layer
  * (80 mm, 5.7 degrees) and nothing else: with all layers there is one row more. */
 static void occluded_objects_have_a_row_with_all_layers(void **state)
 {
-    need_font();
     struct scene scene = need_scene(state);
     uint32_t six = height_with_legend(&scene, CONUS_LAYERS_VISIBLE);
     uint32_t seven = height_with_legend(&scene, CONUS_LAYERS_ALL);
     assert_in_range(seven, six + 3, six + 30);
 }
 
-/* The box around a shape; around a text up to its capitals' height. */
-static struct draw_box box_of(const struct image_shape *shape)
+/* The box around an item; around a text up to its capitals' height. */
+static struct draw_box box_of(const struct draw_item *item)
 {
-    double half = shape->kind == SHAPE_LINE ? shape->width / 2 : 0;
-    if (shape->kind == SHAPE_TEXT) {
-        return (struct draw_box){shape->from[0], shape->from[1] - 0.7 * shape->width, shape->from[0] + shape->length,
-                                 shape->from[1]};
+    const double half = item->kind == DRAW_LINES ? item->width / 2 : 0;
+    const double *from = item->points[0];
+    if (item->kind == DRAW_TEXT) {
+        return (struct draw_box){from[0], from[1] - 0.7 * item->width, from[0] + item->length, from[1]};
     }
-    return (struct draw_box){fmin(shape->from[0], shape->to[0]) - half, fmin(shape->from[1], shape->to[1]) - half,
-                             fmax(shape->from[0], shape->to[0]) + half, fmax(shape->from[1], shape->to[1]) + half};
+    const double *to = item->points[1];
+    return (struct draw_box){fmin(from[0], to[0]) - half, fmin(from[1], to[1]) - half, fmax(from[0], to[0]) + half,
+                             fmax(from[1], to[1]) + half};
 }
 
 /* Number of pixels of the drawing, on a transparent background, in the box. */
@@ -429,9 +415,9 @@ static conus_image *render_shapes(const struct scene *scene, conus_view view)
 
 static void assert_nothing_is_under_shapes(const conus_image *image)
 {
-    assert_true(image->shapes->count >= 4);
-    for (size_t i = 0; i < image->shapes->count; i++) {
-        const struct draw_box box = box_of(&image->shapes->items[i]);
+    assert_true(image->list->count >= 4);
+    for (size_t i = 0; i < image->list->count; i++) {
+        const struct draw_box box = box_of(&image->list->items[i]);
         assert_true(box.left >= 0 && box.top >= 0 && box.right <= image->width && box.bottom <= image->height);
         assert_int_equal(drawn_in(image, &box), 0);
     }
@@ -444,7 +430,6 @@ static void scale_and_directions_lie_on_nothing(void **state)
         uint32_t width, height;
         double dpi;
     } sizes[] = {{355, 266, 150}, {300, 225, 0}, {225, 300, 0}, {600, 200, 0}};
-    need_font();
     struct scene scene = need_scene(state);
     conus_selection *selection = NULL;
     conus_pose pose;
@@ -479,7 +464,6 @@ static double all(const double p[3])
 static void a_cube_makes_room_for_scale_and_directions(void **state)
 {
     (void)state;
-    need_font();
     test_need_gl();
     conus_volume_info grid = picture_grid((size_t[]){40, 40, 40}, (double[]){1, 1, 1}, picture_identity);
     struct scene scene = {.atlas = picture_atlas(&grid, all, NULL, NULL)};
@@ -499,7 +483,6 @@ static void a_cube_makes_room_for_scale_and_directions(void **state)
 static void a_legend_leaves_the_drawing_large(void **state)
 {
     static const uint32_t sizes[][2] = {{320, 240}, {400, 400}};
-    need_font();
     struct scene scene = need_scene(state);
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         for (int side = CONUS_SIDE_OF_CONE; side <= CONUS_SIDE_BOTTOM; side++) {
@@ -508,9 +491,9 @@ static void a_legend_leaves_the_drawing_large(void **state)
                                                                     .side = (conus_side)side,
                                                                     .selection = scene.selection});
             struct draw_box panel = {0, 0, 0, 0};
-            for (size_t k = 0; k < image->shapes->count && panel.right == 0; k++) {
-                const struct draw_box box = box_of(&image->shapes->items[k]);
-                panel = image->shapes->items[k].kind == SHAPE_BOX && box.top < 20 ? box : panel;
+            for (size_t k = 0; k < image->list->count && panel.right == 0; k++) {
+                const struct draw_box box = box_of(&image->list->items[k]);
+                panel = image->list->items[k].kind == DRAW_BOX && box.top < 20 ? box : panel;
             }
             uint32_t low[2];
             uint32_t high[2];
@@ -527,7 +510,6 @@ static void a_legend_leaves_the_drawing_large(void **state)
  * corner. */
 static void scale_and_directions_follow_a_given_camera(void **state)
 {
-    need_font();
     struct scene scene = need_scene(state);
     conus_pose camera;
     assert_ok(conus_pose_toward(&camera, (double[]){-150, 38, 18}, (double[]){0, 38, 18}, NULL));
@@ -541,14 +523,13 @@ static void scale_and_directions_follow_a_given_camera(void **state)
 /* 18 mm before its middle a ball of radius 8 spans 52 degrees: all of a square picture of 30 degrees. */
 static void without_free_corners_scale_and_directions_have_patches(void **state)
 {
-    need_font();
     struct scene scene = need_scene(state);
     conus_pose camera;
     assert_ok(conus_pose_toward(&camera, (double[]){-38, 0, 0}, (double[]){0, 0, 0}, NULL));
     conus_image *image = render_shapes(&scene, (conus_view){.width = 300, .height = 300, .camera = &camera});
     size_t patches = 0;
-    for (size_t i = 0; i < image->shapes->count; i++) {
-        patches += image->shapes->items[i].kind == SHAPE_BOX;
+    for (size_t i = 0; i < image->list->count; i++) {
+        patches += image->list->items[i].kind == DRAW_BOX;
     }
     assert_int_equal(patches, 5); /* for four letters and the bar */
     conus_image_destroy(image);
@@ -590,16 +571,16 @@ static void a_probe_is_a_line_in_the_colours_of_what_it_passes(void **state)
                                                             .no_legend = true,
                                                             .probes = &probe,
                                                             .probe_count = 1});
-    assert_int_equal(image->shapes->count, 4); /* casing, all of it, and two balls */
+    assert_int_equal(image->list->count, 4); /* casing, all of it, and two balls */
     for (uint32_t n = 1; n <= 2; n++) {
-        const struct image_shape *line = &image->shapes->items[4 - n];
+        const struct draw_item *line = &image->list->items[4 - n];
         double columns[2];
         columns_of(columns, &scene, image, n);
-        assert_int_equal(line->kind, SHAPE_LINE);
-        assert_near(line->from[0], columns[1], 2);
-        assert_near(line->to[0], columns[0], 2);
-        assert_true(line->from[0] - line->to[0] > 30);
-        assert_near(line->from[1], 150, 1);
+        assert_int_equal(line->kind, DRAW_LINES);
+        assert_near(line->points[0][0], columns[1], 2);
+        assert_near(line->points[1][0], columns[0], 2);
+        assert_true(line->points[0][0] - line->points[1][0] > 30);
+        assert_near(line->points[0][1], 150, 1);
     }
     assert_int_equal(object_at(&scene, image, 300, 150), 0); /* the ball at the front would be here */
     conus_image_destroy(image);
@@ -616,7 +597,6 @@ static void probes_that_cannot_be_drawn_are_refused(void **state)
                                 {.probes = &empty, .probe_count = 1},
                                 {.probe_count = 1},
                                 {.probes = probes, .probe_count = 3, .width = 200, .height = 400}};
-    need_font();
     for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
         conus_image *image = NULL;
         assert_fails(conus_render(&image, scene.renderer, &views[i]), CONUS_ERROR_ARGUMENT);
@@ -664,7 +644,6 @@ static void files_say_how_large_they_are(void **state)
 /* Twice the pixels per inch on twice the pixels give the same sheet, legend included, to a few pixels. */
 static void letters_grow_with_the_resolution(void **state)
 {
-    need_font();
     struct scene scene = need_scene(state);
     uint32_t extra[2];
     for (uint32_t times = 1; times <= 2; times++) {
@@ -684,7 +663,6 @@ static void a_measured_distance_is_drawn(void **state)
 {
     static const double places[6] = {-30, 0, 10, 30, 0, 10};
     const double scale = 150 / (200 * tan(radians_from_degrees(30)));
-    need_font();
     struct scene scene = need_scene(state);
     conus_pose camera;
     conus_image *image = NULL;
@@ -699,15 +677,15 @@ static void a_measured_distance_is_drawn(void **state)
                                  .shapes = true,
                                  .measured = behind ? (double[]){-30, 0, 10, 30, -201, 10} : places};
         image = render(&scene, view);
-        for (size_t i = 0; i < image->shapes->count; i++) {
-            const struct image_shape *shape = &image->shapes->items[i];
-            if (shape->kind == SHAPE_LINE && fabs(shape->to[0] - shape->from[0] - 60 * scale) < 1e-6) {
-                assert_near(shape->from[0], 200 - 30 * scale, 1e-6);
-                assert_near(shape->from[1], 150 - 10 * scale, 1e-6);
-                assert_near(shape->to[1], shape->from[1], 1e-6);
+        for (size_t i = 0; i < image->list->count; i++) {
+            const struct draw_item *item = &image->list->items[i];
+            if (item->kind == DRAW_LINES && fabs(item->points[1][0] - item->points[0][0] - 60 * scale) < 1e-6) {
+                assert_near(item->points[0][0], 200 - 30 * scale, 1e-6);
+                assert_near(item->points[0][1], 150 - 10 * scale, 1e-6);
+                assert_near(item->points[1][1], item->points[0][1], 1e-6);
                 lines++;
             }
-            texts += shape->kind == SHAPE_TEXT && strcmp(shape->text, "60.00 mm") == 0;
+            texts += item->kind == DRAW_TEXT && strcmp(item->text, "60.00 mm") == 0;
         }
         conus_image_destroy(image);
     }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file A panel in a corner of a picture that names what its colours mean. */
-#ifndef CONUS_RENDER_FLAT_LEGEND_H
-#define CONUS_RENDER_FLAT_LEGEND_H
+#ifndef CONUS_RENDER_DRAW_LEGEND_H
+#define CONUS_RENDER_DRAW_LEGEND_H
 
-#include "render/flat/font.h"
+#include "render/draw/font.h"
 
 enum { LEGEND_DETAILS = 3, LEGEND_BAR = 32 };
 
@@ -37,8 +37,8 @@ struct legend {
     double size;      /**< Letters: pixels per em; 0 = a 54th of the image's shorter side, at least 11.           */
 };
 
-/** Size of letters in a legend of default size in @p image, for other text to match. */
-double legend_size(const conus_image *image);
+/** Size of letters in a legend of default size on @p list, for other text to match. */
+double legend_size(const struct draw_list *list);
 
 /** Measures a legend with all rows, whole names and its margins. @p limit is the width and height available, pixels: a
  * legend that needs more with letters of @p largest pixels per em gets smaller ones, down to @p smallest. Returns their
@@ -49,9 +49,10 @@ double legend_fit(double size[2], struct font *font, const struct legend *legend
 /** How many rows a legend has room for in @p height pixels with letters of @p size pixels per em. */
 size_t legend_capacity(const struct legend *legend, double size, double height);
 
-/** Draws the panel onto R, G, B, A. It keeps within `widest` and the image's height: names that are too long
+/** Appends the panel. It keeps within `widest` and the picture's height: names that are too long
  * end in an ellipsis, columns that do not fit are left out from the last on, and of too many rows the first are shown,
- * a line "... and N more", and the tail, if there is space for these. An image too small for one row stays as it is. */
-conus_status legend_draw(conus_image *image, struct font *font, const struct legend *legend);
+ * a line "... and N more", and the tail, if there is space for these. A picture too small for one row stays as it is.
+ */
+void legend_draw(struct draw_list *list, struct font *font, const struct legend *legend);
 
 #endif

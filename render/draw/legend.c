@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lays a legend out in columns and draws it. */
-#include "render/flat/legend.h"
-
-#include "render/flat/draw.h"
+#include "render/draw/legend.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -30,7 +28,7 @@ static const float DIM[4] = {0.42F, 0.45F, 0.5F, 1};
 struct layout {
     const struct legend *legend;
     struct font *font;
-    conus_image *image;
+    struct draw_list *list;
     double em;
     size_t shown; /* rows that are shown, without the line that counts the others */
     size_t head;  /* those of them that are above that line */
@@ -41,9 +39,9 @@ struct layout {
     float bright[4], dim[4];
 };
 
-double legend_size(const conus_image *image)
+double legend_size(const struct draw_list *list)
 {
-    return fmax(11, fmin(image->width, image->height) / 54.0);
+    return fmax(11, fmin(list->width, list->height) / 54.0);
 }
 
 static double width_of(const struct layout *layout, double size, const char *text)
@@ -138,7 +136,7 @@ static double choose_columns(struct layout *layout)
     double em = layout->em;
     double details = measure_columns(layout);
     double widest = layout->legend->widest > 0 ? layout->legend->widest : WIDEST;
-    double space = widest * layout->image->width - (MARGIN + 2 * PADDING + CHIP + CHIP_GAP) * em;
+    double space = widest * layout->list->width - (MARGIN + 2 * PADDING + CHIP + CHIP_GAP) * em;
     double shortest = fmin(layout->name_width, SHORTEST_NAME * em);
     layout->columns = LEGEND_DETAILS;
     while (layout->columns > 0 && space - details < shortest) {
@@ -155,7 +153,7 @@ static bool measure_layout(struct layout *layout)
     double em = layout->em;
     find_header(layout);
     double above = legend->at ? legend->at[1] : 0;
-    size_t fitting = legend_capacity(layout->legend, layout->em, layout->image->height - above);
+    size_t fitting = legend_capacity(layout->legend, layout->em, layout->list->height - above);
     size_t count = layout->legend->count;
     size_t tail = layout->legend->tail;
     layout->shown = count <= fitting ? count : fitting > 0 ? fitting - 1 : 0;
@@ -165,8 +163,8 @@ static bool measure_layout(struct layout *layout)
     double height = head_height(layout) + (LINE * (double)lines + 2 * PADDING) * em;
     bool right = legend->corner == LEGEND_TOP_RIGHT || legend->corner == LEGEND_BOTTOM_RIGHT;
     bool bottom = legend->corner == LEGEND_BOTTOM_LEFT || legend->corner == LEGEND_BOTTOM_RIGHT;
-    double left = rint(right ? layout->image->width - MARGIN * em - width : MARGIN * em);
-    double top = rint(bottom ? layout->image->height - MARGIN * em - height : MARGIN * em);
+    double left = rint(right ? layout->list->width - MARGIN * em - width : MARGIN * em);
+    double top = rint(bottom ? layout->list->height - MARGIN * em - height : MARGIN * em);
     left = legend->at ? rint(legend->at[0] + MARGIN * em) : left;
     top = legend->at ? rint(legend->at[1] + MARGIN * em) : top;
     layout->panel = (struct draw_box){left, top, left + ceil(width), top + rint(height)};
@@ -174,54 +172,46 @@ static bool measure_layout(struct layout *layout)
 }
 
 /* Draws `text`, shortened to `limit` pixels. */
-static conus_status write_text(const struct layout *layout, const double at[2], double size, double limit,
-                               const float rgba[4], const char *text)
+static void write_text(const struct layout *layout, const double at[2], double size, double limit, const float rgba[4],
+                       const char *text)
 {
     char shorter[256];
     font_shorten(shorter, sizeof shorter, layout->font, size, text, limit);
-    return font_draw(layout->font, layout->image, at, size, rgba, shorter);
+    draw_text(layout->list, layout->font, at, size, rgba, shorter);
 }
 
 /* Draws the detail columns of one line, which end at the panel's right padding. */
-static conus_status write_details(const struct layout *layout, double baseline, const char *const *detail,
-                                  const float rgba[4])
+static void write_details(const struct layout *layout, double baseline, const char *const *detail, const float rgba[4])
 {
     double right = layout->panel.right - PADDING * layout->em;
     for (int c = layout->columns - 1; c >= 0; c--) {
         if (detail[c]) {
             double at[2] = {right - font_width(layout->font, layout->em, detail[c]), baseline};
-            conus_status status = font_draw(layout->font, layout->image, at, layout->em, rgba, detail[c]);
-            if (status) {
-                return status;
-            }
+            draw_text(layout->list, layout->font, at, layout->em, rgba, detail[c]);
         }
         right -= layout->column_width[c];
     }
-    return CONUS_OK;
 }
 
-static conus_status write_head(const struct layout *layout, double *y)
+static void write_head(const struct layout *layout, double *y)
 {
     const struct legend *legend = layout->legend;
     double em = layout->em;
     double left = layout->panel.left + PADDING * em;
     double limit = layout->panel.right - PADDING * em - left;
-    conus_status status = CONUS_OK;
     if (legend->title) {
         *y += TITLE * LINE * em;
-        status = write_text(layout, (double[]){left, *y - BELOW_BASELINE * TITLE * em}, TITLE * em, limit,
-                            layout->bright, legend->title);
+        write_text(layout, (double[]){left, *y - BELOW_BASELINE * TITLE * em}, TITLE * em, limit, layout->bright,
+                   legend->title);
     }
-    if (!status && legend->subtitle) {
+    if (legend->subtitle) {
         *y += LINE * em;
-        status =
-            write_text(layout, (double[]){left, *y - BELOW_BASELINE * em}, em, limit, layout->dim, legend->subtitle);
+        write_text(layout, (double[]){left, *y - BELOW_BASELINE * em}, em, limit, layout->dim, legend->subtitle);
     }
-    if (!status && layout->has_header) {
+    if (layout->has_header) {
         *y += LINE * em;
-        status = write_details(layout, *y - BELOW_BASELINE * em, legend->header, layout->dim);
+        write_details(layout, *y - BELOW_BASELINE * em, legend->header, layout->dim);
     }
-    return status;
 }
 
 /* The part of a bar that leads from the middle of the row above to this one, and the mark beside it. */
@@ -235,32 +225,40 @@ static void draw_bar(const struct layout *layout, double left, double baseline, 
         struct draw_box part = {rint(left), rint(above + (middle - above) * k / LEGEND_BAR) - (k == 0),
                                 rint(left + CHIP * em), rint(above + (middle - above) * (k + 1) / LEGEND_BAR)};
         draw_colour(colour, row->bar[k], 1);
-        draw_box(layout->image, &part, 0, colour);
+        draw_box(layout->list, &part, 0, colour);
     }
     double half = fmax(0.5, rint(0.06 * em) / 2);
     const struct draw_box mark = {rint(left + CHIP * em), middle - half, rint(left + (CHIP + 0.6 * CHIP_GAP) * em),
                                   middle + half};
-    draw_box(layout->image, &mark, 0, layout->dim);
+    draw_box(layout->list, &mark, 0, layout->dim);
 }
 
-/* Between stripes of the chip's colour that of an area that does not stand out, as pictures have it. */
+/* Between stripes of the chip's colour that of an area that does not stand out, as pictures have it. A stripe lies
+ * between two values of x - y: three points at the upper and the left side of the box, three at the others. */
 static void draw_stripes(const struct layout *layout, const struct draw_box *box, const float chip[4])
 {
     const int period = (int)fmax(4, rint(0.45 * layout->em));
-    const float pale[4] = {0.16F * chip[0] + 0.30F, 0.16F * chip[1] + 0.30F, 0.16F * chip[2] + 0.30F, 1};
-    const int width = (int)(box->right - box->left);
-    const int height = (int)(box->bottom - box->top);
-    for (int y = 0; y < height; y++) {
-        for (int x = 0; x < width; x++) {
-            const struct draw_box pixel = {box->left + x, box->top + y, box->left + x + 1, box->top + y + 1};
-            if ((x + height - y) % period < period / 2) {
-                draw_box(layout->image, &pixel, 0, pale);
-            }
+    const double width = box->right - box->left;
+    const double height = box->bottom - box->top;
+    double points[6][2];
+    struct draw_item stripe = {.kind = DRAW_AREA, .points = points, .count = 6};
+    for (int c = 0; c < 4; c++) {
+        stripe.rgba[c] = c < 3 ? 0.16F * chip[c] + 0.30F : 1;
+    }
+    for (int n = 0; n * period < width + height; n++) {
+        const double low = fmax(n * period - height - 0.5, -height);
+        const double high = fmin(n * period - height - 0.5 + floor(0.5 * period), width);
+        const double corners[2] = {fmin(fmax(0, low), high), fmin(fmax(width - height, low), high)};
+        const double across[6] = {low, corners[0], high, high, corners[1], low};
+        for (int k = 0; k < 6; k++) {
+            points[k][0] = box->left + (k < 3 ? fmax(across[k], 0) : fmin(height + across[k], width));
+            points[k][1] = box->top + (k < 3 ? fmax(-across[k], 0) : fmin(width - across[k], height));
         }
+        draw_item(layout->list, &stripe);
     }
 }
 
-static conus_status write_row(const struct layout *layout, double left, double baseline, const struct legend_row *row)
+static void write_row(const struct layout *layout, double left, double baseline, const struct legend_row *row)
 {
     double indent = row->heading ? 0 : (CHIP + CHIP_GAP) * layout->em;
     const float *colour = row->hollow || row->heading ? layout->dim : layout->bright;
@@ -275,51 +273,45 @@ static conus_status write_row(const struct layout *layout, double left, double b
         if (row->hollow) {
             memcpy(chip, layout->dim, sizeof chip);
         }
-        draw_frame(layout->image, &box, 0.18 * layout->em, row->hollow ? fmax(1, 0.08 * layout->em) : 0, chip);
+        draw_frame(layout->list, &box, 0.18 * layout->em, row->hollow ? fmax(1, 0.08 * layout->em) : 0, chip);
         if (row->striped) {
             draw_stripes(layout, &box, chip);
         }
     }
-    conus_status status = write_text(layout, (double[]){left + indent, baseline}, layout->em, layout->name_width + 0.01,
-                                     colour, row->name);
-    return status ? status : write_details(layout, baseline, row->detail, colour);
+    write_text(layout, (double[]){left + indent, baseline}, layout->em, layout->name_width + 0.01, colour, row->name);
+    write_details(layout, baseline, row->detail, colour);
 }
 
-conus_status legend_draw(conus_image *image, struct font *font, const struct legend *legend)
+void legend_draw(struct draw_list *list, struct font *font, const struct legend *legend)
 {
-    const struct image_rgba planes = image_rgba(image);
-    if (!planes.plane[0] || !planes.plane[1] || !planes.plane[2] || !planes.plane[3]) {
-        return fail(CONUS_ERROR_ARGUMENT, "a legend needs an image with the channels R, G, B, A");
-    }
-    struct layout layout = {.legend = legend, .font = font, .image = image};
-    layout.em = legend->size > 0 ? legend->size : legend_size(image);
+    struct layout layout = {.legend = legend, .font = font, .list = list};
+    layout.em = legend->size > 0 ? legend->size : legend_size(list);
     const float *ink = layout.legend->ink;
     memcpy(layout.bright, ink ? ink : BRIGHT, sizeof layout.bright);
     memcpy(layout.dim, ink ? ink : DIM, sizeof layout.dim);
     layout.dim[3] *= !ink ? 1 : legend->faint > 0 ? (float)legend->faint : 0.87F;
     if (!measure_layout(&layout)) {
-        return CONUS_OK;
+        return;
     }
     if (!legend->ink) {
-        draw_box(image, &layout.panel, 0.45 * layout.em, PANEL);
-        draw_frame(image, &layout.panel, 0.45 * layout.em, fmax(1, 0.06 * layout.em), RIM);
+        draw_box(list, &layout.panel, 0.45 * layout.em, PANEL);
+        draw_frame(list, &layout.panel, 0.45 * layout.em, fmax(1, 0.06 * layout.em), RIM);
     }
     const double em = layout.em;
     const double left = layout.panel.left + PADDING * em;
     const bool is_short = layout.shown < legend->count;
     double y = layout.panel.top + PADDING * em;
-    conus_status status = write_head(&layout, &y);
-    for (size_t line = 0; !status && line < layout.shown + is_short; line++) {
+    write_head(&layout, &y);
+    for (size_t line = 0; line < layout.shown + is_short; line++) {
         y += LINE * em;
         double baseline = rint(y - BELOW_BASELINE * em);
         if (is_short && line == layout.head) {
             char text[64];
             snprintf(text, sizeof text, "\xe2\x80\xa6 and %zu more", legend->count - layout.shown);
             const double at[2] = {left + (CHIP + CHIP_GAP) * em, baseline};
-            status = font_draw(font, image, at, em, layout.dim, text);
+            draw_text(list, font, at, em, layout.dim, text);
         } else {
-            status = write_row(&layout, left, baseline, shown_row(&layout, line - (is_short && line > layout.head)));
+            write_row(&layout, left, baseline, shown_row(&layout, line - (is_short && line > layout.head)));
         }
     }
-    return status;
 }
