@@ -6,6 +6,7 @@
 #include "atlas/bundles.h"
 #include "atlas/volume_sample.h"
 #include "base/geometry/math3.h"
+#include "base/look.h"
 #include "base/memory.h"
 
 #include <string.h>
@@ -501,7 +502,7 @@ static void blend(uint8_t *pixel, const uint8_t rgb[3], double opacity)
 
 enum { TILE = 8 };
 
-static const uint8_t cone_rgb[2][3] = {{255, 170, 40}, {180, 180, 180}}; /* grey where it is asked for */
+static const uint8_t cone_rgb[2][3] = {{LOOK_RGB(LOOK_CONE)}, {LOOK_RGB(LOOK_CONE_OLD)}}; /* where it is grey */
 static const double tint = 0.12;
 static const double half_line = 1.3; /* pixels from the wall to where its line has faded */
 
@@ -593,11 +594,11 @@ void cut_draw_cone(uint8_t *rgba, const struct cut_place *place, const struct cu
 enum {
     HATCH = 6,
     PALE = 40,
-    GROUND = 144 /* below areas where there is no context: pale ones are seen on black, too */
+    GROUND = LOOK_CUT_GROUND % 256 /* a grey: pale ones are seen on black, too */
 };
 
 /* Lines of surfaces around the areas: a grey that is visible on the context's black and white. */
-static const uint8_t around_rgb[3] = {172, 165, 155};
+static const uint8_t around_rgb[3] = {LOOK_RGB(LOOK_AROUND)};
 
 static double size_of(const conus_atlas *atlas, uint32_t number)
 {

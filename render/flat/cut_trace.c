@@ -2,6 +2,7 @@
 /* Walks around areas of pixels, and finds where the distance to a cone's wall is 0. */
 #include "render/flat/cut_trace.h"
 
+#include "base/look.h"
 #include "base/memory.h"
 #include "render/flat/draw.h"
 
@@ -10,11 +11,11 @@
 
 enum { CELL = 2 }; /* pixels between the places where a cone's wall is looked for */
 
-static const uint8_t cone_rgb[3] = {255, 170, 40};
+static const uint8_t cone_rgb[3] = {LOOK_RGB(LOOK_CONE)};
 static const double CONE_LINE = 1.6;
 
 /* Lines of surfaces around the areas. */
-static const uint8_t around_rgb[3] = {172, 165, 155};
+static const uint8_t around_rgb[3] = {LOOK_RGB(LOOK_AROUND)};
 
 /* Pixels, and which of their upper sides were walked along. */
 struct walk {

@@ -4,6 +4,7 @@
 #include "selection/picture/picture.h"
 
 #include "base/geometry/math3.h"
+#include "base/look.h"
 #include "render/flat/draw.h"
 #include "render/flat/legend.h"
 
@@ -376,8 +377,8 @@ static conus_status draw_tags(conus_image *image, const struct picture *picture)
 
 conus_status picture_draw_measured(conus_image *image, const struct picture *picture, double ends[2][2])
 {
-    static const float dark[4] = {0.02F, 0.02F, 0.025F, 0.85F}; /* light on dark is seen on everything */
-    static const float light[4] = {0.83F, 0.9F, 0.83F, 1};
+    static const float dark[4] = {LOOK_MEASURED_UNDER, 0.85F}; /* light on dark is seen on everything */
+    static const float light[4] = {LOOK_MEASURED, 1};
     const double *places = picture->options.measured;
     const double size = picture->em;
     double offset[3];
@@ -433,7 +434,7 @@ conus_status picture_annotate(conus_image *image, const struct picture *picture)
 conus_status picture_annotate_cut(conus_image *image, struct picture *picture, double mm_per_pixel)
 {
     conus_status status = picture->legend ? picture_legend_draw(image, picture) : CONUS_OK;
-    memcpy(picture->ink, (const float[]){0.83F, 0.83F, 0.86F, 1}, sizeof picture->ink); /* on black, mostly */
+    memcpy(picture->ink, (const float[]){LOOK_PICTURE_INK, 1}, sizeof picture->ink); /* on black, mostly */
     if (!status && picture_is_across(picture)) {
         status = draw_edges(image, picture);
     }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cuts side by side on one sheet, at one scale, perhaps with the view in space before them. */
 #include "base/geometry/math3.h"
+#include "base/look_sizes.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "conus/atlas_info.h"
@@ -15,9 +16,6 @@
 #include <string.h>
 
 enum { DEFAULT_WIDTH = 1400, PANEL_LIMIT = 400, TITLE_SIZE = 48 };
-
-/* Letters as of a legend, in pixels: those of conus_render() have so many points by its dpi. */
-static const double POINTS = 7.5;
 
 /* Around the box of the atlas, as a part of it. */
 static const double MARGIN = 0.02;
@@ -456,7 +454,7 @@ static conus_status draw_space(struct sheet *sheet, const struct panel *panel)
     view.width = (uint32_t)panel->size[0];
     view.height = (uint32_t)panel->size[1];
     view.legend = CONUS_LEGEND_NONE;
-    view.dpi = sheet->picture.em * 72 / POINTS;
+    view.dpi = sheet->picture.em * 72 / LOOK_FIGURE_POINTS; /* letters as those here */
     view.background = view.background == CONUS_BACKGROUND_LIGHT ? CONUS_BACKGROUND_TRANSPARENT : view.background;
     conus_status status = conus_render(&image, sheet->renderer, &view);
     if (status) {

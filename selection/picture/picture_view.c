@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_render(): the picture of the atlas from a camera, with the cone in it. */
 #include "base/geometry/math3.h"
+#include "base/look.h"
+#include "base/look_sizes.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text.h"
@@ -27,9 +29,6 @@ enum {
 
 /* Radius of the ball at the apex, as a part of the atlas's. */
 static const double DEVICE = 0.022;
-
-/* Letters, points of a 72nd inch. */
-static const double POINTS = 7.5;
 
 static bool has_frustum(const conus_view *view)
 {
@@ -183,7 +182,7 @@ static void add_marker(struct picture *picture, const double centre[3], double r
 
 static void add_cone(struct picture *picture)
 {
-    static const uint8_t device[3] = {60, 60, 66};
+    static const uint8_t device[3] = {LOOK_RGB(LOOK_APEX)};
     const conus_selection *selection = picture->options.selection;
     struct colour_view *view = &picture->view;
     view->group = selection->group;
@@ -404,7 +403,7 @@ void picture_background(float out[4], const conus_view *options, float part)
 {
     bool transparent = options->background == CONUS_BACKGROUND_TRANSPARENT;
     for (int c = 0; c < 3; c++) {
-        out[c] = options->background == CONUS_BACKGROUND_LIGHT ? 0.90F - 0.22F * part
+        out[c] = options->background == CONUS_BACKGROUND_LIGHT ? LOOK_PICTURE_TOP - LOOK_PICTURE_DARKER * part
                  : transparent                                 ? 0
                                : (float)linear_from_srgb(options->background_rgb[c] / 255.0);
     }
@@ -465,7 +464,7 @@ static void choose_ink(struct picture *picture)
     picture_background(bottom, &picture->options, 1);
     double light = top[3] > 0 ? fmin(light_of(top), light_of(bottom)) : 1;
     bool is_dark = light < even;
-    float soft = is_dark ? 0.9F : 0.02F;
+    float soft = is_dark ? LOOK_PICTURE_INK_ON_DARK : LOOK_PICTURE_INK_ON_LIGHT;
     double dark[2] = {is_dark ? light : (double)soft, is_dark ? (double)soft : light};
     bool fits = (dark[1] + 0.05) / (dark[0] + 0.05) >= PICTURE_CONTRAST;
     for (int c = 0; c < 3; c++) {
@@ -488,8 +487,9 @@ conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory,
     }
     picture->drawing[0] = options->width;
     picture->drawing[1] = picture->sheet_height = options->height;
-    picture->em =
-        options->dpi > 0 ? POINTS / 72 * options->dpi : fmax(11, fmin(options->width, options->height) / 54.0);
+    picture->em = options->dpi > 0
+                      ? LOOK_FIGURE_POINTS / 72 * options->dpi
+                      : fmax(LOOK_FIGURE_LEAST, fmin(options->width, options->height) / (double)LOOK_FIGURE_PART);
     picture->line = options->dpi > 0 ? picture->em / 19 : 1;
     choose_ink(picture);
     conus_status status = find_font(picture, log, log_user);

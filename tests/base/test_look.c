@@ -20,9 +20,9 @@ static const double seen_as[SIGHTS][3][3] = {
     [TRITAN] = {{1.255528, -0.076749, -0.178779}, {-0.078411, 0.930809, 0.147602}, {0.004733, 0.691367, 0.303900}},
 };
 
-static double linear_of(double byte)
+static double linear_of(uint8_t byte)
 {
-    double value = byte / 255;
+    double value = byte / 255.0;
     return value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4);
 }
 
@@ -32,7 +32,7 @@ static double lightness_curve(double t)
 }
 
 /* CIE L*, a*, b* under D65 of sRGB bytes. */
-static void lab_of(double lab[3], const double bytes[3], enum sight sight)
+static void lab_of(double lab[3], const uint8_t bytes[3], enum sight sight)
 {
     static const double xyz_from_rgb[3][3] = {
         {0.4124564, 0.3575761, 0.1804375}, {0.2126729, 0.7151522, 0.0721750}, {0.0193339, 0.1191920, 0.9503041}};
@@ -97,7 +97,7 @@ static double difference_of(const double one[3], const double other[3])
     return sqrt(l * l + c * c + h * h - sin(2 * blue / DEGREES) * 2 * fullness(chroma) * c * h);
 }
 
-static double seen_difference(const double one[3], const double other[3], enum sight sight)
+static double seen_difference(const uint8_t one[3], const uint8_t other[3], enum sight sight)
 {
     double labs[2][3];
     lab_of(labs[0], one, sight);
@@ -146,8 +146,8 @@ static void differences_are_those_that_were_published(void **state)
 static void sights_are_those_of_people(void **state)
 {
     (void)state;
-    static const double white[3] = {255, 255, 255}, grey[3] = {118, 118, 118}, red[3] = {255, 0, 0};
-    static const double green[3] = {0, 144, 0}, blue[3] = {0, 0, 255}, yellow[3] = {255, 255, 0};
+    static const uint8_t white[3] = {255, 255, 255}, grey[3] = {118, 118, 118}, red[3] = {255, 0, 0};
+    static const uint8_t green[3] = {0, 144, 0}, blue[3] = {0, 0, 255}, yellow[3] = {255, 255, 0};
     double lab[3];
     double other[3];
     lab_of(lab, white, NORMAL);
@@ -168,7 +168,7 @@ static void sights_are_those_of_people(void **state)
 }
 
 #define BYTES(colour) {LOOK_RGB(colour)},
-static const double ranks[][3] = {LOOK_RANKS(BYTES)};
+static const uint8_t ranks[][3] = {LOOK_RANKS(BYTES)};
 enum { RANKS = sizeof ranks / sizeof *ranks };
 
 static void ranks_are_told_apart(void **state)
@@ -191,7 +191,7 @@ static void ranks_are_no_state(void **state)
 {
     (void)state;
     static const struct {
-        double rgb[3];
+        uint8_t rgb[3];
         bool in_every_sight;
     } others[] = {
         {{LOOK_RGB(LOOK_CONE)}, true},    {{LOOK_RGB(LOOK_NOT_HIT)}, true}, {{LOOK_RGB(LOOK_NOT_HIT_ON_WHITE)}, true},
@@ -208,7 +208,7 @@ static void ranks_are_no_state(void **state)
     }
 }
 
-static double luminance_of(const double rgb[3])
+static double luminance_of(const uint8_t rgb[3])
 {
     return 0.2126 * linear_of(rgb[0]) + 0.7152 * linear_of(rgb[1]) + 0.0722 * linear_of(rgb[2]);
 }
@@ -217,7 +217,7 @@ static double luminance_of(const double rgb[3])
 static void ranks_are_seen_on_dark_and_white(void **state)
 {
     (void)state;
-    static const double dark[3] = {0x23, 0x27, 0x2E};
+    static const uint8_t dark[3] = {0x23, 0x27, 0x2E};
     for (int a = 0; a < RANKS; a++) {
         const double light = luminance_of(ranks[a]) + 0.05;
         assert_true(1.05 / light >= 3);
@@ -229,16 +229,16 @@ static void ranks_are_seen_on_dark_and_white(void **state)
 static void fills_are_told_apart(void **state)
 {
     (void)state;
-    for (double under = 0; under <= 255; under += 51) {
-        double filled[RANKS][3];
+    for (int under = 0; under <= 255; under += 51) {
+        uint8_t filled[RANKS][3];
         for (int a = 0; a < RANKS; a++) {
             for (int c = 0; c < 3; c++) {
-                filled[a][c] = 0.45 * ranks[a][c] + 0.55 * under;
+                filled[a][c] = (uint8_t)lround(0.45 * ranks[a][c] + 0.55 * under);
             }
             for (int b = 0; b < a; b++) {
                 double apart = seen_difference(filled[a], filled[b], NORMAL);
                 if (apart < 10) {
-                    fail_msg("ranks %d and %d over %g: %.2f", b + 1, a + 1, under, apart);
+                    fail_msg("ranks %d and %d over %d: %.2f", b + 1, a + 1, under, apart);
                 }
             }
         }
