@@ -20,9 +20,10 @@ enum look_colour {
     LOOK_RANK_4 = 0xA87EF6,
     LOOK_RANK_5 = 0x4272AE,
     LOOK_RANK_6 = 0x7E9C54,
-    LOOK_NOT_HIT = 0xC9CDD3, /**< On dark. */
+    LOOK_RANK_MORE = 0x6B727C, /**< From the seventh on, with a number. */
+    LOOK_NOT_HIT = 0xC9CDD3,   /**< On dark. */
     LOOK_NOT_HIT_ON_WHITE = 0xD6D9DE,
-    LOOK_CONE = 0xFFAA28,
+    LOOK_CONE = 0xFFB000,
     LOOK_SECOND = 0x00BEFF, /**< The second tool, and its cone. */
     LOOK_BROKEN = 0xFF6B57, /**< An old answer, or something that does not hold. */
     LOOK_HOLDS = 0x3FB68B,
@@ -31,6 +32,7 @@ enum look_colour {
     LOOK_CONE_OLD = 0xB4B4B4,     /**< The cone where the tool is not seen. */
     LOOK_APEX = 0x3C3C42,         /**< The ball where the cone begins. */
     LOOK_AROUND = 0xACA59B,       /**< Lines of surfaces around the areas in cuts: on black, grey and white. */
+    LOOK_OUTLINE = 0x8A93A0,      /**< Outlines in cuts of what is not hit. */
     LOOK_CUT_GROUND = 0x909090,   /**< Under areas in cuts where there is no image. */
     LOOK_NO_OBJECT = 0x82848A,    /**< The chip and curve of what is no object. */
     LOOK_SEEN_NOTHING = 0x34353A, /**< Pixels of the device that see no object, and what is around them. */

@@ -77,7 +77,7 @@ static bool walk_around(struct walk *walk, size_t first)
 }
 
 conus_status cut_trace_areas(struct shapes *shapes, const uint32_t *objects, uint32_t width, uint32_t height,
-                             const conus_object *list, const bool *skips, const double at[2])
+                             const conus_object *list, const uint8_t (*rgb)[3], const bool *skips, const double at[2])
 {
     struct walk walk = {.objects = objects, .width = width, .height = height};
     size_t pixels = (size_t)width * height;
@@ -95,7 +95,7 @@ conus_status cut_trace_areas(struct shapes *shapes, const uint32_t *objects, uin
             walk.points[k][1] += at[1];
         }
         struct image_shape shape = {.kind = SHAPE_LOOP, .width = 1, .points = walk.points, .point_count = walk.count};
-        draw_colour(shape.rgba, list[object - 1].rgb, 1);
+        draw_colour(shape.rgba, rgb ? rgb[object] : list[object - 1].rgb, 1);
         if (fits) {
             shapes_add(shapes, &shape);
         }
@@ -155,8 +155,9 @@ static void flush(struct cut_lines *lines)
                                 .points = lines->points,
                                 .point_count = lines->count};
     const uint8_t *rgb = lines->object == CUT_AROUND ? around_rgb
-                         : lines->object             ? lines->list[lines->object - 1].rgb
-                                                     : cone_rgb;
+                         : !lines->object            ? cone_rgb
+                         : lines->rgb                ? lines->rgb[lines->object]
+                                                     : lines->list[lines->object - 1].rgb;
     draw_colour(shape.rgba, rgb, lines->object ? 1 : 0.9F);
     if (lines->count) {
         shapes_add(lines->shapes, &shape);

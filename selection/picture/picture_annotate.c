@@ -328,6 +328,21 @@ static void find_peak(double out[3], const conus_atlas *atlas, uint32_t number)
     mat4_point(out, volume->info.world_from_voxel, voxel);
 }
 
+/* Where the cone comes to the object first; the middle of one that it does not hit. */
+static void find_contact(double out[3], const struct picture *picture, uint32_t number)
+{
+    const conus_selection *selection = picture->options.selection;
+    if (conus_atlas_centre(out, picture->atlas, number)) {
+        memcpy(out, picture->centre, sizeof picture->centre); /* it has no voxels and no surface */
+    }
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        if (result->object == number && result->pixels) {
+            memcpy(out, result->contact, sizeof result->contact);
+        }
+    }
+}
+
 /* Black or white, whichever has the higher contrast to it. */
 static float ink_on(const float rgba[4])
 {
@@ -350,7 +365,11 @@ static conus_status draw_tags(conus_image *image, const struct picture *picture)
         if (!tag) {
             continue;
         }
-        find_peak(peak, picture->atlas, number);
+        if (picture->ranks && picture->ranks[number]) {
+            find_contact(peak, picture, number);
+        } else {
+            find_peak(peak, picture->atlas, number);
+        }
         if (!camera_project(&at[0], &at[1], &depth, &picture->camera, &picture->frame, peak)) {
             continue;
         }
@@ -361,7 +380,7 @@ static conus_status draw_tags(conus_image *image, const struct picture *picture)
         }
         count++;
         float colour[4];
-        draw_colour(colour, picture->atlas->objects[number - 1].rgb, 1);
+        draw_colour(colour, picture_colour(picture, number), 1);
         const float grey = ink_on(colour);
         const float ink[4] = {grey, grey, grey, 1};
         const struct draw_box disc = {at[0] - radius, at[1] - radius, at[0] + radius, at[1] + radius};

@@ -392,9 +392,10 @@ static conus_status trace(const struct sheet *sheet, const struct cut *cut, stru
     for (size_t i = 0; i < cut->surface_count; i++) {
         skips[cut->surfaces[i]] = true;
     }
-    conus_status status = sheet->look->no_outlines ? CONUS_OK
-                                                   : cut_trace_areas(lines->shapes, cut->objects, cut->of.width,
-                                                                     cut->of.height, atlas->objects, skips, lines->at);
+    conus_status status = sheet->look->no_outlines
+                              ? CONUS_OK
+                              : cut_trace_areas(lines->shapes, cut->objects, cut->of.width, cut->of.height,
+                                                atlas->objects, lines->rgb, skips, lines->at);
     memory_free(skips);
     cut_lines_finish(lines);
     if (!status && sheet->view.selection) {
@@ -413,12 +414,14 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
     view.height = (uint32_t)panel->size[1];
     view.mm_per_pixel = 1 / sheet->pixels_per_mm;
     view.selection = sheet->view.selection;
+    view.own_colours = !sheet->picture.ranks;
     memcpy(view.centre, panel->centre, sizeof view.centre);
     memcpy(view.right, panel->plane->right, sizeof view.right);
     memcpy(view.up, panel->plane->up, sizeof view.up);
     struct shapes *shapes = sheet->image->shapes;
     struct cut_lines lines = {.shapes = shapes,
                               .list = sheet->picture.atlas->objects,
+                              .rgb = (const uint8_t(*)[3])sheet->picture.line_rgb,
                               .at = {(double)panel->at[0], (double)panel->at[1]},
                               .limit = {(double)panel->size[0], (double)panel->size[1]}};
     view.no_outlines = view.no_outlines || shapes;

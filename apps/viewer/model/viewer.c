@@ -380,7 +380,8 @@ void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane
                          .no_outlines = viewer->display.no_outlines,
                          .window = {grey[0], grey[1]},
                          .selection = viewer_selection(viewer),
-                         .chosen = viewer_full(viewer)};
+                         .chosen = viewer_full(viewer),
+                         .own_colours = true};
     memcpy(out->centre, viewer->centre, sizeof out->centre);
     out->centre[2 - (int)plane] = viewer->crosshair[2 - (int)plane];
     memcpy(out->right, axes[plane][0], sizeof out->right);

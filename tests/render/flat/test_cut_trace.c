@@ -21,7 +21,7 @@ static struct shapes *trace(const uint32_t *objects, const bool *skips)
     struct shapes *shapes = image->shapes;
     image->shapes = NULL;
     conus_image_destroy(image);
-    assert_ok(cut_trace_areas(shapes, objects, SIDE, SIDE, list, skips, (double[]){100, 200}));
+    assert_ok(cut_trace_areas(shapes, objects, SIDE, SIDE, list, NULL, skips, (double[]){100, 200}));
     assert_false(shapes->failed);
     return shapes;
 }
