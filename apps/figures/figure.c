@@ -98,16 +98,20 @@ const struct option figure_options[] = {
     {.name = "palette",
      .type = OPTION_TEXT,
      .offset = FIELD(palette),
-     .value = "NAME|COLOURS|FILE",
-     .help = "colours of areas, pathways and bundles, different ones where areas touch: safe, bright, muted, set2, "
-             "dark2, tab10, a list of #RRGGBB, or a file with such a list",
+     .value = "rank|file|NAME|COLOURS|FILE",
+     .help =
+         "colours of areas, pathways and bundles, different ones where areas touch: safe, bright, muted, set2, "
+         "dark2, tab10, a list of #RRGGBB, or a file with such a list; file: those of the atlas; rank (default with a "
+         "cone): what is hit has a colour by its place in the answer, all else is grey",
      .words = "color, colormap",
      .excludes = "safe-colours"},
     {.name = "unselected",
      .type = OPTION_TEXT,
      .offset = FIELD(unselected),
      .value = "COLOUR",
-     .help = "white, black or #RRGGBB: one tone of areas and pathways that are not hit (default: their colours, paler)",
+     .help =
+         "white, black or #RRGGBB: one tone of areas and pathways that are not hit (default: a grey, or by --palette "
+         "their colours, paler)",
      .words = "color, grey, gray"},
     {0},
 };
@@ -168,6 +172,9 @@ int figure_colour_atlas(conus_atlas *atlas, const struct figure_settings *settin
         conus_atlas_use_safe_colours(atlas);
         return EXIT_DONE;
     }
+    if (palette && (strcmp(palette, "rank") == 0 || strcmp(palette, "file") == 0)) {
+        return EXIT_DONE;
+    }
     const char *text = palette && palette[0] == '#' ? palette : NULL;
     for (size_t i = 0; palette && i < sizeof palettes / sizeof *palettes; i++) {
         text = strcmp(palette, palettes[i].name) == 0 ? palettes[i].colours : text;
@@ -213,6 +220,7 @@ void figure_view(conus_view *view, const struct figure_settings *settings)
     view->legend_rows = settings->legend_rows;
     view->no_legend = settings->no_legend;
     parse_background(&view->background, view->background_rgb, settings->background);
+    view->own_colours = settings->palette && strcmp(settings->palette, "file") == 0;
     view->has_unselected = settings->unselected && parse_rgb(view->unselected_rgb, settings->unselected);
 }
 

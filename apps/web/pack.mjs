@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // node pack.mjs FOLDER_OF_CONUS PAGE_FOLDER OUT.html: makes one file of the page, its worker and conus.
-// The names in braces in page.html are replaced; the policy (CSP) allows this code, by its hash, and no network.
+// The names in braces in page.html are replaced; the policy (CSP) allows this code, by its hash, and no network. So are
+// the names of base/look.h and base/look_sizes.h, LOOK_NAME, in the style and in texts of main.js; two hexadecimal
+// digits behind a colour are its opacity.
 import { execFileSync } from "node:child_process";
 import crypto from "node:crypto";
 import fs from "node:fs";
@@ -12,9 +14,25 @@ const bundle = (entry, ...more) =>
 const packed = (data) => execFileSync("gzip", ["-9nc"], { input: data, maxBuffer: 1 << 26 }).toString("base64"); // smaller than node's, the same everywhere
 const hash = (text) => `'sha256-${crypto.createHash("sha256").update(text).digest("base64")}'`;
 
-const main = bundle("main.js").trim();
+const look = new Map();
+for (const name of ["look.h", "look_sizes.h"]) {
+  const text = fs.readFileSync(path.join(folder, "../../../base", name), "utf8");
+  for (const [, key, hex] of text.matchAll(/^ +(LOOK_\w+) = 0x(\w{6}),/gm)) look.set(key, `#${hex.toLowerCase()}`);
+  for (const [, key, size] of text.matchAll(/^ +(LOOK_\w+) = (\d+),/gm)) look.set(key, `${size}px`);
+  for (const [, key, dark, light] of text.matchAll(/ITEM\((\w+), 0x(\w{6}), 0x(\w{6})\)/g)) {
+    look.set(`LOOK_DARK_${key}`, `#${dark.toLowerCase()}`).set(`LOOK_LIGHT_${key}`, `#${light.toLowerCase()}`);
+  }
+}
+const with_look = (text) => text.replace(/\b(LOOK_[A-Z_0-9]*?)([0-9a-f]{2})?\b(?!_)/g, (all, name, opacity) => {
+  if (look.has(all)) return look.get(all);
+  if (!look.has(name)) throw new Error(`${all} is not in base/look.h`);
+  return look.get(name) + opacity;
+});
+
+const main = with_look(bundle("main.js").trim());
 const worker = bundle("worker.js", `--alias:conus.mjs=${path.resolve(built, "conus.mjs")}`, "--define:import.meta.url=\"\"", "--external:fs", "--external:path", "--external:crypto");
-const style = execFileSync("esbuild", [path.join(folder, "page.css"), "--minify"]).toString().trim();
+const css = with_look(fs.readFileSync(path.join(folder, "page.css"), "utf8"));
+const style = execFileSync("esbuild", ["--loader=css", "--minify"], { input: css }).toString().trim();
 if (/<\/script|<!--/i.test(worker) || /<\/script/i.test(main) || /\{\{/.test(style)) throw new Error("the code has what ends it");
 const parts = {
   csp: `default-src 'none'; script-src ${hash(main)} 'wasm-unsafe-eval' blob:; worker-src blob:; style-src ${hash(style)}; img-src blob: data:; connect-src 'none'; form-action 'none'; base-uri 'none'`,

@@ -282,6 +282,7 @@ EMSCRIPTEN_KEEPALIVE const uint8_t *web_cut(int right, int up, double x, double 
     view.window[0] = black;
     view.window[1] = white;
     view.selection = page.selection;
+    view.own_colours = true;
     conus_cutter **cutter = &page.cutters[3 - right - up];
     bool failed = (!*cutter && conus_cutter_create(cutter, page.atlas)) || conus_cutter_draw(*cutter, &view);
     page.cut = *cutter;

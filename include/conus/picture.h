@@ -177,7 +177,8 @@ typedef struct conus_view {
                           wide as field_of_view says. */
     const conus_pose *camera; /**< NULL = one that shows the whole atlas, from the cone's side where one is drawn. */
     const conus_selection *selection; /**< NULL = none; else draws its cone, axis and contacts. */
-    uint32_t chosen;                  /**< Object that is never pale, with those below it in the area tree; 0 = none. */
+    uint32_t chosen;                  /**< Object that is never pale, with those below it in the area tree, in pictures
+                                         with own_colours and without a selection; 0 = none. */
     bool no_skipping;                 /**< Blend every sample: the same picture, slower (for comparison). */
     bool no_legend;                   /**< Leave out the text. */
     bool draft;          /**< Leave edges rough, and many streamlines out where there are many: quicker. Lines
@@ -218,8 +219,14 @@ typedef struct conus_view {
                                         segments: by depth, mm from the pose, with names, or abbreviations where names
                                         do not fit; the names of the longest segments where they are too many. */
     size_t probe_count;              /**< 0 = none. */
-    bool has_unselected;       /**< Areas and pathways that the selection or the probes do not hit have one colour. */
-    uint8_t unselected_rgb[3]; /**< It, sRGB; else they have their own, paler. */
+    bool has_unselected; /**< Areas and pathways that the selection or the probes do not hit have one colour. */
+    uint8_t
+        unselected_rgb[3]; /**< It, sRGB; else they are a neutral grey with a selection, or have their own, paler. */
+    bool own_colours;      /**< With a selection: objects have their own colours. Else, unless the atlas has a palette
+                              (conus_atlas_use_palette()), what is hit has one of six colours by its place in the
+                              answer, behind these what else stands out, and from the seventh on a grey, with a number
+                              in picture and legend where it is hit first; all else is a neutral grey. Pathways that are
+                              haze have their own. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -267,7 +274,10 @@ typedef struct conus_cut_view {
     double window[2];    /**< Grey values of black and white; both 0 = conus_atlas_window(). */
     const conus_selection *selection; /**< NULL = none; else its cone is drawn, areas that it hits are full, those that
                                          it only pierces hatched, and others pale. */
-    uint32_t chosen;                  /**< Object that is never pale, with those below it in the area tree; 0 = none. */
+    uint32_t chosen;                  /**< Object that is never pale, with those below it in the area tree, in cuts with
+                                         own_colours; 0 = none. */
+    bool own_colours;                 /**< As of conus_view. Else areas that are not hit have only an outline, over an
+                                         image, and are a neutral grey without one. */
 } conus_cut_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -294,8 +304,8 @@ CONUS_CHECKED conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const con
  * @param atlas The atlas.
  * @param view What to draw. Its width and height are the figure's. A legend on the right takes some of the width;
  * where the cut then becomes narrower than high, mm_per_pixel grows, so that its shorter side shows as much.
- * @param sheet Its legend, background, dpi, no_legend, frame, shapes and measured count; the background is seen beside
- * the cut only. NULL = defaults.
+ * @param sheet Its legend, background, dpi, no_legend, frame, shapes, measured and own_colours count; the background is
+ * seen beside the cut only. NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view or sheet out of its range; #CONUS_ERROR_MEMORY for more than 8
  * GiB, at 32 bytes per pixel.
  * @threads Any, while none changes the atlas.
@@ -322,8 +332,9 @@ typedef struct conus_cut_plane {
  * @param count 1 to 400; 0 with a renderer, too.
  * @param look Its fill, no_outlines, window and chosen are those of all cuts. NULL = defaults.
  * @param renderer The atlas's, which draws the view in space before the first cut; NULL = only cuts.
- * @param sheet Of the whole: its size, legend, background, dpi, no_legend, selection and frame; all else is of the view
- * in space. Its height 0 means as high as the cuts need it, at most three quarters of the width. NULL = defaults.
+ * @param sheet Of the whole: its size, legend, background, dpi, no_legend, selection, own_colours and frame; all else
+ * is of the view in space. Its height 0 means as high as the cuts need it, at most three quarters of the width. NULL =
+ * defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for something out of its range, and for a sheet too small for so many cuts;
  * #CONUS_ERROR_DATA for an atlas in which nothing shows; #CONUS_ERROR_MEMORY for more than 8 GiB, at 32 bytes per
  * pixel; the errors of conus_render().

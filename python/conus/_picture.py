@@ -291,6 +291,7 @@ class Renderer(Bound):
         dpi: Optional[float] = None,
         opacity: Union[float, Mapping[Union[str, int], float], None] = None,
         unselected: Optional[str] = None,
+        own_colours: bool = False,
         legend_rows: Optional[int] = None,
         legend_areas: Sequence[Union[str, int]] = (),
         measured: Any = None,
@@ -347,8 +348,11 @@ class Renderer(Bound):
             Opacity of surfaces, 0 to 1: of all that the selection does not hit, or ``{name or number: opacity, ...}``
             of these with those below them in the area tree; the key None is of all that is not hit.
         unselected : str
-            "white", "black" or "#rrggbb": one tone of areas and pathways that are not hit; without it their colours,
-            paler.
+            "white", "black" or "#rrggbb": one tone of areas and pathways that are not hit; without it a grey, or with
+            own_colours their colours, paler.
+        own_colours : bool
+            Areas and pathways have their own colours with a selection, too. Without it, and without a palette of the
+            atlas, what is hit has a colour by its place in the answer.
         legend_rows : int
             Of the objects in the legend only so many, and a row that counts the others.
         legend_areas : sequence of str or int
@@ -414,6 +418,7 @@ class Renderer(Bound):
         _set_background(options, background)
         if unselected is not None:
             options.has_unselected, options.unselected_rgb = True, rgb_of("unselected", unselected)
+        options.own_colours = flag("own_colours", own_colours)
         options.legend_rows = 0 if legend_rows is None else whole("legend_rows", legend_rows, 1)
         options.shapes = flag("vectors", vectors)
         drawn = self._probes_of(probes, probe_range)

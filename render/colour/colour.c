@@ -594,12 +594,11 @@ void colour_pass_look(const struct colour_pass *pass, const struct colour_view *
         bool is_object = number <= pass->object_count;
         size_t from = view->group && is_object ? view->group[number] : number;
         memcpy(pass->shown + 4 * number, pass->colours + 4 * from, 3 * sizeof *pass->shown);
+        for (size_t c = 0; c < 3 && view->rgb && is_object; c++) {
+            pass->shown[4 * number + c] = (float)linear_from_srgb(view->rgb[number][c] / 255.0);
+        }
         enum emphasis own = is_object ? EMPHASIS_FULL : EMPHASIS_GLASS;
         enum emphasis shown = view->emphasis && is_object ? view->emphasis[number] : own;
-        for (size_t c = 0; c < 3 && shown == EMPHASIS_PALE && view->pale_rgb; c++) {
-            pass->shown[4 * number + c] = (float)linear_from_srgb(view->pale_rgb[c] / 255.0);
-        }
-        shown = shown == EMPHASIS_PALE && view->pale_rgb ? EMPHASIS_FULL : shown;
         pass->shown[4 * number + 3] = (float)shown;
     }
     find_opacities(pass, view);

@@ -92,8 +92,10 @@ struct colour_view {
     const struct colour_marker *markers;
     size_t marker_count;     /**< Markers from COLOUR_MARKER_LIMIT on are not drawn.             */
     const uint8_t *emphasis; /**< [object_count + 1] of enum emphasis, by number; NULL = all full. */
-    const uint8_t *pale_rgb; /**< [3] sRGB of those that are pale; NULL = paler than their own. */
-    const uint32_t *group;   /**< [object_count + 1] whose colour each object has; NULL = its own. */
+    const uint8_t *pale_rgb; /**< [3] sRGB of what is pale, also between stripes; then edges of surfaces are dark. NULL
+                                = paler than their own. */
+    const uint8_t (*rgb)[3]; /**< [object_count + 1] sRGB, by number; NULL = the atlas's. */
+    const uint32_t *group;   /**< [object_count + 1] whose colour of the atlas each object has; NULL = its own. */
     const float *opacity;    /**< [object_count + 1] of surfaces, 0 to 1, by number; NULL = all 1. */
 };
 

@@ -21,8 +21,9 @@ typedef float four __attribute__((vector_size(16)));
 typedef uint8_t four_bytes __attribute__((vector_size(4)));
 
 static const float OPAQUE = 0.995F;
-static const float GHOST = 0.3F; /* how much the cone, its axis and the markers show through areas before them */
-static const float NEAR = 0.1F;  /* mm before the eye */
+static const float GHOST = 0.3F;       /* how much the cone, its axis and the markers show through areas before them */
+static const float SILHOUETTE = 0.35F; /* what is left of the light where a surface is seen from its side */
+static const float NEAR = 0.1F;        /* mm before the eye */
 static const float NEVER = 1e9F;
 static const float SURFACE = (FIELD_SURFACE - 0.5F) / 255;
 static const float EDGE = 0.3F; /* cosine between a surface's normal and the view, below which glass has an outline */
@@ -653,6 +654,19 @@ static four entry_of(const struct scene *scene, uint32_t number)
     return entry;
 }
 
+/* How far x is on its way from `low` to `high`, 0 to 1, smoothly. */
+static float smooth_step(float low, float high, float x)
+{
+    const float part = between((x - low) / (high - low), 0, 1);
+    return part * part * (3 - 2 * part);
+}
+
+/* Darkens a surface where it turns away from the eye, so that one of a single colour shows its shape. */
+static float silhouette(const float normal[3], const float view[3])
+{
+    return SILHOUETTE + (1 - SILHOUETTE) * smooth_step(0, 0.5F, fabsf(dot(normal, view)));
+}
+
 /* The colour of a surface at depth t: pale where it is not emphasised, with the cone's footprint on the side that faces
  * the apex. */
 static four object_colour(const struct ray *ray, uint32_t object, const float normal[3], float t)
@@ -660,8 +674,12 @@ static four object_colour(const struct ray *ray, uint32_t object, const float no
     const struct colour_view_block *view = &ray->scene->view;
     const four entry = entry_of(ray->scene, object);
     const float part = entry[3] > 2.5F ? 1 : entry[3] > 1.5F ? (float)ray->is_striped : entry[3];
-    const four pale = 0.16F * entry + 0.30F;
+    four pale = 0.16F * entry + 0.30F;
+    if (view->pale[3] > 0) {
+        memcpy(&pale, view->pale, sizeof pale);
+    }
     four albedo = pale + part * (entry - pale);
+    albedo *= view->pale[3] > 0 ? silhouette(normal, ray->view) : 1;
     float place[3], from_apex[3], in_world[3];
     for (int a = 0; a < 3; a++) {
         place[a] = t * ray->direction[a];
@@ -818,8 +836,7 @@ static void next_wall(struct events *events)
 /* 1 where glass is seen edge on, 0 where it faces the eye more than EDGE says. */
 static float outline_of(const float normal[3], const float view[3])
 {
-    const float x = between((fabsf(dot(normal, view)) - 0.5F * EDGE) / (0.5F * EDGE), 0, 1);
-    return 1 - x * x * (3 - 2 * x);
+    return 1 - smooth_step(0.5F * EDGE, EDGE, fabsf(dot(normal, view)));
 }
 
 /* Blends the next event and goes on to the one after it. */

@@ -3,6 +3,7 @@
 #include "render/colour/colour_view.h"
 
 #include "base/geometry/math3.h"
+#include "base/look.h"
 #include "render/colour/field.h"
 #include "render/image/image_srgb.h"
 
@@ -57,8 +58,19 @@ static void set_volume(float from_camera[16], float bricks[4], const struct colo
     bricks[3] = 1;
 }
 
+/* Linear light of an sRGB colour. */
+static void set_colour(float out[4], const uint8_t rgb[3], double w)
+{
+    double linear[3];
+    for (int c = 0; c < 3; c++) {
+        linear[c] = linear_from_srgb(rgb[c] / 255.0);
+    }
+    set4(out, linear, w);
+}
+
 void colour_view_pack(struct colour_view_block *block, const struct colour_pass *pass, const struct colour_view *view)
 {
+    static const uint8_t amber[3] = {LOOK_RGB(LOOK_CONE)}, old[3] = {LOOK_RGB(LOOK_CONE_OLD)};
     const struct camera *camera = view->camera;
     double camera_from_world[16], light[3];
     mat4_invert_affine(camera_from_world, camera->world_from_camera);
@@ -91,7 +103,7 @@ void colour_view_pack(struct colour_view_block *block, const struct colour_pass 
         set4(block->apex, apex, view->cone_slope);
         set4(block->axis, axis, view->cone_length);
         set4(block->cone_shape, (double[]){view->cone_radius, view->cone_start, 0}, 1);
-        set4(block->cone_colour, view->grey_cone ? (double[]){0.4, 0.4, 0.4} : (double[]){1.0, 0.42, 0.02}, 0.09);
+        set_colour(block->cone_colour, view->grey_cone ? old : amber, 0.09);
     }
     size_t count = view->marker_count < COLOUR_MARKER_LIMIT ? view->marker_count : COLOUR_MARKER_LIMIT;
     for (size_t i = 0; i < count; i++) {
@@ -99,9 +111,10 @@ void colour_view_pack(struct colour_view_block *block, const struct colour_pass 
         double centre[3];
         mat4_point(centre, camera_from_world, marker->centre);
         set4(block->markers[i], centre, marker->radius);
-        for (int c = 0; c < 3; c++) {
-            block->marker_colours[i][c] = (float)linear_from_srgb(marker->rgb[c] / 255.0);
-        }
+        set_colour(block->marker_colours[i], marker->rgb, 0);
+    }
+    if (view->pale_rgb) {
+        set_colour(block->pale, view->pale_rgb, 1);
     }
     block->counts[0] = (int32_t)count;
 }

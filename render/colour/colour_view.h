@@ -13,7 +13,7 @@ struct colour_view_block {
     float apex[4], axis[4], cone_shape[4], cone_colour[4], line[4];
     int32_t counts[4];
     float markers[COLOUR_MARKER_LIMIT][4], marker_colours[COLOUR_MARKER_LIMIT][4];
-    float haze_from_camera[16], haze_shape[4];
+    float haze_from_camera[16], haze_shape[4], pale[4];
 };
 
 /** The planes of Eq. 7 over the joint depth range of the volumes: @p count of them, 0 = slices_default() of the finest

@@ -2,6 +2,9 @@
 /* Lays a legend out in columns and draws it. */
 #include "render/draw/legend.h"
 
+#include "base/look.h"
+#include "base/look_sizes.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -19,10 +22,10 @@ static const double BELOW_BASELINE = 0.45; /* the part of a line below its basel
 
 static const double WIDEST = 0.42;
 
-static const float PANEL[4] = {0.004F, 0.005F, 0.008F, 0.96F};
-static const float RIM[4] = {0.6F, 0.65F, 0.75F, 0.25F};
-static const float BRIGHT[4] = {0.95F, 0.95F, 0.95F, 1};
-static const float DIM[4] = {0.42F, 0.45F, 0.5F, 1};
+static const float PANEL[4] = {LOOK_LEGEND_PANEL, 0.96F};
+static const float RIM[4] = {LOOK_LEGEND_RIM, 0.25F};
+static const float BRIGHT[4] = {LOOK_LEGEND_TEXT, 1};
+static const float DIM[4] = {LOOK_LEGEND_SOFT, 1};
 
 /* A legend with its measures. */
 struct layout {
@@ -41,7 +44,7 @@ struct layout {
 
 double legend_size(const struct draw_list *list)
 {
-    return fmax(11, fmin(list->width, list->height) / 54.0);
+    return fmax(LOOK_FIGURE_LEAST, fmin(list->width, list->height) / (double)LOOK_FIGURE_PART);
 }
 
 static double width_of(const struct layout *layout, double size, const char *text)

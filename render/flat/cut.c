@@ -6,6 +6,7 @@
 #include "atlas/bundles.h"
 #include "atlas/volume_sample.h"
 #include "base/geometry/math3.h"
+#include "base/look.h"
 #include "base/memory.h"
 
 #include <string.h>
@@ -501,7 +502,7 @@ static void blend(uint8_t *pixel, const uint8_t rgb[3], double opacity)
 
 enum { TILE = 8 };
 
-static const uint8_t cone_rgb[2][3] = {{255, 170, 40}, {180, 180, 180}}; /* grey where it is asked for */
+static const uint8_t cone_rgb[2][3] = {{LOOK_RGB(LOOK_CONE)}, {LOOK_RGB(LOOK_CONE_OLD)}}; /* where it is grey */
 static const double tint = 0.12;
 static const double half_line = 1.3; /* pixels from the wall to where its line has faded */
 
@@ -593,11 +594,12 @@ void cut_draw_cone(uint8_t *rgba, const struct cut_place *place, const struct cu
 enum {
     HATCH = 6,
     PALE = 40,
-    GROUND = 144 /* below areas where there is no context: pale ones are seen on black, too */
+    OUTLINE = 2,                   /* in place of an opacity: opaque */
+    GROUND = LOOK_CUT_GROUND % 256 /* a grey: pale ones are seen on black, too */
 };
 
 /* Lines of surfaces around the areas: a grey that is visible on the context's black and white. */
-static const uint8_t around_rgb[3] = {172, 165, 155};
+static const uint8_t around_rgb[3] = {LOOK_RGB(LOOK_AROUND)};
 
 static double size_of(const conus_atlas *atlas, uint32_t number)
 {
@@ -681,8 +683,8 @@ static conus_status reserve_pixels(struct cut *cut, size_t pixels)
     return CONUS_OK;
 }
 
-/* The opacity by emphasis, between stripes and on them; 1 on an area's outline: its own pixels that have a different
- * neighbour beside, above or below. */
+/* The opacity by emphasis, between stripes and on them; OUTLINE on an area's outline: its own pixels that have a
+ * different neighbour beside, above or below. */
 static double opacity_at(const struct cut *cut, const struct cut_view *view, const double opacities[3][2],
                          uint32_t column, uint32_t row)
 {
@@ -690,14 +692,19 @@ static double opacity_at(const struct cut *cut, const struct cut_view *view, con
     const uint32_t *at = cut->objects + (size_t)width * row + column;
     if (!view->no_outlines && ((column > 0 && at[-1] != *at) || (column + 1 < width && at[1] != *at) ||
                                (row > 0 && *(at - width) != *at) || (row + 1 < cut->of.height && at[width] != *at))) {
-        return 1;
+        return OUTLINE;
     }
     return opacities[view->emphasis ? view->emphasis[*at] : EMPHASIS_FULL][(column + row) % HATCH < HATCH / 3];
 }
 
+/* sRGB of an object in one of the two tables of a view. */
+static const uint8_t *colour_of(const struct cut *cut, const uint8_t (*rgb)[3], uint32_t object)
+{
+    return rgb ? rgb[object] : cut->atlas->objects[object - 1].rgb;
+}
+
 static void draw_row(const struct cut *cut, const struct cut_view *view, const double opacities[3][2], uint32_t row)
 {
-    const conus_object *list = cut->atlas->objects;
     size_t at = (size_t)cut->of.width * row;
     uint8_t blended[4] = {0}; /* the last such pixel, which the next one mostly equals, and what it was made of */
     uint8_t grey = 0;
@@ -713,12 +720,12 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const d
         if (contour == CUT_AROUND) {
             memcpy(pixel, around_rgb, 3);
         } else if (contour) {
-            memcpy(pixel, list[contour - 1].rgb, 3);
+            memcpy(pixel, colour_of(cut, view->line_rgb, contour), 3);
         } else if (object) {
             double opacity = opacity_at(cut, view, opacities, column, row);
             if (object != of || opacity != by || cut->grey[at] != grey) {
                 memset(pixel, has_ground ? GROUND : cut->grey[at], 3);
-                blend(pixel, list[object - 1].rgb, opacity);
+                blend(pixel, colour_of(cut, opacity == OUTLINE ? view->line_rgb : view->rgb, object), fmin(opacity, 1));
                 memcpy(blended, pixel, sizeof blended);
                 of = object;
                 by = opacity;
@@ -731,7 +738,7 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const d
 
 conus_status cut_draw(struct cut *cut, const struct cut_view *view)
 {
-    double pale = view->fill * PALE / 100;
+    double pale = view->rgb ? !atlas_context(cut->atlas) && view->fill > 0 : view->fill * PALE / 100;
     const double opacities[3][2] = {[EMPHASIS_PALE] = {pale, pale},
                                     [EMPHASIS_FULL] = {view->fill, view->fill},
                                     [EMPHASIS_HATCHED] = {0.35 * view->fill, fmin(1.6 * view->fill, 1)}};

@@ -34,8 +34,11 @@ struct cut_place {
 
 struct cut_view {
     struct cut_place place;
-    const uint8_t *emphasis; /**< [object_count + 1] of enum emphasis; NULL = all full.                 */
-    double fill;             /**< Opacity of areas, 0 to 1; outlines are drawn over it.                          */
+    const uint8_t *emphasis;      /**< [object_count + 1] of enum emphasis; NULL = all full.                 */
+    const uint8_t (*rgb)[3];      /**< [object_count + 1] sRGB of areas, by number: then pale ones are not filled over a
+                                     context, and opaque without one. NULL = the atlas's. */
+    const uint8_t (*line_rgb)[3]; /**< Likewise of outlines. */
+    double fill;                  /**< Opacity of areas, 0 to 1; outlines are drawn over it.                          */
     bool no_outlines;
     double window[2];            /**< Grey values shown as black and white.                                         */
     const struct cut_cone *cone; /**< NULL = none.                                                               */

@@ -2,6 +2,7 @@
 /* Walks around areas of pixels, and finds where the distance to a cone's wall is 0. */
 #include "render/flat/cut_trace.h"
 
+#include "base/look.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -9,11 +10,11 @@
 
 enum { CELL = 2 }; /* pixels between the places where a cone's wall is looked for */
 
-static const uint8_t cone_rgb[3] = {255, 170, 40};
+static const uint8_t cone_rgb[3] = {LOOK_RGB(LOOK_CONE)};
 static const double CONE_LINE = 1.6;
 
 /* Lines of surfaces around the areas. */
-static const uint8_t around_rgb[3] = {172, 165, 155};
+static const uint8_t around_rgb[3] = {LOOK_RGB(LOOK_AROUND)};
 
 /* Pixels, and which of their upper sides were walked along. */
 struct walk {
@@ -75,7 +76,7 @@ static bool walk_around(struct walk *walk, size_t first)
 }
 
 conus_status cut_trace_areas(struct draw_list *out, const uint32_t *objects, uint32_t width, uint32_t height,
-                             const conus_object *list, const bool *skips, const double at[2])
+                             const conus_object *list, const uint8_t (*rgb)[3], const bool *skips, const double at[2])
 {
     struct walk walk = {.objects = objects, .width = width, .height = height};
     size_t pixels = (size_t)width * height;
@@ -93,7 +94,7 @@ conus_status cut_trace_areas(struct draw_list *out, const uint32_t *objects, uin
             walk.points[k][1] += at[1];
         }
         struct draw_item loop = {.kind = DRAW_LOOP, .width = 1, .points = walk.points, .count = walk.count};
-        draw_colour(loop.rgba, list[object - 1].rgb, 1);
+        draw_colour(loop.rgba, rgb ? rgb[object] : list[object - 1].rgb, 1);
         if (fits) {
             draw_item(out, &loop);
         }
@@ -155,8 +156,9 @@ static void flush(struct cut_lines *lines)
     struct draw_item item = {
         .kind = DRAW_LINES, .width = lines->object ? 1 : CONE_LINE, .points = lines->points, .count = lines->count};
     const uint8_t *rgb = lines->object == CUT_AROUND ? around_rgb
-                         : lines->object             ? lines->list[lines->object - 1].rgb
-                                                     : cone_rgb;
+                         : !lines->object            ? cone_rgb
+                         : lines->rgb                ? lines->rgb[lines->object]
+                                                     : lines->list[lines->object - 1].rgb;
     draw_colour(item.rgba, rgb, lines->object ? 1 : 0.9F);
     if (lines->count) {
         draw_item(lines->out, &item);

@@ -27,6 +27,7 @@ layout(std140, binding = 0) uniform View
     vec4 marker_colours[MARKER_LIMIT];
     mat4 haze_from_camera;
     vec4 haze_shape; // w: 1 where there is haze
+    vec4 pale;       // of what is pale; w: 0 = paler than its own
 };
 
 layout(binding = 0) uniform sampler3D context_field;  // gradient, density
@@ -56,6 +57,7 @@ const uint TUBE_PALE = 0x40000000u;
 const float OPAQUE = 0.995;
 const float GHOST = 0.3; // how much the cone, its axis and the markers show through areas before them
 const float HATCH = 8.0; // pixels from stripe to stripe
+const float SILHOUETTE = 0.35; // what is left of the light where a surface is seen from its side
 const float NEAR = 0.1; // mm before the eye
 const float NEVER = 1e9;
 const float SURFACE = (float(FIELD_SURFACE) - 0.5) / 255.0;
@@ -230,6 +232,12 @@ vec4 entry_of(uint number)
     return (number & TUBE_PALE) != 0u ? vec4(entry.rgb, 0) : entry;
 }
 
+// Darkens a surface where it turns away from the eye, so that one of a single colour shows its shape.
+float silhouette(vec3 normal, vec3 view)
+{
+    return mix(SILHOUETTE, 1.0, smoothstep(0.0, 0.5, abs(dot(normal, view))));
+}
+
 // The colour of a surface at depth t: pale where it is not emphasised, with the cone's footprint on the side that
 // faces the apex.
 vec3 object_colour(uint object, vec3 normal, vec3 direction, vec3 view, float t)
@@ -237,7 +245,8 @@ vec3 object_colour(uint object, vec3 normal, vec3 direction, vec3 view, float t)
     vec4 entry = entry_of(object);
     bool stripe = mod(gl_FragCoord.x + gl_FragCoord.y, HATCH) < 0.5 * HATCH;
     float part = entry.a > 2.5 ? 1.0 : entry.a > 1.5 ? float(stripe) : entry.a;
-    vec3 albedo = mix(0.16 * entry.rgb + 0.30, entry.rgb, part);
+    vec3 albedo = mix(pale.w > 0.0 ? pale.rgb : 0.16 * entry.rgb + 0.30, entry.rgb, part);
+    albedo *= pale.w > 0.0 ? silhouette(normal, view) : 1.0;
     float wall = distance_to_cone(t * direction);
     bool faces = dot(normal, mat3(world_from_camera) * (t * direction - apex.xyz)) < 0.0;
     albedo = abs(wall) < line.y && faces ? cone_colour.rgb : albedo;

@@ -38,6 +38,9 @@ struct picture {
     float *opacity;    /**< [objects + 1] of surfaces; NULL where all are opaque. */
     uint8_t *areas;    /**< [objects + 1] of enum pathways_area: those that are drawn beside pathways. */
     uint8_t *emphasis; /**< [objects + 1] of enum emphasis, by the cone; NULL without one. */
+    uint32_t *ranks; /**< [objects + 1] of picture_ranks(), and of what is listed; NULL = all have their own colours. */
+    uint8_t (*rgb)[3]; /**< [objects + 1] sRGB by rank, and of outlines in cuts; with `ranks`. */
+    uint8_t (*line_rgb)[3];
     bool *hidden; /**< [objects + 1] What the camera cannot see, as it lies behind other areas; NULL = not known. */
     float *rgba;  /**< [height * width * 4], bottom row first. */
 };
@@ -91,16 +94,28 @@ void picture_cut_finish(struct picture *picture);
 /** Linear light, premultiplied, and opacity of the background, @p part of the way down. */
 void picture_background(float out[4], const conus_view *options, float part);
 
+/** Whether light letters are seen better on the background than dark ones; what is transparent is taken for paper. */
+bool picture_is_dark(const conus_view *options);
+
 /** Sets drawing and sheet as options say, and gets text ready: font, letters and the legend. Without a font there is no
  * text, and a word about it in @p log (NULL = none). */
 conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory, conus_log log, void *log_user);
+
+/** Gives ranks and their colours to the picture of a selection, unless its objects have their own colours; the picture
+ * has its areas and opacities. What it holds is the caller's to picture_rank_finish() in any case.
+ * CONUS_ERROR_MEMORY. */
+conus_status picture_rank(struct picture *picture, bool on_dark);
+void picture_rank_finish(struct picture *picture);
+
+/** sRGB of an object in the picture. */
+const uint8_t *picture_colour(const struct picture *picture, size_t number);
 
 /** Whether an object keeps its colour, and has a row in the legend, though the cone does not hit it: one that is
  * listed, or else that is given an opacity. */
 bool picture_stands_out(const struct picture *picture, size_t number);
 
-/** The number that the picture and its legend give to a pathway drawn as haze by values, since it may look like another
- * one; 0 where it has none. */
+/** The number that the picture and its legend give to what may look like another one: a pathway drawn as haze by
+ * values, and what has a rank behind the colours; 0 where it has none. */
 size_t picture_tag(const struct picture *picture, uint32_t number);
 
 /** Whether its options have a legend, and there is something to put in: hits of a cone, objects that are listed, or

@@ -4,6 +4,7 @@
 #include "selection/picture/picture.h"
 
 #include "base/geometry/math3.h"
+#include "base/look.h"
 #include "render/draw/legend.h"
 
 #include <stdio.h>
@@ -320,6 +321,21 @@ static void find_peak(double out[3], const conus_atlas *atlas, uint32_t number)
     mat4_point(out, volume->info.world_from_voxel, voxel);
 }
 
+/* Where the cone comes to the object first; the middle of one that it does not hit. */
+static void find_contact(double out[3], const struct picture *picture, uint32_t number)
+{
+    const conus_selection *selection = picture->options.selection;
+    if (conus_atlas_centre(out, picture->atlas, number)) {
+        memcpy(out, picture->centre, sizeof picture->centre); /* it has no voxels and no surface */
+    }
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        if (result->object == number && result->pixels) {
+            memcpy(out, result->contact, sizeof result->contact);
+        }
+    }
+}
+
 /* Black or white, whichever has the higher contrast to it. */
 static float ink_on(const float rgba[4])
 {
@@ -341,7 +357,11 @@ static void draw_tags(struct draw_list *list, const struct picture *picture)
         if (!tag) {
             continue;
         }
-        find_peak(peak, picture->atlas, number);
+        if (picture->ranks && picture->ranks[number]) {
+            find_contact(peak, picture, number);
+        } else {
+            find_peak(peak, picture->atlas, number);
+        }
         if (!camera_project(&at[0], &at[1], &depth, &picture->camera, &picture->frame, peak)) {
             continue;
         }
@@ -352,7 +372,7 @@ static void draw_tags(struct draw_list *list, const struct picture *picture)
         }
         count++;
         float colour[4];
-        draw_colour(colour, picture->atlas->objects[number - 1].rgb, 1);
+        draw_colour(colour, picture_colour(picture, number), 1);
         const float grey = ink_on(colour);
         const float ink[4] = {grey, grey, grey, 1};
         const struct draw_box disc = {at[0] - radius, at[1] - radius, at[0] + radius, at[1] + radius};
@@ -367,8 +387,8 @@ static void draw_tags(struct draw_list *list, const struct picture *picture)
 
 void picture_draw_measured(struct draw_list *list, const struct picture *picture, double ends[2][2])
 {
-    static const float dark[4] = {0.02F, 0.02F, 0.025F, 0.85F}; /* light on dark is seen on everything */
-    static const float light[4] = {0.83F, 0.9F, 0.83F, 1};
+    static const float dark[4] = {LOOK_MEASURED_UNDER, 0.85F}; /* light on dark is seen on everything */
+    static const float light[4] = {LOOK_MEASURED, 1};
     const double *places = picture->options.measured;
     const double size = picture->em;
     double offset[3];
@@ -429,7 +449,7 @@ void picture_annotate_cut(struct draw_list *list, struct picture *picture, doubl
     if (picture->legend) {
         picture_legend_draw(list, picture);
     }
-    memcpy(picture->ink, (const float[]){0.83F, 0.83F, 0.86F, 1}, sizeof picture->ink); /* on black, mostly */
+    memcpy(picture->ink, (const float[]){LOOK_PICTURE_INK, 1}, sizeof picture->ink); /* on black, mostly */
     if (picture_is_across(picture)) {
         draw_edges(list, picture);
     }

@@ -25,15 +25,18 @@ conus_status picture_cut_init(struct picture *picture, const conus_cut_view *vie
                                     .dpi = sheet->dpi,
                                     .frame = sheet->frame,
                                     .shapes = sheet->shapes,
-                                    .measured = sheet->measured};
+                                    .measured = sheet->measured,
+                                    .own_colours = view->own_colours || sheet->own_colours};
     memcpy(picture->options.background_rgb, sheet->background_rgb, sizeof sheet->background_rgb);
     picture->areas = memory_raw(count, sizeof *picture->areas);
-    picture->emphasis = view->selection ? picture_emphasis(view->selection, view->chosen) : NULL;
+    bool has_ranks = picture_has_ranks(view->selection, picture->options.own_colours);
+    picture->emphasis = view->selection ? picture_emphasis(view->selection, has_ranks ? 0 : view->chosen) : NULL;
     if (!picture->areas || (view->selection && !picture->emphasis)) {
         return CONUS_ERROR_MEMORY;
     }
     memset(picture->areas, PATHWAYS_AREA_OVER, count * sizeof *picture->areas);
-    return picture_prepare_sheet(picture, memory_limit(0), NULL, NULL);
+    conus_status status = picture_rank(picture, picture_is_dark(&picture->options));
+    return status ? status : picture_prepare_sheet(picture, memory_limit(0), NULL, NULL);
 }
 
 void picture_cut_finish(struct picture *picture)
@@ -41,6 +44,7 @@ void picture_cut_finish(struct picture *picture)
     picture_legend_finish(picture);
     font_destroy(picture->font);
     memory_free(picture->emphasis);
+    picture_rank_finish(picture);
     memory_free(picture->areas);
     memory_free(picture->rgba);
 }
@@ -131,6 +135,7 @@ conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const 
         double mm_per_pixel = what.mm_per_pixel != 0 ? what.mm_per_pixel : 1;
         what.mm_per_pixel = mm_per_pixel * whole / fmin(picture.drawing[0], picture.drawing[1]);
         what.width = picture.drawing[0];
+        what.own_colours = picture.options.own_colours;
     }
     status = status ? status : conus_cutter_draw(cutter, &what);
     if (!status && picture.font) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cuts side by side on one sheet, at one scale, perhaps with the view in space before them. */
 #include "base/geometry/math3.h"
+#include "base/look_sizes.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "conus/atlas_info.h"
@@ -14,9 +15,6 @@
 #include <string.h>
 
 enum { DEFAULT_WIDTH = 1400, PANEL_LIMIT = 400, TITLE_SIZE = 48 };
-
-/* Letters as of a legend, in pixels: those of conus_render() have so many points by its dpi. */
-static const double POINTS = 7.5;
 
 /* Around the box of the atlas, as a part of it. */
 static const double MARGIN = 0.02;
@@ -392,9 +390,10 @@ static conus_status trace(const struct sheet *sheet, const struct cut *cut, stru
     for (size_t i = 0; i < cut->surface_count; i++) {
         skips[cut->surfaces[i]] = true;
     }
-    conus_status status = sheet->look->no_outlines ? CONUS_OK
-                                                   : cut_trace_areas(lines->out, cut->objects, cut->of.width,
-                                                                     cut->of.height, atlas->objects, skips, lines->at);
+    conus_status status = sheet->look->no_outlines
+                              ? CONUS_OK
+                              : cut_trace_areas(lines->out, cut->objects, cut->of.width, cut->of.height, atlas->objects,
+                                                lines->rgb, skips, lines->at);
     memory_free(skips);
     cut_lines_finish(lines);
     if (!status && sheet->view.selection) {
@@ -413,11 +412,13 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
     view.height = (uint32_t)panel->size[1];
     view.mm_per_pixel = 1 / sheet->pixels_per_mm;
     view.selection = sheet->view.selection;
+    view.own_colours = !sheet->picture.ranks;
     memcpy(view.centre, panel->centre, sizeof view.centre);
     memcpy(view.right, panel->plane->right, sizeof view.right);
     memcpy(view.up, panel->plane->up, sizeof view.up);
     struct cut_lines lines = {.out = sheet->image->list,
                               .list = sheet->picture.atlas->objects,
+                              .rgb = (const uint8_t(*)[3])sheet->picture.line_rgb,
                               .at = {(double)panel->at[0], (double)panel->at[1]},
                               .limit = {(double)panel->size[0], (double)panel->size[1]}};
     view.no_outlines = true;
@@ -452,7 +453,7 @@ static conus_status draw_space(struct sheet *sheet, const struct panel *panel)
     view.height = (uint32_t)panel->size[1];
     view.legend = CONUS_LEGEND_NONE;
     view.shapes = true;
-    view.dpi = sheet->picture.em * 72 / POINTS;
+    view.dpi = sheet->picture.em * 72 / LOOK_FIGURE_POINTS;
     view.background = view.background == CONUS_BACKGROUND_LIGHT ? CONUS_BACKGROUND_TRANSPARENT : view.background;
     conus_status status = conus_render(&image, sheet->renderer, &view);
     if (status) {

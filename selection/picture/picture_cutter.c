@@ -3,6 +3,7 @@
 #include "selection/picture/picture_cutter.h"
 
 #include "base/geometry/math3.h"
+#include "base/look.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "render/flat/cut.h"
@@ -92,6 +93,10 @@ static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool 
 {
     struct cut_cone cone;
     uint8_t *emphasis = NULL;
+    const bool has_ranks = picture_has_ranks(view->selection, view->own_colours);
+    uint32_t *ranks = NULL;
+    uint8_t(*rgb)[3] = NULL;
+    uint8_t(*line_rgb)[3] = NULL;
     struct cut_view what = {.place = {.width = view->width,
                                       .height = view->height,
                                       .mm_per_pixel = view->mm_per_pixel > 0 ? view->mm_per_pixel : 1},
@@ -106,11 +111,22 @@ static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool 
         cutter_cone(&cone, view->selection);
         cone.grey = view->grey_cone;
         what.cone = has_cone ? &cone : NULL;
-        what.emphasis = emphasis = picture_emphasis(view->selection, view->chosen);
+        what.emphasis = emphasis = picture_emphasis(view->selection, has_ranks ? 0 : view->chosen);
         status = emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    if (!status && has_ranks) {
+        ranks = picture_ranks(view->selection);
+        rgb = ranks ? picture_rank_colours(ranks, cutter->cut.atlas, LOOK_NOT_HIT) : NULL;
+        line_rgb = ranks ? picture_rank_colours(ranks, cutter->cut.atlas, LOOK_OUTLINE) : NULL;
+        what.rgb = (const uint8_t(*)[3])rgb;
+        what.line_rgb = (const uint8_t(*)[3])line_rgb;
+        status = rgb && line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
     status = status ? status : cut_draw(&cutter->cut, &what);
     memory_free(emphasis);
+    memory_free(ranks);
+    memory_free(rgb);
+    memory_free(line_rgb);
     return status;
 }
 

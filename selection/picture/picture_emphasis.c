@@ -2,8 +2,11 @@
 /* How areas stand out in a picture with a cone. */
 #include "selection/picture/picture_emphasis.h"
 
+#include "base/look.h"
 #include "base/memory.h"
 #include "render/colour/emphasis.h"
+
+#include <string.h>
 
 static uint32_t group_of(const conus_selection *selection, uint32_t object)
 {
@@ -35,4 +38,38 @@ uint8_t *picture_emphasis(const conus_selection *selection, uint32_t chosen)
         }
     }
     return emphasis;
+}
+
+bool picture_has_ranks(const conus_selection *selection, bool own_colours)
+{
+    return selection && !own_colours && !selection->atlas->has_palette;
+}
+
+uint32_t *picture_ranks(const conus_selection *selection)
+{
+    size_t count = selection->atlas->object_count + 1;
+    uint32_t *ranks = memory_zeroed(count, sizeof *ranks);
+    uint32_t rank = 0;
+    for (size_t i = 0; ranks && i < conus_selection_count(selection); i++) {
+        uint32_t object = conus_selection_result(selection, i)->object;
+        ranks[object] = object ? ++rank : 0;
+    }
+    for (uint32_t object = 1; ranks && object < count; object++) {
+        ranks[object] = ranks[group_of(selection, object)];
+    }
+    return ranks;
+}
+
+#define COLOUR(colour) colour,
+
+uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, unsigned not_hit))[3]
+{
+    static const unsigned colours[PICTURE_RANKS] = {LOOK_RANKS(COLOUR)};
+    uint8_t(*rgb)[3] = memory_raw(atlas->object_count + 1, sizeof *rgb);
+    for (size_t object = 0; rgb && object <= atlas->object_count; object++) {
+        const uint32_t rank = ranks[object];
+        const unsigned colour = !rank ? not_hit : rank <= PICTURE_RANKS ? colours[rank - 1] : LOOK_RANK_MORE;
+        memcpy(rgb[object], (const uint8_t[]){(uint8_t)(colour >> 16), (uint8_t)(colour >> 8), (uint8_t)colour}, 3);
+    }
+    return rgb;
 }

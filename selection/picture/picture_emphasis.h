@@ -9,4 +9,17 @@
  * freed. @p chosen (0 = none) and what is below it in the area tree are never pale. NULL without memory. */
 uint8_t *picture_emphasis(const conus_selection *selection, uint32_t chosen);
 
+/** Whether a picture of @p selection, which may be NULL, colours by rank: unless @p own_colours, or where the atlas has
+ * a palette, which somebody chose. */
+bool picture_has_ranks(const conus_selection *selection, bool own_colours);
+
+/** The place of each object in the answer, by number: [object count + 1] from 1, 0 = not in the cone, to be freed.
+ * Objects that a level joins have the same. NULL without memory. */
+uint32_t *picture_ranks(const conus_selection *selection);
+
+enum { PICTURE_RANKS = 6 };
+/** sRGB of each object by its rank, to be freed: of [object count + 1] @p ranks; 0 = @p not_hit, 0xRRGGBB. NULL without
+ * memory. */
+uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, unsigned not_hit))[3];
+
 #endif

@@ -4,6 +4,7 @@
 
 #include "base/buffer.h"
 #include "base/geometry/math3.h"
+#include "base/look.h"
 #include "base/memory.h"
 #include "render/colour/pathways.h"
 #include "render/draw/legend.h"
@@ -126,6 +127,10 @@ bool picture_has_legend(const struct picture *picture)
 size_t picture_tag(const struct picture *picture, uint32_t number)
 {
     size_t tag = 1;
+    if (picture->ranks && picture->ranks[number]) { /* not where it lies behind others: then it is not seen there */
+        bool has_number = picture->ranks[number] > PICTURE_RANKS && picture->emphasis[number] == EMPHASIS_FULL;
+        return has_number ? picture->ranks[number] : 0;
+    }
     for (size_t before = 1; before < number; before++) {
         tag += is_by_value(picture, before);
     }
@@ -161,11 +166,60 @@ static const char *name_of(struct picture_legend *legend, const struct picture *
     return whole->failed ? name : whole->data;
 }
 
+/* Objects that are listed though the cone does not hit them have the ranks behind those that it does, in the order of
+ * the legend. Haze has its colours before there is a cone. */
+static void rank_listed(const struct picture *picture)
+{
+    const conus_atlas *atlas = picture->atlas;
+    const uint32_t *group = picture->options.selection->group;
+    uint32_t *ranks = picture->ranks;
+    uint32_t last = 0;
+    for (size_t n = 1; n <= atlas->object_count; n++) {
+        last = ranks[n] > last ? ranks[n] : last;
+    }
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        uint32_t n = (uint32_t)((atlas->area_count + i) % atlas->object_count + 1);
+        uint32_t shown = group ? group[n] : n;
+        if (!ranks[shown] && is_drawn(picture, n) && picture_stands_out(picture, n)) {
+            ranks[shown] = ++last;
+        }
+        ranks[n] = haze_is(picture->hazy, n) ? 0 : ranks[shown];
+    }
+}
+
+conus_status picture_rank(struct picture *picture, bool on_dark)
+{
+    if (!picture_has_ranks(picture->options.selection, picture->options.own_colours)) {
+        return CONUS_OK;
+    }
+    picture->ranks = picture_ranks(picture->options.selection);
+    if (picture->ranks) {
+        rank_listed(picture);
+        picture->rgb =
+            picture_rank_colours(picture->ranks, picture->atlas, on_dark ? LOOK_NOT_HIT : LOOK_NOT_HIT_ON_WHITE);
+        picture->line_rgb = picture_rank_colours(picture->ranks, picture->atlas, LOOK_OUTLINE);
+    }
+    return picture->rgb && picture->line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+void picture_rank_finish(struct picture *picture)
+{
+    memory_free(picture->ranks);
+    memory_free(picture->rgb);
+    memory_free(picture->line_rgb);
+}
+
+const uint8_t *picture_colour(const struct picture *picture, size_t number)
+{
+    bool has_own = !picture->rgb || haze_is(picture->hazy, number);
+    return has_own ? picture->atlas->objects[number - 1].rgb : picture->rgb[number];
+}
+
 /* Its colour in the picture, and stripes where it has some. Haze by values has no one colour: then that of its contact.
  */
 static void set_chip(struct legend_row *row, const struct picture *picture, uint32_t number)
 {
-    memcpy(row->rgb, picture->atlas->objects[number - 1].rgb, sizeof row->rgb);
+    memcpy(row->rgb, picture_colour(picture, number), sizeof row->rgb);
     row->striped = picture->emphasis && picture->emphasis[number] == EMPHASIS_HATCHED;
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Probes in a picture: their lines over the drawing, and beside it what each passes, as a strip by depth. */
 #include "base/geometry/math3.h"
+#include "base/look.h"
 #include "base/memory.h"
 #include "selection/picture/picture.h"
 
@@ -30,8 +31,8 @@ static const double WIDEST = 0.5;
 static const double BEFORE = 0.3;
 static const double NEAR = 1.6;
 
-static const float CASING[4] = {0.01F, 0.01F, 0.015F, 1};
-static const float OUTSIDE[4] = {0.35F, 0.35F, 0.37F, 1};
+static const float CASING[4] = {LOOK_PROBE_CASING, 1};
+static const float OUTSIDE[4] = {LOOK_PROBE_OUTSIDE, 1};
 
 struct picture_probes {
     double from, to;      /* depths that the strips show, mm */

@@ -4,6 +4,7 @@
 
 #include "base/buffer.h"
 #include "base/geometry/math3.h"
+#include "base/look.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "conus/version.h"
@@ -23,8 +24,8 @@ enum {
     GRID = 8, /* from this magnification on, lines between the device's pixels */
 };
 
-static const uint8_t NOTHING[3] = {52, 53, 58};
-static const uint8_t BACKGROUND[3] = {24, 25, 28};
+static const uint8_t NOTHING[3] = {LOOK_RGB(LOOK_SEEN_NOTHING)};
+static const uint8_t BACKGROUND[3] = {LOOK_RGB(LOOK_SEEN_AROUND)};
 static const float HIDDEN_SHADE = 0.15F; /* for pixels that the aperture hides: linear light */
 static const float LINE_SHADE = 0.72F;
 
@@ -284,7 +285,7 @@ static conus_status draw_legend(struct draw_list *panel, const conus_selection *
         *row = (struct legend_row){.hollow = !object,
                                    .name = object ? object->name : "unassigned",
                                    .detail = {text->pixels, text->share, text->distance}};
-        memcpy(row->rgb, object ? object->rgb : (const uint8_t[]){130, 132, 138}, sizeof row->rgb);
+        memcpy(row->rgb, object ? object->rgb : (const uint8_t[]){LOOK_RGB(LOOK_NO_OBJECT)}, sizeof row->rgb);
         snprintf(text->pixels, sizeof text->pixels, "%u", result->pixels);
         snprintf(text->share, sizeof text->share, "%.1f %%", 100 * result->share);
         if (isfinite(result->distance)) {

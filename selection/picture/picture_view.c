@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_render(): the picture of the atlas from a camera, with the cone in it. */
 #include "base/geometry/math3.h"
+#include "base/look.h"
+#include "base/look_sizes.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text.h"
@@ -27,9 +29,6 @@ enum {
 
 /* Radius of the ball at the apex, as a part of the atlas's. */
 static const double DEVICE = 0.022;
-
-/* Letters, points of a 72nd inch. */
-static const double POINTS = 7.5;
 
 static bool has_frustum(const conus_view *view)
 {
@@ -183,7 +182,7 @@ static void add_marker(struct picture *picture, const double centre[3], double r
 
 static void add_cone(struct picture *picture)
 {
-    static const uint8_t device[3] = {60, 60, 66};
+    static const uint8_t device[3] = {LOOK_RGB(LOOK_APEX)};
     const conus_selection *selection = picture->options.selection;
     struct colour_view *view = &picture->view;
     view->group = selection->group;
@@ -197,8 +196,7 @@ static void add_cone(struct picture *picture)
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (result->object && result->pixels) {
-            add_marker(picture, result->contact, 0.017 * picture->radius,
-                       picture->atlas->objects[result->object - 1].rgb);
+            add_marker(picture, result->contact, 0.017 * picture->radius, picture_colour(picture, result->object));
         }
     }
 }
@@ -404,7 +402,7 @@ void picture_background(float out[4], const conus_view *options, float part)
 {
     bool transparent = options->background == CONUS_BACKGROUND_TRANSPARENT;
     for (int c = 0; c < 3; c++) {
-        out[c] = options->background == CONUS_BACKGROUND_LIGHT ? 0.90F - 0.22F * part
+        out[c] = options->background == CONUS_BACKGROUND_LIGHT ? LOOK_PICTURE_TOP - LOOK_PICTURE_DARKER * part
                  : transparent                                 ? 0
                                : (float)linear_from_srgb(options->background_rgb[c] / 255.0);
     }
@@ -453,19 +451,30 @@ static double light_of(const float rgb[3])
     return 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2];
 }
 
+/* That of the darker end; what is transparent is taken for paper. */
+static double background_light(const conus_view *options)
+{
+    float top[4];
+    float bottom[4];
+    picture_background(top, options, 0);
+    picture_background(bottom, options, 1);
+    return top[3] > 0 ? fmin(light_of(top), light_of(bottom)) : 1;
+}
+
+bool picture_is_dark(const conus_view *options)
+{
+    static const double even =
+        0.1791; /* black and white have the same contrast to it: 1.05 / (L + 0.05) = (L + 0.05) / 0.05 */
+    return background_light(options) < even;
+}
+
 /* Dark letters, or light ones on what is dark; black or white where these would have less than CONTRAST. What is
  * transparent is taken for white. */
 static void choose_ink(struct picture *picture)
 {
-    static const double even =
-        0.1791; /* black and white have the same contrast to it: 1.05 / (L + 0.05) = (L + 0.05) / 0.05 */
-    float top[4];
-    float bottom[4];
-    picture_background(top, &picture->options, 0);
-    picture_background(bottom, &picture->options, 1);
-    double light = top[3] > 0 ? fmin(light_of(top), light_of(bottom)) : 1;
-    bool is_dark = light < even;
-    float soft = is_dark ? 0.9F : 0.02F;
+    double light = background_light(&picture->options);
+    bool is_dark = picture_is_dark(&picture->options);
+    float soft = is_dark ? LOOK_PICTURE_INK_ON_DARK : LOOK_PICTURE_INK_ON_LIGHT;
     double dark[2] = {is_dark ? light : (double)soft, is_dark ? (double)soft : light};
     bool fits = (dark[1] + 0.05) / (dark[0] + 0.05) >= PICTURE_CONTRAST;
     for (int c = 0; c < 3; c++) {
@@ -488,8 +497,9 @@ conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory,
     }
     picture->drawing[0] = options->width;
     picture->drawing[1] = picture->sheet_height = options->height;
-    picture->em =
-        options->dpi > 0 ? POINTS / 72 * options->dpi : fmax(11, fmin(options->width, options->height) / 54.0);
+    picture->em = options->dpi > 0
+                      ? LOOK_FIGURE_POINTS / 72 * options->dpi
+                      : fmax(LOOK_FIGURE_LEAST, fmin(options->width, options->height) / (double)LOOK_FIGURE_PART);
     picture->line = options->dpi > 0 ? picture->em / 19 : 1;
     choose_ink(picture);
     conus_status status = find_font(picture, log, log_user);
@@ -577,7 +587,10 @@ static conus_status draw(struct picture *picture, conus_renderer *renderer)
     view->fade = picture->options.fade;
     view->opacity = picture->opacity;
     view->emphasis = picture->emphasis;
-    view->pale_rgb = picture->options.has_unselected ? picture->options.unselected_rgb : NULL;
+    view->rgb = (const uint8_t(*)[3])picture->rgb;
+    view->pale_rgb = picture->options.has_unselected ? picture->options.unselected_rgb
+                     : picture->rgb                  ? picture->rgb[0]
+                                                     : NULL;
     view->line_width = fmax(0.012 * picture->radius, view->draft);
     view->markers = picture->markers;
     picture->rgba = memory_raw((size_t)view->width * view->height, 4 * sizeof *picture->rgba);
@@ -717,9 +730,10 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     if (status) {
         return status;
     }
+    const bool has_ranks = picture_has_ranks(picture.options.selection, picture.options.own_colours);
     if (picture.options.selection || picture.options.probe_count) {
         picture.emphasis = picture.options.selection
-                               ? picture_emphasis(picture.options.selection, picture.options.chosen)
+                               ? picture_emphasis(picture.options.selection, has_ranks ? 0 : picture.options.chosen)
                                : picture_probe_emphasis(&picture);
         status = picture.emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
@@ -728,6 +742,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
         picture.emphasis[n] = keeps ? EMPHASIS_FULL : picture.emphasis[n];
     }
     status = status ? status : find_opacities(&picture);
+    status = status ? status : picture_rank(&picture, picture_is_dark(&picture.options));
     if (!status && !picture.options.draft) {
         status = renderer_include(renderer, picture.areas);
     }
@@ -747,6 +762,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     picture_probes_finish(&picture);
     font_destroy(picture.font);
     memory_free(picture.emphasis);
+    picture_rank_finish(&picture);
     memory_free(picture.opacity);
     memory_free(picture.areas);
     memory_free(picture.hidden);

@@ -131,7 +131,8 @@ LIBRARY = {
 }
 RULES = {**LIBRARY, **APPS}
 # What programs link beside the library (conus_system in base/CMakeLists.txt).
-SHARED = {"base/child/process.h", "base/order.h", "base/path.h", "base/system/system.h", "base/text.h"}
+SHARED = {"base/child/process.h", "base/look.h", "base/look_sizes.h", "base/order.h", "base/path.h",
+          "base/system/system.h", "base/text.h"}
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 

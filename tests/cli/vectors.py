@@ -51,7 +51,7 @@ def check_svg():
     assert float(texts["A"].get("y")) < float(texts["P"].get("y"))
     image, = root.iter(SVG + "image")
     # The outline of 40 x 60 mm gives the length of a mm; the bar is as long as its text says.
-    box, = [numbers(path.get("d")) for path in root.iter(SVG + "path") if path.get("stroke") == "#1e5ac8"]
+    box, = [numbers(path.get("d")) for path in root.iter(SVG + "path") if path.get("stroke") == "#d2246c"]  # of what is hit
     assert len(box) == 4, box
     # The outline is not in the pixels: a row near the box's edge, where no cone is, has one colour.
     with open("inside.png", "wb") as inside:
@@ -67,7 +67,7 @@ def check_svg():
     assert abs(bar - length * pixels_per_mm.mean()) < 0.01 * bar, (bar, length, pixels_per_mm)
     # The cone's wall in the cut: apex at (-90, 0), half of 20 degrees, so its lines diverge from the axis by that.
     cone = numpy.concatenate([numbers(path.get("d")) for path in root.iter(SVG + "path")
-                              if path.get("stroke") == "#ffaa28"])
+                              if path.get("stroke") == "#ffb000"])
     middle = (box.min(axis=0) + box.max(axis=0)) / 2
     x, y = ((cone - middle) / pixels_per_mm).T
     assert numpy.abs(numpy.abs(y) - (x + 90) * numpy.tan(numpy.radians(10))).max() < 0.3

@@ -2,11 +2,13 @@
 /* Draws outlines into pictures. */
 #include "viewer/model/outline.h"
 
+#include "base/look.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-static const uint8_t bright[4] = {255, 200, 90, 255};
-static const uint8_t dark[4] = {0, 0, 0, 255};
+static const uint8_t bright[4] = {LOOK_RGB(LOOK_CHOSEN), 255};
+static const uint8_t dark[4] = {LOOK_RGB(LOOK_BLACK), 255};
 
 bool *outline_wanted(const struct viewer *viewer)
 {

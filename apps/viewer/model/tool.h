@@ -23,9 +23,6 @@ extern const char *const pointer_names[POINTER_COUNT];
 
 enum tool_number { FIRST_TOOL = 0, SECOND_TOOL, TOOL_COUNT };
 
-/** sRGB of the second tool's cone. */
-#define SECOND_RGB 0, 190, 255
-
 struct tool {
     bool on;              /**< The first one is always; the second one is off at first. */
     enum pointer pointer; /**< It moves the tool: only a tracker moves both tools. The second one never a replay. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The viewer: creation, the cone, confirmed results, crosshair. */
 #include "viewer/model/viewer.h"
+#include "base/look.h"
 #include "base/system/system.h"
 #include "conus/file.h"
 #include "conus/score.h"
@@ -351,7 +352,7 @@ uint32_t viewer_full(const struct viewer *viewer)
 void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object)
 {
     const conus_object *info = conus_atlas_object(viewer->drawn->atlas, object);
-    memcpy(rgb, info ? info->rgb : (const uint8_t[]){130, 132, 138}, 3);
+    memcpy(rgb, info ? info->rgb : (const uint8_t[]){LOOK_RGB(LOOK_NO_OBJECT)}, 3);
 }
 
 const char *viewer_find_score(const char *name)
@@ -379,7 +380,8 @@ void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane
                          .no_outlines = viewer->display.no_outlines,
                          .window = {grey[0], grey[1]},
                          .selection = viewer_selection(viewer),
-                         .chosen = viewer_full(viewer)};
+                         .chosen = viewer_full(viewer),
+                         .own_colours = true};
     memcpy(out->centre, viewer->centre, sizeof out->centre);
     out->centre[2 - (int)plane] = viewer->crosshair[2 - (int)plane];
     memcpy(out->right, axes[plane][0], sizeof out->right);

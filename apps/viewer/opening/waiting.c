@@ -2,6 +2,7 @@
 /* Draws the page, and waits for the loader's thread. */
 #include "viewer/opening/waiting.h"
 
+#include "base/look.h"
 #include "options/messages.h"
 
 #include <GLFW/glfw3.h>
@@ -16,9 +17,9 @@ static const double patience_s = 0.2, first_patience_s = 0.05;
 /* Shows the name of the file that is read, and a bar of the files that were. */
 static void draw_page(struct window *window, struct loader *loader, double seconds)
 {
-    static const ui_colour light = {235, 235, 240, 255};
-    static const ui_colour dim = {128, 128, 128, 60};
-    static const ui_colour full = {66, 150, 250, 255};
+    static const ui_colour light = {LOOK_RGB(LOOK_OVER), 255};
+    static const ui_colour dim = {LOOK_RGB(LOOK_LOADING_LEFT), 60};
+    static const ui_colour full = {LOOK_RGB(LOOK_LOADING), 255};
     struct loader_progress progress;
     char text[160];
     loader_ask(loader, &progress);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The 3-D pane: shows the painter's picture, and lets the mouse turn it or aim. */
+#include "base/look.h"
 #include "viewer/model/picker.h"
 #include "viewer/panes/panels.h"
 #include "viewer/panes/panes.h"
@@ -13,13 +14,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const ui_colour compass_near = {235, 235, 240, 255};
-static const ui_colour compass_far = {175, 175, 181, 255};
-static const ui_colour compass_edge = {20, 20, 24, 190};
+static const ui_colour compass_near = {LOOK_RGB(LOOK_OVER), 255};
+static const ui_colour compass_far = {LOOK_RGB(LOOK_OVER_FAR), 255};
+static const ui_colour compass_edge = {LOOK_RGB(LOOK_UNDER), 190};
 
-static const ui_colour light = {235, 235, 240, 255};
-static const ui_colour dark = {20, 20, 24, 255};
-static const ui_colour cross = {90, 220, 120, 160};
+static const ui_colour light = {LOOK_RGB(LOOK_OVER), 255};
+static const ui_colour dark = {LOOK_RGB(LOOK_UNDER), 255};
+static const ui_colour cross = {LOOK_RGB(LOOK_CROSS), 160};
 
 /* The view rests when the mouse, or else a tracker or a replay, has stood still for so long. */
 static const double view_rest_ms = 120, others_rest_ms = 300;

@@ -2,9 +2,11 @@
 /* The borders between panels and panes, which the mouse drags. */
 #include "viewer/panes/panes.h"
 
+#include "base/look.h"
+
 #include <math.h>
 
-static const ui_colour light = {120, 170, 230, 200};
+static const ui_colour light = {LOOK_RGB(LOOK_BORDER), 200};
 static const float thick = 6; /* where the mouse meets it, at scale 1 */
 
 /* Finds the box in which the mouse meets a border; false where there is no border. */

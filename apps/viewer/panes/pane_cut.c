@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A flat pane: the cut, the crosshair, the cone in it, and the mouse on it. */
+#include "base/look.h"
 #include "viewer/model/picker.h"
 #include "viewer/model/viewer.h"
 #include "viewer/panes/panes.h"
@@ -12,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const ui_colour light = {235, 235, 240, 255};
+static const ui_colour light = {LOOK_RGB(LOOK_OVER), 255};
 static const float margin = 7;    /* pixels, of letters */
 static const float brain = 0.92F; /* of a pane's shorter edge, that a brain fills */
 static const double pixels = 300; /* that the mouse moves for a step of 1 of appearance_move_grey() */
@@ -46,7 +47,7 @@ static void show_grey(const struct window *window, const struct ui_box *box)
     }
 }
 
-static const ui_colour cross = {90, 220, 120, 160};
+static const ui_colour cross = {LOOK_RGB(LOOK_CROSS), 160};
 
 static double dot(const double a[3], const double b[3])
 {

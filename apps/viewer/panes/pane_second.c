@@ -2,13 +2,15 @@
 /* The second tool's cone over the four panes: its wall as lines of its own colour, and the names of what it hits. */
 #include "viewer/panes/panes.h"
 
+#include "base/look.h"
 #include "viewer/tools/shell.h"
 
 #include <math.h>
 
-static const ui_colour second_colour = {SECOND_RGB, 255};
-static const ui_colour old_colour = {180, 180, 180, 255}; /* as the first tool's where it is not seen */
-static const ui_colour shade = {10, 20, 30, 150};         /* under lines, so that they are seen on white as on black */
+static const ui_colour second_colour = {LOOK_RGB(LOOK_SECOND), 255};
+static const ui_colour old_colour = {LOOK_RGB(LOOK_CONE_OLD), 255}; /* as the first tool's where it is not seen */
+static const ui_colour shade = {LOOK_RGB(LOOK_UNDER_SECOND),
+                                150}; /* under lines, so that they are seen on white as on black */
 
 static double distance(const double a[3], const double b[3])
 {

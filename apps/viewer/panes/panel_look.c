@@ -2,6 +2,7 @@
 /* How the atlas looks: the view, an area, the context's grey values, pathways and streamlines. */
 #include "viewer/panes/panels.h"
 
+#include "base/look.h"
 #include "conus/streamlines.h"
 #include "viewer/ui/ui_list.h"
 
@@ -147,9 +148,9 @@ void panel_look_area(struct viewer *viewer, uint32_t object)
     }
 }
 
-static const ui_colour bars = {120, 126, 140, 255};
-static const ui_colour curve = {255, 170, 40, 255};
-static const ui_colour dark = {24, 25, 30, 255};
+static const ui_colour bars = {LOOK_RGB(LOOK_PLOT_BARS), 255};
+static const ui_colour curve = {LOOK_RGB(LOOK_CONE), 255};
+static const ui_colour dark = {LOOK_RGB(LOOK_PLOT), 255};
 
 /* Opacities of 1 mm are small: the editor's height goes up to this. */
 static const double highest = 0.3;

@@ -2,6 +2,8 @@
 /* The second tool: what moves it, its angle, and the list of what its cone hits. */
 #include "viewer/panes/panels.h"
 
+#include "base/look.h"
+
 #include <stdio.h>
 
 /* Offers all pointers but the replay. */
@@ -54,7 +56,7 @@ void panel_second(struct window *window)
         tool_update_second(window->viewer); /* the panel of areas may have changed the atlas in this frame */
         inputs_notice(&notice, &window->inputs, window->viewer, SECOND_TOOL);
         ui_same_line();
-        ui_chip("colour of its cone", ((ui_colour){SECOND_RGB, 255}));
+        ui_chip("colour of its cone", ((ui_colour){LOOK_RGB(LOOK_SECOND), 255}));
         if (notice.text) {
             snprintf(text, sizeof text, "%s%s", notice.is_old ? "OLD ANSWER: " : "", notice.text);
             ui_text_wrapped(notice.is_trouble ? THEME_ORANGE : THEME_PLAIN, text);

@@ -2,6 +2,7 @@
 /* The study of the cone: shares over the angle as curves, or probabilities of jitter as bars, with their numbers. */
 #include "viewer/panes/panels.h"
 
+#include "base/look.h"
 #include "viewer/model/studies.h"
 #include "viewer/ui/ui_list.h"
 
@@ -10,9 +11,9 @@
 
 enum { PLOT_HEIGHT = 120, LINES = 6, TIP_ROWS = 10, SAMPLE_CHOICES = 17 };
 
-static const ui_colour ground = {24, 25, 30, 255};
-static const ui_colour grid = {255, 255, 255, 40};
-static const ui_colour nothing = {150, 150, 155, 255};
+static const ui_colour ground = {LOOK_RGB(LOOK_PLOT), 255};
+static const ui_colour grid = {LOOK_RGB(LOOK_WHITE), 40};
+static const ui_colour nothing = {LOOK_RGB(LOOK_PLOT_NOTHING), 255};
 
 void panel_study_kind(struct viewer *viewer)
 {
@@ -160,7 +161,7 @@ static size_t draw_plot(const struct window *window, const struct study_answer *
         ui_colour colour = colour_of(viewer, curve->object);
         colour.a = is_old ? 80 : 255;
         float width = chosen ? 3.5F : 1.5F; /* and a light edge, since areas may be as dark as the ground */
-        draw_line(answer, curve, box, (ui_colour){255, 255, 255, (uint8_t)(colour.a / 2)}, width + 1.5F);
+        draw_line(answer, curve, box, (ui_colour){LOOK_RGB(LOOK_WHITE), (uint8_t)(colour.a / 2)}, width + 1.5F);
         draw_line(answer, curve, box, colour, width);
     }
     draw_numbers(answer, box);

@@ -146,6 +146,7 @@ static enum stage paint(struct painter *painter, conus_renderer *renderer, const
                        .grey_cone = what->is_old,
                        .chosen = what->chosen,
                        .no_legend = true,
+                       .own_colours = true,
                        .draft = stage != STAGE_SMOOTH,
                        .fade = what->fade,
                        .opacity = painter->opacity,

@@ -2,6 +2,7 @@
 // The font, sizes and colours of Dear ImGui's widgets.
 #include "viewer/ui/ui_audit.h"
 
+#include "base/look_sizes.h"
 #include "viewer/ui/theme.h"
 
 #include <imgui.h>
@@ -19,8 +20,8 @@ static bool load_font(float scale)
     static const ImWchar ascii[] = {0x20, 0x7e, 0};
     ImGuiIO &io = ImGui::GetIO();
     io.Fonts->Clear();
-    return io.Fonts->AddFontFromFileTTF(font_file, 15 * scale, nullptr, ranges) &&
-           io.Fonts->AddFontFromFileTTF(font_file, 30 * scale, nullptr, ascii);
+    return io.Fonts->AddFontFromFileTTF(font_file, LOOK_TEXT * scale, nullptr, ranges) &&
+           io.Fonts->AddFontFromFileTTF(font_file, LOOK_HEADING * scale, nullptr, ascii);
 }
 
 /* Surfaces under texts have the theme's colours, and are opaque. */
@@ -66,10 +67,10 @@ bool ui_style(float scale)
         ImGui::StyleColorsDark(&style);
     }
     style.WindowRounding = style.WindowBorderSize = 0;
-    style.FrameRounding = 3;
-    style.WindowPadding = ImVec2(8, 6);
-    style.ItemSpacing = ImVec2(6, 4);
-    style.CellPadding.x = 3;
+    style.FrameRounding = LOOK_ROUNDING;
+    style.WindowPadding = ImVec2(LOOK_PADDING_X, LOOK_PADDING_Y);
+    style.ItemSpacing = ImVec2(LOOK_GAP_X, LOOK_GAP_Y);
+    style.CellPadding.x = LOOK_CELL;
     set_colours(style);
     style.ScaleAllSizes(scale);
     ImGui::GetStyle() = style;

@@ -110,8 +110,8 @@ export class Cut {
     const side = this.side;
     const c = cleared(this.over, side);
     const [x, y] = this.place(aim.cut);
-    line(c, "rgba(255,255,255,0.35)", 1, [[x, 0], [x, side]]);
-    line(c, "rgba(255,255,255,0.35)", 1, [[0, y], [side, y]]);
+    line(c, "LOOK_WHITE59", 1, [[x, 0], [x, side]]);
+    line(c, "LOOK_WHITE59", 1, [[0, y], [side, y]]);
     axis(c, this.place(aim.origin), this.place(aim.toward), chosenEnd);
     c.font = "bold 13px sans-serif";
     c.textAlign = "center";
@@ -119,7 +119,7 @@ export class Cut {
       outlined(c, this.plane.letters[i], at[0], at[1]);
     }
     const mm = [1, 2, 5, 10, 20, 50, 100].filter((length) => length / this.mmPerPoint <= side / 3).pop() ?? 1;
-    line(c, "#fff", 2, [[12, side - 12], [12 + mm / this.mmPerPoint, side - 12]]);
+    line(c, "LOOK_WHITE", 2, [[12, side - 12], [12 + mm / this.mmPerPoint, side - 12]]);
     c.textAlign = "left";
     outlined(c, `${mm} mm`, 12, side - 18);
     const title = `${this.plane.name}, ${"xyz"[this.plane.through]} = ${digits(aim.cut[this.plane.through])} mm`;
@@ -140,10 +140,10 @@ function line(c, colour, width, points) {
 
 /** @param {CanvasRenderingContext2D} c @param {string} text @param {number} x @param {number} y */
 function outlined(c, text, x, y) {
-  c.strokeStyle = "#000";
+  c.strokeStyle = "LOOK_BLACK";
   c.lineWidth = 3;
   c.strokeText(text, x, y);
-  c.fillStyle = "#fff";
+  c.fillStyle = "LOOK_WHITE";
   c.fillText(text, x, y);
 }
 
@@ -159,7 +159,7 @@ function caption(c, title, under, side) {
 
 /** The axis from its start, a ring, to its target, a cross. @param {CanvasRenderingContext2D} c @param {number[]} from @param {number[]} to */
 export function axis(c, from, to, chosenEnd) {
-  for (const [colour, width] of /** @type {[string, number][]} */ ([["#000", 4], ["#fff", 1.5]])) {
+  for (const [colour, width] of /** @type {[string, number][]} */ ([["LOOK_BLACK", 4], ["LOOK_WHITE", 1.5]])) {
     line(c, colour, width, [from, to]);
     line(c, colour, width + 1, [[to[0] - 7, to[1]], [to[0] + 7, to[1]]]);
     line(c, colour, width + 1, [[to[0], to[1] - 7], [to[0], to[1] + 7]]);
@@ -167,7 +167,7 @@ export function axis(c, from, to, chosenEnd) {
     c.arc(from[0], from[1], 7, 0, 7);
     c.stroke();
     const end = chosenEnd === "origin" ? from : to;
-    if (colour === "#fff") {
+    if (colour === "LOOK_WHITE") {
       c.setLineDash([3, 3]);
       c.beginPath();
       c.arc(end[0], end[1], HANDLE, 0, 7);
@@ -285,8 +285,8 @@ export class View {
     const c = cleared(this.over, this.side);
     if (this.hasCone && aim.angle < 120) {
       const rim = circle(aim).map((p) => this.place(p));
-      line(c, "#f0a030", 2, [...rim, rim[0]]);
-      for (let i = 0; i < rim.length; i += 6) line(c, "rgba(240,160,48,0.6)", 1, [this.place(aim.origin), rim[i]]);
+      line(c, "LOOK_PAGE_CONE", 2, [...rim, rim[0]]);
+      for (let i = 0; i < rim.length; i += 6) line(c, "LOOK_PAGE_CONE99", 1, [this.place(aim.origin), rim[i]]);
     }
     caption(c, "3-D, drag to turn", this.under, this.side);
     axis(c, this.place(aim.origin), this.place(aim.toward), chosenEnd);

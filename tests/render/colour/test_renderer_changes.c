@@ -247,7 +247,7 @@ static void areas_that_are_hit_are_drawn_beside_pathways(void **state)
     assert_ok(conus_select(&selection, selector, &pose, 0.05));
     assert_int_equal(conus_selection_result(selection, 0)->object, 1);
     conus_image *alone = render(renderer, (conus_view){0});
-    conus_image *with = render(renderer, (conus_view){.selection = selection});
+    conus_image *with = render(renderer, (conus_view){.selection = selection, .own_colours = true});
     conus_image *draft = render(renderer, (conus_view){.draft = true});
     conus_image *again = render(renderer, (conus_view){0});
     const double pixels_per_mm = HEIGHT / (2 * 142 * tan(0.35 / 2));

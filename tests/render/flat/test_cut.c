@@ -2,6 +2,7 @@
 /* Flat cuts: the object at each pixel's centre, the sides, and the order in which things are laid over each other. */
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
+#include "base/look.h"
 #include "base/memory.h"
 #include "conus/picture.h"
 #include "mesh_scene.h"
@@ -283,7 +284,7 @@ static void the_chosen_area_is_never_pale(void **state)
     uint8_t plain[3];
     conus_cut_view view = whole;
     view.fill = 1;
-    view.no_outlines = true;
+    view.no_outlines = view.own_colours = true;
     assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
     memcpy(plain, pixel_at(&picture, 45, other_y), 3);
     view.selection = selection;
@@ -292,6 +293,42 @@ static void the_chosen_area_is_never_pale(void **state)
     view.chosen = 3 - hit;
     assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
     assert_memory_equal(pixel_at(&picture, 45, other_y), plain, 3);
+    conus_selection_destroy(selection);
+    conus_atlas_destroy(atlas);
+}
+
+/* One area is hit, one is not. Without an image this one is grey with a darker outline, and that one has the first
+ * rank's colour; where the atlas has a palette both have this one's. */
+static void areas_have_the_colours_of_their_ranks(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    static const uint8_t first[3] = {LOOK_RGB(LOOK_RANK_1)}, not_hit[3] = {LOOK_RGB(LOOK_NOT_HIT)};
+    static const uint8_t outline[3] = {LOOK_RGB(LOOK_OUTLINE)}, black[3] = {0, 0, 0};
+    conus_atlas *atlas = open_phantom("slabs");
+    const conus_selector_options options = {.radius = 3};
+    conus_selection *selection = select_in(atlas, &options, 0);
+    const uint32_t hit = conus_selection_result(selection, 0)->object;
+    const int y[2] = {hit == 1 ? 30 - 9 : 30 + 9, hit == 1 ? 30 + 9 : 30 - 9};
+    conus_cut_view view = whole;
+    view.fill = 1;
+    view.selection = selection;
+    assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
+    assert_int_equal(picture.objects[y[0] * SIDE + 45], hit);
+    assert_memory_equal(pixel_at(&picture, 45, y[0]), first, 3);
+    assert_memory_equal(pixel_at(&picture, 45, y[1]), not_hit, 3);
+    int edge = 45;
+    while (picture.objects[y[1] * SIDE + edge + 1]) {
+        edge++;
+    }
+    assert_memory_equal(pixel_at(&picture, edge, y[1]), outline, 3);
+    view.fill = 0;
+    assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
+    assert_memory_equal(pixel_at(&picture, 45, y[1]), black, 3);
+    view.fill = 1;
+    conus_atlas_use_safe_colours(atlas);
+    assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
+    assert_memory_equal(pixel_at(&picture, 45, y[0]), atlas->objects[hit - 1].rgb, 3);
     conus_selection_destroy(selection);
     conus_atlas_destroy(atlas);
 }
@@ -521,6 +558,7 @@ TEST_GROUP(cut)
         cmocka_unit_test(what_overlaps_is_filled_once),
         cmocka_unit_test(a_cutter_draws_the_same_pictures),
         cmocka_unit_test(the_chosen_area_is_never_pale),
+        cmocka_unit_test(areas_have_the_colours_of_their_ranks),
         cmocka_unit_test(what_cannot_be_drawn_is_refused),
         cmocka_unit_test(every_failing_allocation_is_survived),
     };

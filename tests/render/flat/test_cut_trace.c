@@ -16,7 +16,7 @@ static struct draw_list *trace(const uint32_t *objects, const bool *skips)
 {
     struct draw_list *lines = NULL;
     assert_ok(draw_list_create(&lines, 1, 1));
-    assert_ok(cut_trace_areas(lines, objects, SIDE, SIDE, list, skips, (double[]){100, 200}));
+    assert_ok(cut_trace_areas(lines, objects, SIDE, SIDE, list, NULL, skips, (double[]){100, 200}));
     assert_false(lines->failed);
     return lines;
 }

@@ -2,6 +2,7 @@
 /* The legend inside a picture: its rows if there are too many, and its place beside the drawing. */
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
+#include "base/look.h"
 #include "base/memory.h"
 #include "builders/area_rows.h"
 #include "picture_scene.h"
@@ -15,7 +16,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { WIDTH = 400, HEIGHT = 300, DPI = 100, SLABS = 60, TEXT = 24 };
+enum { WIDTH = 400, HEIGHT = 300, DPI = 100, SLABS = 60, TEXT = 96 };
 
 /* The smallest letters: six tenths of 7.5 points, which are a 72nd inch each. */
 static const double SMALLEST = 0.6 * 7.5 / 72 * DPI;
@@ -91,8 +92,15 @@ static void finish_scene(struct scene *scene)
     conus_atlas_destroy(scene->atlas);
 }
 
+/* By place in the answer, of which `unassigned` is the last; from the seventh on a grey, with a number where it is hit
+ * first. */
+static const uint8_t ranks[][3] = {{LOOK_RGB(LOOK_RANK_1)},   {LOOK_RGB(LOOK_RANK_2)}, {LOOK_RGB(LOOK_RANK_3)},
+                                   {LOOK_RGB(LOOK_RANK_4)},   {LOOK_RGB(LOOK_RANK_5)}, {LOOK_RGB(LOOK_RANK_6)},
+                                   {LOOK_RGB(LOOK_RANK_MORE)}};
+static const uint8_t not_hit[3] = {LOOK_RGB(LOOK_NOT_HIT_ON_WHITE)};
+
 /* The legend's row of a result. */
-static struct legend_row describe(char text[2][TEXT], const struct scene *scene, size_t index)
+static struct legend_row describe(char text[3][TEXT], const struct scene *scene, size_t index)
 {
     const conus_result *result = conus_selection_result(scene->selection, index);
     const conus_object *object = conus_atlas_object(scene->atlas, result->object);
@@ -103,7 +111,13 @@ static struct legend_row describe(char text[2][TEXT], const struct scene *scene,
     row.striped = behind;
     row.detail[0] = behind ? "behind" : text[0];
     row.detail[1] = object ? text[1] : NULL;
-    memcpy(row.rgb, object ? object->rgb : row.rgb, sizeof row.rgb);
+    if (object) {
+        memcpy(row.rgb, ranks[index < 6 ? index : 6], sizeof row.rgb);
+    }
+    if (object && !behind && index >= 6) {
+        snprintf(text[2], TEXT, "%zu  %s", index + 1, object->name);
+        row.name = text[2];
+    }
     return row;
 }
 
@@ -173,7 +187,7 @@ static void check_rows(const struct scene *scene, const struct legend_row *rows,
  * `unassigned`, the last result. */
 static void check(struct scene *scene, size_t shown, const double width[2], const double height[2])
 {
-    char texts[SLABS + 1][2][TEXT];
+    char texts[SLABS + 1][3][TEXT];
     char more[40];
     struct legend_row rows[SLABS + 2];
     size_t results = conus_selection_count(scene->selection);
@@ -255,7 +269,7 @@ static void bundles_that_are_not_hit_have_rows(void **state)
 {
     (void)state;
     static const char *const names[] = {"The bundle that is hit, which has a long name", "Beside", "Beside it"};
-    char texts[3][2][TEXT];
+    char texts[3][3][TEXT];
     struct legend_row rows[6];
     conus_atlas *atlas = make_atlas(front_and_rest, "Area");
     for (int k = 0; k < 3; k++) {
@@ -268,7 +282,7 @@ static void bundles_that_are_not_hit_have_rows(void **state)
     }
     for (size_t k = 1; k < 3; k++) {
         rows[2 + k] = (struct legend_row){.name = names[k], .detail = {"not hit"}};
-        memcpy(rows[2 + k].rgb, atlas->objects[2 + k].rgb, sizeof rows[2 + k].rgb);
+        memcpy(rows[2 + k].rgb, not_hit, sizeof rows[2 + k].rgb);
     }
     rows[5] = (struct legend_row){.name = "other areas", .hollow = true, .detail = {"not drawn"}};
     check_rows(&scene, rows, 6, (double[]){5, 7}, (double[]){3, 5});
@@ -279,7 +293,7 @@ static void bundles_that_are_not_hit_have_rows(void **state)
 static void many_bundles_that_are_not_hit_are_counted(void **state)
 {
     (void)state;
-    char texts[2][2][TEXT];
+    char texts[2][3][TEXT];
     struct legend_row rows[3];
     conus_atlas *atlas = make_atlas(picture_ball_of_20, "A ball, which is called by a rather long name");
     for (int k = 0; k < 5; k++) {
@@ -302,7 +316,7 @@ static void an_area_that_is_given_an_opacity_has_a_row(void **state)
 {
     (void)state;
     const double opacity[] = {NAN, NAN, 1, NAN, NAN};
-    char texts[3][2][TEXT];
+    char texts[3][3][TEXT];
     struct legend_row rows[4];
     conus_atlas *atlas = make_atlas(front_and_rest, "Area");
     add_bundle(atlas, "The bundle that is hit, which has a long name", -45, 0);
@@ -313,9 +327,8 @@ static void an_area_that_is_given_an_opacity_has_a_row(void **state)
         rows[i] = describe(texts[i], &scene, i);
     }
     assert_string_equal(rows[1].name, "Area"); /* the other one, 1 */
-    assert_memory_equal(rows[1].rgb, atlas->objects[0].rgb, 3);
     rows[3] = (struct legend_row){.name = "Area", .detail = {"not hit"}};
-    memcpy(rows[3].rgb, atlas->objects[1].rgb, 3);
+    memcpy(rows[3].rgb, ranks[2], 3); /* behind the two that are hit */
     check_rows(&scene, rows, 4, (double[]){5, 7}, (double[]){2, 5});
     finish_scene(&scene);
 }
@@ -591,7 +604,7 @@ static void colours_of_a_number_have_a_bar(void **state)
     static const char *const words[] = {"0.750", "0.625", "0.500", "0.375", "0.250"};
     static const double colours[][3] = {{250, 230, 80}, {138, 204, 84}, {40, 156, 128}, {36, 104, 142}, {34, 46, 110}};
     uint8_t bars[5][LEGEND_BAR][3];
-    char texts[3][2][TEXT];
+    char texts[3][3][TEXT];
     struct legend_row rows[9];
     struct tract_builder builder;
     float values[] = {0.25F, 0.75F};

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * The colours of everything that a person sees: the window, figures and the page. Who draws takes them from here by
+ * what they mean; apps/web/pack.mjs reads the rows below for the page. Colours of data are not here: transfer
+ * functions, ramps of numbers, palettes of others. */
+#ifndef CONUS_BASE_LOOK_H
+#define CONUS_BASE_LOOK_H
+
+/** sRGB, 0xRRGGBB. */
+enum look_colour {
+    LOOK_WHITE = 0xFFFFFF,
+    LOOK_BLACK = 0x000000,
+
+    /* What a question hits, by its place in the answer. tests/base/test_look.c says how far apart they are, from each
+     * other and from all that follows up to the states, for any colour vision. On white, and on the dark background of
+     * 3-D, their contrast is 3 or more. */
+    LOOK_RANK_1 = 0xD2246C,
+    LOOK_RANK_2 = 0x009CA8,
+    LOOK_RANK_3 = 0x8A6C00,
+    LOOK_RANK_4 = 0xA87EF6,
+    LOOK_RANK_5 = 0x4272AE,
+    LOOK_RANK_6 = 0x7E9C54,
+    LOOK_RANK_MORE = 0x6B727C, /**< From the seventh on, with a number. */
+    LOOK_NOT_HIT = 0xC9CDD3,   /**< On dark. */
+    LOOK_NOT_HIT_ON_WHITE = 0xD6D9DE,
+    LOOK_CONE = 0xFFB000,
+    LOOK_SECOND = 0x00BEFF, /**< The second tool, and its cone. */
+    LOOK_BROKEN = 0xFF6B57, /**< An old answer, or something that does not hold. */
+    LOOK_HOLDS = 0x3FB68B,
+
+    /* Pictures. */
+    LOOK_CONE_OLD = 0xB4B4B4,     /**< The cone where the tool is not seen. */
+    LOOK_APEX = 0x3C3C42,         /**< The ball where the cone begins. */
+    LOOK_AROUND = 0xACA59B,       /**< Lines of surfaces around the areas in cuts: on black, grey and white. */
+    LOOK_OUTLINE = 0x8A93A0,      /**< Outlines in cuts of what is not hit. */
+    LOOK_CUT_GROUND = 0x909090,   /**< Under areas in cuts where there is no image. */
+    LOOK_NO_OBJECT = 0x82848A,    /**< The chip and curve of what is no object. */
+    LOOK_SEEN_NOTHING = 0x34353A, /**< Pixels of the device that see no object, and what is around them. */
+    LOOK_SEEN_AROUND = 0x18191C,
+
+    /* The window, over pictures, which have no theme. */
+    LOOK_CHOSEN = 0xFFC85A, /**< The outline of what is chosen. */
+    LOOK_OVER = 0xEBEBF0,   /**< Words and lines over pictures, farther ones, and under them. */
+    LOOK_OVER_FAR = 0xAFAFB5,
+    LOOK_UNDER = 0x141418,
+    LOOK_UNDER_SECOND = 0x0A141E,
+    LOOK_CROSS = 0x5ADC78,  /**< The crosshair. */
+    LOOK_BORDER = 0x78AAE6, /**< A border of panes that is held. */
+    LOOK_PLOT = 0x18191E,   /**< Under curves; their bars, and one that is not hit. */
+    LOOK_PLOT_BARS = 0x787E8C,
+    LOOK_PLOT_NOTHING = 0x96969B,
+    LOOK_LOADING = 0x4296FA, /**< The bar of what was read, and under it. */
+    LOOK_LOADING_LEFT = 0x808080,
+
+    /* The page. */
+    LOOK_PAGE_CONE = 0xF0A030,
+    LOOK_PAGE_DROP = 0x767676,
+    LOOK_PAGE_TAB = 0x2B3D5C,
+    LOOK_PAGE_FOCUS = 0x8AB4F8, /**< Around a pane. */
+};
+
+/** @name The themes
+ * An item: its name, dark, light. LOOK_DARK_NAME and LOOK_LIGHT_NAME are the colours.
+ * @{ */
+/** Texts of the window, and the mark of the focus, on which none stands. */
+#define LOOK_TEXTS(ITEM)                                                                                               \
+    ITEM(PLAIN, 0xFFFFFF, 0x121418)                                                                                    \
+    ITEM(HINT, 0xBEC3CD, 0x424854)                                                                                     \
+    ITEM(AMBER, 0xFFC85A, 0x562E00)                                                                                    \
+    ITEM(ORANGE, 0xFFAF55, 0x963000)                                                                                   \
+    ITEM(RED, 0xFFA596, 0xA01014)                                                                                      \
+    ITEM(GREEN, 0x6EE682, 0x005C20)
+#define LOOK_MARKS(ITEM) ITEM(MARK, 0x78B4FF, 0x185CBE)
+
+/** What texts stand on. */
+#define LOOK_SURFACES(ITEM)                                                                                            \
+    ITEM(PANEL, 0x212226, 0xF3F4F6)                                                                                    \
+    ITEM(POPUP, 0x141418, 0xFFFFFF)                                                                                    \
+    ITEM(TITLE, 0x2B2E36, 0xE2E6ED)                                                                                    \
+    ITEM(FIELD, 0x243450, 0xDEE5F0)                                                                                    \
+    ITEM(FIELD_HOVERED, 0x284068, 0xD2DDEF)                                                                            \
+    ITEM(FIELD_HELD, 0x284470, 0xCAD7ED)                                                                               \
+    ITEM(BUTTON, 0x284670, 0xCCDBF2)                                                                                   \
+    ITEM(BUTTON_HOVERED, 0x2C4E7E, 0xBED1F0)                                                                           \
+    ITEM(BUTTON_HELD, 0x223E68, 0xD4E1F5)                                                                              \
+    ITEM(ROW, 0x263E60, 0xD3E0F3)                                                                                      \
+    ITEM(ROW_HOVERED, 0x2A4A78, 0xCBDAF1)                                                                              \
+    ITEM(ROW_HELD, 0x223E68, 0xD6E2F5)                                                                                 \
+    ITEM(ODD_ROW, 0x2E2F33, 0xEAECF0)                                                                                  \
+    ITEM(HEADINGS, 0x303033, 0xE4E7EC)                                                                                 \
+    ITEM(KNOB, 0x385C92, 0x96B6E4)                                                                                     \
+    ITEM(KNOB_HELD, 0x3C629A, 0x8AADE0)                                                                                \
+    ITEM(MARKED, 0x2C5082, 0xAAC9F5)
+
+/** The page, as page.css names them. */
+#define LOOK_PAGE(ITEM)                                                                                                \
+    ITEM(PAGE_GROUND, 0x16181C, 0xFFFFFF)                                                                              \
+    ITEM(PAGE_TEXT, 0xECECEC, 0x1A1A1A)                                                                                \
+    ITEM(PAGE_SOFT, 0xB5B5B5, 0x555555)                                                                                \
+    ITEM(PAGE_LINE, 0x8A8A8A, 0x767676)                                                                                \
+    ITEM(PAGE_MARK, 0x8AB4F8, 0x0B57D0)                                                                                \
+    ITEM(PAGE_WRONG, 0xFFB4AB, 0xB3261E)                                                                               \
+    ITEM(PAGE_CHOSEN, 0x2B3D5C, 0xD9E6FB)
+/** @} */
+
+#define LOOK_BOTH_THEMES(name, dark, light) LOOK_DARK_##name = (dark), LOOK_LIGHT_##name = (light),
+enum look_theme_colour {
+    LOOK_TEXTS(LOOK_BOTH_THEMES) LOOK_MARKS(LOOK_BOTH_THEMES) LOOK_SURFACES(LOOK_BOTH_THEMES)
+        LOOK_PAGE(LOOK_BOTH_THEMES)
+};
+
+/** @name Linear light
+ * Words and lines that are drawn into pictures: red, green and blue, 0 to 1.
+ * @{ */
+#define LOOK_PICTURE_INK 0.83F, 0.83F, 0.86F /**< Over cuts. */
+#define LOOK_PICTURE_INK_ON_DARK 0.9F        /**< A grey. */
+#define LOOK_PICTURE_INK_ON_LIGHT 0.02F
+#define LOOK_PICTURE_TOP 0.90F /**< The light background, a grey: its top, and how much darker it is below. */
+#define LOOK_PICTURE_DARKER 0.22F
+#define LOOK_LEGEND_PANEL 0.004F, 0.005F, 0.008F
+#define LOOK_LEGEND_RIM 0.6F, 0.65F, 0.75F
+#define LOOK_LEGEND_TEXT 0.95F, 0.95F, 0.95F
+#define LOOK_LEGEND_SOFT 0.42F, 0.45F, 0.5F
+#define LOOK_MEASURED 0.83F, 0.9F, 0.83F /**< A measured line and its words, and what is under them. */
+#define LOOK_MEASURED_UNDER 0.02F, 0.02F, 0.025F
+#define LOOK_PROBE_CASING 0.01F, 0.01F, 0.015F
+#define LOOK_PROBE_OUTSIDE 0.35F, 0.35F, 0.37F
+/** @} */
+
+/** The initialiser of three bytes: red, green and blue. */
+#define LOOK_RGB(colour) (colour) / 65536, (colour) / 256 % 256, (colour) % 256
+
+/** A row for each rank, the first hit's first. */
+#define LOOK_RANKS(ROW)                                                                                                \
+    ROW(LOOK_RANK_1) ROW(LOOK_RANK_2) ROW(LOOK_RANK_3) ROW(LOOK_RANK_4) ROW(LOOK_RANK_5) ROW(LOOK_RANK_6)
+
+#endif
