@@ -8,7 +8,7 @@
 enum look_size {
     /* The window, pixels at a scale of 1. */
     LOOK_TEXT = 15,
-    LOOK_HEADING = 30,
+    LOOK_HEADING = 22,
     LOOK_ROUNDING = 3, /**< Of corners. */
     LOOK_PADDING_X = 8,
     LOOK_PADDING_Y = 6,

@@ -102,7 +102,7 @@ static void what_is_not_there_is_not_judged(void **state)
     viewer_hide(&viewer, 2, false);
     assert_string_equal(plans_verdict(&viewer)->text, "holds, 4.0 mm to Ball");
     tool_clear(&viewer);
-    assert_string_equal(plans_verdict(&viewer)->text, "no tool to be judged yet");
+    assert_string_equal(plans_verdict(&viewer)->text, "no pose yet: point at the brain");
     assert_false(plans_go(&viewer, 0)); /* there are no candidates */
     viewer_finish(&viewer);
 }

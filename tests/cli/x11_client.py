@@ -80,7 +80,7 @@ def drop(window, paths):
     own = x11.XCreateSimpleWindow(display, x11.XDefaultRootWindow(display), 0, 0, 1, 1, 0, 0, 0)
     x11.XSetSelectionOwner(display, atom("XdndSelection"), own, 0)
     send(window, "XdndEnter", own, 5 << 24, atom("text/uri-list"))
-    send(window, "XdndPosition", own, 0, 100 << 16 | 100, 0, atom("XdndActionCopy"))
+    send(window, "XdndPosition", own, 0, 20 << 16 | 200, 0, atom("XdndActionCopy"))  # the rail: nothing is pointed at
     heard = Event()
     while True:
         x11.XNextEvent(display, ctypes.byref(heard))

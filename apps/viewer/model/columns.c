@@ -41,11 +41,11 @@ static const struct column columns[RESULT_COLUMNS] = {
                       "-9999.9999", .falls = true},
     [RESULT_PIXELS] = {"pixels", "pixels", "pixels", "pixels of the cone that hit it first", COUNT, AT(pixels), 0,
                        "1048576", .falls = true},
-    [RESULT_DISTANCE] = {"distance_mm", "nearest mm", "mm", "distance from the apex to its nearest first hit", NUMBER,
+    [RESULT_DISTANCE] = {"distance_mm", "distance mm", "mm", "distance from the apex to its nearest first hit", NUMBER,
                          AT(distance), 2, "9999.99"},
-    [RESULT_ENTRY] = {"entry_mm", "enters mm", "mm from the apex", "nearest entry over all layers", NUMBER, AT(entry),
-                      2, "999.99", .needs_object = true},
-    [RESULT_EXIT] = {"exit_mm", "leaves mm", "mm from the apex", "farthest exit over all layers", NUMBER, AT(exit), 2,
+    [RESULT_ENTRY] = {"entry_mm", "entry mm", "mm from the apex", "nearest entry over all layers", NUMBER, AT(entry), 2,
+                      "999.99", .needs_object = true},
+    [RESULT_EXIT] = {"exit_mm", "exit mm", "mm from the apex", "farthest exit over all layers", NUMBER, AT(exit), 2,
                      "999.99", .needs_object = true},
     [RESULT_PATH] = {"path_mm", "inside mm", "mm", "mean length of its rays inside it", NUMBER, AT(path), 2, "999.99",
                      .falls = true, .needs_object = true},
@@ -252,7 +252,9 @@ const char *result_cell(char out[RESULT_TEXT], const struct viewer *viewer, cons
         return text ? text : "-";
     }
     double value = value_of(viewer, view, of, result);
-    if (isfinite(value)) {
+    if (column == RESULT_SHARE && result->object && !result->pixels) {
+        snprintf(out, RESULT_TEXT, "behind"); /* others, with all layers */
+    } else if (isfinite(value)) {
         bool is_part = of->kind == PART;
         /* As conus query's table: a hundredth of a mm, but a tenth of a micrometre. */
         int digits = of->kind != PLACE ? of->digits : viewer->frame.space == CONUS_SPACE_CCF ? 1 : 2;

@@ -65,7 +65,8 @@ bool result_choose(struct viewer *viewer, char *const *keys, size_t count);
 /** Orders rows by a column; the second time the other way round; the third time by rank. */
 void result_order_by(struct viewer *viewer, size_t column);
 
-/** A cell with the digits of conus query's table for people, "-" where there is nothing; a text whole. */
+/** A cell with the digits of conus query's table for people, "-" where there is nothing; a text whole. The share of
+ * what no ray hits first is "behind". */
 const char *result_cell(char out[RESULT_TEXT], const struct viewer *viewer, const struct view_atlas *view,
                         size_t column, const conus_result *result);
 /** A cell with all digits, as in the TSV of conus query; "n/a" where there is nothing. */

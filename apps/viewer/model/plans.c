@@ -286,7 +286,7 @@ static void judge(struct plan_verdict *out, struct viewer *viewer)
     *out = (struct plan_verdict){.state = PLAN_UNKNOWN};
     if (!tool->has_pose || !(range[1] > 0)) {
         snprintf(out->text, sizeof out->text, "%s",
-                 !tool->has_pose ? "no tool to be judged yet" : "no depth yet: F5 sets the tip");
+                 !tool->has_pose ? "no pose yet: point at the brain" : "no depth yet: F5 sets the tip");
         return;
     }
     conus_pose_row row = {.id = "",

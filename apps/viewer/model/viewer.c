@@ -366,6 +366,18 @@ const char *viewer_find_score(const char *name)
     return NULL;
 }
 
+/* mm per pixel at which the box of what shows fills a picture to 92 %, in width or height. */
+static double fit_cut(const double half[3], const conus_cut_view *view, const double size[2])
+{
+    double wide = 0;
+    double high = 0;
+    for (int a = 0; a < 3; a++) {
+        wide += 2 * half[a] * fabs(view->right[a]);
+        high += 2 * half[a] * fabs(view->up[a]);
+    }
+    return fmax(fmax(wide, 2) / fmax(size[0], 1), fmax(high, 2) / fmax(size[1], 1)) / 0.92; /* of an empty one, too */
+}
+
 /* The camera looks at the atlas's middle, at the depth of the crosshair. */
 void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane, const double size[2])
 {
@@ -373,8 +385,7 @@ void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane
         {{1, 0, 0}, {0, 1, 0}}, {{1, 0, 0}, {0, 0, 1}}, {{0, 1, 0}, {0, 0, 1}}}; /* to the right and up */
     const double *grey = view_atlas_grey(viewer->drawn);
     *out =
-        (conus_cut_view){.mm_per_pixel = 1.9 * viewer->radius / fmax(fmin(size[0], size[1]), 1) / viewer->magnification,
-                         .width = (uint32_t)fmax(size[0], 1),
+        (conus_cut_view){.width = (uint32_t)fmax(size[0], 1),
                          .height = (uint32_t)fmax(size[1], 1),
                          .fill = viewer->display.fill,
                          .no_outlines = viewer->display.no_outlines,
@@ -389,4 +400,5 @@ void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane
     if (viewer->display.radiological && plane != SAGITTAL) {
         out->right[0] = -out->right[0];
     }
+    out->mm_per_pixel = fit_cut(viewer->half, out, size) / viewer->magnification;
 }

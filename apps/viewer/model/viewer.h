@@ -67,7 +67,7 @@ struct cone_state {
 /** How the panes draw. */
 struct display {
     double fade, fill; /**< Fading of the context in 3-D; opacity of areas in the flat panes. */
-    bool no_outlines, radiological, safe_colours;
+    bool no_outlines, radiological, safe_colours, device_view;
     enum backdrop backdrop; /**< Behind the 3-D pane and figures. */
 };
 

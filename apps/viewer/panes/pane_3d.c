@@ -197,7 +197,7 @@ static void reserve_places(struct window *window)
     window->frame.labels.count = 0;
     panel_views_size(buttons, window);
     labels_reserve(&window->frame.labels, (struct ui_box){box->x, box->y, buttons[0], buttons[1]});
-    if (viewer_selection(window->viewer)) {
+    if (window->viewer->display.device_view) {
         inset.width = fmaxf(inset.width, ui_text_width(device_caption));
         inset.x = box->x + box->width - inset.width - 10;
         inset.height += 1.5F * line;
@@ -216,7 +216,7 @@ static void draw_device_view(struct window *window)
     const conus_selection *selection = viewer_selection(window->viewer);
     conus_evidence evidence = conus_selection_evidence(selection);
     uint32_t n = evidence.resolution;
-    if (n < 1 || n > 64) {
+    if (!window->viewer->display.device_view || n < 1 || n > 64) {
         return;
     }
     uint8_t rgba[64 * 64 * 4];

@@ -15,7 +15,6 @@
 
 static const ui_colour light = {LOOK_RGB(LOOK_OVER), 255};
 static const float margin = 7;    /* pixels, of letters */
-static const float brain = 0.92F; /* of a pane's shorter edge, that a brain fills */
 static const double pixels = 300; /* that the mouse moves for a step of 1 of appearance_move_grey() */
 
 /* Lets the mouse on a cut change the context's grey values; true while it does. */
@@ -59,11 +58,8 @@ struct cut {
     struct cut_pane *pane;
     struct pane_plane plane;
     char title[96];
-    const char *sides;  /* "" where there is no room for them: letters say so, too */
-    float sides_at[2];  /* from the pane's corner */
-    float title_height; /* with room below it */
-    bool has_upper;     /* there is room for the upper letter */
-    float upper;        /* where it is, from the pane's upper edge */
+    const char *sides; /* "" where there is no room for them: letters say so, too */
+    float upper;       /* where the upper letter is, from the pane's upper edge */
     struct labels labels;
 };
 
@@ -149,10 +145,8 @@ static void draw_letters(struct cut *cut)
         const float space[2] = {box->width - ui_text_width(text) - 2 * margin, box->height - ui_line() - 2 * margin};
         float top = is_upper ? cut->upper : margin;
         const float at[2] = {box->x + margin + places[i].x * space[0], box->y + top + places[i].y * space[1]};
-        if (!is_upper || cut->has_upper) {
-            ui_draw_text(at, light, text);
-            labels_reserve(&cut->labels, (struct ui_box){at[0], at[1], ui_text_width(text), ui_line()});
-        }
+        ui_draw_text(at, light, text);
+        labels_reserve(&cut->labels, (struct ui_box){at[0], at[1], ui_text_width(text), ui_line()});
     }
 }
 
@@ -202,7 +196,7 @@ static void put_depth(char *out, size_t size, const struct viewer *viewer, enum 
     snprintf(out + used, size - used, " %s", conus_space_unit(space));
 }
 
-/* Finds the longest title that fits, and whether the sides stand beside it, below it or not at all. */
+/* Finds the longest title that fits, and whether there is room for the sides. */
 static void make_title(struct cut *cut, const struct viewer *viewer, enum plane plane)
 {
     const struct ui_box *box = &cut->plane.box;
@@ -215,56 +209,21 @@ static void make_title(struct cut *cut, const struct viewer *viewer, enum plane 
         *strrchr(depth, ' ') = '\0';
     }
     ui_shorten(cut->title, sizeof cut->title, ui_text_width(whole) > room ? depth : whole, room);
-    cut->sides = plane == SAGITTAL ? "" : viewer->display.radiological ? "radiological" : "neurological";
-    float first = ui_text_width(cut->title);
-    float second = ui_text_width(cut->sides);
-    bool beside = first + 12 + second < room;
-    bool below = !beside && *cut->sides && second <= room && box->height > 12 * ui_line();
-    cut->sides = beside || below ? cut->sides : "";
-    cut->sides_at[0] = below ? 8 : 8 + first + 12;
-    cut->sides_at[1] = below ? 6 + 1.2F * ui_line() : 6;
-    cut->title_height = (below ? 2.8F : 1.6F) * ui_line();
-    float wide = below ? fmaxf(first, second) : *cut->sides ? first + 12 + second : first;
-    labels_reserve(&cut->labels, (struct ui_box){box->x + 8, box->y + 6, wide, cut->title_height - 0.6F * ui_line()});
-    cut->has_upper = true;
-    cut->upper = 8 + wide > 0.5F * box->width - 2 * margin ? cut->title_height : margin;
+    cut->sides = plane != AXIAL ? "" : viewer->display.radiological ? "radiological" : "neurological";
+    cut->sides = ui_text_width(cut->sides) > box->width / 2 - 2 * ui_line() ? "" : cut->sides;
+    float wide = ui_text_width(cut->title);
+    labels_reserve(&cut->labels, (struct ui_box){box->x + 8, box->y + 6, wide, ui_line()});
+    cut->upper = 8 + wide > 0.5F * box->width - margin ? 1.6F * ui_line() : margin;
 }
 
-/* The part of its size at which the whole brain fits between the letters at the left and the right. */
-static float part_between_letters(const struct cut *cut, const struct viewer *viewer)
-{
-    const conus_cut_view *view = &cut->plane.view;
-    double half = 0;
-    for (int a = 0; a < 3; a++) {
-        half += fabs(view->right[a]) * viewer->half[a];
-    }
-    double room = (double)(cut->plane.box.width - 2 * (margin + ui_text_width("R") + 2));
-    return (float)(room * view->mm_per_pixel * viewer->magnification / fmax(2 * half, 1));
-}
-
-/* Where title and letters would lie on the brain it is drawn smaller, and lower; the upper letter gives way first. */
-static void make_room(struct cut *cut, const struct viewer *viewer)
-{
-    const struct ui_box *box = &cut->plane.box;
-    float high = brain * fminf(box->width, box->height);
-    float room = box->height - margin - ui_line();
-    float top = cut->upper + ui_line();
-    cut->has_upper = cut->upper == margin || room - top > 0.85F * high;
-    top = cut->has_upper ? top : cut->title_height;
-    float part = fminf(fmaxf(fminf((room - top) / high, part_between_letters(cut, viewer)), 0.6F), 1);
-    double down = fmax((double)(top + part * high / 2 - box->height / 2), 0);
-    cut->plane.view.mm_per_pixel /= (double)part;
-    for (int a = 0; a < 3; a++) {
-        cut->plane.view.centre[a] += down * cut->plane.view.mm_per_pixel * cut->plane.view.up[a];
-    }
-}
-
+/* The sides are on the other side of the lower letter than grey values. */
 static void draw_title(const struct cut *cut)
 {
     const struct ui_box *box = &cut->plane.box;
     ui_draw_text((float[]){box->x + 8, box->y + 6}, light, cut->title);
     if (*cut->sides) {
-        ui_draw_text((float[]){box->x + cut->sides_at[0], box->y + cut->sides_at[1]}, light, cut->sides);
+        const float left = box->x + box->width - 8 - ui_text_width(cut->sides);
+        ui_draw_text((float[]){left, box->y + box->height - 1.4F * ui_line()}, light, cut->sides);
     }
 }
 
@@ -339,7 +298,6 @@ void pane_cut(struct window *window, enum plane plane)
     const struct ui_box *box = &cut.plane.box;
     cut_view(&cut.plane.view, window->viewer, plane, (double[]){(double)box->width, (double)box->height});
     make_title(&cut, window->viewer, plane);
-    make_room(&cut, window->viewer);
     cut.plane.view.grey_cone = inputs_is_old(&window->inputs, window->viewer, FIRST_TOOL);
     draw_picture(window, &cut);
     ui_panel(figure_panes[plane], *box, UI_PLAIN);

@@ -32,7 +32,7 @@ static void choose_side(struct window *window)
     struct viewer *viewer = window->viewer;
     size_t side = side_shown(viewer);
     if (!side_is_known(viewer)) {
-        ui_text("its areas have no sides");
+        ui_text("no left or right areas");
         ui_tip("no areas are known to be left and right ones, by the label table, by their names, or by a split");
         return;
     }
@@ -173,16 +173,19 @@ static void draw_key_buttons(struct window *window, bool in_line)
 {
     static const struct {
         const char *label, *key, *tip;
-    } buttons[] = {{"Open", "ctrl+o", "an atlas or a session (Ctrl+O)"},
-                   {"Save", "ctrl+s", "saves the session (Ctrl+S)"},
-                   {"Undo", "ctrl+z", "takes back the last change (Ctrl+Z)"},
-                   {"Redo", "ctrl+y", "does it again (Ctrl+Y)"},
-                   {" ? ", "?", "all keys, and what the mouse does (? or F1)"}};
+        int step; /* among the changes, which may be the last one there is */
+    } buttons[] = {{"Open", "ctrl+o", "an atlas or a session (Ctrl+O)", 0},
+                   {"Save", "ctrl+s", "saves the session (Ctrl+S)", 0},
+                   {"Undo", "ctrl+z", "takes back the last change (Ctrl+Z)", -1},
+                   {"Redo", "ctrl+y", "does it again (Ctrl+Y)", 1},
+                   {" ? ", "?", "all keys, and what the mouse does (? or F1)", 0}};
     for (size_t i = 0; i < sizeof buttons / sizeof buttons[0]; i++) {
         if (i && in_line) {
             ui_same_line();
         }
+        ui_disable(buttons[i].step && !changes_reach(&window->history.changes, buttons[i].step));
         panel_key_button(window, buttons[i].label, buttons[i].key, buttons[i].tip);
+        ui_disable_end();
     }
 }
 

@@ -136,7 +136,7 @@ static void choose_hits(struct window *window)
 
 enum { SCORE_LIMIT = 64 };
 
-static const char *const layers[] = {"first hits", "all layers"};
+static const char *const layers[] = {"first hits", "all depths"};
 static const char *const apertures[] = {"circle", "square"};
 static const char *const samplings[] = {"exact", "slices"};
 static const char *const engines[] = {"rays", "gl"};
@@ -236,7 +236,7 @@ static void show_pose(struct viewer *viewer)
     conus_frame_direction_from_world(along, &viewer->frame, along);
     bool moved = ui_numbers(label, origin, viewer_place_format(viewer));
     ui_tip("where the cone has its apex, in the unit of the label beside it; type numbers and press Enter");
-    bool turned = ui_numbers("Along", along, "%.3f");
+    bool turned = ui_numbers("Direction", along, "%.3f");
     ui_tip("the direction of the cone's axis, of any length; type numbers and press Enter");
     if ((moved || turned) && viewer_to_world(origin, viewer, origin)) {
         conus_frame_direction_to_world(along, &viewer->frame, along);
@@ -266,7 +266,7 @@ static void choose_layers(struct viewer *viewer)
     conus_selector_options *options = &viewer->cone.options;
     size_t layer = (size_t)options->layers;
     char tip[KEYS_TIP];
-    if (ui_choose("Count", &layer, layers, 2)) {
+    if (ui_choose("Show", &layer, layers, 2)) {
         options->layers = options->sampling == CONUS_SAMPLING_SLICES ? CONUS_LAYERS_VISIBLE : (conus_layers)layer;
         tool_reselect(viewer);
     }
@@ -322,6 +322,7 @@ static void choose_details(struct window *window)
     show_pose(viewer);
     panel_property(window, PROPERTY_FOLLOW);
     panel_property(window, PROPERTY_ONE_RAY);
+    panel_property(window, PROPERTY_DEVICE_VIEW);
     if (!viewer->cone.one_ray) {
         bool changed = choose_shape(viewer);
         changed = choose_score(viewer) || changed;

@@ -27,7 +27,7 @@ static void choose_size(struct sheet *sheet)
 static void choose_dpi(struct sheet *sheet)
 {
     bool said = sheet->dpi > 0;
-    const char *format = said ? "%.4g" : sheet->in_mm ? "300" : "not said";
+    const char *format = said ? "%.4g" : sheet->in_mm ? "300" : "none";
     double dpi = said ? sheet->dpi : 300;
     if (ui_slider("Dots per inch", &dpi, SHEET_DPI_LEAST, 1200, format, true)) {
         sheet->dpi = dpi;

@@ -111,7 +111,8 @@ static void draw_rows(struct viewer *viewer, const struct view_atlas *view, cons
     size_t *order = result_order(viewer, view, selection);
     for (size_t i = 0; i < count; i++) {
         const conus_result *result = conus_selection_result(selection, order ? order[i] : i);
-        if (ui_list_row()) {
+        bool is_empty = !result->object && !result->pixels; /* no ray went past all areas */
+        if (!is_empty && ui_list_row()) {
             ui_id(result->object);
             draw_name(viewer, view, result);
             for (size_t c = 1; c < columns; c++) {

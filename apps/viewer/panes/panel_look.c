@@ -21,7 +21,7 @@ void panel_look_view(struct window *window)
     for (size_t i = 0; i < sizeof shown / sizeof shown[0]; i++) {
         panel_property(window, shown[i]);
     }
-    if (ui_slider("The rest", &rest, least_pale, 1, "%.2f opaque", false)) {
+    if (ui_slider("Not hit", &rest, least_pale, 1, "opacity %.2f", false)) {
         viewer_set_opacity(window->viewer, 0, rest);
     }
     ui_tip("opacity in 3-D, 0 to 1, of the areas that the cone does not hit; , and . change it where no area is\n"
@@ -80,7 +80,7 @@ static void choose_look_of_pathway(struct viewer *viewer, uint32_t pathway)
         count++;
     }
     ui_id(pathway);
-    if (ui_choose("Drawn as", &haze, names, count)) {
+    if (ui_choose("Look", &haze, names, count)) {
         viewer_set_haze(viewer, pathway, haze);
     }
     ui_tip(

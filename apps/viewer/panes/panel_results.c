@@ -8,6 +8,35 @@
 #include <math.h>
 #include <stdio.h>
 
+/* Says what is hit best, as a sentence of two lines, which are there without a hit, too: nothing moves then. */
+static void draw_answer(const struct window *window)
+{
+    const struct view_atlas *view = window->viewer->drawn;
+    const conus_selection *selection = viewer_selection(window->viewer);
+    const conus_result *best = conus_selection_count(selection) ? conus_selection_result(selection, 0) : NULL;
+    char title[VIEW_ATLAS_TITLE];
+    char share[32];
+    char text[128];
+    if (!best || !best->object) {
+        ui_heading(best ? "Nothing is hit" : "No answer yet");
+        ui_text_wrapped(THEME_HINT, best ? "no area lies in the cone" : " ");
+        return;
+    }
+    const char side = view->sides[best->object];
+    const double percent = 100 * best->share;
+    snprintf(share, sizeof share, percent < 1 ? "%.1f %% of the cone" : "%.0f %% of the cone", percent);
+    ui_heading(view_atlas_title(title, view, best->object));
+    snprintf(text, sizeof text, "%s \u00b7 %.1f mm from the start%s",
+             window->viewer->cone.one_ray ? "on the axis"
+             : best->pixels               ? share
+                                          : "behind others",
+             best->pixels ? best->distance : best->entry,
+             side == 'L'   ? " \u00b7 left"
+             : side == 'R' ? " \u00b7 right"
+                           : "");
+    ui_text_wrapped(THEME_HINT, text);
+}
+
 static void draw_pins(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
@@ -101,6 +130,7 @@ void panel_results(struct window *window)
         ui_text_coloured(THEME_AMBER, "level: %s", viewer->cone.level);
     }
     ui_dim(notice.is_old ? theme_pale : 1);
+    draw_answer(window);
     panel_plan(window);
     bool two = viewer->tools[SECOND_TOOL].on; /* then its list stands below the first one's */
     bool shares_room = two || viewer->study.settings.kind || plans_is_on(viewer);

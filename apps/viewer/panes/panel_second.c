@@ -37,7 +37,7 @@ static void choose_settings(struct window *window)
         tool_hold(viewer, SECOND_TOOL);
     }
     ui_same_line();
-    if (ui_button("Confirm 2", "pins the best hit of the second cone")) {
+    if (ui_button("Confirm its hit", "pins the best hit of the second cone")) {
         tool_confirm(viewer, SECOND_TOOL);
     }
 }

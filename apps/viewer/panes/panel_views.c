@@ -37,7 +37,8 @@ static size_t place_rows(bool begins[BUTTONS], struct ui_box *out, const struct 
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     float margin = inset * window->screen.scale;
-    size_t rows = find_rows(begins, &out->width, 0.7F * box->width - 2 * margin); /* beside what the device sees */
+    float part = window->viewer->display.device_view ? 0.7F : 1;
+    size_t rows = find_rows(begins, &out->width, part * box->width - 2 * margin);
     out->x = box->x + margin;
     out->y = box->y + margin;
     out->height = (1.2F + 1.5F * (float)(rows - 1)) * ui_line();

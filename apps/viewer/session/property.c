@@ -48,7 +48,7 @@ static const char *const study_says[] = {"no study", "sweep: the shares over the
 #define ENUM(array)                                                                                                    \
     .type = PROPERTY_NAME_OR_NUMBER, .names = (array), .high = (int)(sizeof(array) / sizeof(array)[0]) - 1
 #define FAR 1e6 /* mm */
-#define ANGLE .label = "Angle", .format = "%.1f\u00b0", .slider = {0.1, 179}, .is_logarithmic = true
+#define ANGLE .label = "Opening", .format = "%.1f\u00b0", .slider = {0.1, 179}, .is_logarithmic = true
 
 _Static_assert(offsetof(struct orbit, elevation) == offsetof(struct orbit, centre) + 5 * sizeof(double),
                "centre, distance, azimuth and elevation are six numbers");
@@ -81,7 +81,7 @@ const struct property properties[PROPERTY_COUNT] = {
                            OF_VIEWER(cone.options.sampling), ENUM(sampling_names)},
     [PROPERTY_ENGINE] = {NULL, "engine", "what traces the rays", OF_VIEWER(cone.options.engine), ENUM(engine_names)},
     [PROPERTY_FADE] = {NULL, "fade", "how much the context is thinned in 3-D", OF_VIEWER(display.fade), REALS(1, 0, 1),
-                       .label = "Context", .format = "%.2f faded",
+                       .label = "Context", .format = "faded by %.2f",
                        .tip = "how much the context is thinned in 3-D: 0 as its transfer function says, 1 not at all "
                               "there"},
     [PROPERTY_FILL] = {NULL, "fill", "opacity of the areas in the cuts, 0 to 1", OF_VIEWER(display.fill),
@@ -195,6 +195,10 @@ const struct property properties[PROPERTY_COUNT] = {
                              .presence = PROPERTY_KEPT},
     [PROPERTY_BARE] = {"layout", "brain_alone", "whether the 3-D pane has the whole window", OF_WINDOW(screen.bare),
                        TRUTH, .presence = PROPERTY_KEPT, .undo = UNDO_LEAVES, .says = bare_says},
+    [PROPERTY_DEVICE_VIEW] = {"layout", "device_view", "whether the 3-D pane shows what the device sees",
+                              OF_VIEWER(display.device_view), TRUTH, .presence = PROPERTY_KEPT,
+                              .label = "What the device sees",
+                              .tip = "shows the pixels of its buffer in the 3-D pane, in the areas' colours"},
     [PROPERTY_MEASURES] = {"measure", "on", "whether clicks measure", OF_VIEWER(measure.on), TRUTH,
                            .presence = PROPERTY_KEPT, .undo = UNDO_LEAVES, .says = measure_says,
                            .tip = "two clicks, in 3-D or in a cut, give the distance between two places"},

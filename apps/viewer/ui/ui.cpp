@@ -367,18 +367,6 @@ void ui_text_wrapped(enum theme_text colour, const char *text)
     audit_item(text);
 }
 
-void ui_heading(const char *text)
-{
-    ImGui::PushFont(ImGui::GetIO().Fonts->Fonts[1]);
-    float wide = ImGui::CalcTextSize(text).x;
-    float room = ImGui::GetContentRegionAvail().x;
-    ImGui::SetWindowFontScale(wide > room ? room / wide : 1); // as large as fits
-    ImGui::TextUnformatted(text);
-    audit_item(text);
-    ImGui::SetWindowFontScale(1);
-    ImGui::PopFont();
-}
-
 void ui_tip(const char *text)
 {
     audit_tip();

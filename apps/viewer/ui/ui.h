@@ -100,7 +100,8 @@ void ui_id_end(void);
 void ui_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void ui_text_coloured(enum theme_text colour, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void ui_text_wrapped(enum theme_text colour, const char *text);
-void ui_heading(const char *text); /**< In large letters, of ASCII. */
+/** In large letters; in smaller ones, and then with "..." in its middle, where it is too wide. */
+void ui_heading(const char *text);
 /** A text over the widget before, where the mouse is on it. */
 void ui_tip(const char *text);
 /** In a line that has the keyboard: 1 = the arrow down was pressed, -1 = that up. */
@@ -150,7 +151,7 @@ void ui_shorten(char *out, size_t size, const char *text, float width);
 void ui_shorten_name(char *out, size_t size, const char *name, float width);
 /** Text with its top left corner there, in front of a dark shade. */
 void ui_draw_text(const float at[2], ui_colour colour, const char *text);
-/** Likewise, twice as large, of ASCII. */
+/** Likewise, in large letters. */
 void ui_draw_heading(const float at[2], ui_colour colour, const char *text);
 
 struct ui_mouse {

@@ -4,8 +4,11 @@
 
 #include "viewer/ui/ui_audit.h"
 
+#include "base/look_sizes.h"
+
 #include <imgui.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <string>
@@ -202,6 +205,17 @@ void ui_text_cut(const char *text, float width)
 void ui_name_cut(const char *name, float width)
 {
     show_cut(cut_name(name, width), name);
+}
+
+void ui_heading(const char *text)
+{
+    ImGui::PushFont(ImGui::GetIO().Fonts->Fonts[1]);
+    const float smallest = static_cast<float>(LOOK_TEXT) / LOOK_HEADING;
+    const float part = ui_room() / ImGui::CalcTextSize(text).x;
+    ImGui::SetWindowFontScale(std::min(std::max(part, smallest), 1.0F));
+    ui_name_cut(text, ui_room());
+    ImGui::SetWindowFontScale(1);
+    ImGui::PopFont();
 }
 
 void ui_columns(size_t count)

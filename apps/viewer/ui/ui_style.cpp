@@ -7,21 +7,21 @@
 
 #include <imgui.h>
 
-static const char *const font_file = CONUS_VIEWER_FONT;
-
 static ImVec4 from_theme(ui_colour c)
 {
     return ImGui::ColorConvertU32ToFloat4(IM_COL32(c.r, c.g, c.b, c.a));
 }
 
-static bool load_font(float scale)
+/* Letters and figures of @p file, the latter all equally wide, and signs that it lacks. */
+static bool load_font(const char *file, float size)
 {
-    static const ImWchar ranges[] = {0x20, 0x24f, 0x370, 0x52f, 0x2010, 0x2044, 0x2190, 0x22ff, 0};
-    static const ImWchar ascii[] = {0x20, 0x7e, 0};
-    ImGuiIO &io = ImGui::GetIO();
-    io.Fonts->Clear();
-    return io.Fonts->AddFontFromFileTTF(font_file, LOOK_TEXT * scale, nullptr, ranges) &&
-           io.Fonts->AddFontFromFileTTF(font_file, LOOK_HEADING * scale, nullptr, ascii);
+    static const ImWchar letters[] = {0x20, 0x24f, 0x370, 0x52f, 0x2010, 0x2044, 0};
+    static const ImWchar signs[] = {0x20, 0x24f, 0x370, 0x52f, 0x2010, 0x2044, 0x2190, 0x22ff, 0};
+    ImFontConfig more;
+    more.MergeMode = true;
+    ImFontAtlas &fonts = *ImGui::GetIO().Fonts;
+    return fonts.AddFontFromFileTTF(file, size, nullptr, letters) &&
+           fonts.AddFontFromFileTTF(CONUS_VIEWER_SIGNS_FONT, size, &more, signs);
 }
 
 /* Surfaces under texts have the theme's colours, and are opaque. */
@@ -74,5 +74,6 @@ bool ui_style(float scale)
     set_colours(style);
     style.ScaleAllSizes(scale);
     ImGui::GetStyle() = style;
-    return load_font(scale);
+    ImGui::GetIO().Fonts->Clear();
+    return load_font(CONUS_VIEWER_FONT, LOOK_TEXT * scale) && load_font(CONUS_VIEWER_BOLD_FONT, LOOK_HEADING * scale);
 }

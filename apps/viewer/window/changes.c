@@ -34,9 +34,14 @@ void changes_renew(struct changes *changes, char *state)
     changes->states[changes->at] = state;
 }
 
+bool changes_reach(const struct changes *changes, int by)
+{
+    return by < 0 ? changes->at > 0 : changes->at + 1 < changes->count;
+}
+
 const char *changes_step(struct changes *changes, int by)
 {
-    bool is_there = by < 0 ? changes->at > 0 : changes->at + 1 < changes->count;
+    bool is_there = changes_reach(changes, by);
     if (is_there) {
         changes->at = by < 0 ? changes->at - 1 : changes->at + 1;
     }

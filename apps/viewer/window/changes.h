@@ -3,6 +3,7 @@
 #ifndef CONUS_VIEWER_WINDOW_CHANGES_H
 #define CONUS_VIEWER_WINDOW_CHANGES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 enum { CHANGES_LIMIT = 100 };
@@ -18,6 +19,8 @@ struct changes {
 void changes_add(struct changes *changes, char *state);
 /** Takes @p state over in place of the one that is there now: between both nothing can be taken back. */
 void changes_renew(struct changes *changes, char *state);
+/** Whether changes_step() finds something there. */
+bool changes_reach(const struct changes *changes, int by);
 /** Goes back (by -1) or forth (1): the state there, borrowed until the next call; NULL = nothing is there. */
 const char *changes_step(struct changes *changes, int by);
 void changes_finish(struct changes *changes); /**< It is one without states then. */
