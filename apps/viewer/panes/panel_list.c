@@ -56,7 +56,7 @@ static void draw_name(struct viewer *viewer, const struct view_atlas *view, cons
     char place[VIEWER_PLACE_TEXT];
     const conus_object *object = conus_atlas_object(view->atlas, result->object);
     if (!object) {
-        ui_text("(nothing hit)");
+        ui_name_cut("(nothing hit)", ui_room());
         return;
     }
     int used = snprintf(tip, sizeof tip, "label %u", object->label);

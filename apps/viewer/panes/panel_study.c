@@ -174,7 +174,7 @@ static void draw_name(struct viewer *viewer, uint32_t object, const char *tip)
     ui_chip("colour", colour_of(viewer, object));
     ui_same_line();
     if (!object) {
-        ui_text("(nothing hit)");
+        ui_name_cut("(nothing hit)", ui_room());
     } else if (ui_row_cut(name_of(viewer, object), viewer->drawn->shown.chosen == object, tip)) {
         viewer_choose(viewer, object);
     }

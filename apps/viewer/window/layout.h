@@ -15,7 +15,7 @@ struct layout {
     enum fold folds[2]; /**< Folds of the left and the right panel. */
     double panels[2]; /**< Widths of the left and the right panel, pixels where texts have scale 1; 0 = as at first. */
     double division[2]; /**< Parts of the middle's width and height, 0.1 to 0.9, of the 3-D pane and the first cut; 0 =
-                           0.74, a third. */
+                           0.72, a third. */
 };
 
 /** Pixels of a window. */
