@@ -17,7 +17,7 @@
 
 enum draw_kind {
     DRAW_LINES, /**< Lines between the first and second of `points`, the third and fourth, and so on; round ends. */
-    DRAW_LOOP,  /**< A closed line through `points`. */
+    DRAW_LOOP,  /**< A closed line through `points`, with sharp corners. */
     DRAW_AREA,  /**< Filled, within a closed line through `points`. */
     DRAW_BOX,   /**< `points` are its upper left and lower right corner; a frame inside it where it has a width. */
     DRAW_TEXT   /**< Its baseline begins at the one of `points`. */

@@ -18,7 +18,7 @@
     F(cairo_, arc) F(cairo_, close_path) F(cairo_, create) F(cairo_, destroy) F(cairo_, fill)                          \
     F(cairo_, fill_extents) F(cairo_, image_surface_create_for_data) F(cairo_, line_to) F(cairo_, move_to)             \
     F(cairo_, new_path) F(cairo_, paint) F(cairo_, pdf_surface_create_for_stream) F(cairo_, pdf_surface_set_metadata)  \
-    F(cairo_, rectangle) F(cairo_, scale) F(cairo_, set_font_size) F(cairo_, set_line_cap) F(cairo_, set_line_join)    \
+    F(cairo_, rectangle) F(cairo_, scale) F(cairo_, set_font_size) F(cairo_, set_line_cap)    \
     F(cairo_, set_line_width) F(cairo_, set_source_rgba) F(cairo_, set_source_surface) F(cairo_, set_tolerance)        \
     F(cairo_, show_text) F(cairo_, status) F(cairo_, status_to_string) F(cairo_, stroke) F(cairo_, stroke_extents)                          \
     F(cairo_, surface_destroy) F(cairo_, surface_finish) F(cairo_, surface_flush) F(cairo_, surface_mark_dirty)        \
@@ -93,7 +93,7 @@ static void trace_item(cairo_t *to, const struct draw_item *item, bool in_pixels
 {
     cairo.new_path(to);
     cairo.set_line_width(to, item->width);
-    cairo.set_line_join(to, item->kind == DRAW_BOX ? CAIRO_LINE_JOIN_MITER : CAIRO_LINE_JOIN_ROUND);
+    cairo.set_line_cap(to, item->kind == DRAW_LINES ? CAIRO_LINE_CAP_ROUND : CAIRO_LINE_CAP_BUTT);
     if (item->kind == DRAW_TEXT) {
         trace_text(to, item, in_pixels);
     } else if (item->kind == DRAW_BOX) {
@@ -152,7 +152,7 @@ static void paint_item(float *const plane[4], const struct draw_list *list, stru
     cairo.surface_mark_dirty(coverage->surface);
 }
 
-/* Readies a context for the list: its font, where there is text, and round ends of lines. */
+/* Readies a context for the list: its font, where there is text, and how round curves are. */
 static conus_status prepare(cairo_t *to, const struct draw_list *list, bool in_pixels)
 {
     struct font *font = NULL;
@@ -164,7 +164,6 @@ static conus_status prepare(cairo_t *to, const struct draw_list *list, bool in_p
         font_select(font, to, in_pixels);
     }
     font_destroy(font);
-    cairo.set_line_cap(to, CAIRO_LINE_CAP_ROUND);
     cairo.set_tolerance(to, TOLERANCE);
     return status;
 }

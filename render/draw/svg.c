@@ -37,7 +37,9 @@ static void put_stroke(struct buffer *out, const struct draw_item *item)
     buffer_text(out, " fill=\"none\"");
     put_colour(out, "stroke", item);
     put_attribute(out, "stroke-width", item->width);
-    buffer_text(out, " stroke-linecap=\"round\" stroke-linejoin=\"round\"");
+    if (item->kind == DRAW_LINES) {
+        buffer_text(out, " stroke-linecap=\"round\"");
+    }
 }
 
 static void put_text(struct buffer *out, const struct draw_item *item)

@@ -133,9 +133,13 @@ void cut_trace_cone(struct draw_list *out, const struct cut_place *place, const 
             const double x[2] = {column - 0.5, column + CELL - 0.5};
             const double y[2] = {row - 0.5, row + CELL - 0.5};
             double points[4][2];
-            const double distance[4] = {
-                cut_cone_distance(place, cone, x[0], y[0]), cut_cone_distance(place, cone, x[1], y[0]),
-                cut_cone_distance(place, cone, x[1], y[1]), cut_cone_distance(place, cone, x[0], y[1])};
+            const double first = cut_cone_distance(place, cone, x[0], y[0]);
+            if (fabs(first) > 2 * CELL) { /* than the cell is across */
+                continue;
+            }
+            const double distance[4] = {first, cut_cone_distance(place, cone, x[1], y[0]),
+                                        cut_cone_distance(place, cone, x[1], y[1]),
+                                        cut_cone_distance(place, cone, x[0], y[1])};
             size_t count = cross_cell(points, corner, distance);
             for (size_t k = 0; k + 1 < count; k += 2) {
                 cut_lines_add(&lines, points[k], points[k + 1], 0);

@@ -310,14 +310,13 @@ static void lay_background(struct sheet *sheet)
     }
 }
 
-/* Lays `over`, linear and premultiplied, over a pixel of the sheet. */
-static void lay_pixel(const struct sheet *sheet, long x, long y, const float over[4])
+/* Lays `over`, linear and premultiplied, over a pixel of the sheet, whose planes are `to`. */
+static void lay_pixel(const struct sheet *sheet, const struct image_rgba *to, long x, long y, const float over[4])
 {
-    const struct image_rgba to = image_rgba(sheet->image);
     if (x >= 0 && y >= 0 && x < (long)sheet->image->width && y < (long)sheet->image->height) {
         size_t at = (size_t)y * sheet->image->width + (size_t)x;
         for (int c = 0; c < 4; c++) {
-            to.plane[c][at] = over[c] + (1 - over[3]) * to.plane[c][at];
+            to->plane[c][at] = over[c] + (1 - over[3]) * to->plane[c][at];
         }
     }
 }
@@ -365,6 +364,7 @@ static void clear_outside(struct sheet *sheet, const struct cut *cut, size_t wid
  * largest byte of the cone's colour is 255. */
 static void lay_cut(const struct sheet *sheet, const struct panel *panel)
 {
+    const struct image_rgba to = image_rgba(sheet->image);
     for (long y = 0; y < panel->size[1]; y++) {
         for (long x = 0; x < panel->size[0]; x++) {
             const uint8_t *from = sheet->rgba + 4 * ((size_t)panel->size[0] * (size_t)y + (size_t)x);
@@ -375,7 +375,7 @@ static void lay_cut(const struct sheet *sheet, const struct panel *panel)
                 over[c] = (float)(linear_from_srgb(level) * opacity);
             }
             over[3] = (float)opacity;
-            lay_pixel(sheet, panel->at[0] + x, panel->at[1] + y, over);
+            lay_pixel(sheet, &to, panel->at[0] + x, panel->at[1] + y, over);
         }
     }
 }
@@ -459,11 +459,12 @@ static conus_status draw_space(struct sheet *sheet, const struct panel *panel)
         return status;
     }
     const struct image_rgba from = image_rgba(image);
+    const struct image_rgba to = image_rgba(sheet->image);
     for (long y = 0; y < panel->size[1]; y++) {
         for (long x = 0; x < panel->size[0]; x++) {
             size_t at = (size_t)y * image->width + (size_t)x;
             const float over[4] = {from.plane[0][at], from.plane[1][at], from.plane[2][at], from.plane[3][at]};
-            lay_pixel(sheet, panel->at[0] + x, panel->at[1] + y, over);
+            lay_pixel(sheet, &to, panel->at[0] + x, panel->at[1] + y, over);
         }
     }
     draw_take(sheet->image->list, image->list, (double[]){(double)panel->at[0], (double)panel->at[1]});

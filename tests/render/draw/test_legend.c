@@ -60,10 +60,10 @@ static void shapes_cover_their_area(void **state)
     draw_item(image->list, &(struct draw_item){.kind = DRAW_AREA, .points = corners, .count = 3, .rgba = {1, 1, 1, 1}});
     assert_near(inked(image), 300, 1);
     conus_image_destroy(image);
-    image = make_image(64, 48); /* as long as its sides, whose round ends lie in each other */
+    image = make_image(64, 48); /* as long as its sides: what a corner adds outside lacks inside */
     draw_item(image->list,
               &(struct draw_item){.kind = DRAW_LOOP, .points = corners, .count = 3, .width = 1, .rgba = {1, 1, 1, 1}});
-    assert_near(inked(image), 50 + hypot(30, 20), 1);
+    assert_near(inked(image), 50 + hypot(30, 20), 1.5);
     conus_image_destroy(image);
 }
 
