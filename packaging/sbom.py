@@ -41,7 +41,7 @@ def build_depends():
 
 
 def linked():
-    """Debian's archives that scripts/libraries builds from, with their SHA-256; the compilers, which add parts of their own,
+    """Debian's archives that scripts/libraries builds from, with their SHA-256; the font; the compilers, which add parts of their own,
     such as mingw-w64's start of a program."""
     for line in (ROOT / "cmake" / "libraries.sums").read_text().splitlines():
         if not line.startswith("#"):
@@ -51,6 +51,7 @@ def linked():
                           checksums=[{"algorithm": "SHA256", "checksumValue": digest}])
     found, digest = re.search(r"ziglang==(\S+) --hash=sha256:(\w+)", (ROOT / "scripts" / "packages").read_text()).groups()
     yield package("zig", found, checksums=[{"algorithm": "SHA256", "checksumValue": digest}])
+    yield package("fonts-liberation2", installed("fonts-liberation2"))
     yield package("emscripten", installed("emscripten"))
 
 

@@ -4,7 +4,7 @@
 beside them, a list of them (SPDX, in the folder sboms), the page where scripts/web has made it in build/web, and the tag
 of the glibc that it needs. As auditwheel does, which Debian does not have; for Debian only, whose packages know the
 licences. Needs patchelf. Of a wheel for another processor, $CC is the compiler for it, and $_PYTHON_HOST_PLATFORM says
-which it is, as it does to setuptools. In a wheel of a TARGET of scripts/libraries the six libraries are linked already.
+which it is, as it does to setuptools. In a wheel of a TARGET of scripts/libraries the libraries are linked already.
 
 A library in the wheel has a part of its SHA-256 in its name, so that it is not taken for another one of that name,
 which another package has loaded. Those that libconus loads by their name when it needs them keep it. Of these
@@ -152,7 +152,7 @@ def main(wheel, results, target=None):
                             ignore=shutil.ignore_patterns("hdf5"))  # which conus-hdf5 has, and no wheel
         platform, packages = (TARGETS[target], []) if target else add_libraries(top, licences)
         tag = f"py3-none-{platform}"
-        packages += [source for source in sbom.linked() if (licences / source["name"].partition("-")[0]).exists()]
+        packages += [source for source in sbom.linked() if (licences / source["name"].partition("-source-")[0]).exists()]
         (information / "sboms").mkdir()
         (information / "sboms" / "conus.spdx.json").write_text(
             sbom.document(f"{top.name}-{tag}", top.name.partition("-")[2], packages, "CONTAINED_BY"))
