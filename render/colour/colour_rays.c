@@ -42,24 +42,25 @@ struct colour_rays_device {
     float linear[256];             /* of sRGB bytes */
 };
 
+static const size_t texel_sizes[] = {
+    [VOLUME_TEXTURE_UINT8] = 1, [VOLUME_TEXTURE_UINT16] = 2, [VOLUME_TEXTURE_UINT32] = 4,
+    [VOLUME_TEXTURE_BYTE4] = 4, [VOLUME_TEXTURE_HALF4] = 16, [VOLUME_TEXTURE_FLOAT4] = 16};
+
 static conus_status hold(struct colour_texels *out, struct colour_device *device, enum volume_texture_kind kind,
                          const size_t dim[3], const void *texels, uint64_t *memory_left)
 {
-    static const size_t sizes[] = {
-        [VOLUME_TEXTURE_UINT8] = 1, [VOLUME_TEXTURE_UINT16] = 2, [VOLUME_TEXTURE_UINT32] = 4,
-        [VOLUME_TEXTURE_BYTE4] = 4, [VOLUME_TEXTURE_HALF4] = 16, [VOLUME_TEXTURE_FLOAT4] = 16};
     (void)device;
     size_t slice;
     size_t count;
     size_t bytes;
     if (!memory_multiply(dim[0], dim[1], &slice) || !memory_multiply(slice, dim[2], &count) ||
-        !memory_multiply(count, sizes[kind], &bytes) || bytes > *memory_left) {
+        !memory_multiply(count, texel_sizes[kind], &bytes) || bytes > *memory_left) {
         return fail(CONUS_ERROR_MEMORY, "field of %zu x %zu x %zu voxels: %llu bytes are left of the allowed memory",
                     dim[0], dim[1], dim[2], (unsigned long long)*memory_left);
     }
     out->kind = kind;
     memcpy(out->dim, dim, sizeof out->dim);
-    out->bytes = memory_raw(count, sizes[kind]);
+    out->bytes = memory_raw(count, texel_sizes[kind]);
     if (!out->bytes) {
         return CONUS_ERROR_MEMORY;
     }
@@ -72,11 +73,7 @@ static conus_status hold(struct colour_texels *out, struct colour_device *device
 
 static void fill(struct colour_texels *texels, size_t first, size_t count, const void *from)
 {
-    static const size_t sizes[] = {[VOLUME_TEXTURE_UINT8] = 1,
-                                   [VOLUME_TEXTURE_UINT16] = 2,
-                                   [VOLUME_TEXTURE_UINT32] = 4,
-                                   [VOLUME_TEXTURE_BYTE4] = 4};
-    const size_t slice = texels->dim[0] * texels->dim[1] * sizes[texels->kind];
+    const size_t slice = texels->dim[0] * texels->dim[1] * texel_sizes[texels->kind];
     memcpy((uint8_t *)texels->bytes + first * slice, from, count * slice);
 }
 
