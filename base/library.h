@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * Libraries that are loaded when they are first needed: linked, they would slow down every start, and be missed where
- * nobody needs them. A list F(png_, error) F(png_, read_info) gives a table of functions, and their names. In one program
- * without a library beside it (CONUS_LIBRARIES_LINKED) they are linked, and a table has their addresses from the start. */
+ * nobody needs them. A list F(png_, error) F(png_, read_info) gives a table of functions, and their names. In one
+ * program without a library beside it (CONUS_LIBRARIES_LINKED) they are linked, and a table has their addresses from
+ * the start. */
 #ifndef CONUS_BASE_LIBRARY_H
 #define CONUS_BASE_LIBRARY_H
 

@@ -1,8 +1,12 @@
 # conus_embed_shaders(<target> <file>...): foo.frag.glsl becomes `const char shader_foo_frag[]` inside <target>, so that
 # a shader is edited as a file and shipped inside the binary. conus_embed_font(<target> <file>): `const unsigned char
-# font_sans[]`, of font_sans_size. Run as a script (cmake -DIN= -DOUT= -DHEADER= -DNAME= -DTYPE= -P) it writes that C file.
+# font_sans[]`, of font_sans_size, packed by gzip. Run as a script (cmake -DIN= -DOUT= -DHEADER= -DNAME= -DTYPE= -P) it
+# writes that C file.
 if(CMAKE_SCRIPT_MODE_FILE)
   file(READ "${IN}" hex HEX)
+  if(IN MATCHES "\\.gz$") # whose time is none
+    string(REGEX REPLACE "^(1f8b....)........" "\\100000000" hex "${hex}")
+  endif()
   string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")
   set(size "")
   if(NOT TYPE STREQUAL "char") # text ends with its 0
@@ -40,5 +44,7 @@ function(conus_embed_font target path)
   if(NOT licence)
     message(FATAL_ERROR "CONUS_FONT: ${path}, needed is LiberationSans-Regular.ttf of version 2 (Debian: fonts-liberation2)")
   endif()
-  conus_embed(${target} "${path}" render/draw/font.h "unsigned char" font_sans)
+  set(packed "${CMAKE_CURRENT_BINARY_DIR}/font.gz")
+  file(ARCHIVE_CREATE OUTPUT "${packed}" PATHS "${path}" FORMAT raw COMPRESSION GZip COMPRESSION_LEVEL 9)
+  conus_embed(${target} "${packed}" render/draw/font.h "unsigned char" font_sans)
 endfunction()

@@ -2,6 +2,7 @@
 /* Opens the font and measures text. */
 #include "render/draw/font.h"
 
+#include "base/formats/gzip.h"
 #include "base/library.h"
 #include "base/memory.h"
 #include "base/text.h"
@@ -11,6 +12,8 @@
 #include <string.h>
 
 #define ELLIPSIS "\xe2\x80\xa6"
+
+enum { FONT_LIMIT = 1 << 20 }; /* bytes, unpacked */
 
 /* clang-format off */
 #define FREETYPE_FUNCTIONS(F) F(FT_, Done_FreeType) F(FT_, Init_FreeType) F(FT_, New_Memory_Face)
@@ -30,26 +33,36 @@ struct font {
     cairo_font_options_t *options;
 };
 
+/* What a face is of. */
+struct font_file {
+    FT_Library library;
+    struct bytes bytes;
+};
+
 /* Ends FreeType once cairo, which keeps faces for a while, has let go. */
-static void release_library(void *library)
+static void release_file(void *user)
 {
-    freetype.Done_FreeType(library); /* and its faces */
+    struct font_file *file = user;
+    if (file && file->library) {
+        freetype.Done_FreeType(file->library); /* and its faces */
+    }
+    memory_free(file ? file->bytes.data : NULL);
+    memory_free(file);
 }
 
 static conus_status open_face(struct font *font)
 {
     static const cairo_user_data_key_t owned;
-    FT_Library library = NULL;
     FT_Face face = NULL;
-    if (freetype.Init_FreeType(&library)) {
-        return fail(CONUS_ERROR_MEMORY, "no memory for a font");
-    }
-    bool has_face = !freetype.New_Memory_Face(library, font_sans, (FT_Long)font_sans_size, 0, &face);
+    struct font_file *file = memory_zeroed(1, sizeof *file);
+    bool has_face = file && !gzip_unpack_all(&file->bytes, font_sans, font_sans_size, FONT_LIMIT) &&
+                    !freetype.Init_FreeType(&file->library) &&
+                    !freetype.New_Memory_Face(file->library, file->bytes.data, (FT_Long)file->bytes.size, 0, &face);
     font->face = has_face ? cairo.ft_font_face_create_for_ft_face(face, 0) : NULL;
-    if (!has_face || cairo.font_face_set_user_data(font->face, &owned, library, release_library)) {
+    if (!has_face || cairo.font_face_set_user_data(font->face, &owned, file, release_file)) {
         cairo.font_face_destroy(font->face);
         font->face = NULL;
-        freetype.Done_FreeType(library);
+        release_file(file);
         return fail(CONUS_ERROR_MEMORY, "no memory for a font");
     }
     return CONUS_OK;

@@ -8,7 +8,7 @@
 struct font;
 struct _cairo; /* a cairo_t */
 
-/** The font file, Liberation Sans (cmake/embed.cmake), which has the widths of Arial. */
+/** The font file, Liberation Sans (cmake/embed.cmake), which has the widths of Arial; packed by gzip. */
 extern const unsigned char font_sans[];
 extern const size_t font_sans_size;
 

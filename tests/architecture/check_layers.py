@@ -106,7 +106,7 @@ LIBRARY = {
     "loaders/arrays": "base atlas atlas/areas loaders/maps loaders/volumes loaders/scene",
     "render/gl": "base base/geometry base/system",
     "render/id": "base base/geometry atlas/surface atlas/tracts atlas render/gl",
-    "render/draw": "base",
+    "render/draw": "base base/formats",
     "render/image": "base base/files render/draw",
     "render/colour": "base base/files base/geometry base/system atlas render/gl render/id render/image",
     "render/flat": "base base/geometry atlas render/draw render/colour",
