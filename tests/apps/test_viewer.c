@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tests of the viewer's model, without a window. */
 #include "atlas/warp/warp.h"
+#include "base/look.h"
 #include "base/memory.h"
 #include "viewer/model/file_watch.h"
 #include "viewer/model/picker.h"
@@ -234,6 +235,39 @@ static void colours_go_and_come_back(void **state)
     viewer_use_safe_colours(&viewer, false);
     viewer_colour(again, &viewer, 1);
     assert_memory_equal(own, again, sizeof own);
+    viewer_finish(&viewer);
+}
+
+static void assert_colour(const struct viewer *viewer, uint32_t object, const uint8_t wanted[3])
+{
+    uint8_t rgb[3];
+    viewer_colour(rgb, viewer, object);
+    assert_memory_equal(rgb, wanted, sizeof rgb);
+}
+
+/* As in pictures: the area that is hit first has the first rank's colour, the other one is grey, and behind that one
+ * it has the second. Without a cone, and where that was chosen, both have the atlas's. */
+static void areas_have_the_colours_of_their_ranks(void **state)
+{
+    static const uint8_t first[3] = {LOOK_RGB(LOOK_RANK_1)}, second[3] = {LOOK_RGB(LOOK_RANK_2)};
+    static const uint8_t not_hit[3] = {LOOK_RGB(LOOK_NOT_HIT)};
+    struct viewer viewer;
+    (void)state;
+    load(&viewer, "slabs", "slabs.nii.gz");
+    const conus_atlas *atlas = viewer.drawn->atlas;
+    assert_colour(&viewer, 1, conus_atlas_object(atlas, 1)->rgb);
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
+    const uint32_t hit = conus_selection_result(viewer_selection(&viewer), 0)->object;
+    const uint32_t other = 3 - hit;
+    assert_colour(&viewer, hit, first);
+    assert_colour(&viewer, other, not_hit);
+    viewer.cone.options.layers = CONUS_LAYERS_ALL;
+    tool_reselect(&viewer);
+    assert_colour(&viewer, hit, first);
+    assert_colour(&viewer, other, second);
+    viewer.display.own_colours = true;
+    assert_colour(&viewer, hit, conus_atlas_object(atlas, hit)->rgb);
+    assert_colour(&viewer, other, conus_atlas_object(atlas, other)->rgb);
     viewer_finish(&viewer);
 }
 
@@ -571,6 +605,7 @@ TEST_GROUP(viewer)
         cmocka_unit_test(hidden_areas_are_not_selected),
         cmocka_unit_test(areas_hidden_by_an_option_can_be_shown),
         cmocka_unit_test(a_pathway_has_a_value),
+        cmocka_unit_test(areas_have_the_colours_of_their_ranks),
         cmocka_unit_test(an_opaque_context_is_hit_before_what_it_hides),
         cmocka_unit_test(a_place_has_a_voxel_and_the_crosshair_stays_near),
         cmocka_unit_test(written_results_are_the_copied_table),

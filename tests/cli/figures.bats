@@ -56,8 +56,7 @@ END
     [ "$(jq -r .enlarged s.json)" = 3d ] # the pane is wide, so its height is 0.5 radians
     # shellcheck disable=SC2046 # several words
     set -- $(of_session s.json)
-    cone=(--origin=60,10,6 --toward=0,0,0 --angle 20 --palette file --opacity 0.7
-        --opacity 'Shell outer=0.4')
+    cone=(--origin=60,10,6 --toward=0,0,0 --angle 20 --opacity 0.7 --opacity 'Shell outer=0.4')
     for how in 'right --size 300x200 --legend right --background transparent' \
         'below --width-mm 30 --height-mm 25 --dpi 200 --legend below --background white'; do
         # shellcheck disable=SC2086

@@ -349,10 +349,42 @@ uint32_t viewer_full(const struct viewer *viewer)
     return viewer_selection(viewer) ? 0 : viewer->drawn->shown.chosen;
 }
 
+/* As conus_view.own_colours says. */
+static bool colours_by_rank(const struct viewer *viewer, uint32_t object)
+{
+    return viewer_selection(viewer) && !viewer->display.own_colours && !viewer->display.safe_colours &&
+           viewer->drawn->appearance.haze[object] == HAZE_NONE;
+}
+
+size_t viewer_rank(const struct viewer *viewer, uint32_t object)
+{
+    const conus_selection *selection = viewer_selection(viewer);
+    size_t rank = 0;
+    for (size_t i = 0; object && colours_by_rank(viewer, object) && i < conus_selection_count(selection); i++) {
+        const uint32_t hit = conus_selection_result(selection, i)->object;
+        rank += hit > 0;
+        if (hit == object || (hit && viewer->cone.level[0] && viewer_is_below(viewer, object, hit))) {
+            return rank;
+        }
+    }
+    return 0;
+}
+
+#define BYTES(colour) {LOOK_RGB(colour)},
+
 void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object)
 {
+    static const uint8_t ranks[][3] = {LOOK_RANKS(BYTES)};
     const conus_object *info = conus_atlas_object(viewer->drawn->atlas, object);
-    memcpy(rgb, info ? info->rgb : (const uint8_t[]){LOOK_RGB(LOOK_NO_OBJECT)}, 3);
+    const size_t rank = viewer_rank(viewer, object);
+    const bool is_grey = info && !rank && colours_by_rank(viewer, object);
+    memcpy(rgb,
+           !info                                  ? (const uint8_t[]){LOOK_RGB(LOOK_NO_OBJECT)}
+           : is_grey                              ? (const uint8_t[]){LOOK_RGB(LOOK_NOT_HIT)}
+           : !rank                                ? info->rgb
+           : rank <= sizeof ranks / sizeof *ranks ? ranks[rank - 1]
+                                                  : (const uint8_t[]){LOOK_RGB(LOOK_RANK_MORE)},
+           3);
 }
 
 const char *viewer_find_score(const char *name)
@@ -392,7 +424,7 @@ void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane
                          .window = {grey[0], grey[1]},
                          .selection = viewer_selection(viewer),
                          .chosen = viewer_full(viewer),
-                         .own_colours = true};
+                         .own_colours = viewer->display.own_colours};
     memcpy(out->centre, viewer->centre, sizeof out->centre);
     out->centre[2 - (int)plane] = viewer->crosshair[2 - (int)plane];
     memcpy(out->right, axes[plane][0], sizeof out->right);

@@ -68,6 +68,7 @@ struct cone_state {
 struct display {
     double fade, fill; /**< Fading of the context in 3-D; opacity of areas in the flat panes. */
     bool no_outlines, radiological, safe_colours, device_view;
+    bool own_colours;       /**< With a cone, too, areas have the atlas's colours in place of those by rank. */
     enum backdrop backdrop; /**< Behind the 3-D pane and figures. */
 };
 
@@ -174,7 +175,10 @@ void viewer_choose(struct viewer *viewer, uint32_t object);
 
 /** The chosen object where there is no cone; with one only what it hits is in full colour in pictures. 0 = none. */
 uint32_t viewer_full(const struct viewer *viewer);
-/** sRGB of an object, in the palette that is on. */
+/** The place of an object in the answer, from 1, where pictures show it by a colour; 0 = it has its own, or is not hit.
+ */
+size_t viewer_rank(const struct viewer *viewer, uint32_t object);
+/** sRGB of an object, as pictures have it. */
 void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object);
 
 /** The library's own text of the score @p name, which selectors compare by its address; NULL = none of that name, such

@@ -15,8 +15,8 @@ static const double least_pale = 0.02; /* what should not be seen at all is hidd
 
 void panel_look_view(struct window *window)
 {
-    static const enum property_id shown[] = {PROPERTY_FADE, PROPERTY_FILL, PROPERTY_OUTLINES, PROPERTY_RADIOLOGICAL,
-                                             PROPERTY_SAFE_COLOURS};
+    static const enum property_id shown[] = {PROPERTY_FADE,         PROPERTY_FILL,         PROPERTY_OUTLINES,
+                                             PROPERTY_RADIOLOGICAL, PROPERTY_SAFE_COLOURS, PROPERTY_OWN_COLOURS};
     double rest = window->viewer->drawn->appearance.opacity[0];
     for (size_t i = 0; i < sizeof shown / sizeof shown[0]; i++) {
         panel_property(window, shown[i]);

@@ -49,9 +49,13 @@ static void choose_errors(struct viewer *viewer)
     }
 }
 
+/* Curves are of more than the cone hits as it is now: these have the atlas's colours, so that they differ. */
 static ui_colour colour_of(const struct viewer *viewer, uint32_t object)
 {
-    return object ? panel_colour(viewer, object) : nothing;
+    const conus_object *info = conus_atlas_object(viewer->drawn->atlas, object);
+    return !info                         ? nothing
+           : viewer_rank(viewer, object) ? panel_colour(viewer, object)
+                                         : (ui_colour){info->rgb[0], info->rgb[1], info->rgb[2], 255};
 }
 
 static const char *name_of(const struct viewer *viewer, uint32_t object)

@@ -64,9 +64,9 @@ struct painter {
 
 bool painting_shows_same(const struct painting *a, const struct painting *b)
 {
-    return a->width == b->width && a->height == b->height && a->fade == b->fade && a->backdrop == b->backdrop &&
-           a->chosen == b->chosen && a->is_old == b->is_old && a->answer_number == b->answer_number &&
-           a->scene_number == b->scene_number && eye_is_same(&a->eye, &b->eye);
+    return a->width == b->width && a->height == b->height && a->fade == b->fade && a->own_colours == b->own_colours &&
+           a->backdrop == b->backdrop && a->chosen == b->chosen && a->is_old == b->is_old &&
+           a->answer_number == b->answer_number && a->scene_number == b->scene_number && eye_is_same(&a->eye, &b->eye);
 }
 
 /* Tells the window that something changed. To be called with the lock held, which it releases. */
@@ -146,7 +146,7 @@ static enum stage paint(struct painter *painter, conus_renderer *renderer, const
                        .grey_cone = what->is_old,
                        .chosen = what->chosen,
                        .no_legend = true,
-                       .own_colours = true,
+                       .own_colours = what->own_colours,
                        .draft = stage != STAGE_SMOOTH,
                        .fade = what->fade,
                        .opacity = painter->opacity,

@@ -18,6 +18,7 @@ struct painting {
     uint32_t width, height;
     double fade;
     enum backdrop backdrop;
+    bool own_colours;       /**< As of conus_view. */
     uint32_t chosen;        /**< Object that is never pale; 0 = none. */
     struct answer *answer;  /**< Its cone is drawn; NULL = none. */
     bool is_old;            /**< It is one from before, and its cone grey. */

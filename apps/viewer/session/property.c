@@ -169,6 +169,11 @@ const struct property properties[PROPERTY_COUNT] = {
                                OF_VIEWER(display.safe_colours), TRUTH, .presence = PROPERTY_KEPT,
                                .change = CHANGES_COLOURS, .label = "Colours for any colour vision",
                                .tip = "in place of the atlas's own"},
+    [PROPERTY_OWN_COLOURS] = {NULL, "own_colours", "the atlas's own colours with a cone, too",
+                              OF_VIEWER(display.own_colours), TRUTH, .presence = PROPERTY_KEPT,
+                              .label = "Colours of the file",
+                              .tip = "with a cone, too; else what it hits has a colour by its place in the answer,\n"
+                                     "and all else is grey"},
     [PROPERTY_FIGURE_IN_MM] = {"figure", "in_mm", "whether the size of figures is that on paper",
                                OF_WINDOW(sheet.in_mm), TRUTH},
     [PROPERTY_FIGURE_PIXELS] = {"figure", "pixels", "their width and height; 0 = the default", OF_WINDOW(sheet.pixels),

@@ -84,7 +84,7 @@ static conus_status draw_3d(conus_image **out, const char **refusal, const struc
     window_eye(window, &eye);
     figure_view(&view, settings);
     appearance_set(&view, &viewer->drawn->appearance);
-    view.own_colours = true;
+    view.own_colours = viewer->display.own_colours;
     if (!set_camera(&view, &eye, settings->streamline_colour)) {
         *refusal = "a tracked head's view has no room for a legend beside it: choose inside, below or none";
         return CONUS_OK;
