@@ -3,6 +3,7 @@
 #include "render/colour/colour.h"
 
 #include "base/geometry/math3.h"
+#include "base/look.h"
 #include "base/memory.h"
 #include "render/colour/colour_view.h"
 #include "render/colour/field.h"
@@ -341,7 +342,7 @@ static conus_status colour_upload_context(struct colour_pass *pass, struct field
 }
 
 /* Bone: pale, since the areas inside have the colours. */
-static const double around_srgb[3] = {0.86, 0.83, 0.78};
+static const uint8_t around_rgb[3] = {LOOK_RGB(LOOK_GLASS)};
 
 /* Creates the buffers and the tables by object number. */
 static conus_status colour_upload_palette(struct colour_pass *pass, const conus_atlas *atlas)
@@ -359,8 +360,8 @@ static conus_status colour_upload_palette(struct colour_pass *pass, const conus_
     }
     for (size_t number = 1; number < count; number++) {
         for (size_t c = 0; c < 3; c++) {
-            double srgb = number <= atlas->object_count ? atlas->objects[number - 1].rgb[c] / 255.0 : around_srgb[c];
-            pass->colours[4 * number + c] = (float)linear_from_srgb(srgb);
+            uint8_t level = number <= atlas->object_count ? atlas->objects[number - 1].rgb[c] : around_rgb[c];
+            pass->colours[4 * number + c] = (float)linear_from_srgb(level / 255.0);
         }
     }
     for (size_t i = 0; i < pass->around_count; i++) {
@@ -387,6 +388,8 @@ conus_status colour_program_create(GLuint *out, const struct program_shader *ver
                                              {"PLAIN_AREAS", kind == COLOUR_RAYS_PLAIN || kind == COLOUR_SLICES},
                                              {"SLICES", kind == COLOUR_SLICES},
                                              {"TILE", COLOUR_TILE},
+                                             {"LOOK_GLASS_EDGE", LOOK_GLASS_EDGE},
+                                             {"LOOK_MARKER_EDGE", LOOK_MARKER_EDGE},
                                              {"TRANSLUCENT", kind == COLOUR_LAYERS},
                                              {"AREAS", !pass || pass->may_have_areas},
                                              {"CONTEXT", !pass || pass->may_have_context},
