@@ -32,6 +32,9 @@ enum look_colour {
     LOOK_CONE_OLD = 0xB4B4B4,     /**< The cone where the tool is not seen. */
     LOOK_APEX = 0x3C3C42,         /**< The ball where the cone begins. */
     LOOK_AROUND = 0xACA59B,       /**< Lines of surfaces around the areas in cuts: on black, grey and white. */
+    LOOK_GLASS = 0xDBD4C7,        /**< Surfaces around the areas in 3-D: bone. */
+    LOOK_GLASS_EDGE = 0x555559,   /**< Their outline: it shows on white and on black. */
+    LOOK_MARKER_EDGE = 0x191919,  /**< Of balls. */
     LOOK_OUTLINE = 0x8A93A0,      /**< Outlines in cuts of what is not hit. */
     LOOK_CUT_GROUND = 0x909090,   /**< Under areas in cuts where there is no image. */
     LOOK_NO_OBJECT = 0x82848A,    /**< The chip and curve of what is no object. */

@@ -3,6 +3,7 @@
 #include "render/colour/colour.h"
 
 #include "base/geometry/math3.h"
+#include "base/look.h"
 #include "base/memory.h"
 #include "render/colour/field.h"
 #include "render/colour/pathways.h"
@@ -338,7 +339,7 @@ static conus_status colour_upload_context(struct colour_pass *pass, struct field
 }
 
 /* Bone: pale, since the areas inside have the colours. */
-static const double around_srgb[3] = {0.86, 0.83, 0.78};
+static const uint8_t around_rgb[3] = {LOOK_RGB(LOOK_GLASS)};
 
 /* Makes the tables by object number. */
 static conus_status make_palette(struct colour_pass *pass, const conus_atlas *atlas)
@@ -356,8 +357,8 @@ static conus_status make_palette(struct colour_pass *pass, const conus_atlas *at
     }
     for (size_t number = 1; number < count; number++) {
         for (size_t c = 0; c < 3; c++) {
-            double srgb = number <= atlas->object_count ? atlas->objects[number - 1].rgb[c] / 255.0 : around_srgb[c];
-            pass->colours[4 * number + c] = (float)linear_from_srgb(srgb);
+            uint8_t level = number <= atlas->object_count ? atlas->objects[number - 1].rgb[c] : around_rgb[c];
+            pass->colours[4 * number + c] = (float)linear_from_srgb(level / 255.0);
         }
     }
     for (size_t i = 0; i < pass->around_count; i++) {

@@ -2,6 +2,7 @@
 /* The colour pass by OpenGL: its programs, textures and draw calls. */
 #include "render/colour/colour_gl.h"
 
+#include "base/look.h"
 #include "base/memory.h"
 #include "render/colour/colour_view.h"
 #include "render/gl/shaders.h"
@@ -69,6 +70,8 @@ conus_status colour_program_create(GLuint *out, const struct program_shader *ver
                                              {"PLAIN_AREAS", kind == COLOUR_RAYS_PLAIN || kind == COLOUR_SLICES},
                                              {"SLICES", kind == COLOUR_SLICES},
                                              {"TILE", COLOUR_TILE},
+                                             {"LOOK_GLASS_EDGE", LOOK_GLASS_EDGE},
+                                             {"LOOK_MARKER_EDGE", LOOK_MARKER_EDGE},
                                              {"TRANSLUCENT", kind == COLOUR_LAYERS},
                                              {"AREAS", !pass || pass->may_have_areas},
                                              {"CONTEXT", !pass || pass->may_have_context},

@@ -6,6 +6,7 @@
  * The walk is that of colour_layers.glsl, for opaque pictures, too; but a sample on a plane stands for half the way to
  * its neighbours, and an area begins with the object that its surface has there. Only + - * / and roots make a pixel of
  * what the view holds, and nothing fuses them, so that all processors round alike. */
+#include "base/look.h"
 #include "base/memory.h"
 #include "base/threads.h"
 #include "render/colour/colour_view.h"
@@ -637,6 +638,13 @@ static four lit(const struct ray *ray, four albedo, const float normal[3])
     return albedo * (0.30F + 0.75F * diffuse(ray->scene, normal)) + 0.06F * (x16 * x8 * (x4 * x2)); /* to the 30th */
 }
 
+/* A colour of base/look.h. */
+static four look(const struct scene *scene, enum look_colour rgb)
+{
+    const float *linear = scene->device->linear;
+    return (four){linear[rgb >> 16], linear[rgb >> 8 & 255], linear[rgb & 255], 1};
+}
+
 /* Colour and emphasis of an object or, of a streamline, what tubes.h says: a colour of its own, or pale. */
 static four entry_of(const struct scene *scene, uint32_t number)
 {
@@ -799,7 +807,7 @@ static void hit_markers(struct surface *solid, const struct ray *ray)
                 out[i] = (t * ray->direction[i] - centre[i]) / centre[3];
             }
             turn(normal, view->world_from_camera, out);
-            four colour = {0.01F, 0.01F, 0.01F, 1};
+            four colour = look(ray->scene, LOOK_MARKER_EDGE);
             if (dot(normal, ray->view) <= -0.55F) {
                 memcpy(&colour, view->marker_colours[n], sizeof colour);
                 colour = lit(ray, colour, normal);
@@ -844,13 +852,12 @@ static void take_event(four *sum, struct events *events, const struct ray *ray)
         next_wall(events);
         return;
     }
-    static const four dark = {0.09F, 0.09F, 0.1F, 1}; /* it shows on white and on black */
     const struct surface_hit *hit = &ray->layers[events->layer];
     float opacity = ray->scene->pass->opacity[hit->object & TUBE_OWN_COLOUR ? 0 : hit->object];
     four shade = object_colour(ray, hit->object, hit->normal, events->layer_depth);
     if (entry_of(ray->scene, hit->object)[3] > 2.5F) {
         const float outline = outline_of(hit->normal, ray->view);
-        shade += outline * (dark - shade);
+        shade += outline * (look(ray->scene, LOOK_GLASS_EDGE) - shade);
         opacity += outline * (most(opacity, OUTLINE_OPACITY) - opacity);
     }
     blend_surface(sum, shade, opacity);

@@ -222,13 +222,22 @@ vec3 lit(vec3 albedo, vec3 normal, vec3 view)
     return albedo * (0.30 + 0.75 * diffuse(normal)) + 0.06 * highlight;
 }
 
+vec3 linear_of(vec3 srgb)
+{
+    return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
+}
+
+// A colour of base/look.h.
+vec3 look(int rgb)
+{
+    return linear_of(vec3(rgb >> 16, rgb >> 8 & 255, rgb & 255) / 255.0);
+}
+
 // Colour and emphasis of an object or, of a streamline, what tube_layer.h says: a colour of its own, or pale.
 vec4 entry_of(uint number)
 {
     bool own = (number & TUBE_OWN_COLOUR) != 0u;
-    vec3 srgb = unpackUnorm4x8(number).rgb;
-    vec3 linear = mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
-    vec4 entry = own ? vec4(linear, 1) : palette[number & ~TUBE_PALE];
+    vec4 entry = own ? vec4(linear_of(unpackUnorm4x8(number).rgb), 1) : palette[number & ~TUBE_PALE];
     return (number & TUBE_PALE) != 0u ? vec4(entry.rgb, 0) : entry;
 }
 
@@ -406,7 +415,7 @@ void hit_markers(inout Surface solid, vec3 direction, vec3 view)
         if (root > 0.0 && t > NEAR && t < solid.depth) {
             vec3 normal = mat3(world_from_camera) * ((t * direction - markers[n].xyz) / markers[n].w);
             bool outline = dot(normal, view) > -0.55;
-            solid = Surface(t, vec4(outline ? vec3(0.01) : lit(marker_colours[n].rgb, normal, view), 1.0));
+            solid = Surface(t, vec4(outline ? look(LOOK_MARKER_EDGE) : lit(marker_colours[n].rgb, normal, view), 1.0));
         }
     }
 }

@@ -11,8 +11,7 @@ layout(std430, binding = 2) readonly buffer Opacities
 };
 
 const int SEEN = 16; // translucent areas along one ray
-const vec3 OUTLINE = vec3(0.09, 0.09, 0.1); // of surfaces around the areas: it shows on white and on black
-const float OUTLINE_OPACITY = 0.8;
+const float OUTLINE_OPACITY = 0.8; // of surfaces around the areas
 const float EDGE = 0.3; // cosine between normal and view
 
 bool lies_in(vec3 place)
@@ -145,7 +144,7 @@ void take_event(inout vec4 sum, inout Events events, vec3 direction, vec3 view)
         float opacity = opacities[(object & TUBE_OWN_COLOUR) != 0u ? 0u : object];
         vec3 shade = object_colour(object, normal, direction, view, events.layer_depth);
         float outline = entry_of(object).a > 2.5 ? outline_of(normal, view) : 0.0;
-        blend_surface(sum, mix(shade, OUTLINE, outline), mix(opacity, max(opacity, OUTLINE_OPACITY), outline));
+        blend_surface(sum, mix(shade, look(LOOK_GLASS_EDGE), outline), mix(opacity, max(opacity, OUTLINE_OPACITY), outline));
         next_layer(events, events.layer + 1);
     }
 }

@@ -107,8 +107,8 @@ conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory,
 conus_status picture_rank(struct picture *picture, bool on_dark);
 void picture_rank_finish(struct picture *picture);
 
-/** sRGB of an object in the picture. */
-const uint8_t *picture_colour(const struct picture *picture, size_t number);
+/** sRGB of an object in the picture; of the only haze that is coloured by its values, the one half way between them. */
+void picture_colour(uint8_t out[3], const struct picture *picture, size_t number);
 
 /** Whether an object keeps its colour, and has a row in the legend, though the cone does not hit it: one that is
  * listed, or else that is given an opacity. */

@@ -372,7 +372,9 @@ static void draw_tags(struct draw_list *list, const struct picture *picture)
         }
         count++;
         float colour[4];
-        draw_colour(colour, picture_colour(picture, number), 1);
+        uint8_t rgb[3];
+        picture_colour(rgb, picture, number);
+        draw_colour(colour, rgb, 1);
         const float grey = ink_on(colour);
         const float ink[4] = {grey, grey, grey, 1};
         const struct draw_box disc = {at[0] - radius, at[1] - radius, at[0] + radius, at[1] + radius};

@@ -209,17 +209,31 @@ void picture_rank_finish(struct picture *picture)
     memory_free(picture->line_rgb);
 }
 
-const uint8_t *picture_colour(const struct picture *picture, size_t number)
+/* sRGB of a function between its first point, part 0, and its last, 1. */
+static void transfer_part_colour(uint8_t rgb[3], const struct transfer *transfer, double part)
 {
-    bool has_own = !picture->rgb || haze_is(picture->hazy, number);
-    return has_own ? picture->atlas->objects[number - 1].rgb : picture->rgb[number];
+    double rgba[4];
+    double low = transfer->points[0].value;
+    transfer_at(rgba, transfer, low + part * (transfer->points[transfer->count - 1].value - low));
+    for (int c = 0; c < 3; c++) {
+        rgb[c] = (uint8_t)lrint(255 * rgba[c]);
+    }
 }
 
-/* Its colour in the picture, and stripes where it has some. Haze by values has no one colour: then that of its contact.
- */
+void picture_colour(uint8_t out[3], const struct picture *picture, size_t number)
+{
+    bool has_own = !picture->rgb || haze_is(picture->hazy, number);
+    if (is_by_value(picture, number) && count_by_value(picture) == 1) { /* several have numbers */
+        transfer_part_colour(out, &picture->hazy->transfers[number], 0.5);
+    } else {
+        memcpy(out, has_own ? picture->atlas->objects[number - 1].rgb : picture->rgb[number], 3);
+    }
+}
+
+/* Its colour in the picture, and stripes where it has some. */
 static void set_chip(struct legend_row *row, const struct picture *picture, uint32_t number)
 {
-    memcpy(row->rgb, picture_colour(picture, number), sizeof row->rgb);
+    picture_colour(row->rgb, picture, number);
     row->striped = picture->emphasis && picture->emphasis[number] == EMPHASIS_HATCHED;
 }
 
@@ -284,17 +298,6 @@ static size_t add_pathways(struct picture_legend *out, struct legend_row rows[PA
         rows[count++] = (struct legend_row){.name = "other areas", .hollow = true, .detail = {"not drawn"}};
     }
     return count;
-}
-
-/* sRGB of a function between its first point, part 0, and its last, 1. */
-static void transfer_part_colour(uint8_t rgb[3], const struct transfer *transfer, double part)
-{
-    double rgba[4];
-    double low = transfer->points[0].value;
-    transfer_at(rgba, transfer, low + part * (transfer->points[transfer->count - 1].value - low));
-    for (int c = 0; c < 3; c++) {
-        rgb[c] = (uint8_t)lrint(255 * rgba[c]);
-    }
 }
 
 /* Adds a bar of numbers, the largest above, with the colours of `transfer` from its first point to its last, or without

@@ -196,7 +196,9 @@ static void add_cone(struct picture *picture)
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (result->object && result->pixels) {
-            add_marker(picture, result->contact, 0.017 * picture->radius, picture_colour(picture, result->object));
+            uint8_t rgb[3];
+            picture_colour(rgb, picture, result->object);
+            add_marker(picture, result->contact, 0.017 * picture->radius, rgb);
         }
     }
 }

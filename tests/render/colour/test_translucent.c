@@ -17,7 +17,7 @@
 enum { WIDTH = PICTURE_WIDTH, HEIGHT = PICTURE_HEIGHT, PIXELS = PICTURE_PIXELS };
 
 static const uint8_t red[3] = {255, 0, 0}, green[3] = {0, 255, 0}, blue[3] = {0, 0, 255};
-static const uint8_t bone[3]; /* stands for the colour of what is around the areas, sRGB 0.86, 0.83, 0.78 */
+static const uint8_t bone[3]; /* stands for the colour of what is around the areas, #DBD4C7 */
 
 /* A square across the view, at a depth y. */
 static void add_wall(conus_atlas *atlas, float y, const uint8_t rgb[3])
@@ -122,7 +122,7 @@ static void check_parts(const float *rgba, const struct part *parts, size_t coun
     double wanted[4] = {0};
     for (size_t i = 0; i < count; i++) {
         for (int c = 0; c < 3; c++) {
-            static const double around_srgb[3] = {0.86, 0.83, 0.78};
+            static const double around_srgb[3] = {219 / 255.0, 212 / 255.0, 199 / 255.0};
             double colour = parts[i].rgb == bone ? pow((around_srgb[c] + 0.055) / 1.055, 2.4)
                                                  : parts[i].rgb[c] / 255.0; /* 0 or 1 in linear light, too */
             wanted[c] += (1 - wanted[3]) * parts[i].opacity * (parts[i].is_haze ? colour : lit(colour));
