@@ -75,6 +75,7 @@ CASES = {
     "legend right": ({}, {"view": "back", "background": "transparent", "legend": "right"}, ()),
     "colour": ({}, {"view": "top", "background": "#804020", "legend": "none"}, ()),
     "unselected": ({}, {"unselected": "#c0c0c0"}, ()),
+    "own colours": ({}, {"own_colours": True}, ("--palette=file",)),
     "legend rows": ({}, {"legend_rows": 1}, ()),
     "legend areas": ({}, {"legend_areas": ("Thalamus_L",)}, ("--legend-area=Thalamus_L",)),
     "only hits": ({}, {"opacity": 0}, ()),
@@ -295,7 +296,7 @@ def test_picture_is_saved_where_the_path_says(atlas, tmp_path):
 
 def test_chosen_object_is_not_pale(atlas):
     hits = atlas.select((0, 0, 0), direction=(1, 0, 0))
-    pale, full = (atlas.render(hits, size=(60, 40), chosen=name).array for name in (None, "left"))
+    pale, full = (atlas.render(hits, size=(60, 40), chosen=name, own_colours=True).array for name in (None, "left"))
     assert not np.array_equal(pale, full)
 
 

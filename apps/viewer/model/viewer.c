@@ -356,6 +356,15 @@ static bool colours_by_rank(const struct viewer *viewer, uint32_t object)
            viewer->drawn->appearance.haze[object] == HAZE_NONE;
 }
 
+/* With a level an area is drawn as the one above it that is asked about. */
+static bool is_shown_as(const struct viewer *viewer, uint32_t object, uint32_t hit)
+{
+    while (viewer->cone.level[0] && object && object != hit) {
+        object = conus_atlas_object(viewer->drawn->atlas, object)->parent;
+    }
+    return object == hit;
+}
+
 size_t viewer_rank(const struct viewer *viewer, uint32_t object)
 {
     const conus_selection *selection = viewer_selection(viewer);
@@ -363,7 +372,7 @@ size_t viewer_rank(const struct viewer *viewer, uint32_t object)
     for (size_t i = 0; object && colours_by_rank(viewer, object) && i < conus_selection_count(selection); i++) {
         const uint32_t hit = conus_selection_result(selection, i)->object;
         rank += hit > 0;
-        if (hit == object || (hit && viewer->cone.level[0] && viewer_is_below(viewer, object, hit))) {
+        if (hit && is_shown_as(viewer, object, hit)) {
             return rank;
         }
     }
