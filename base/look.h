@@ -56,7 +56,6 @@ enum look_colour {
     LOOK_LOADING_LEFT = 0x808080,
 
     /* The page. */
-    LOOK_PAGE_CONE = 0xF0A030,
     LOOK_PAGE_DROP = 0x767676,
     LOOK_PAGE_TAB = 0x2B3D5C,
     LOOK_PAGE_FOCUS = 0x8AB4F8, /**< Around a pane. */

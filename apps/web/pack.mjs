@@ -23,15 +23,15 @@ for (const name of ["look.h", "look_sizes.h"]) {
     look.set(`LOOK_DARK_${key}`, `#${dark.toLowerCase()}`).set(`LOOK_LIGHT_${key}`, `#${light.toLowerCase()}`);
   }
 }
-const with_look = (text) => text.replace(/\b(LOOK_[A-Z_0-9]*?)([0-9a-f]{2})?\b(?!_)/g, (all, name, opacity) => {
+const withLook = (text) => text.replace(/\b(LOOK_[A-Z_0-9]*?)([0-9a-f]{2})?\b(?!_)/g, (all, name, opacity) => {
   if (look.has(all)) return look.get(all);
   if (!look.has(name)) throw new Error(`${all} is not in base/look.h`);
   return look.get(name) + opacity;
 });
 
-const main = with_look(bundle("main.js").trim());
+const main = withLook(bundle("main.js").trim());
 const worker = bundle("worker.js", `--alias:conus.mjs=${path.resolve(built, "conus.mjs")}`, "--define:import.meta.url=\"\"", "--external:fs", "--external:path", "--external:crypto");
-const css = with_look(fs.readFileSync(path.join(folder, "page.css"), "utf8"));
+const css = withLook(fs.readFileSync(path.join(folder, "page.css"), "utf8"));
 const style = execFileSync("esbuild", ["--loader=css", "--minify"], { input: css }).toString().trim();
 if (/<\/script|<!--/i.test(worker) || /<\/script/i.test(main) || /\{\{/.test(style)) throw new Error("the code has what ends it");
 const parts = {

@@ -285,8 +285,8 @@ export class View {
     const c = cleared(this.over, this.side);
     if (this.hasCone && aim.angle < 120) {
       const rim = circle(aim).map((p) => this.place(p));
-      line(c, "LOOK_PAGE_CONE", 2, [...rim, rim[0]]);
-      for (let i = 0; i < rim.length; i += 6) line(c, "LOOK_PAGE_CONE99", 1, [this.place(aim.origin), rim[i]]);
+      line(c, "LOOK_CONE", 2, [...rim, rim[0]]);
+      for (let i = 0; i < rim.length; i += 6) line(c, "LOOK_CONE99", 1, [this.place(aim.origin), rim[i]]);
     }
     caption(c, "3-D, drag to turn", this.under, this.side);
     axis(c, this.place(aim.origin), this.place(aim.toward), chosenEnd);
