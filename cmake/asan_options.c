@@ -20,20 +20,3 @@ int dlclose(void *library)
     (void)library;
     return 0;
 }
-
-/* cairo keeps the fonts of a PDF until the program ends, in patterns of fontconfig, which have offsets in place of
- * pointers: LeakSanitizer does not see that they are held. */
-const char *__lsan_default_suppressions(void);
-
-const char *__lsan_default_suppressions(void)
-{
-    return "leak:libfontconfig";
-}
-
-/* A program says nothing that it does not say without a sanitizer. */
-const char *__lsan_default_options(void);
-
-const char *__lsan_default_options(void)
-{
-    return "print_suppressions=0";
-}

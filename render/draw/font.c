@@ -60,7 +60,8 @@ static conus_status open_face(struct font *font)
                     !freetype.New_Memory_Face(file->library, file->bytes.data, (FT_Long)file->bytes.size, 0, &face);
     font->face = has_face ? cairo.ft_font_face_create_for_ft_face(face, 0) : NULL;
     if (!has_face || cairo.font_face_set_user_data(font->face, &owned, file, release_file)) {
-        font_destroy(font);
+        cairo.font_face_destroy(font->face);
+        font->face = NULL;
         release_file(file);
         return fail(CONUS_ERROR_MEMORY, "no memory for a font");
     }
@@ -84,6 +85,7 @@ conus_status font_create(struct font **out)
     cairo.font_options_set_hint_style(font->options, CAIRO_HINT_STYLE_SLIGHT);
     status = open_face(font);
     if (status) {
+        font_destroy(font);
         return status;
     }
     *out = font;

@@ -33,8 +33,8 @@ struct legend {
     const double *at; /**< Left and top, pixels, in place of a corner; NULL = the corner.                           */
     const float *ink; /**< Linear colour and opacity of its letters where it has no panel; NULL = a dark panel.     */
     double faint;     /**< With ink: how opaque letters are that say less; 0 = 0.87.                        */
-    double widest;    /**< The part of the image's width that it may take, with its margin; 0 = 0.42.              */
-    double size;      /**< Letters: pixels per em; 0 = a 54th of the image's shorter side, at least 11.           */
+    double widest;    /**< The part of the picture's width that it may take, with its margin; 0 = 0.42.              */
+    double size;      /**< Letters: pixels per em; 0 = a 54th of the picture's shorter side, at least 11.           */
 };
 
 /** Size of letters in a legend of default size on @p list, for other text to match. */

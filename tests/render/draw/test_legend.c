@@ -253,6 +253,33 @@ static void hollow_rows_and_headings_are_dim(void **state)
     font_destroy(font);
 }
 
+/* A chip of 0.78 of 100 pixels has stripes of 22 pixels in every 45, along its diagonal from the upper left. Black ones
+ * are 0.3 between them (0.16 of their colour and 0.3): 0.15 on average, but for what is no whole stripe. */
+static void stripes_go_down_to_the_right(void **state)
+{
+    (void)state;
+    enum { LEFT = 90 + 80, SIDE = 78, WIDTH = 600 }; /* margin and padding: 0.9 and 0.8 em */
+    struct font *font = make_font();
+    conus_image *image = make_image(WIDTH, WIDTH);
+    const struct legend_row row = {.striped = true, .name = ""};
+    double sum = 0;
+    draw_legend(image, font, &(struct legend){.rows = &row, .count = 1, .size = 100, .widest = 1});
+    const float *red = image_rgba(image).plane[0];
+    size_t top = LEFT; /* of the row, in which the chip begins farther down */
+    while (top < WIDTH - SIDE && red[top * WIDTH + LEFT + SIDE / 2] == red[(top + 1) * WIDTH + LEFT + SIDE / 2]) {
+        top++;
+    }
+    for (size_t y = top + 20; y < top + 50; y++) {
+        for (size_t x = LEFT + 1; x < LEFT + SIDE - 1; x++) {
+            sum += (double)red[y * WIDTH + x];
+            assert_true(x < LEFT + 10 || fabsf(red[y * WIDTH + x] - red[(y - 5) * WIDTH + x - 5]) < 0.01F);
+        }
+    }
+    assert_near(sum / (30 * (SIDE - 2)), 0.15, 0.05);
+    conus_image_destroy(image);
+    font_destroy(font);
+}
+
 static void legend_fits_into_any_image(void **state)
 {
     (void)state;
@@ -423,6 +450,7 @@ TEST_GROUP(legend)
         cmocka_unit_test(legend_shows_every_colour_in_its_corner),
         cmocka_unit_test(ink_is_for_letters_and_hollow_chips),
         cmocka_unit_test(hollow_rows_and_headings_are_dim),
+        cmocka_unit_test(stripes_go_down_to_the_right),
         cmocka_unit_test(dim_letters_have_contrast_on_the_panel),
         cmocka_unit_test(legend_fits_into_any_image),
         cmocka_unit_test(a_key_is_shown_below_too_many_rows),
