@@ -29,7 +29,7 @@ struct colour_texels {
     enum volume_texture_kind kind;
     size_t dim[3];
     uint32_t name; /**< OpenGL: the texture. */
-    void *bytes;   /**< The CPU: those of volume_texture_fill(); fields have one more texel behind them. */
+    void *bytes;   /**< The CPU: as volume_texture_fill() takes them. */
 };
 
 /** The transfer function in a table: linear R, G, B, and extinction per mm (transfer_table()). */

@@ -41,24 +41,25 @@ struct colour_rays_device {
     float linear[256];             /* of sRGB bytes */
 };
 
+static const size_t texel_sizes[] = {
+    [VOLUME_TEXTURE_UINT8] = 1, [VOLUME_TEXTURE_UINT16] = 2, [VOLUME_TEXTURE_UINT32] = 4,
+    [VOLUME_TEXTURE_BYTE4] = 4, [VOLUME_TEXTURE_HALF4] = 16, [VOLUME_TEXTURE_FLOAT4] = 16};
+
 static conus_status hold(struct colour_texels *out, struct colour_device *device, enum volume_texture_kind kind,
                          const size_t dim[3], const void *texels, uint64_t *memory_left)
 {
-    static const size_t sizes[] = {
-        [VOLUME_TEXTURE_UINT8] = 1, [VOLUME_TEXTURE_UINT16] = 2, [VOLUME_TEXTURE_UINT32] = 4,
-        [VOLUME_TEXTURE_BYTE4] = 4, [VOLUME_TEXTURE_HALF4] = 16, [VOLUME_TEXTURE_FLOAT4] = 16};
     (void)device;
     size_t slice;
     size_t count;
     size_t bytes;
     if (!memory_multiply(dim[0], dim[1], &slice) || !memory_multiply(slice, dim[2], &count) ||
-        !memory_multiply(count, sizes[kind], &bytes) || bytes > *memory_left) {
+        !memory_multiply(count, texel_sizes[kind], &bytes) || bytes > *memory_left) {
         return fail(CONUS_ERROR_MEMORY, "field of %zu x %zu x %zu voxels: %llu bytes are left of the allowed memory",
                     dim[0], dim[1], dim[2], (unsigned long long)*memory_left);
     }
     out->kind = kind;
     memcpy(out->dim, dim, sizeof out->dim);
-    out->bytes = memory_raw(count, sizes[kind]);
+    out->bytes = memory_raw(count, texel_sizes[kind]);
     if (!out->bytes) {
         return CONUS_ERROR_MEMORY;
     }
@@ -71,11 +72,7 @@ static conus_status hold(struct colour_texels *out, struct colour_device *device
 
 static void fill(struct colour_texels *texels, size_t first, size_t count, const void *from)
 {
-    static const size_t sizes[] = {[VOLUME_TEXTURE_UINT8] = 1,
-                                   [VOLUME_TEXTURE_UINT16] = 2,
-                                   [VOLUME_TEXTURE_UINT32] = 4,
-                                   [VOLUME_TEXTURE_BYTE4] = 4};
-    const size_t slice = texels->dim[0] * texels->dim[1] * sizes[texels->kind];
+    const size_t slice = texels->dim[0] * texels->dim[1] * texel_sizes[texels->kind];
     memcpy((uint8_t *)texels->bytes + first * slice, from, count * slice);
 }
 
@@ -280,13 +277,6 @@ static float look_ahead(const struct scene *scene, const struct track *track, co
         leave = least(leave, (((float)brick[a] + side) / bricks[a] - track->from[a]) * track->inverse[a]);
     }
     return most(plane + 1, plane_after(scene, leave));
-}
-
-static float look_ahead_both(const struct scene *scene, const struct track *context, const struct track *areas,
-                             float plane, bool *shows)
-{
-    float known = look_ahead(scene, areas, scene->view.areas_bricks, plane, shows);
-    return least(known, look_ahead(scene, context, scene->view.context_bricks, plane, shows));
 }
 
 /* The eight texels around a place and how much of each is in a sample: along each axis the part of the second. */
@@ -510,10 +500,9 @@ static bool shows_area(const struct scene *scene, const float place[3])
 }
 
 /* Whether the place is in an area. `is_clear`: it is outside all, or its nearest voxel is that of `before`, an area. */
-static bool find_area(bool *is_clear, const struct scene *scene, const struct track *areas, const float place[3],
-                      uint32_t before)
+static bool find_area(bool *is_clear, const struct scene *scene, const float place[3], uint32_t before)
 {
-    const bool found = areas->volume && lies_in(place) && shows_area(scene, place);
+    const bool found = lies_in(place) && shows_area(scene, place);
     *is_clear = !found;
     if (found && before) {
         const size_t *dim = scene->pass->objects.dim;
@@ -847,6 +836,7 @@ static void take_event(four *sum, struct events *events, const struct ray *ray)
 struct walk {
     struct track context, areas, haze;
     float plane, known; /* the next plane; those before `known` are in the same bricks */
+    float clear;        /* plane before which there is no area */
     float end;          /* behind the last plane in any volume */
     float last;         /* depth at which the ray ends */
     float event;        /* of the next one */
@@ -900,7 +890,11 @@ static void leap(struct walk *walk, four *sum, const struct ray *ray)
         const float plane = walk->plane;
         const bool each = is_plain || is_on(&walk->haze, plane);
         bool shows = each;
-        float known = look_ahead_both(scene, &walk->context, &walk->areas, plane, &shows);
+        bool areas_show = is_plain;
+        float known = look_ahead(scene, &walk->areas, scene->view.areas_bricks, plane, &areas_show);
+        walk->clear = areas_show ? plane : known;
+        shows = shows || areas_show;
+        known = least(known, look_ahead(scene, &walk->context, scene->view.context_bricks, plane, &shows));
         walk->shows = shows && plane < walk->end;
         walk->known = least(!each ? known : is_plain ? walk->end : walk->haze.end, walk->end);
         known = plane < walk->haze.first ? least(known, walk->haze.first) : known;
@@ -941,11 +935,14 @@ static void walk_on(struct walk *walk, four *sum, const struct ray *ray)
         }
         bool is_clear = true;
         float place[3] = {0};
-        walk->t = least(depth_of(scene, walk->plane), walk->last);
-        if (walk->areas.volume) {
+        const float depth = depth_of(scene, walk->plane);
+        const bool may_be_area = walk->plane >= walk->clear || depth > walk->last; /* the latter is before the plane */
+        bool found = false;
+        walk->t = least(depth, walk->last);
+        if (may_be_area && walk->areas.volume) {
             place_on(place, &walk->areas, walk->t);
+            found = find_area(&is_clear, scene, place, walk->before);
         }
-        const bool found = find_area(&is_clear, scene, &walk->areas, place, walk->before);
         walk->stops = stops_before(walk, walk->t);
         walk->object = !is_clear ? visible_at(scene, place) : found ? walk->before : 0;
         walk->enters = !is_clear && walk->object && walk->object != walk->before && !is_seen(walk, walk->object);
