@@ -48,7 +48,7 @@ open_slabs() {
 }
 
 search_300() {
-    xdotool mousemove --window "$window" 1150 457 click 1
+    xdotool mousemove --window "$window" 1150 502 click 1
     xdotool key --window "$window" ctrl+a
     xdotool type --window "$window" 300
     enter

@@ -121,19 +121,19 @@ key_at() {
     tell 'aim 60 3 2 0 0 0' 'key space' 'orbit 10 0'
     look '.frozen == 1 and .layers == "visible"'
     orbit=$(jq -c .orbit "look$looks.json")
-    click_at 1150 432 # Count
+    click_at 1150 477 # Show
     key_at Escape
     look '.has_pose == 1 and .frozen == 1'
-    click_at 1150 432
+    click_at 1150 477
     xdotool key --window "$window" h
     key_at Down
     key_at Return
     look ".layers == \"all\" and .confirmed == [] and .hidden == [] and .orbit == $orbit"
     xdotool key --window "$window" l # the list is closed: keys belong to the brain again
     look '.layers == "visible"'
-    click_at 1085 357 # the heading above the query's settings
-    click_at 1085 407 # View, below Expert
-    click_at 914 482  # Outlines
+    click_at 1085 402 # the heading above the query's settings
+    click_at 1085 452 # View, below Expert
+    click_at 914 527  # Outlines
     look '.outlines == 0'
     leave
 }
@@ -176,7 +176,7 @@ for y, x in (320, 3), (320, 996), (636, 500): # no panels, no cuts, no line belo
 END
 }
 
-@test "at 1280 x 800 the brain has more than half of the window" {
+@test "at 1280 x 800 the brain has nearly half of the window" {
     need_window
     need_pixels
     conus phantom sphere -o .
@@ -188,33 +188,37 @@ END
     /usr/bin/python3 - <<'END'
 import numpy
 import OpenImageIO as oiio
-row = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[740, :, :3].astype(int)
+row = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[740, :661, :3].astype(int) # up to the cuts
 column = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[:, 63, :3].astype(int)
 wide, high = ((line.min(axis=1) > 100).sum() for line in (row, column)) # beside the ball and all words
-assert wide * high > 0.5 * 1280 * 800, (wide, high)
+assert wide * high > 0.45 * 1280 * 800, (wide, high)
 END
 }
 
-@test "letters at the sides of a cut do not lie on the brain, where the cut is narrow" {
+# At scale 2 the rail takes 120 pixels and the panel 384; of the 776 between them the cuts have 776 - 558 = 218. A ball's
+# box is a cube of 40 voxels: it fills 0.92 of the shorter side, 201. Five voxels off its middle it has 38 across: 190.
+@test "a cut fills its pane to 92 %, and letters at its sides can be read on the brain" {
     need_window
     need_pixels
     conus phantom sphere -o .
     view sphere.nii.gz --size 1280x800 --scale 2 <<'END'
 quiet-status
-crosshair 0 0 25
+crosshair 0 0 0
 settle
 screenshot window.png
 END
     /usr/bin/python3 - <<'END'
+import numpy
 import OpenImageIO as oiio
 pixels = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[..., :3].astype(int)
-for left, top in (740, 0), (740, 251), (740, 502):
-    pane = pixels[top:top + 248, left + 1:left + 154]
+for top in 0, 251, 502:
+    pane = pixels[top:top + 248, 679:679 + 216]
     middle = pane[124 - 12:124 + 12] # the rows of the letters
-    for letter in middle[:, 6:24], middle[:, -24:-6]:
-        assert letter.max() > 200, "no letter"
-        assert (letter.max(axis=2) - letter.min(axis=2)).max() < 16, "the ball, whose colour is no grey"
-    assert (middle.max(axis=2) - middle.min(axis=2) > 30).any(), "no ball"
+    for letter in middle[:, 6:30], middle[:, -30:-6]:
+        assert letter.max() > 200 and letter.min() < 40, "no letter on its shade"
+    row = pane[99] # above the letters and the crosshair's line
+    ball = numpy.flatnonzero(row.max(axis=1) > 60)
+    assert abs(ball.ptp() - 190) < 4, (top, ball.ptp())
 END
 }
 
@@ -263,7 +267,7 @@ END
     tell 'screenshot all.png'
     xdotool key --window "$window" slash
     pass
-    xdotool type --window "$window" 'narrower cone'
+    xdotool type --window "$window" 'under another name'
     look '.layers == "visible" and .angle_deg == 5'
     tell 'screenshot found.png'
     look true
@@ -273,7 +277,7 @@ import OpenImageIO as oiio
 def amber(name):
     "Rows of the left half where something is written in the colour of keys."
     pixels = oiio.ImageBuf(name).get_pixels(oiio.UINT8)[60:780, 25:120, :3].astype(int)
-    return ((abs(pixels - (255, 200, 90)).max(axis=2) < 30).any(axis=1)).sum()
+    return ((abs(pixels - (255, 200, 90)).max(axis=2) < 70).any(axis=1)).sum()
 assert 0 < amber("found.png") < 20 and amber("all.png") > 150, (amber("found.png"), amber("all.png"))
 END
 }
@@ -401,7 +405,7 @@ END
     conus phantom slabs -o .
     live slabs.nii.gz --size 1500x940
     look '.measure.on | not'
-    click_at 290 35 # Measure, in the second row
+    click_at 600 16 # Measure, the last one
     look '.measure.on'
     leave
 }
@@ -411,11 +415,11 @@ END
     conus phantom sphere -o .
     live slabs.nii.gz --size 1280x800
     tell 'drop sphere.nii.gz'
-    click_at 913 532 # Second tool
+    click_at 913 577 # Second tool
     look '.second.on | not'
     xdotool key --window "$window" Escape
     pass
-    click_at 913 532
+    click_at 913 577
     look '.second.on'
     leave
 }
@@ -567,7 +571,7 @@ import OpenImageIO as oiio
 pixels = lambda name: oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[60:520, 60:440, :3].astype(int) # of the 3-D pane
 before, hidden, unchosen, chosen = map(pixels, ("before", "hidden", "unchosen", "chosen"))
 lines = (before != hidden).any(axis=2)
-y, x = numpy.indices(lines.shape) - numpy.array((248, 255))[:, None, None] # from the pane's middle, and the ball's
+y, x = numpy.indices(lines.shape) - numpy.array((248, 229))[:, None, None] # from the pane's middle, and the ball's
 radius = y[lines].max()
 r = numpy.hypot(y, x)
 assert radius > 40 and not lines[r < 0.7 * radius].any() # the outermost ball, as before
