@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The functions that the web page calls, on this machine, linked with the stubs for OpenGL and pictures (CONUS_PICTURES=OFF).
- * A change that makes answers or cuts need drawing code fails here. */
+/* The functions that the web page calls, on this machine, linked with the stubs for OpenGL and pictures
+ * (CONUS_PICTURES=OFF). A change that makes answers or cuts need drawing code fails here. */
 #include "web/web.c" // NOLINT: linked with what stands for OpenGL, so not in the room's program
 
 #include "test.h"
