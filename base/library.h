@@ -22,7 +22,7 @@
 #define LIBRARY_TABLE(name, FUNCTIONS)                                                                                 \
     static struct {                                                                                                    \
         FUNCTIONS(LIBRARY_MEMBER)                                                                                      \
-    } name = {FUNCTIONS(LIBRARY_ADDRESS)}
+    }(name) = {FUNCTIONS(LIBRARY_ADDRESS)}
 
 /** Writes the addresses of the functions @p names, as LIBRARY_NAME gives them one after the other, to the pointers from
  * @p table on, once for the process: a table that is full is left as it is. @p file is the name that the linker would
