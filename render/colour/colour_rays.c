@@ -306,6 +306,17 @@ static void find_cell(struct cell *out, const size_t dim[3], const float place[3
     }
 }
 
+/* The sample in a cell of these corners, which change. */
+static four mix(four corner[8], const float part[3])
+{
+    for (int a = 0, count = 4; a < 3; a++, count /= 2) {
+        for (int n = 0; n < count; n++) {
+            corner[n] = corner[2 * n] + part[a] * (corner[2 * n + 1] - corner[2 * n]);
+        }
+    }
+    return corner[0];
+}
+
 /* Bytes from 0 to 1, as GL has them: between voxel centres. */
 static four sample_bytes(const struct colour_texels *texels, const float place[3])
 {
@@ -318,29 +329,7 @@ static four sample_bytes(const struct colour_texels *texels, const float place[3
         memcpy(&texel, bytes + 4 * cell.at[n], sizeof texel);
         corner[n] = __builtin_convertvector(texel, four);
     }
-    for (int a = 0, count = 4; a < 3; a++, count /= 2) {
-        for (int n = 0; n < count; n++) {
-            corner[n] = corner[2 * n] + cell.part[a] * (corner[2 * n + 1] - corner[2 * n]);
-        }
-    }
-    return corner[0] / 255.0F;
-}
-
-static float sample_density(const struct colour_texels *texels, const float place[3])
-{
-    const uint8_t *bytes = texels->bytes;
-    struct cell cell;
-    float corner[8];
-    find_cell(&cell, texels->dim, place);
-    for (int n = 0; n < 8; n++) {
-        corner[n] = (float)bytes[4 * cell.at[n] + 3];
-    }
-    for (int a = 0, count = 4; a < 3; a++, count /= 2) {
-        for (int n = 0; n < count; n++) {
-            corner[n] = corner[2 * n] + cell.part[a] * (corner[2 * n + 1] - corner[2 * n]);
-        }
-    }
-    return corner[0] / 255.0F;
+    return mix(corner, cell.part) / 255.0F;
 }
 
 static four sample_floats(const struct colour_texels *texels, const float place[3])
@@ -352,12 +341,7 @@ static four sample_floats(const struct colour_texels *texels, const float place[
     for (int n = 0; n < 8; n++) {
         memcpy(&corner[n], floats + 4 * cell.at[n], sizeof corner[n]);
     }
-    for (int a = 0, count = 4; a < 3; a++, count /= 2) {
-        for (int n = 0; n < count; n++) {
-            corner[n] = corner[2 * n] + cell.part[a] * (corner[2 * n + 1] - corner[2 * n]);
-        }
-    }
-    return corner[0];
+    return mix(corner, cell.part);
 }
 
 static void blend(four *sum, four layer)
@@ -498,7 +482,7 @@ static float weight_of(const struct scene *scene, uint32_t object, const float p
 
 static bool shows_area(const struct scene *scene, const float place[3])
 {
-    return sample_density(&scene->pass->areas.field, place) >= SURFACE;
+    return sample_bytes(&scene->pass->areas.field, place)[3] >= SURFACE;
 }
 
 /* Whether the place is in an area. `is_clear`: it is outside all, or its nearest voxel is that of `before`, an area. */
