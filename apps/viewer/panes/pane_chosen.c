@@ -118,9 +118,9 @@ void pane_chosen_name(struct window *window)
     if (has_outline || (shadow->has_middle && window_point(at, window, shadow->middle))) {
         char title[VIEW_ATLAS_TITLE];
         if (!has_outline) {
-            ui_draw_circle(at, 4, theme_shaded[THEME_AMBER], 1.5F);
+            ui_draw_circle(at, 4, theme_shaded[THEME_ACCENT], 1.5F);
         }
-        pane_name(&window->frame.labels, box, at, has_outline, theme_shaded[THEME_AMBER], shadow->chosen,
+        pane_name(&window->frame.labels, box, at, has_outline, theme_shaded[THEME_ACCENT], shadow->chosen,
                   view_atlas_title(title, window->viewer->drawn, shadow->chosen));
     }
 }

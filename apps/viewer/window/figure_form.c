@@ -21,7 +21,7 @@ void figure_of_window(struct figure_settings *out, const struct window *window)
         (struct figure_settings){.dpi = sheet->dpi,
                                  .legend = (size_t)sheet->legend,
                                  .no_legend = sheet->no_text,
-                                 .background = backdrop_names[window->viewer->display.backdrop],
+                                 .background = backdrop_of_figures(window->viewer->display.backdrop),
                                  .streamline_colour = appearance_streamline_colour(&drawn->appearance, drawn->atlas)};
     if (sheet->in_mm) {
         out->width_mm = sheet->mm[0];
