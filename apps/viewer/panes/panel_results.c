@@ -85,7 +85,7 @@ static void draw_ways_out(struct window *window)
         return;
     }
     offer(window, "Export", "ctrl+e",
-                     "writes the hits of the cone with all columns as conus query does, and a sidecar (Ctrl+E)");
+          "writes the hits of the cone with all columns as conus query does, and a sidecar (Ctrl+E)");
     ui_same_line();
     ui_width(80 * window->screen.scale);
     if (ui_choose("##format", &viewer->list.format, result_formats, RESULT_FORMATS)) {
@@ -142,7 +142,7 @@ void panel_results(struct window *window)
         ui_heading("OLD ANSWER");
         ui_tint_end();
     }
-    if (notice.is_trouble || notice.is_old) { /* then what follows is pale */
+    if (notice.is_old || (notice.is_trouble && !screen_shows_pane(&window->screen, PANE_3D))) { /* which says it, too */
         ui_text_wrapped(THEME_ORANGE, notice.text);
     }
     if (range[1] > 0) { /* the limits of the lists, whose widgets may be scrolled out of sight below */
