@@ -30,6 +30,27 @@ function cleared(canvas, side) {
   return c;
 }
 
+const COLOURED = 6; // hits that have a colour of their own; the others share a grey, and have numbers
+
+/** Places of the numbers of hits: each on the pixel of its object that is nearest to the middle of what shows of it, in
+ * parts of the picture. @param {Uint32Array} objects @param {number} width @param {number[]} hits */
+function numbered(objects, width, hits) {
+  const found = new Map(hits.slice(COLOURED).map((object, i) => [object, { text: String(COLOURED + 1 + i), count: 0, x: 0, y: 0, near: Infinity, at: [0, 0] }]));
+  if (!found.size) return [];
+  const visit = (/** @type {(label: any, x: number, y: number) => void} */ step) => {
+    for (let i = 0; i < objects.length; i += 2) {
+      const label = objects[i] && found.get(objects[i]);
+      if (label) step(label, i % width, Math.floor(i / width));
+    }
+  };
+  visit((label, x, y) => { label.count++; label.x += x; label.y += y; });
+  visit((label, x, y) => {
+    const far = Math.hypot(x - label.x / label.count, y - label.y / label.count);
+    if (far < label.near) [label.near, label.at] = [far, [x / width, y / width]];
+  });
+  return [...found.values()].filter((label) => label.count > objects.length / 4000);
+}
+
 /** A cut and what is drawn over it. */
 export class Cut {
   /** @param {typeof CUTS[number]} plane @param {HTMLElement} box */
@@ -43,6 +64,8 @@ export class Cut {
     this.fit = 1;
     /** @type {Uint32Array} */
     this.objects = new Uint32Array();
+    /** @type {{text: string, at: number[]}[]} */
+    this.numbers = [];
     /** Where the pointer is. @type {number[] | null} */
     this.pointer = null;
     this.under = ""; // the name of what is under it
@@ -96,11 +119,13 @@ export class Cut {
     return near("toward") ? "toward" : near("origin") ? "origin" : null;
   }
 
-  /** Gives back what it no longer needs. @param {{rgba: ArrayBuffer, objects: ArrayBuffer}} picture @param {number} width */
-  show(picture, width) {
+  /** Gives back what it no longer needs. @param {{rgba: ArrayBuffer, objects: ArrayBuffer}} picture @param {{width: number}} request
+   * @param {number[]} hits */
+  show(picture, { width }, hits) {
     const free = [picture.rgba, this.objects.buffer];
     paint(this.canvas, picture.rgba, width);
     this.objects = new Uint32Array(picture.objects);
+    this.numbers = numbered(this.objects, width, hits);
     return free;
   }
 
@@ -122,6 +147,7 @@ export class Cut {
     line(c, "LOOK_WHITE", 2, [[12, side - 12], [12 + mm / this.mmPerPoint, side - 12]]);
     c.textAlign = "left";
     outlined(c, `${mm} mm`, 12, side - 18);
+    writeNumbers(c, this.numbers, side);
     const title = `${this.plane.name}, ${"xyz"[this.plane.through]} = ${digits(aim.cut[this.plane.through])} mm`;
     caption(c, title, this.under, side);
     const area = names[this.object([x, y]) - 1]?.[0] ?? "no area";
@@ -145,6 +171,13 @@ function outlined(c, text, x, y) {
   c.strokeText(text, x, y);
   c.fillStyle = "LOOK_WHITE";
   c.fillText(text, x, y);
+}
+
+/** @param {CanvasRenderingContext2D} c @param {{text: string, at: number[]}[]} numbers @param {number} side */
+function writeNumbers(c, numbers, side) {
+  c.font = "12px sans-serif";
+  c.textAlign = "center";
+  for (const { text, at } of numbers) outlined(c, text, at[0] * side, at[1] * side + 4);
 }
 
 /** A pane's title, and what is under the pointer. @param {CanvasRenderingContext2D} c @param {string} title @param {string} under @param {number} side */
@@ -209,6 +242,8 @@ export class View {
     this.hasCone = false; // of a question that has an answer
     this.objects = new Uint32Array();
     this.distances = new Float32Array();
+    /** @type {{text: string, at: number[]}[]} */
+    this.numbers = [];
     this.frame([-70, -100, -50], [70, 70, 80]);
   }
 
@@ -229,18 +264,21 @@ export class View {
     return [Math.cos(this.turn) * flat, Math.sin(this.turn) * flat, Math.sin(this.tilt)].map((v, a) => this.middle[a] + far * v);
   }
 
-  /** @param {boolean} moving */
+  /** While the eye moves with a part of its detail. @param {boolean} moving */
   request(moving) {
-    return { side: moving ? 96 : 384, eye: this.eye, toward: this.middle, angle: this.angle };
+    const eye = this.eye;
+    const isNear = moving && String(eye) !== String(this.drawn?.side === 384 && this.drawn.eye);
+    return { side: isNear ? 96 : 384, eye, toward: this.middle, angle: this.angle };
   }
 
-  /** @param {{rgba: ArrayBuffer, objects: ArrayBuffer, distances: ArrayBuffer}} picture @param {{side: number}} request */
-  show(picture, request) {
+  /** @param {{rgba: ArrayBuffer, objects: ArrayBuffer, distances: ArrayBuffer}} picture @param {any} request @param {number[]} hits */
+  show(picture, request, hits) {
     const free = [picture.rgba, this.objects.buffer, this.distances.buffer];
     paint(this.canvas, picture.rgba, request.side);
     this.objects = new Uint32Array(picture.objects);
     this.distances = new Float32Array(picture.distances);
     this.drawn = request;
+    this.numbers = numbered(this.objects, request.side, hits);
     return free;
   }
 
@@ -288,6 +326,7 @@ export class View {
       line(c, "LOOK_CONE", 2, [...rim, rim[0]]);
       for (let i = 0; i < rim.length; i += 6) line(c, "LOOK_CONE99", 1, [this.place(aim.origin), rim[i]]);
     }
+    writeNumbers(c, this.numbers, this.side);
     caption(c, "3-D, drag to turn", this.under, this.side);
     axis(c, this.place(aim.origin), this.place(aim.toward), chosenEnd);
   }
