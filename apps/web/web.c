@@ -53,7 +53,14 @@ static struct {
     uint32_t seen;                        /* pixels a side from there; 0 = none */
 } page;
 
-#ifdef __EMSCRIPTEN__ /* elsewhere it would call itself */
+#ifdef __EMSCRIPTEN__ /* elsewhere memset() would call itself */
+/* No packing (--wrap): only what is kept for the next time is packed, and a page keeps nothing. */
+struct libdeflate_compressor *__wrap_libdeflate_alloc_compressor(int level)
+{
+    (void)level;
+    return NULL;
+}
+
 /* The C library's own, which calloc() calls, stores words, in code that the browser has not optimised yet. */
 EMSCRIPTEN_KEEPALIVE void *memset(void *to, int byte, size_t size)
 {
