@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page: joins files, fields, pictures and table; the worker owns conus.
-import { LIMITS, START, digits, fromFragment, readWithin, toCommand, toFragment } from "./state.js";
+import { LIMITS, START, digits, fromFragment, readWithin, toCommand, toFragment, toMethods } from "./state.js";
 import { CUTS, Cut, View } from "./panes.js";
 import { candidates, chosen as chosenFiles, dropped, inside, read, unpacked } from "./files.js";
 
@@ -9,6 +9,7 @@ const source = /** @type {HTMLElement} */ (document.documentElement.cloneNode(tr
 const FORMATS = { tsv: 1, csv: 2, json: 3 }; // of enum conus_format
 const REST = 150; // ms without a change, and pictures are drawn in full
 const BUSY = 12; // ms of a picture of 60 in a second, the rest is the browser's
+const SHEET = 11; // rows on paper, as page.css says
 const SPEAK = 700; // ms, and the answer is spoken
 const TABLE = /\.(txt|tsv|csv|lut|ctbl|json)$/i;
 const WORDS = { origin: "Start", toward: "Target" };
@@ -157,6 +158,7 @@ emptyRow.cells[1].append(document.createElement("span"), "");
 /** Rows stay the elements that they are, so that a focus stays, and only what differs is laid out again. */
 function fillTable() {
   const shown = rows.filter((row) => row.kind !== "unassigned");
+  $("#more").textContent = shown.length > SHEET ? `and ${shown.length - SHEET} more, which have no room on this sheet` : "";
   while (body.rows.length > shown.length) body.lastChild.remove();
   while (body.rows.length < shown.length) body.append(emptyRow.cloneNode(true));
   shown.forEach((row, i) => {
@@ -243,11 +245,13 @@ async function answer() {
   const began = performance.now();
   again = false;
   busy = true;
-  let needed = panes.filter((pane) => shows(pane) && wanted(pane, false).key !== pane.key)
-    .map((pane) => wanted(pane, moving)).filter(({ pane, key }) => key !== pane.key);
   const isCut = (/** @type {any} */ { pane }) => pane instanceof Cut;
-  const isFirst = !moving && needed.some(isCut) && !needed.every(isCut); // the 3-D view comes after
-  if (isFirst) needed = needed.filter(isCut);
+  const isShown = (/** @type {any} */ { pane }) => shows(pane);
+  const all = panes.filter((pane) => wanted(pane, false).key !== pane.key).map((pane) => wanted(pane, moving)).filter(({ pane, key }) => key !== pane.key);
+  const shown = all.filter(isShown);
+  // The 3-D view comes after the cuts, and what only paper shows last, at rest.
+  const needed = moving ? shown : [shown.filter(isCut), shown].find((some) => some.length) ?? all;
+  const isFirst = !moving && needed.length < all.length;
   const solid = needed.find((need) => !isCut(need));
   try {
     const given = spare.splice(0);
@@ -258,7 +262,7 @@ async function answer() {
     spare.push(...needed.filter(isCut).flatMap(({ pane, request }, i) => pane.show(drawn.cuts[i], request, marked)));
     if (solid) spare.push(...view.show(drawn.view, solid.request, marked));
     for (const { pane, key } of needed) pane.key = key;
-    again ||= isFirst || shows(view) && wanted(view, moving).key !== view.key; // which shows what is hit
+    again ||= isFirst || (shows(view) || !moving) && wanted(view, moving).key !== view.key; // which shows what is hit
     unanswered = why || (drawn.refused ?? "").replace(/^toward: is the origin/, "Target: is the start");
     view.hasCone = !unanswered;
     panes.forEach(mark);
@@ -650,6 +654,11 @@ const save = (kind) => attempt(async () => {
 for (const button of document.querySelectorAll("[data-save]")) {
   /** @type {HTMLElement} */ (button).onclick = () => save(/** @type {HTMLElement} */ (button).dataset.save ?? "");
 }
+
+// Paper
+
+addEventListener("beforeprint", () => { $("#methods").textContent = atlas && !unanswered ? toMethods(question, atlas) : ""; });
+$("#print").onclick = () => print();
 
 // Start
 

@@ -23,7 +23,7 @@ export function paint(canvas, rgba, width) {
 /** Empties a canvas of so many points of the page, and returns its context. @param {HTMLCanvasElement} canvas @param {number} side */
 function cleared(canvas, side) {
   const pixels = Math.round(side * devicePixelRatio);
-  if (canvas.width !== pixels) [canvas.width, canvas.height] = [pixels, pixels]; // a new one is slow
+  if (canvas.width !== pixels || canvas.height !== pixels) [canvas.width, canvas.height] = [pixels, pixels]; // a new one is slow
   const c = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
   c.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
   c.clearRect(0, 0, side, side);
@@ -50,6 +50,9 @@ function numbered(objects, width, hits) {
   });
   return [...found.values()].filter((label) => label.count > objects.length / 4000);
 }
+
+/** Points of the page along a side of a pane; those of one that a narrow screen does not show are for paper. @param {HTMLElement} box */
+const sideOf = (box) => Math.min(box.clientWidth, box.clientHeight) || 300;
 
 /** A cut and what is drawn over it. */
 export class Cut {
@@ -80,7 +83,7 @@ export class Cut {
     this.zoom = 1;
   }
 
-  get side() { return Math.max(50, Math.min(this.box.clientWidth, this.box.clientHeight)); }
+  get side() { return sideOf(this.box); }
   get mmPerPoint() { return (this.extent ?? 200) / this.side / this.zoom; }
 
   /** The worker's next picture: at the screen's density, or while something moves with a part of its detail. @param {Aim} aim @param {number | false} detail */
@@ -256,7 +259,7 @@ export class View {
     this.zoom = 1;
   }
 
-  get side() { return Math.max(50, Math.min(this.box.clientWidth, this.box.clientHeight)); }
+  get side() { return sideOf(this.box); }
 
   get eye() {
     const far = 0.85 * this.radius / Math.sin(this.angle * Math.PI / 360) / this.zoom;

@@ -69,6 +69,23 @@ export function fromFragment(text) {
   return { question, atlas, embed };
 }
 
+/** The rays of a cone: pixels whose centre is in the round aperture. @param {number} n */
+function countRays(n) {
+  let count = 0;
+  for (let i = 0; i < n * n; i++) count += Number(Math.hypot(i % n + 0.5 - n / 2, Math.floor(i / n) + 0.5 - n / 2) <= n / 2);
+  return count;
+}
+
+/** The paragraph that conus cite writes of the answer. @param {Question} q @param {any} atlas */
+export function toMethods(q, atlas) {
+  const all = q.layers === "all";
+  return `The areas in a cone with its apex at ${join(q.origin)} and its axis through ${join(q.toward)} (x,y,z, RAS mm), and a full opening angle of ${digits(q.angle)}°, were determined with conus, version ${atlas.version}, which selects by conic volumes after Rick et al. (2010, doi:10.1109/VR.2010.5444783). ` +
+    `The cone was filled with ${countRays(q.resolution)} rays${q.angle > 120 ? " (evenly spread in angle where it opens beyond 120°)" : ""}, one through the centre of each pixel in the round aperture of ${q.resolution} × ${q.resolution} pixels. ` +
+    `Each ray was followed exactly, ${all ? "through all objects" : "to the first object that it hits"}: no voxel and no triangle on its way was left out. An object's share is the part of the solid angle whose rays hit this object before any other. ` +
+    (all ? "Occluded objects counted, too. " : "") + `Objects were ranked by their share. The atlas was ${atlas.name}${atlas.sha256 && ` (SHA-256 ${atlas.sha256.slice(0, 8)}…; ${atlas.transform})`}. ` +
+    "The cone is a geometric model: no field, heat or sound was computed.";
+}
+
 /** The command that gives the same rows. @param {Question} q @param {string} name */
 export function toCommand(q, name) {
   const file = /^[\w./-]+$/.test(name) ? name : `'${name.replaceAll("'", "'\\''")}'`;
