@@ -405,20 +405,22 @@ static double shade(int x, int y, int side, double pixel, double step)
 /* How much of the sky a pixel sees, 0 to 1: what is nearer a few mm beside it hides some. */
 static double see_sky(int x, int y, int side, double pixel)
 {
-    static const double around[8][2] = {{1, 0},  {0.7, 0.7},   {0, 1},  {-0.7, 0.7},
-                                        {-1, 0}, {-0.7, -0.7}, {0, -1}, {0.7, -0.7}};
-    const double here = page.distances[y * side + x];
-    double hidden = 0;
-    for (int ring = 3; ring <= 9; ring += 3) { /* mm */
+    static const float around[8][2] = {{1, 0},  {0.7F, 0.7F},   {0, 1},  {-0.7F, 0.7F},
+                                       {-1, 0}, {-0.7F, -0.7F}, {0, -1}, {0.7F, -0.7F}};
+    static const float far[2] = {3, 8}; /* mm */
+    const float here = page.distances[y * side + x];
+    const float pixels = 1 / (here * (float)pixel); /* of a mm */
+    float hidden = 0;
+    for (int ring = 0; ring < 2; ring++) {
         for (int i = 0; i < 8; i++) {
-            const int u = x + (int)lround(ring * around[i][0] / (here * pixel));
-            const int v = y + (int)lround(ring * around[i][1] / (here * pixel));
+            const int u = x + (int)(far[ring] * around[i][0] * pixels);
+            const int v = y + (int)(far[ring] * around[i][1] * pixels);
             const bool is_inside = u >= 0 && v >= 0 && u < side && v < side;
-            const double nearer = is_inside ? here - page.distances[v * side + u] : 0;
-            hidden += nearer > 0 && nearer < 4 * ring ? fmin(nearer / ring, 1) : 0;
+            const float nearer = is_inside ? here - page.distances[v * side + u] : 0;
+            hidden += nearer > 0 && nearer < 4 * far[ring] ? fminf(nearer / far[ring], 1) : 0;
         }
     }
-    return 1 - hidden / 24;
+    return 1 - hidden / 16;
 }
 
 /* Whether the surface ends at a pixel before something farther away, as a line of a pixel around the brain. */
@@ -504,7 +506,7 @@ static conus_status look(uint32_t side, const double eye[7])
     }
     for (int p = 0; p < n * n; p++) {
         if (page.objects[p]) {
-            double light = 0.35 + 0.65 * shade(p % n, p / n, n, pixel, step) * see_sky(p % n, p / n, n, pixel);
+            double light = 0.45 + 0.55 * shade(p % n, p / n, n, pixel, step) * see_sky(p % n, p / n, n, pixel);
             page.light[p] = (float)(light * (is_edge(p % n, p / n, n, step) ? 0.4 : 1));
         }
     }

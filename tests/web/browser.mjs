@@ -92,6 +92,10 @@ test("a page with an atlas and an answer inside says that its rows are equal", {
   assert.match(await page.locator("#equal").innerText(), /^These rows are equal to those of conus/);
   await settle(page, () => page.locator("[name=angle]").fill("30"));
   assert.equal(await page.locator("#equal").isVisible(), false);
+  await settle(page, () => page.locator("[name=angle]").fill("20"));
+  assert.equal(await page.locator("#equal").isVisible(), true);
+  await settle(page, () => page.locator("#files").setInputFiles(path.join(TEMPLATES, "brodmann.nii.gz")));
+  assert.equal(await page.locator("#equal").isVisible(), false); // another atlas
 });
 
 test("a page whose rows were changed says so", { skip }, async (t) => {

@@ -504,6 +504,7 @@ async function open(name) {
   ({ atlas, objects } = await ask("open", { name }));
   if (!byRank()) await setColours();
   files = offered;
+  if (!isFirst) given = null; // which is of the atlas before
   atlasFile = name;
   chosen = 0;
   for (const pane of panes) {

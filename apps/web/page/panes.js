@@ -312,6 +312,13 @@ export class View {
     return { object: this.objects[pixel], inward, position: /** @type {Point} */ (inward.map((value, a) => this.eye[a] + this.distances[pixel] * value)) };
   }
 
+  /** Whether the brain, as it is drawn, is before a position. @param {number[]} p */
+  hides(p) {
+    const n = this.drawn?.side ?? 0;
+    const [x, y] = this.place(p).map((v) => Math.floor(v / this.side * n));
+    return x >= 0 && y >= 0 && x < n && y < n && this.distances[y * n + x] < Math.hypot(...p.map((v, a) => v - this.eye[a])) - 1;
+  }
+
   /** @param {number[]} p */
   place(p) {
     const { right, up, ahead } = this.axes;
@@ -325,9 +332,24 @@ export class View {
   annotate(aim, chosenEnd) {
     const c = cleared(this.over, this.side);
     if (this.hasCone && aim.angle < 120) {
-      const rim = circle(aim).map((p) => this.place(p));
-      line(c, "LOOK_CONE", 2, [...rim, rim[0]]);
-      for (let i = 0; i < rim.length; i += 6) line(c, "LOOK_CONE99", 1, [this.place(aim.origin), rim[i]]);
+      const rim = circle(aim);
+      const [tip, ...at] = [aim.origin, ...rim].map((p) => this.place(p));
+      const ends = at.map((_, i) => (i + 1) % at.length);
+      c.beginPath();
+      at.forEach((p, i) => { // triangles that all turn the same way, so that what two of them cover is filled once
+        const q = at[ends[i]];
+        const turns = (p[0] - tip[0]) * (q[1] - tip[1]) > (p[1] - tip[1]) * (q[0] - tip[0]);
+        c.moveTo(tip[0], tip[1]);
+        for (const [x, y] of turns ? [p, q] : [q, p]) c.lineTo(x, y);
+      });
+      c.fillStyle = "LOOK_CONE1f"; // thin: colours of the hits stay what they are in the table
+      c.fill();
+      at.forEach((p, i) => {
+        c.setLineDash(this.hides(rim[i]) ? [3, 3] : []);
+        line(c, "LOOK_CONE", 2, [p, at[ends[i]]]);
+        if (i % 6 === 0) line(c, "LOOK_CONE99", 1, [tip, p]);
+      });
+      c.setLineDash([]);
     }
     writeNumbers(c, this.numbers, this.side);
     caption(c, "3-D, drag to turn", this.under, this.side);
