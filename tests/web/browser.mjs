@@ -94,8 +94,13 @@ test("a page with an atlas and an answer inside says that its rows are equal", {
   assert.equal(await page.locator("#equal").isVisible(), false);
   await settle(page, () => page.locator("[name=angle]").fill("20"));
   assert.equal(await page.locator("#equal").isVisible(), true);
+  const over = page.locator('[data-pane="0"] .over');
+  const box = await over.boundingBox();
+  await page.mouse.move(box.x + 0.5 * box.width, box.y + 0.5 * box.height);
+  await page.locator('[data-pane="0"] .over[aria-description^="Thalamus"]').waitFor(WAIT);
   await settle(page, () => page.locator("#files").setInputFiles(path.join(TEMPLATES, "brodmann.nii.gz")));
-  assert.equal(await page.locator("#equal").isVisible(), false); // another atlas
+  assert.equal(await page.locator("#equal").isVisible(), false); // another atlas, which has numbers in place of names
+  assert.match(await over.getAttribute("aria-description"), /^\d*$/);
 });
 
 test("a page whose rows were changed says so", { skip }, async (t) => {

@@ -117,7 +117,7 @@ const identity = () => (atlas ? `${atlas.name}@${atlas.sha256.slice(0, 8)}` : ""
 
 function describeAtlas() {
   const names = atlas.source ? `names: ${atlas.source}` : "areas have no names, only numbers";
-  $("#atlas").textContent = `${atlas.name} (${atlas.sha256.slice(0, 8)}), ${atlas.objects} objects; ${names}${atlas.notes.map((/** @type {string} */ note) => `. ${note}`).join("")}`;
+  $("#atlas").textContent = `${atlas.name}${atlas.sha256 && ` (${atlas.sha256.slice(0, 8)})`}, ${atlas.objects} ${atlas.objects === 1 ? "object" : "objects"}; ${names}${atlas.notes.map((/** @type {string} */ note) => `. ${note}`).join("")}`;
   $("#version").textContent = `conus ${atlas.version}`;
   $("#window").hidden = !atlas.window;
   GREYS.forEach((id, i) => { $(id).value = atlas.window ? digits(atlas.window[i]) : ""; });
