@@ -4,6 +4,8 @@
  * returned are JSON or a report's text, valid until the next call; {"error": "..."} is conus's own message. Pixels are
  * rows of RGBA, top row first. All lengths are mm, all angles degrees, all positions RAS mm.
  */
+#include "base/look.h"
+
 #include <conus/conus.h>
 #include <emscripten.h>
 
@@ -17,7 +19,13 @@
 
 enum { SIDE_LIMIT = 512, COARSE_LIMIT = 128, REACH = 3 };
 
+/* Of all pictures and the table; the page's choice, in its order. */
+enum colours { COLOURS_OF_ANSWER, COLOURS_OF_FILE, COLOURS_SAFE };
+
+#define BYTES(colour) {LOOK_RGB(colour)},
+
 static const double RADIANS = 3.14159265358979323846 / 180;
+static const uint8_t neutral[3] = {LOOK_RGB(LOOK_NOT_HIT)};
 
 /* The page has one atlas, hence one of each. */
 static struct {
@@ -30,6 +38,8 @@ static struct {
     conus_cutter *cutters[3];   /* by the axis across: each keeps what it found in its plane */
     const conus_cutter *cut;    /* the last that drew */
     conus_selection *selection; /* the answer; NULL before the first */
+    conus_selection *nothing;   /* in its place in cuts that have none: of a cone that hits nothing */
+    enum colours colours;
     conus_report *report;
     uint32_t resolution;
     bool all_layers;
@@ -38,9 +48,19 @@ static struct {
     uint8_t rgba[4 * SIDE_LIMIT * SIDE_LIMIT];
     uint32_t objects[SIDE_LIMIT * SIDE_LIMIT];
     float distances[SIDE_LIMIT * SIDE_LIMIT];
+    float light[SIDE_LIMIT * SIDE_LIMIT]; /* by which a surface's colour is multiplied; the sides of both are seen */
+    double eye[7];                        /* as look() says */
+    uint32_t seen;                        /* pixels a side from there; 0 = none */
 } page;
 
-#ifdef __EMSCRIPTEN__ /* elsewhere it would call itself */
+#ifdef __EMSCRIPTEN__ /* elsewhere memset() would call itself */
+/* No packing (--wrap): only what is kept for the next time is packed, and a page keeps nothing. */
+struct libdeflate_compressor *__wrap_libdeflate_alloc_compressor(int level)
+{
+    (void)level;
+    return NULL;
+}
+
 /* The C library's own, which calloc() calls, stores words, in code that the browser has not optimised yet. */
 EMSCRIPTEN_KEEPALIVE void *memset(void *to, int byte, size_t size)
 {
@@ -70,9 +90,8 @@ static const char *end_text(FILE *out)
     return !out || fclose(out) ? "{\"error\": \"no memory\"}" : page.text;
 }
 
-static void write_string(FILE *out, const char *text)
+static void write_rest_of_string(FILE *out, const char *text)
 {
-    fputc('"', out);
     for (; *text; text++) {
         if ((unsigned char)*text < ' ' || *text == '"' || *text == '\\') {
             fprintf(out, "\\u%04x", (unsigned)*text);
@@ -81,6 +100,12 @@ static void write_string(FILE *out, const char *text)
         }
     }
     fputc('"', out);
+}
+
+static void write_string(FILE *out, const char *text)
+{
+    fputc('"', out);
+    write_rest_of_string(out, text);
 }
 
 static const char *say_error(void)
@@ -98,9 +123,11 @@ static void forget_question(void)
 {
     conus_report_destroy(page.report);
     conus_selection_destroy(page.selection);
+    conus_selection_destroy(page.nothing);
     conus_selector_destroy(page.selector);
     page.report = NULL;
     page.selection = NULL;
+    page.nothing = NULL;
     page.selector = NULL;
 }
 
@@ -112,6 +139,7 @@ static void forget_answers(void)
         conus_selector_destroy(page.viewers[i].selector);
         page.viewers[i].selector = NULL;
     }
+    page.seen = 0;
     for (size_t i = 0; i < 3; i++) {
         conus_cutter_destroy(page.cutters[i]);
         page.cutters[i] = NULL;
@@ -185,25 +213,35 @@ EMSCRIPTEN_KEEPALIVE const char *web_add_context(const char *path)
     return conus_atlas_set_context(page.atlas, path, NULL) ? say_error() : describe_atlas();
 }
 
-EMSCRIPTEN_KEEPALIVE void web_use_safe_colours(int safe)
+EMSCRIPTEN_KEEPALIVE void web_use_colours(enum colours colours)
 {
-    (safe ? conus_atlas_use_safe_colours : conus_atlas_use_own_colours)(page.atlas);
+    page.colours = colours;
+    (colours == COLOURS_SAFE ? conus_atlas_use_safe_colours : conus_atlas_use_own_colours)(page.atlas);
     forget_answers();
 }
 
-/* [[name, red, green, blue], ...] of the objects from 1 on. */
+/* [[name, red, green, blue, side], ...] of the objects from 1 on: the name with the word that tells it from others of
+ * the same name, L or R, or "" where that is not known. */
 EMSCRIPTEN_KEEPALIVE const char *web_objects(void)
 {
-    FILE *out = begin_text();
-    for (size_t i = 1; out && i <= conus_atlas_object_count(page.atlas); i++) {
+    const size_t count = conus_atlas_object_count(page.atlas);
+    char *sides = malloc(count + 1);
+    const char **prefixes = malloc((count + 1) * sizeof *prefixes);
+    FILE *out =
+        sides && prefixes && !conus_atlas_sides(sides, page.atlas) && !conus_atlas_prefixes(prefixes, page.atlas)
+            ? begin_text()
+            : NULL;
+    for (size_t i = 1; out && i <= count; i++) {
         const conus_object *object = conus_atlas_object(page.atlas, i);
-        fputs(i > 1 ? ", [" : "[[", out);
-        write_string(out, object->name);
-        fprintf(out, ", %d, %d, %d]", object->rgb[0], object->rgb[1], object->rgb[2]);
+        fprintf(out, "%s[\"%s%s", i > 1 ? ", " : "[", prefixes[i], prefixes[i][0] ? " " : "");
+        write_rest_of_string(out, object->name);
+        fprintf(out, ", %d, %d, %d, \"%.1s\"]", object->rgb[0], object->rgb[1], object->rgb[2], sides + i);
     }
     if (out) {
-        fputs(conus_atlas_object_count(page.atlas) ? "]" : "[]", out);
+        fputs(count ? "]" : "[]", out);
     }
+    free(sides);
+    free(prefixes);
     return end_text(out);
 }
 
@@ -254,6 +292,24 @@ EMSCRIPTEN_KEEPALIVE const char *web_rows(int format)
     return failed ? say_error() : text;
 }
 
+/* [number, ...] of the objects that the answer has, in its order. */
+EMSCRIPTEN_KEEPALIVE const char *web_hits(void)
+{
+    FILE *out = begin_text();
+    const char *before = "[";
+    for (size_t i = 0; out && page.selection && i < conus_selection_count(page.selection); i++) {
+        const uint32_t object = conus_selection_result(page.selection, i)->object;
+        if (object) {
+            fprintf(out, "%s%u", before, object);
+            before = ", ";
+        }
+    }
+    if (out) {
+        fputs(*before == '[' ? "[]" : "]", out);
+    }
+    return end_text(out);
+}
+
 /* The sidecar of the answer: columns, units, files with their SHA-256, settings, version. */
 EMSCRIPTEN_KEEPALIVE const char *web_sidecar(void)
 {
@@ -261,6 +317,20 @@ EMSCRIPTEN_KEEPALIVE const char *web_sidecar(void)
     size_t size = 0;
     bool failed = !page.selection || write_report(CONUS_FORMAT_TSV) || conus_report_sidecar(&text, &size, page.report);
     return failed ? say_error() : text;
+}
+
+/* Of a cone that leaves from beside the atlas: no line of it is near a cut. */
+static conus_status select_nothing(void)
+{
+    static const double far_away[3] = {1e5, 1e5, 1e5};
+    static const double farther[3] = {2e5, 2e5, 2e5};
+    conus_pose pose;
+    if (page.nothing) {
+        return CONUS_OK;
+    }
+    conus_status status = prepare_selector(&page.selector, page.resolution, page.all_layers);
+    status = status ? status : conus_pose_toward(&pose, far_away, farther, NULL);
+    return status ? status : conus_select(&page.nothing, page.selector, &pose, RADIANS);
 }
 
 /* Draws a cut with the cone in it: right and up are unit vectors along axes of the world, each a digit of "xyz" as 0 to
@@ -281,10 +351,12 @@ EMSCRIPTEN_KEEPALIVE const uint8_t *web_cut(int right, int up, double x, double 
     view.fill = fill;
     view.window[0] = black;
     view.window[1] = white;
-    view.selection = page.selection;
-    view.own_colours = true;
+    view.own_colours = page.colours != COLOURS_OF_ANSWER;
     conus_cutter **cutter = &page.cutters[3 - right - up];
-    bool failed = (!*cutter && conus_cutter_create(cutter, page.atlas)) || conus_cutter_draw(*cutter, &view);
+    bool failed = (!page.selection && !view.own_colours && select_nothing()) || /* else all have their own */
+                  (!*cutter && conus_cutter_create(cutter, page.atlas));
+    view.selection = page.selection || view.own_colours ? page.selection : page.nothing;
+    failed = failed || conus_cutter_draw(*cutter, &view);
     page.cut = *cutter;
     return failed ? NULL : conus_cutter_rgba(*cutter);
 }
@@ -330,29 +402,102 @@ static double shade(int x, int y, int side, double pixel, double step)
     return 1 / sqrt(1 + (across * across + down * down) / (scale * scale));
 }
 
-/* Draws what is seen from a point: first hits of side x side rays, so that each pixel's object is exact. Its pixels
- * have web_view_objects() and web_view_distances(). NULL after an error. */
-EMSCRIPTEN_KEEPALIVE const uint8_t *web_view(uint32_t side, double x, double y, double z, double toward_x,
-                                             double toward_y, double toward_z, double angle, uint32_t chosen)
+/* How much of the sky a pixel sees, 0 to 1: what is nearer a few mm beside it hides some. */
+static double see_sky(int x, int y, int side, double pixel)
+{
+    static const float around[8][2] = {{1, 0},  {0.7F, 0.7F},   {0, 1},  {-0.7F, 0.7F},
+                                       {-1, 0}, {-0.7F, -0.7F}, {0, -1}, {0.7F, -0.7F}};
+    static const float far[2] = {3, 8}; /* mm */
+    const float here = page.distances[y * side + x];
+    const float pixels = 1 / (here * (float)pixel); /* of a mm */
+    float hidden = 0;
+    for (int ring = 0; ring < 2; ring++) {
+        for (int i = 0; i < 8; i++) {
+            const int u = x + (int)(far[ring] * around[i][0] * pixels);
+            const int v = y + (int)(far[ring] * around[i][1] * pixels);
+            const bool is_inside = u >= 0 && v >= 0 && u < side && v < side;
+            const float nearer = is_inside ? here - page.distances[v * side + u] : 0;
+            hidden += nearer > 0 && nearer < 4 * far[ring] ? fminf(nearer / far[ring], 1) : 0;
+        }
+    }
+    return 1 - hidden / 16;
+}
+
+/* Whether the surface ends at a pixel before something farther away, as a line of a pixel around the brain. */
+static bool is_edge(int x, int y, int side, double step)
+{
+    const float *d = page.distances + y * side + x;
+    return (x && d[-1] - *d > step) || (x + 1 < side && d[1] - *d > step) || (y && d[-side] - *d > step) ||
+           (y + 1 < side && d[side] - *d > step);
+}
+
+struct paint {
+    uint8_t rgb[3];
+    bool is_behind; /* stripes */
+};
+
+/* sRGB of each object by number, to be freed: of what is hit by its place in the answer or its own, of all else a
+ * neutral grey or its own with much of that. NULL without memory. */
+static struct paint *choose_paints(void)
+{
+    static const uint8_t ranks[][3] = {LOOK_RANKS(BYTES)};
+    static const uint8_t more[3] = {LOOK_RGB(LOOK_RANK_MORE)};
+    const bool by_rank = page.colours == COLOURS_OF_ANSWER;
+    const size_t count = page.selection ? conus_selection_count(page.selection) : 0;
+    struct paint *paints = calloc(conus_atlas_object_count(page.atlas) + 1, sizeof *paints);
+    for (size_t i = 1; paints && i <= conus_atlas_object_count(page.atlas); i++) {
+        const uint8_t *own = conus_atlas_object(page.atlas, i)->rgb;
+        for (int c = 0; c < 3; c++) {
+            paints[i].rgb[c] = by_rank          ? neutral[c]
+                               : page.selection ? (uint8_t)((own[c] + 3 * neutral[c]) / 4)
+                                                : own[c];
+        }
+    }
+    for (size_t i = 0, rank = 0; paints && i < count; i++) {
+        const conus_result *result = conus_selection_result(page.selection, i);
+        if (result->object) {
+            const uint8_t *rgb = !by_rank ? conus_atlas_object(page.atlas, result->object)->rgb
+                                 : rank < sizeof ranks / sizeof *ranks ? ranks[rank]
+                                                                       : more;
+            memcpy(paints[result->object].rgb, rgb, sizeof more);
+            paints[result->object].is_behind = !result->pixels;
+            rank++;
+        }
+    }
+    return paints;
+}
+
+/* Finds what is seen from an eye: x, y, z, toward x, y, z, angle. What was found for the same one is kept, so that
+ * another answer only paints it anew. */
+static conus_status look(uint32_t side, const double eye[7])
 {
     static const double up[3] = {0, 0, 1};
+    const double step = 6; /* mm: farther apart are two surfaces */
+    const double pixel = 2 * tan(eye[6] * RADIANS / 2) / side;
+    const int n = (int)side;
     conus_pose pose;
     conus_selection *selection = NULL;
     struct viewer *viewer = &page.viewers[side > COARSE_LIMIT];
+    bool is_seen = page.seen == side;
+    for (size_t i = 0; i < 7; i++) {
+        is_seen = is_seen && page.eye[i] == eye[i];
+    }
+    if (is_seen) {
+        return CONUS_OK;
+    }
+    page.seen = 0;
     if (viewer->side != side) {
         conus_selector_destroy(viewer->selector);
         viewer->selector = NULL;
     }
     viewer->side = side;
-    if (side > SIDE_LIMIT || prepare_selector(&viewer->selector, side, false) ||
-        conus_pose_toward(&pose, (const double[]){x, y, z}, (const double[]){toward_x, toward_y, toward_z}, up) ||
-        conus_select(&selection, viewer->selector, &pose, angle * RADIANS)) {
-        return NULL;
+    conus_status status = prepare_selector(&viewer->selector, side, false);
+    status = status ? status : conus_pose_toward(&pose, eye, eye + 3, up);
+    status = status ? status : conus_select(&selection, viewer->selector, &pose, eye[6] * RADIANS);
+    if (status) {
+        return status;
     }
     const conus_evidence evidence = conus_selection_evidence(selection);
-    const double step = 6; /* mm: farther apart are two surfaces */
-    const double pixel = 2 * tan(angle * RADIANS / 2) / side;
-    const int n = (int)side;
     for (int p = 0; p < n * n; p++) {
         int from = (n - 1 - p / n) * n + p % n; /* the device's row 0 is at the bottom */
         page.objects[p] = evidence.object[from];
@@ -360,16 +505,40 @@ EMSCRIPTEN_KEEPALIVE const uint8_t *web_view(uint32_t side, double x, double y, 
             isfinite(evidence.distance[from]) ? (float)smooth_distance(&evidence, from % n, from / n, step) : INFINITY;
     }
     for (int p = 0; p < n * n; p++) {
-        const conus_object *object = page.objects[p] ? conus_atlas_object(page.atlas, page.objects[p]) : NULL;
-        uint8_t *out = page.rgba + 4 * p;
-        double light = object ? 0.25 + 0.75 * shade(p % n, p / n, n, pixel, step) : 0;
-        light *= object && chosen && chosen != page.objects[p] ? 0.4 : 1;
+        if (page.objects[p]) {
+            double light = 0.45 + 0.55 * shade(p % n, p / n, n, pixel, step) * see_sky(p % n, p / n, n, pixel);
+            page.light[p] = (float)(light * (is_edge(p % n, p / n, n, step) ? 0.4 : 1));
+        }
+    }
+    conus_selection_destroy(selection);
+    memcpy(page.eye, eye, sizeof page.eye);
+    page.seen = side;
+    return CONUS_OK;
+}
+
+/* Draws what is seen from a point: first hits of side x side rays, so that each pixel's object is exact. What the
+ * question hits has colour, all else is a neutral grey. Its pixels have web_view_objects() and web_view_distances().
+ * NULL after an error. */
+EMSCRIPTEN_KEEPALIVE const uint8_t *web_view(uint32_t side, double x, double y, double z, double toward_x,
+                                             double toward_y, double toward_z, double angle, uint32_t chosen)
+{
+    const double eye[7] = {x, y, z, toward_x, toward_y, toward_z, angle};
+    struct paint *paints = side > SIDE_LIMIT || look(side, eye) ? NULL : choose_paints();
+    if (!paints) {
+        return NULL;
+    }
+    for (uint32_t p = 0; p < side * side; p++) {
+        const uint32_t object = page.objects[p];
+        const struct paint *paint = &paints[object];
+        const bool is_stripe = paint->is_behind && (p % side + p / side) * 64 / side % 2;
+        const float light = page.light[p] * (chosen && chosen != object ? 0.4F : 1);
+        uint8_t *out = page.rgba + 4 * (size_t)p;
         for (int c = 0; c < 3; c++) {
-            out[c] = object ? (uint8_t)(object->rgb[c] * light) : 0;
+            out[c] = object ? (uint8_t)((is_stripe ? neutral : paint->rgb)[c] * light) : 0;
         }
         out[3] = object ? 255 : 0;
     }
-    conus_selection_destroy(selection);
+    free(paints);
     return page.rgba;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page: joins files, fields, pictures and table; the worker owns conus.
-import { START, digits, fromFragment, readWithin, toCommand, toFragment } from "./state.js";
+import { LIMITS, START, digits, fromFragment, readWithin, toCommand, toFragment, toMethods } from "./state.js";
 import { CUTS, Cut, View } from "./panes.js";
 import { candidates, chosen as chosenFiles, dropped, inside, read, unpacked } from "./files.js";
 
@@ -9,9 +9,12 @@ const source = /** @type {HTMLElement} */ (document.documentElement.cloneNode(tr
 const FORMATS = { tsv: 1, csv: 2, json: 3 }; // of enum conus_format
 const REST = 150; // ms without a change, and pictures are drawn in full
 const BUSY = 12; // ms of a picture of 60 in a second, the rest is the browser's
+const SHEET = 11; // rows on paper, as page.css says
 const SPEAK = 700; // ms, and the answer is spoken
 const TABLE = /\.(txt|tsv|csv|lut|ctbl|json)$/i;
+const WORDS = { origin: "Start", toward: "Target" };
 const GREYS = ["#black", "#white"]; // of the image below the areas
+const RANKS = ["LOOK_RANK_1", "LOOK_RANK_2", "LOOK_RANK_3", "LOOK_RANK_4", "LOOK_RANK_5", "LOOK_RANK_6"];
 const NUDGES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 const $ = (/** @type {string} */ selector) => /** @type {any} */ (document.querySelector(selector));
@@ -26,8 +29,10 @@ let end = /** @type {"origin" | "toward" | "cut"} */ ("toward");
 let chosen = 0;
 /** @type {any} */
 let atlas = null;
-/** @type {[string, number, number, number][]} */
+/** Names, red, green, blue, and side, "L", "R" or "". @type {[string, number, number, number, string][]} */
 let objects = [];
+/** Numbers of the objects that the answer has, in its order. @type {number[]} */
+let hits = [];
 /** The files of the open atlas, each with whether it is an image below the areas. @type {[string, ArrayBuffer, boolean?][]} */
 let files = [];
 /** Those that came last, of which one may be opened. @type {[string, ArrayBuffer, boolean?][]} */
@@ -35,6 +40,8 @@ let offered = [];
 let atlasFile = "";
 let linked = ""; // the atlas that the link is for, until it is open: so long the address stays as it is
 let refused = ""; // why the question has no rows, until somebody changes it: its link is for another atlas, or a field is wrong
+/** The field that is wrong. @type {HTMLInputElement | null} */
+let wrong = null;
 let unanswered = ""; // why the newest pictures have no answer
 let given = null; // the question and rows that the program wrote into the page
 /** @type {any[]} */
@@ -69,27 +76,40 @@ worker.onerror = (event) => say(`the page cannot run: ${event.message}`);
 
 // Words
 
-/** Shows an error; "" takes it away. @param {string} words */
-function say(words) {
-  $("#error").textContent = words;
-  $("#error").hidden = !words;
+/** Shows an error, where it can be seen, below the field that it is of, or the answer; "" takes it away.
+ * @param {string} words @param {HTMLInputElement | null} [field] */
+function say(words, field) {
+  const error = $("#error");
+  document.querySelector("[aria-describedby]")?.removeAttribute("aria-describedby");
+  if (words) (field?.closest("fieldset, .row") ?? $("#said")).after(error);
+  field?.setAttribute("aria-describedby", "error");
+  error.textContent = words;
+  error.hidden = !words;
+  if (words) error.scrollIntoView({ block: "nearest" });
 }
 
 let ofAnswer = "";
 
-/** Takes away only what an answer has said: the next one comes soon, and other errors are to be read. @param {string} words */
-function sayOfAnswer(words) {
-  if (words || $("#error").textContent === ofAnswer) say(words);
+/** A question that gets no answer. @param {string} why @param {HTMLInputElement | null} [field] */
+function refuse(why, field = null) {
+  refused = why;
+  wrong = field;
+}
+
+/** Takes away only what an answer has said: the next one comes soon, and other errors are to be read.
+ * @param {string} words @param {HTMLInputElement | null} [field] */
+function sayOfAnswer(words, field) {
+  if (words ? words !== $("#error").textContent : ofAnswer && $("#error").textContent === ofAnswer) say(words, field);
   ofAnswer = words;
 }
 
-/** Runs a step whose error the page shows. @param {() => any} step */
-const attempt = async (step) => {
+/** Runs a step whose error the page shows. @param {() => any} step @param {HTMLInputElement} [field] */
+const attempt = async (step, field) => {
   try {
     say("");
     await step();
   } catch (error) {
-    say(/** @type {Error} */ (error).message);
+    say(/** @type {Error} */ (error).message, field);
   }
 };
 
@@ -97,21 +117,33 @@ const identity = () => (atlas ? `${atlas.name}@${atlas.sha256.slice(0, 8)}` : ""
 
 function describeAtlas() {
   const names = atlas.source ? `names: ${atlas.source}` : "areas have no names, only numbers";
-  $("#atlas").textContent = `${atlas.name} (${atlas.sha256.slice(0, 8)}), ${atlas.objects} objects; ${names}${atlas.notes.map((/** @type {string} */ note) => `. ${note}`).join("")}`;
+  $("#atlas").textContent = `${atlas.name}${atlas.sha256 && ` (${atlas.sha256.slice(0, 8)})`}, ${atlas.objects} ${atlas.objects === 1 ? "object" : "objects"}; ${names}${atlas.notes.map((/** @type {string} */ note) => `. ${note}`).join("")}`;
   $("#version").textContent = `conus ${atlas.version}`;
   $("#window").hidden = !atlas.window;
   GREYS.forEach((id, i) => { $(id).value = atlas.window ? digits(atlas.window[i]) : ""; });
 }
 
+const byRank = () => $("#colours").value === "0";
+/** mm from the start, of what no ray hits first to where the first enters it. @param {any} row */
+const nearestOf = (row) => row.distance_mm ?? row.entry_mm;
+
+/** The answer as one sentence, with the window's words. */
+function sentence() {
+  const best = rows.find((row) => row.kind !== "unassigned");
+  if (!best) return "Nothing is hit — no area lies in the cone";
+  const [title, , , , side] = objects[hits[0] - 1];
+  const percent = 100 * best.share;
+  const share = best.pixels ? `${percent.toFixed(percent < 1 ? 1 : 0)}\u00a0% of the cone` : "behind others";
+  return `${title}${side === "L" ? ", left" : side === "R" ? ", right" : ""} — ${share}, ${nearestOf(best)?.toFixed(1)}\u00a0mm from the start`;
+}
+
 let speaking = 0;
 function describeAnswer() {
-  const hits = rows.filter((row) => row.kind !== "unassigned" && (row.pixels > 0 || question.layers === "all"));
-  const first = hits.slice(0, 3).map((row) => `${row.name} ${(100 * row.share).toFixed(1)} %`).join(", ");
-  const words = hits.length ? `${first}; ${hits.length} ${hits.length === 1 ? "area" : "areas"}` : "Nothing is in the cone.";
+  const words = unanswered ? "" : sentence();
   $("#equal").hidden = true; // compare() may show it
+  if ($("#said").textContent !== words) $("#said").textContent = words;
   clearTimeout(speaking);
-  if (unanswered) $("#said").textContent = "";
-  else speaking = window.setTimeout(() => { $("#said").textContent = words; }, $("#said").textContent ? SPEAK : 0);
+  speaking = window.setTimeout(() => { $("#spoken").textContent = words && `${words}; ${hits.length} ${hits.length === 1 ? "area" : "areas"}`; }, SPEAK);
 }
 
 // Table
@@ -126,17 +158,19 @@ emptyRow.cells[1].append(document.createElement("span"), "");
 /** Rows stay the elements that they are, so that a focus stays, and only what differs is laid out again. */
 function fillTable() {
   const shown = rows.filter((row) => row.kind !== "unassigned");
+  $("#more").textContent = shown.length > SHEET ? `and ${shown.length - SHEET} more, which have no room on this sheet` : "";
   while (body.rows.length > shown.length) body.lastChild.remove();
   while (body.rows.length < shown.length) body.append(emptyRow.cloneNode(true));
   shown.forEach((row, i) => {
     const tr = body.rows[i];
-    const number = objects.findIndex((object) => object[0] === row.name) + 1;
-    const [, ...rgb] = objects[number - 1] ?? ["", 128, 128, 128];
-    const nearest = row.distance_mm ?? row.entry_mm;
+    const number = hits[i];
+    const [title, ...rgb] = objects[number - 1];
+    const nearest = nearestOf(row);
     const [swatch, name] = tr.cells[1].childNodes;
-    swatch.style.setProperty("background", `rgb(${rgb})`);
-    if (name.data !== row.name) name.data = row.name;
-    for (const [column, text] of Object.entries({ 0: String(row.rank), 2: `${(100 * row.share).toFixed(2)} %`, 3: String(row.pixels), 4: typeof nearest === "number" ? nearest.toFixed(1) : "" })) {
+    swatch.style.setProperty("--chip", byRank() ? RANKS[i] ?? "LOOK_RANK_MORE" : `rgb(${rgb.slice(0, 3)})`);
+    swatch.classList.toggle("behind", !row.pixels);
+    if (name.data !== title) name.data = title;
+    for (const [column, text] of Object.entries({ 0: String(row.rank), 2: row.pixels ? `${(100 * row.share).toFixed(2)} %` : "behind", 3: String(row.pixels), 4: typeof nearest === "number" ? nearest.toFixed(1) : "" })) {
       if (tr.cells[column].textContent !== text) tr.cells[column].textContent = text;
     }
     tr.dataset.number = String(number);
@@ -193,8 +227,10 @@ function redraw(isMoving = false) {
 /** The content of a picture; a picture with the same content is not drawn again. @param {Cut | View} pane @param {boolean} isMoving */
 function wanted(pane, isMoving) {
   const request = pane instanceof Cut ? { ...pane.request(question, isMoving && detail, 0.55, atlas.window ?? [0, 0]) } : pane.request(isMoving);
-  return { pane, request, key: JSON.stringify([request, edition, chosen, pane instanceof Cut && (refused || { ...question, cut: 0 })]) };
+  return { pane, request, key: JSON.stringify([request, edition, chosen, pane instanceof Cut ? refused || { ...question, cut: 0 } : hits]) };
 }
+
+const shows = (/** @type {Cut | View} */ pane) => pane.box.offsetParent !== null;
 
 /** The worker draws while this thread draws what lies over its pictures. */
 function draw() {
@@ -209,26 +245,30 @@ async function answer() {
   const began = performance.now();
   again = false;
   busy = true;
-  let needed = panes.filter((pane) => pane.box.offsetParent !== null && wanted(pane, false).key !== pane.key)
-    .map((pane) => wanted(pane, moving)).filter(({ pane, key }) => key !== pane.key);
   const isCut = (/** @type {any} */ { pane }) => pane instanceof Cut;
-  const isFirst = !moving && needed.some(isCut) && !needed.every(isCut); // the 3-D view comes after
-  if (isFirst) needed = needed.filter(isCut);
+  const isShown = (/** @type {any} */ { pane }) => shows(pane);
+  const all = panes.filter((pane) => wanted(pane, false).key !== pane.key).map((pane) => wanted(pane, moving)).filter(({ pane, key }) => key !== pane.key);
+  const shown = all.filter(isShown);
+  // The 3-D view comes after the cuts, and what only paper shows last, at rest.
+  const needed = moving ? shown : [shown.filter(isCut), shown].find((some) => some.length) ?? all;
+  const isFirst = !moving && needed.length < all.length;
   const solid = needed.find((need) => !isCut(need));
   try {
     const given = spare.splice(0);
     const why = refused; // and then conus is asked what it refuses
     const drawn = await ask("draw", { question: why ? { ...question, toward: question.origin } : question, cuts: needed.filter(isCut).map(({ request }) => request), view: solid?.request ?? null, chosen, given }, given);
-    spare.push(...needed.filter(isCut).flatMap(({ pane, request }, i) => pane.show(drawn.cuts[i], request.width)));
-    if (solid) spare.push(...view.show(drawn.view, solid.request));
+    const marked = byRank() ? drawn.hits : [];
+    hits = drawn.hits;
+    spare.push(...needed.filter(isCut).flatMap(({ pane, request }, i) => pane.show(drawn.cuts[i], request, marked)));
+    if (solid) spare.push(...view.show(drawn.view, solid.request, marked));
     for (const { pane, key } of needed) pane.key = key;
-    again ||= isFirst;
-    unanswered = why || drawn.refused || "";
+    again ||= isFirst || (shows(view) || !moving) && wanted(view, moving).key !== view.key; // which shows what is hit
+    unanswered = why || (drawn.refused ?? "").replace(/^toward: is the origin/, "Target: is the start");
     view.hasCone = !unanswered;
     panes.forEach(mark);
     if (!moving) for (const pane of panes) pane.annotate(question, end, objects); // which says what it shows
     fillRows(drawn.rows);
-    sayOfAnswer(unanswered);
+    sayOfAnswer(unanswered, why ? wrong : form.elements.toward0);
     const took = performance.now() - began;
     if (moving) detail = Math.min(1, Math.max(0.4, detail * (took > BUSY ? 0.85 : 1.02)));
     document.body.dataset.took = took.toFixed(1);
@@ -263,7 +303,7 @@ function fillRows(text) {
 function fillFields() {
   const write = (/** @type {string} */ name, /** @type {string} */ text) => {
     const field = form.elements.namedItem(name);
-    if (document.activeElement === field) return;
+    if (document.activeElement === field || refused && field === wrong) return;
     if (field.value !== text) field.value = text;
     field.removeAttribute("aria-invalid");
   };
@@ -281,8 +321,8 @@ form.addEventListener("input", (/** @type {Event} */ event) => {
   const field = /** @type {HTMLInputElement} */ (event.target);
   try {
     const found = /^(origin|toward)(\d)$/.exec(field.name);
-    if (found) question[/** @type {"origin"} */ (found[1])] = /** @type {any} */ (question[/** @type {"origin"} */ (found[1])].map((v, a) => (a === Number(found[2]) ? readWithin(field.value, -1e5, 1e5) : v)));
-    else if (field.name === "angle") question.angle = readWithin(field.value, 0.001, 170);
+    if (found) question[/** @type {"origin"} */ (found[1])] = /** @type {any} */ (question[/** @type {"origin"} */ (found[1])].map((v, a) => (a === Number(found[2]) ? readWithin(`${WORDS[/** @type {"origin"} */ (found[1])]} ${"xyz"[a]}`, field.value, LIMITS.mm) : v)));
+    else if (field.name === "angle") question.angle = readWithin("Cone", field.value, LIMITS.degrees);
     else if (field.name === "layers") question.layers = /** @type {any} */ (field.value);
     else if (field.name === "resolution") question.resolution = Number(field.value);
     else end = /** @type {any} */ (field.value);
@@ -291,9 +331,9 @@ form.addEventListener("input", (/** @type {Event} */ event) => {
     say("");
   } catch (error) {
     field.setAttribute("aria-invalid", "true");
-    refused = /** @type {Error} */ (error).message;
+    refuse(/** @type {Error} */ (error).message, field);
     linked = "";
-    sayOfAnswer(refused);
+    sayOfAnswer(refused, field);
   }
   if (end === "toward" && field.name.startsWith("toward")) question.cut = [...question.toward];
   redraw();
@@ -462,8 +502,9 @@ new ResizeObserver(() => { layOut(); redraw(true); }).observe($("#panes"));
 async function open(name) {
   const isFirst = !atlas;
   ({ atlas, objects } = await ask("open", { name }));
-  if ($("#safe").checked) ({ objects } = await ask("colours", { safe: true }));
+  if (!byRank()) await setColours();
   files = offered;
+  if (!isFirst) given = null; // which is of the atlas before
   atlasFile = name;
   chosen = 0;
   for (const pane of panes) {
@@ -491,7 +532,7 @@ function aimAt(low, high) {
 /** A link's question is for its atlas alone. */
 function checkLink() {
   if (!linked) return;
-  refused = linked === identity() ? "" : `This link is for ${linked}, not for ${identity()}, so that no rows are shown. Open that atlas, or change the question.`;
+  refuse(linked === identity() ? "" : `This link is for ${linked}, not for ${identity()}, so that no rows are shown. Open that atlas, or change the question.`);
   if (!refused) linked = "";
 }
 
@@ -530,15 +571,13 @@ $("#t1").onchange = (/** @type {any} */ event) => attempt(async () => {
   redraw();
 });
 GREYS.forEach((id, i) => {
-  $(id).oninput = (/** @type {any} */ event) => attempt(() => {
-    atlas.window[i] = readWithin(event.target.value, -1e5, 1e5);
+  $(id).oninput = (/** @type {any} */ { target }) => attempt(() => {
+    atlas.window[i] = readWithin(["Black", "White"][i], target.value, LIMITS.mm);
     redraw();
-  });
+  }, target);
 });
-$("#safe").onchange = (/** @type {any} */ event) => attempt(async () => {
-  ({ objects } = await ask("colours", { safe: event.target.checked }));
-  redraw();
-});
+const setColours = async () => { ({ objects } = await ask("colours", { kind: Number($("#colours").value) })); };
+$("#colours").onchange = () => attempt(() => atlas && setColours().then(() => redraw()));
 addEventListener("dragover", (event) => { event.preventDefault(); document.body.classList.add("dropping"); });
 addEventListener("dragleave", () => document.body.classList.remove("dropping"));
 addEventListener("drop", (event) => {
@@ -603,7 +642,7 @@ const save = (kind) => attempt(async () => {
   if (unanswered && kind !== "png") throw new Error(unanswered);
   const name = `conus-${atlas.name.replace(/\..*/, "")}`;
   const copy = (/** @type {string} */ text) => navigator.clipboard.writeText(text)
-    .then(() => { $("#said").textContent = `The ${kind} is copied.`; }, () => { window.prompt("Copy this:", text); });
+    .then(() => { $("#spoken").textContent = `The ${kind} is copied.`; }, () => { window.prompt("Copy this:", text); });
   if (kind === "link") await copy(`${location.href.replace(/#.*/s, "")}#${toFragment(question, identity())}`);
   else if (kind === "command") await copy(toCommand(question, atlasFile));
   else if (kind === "png") download(`${name}.png`, await picture());
@@ -616,6 +655,11 @@ const save = (kind) => attempt(async () => {
 for (const button of document.querySelectorAll("[data-save]")) {
   /** @type {HTMLElement} */ (button).onclick = () => save(/** @type {HTMLElement} */ (button).dataset.save ?? "");
 }
+
+// Paper
+
+addEventListener("beforeprint", () => { $("#methods").textContent = atlas && !unanswered ? toMethods(question, atlas) : ""; });
+$("#print").onclick = () => print();
 
 // Start
 
@@ -632,7 +676,7 @@ addEventListener("hashchange", () => {
     readLink();
     if (atlas) checkLink();
   } catch (error) {
-    refused = /** @type {Error} */ (error).message;
+    refuse(/** @type {Error} */ (error).message);
   }
   redraw();
 });
@@ -658,7 +702,7 @@ async function start() {
   try {
     if (location.hash) readLink();
   } catch (error) {
-    refused = /** @type {Error} */ (error).message; // and nothing is guessed
+    refuse(/** @type {Error} */ (error).message); // and nothing is guessed
   }
   offered = /** @type {any} */ (await unpacking);
   const steps = [ask("start", { module: await compiled })];

@@ -23,12 +23,36 @@ export function paint(canvas, rgba, width) {
 /** Empties a canvas of so many points of the page, and returns its context. @param {HTMLCanvasElement} canvas @param {number} side */
 function cleared(canvas, side) {
   const pixels = Math.round(side * devicePixelRatio);
-  if (canvas.width !== pixels) [canvas.width, canvas.height] = [pixels, pixels]; // a new one is slow
+  if (canvas.width !== pixels || canvas.height !== pixels) [canvas.width, canvas.height] = [pixels, pixels]; // a new one is slow
   const c = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
   c.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
   c.clearRect(0, 0, side, side);
   return c;
 }
+
+const COLOURED = 6; // hits that have a colour of their own; the others share a grey, and have numbers
+
+/** Places of the numbers of hits: each on the pixel of its object that is nearest to the middle of what shows of it, in
+ * parts of the picture. @param {Uint32Array} objects @param {number} width @param {number[]} hits */
+function numbered(objects, width, hits) {
+  const found = new Map(hits.slice(COLOURED).map((object, i) => [object, { text: String(COLOURED + 1 + i), count: 0, x: 0, y: 0, near: Infinity, at: [0, 0] }]));
+  if (!found.size) return [];
+  const visit = (/** @type {(label: any, x: number, y: number) => void} */ step) => {
+    for (let i = 0; i < objects.length; i += 2) {
+      const label = objects[i] && found.get(objects[i]);
+      if (label) step(label, i % width, Math.floor(i / width));
+    }
+  };
+  visit((label, x, y) => { label.count++; label.x += x; label.y += y; });
+  visit((label, x, y) => {
+    const far = Math.hypot(x - label.x / label.count, y - label.y / label.count);
+    if (far < label.near) [label.near, label.at] = [far, [x / width, y / width]];
+  });
+  return [...found.values()].filter((label) => label.count > objects.length / 4000);
+}
+
+/** Points of the page along a side of a pane; those of one that a narrow screen does not show are for paper. @param {HTMLElement} box */
+const sideOf = (box) => Math.min(box.clientWidth, box.clientHeight) || 300;
 
 /** A cut and what is drawn over it. */
 export class Cut {
@@ -43,6 +67,8 @@ export class Cut {
     this.fit = 1;
     /** @type {Uint32Array} */
     this.objects = new Uint32Array();
+    /** @type {{text: string, at: number[]}[]} */
+    this.numbers = [];
     /** Where the pointer is. @type {number[] | null} */
     this.pointer = null;
     this.under = ""; // the name of what is under it
@@ -57,7 +83,7 @@ export class Cut {
     this.zoom = 1;
   }
 
-  get side() { return Math.max(50, Math.min(this.box.clientWidth, this.box.clientHeight)); }
+  get side() { return sideOf(this.box); }
   get mmPerPoint() { return (this.extent ?? 200) / this.side / this.zoom; }
 
   /** The worker's next picture: at the screen's density, or while something moves with a part of its detail. @param {Aim} aim @param {number | false} detail */
@@ -96,11 +122,13 @@ export class Cut {
     return near("toward") ? "toward" : near("origin") ? "origin" : null;
   }
 
-  /** Gives back what it no longer needs. @param {{rgba: ArrayBuffer, objects: ArrayBuffer}} picture @param {number} width */
-  show(picture, width) {
+  /** Gives back what it no longer needs. @param {{rgba: ArrayBuffer, objects: ArrayBuffer}} picture @param {{width: number}} request
+   * @param {number[]} hits */
+  show(picture, { width }, hits) {
     const free = [picture.rgba, this.objects.buffer];
     paint(this.canvas, picture.rgba, width);
     this.objects = new Uint32Array(picture.objects);
+    this.numbers = numbered(this.objects, width, hits);
     return free;
   }
 
@@ -122,6 +150,7 @@ export class Cut {
     line(c, "LOOK_WHITE", 2, [[12, side - 12], [12 + mm / this.mmPerPoint, side - 12]]);
     c.textAlign = "left";
     outlined(c, `${mm} mm`, 12, side - 18);
+    writeNumbers(c, this.numbers, side);
     const title = `${this.plane.name}, ${"xyz"[this.plane.through]} = ${digits(aim.cut[this.plane.through])} mm`;
     caption(c, title, this.under, side);
     const area = names[this.object([x, y]) - 1]?.[0] ?? "no area";
@@ -145,6 +174,13 @@ function outlined(c, text, x, y) {
   c.strokeText(text, x, y);
   c.fillStyle = "LOOK_WHITE";
   c.fillText(text, x, y);
+}
+
+/** @param {CanvasRenderingContext2D} c @param {{text: string, at: number[]}[]} numbers @param {number} side */
+function writeNumbers(c, numbers, side) {
+  c.font = "12px sans-serif";
+  c.textAlign = "center";
+  for (const { text, at } of numbers) outlined(c, text, at[0] * side, at[1] * side + 4);
 }
 
 /** A pane's title, and what is under the pointer. @param {CanvasRenderingContext2D} c @param {string} title @param {string} under @param {number} side */
@@ -209,6 +245,8 @@ export class View {
     this.hasCone = false; // of a question that has an answer
     this.objects = new Uint32Array();
     this.distances = new Float32Array();
+    /** @type {{text: string, at: number[]}[]} */
+    this.numbers = [];
     this.frame([-70, -100, -50], [70, 70, 80]);
   }
 
@@ -221,7 +259,7 @@ export class View {
     this.zoom = 1;
   }
 
-  get side() { return Math.max(50, Math.min(this.box.clientWidth, this.box.clientHeight)); }
+  get side() { return sideOf(this.box); }
 
   get eye() {
     const far = 0.85 * this.radius / Math.sin(this.angle * Math.PI / 360) / this.zoom;
@@ -229,18 +267,21 @@ export class View {
     return [Math.cos(this.turn) * flat, Math.sin(this.turn) * flat, Math.sin(this.tilt)].map((v, a) => this.middle[a] + far * v);
   }
 
-  /** @param {boolean} moving */
+  /** While the eye moves with a part of its detail. @param {boolean} moving */
   request(moving) {
-    return { side: moving ? 96 : 384, eye: this.eye, toward: this.middle, angle: this.angle };
+    const eye = this.eye;
+    const isNear = moving && String(eye) !== String(this.drawn?.side === 384 && this.drawn.eye);
+    return { side: isNear ? 96 : 384, eye, toward: this.middle, angle: this.angle };
   }
 
-  /** @param {{rgba: ArrayBuffer, objects: ArrayBuffer, distances: ArrayBuffer}} picture @param {{side: number}} request */
-  show(picture, request) {
+  /** @param {{rgba: ArrayBuffer, objects: ArrayBuffer, distances: ArrayBuffer}} picture @param {any} request @param {number[]} hits */
+  show(picture, request, hits) {
     const free = [picture.rgba, this.objects.buffer, this.distances.buffer];
     paint(this.canvas, picture.rgba, request.side);
     this.objects = new Uint32Array(picture.objects);
     this.distances = new Float32Array(picture.distances);
     this.drawn = request;
+    this.numbers = numbered(this.objects, request.side, hits);
     return free;
   }
 
@@ -271,6 +312,13 @@ export class View {
     return { object: this.objects[pixel], inward, position: /** @type {Point} */ (inward.map((value, a) => this.eye[a] + this.distances[pixel] * value)) };
   }
 
+  /** Whether the brain, as it is drawn, is before a position. @param {number[]} p */
+  hides(p) {
+    const n = this.drawn?.side ?? 0;
+    const [x, y] = this.place(p).map((v) => Math.floor(v / this.side * n));
+    return x >= 0 && y >= 0 && x < n && y < n && this.distances[y * n + x] < Math.hypot(...p.map((v, a) => v - this.eye[a])) - 1;
+  }
+
   /** @param {number[]} p */
   place(p) {
     const { right, up, ahead } = this.axes;
@@ -284,10 +332,26 @@ export class View {
   annotate(aim, chosenEnd) {
     const c = cleared(this.over, this.side);
     if (this.hasCone && aim.angle < 120) {
-      const rim = circle(aim).map((p) => this.place(p));
-      line(c, "LOOK_CONE", 2, [...rim, rim[0]]);
-      for (let i = 0; i < rim.length; i += 6) line(c, "LOOK_CONE99", 1, [this.place(aim.origin), rim[i]]);
+      const rim = circle(aim);
+      const [tip, ...at] = [aim.origin, ...rim].map((p) => this.place(p));
+      const ends = at.map((_, i) => (i + 1) % at.length);
+      c.beginPath();
+      at.forEach((p, i) => { // triangles that all turn the same way, so that what two of them cover is filled once
+        const q = at[ends[i]];
+        const turns = (p[0] - tip[0]) * (q[1] - tip[1]) > (p[1] - tip[1]) * (q[0] - tip[0]);
+        c.moveTo(tip[0], tip[1]);
+        for (const [x, y] of turns ? [p, q] : [q, p]) c.lineTo(x, y);
+      });
+      c.fillStyle = "LOOK_CONE1f"; // thin: colours of the hits stay what they are in the table
+      c.fill();
+      at.forEach((p, i) => {
+        c.setLineDash(this.hides(rim[i]) ? [3, 3] : []);
+        line(c, "LOOK_CONE", 2, [p, at[ends[i]]]);
+        if (i % 6 === 0) line(c, "LOOK_CONE99", 1, [tip, p]);
+      });
+      c.setLineDash([]);
     }
+    writeNumbers(c, this.numbers, this.side);
     caption(c, "3-D, drag to turn", this.under, this.side);
     axis(c, this.place(aim.origin), this.place(aim.toward), chosenEnd);
   }

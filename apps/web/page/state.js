@@ -22,31 +22,27 @@ export function toFragment(q, atlas) {
   return Object.entries(pairs).filter(([, value]) => value).map(([key, value]) => `${key}=${value}`).join("&");
 }
 
-/** @param {string} text @returns {Point} */
-function readPoint(text) {
-  const p = text.split(",").map(readNumber);
-  if (p.length !== 3) throw new Error(`${text}: a position is three numbers x,y,z`);
+/** mm of a position, and degrees of a cone. @type {Record<string, [number, number]>} */
+export const LIMITS = { mm: [-1e5, 1e5], degrees: [0.001, 170] };
+
+/** A number in words; throws, with what the number is of. @param {string} what @param {string} text @param {number[]} limits */
+export function readWithin(what, text, [low, high]) {
+  const x = /^[+-]?(\d+\.?\d*|\.\d+)$/.test(text.trim()) ? Number(text) : NaN;
+  if (!(x >= low && x <= high)) throw new Error(`${what}: ${text.trim() || "nothing"} is not a number from ${low} to ${high}`);
+  return x;
+}
+
+/** @param {string} text @param {string} key @returns {Point} */
+function readPoint(text, key) {
+  const p = text.split(",").map((x) => readWithin(key, x, LIMITS.mm));
+  if (p.length !== 3) throw new Error(`${key}=${text}: a position is three numbers x,y,z`);
   return /** @type {Point} */ (p);
-}
-
-/** @param {string} text */
-function readNumber(text) {
-  const x = /^[+-]?(\d+\.?\d*|\.\d+)$/.test(text) ? Number(text) : NaN;
-  if (!(Math.abs(x) <= 1e5)) throw new Error(`${text}: a number from -100000 to 100000 is needed`);
-  return x;
-}
-
-/** @param {string} text @param {number} low @param {number} high */
-export function readWithin(text, low, high) {
-  const x = readNumber(text.trim());
-  if (!(x >= low && x <= high)) throw new Error(`${text}: ${low} to ${high} is allowed`);
-  return x;
 }
 
 const READ = {
   origin: readPoint, toward: readPoint, cut: readPoint,
-  angle: (/** @type {string} */ text) => readWithin(text, 0.001, 170),
-  resolution: (/** @type {string} */ text) => Math.round(readWithin(text, 1, 256)),
+  angle: (/** @type {string} */ text, /** @type {string} */ key) => readWithin(key, text, LIMITS.degrees),
+  resolution: (/** @type {string} */ text, /** @type {string} */ key) => Math.round(readWithin(key, text, [1, 256])),
   layers: (/** @type {string} */ text) => {
     if (text !== "visible" && text !== "all") throw new Error(`layers=${text}: visible and all are allowed`);
     return text;
@@ -64,13 +60,30 @@ export function fromFragment(text) {
   if (text.length > 1000) throw new Error("this link is longer than any that a page makes");
   for (const pair of text.replace(/^#/, "").split("&").filter(Boolean)) {
     const [key, value = ""] = pair.split(/=(.*)/s);
-    if (Object.hasOwn(READ, key)) question[key] = /** @type {any} */ (READ)[key](decodeURIComponent(value));
+    if (Object.hasOwn(READ, key)) question[key] = /** @type {any} */ (READ)[key](decodeURIComponent(value), key);
     else if (key === "atlas") atlas = decodeURIComponent(value);
     else if (key === "embed") embed = value === "1";
     else if (key === "v" && value === "1") continue;
     else throw new Error(key === "v" ? `this link is of version ${value}; this page knows version 1` : `this link has "${key}", which this page does not know`);
   }
   return { question, atlas, embed };
+}
+
+/** The rays of a cone: pixels whose centre is in the round aperture. @param {number} n */
+function countRays(n) {
+  let count = 0;
+  for (let i = 0; i < n * n; i++) count += Number(Math.hypot(i % n + 0.5 - n / 2, Math.floor(i / n) + 0.5 - n / 2) <= n / 2);
+  return count;
+}
+
+/** The paragraph that conus cite writes of the answer. @param {Question} q @param {any} atlas */
+export function toMethods(q, atlas) {
+  const all = q.layers === "all";
+  return `The areas in a cone with its apex at ${join(q.origin)} and its axis through ${join(q.toward)} (x,y,z, RAS mm), and a full opening angle of ${digits(q.angle)}°, were determined with conus, version ${atlas.version}, which selects by conic volumes after Rick et al. (2010, doi:10.1109/VR.2010.5444783). ` +
+    `The cone was filled with ${countRays(q.resolution)} rays${q.angle > 120 ? " (evenly spread in angle where it opens beyond 120°)" : ""}, one through the centre of each pixel in the round aperture of ${q.resolution} × ${q.resolution} pixels. ` +
+    `Each ray was followed exactly, ${all ? "through all objects" : "to the first object that it hits"}: no voxel and no triangle on its way was left out. An object's share is the part of the solid angle whose rays hit this object before any other. ` +
+    (all ? "Occluded objects counted, too. " : "") + `Objects were ranked by their share. The atlas was ${atlas.name}${atlas.sha256 && ` (SHA-256 ${atlas.sha256.slice(0, 8)}…; ${atlas.transform})`}. ` +
+    "The cone is a geometric model: no field, heat or sound was computed.";
 }
 
 /** The command that gives the same rows. @param {Question} q @param {string} name */

@@ -27,7 +27,8 @@ static int open_slabs(void **state)
 static void test_objects_have_names_and_colours(void **state)
 {
     (void)state;
-    assert_string_equal(web_objects(), "[[\"Slab anterior\", 242, 186, 133], [\"Slab posterior\", 121, 105, 191]]");
+    assert_string_equal(web_objects(),
+                        "[[\"Slab anterior\", 242, 186, 133, \"\"], [\"Slab posterior\", 121, 105, 191, \"\"]]");
 }
 
 /* Down the y axis from y = 50, the anterior box begins at a distance of 38 mm and hides the other. */
@@ -38,8 +39,10 @@ static void test_rows_of_an_answer(void **state)
     const char *first = web_rows(CONUS_FORMAT_CSV);
     assert_non_null(strstr(first, "Slab anterior,SlA,1,1,208,1,"));
     assert_null(strstr(first, "Slab posterior"));
+    assert_string_equal(web_hits(), "[1]");
     assert_string_equal(web_ask(3, 50, 4, 3, 0, 4, 1, 16, 1), "{}");
     assert_non_null(strstr(web_rows(CONUS_FORMAT_CSV), "Slab posterior"));
+    assert_string_equal(web_hits(), "[1, 2]");
     assert_non_null(strstr(web_sidecar(), "\"sha256\""));
 }
 
@@ -49,6 +52,14 @@ static void test_errors_are_words(void **state)
     assert_non_null(strstr(web_open("nothing.nii.gz"), "{\"error\": \"nothing.nii.gz"));
     assert_non_null(strstr(web_ask(1, 1, 1, 1, 1, 1, 20, 16, 0), "{\"error\": \"toward"));
     assert_string_equal(web_ask(3, 50, 4, 3, 0, 4, 1, 16, 0), "{}"); /* the atlas is still open */
+}
+
+static void is_about(const uint8_t *rgb, unsigned colour)
+{
+    for (int c = 0; c < 3; c++) {
+        const unsigned right = colour >> (16 - 8 * c) & 255;
+        assert_in_range(rgb[c] + 1, right, right + 1); /* to rounding, which only makes darker */
+    }
 }
 
 /* The cone of 90 degrees from y = 40 down has its wall 14 mm beside the axis at y = 26: there is a line in the cut,
@@ -62,6 +73,8 @@ static void test_a_refused_question_takes_the_answer_away(void **state)
     assert_non_null(strstr(web_ask(1, 1, 1, 1, 1, 1, 90, 16, 0), "{\"error\": \"toward"));
     assert_int_equal(web_cut(0, 1, 0, 0, 0, 64, 64, 1, 0.5, 0, 0)[at], 0);
     assert_null(strstr(web_rows(CONUS_FORMAT_CSV), "Slab"));
+    assert_string_equal(web_hits(), "[]");
+    is_about(web_cut(0, 1, 0, 0, 0, 64, 64, 1, 1, 0, 0) + 4 * (23 * 64 + 32), LOOK_NOT_HIT);
 }
 
 /* One pixel a mm, x to the right and y to the top: y = 9 is 9 rows above the middle. */
@@ -89,17 +102,39 @@ static void test_view_is_upright_and_not_mirrored(void **state)
     assert_null(web_view(100000, -100, 0, 20, 0, 0, 20, 30, 0));
 }
 
-/* A flat face that is seen from straight ahead has the area's own colour in its middle, to rounding. */
+/* A flat face that is seen from straight ahead has its colour in the middle, to rounding: that of its place in the
+ * answer, of the file, or none. Here it is the anterior one's. */
 static void test_view_is_lit_from_the_eye(void **state)
 {
     (void)state;
-    const uint8_t *rgba = web_view(64, 0, 100, 0, 0, 0, 0, 10, 0);
-    static const uint8_t colour[] = {242, 186, 133, 255};
-    for (int c = 0; c < 4; c++) {
-        assert_in_range(rgba[4 * (32 * 64 + 32) + c], colour[c] - 1, colour[c]);
-    }
+    const size_t middle = 4 * (32 * 64 + 32);
+    assert_string_equal(web_ask(0, -50, 0, 0, 0, 0, 1, 16, 0), "{}"); /* the posterior one alone */
+    is_about(web_view(64, 0, 100, 0, 0, 0, 0, 10, 0) + middle, LOOK_NOT_HIT);
+    assert_string_equal(web_ask(0, 50, 0, 0, 0, 0, 1, 16, 0), "{}");
+    const uint8_t *rgba = web_view(64, 0, 100, 0, 0, 0, 0, 10, 0) + middle;
+    is_about(rgba, LOOK_RANK_1);
+    assert_int_equal(rgba[3], 255);
+    web_use_colours(COLOURS_OF_FILE);
+    assert_string_equal(web_ask(0, 50, 0, 0, 0, 0, 1, 16, 0), "{}");
+    is_about(web_view(64, 0, 100, 0, 0, 0, 0, 10, 0) + middle, 0xF2BA85);
     rgba = web_view(64, 0, 100, 0, 0, 0, 0, 10, 2); /* another is chosen */
-    assert_in_range(rgba[4 * (32 * 64 + 32)], 95, 97);
+    assert_in_range(rgba[middle], 95, 97);
+    web_use_colours(COLOURS_OF_ANSWER);
+}
+
+/* From behind the posterior one hides the other, which is the second of all layers: stripes of its colour and grey. */
+static void test_what_is_behind_has_stripes(void **state)
+{
+    (void)state;
+    int coloured = 0;
+    assert_string_equal(web_ask(0, -50, 0, 0, 0, 0, 1, 16, 1), "{}");
+    const uint8_t *row = web_view(64, 0, 100, 0, 0, 0, 0, 10, 0) + (size_t)4 * 32 * 64;
+    for (int x = 24; x < 40; x++) {
+        const bool is_stripe = row[4 * x] < 100;
+        is_about(row + 4 * x, is_stripe ? LOOK_RANK_2 : LOOK_NOT_HIT);
+        coloured += is_stripe;
+    }
+    assert_int_equal(coloured, 8);
 }
 
 /* One symbol of each folder that draws. They are weak: a name here does not link its file into the program, and is NULL
@@ -139,6 +174,7 @@ int main(void)
         cmocka_unit_test(test_cut_has_its_top_row_first),
         cmocka_unit_test(test_view_is_upright_and_not_mirrored),
         cmocka_unit_test(test_view_is_lit_from_the_eye),
+        cmocka_unit_test(test_what_is_behind_has_stripes),
         cmocka_unit_test(test_pictures_are_refused),
         cmocka_unit_test(test_nothing_that_draws_is_linked),
     };
