@@ -94,7 +94,6 @@ static void ask_painter(struct window *window, bool moving)
                             .own_colours = viewer->display.own_colours,
                             .chosen = viewer_full(viewer),
                             .answer = viewer->drawn->answers[FIRST_TOOL],
-                            .is_old = inputs_is_old(&window->inputs, viewer, FIRST_TOOL),
                             .answer_number = viewer->tools[FIRST_TOOL].answer_number,
                             .scene_number = viewer->scene_number,
                             .moving = moving};
@@ -399,6 +398,9 @@ static bool use_mouse(struct window *window)
     bool is_behind = !eye_is_same(&window->pictures.shown, &window->pictures.eye);
     bool turns = held && mouse.down[0] && frame->pressed_of && mouse.strayed >= click && moved;
     bool pans = held && !mouse.down[0] && moved && (mouse.down[1] || mouse.down[2]);
+    if (pane_cone_turn(window)) {
+        return moved;
+    }
     if (mouse.pressed[0] && held) {
         press(window, &mouse);
     }
@@ -412,7 +414,8 @@ static bool use_mouse(struct window *window)
         frame->turned[1] = mouse.y;
     } else if (pans) {
         orbit_pan(&viewer->orbit, (double)mouse.moved_x, (double)mouse.moved_y, height);
-    } else if (!held && (moved || (frame->points_again && !is_behind))) {
+    } else if (!held && pane_cone_at(window, (float[]){mouse.x, mouse.y}) == TOOL_COUNT &&
+               (moved || (frame->points_again && !is_behind))) {
         point_at(window, &frame->hover);
         frame->points_again = is_behind;
     }
@@ -440,6 +443,11 @@ static void use_release(struct window *window)
 /* Names what is under the mouse; where the cone follows the mouse, it has its name there already. */
 static void show_hover_tip(const struct window *window)
 {
+    const struct ui_mouse mouse = ui_mouse_now();
+    if (pane_cone_at(window, (float[]){mouse.x, mouse.y}) < TOOL_COUNT) {
+        ui_tip("drag it: the cone turns about the place where it enters");
+        return;
+    }
     enum tool_number follows = tool_moved_by(window->viewer, POINT_BY_MOUSE);
     if (window->frame.hover.object && !labels_has(&window->frame.labels, window->frame.hover.object) &&
         (follows == TOOL_COUNT || window->viewer->tools[follows].held)) {
@@ -498,7 +506,7 @@ void pane_3d(struct window *window)
     pane_chosen(window);
     draw_compass(window);
     pane_chosen_name(window);
-    pane_second_3d(window);
+    pane_cones(window);
     draw_crosshair(window);
     draw_measured(window);
     draw_names(window);

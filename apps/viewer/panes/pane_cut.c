@@ -298,7 +298,7 @@ void pane_cut(struct window *window, enum plane plane)
     const struct ui_box *box = &cut.plane.box;
     cut_view(&cut.plane.view, window->viewer, plane, (double[]){(double)box->width, (double)box->height});
     make_title(&cut, window->viewer, plane);
-    cut.plane.view.grey_cone = inputs_is_old(&window->inputs, window->viewer, FIRST_TOOL);
+    cut.plane.view.no_cone = true; /* pane_cone.c has it */
     draw_picture(window, &cut);
     ui_panel(figure_panes[plane], *box, UI_PLAIN);
     if (pane->texture.name) {
@@ -309,7 +309,7 @@ void pane_cut(struct window *window, enum plane plane)
         use_mouse(window, &cut, plane);
     }
     ui_clip(*box);
-    pane_second_cut(window, &cut.plane);
+    pane_cones_cut(window, &cut.plane);
     draw_crosshair(window, &cut);
     draw_title(&cut);
     draw_letters(&cut);

@@ -25,8 +25,12 @@ struct pane_plane {
 };
 /** The pixel of the window that a place is seen at, wherever it lies before or behind the cut. */
 void pane_point(float out[2], const struct pane_plane *plane, const double world[3]);
-/** The second tool's cone, over a cut and over the 3-D pane. */
-void pane_second_cut(struct window *window, const struct pane_plane *plane);
-void pane_second_3d(struct window *window);
+/** The cones of both tools, over a cut and over the 3-D pane. */
+void pane_cones_cut(struct window *window, const struct pane_plane *plane);
+void pane_cones(struct window *window);
+/** The tool whose ball is at this pixel of the 3-D pane; TOOL_COUNT = none. */
+enum tool_number pane_cone_at(const struct window *window, const float at[2]);
+/** Lets the mouse, which is on the 3-D pane's surface, turn the cone whose ball it took. Returns whether it has one. */
+bool pane_cone_turn(struct window *window);
 
 #endif

@@ -360,7 +360,7 @@ void window_show(struct window *window, struct viewer *viewer)
     history_finish(&window->history);
     window->viewer = viewer;
     window->pictures = (struct pictures){0};
-    window->frame = (struct frame_state){.frames_wanted = 1};
+    window->frame = (struct frame_state){.frames_wanted = 1, .turns_cone = TOOL_COUNT};
     window->history = (struct history){0};
     window->forms = (struct forms){0};
     window->inputs.replay = (struct replay){.poses = window->inputs.replay.poses};

@@ -1,0 +1,435 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The cones of both tools over the four panes, and the balls by which the mouse turns them. */
+#include "viewer/panes/panes.h"
+
+#include "base/look.h"
+#include "viewer/model/picker.h"
+#include "viewer/tools/shell.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const ui_colour colours[TOOL_COUNT] = {{LOOK_RGB(LOOK_CONE), 255}, {LOOK_RGB(LOOK_SECOND), 255}};
+static const ui_colour old_colour = {LOOK_RGB(LOOK_CONE_OLD), 255}; /* where the tool is not seen */
+static const ui_colour shade = {LOOK_RGB(LOOK_UNDER),
+                                150}; /* under lines, so that they are seen on white as on black */
+static const uint8_t fill = 64;       /* opacity of the inside */
+
+/* Pixels. */
+static const float rim = 2, cased = 4, dash = 6, gap = 5;
+static const float ball = 8, grip = 4; /* its radius, and how far beside it the mouse takes it */
+static const float end_on = 20;        /* nearer to its entry it is not drawn: it would hide what the cone points at */
+
+static const double touching = 1.5; /* mm: what lies no farther behind a surface lies on it */
+
+enum { PARTS = 6, ARC = 8 /* points of a ring that are looked at once */, STEPS = 4, HULL = 4 * SHELL_POINTS };
+
+static bool shows(const struct window *window, enum tool_number number)
+{
+    const struct tool *tool = &window->viewer->tools[number];
+    return tool->has_pose && (number == FIRST_TOOL || tool->on);
+}
+
+static ui_colour find_colour(const struct window *window, enum tool_number number)
+{
+    return inputs_is_old(&window->inputs, window->viewer, number) ? old_colour : colours[number];
+}
+
+static void find_shell(struct shell *out, const struct viewer *viewer, enum tool_number number, double near, double far)
+{
+    conus_selector_options options;
+    double angle = viewer_query(&options, viewer, number, 0);
+    shell_find(out, &viewer->tools[number].pose, options.radius, angle, near, far);
+}
+
+/* Finds how far the cone reaches, where that is not known any more. */
+static void find_extent(struct window *window, enum tool_number number)
+{
+    struct viewer *viewer = window->viewer;
+    struct cone_sight *sight = &window->pictures.cones[number];
+    unsigned answer = viewer->tools[number].answer_number;
+    if (sight->of == viewer->drawn && sight->answer_number == answer && sight->atlas_number == viewer->atlas_number &&
+        sight->scene_number == viewer->scene_number) {
+        return;
+    }
+    sight->of = viewer->drawn;
+    sight->answer_number = answer;
+    sight->atlas_number = viewer->atlas_number;
+    sight->scene_number = viewer->scene_number;
+    sight->is_seen = false;
+    extent_find(&sight->extent, viewer, number);
+    if (window->frame.turns_cone == number) { /* about the place where it was taken */
+        memcpy(sight->extent.entry, window->frame.turned_about.entry, sizeof sight->extent.entry);
+        sight->extent.reach = window->frame.turned_about.reach;
+    }
+}
+
+/* Whether the picture of the 3-D pane shows something before a place. */
+static bool is_hidden(const struct window *window, const double at[3])
+{
+    const double *eye = window->pictures.shown.camera.world_from_device + 12;
+    const double offset[3] = {at[0] - eye[0], at[1] - eye[1], at[2] - eye[2]};
+    double place[3];
+    uint32_t object;
+    double far = hypot(hypot(offset[0], offset[1]), offset[2]);
+    return viewer_pick(&object, place, window->viewer, eye, offset) &&
+           hypot(hypot(place[0] - eye[0], place[1] - eye[1]), place[2] - eye[2]) < far - touching;
+}
+
+static void add_line(struct cone_sight *sight, const double from[3], const double to[3], bool dashed)
+{
+    if (sight->line_count < CONE_LINES) {
+        struct cone_line *line = &sight->lines[sight->line_count++];
+        memcpy(line->ends[0], from, sizeof line->ends[0]);
+        memcpy(line->ends[1], to, sizeof line->ends[1]);
+        line->dashed = dashed;
+    }
+}
+
+static void part_of(double out[3], const double from[3], const double to[3], double part)
+{
+    for (int a = 0; a < 3; a++) {
+        out[a] = from[a] + part * (to[a] - from[a]);
+    }
+}
+
+/* How far along a line something begins or ceases to hide it, after `part`, at the beginning of which it is hidden or
+ * not; 1 = nowhere. */
+static double next_change(const struct window *window, const double from[3], const double to[3], double part,
+                          bool hidden)
+{
+    double place[3];
+    double same = part;
+    double other = part;
+    for (bool changes = false; !changes && same < 1;) {
+        other = fmin(same + 1.0 / PARTS, 1);
+        part_of(place, from, to, other);
+        changes = is_hidden(window, place) != hidden;
+        same = changes ? same : other;
+    }
+    for (int step = 0; step < STEPS && same < other; step++) {
+        double middle = (same + other) / 2;
+        part_of(place, from, to, middle);
+        *(is_hidden(window, place) == hidden ? &same : &other) = middle;
+    }
+    return other;
+}
+
+static void add_seen(struct cone_sight *sight, const struct window *window, const double from[3], const double to[3])
+{
+    double ends[2][3];
+    double part = 0;
+    bool hidden = is_hidden(window, from);
+    while (part < 1) {
+        double next = next_change(window, from, to, part, hidden);
+        part_of(ends[0], from, to, part);
+        part_of(ends[1], from, to, next);
+        add_line(sight, ends[0], ends[1], hidden);
+        hidden = !hidden;
+        part = next;
+    }
+}
+
+static void add_ring(struct cone_sight *sight, const struct window *window, double (*points)[3], bool dashed)
+{
+    bool hidden = dashed;
+    for (size_t i = 0; i < SHELL_POINTS; i++) {
+        hidden = dashed || (i % ARC ? hidden : is_hidden(window, points[i + ARC / 2]));
+        add_line(sight, points[i], points[(i + 1) % SHELL_POINTS], hidden);
+    }
+}
+
+/* Finds the lines of the cone as the eye sees it: its sides and rings up to the deepest hit, behind that dashed; and
+ * the axis up to its ball. */
+static void find_lines(struct window *window, enum tool_number number)
+{
+    struct viewer *viewer = window->viewer;
+    struct cone_sight *sight = &window->pictures.cones[number];
+    const struct extent *extent = &sight->extent;
+    const struct eye *eye = &window->pictures.shown;
+    const conus_pose *pose = &viewer->tools[number].pose;
+    const double *from = eye->camera.world_from_device + 12;
+    struct shell shell;
+    double ends[2][3];
+    if (sight->is_seen && eye_is_same(&sight->eye, eye) && sight->fade == viewer->display.fade) {
+        return;
+    }
+    sight->is_seen = true;
+    sight->eye = *eye;
+    sight->fade = viewer->display.fade;
+    sight->line_count = 0;
+    sight->clear = extent->near;
+    if (extent->solid > extent->near) {
+        find_shell(&shell, viewer, number, extent->near, extent->solid);
+        add_ring(sight, window, shell.far, false);
+        add_ring(sight, window, shell.near, false);
+        for (size_t i = 0; i < SHELL_POINTS; i++) {
+            if (shell_turns(&shell, i, from)) {
+                add_seen(sight, window, shell.near[i], shell.far[i]);
+            }
+        }
+        for (int a = 0; a < 3; a++) {
+            ends[0][a] = pose->world_from_device[12 + a] - extent->near * pose->world_from_device[8 + a];
+            ends[1][a] = pose->world_from_device[12 + a] - extent->solid * pose->world_from_device[8 + a];
+        }
+        if (!is_hidden(window, ends[0])) {
+            sight->clear += next_change(window, ends[0], ends[1], 0, false) * (extent->solid - extent->near);
+        }
+    }
+    if (extent->end > extent->solid) {
+        find_shell(&shell, viewer, number, extent->solid, extent->end);
+        add_ring(sight, window, shell.far, true);
+        for (size_t i = 0; i < SHELL_POINTS; i++) {
+            if (shell_turns(&shell, i, from)) {
+                add_line(sight, shell.near[i], shell.far[i], true);
+            }
+        }
+    }
+    extent_ball(sight->ball, extent, pose);
+    add_seen(sight, window, sight->ball, extent->entry);
+    sight->hides_ball = is_hidden(window, sight->ball);
+}
+
+static void draw_line(const float from[2], const float to[2], ui_colour colour)
+{
+    ui_draw_line(from, to, shade, cased);
+    ui_draw_line(from, to, colour, rim);
+}
+
+/* Draws dashes; `phase`, 0 at first, goes on where several lines are one behind the other. */
+static void draw_dashes(float *phase, const float from[2], const float to[2], ui_colour colour)
+{
+    float length = hypotf(to[0] - from[0], to[1] - from[1]);
+    float period = dash + gap;
+    int dashes = (int)ceilf((*phase + length) / period);
+    for (int i = 0; i < dashes; i++) {
+        float at = (float)i * period - *phase;
+        float begin = fmaxf(at, 0) / length;
+        float end = fminf(at + dash, length) / length;
+        if (end > begin) {
+            draw_line((float[]){from[0] + begin * (to[0] - from[0]), from[1] + begin * (to[1] - from[1])},
+                      (float[]){from[0] + end * (to[0] - from[0]), from[1] + end * (to[1] - from[1])}, colour);
+        }
+    }
+    *phase = fmodf(*phase + length, period);
+}
+
+static int by_place(const void *a, const void *b)
+{
+    const float *p = a;
+    const float *q = b;
+    return p[0] != q[0] ? (p[0] > q[0]) - (p[0] < q[0]) : (p[1] > q[1]) - (p[1] < q[1]);
+}
+
+/* Replaces points, at most HULL, by the corners of their hull, in their order around it. */
+static size_t find_hull(float (*points)[2], size_t count)
+{
+    float hull[2 * HULL + 1][2];
+    size_t corners = 0;
+    qsort(points, count, sizeof *points, by_place);
+    for (int side = 0; side < 2; side++) { /* the lower one from left to right, the upper one back */
+        size_t first = corners;
+        for (size_t i = 0; i < count; i++) {
+            const float *p = points[side ? count - 1 - i : i];
+            while (corners >= first + 2) {
+                const float *a = hull[corners - 2];
+                const float *b = hull[corners - 1];
+                if ((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) > 0) {
+                    break;
+                }
+                corners--;
+            }
+            memcpy(hull[corners++], p, sizeof hull[0]);
+        }
+        corners -= corners > 0; /* where the other side begins */
+    }
+    memcpy(points, hull, corners * sizeof *points);
+    return corners;
+}
+
+/* Fills the part that nothing hides. */
+static void draw_inside(const struct window *window, enum tool_number number, ui_colour colour)
+{
+    const struct cone_sight *sight = &window->pictures.cones[number];
+    float points[HULL][2];
+    struct shell shell;
+    bool seen = sight->clear > sight->extent.near;
+    if (seen) {
+        find_shell(&shell, window->viewer, number, sight->extent.near, sight->clear);
+    }
+    for (size_t i = 0; i < SHELL_POINTS && seen; i++) {
+        seen =
+            window_point(points[2 * i], window, shell.near[i]) && window_point(points[2 * i + 1], window, shell.far[i]);
+    }
+    if (seen) {
+        colour.a = fill;
+        ui_draw_fill(points, find_hull(points, (size_t)2 * SHELL_POINTS), colour);
+    }
+}
+
+/* Whether the mouse may turn the cone: nothing else moves it. */
+static bool is_free(const struct tool *tool)
+{
+    return tool->held || tool->pointer == POINT_BY_MOUSE || tool->pointer == POINT_BY_WAND ||
+           tool->pointer >= POINT_BY_SPACEMOUSE;
+}
+
+/* Where the ball is drawn; false where it is not. */
+static bool find_ball(float out[2], const struct window *window, enum tool_number number)
+{
+    const struct cone_sight *sight = &window->pictures.cones[number];
+    float entry[2];
+    return shows(window, number) && sight->is_seen && is_free(&window->viewer->tools[number]) &&
+           window_point(out, window, sight->ball) && window_point(entry, window, sight->extent.entry) &&
+           hypotf(out[0] - entry[0], out[1] - entry[1]) > end_on * window->screen.scale;
+}
+
+enum tool_number pane_cone_at(const struct window *window, const float at[2])
+{
+    enum tool_number number = FIRST_TOOL;
+    float place[2];
+    while (number < TOOL_COUNT && !(find_ball(place, window, number) && hypotf(at[0] - place[0], at[1] - place[1]) <=
+                                                                            (ball + grip) * window->screen.scale)) {
+        number++;
+    }
+    return number;
+}
+
+static void draw_ball(const struct window *window, enum tool_number number, ui_colour colour)
+{
+    float at[2];
+    float scale = window->screen.scale;
+    if (find_ball(at, window, number)) {
+        const struct ui_mouse mouse = ui_mouse_now();
+        bool is_taken =
+            window->frame.turns_cone == number || pane_cone_at(window, (float[]){mouse.x, mouse.y}) == number;
+        ui_colour inside = colour;
+        inside.a = window->pictures.cones[number].hides_ball ? fill : colour.a;
+        ui_draw_circle(at, ball * scale, inside, 0);
+        ui_draw_circle(at, ball * scale, shade, cased);
+        ui_draw_circle(at, ball * scale, is_taken ? (ui_colour){LOOK_RGB(LOOK_WHITE), 255} : colour, rim);
+    }
+}
+
+static void draw_best(struct window *window, ui_colour colour)
+{
+    const struct viewer *viewer = window->viewer;
+    const conus_selection *selection = view_atlas_selection(viewer->drawn, SECOND_TOOL);
+    const conus_result *best = conus_selection_result(selection, 0);
+    float at[2];
+    if (best && best->object && best->pixels && window_point(at, window, best->contact)) {
+        ui_draw_circle(at, 4, colour, 1.5F);
+        const struct ui_box *box = &window->screen.panes[PANE_3D];
+        char title[VIEW_ATLAS_TITLE];
+        pane_name(&window->frame.labels, box, at, false, colour, best->object,
+                  view_atlas_title(title, viewer->drawn, best->object));
+    }
+}
+
+void pane_cones(struct window *window)
+{
+    tool_update_second(window->viewer); /* a panel may have changed the atlas in this frame */
+    for (enum tool_number number = FIRST_TOOL; number < TOOL_COUNT; number++) {
+        const struct cone_sight *sight = &window->pictures.cones[number];
+        ui_colour colour = find_colour(window, number);
+        float phase = 0;
+        float ends[2][2];
+        if (!shows(window, number)) {
+            continue;
+        }
+        find_extent(window, number);
+        find_lines(window, number);
+        draw_inside(window, number, colour);
+        for (size_t i = 0; i < sight->line_count; i++) {
+            const struct cone_line *line = &sight->lines[i];
+            if (!window_point(ends[0], window, line->ends[0]) || !window_point(ends[1], window, line->ends[1])) {
+                continue;
+            }
+            if (line->dashed) {
+                draw_dashes(&phase, ends[0], ends[1], colour);
+            } else {
+                draw_line(ends[0], ends[1], colour);
+            }
+        }
+        if (window_point(ends[0], window, window->viewer->tools[number].pose.world_from_device + 12)) {
+            ui_draw_circle(ends[0], 4, colour, 0);
+        }
+        draw_ball(window, number, colour);
+        if (number == SECOND_TOOL) {
+            draw_best(window, colour);
+        }
+    }
+}
+
+/* Finds where a plane cuts the cone between two depths: the corners of its section, as pixels. */
+static size_t find_section(float (*out)[2], const struct viewer *viewer, enum tool_number number,
+                           const double depths[2], const struct pane_plane *plane)
+{
+    struct shell shell;
+    struct shell_piece pieces[2 * SHELL_POINTS];
+    double normal[3];
+    for (int a = 0; a < 3; a++) {
+        int b = (a + 1) % 3;
+        int c = (a + 2) % 3;
+        normal[a] = plane->view.right[b] * plane->view.up[c] - plane->view.right[c] * plane->view.up[b];
+    }
+    find_shell(&shell, viewer, number, depths[0], depths[1]);
+    size_t count = shell_cut(pieces, &shell, plane->view.centre, normal);
+    for (size_t i = 0; i < count; i++) {
+        pane_point(out[2 * i], plane, pieces[i].ends[0]);
+        pane_point(out[2 * i + 1], plane, pieces[i].ends[1]);
+    }
+    return find_hull(out, 2 * count);
+}
+
+void pane_cones_cut(struct window *window, const struct pane_plane *plane)
+{
+    tool_update_second(window->viewer); /* a panel may have changed the atlas in this frame */
+    for (enum tool_number number = FIRST_TOOL; number < TOOL_COUNT; number++) {
+        const struct extent *extent = &window->pictures.cones[number].extent;
+        ui_colour colour = find_colour(window, number);
+        ui_colour inside = colour;
+        float corners[HULL][2];
+        if (!shows(window, number)) {
+            continue;
+        }
+        find_extent(window, number);
+        size_t count = find_section(corners, window->viewer, number, (double[]){extent->solid, extent->end}, plane);
+        float phase = 0;
+        for (size_t i = 0; i < count; i++) {
+            draw_dashes(&phase, corners[i], corners[(i + 1) % count], colour);
+        }
+        count = find_section(corners, window->viewer, number, (double[]){extent->near, extent->solid}, plane);
+        inside.a = fill;
+        ui_draw_fill(corners, count, inside);
+        for (size_t i = 0; i < count; i++) {
+            draw_line(corners[i], corners[(i + 1) % count], colour);
+        }
+    }
+}
+
+bool pane_cone_turn(struct window *window)
+{
+    const struct ui_mouse mouse = ui_mouse_now();
+    const struct hover *hover = &window->frame.hover;
+    struct viewer *viewer = window->viewer;
+    struct frame_state *frame = &window->frame;
+    if (mouse.pressed[0] && ui_surface_held()) {
+        frame->turns_cone = pane_cone_at(window, (float[]){mouse.x, mouse.y});
+        if (frame->turns_cone < TOOL_COUNT) {
+            struct tool *tool = &viewer->tools[frame->turns_cone];
+            frame->turned_about = window->pictures.cones[frame->turns_cone].extent;
+            if (tool->pointer == POINT_BY_MOUSE && !tool->held) {
+                tool_hold(viewer, frame->turns_cone);
+            }
+        }
+    } else if (!mouse.down[0]) {
+        frame->turns_cone = TOOL_COUNT;
+    }
+    bool turns = frame->turns_cone < TOOL_COUNT;
+    if (turns && (mouse.moved_x != 0 || mouse.moved_y != 0)) {
+        extent_turn(viewer, frame->turns_cone, &frame->turned_about, hover->eye, hover->direction);
+    }
+    return turns;
+}
