@@ -425,15 +425,14 @@ void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane
     static const double axes[PLANE_COUNT][2][3] = {
         {{1, 0, 0}, {0, 1, 0}}, {{1, 0, 0}, {0, 0, 1}}, {{0, 1, 0}, {0, 0, 1}}}; /* to the right and up */
     const double *grey = view_atlas_grey(viewer->drawn);
-    *out =
-        (conus_cut_view){.width = (uint32_t)fmax(size[0], 1),
-                         .height = (uint32_t)fmax(size[1], 1),
-                         .fill = viewer->display.fill,
-                         .no_outlines = viewer->display.no_outlines,
-                         .window = {grey[0], grey[1]},
-                         .selection = viewer_selection(viewer),
-                         .chosen = viewer_full(viewer),
-                         .own_colours = viewer->display.own_colours};
+    *out = (conus_cut_view){.width = (uint32_t)fmax(size[0], 1),
+                            .height = (uint32_t)fmax(size[1], 1),
+                            .fill = viewer->display.fill,
+                            .no_outlines = viewer->display.no_outlines,
+                            .window = {grey[0], grey[1]},
+                            .selection = viewer_selection(viewer),
+                            .chosen = viewer_full(viewer),
+                            .own_colours = viewer->display.own_colours};
     memcpy(out->centre, viewer->centre, sizeof out->centre);
     out->centre[2 - (int)plane] = viewer->crosshair[2 - (int)plane];
     memcpy(out->right, axes[plane][0], sizeof out->right);

@@ -505,7 +505,7 @@ void pane_3d(struct window *window)
     ui_clip(*box);
     pane_chosen(window);
     draw_compass(window);
-    pane_chosen_name(window);
+    pane_chosen_names(window);
     pane_cones(window);
     draw_crosshair(window);
     draw_measured(window);

@@ -3,11 +3,12 @@
 #include "viewer/panes/panes.h"
 
 #include "base/look.h"
+#include "base/order.h"
 #include "viewer/model/picker.h"
+#include "viewer/model/plans.h"
 #include "viewer/tools/shell.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const ui_colour colours[TOOL_COUNT] = {{LOOK_RGB(LOOK_CONE), 255}, {LOOK_RGB(LOOK_SECOND), 255}};
@@ -17,13 +18,21 @@ static const ui_colour shade = {LOOK_RGB(LOOK_UNDER),
 static const uint8_t fill = 64;       /* opacity of the inside */
 
 /* Pixels. */
-static const float rim = 2, cased = 4, dash = 6, gap = 5;
+static const float rim = 2, needle = 3, casing = 2, dash = 6, gap = 5, tick = 5;
 static const float ball = 8, grip = 4; /* its radius, and how far beside it the mouse takes it */
 static const float end_on = 20;        /* nearer to its entry it is not drawn: it would hide what the cone points at */
 
+static const double tick_mm = 10;
+static const double beside = 2;     /* mm: a needle so near to a cut is in it */
 static const double touching = 1.5; /* mm: what lies no farther behind a surface lies on it */
 
 enum { PARTS = 6, ARC = 8 /* points of a ring that are looked at once */, STEPS = 4, HULL = 4 * SHELL_POINTS };
+
+/* Whether the tool is the needle of a plan: its axis from where it begins to its tip. */
+static bool is_needle(const struct viewer *viewer, enum tool_number number)
+{
+    return number == FIRST_TOOL && plans_is_on(viewer) && viewer->cone.options.range[1] > 0;
+}
 
 static bool shows(const struct window *window, enum tool_number number)
 {
@@ -140,17 +149,45 @@ static void add_ring(struct cone_sight *sight, const struct window *window, doub
     }
 }
 
-/* Finds the lines of the cone as the eye sees it: its sides and rings up to the deepest hit, behind that dashed; and
- * the axis up to its ball. */
+static void on_axis(double out[3], const struct window *window, enum tool_number number, double depth)
+{
+    const double *m = window->viewer->tools[number].pose.world_from_device;
+    for (int a = 0; a < 3; a++) {
+        out[a] = m[12 + a] - depth * m[8 + a];
+    }
+}
+
+/* Adds the wall between two depths: both rings, but none that is a point, and the sides. */
+static void add_wall(struct window *window, enum tool_number number, double near, double far, bool dashed)
+{
+    struct cone_sight *sight = &window->pictures.cones[number];
+    const double *eye = window->pictures.shown.camera.world_from_device + 12;
+    struct shell shell;
+    find_shell(&shell, window->viewer, number, near, far);
+    add_ring(sight, window, shell.far, dashed);
+    if (!dashed && (near > 0 || window->viewer->cone.options.radius > 0)) {
+        add_ring(sight, window, shell.near, dashed);
+    }
+    for (size_t i = 0; i < SHELL_POINTS; i++) {
+        if (!shell_turns(&shell, i, eye)) {
+            continue;
+        }
+        if (dashed) {
+            add_line(sight, shell.near[i], shell.far[i], true);
+        } else {
+            add_seen(sight, window, shell.near[i], shell.far[i]);
+        }
+    }
+}
+
+/* Finds the lines of the cone as the eye sees it: its wall up to the deepest hit, behind that dashed, or the needle of
+ * a plan; and the axis up to its ball. */
 static void find_lines(struct window *window, enum tool_number number)
 {
     struct viewer *viewer = window->viewer;
     struct cone_sight *sight = &window->pictures.cones[number];
     const struct extent *extent = &sight->extent;
     const struct eye *eye = &window->pictures.shown;
-    const conus_pose *pose = &viewer->tools[number].pose;
-    const double *from = eye->camera.world_from_device + 12;
-    struct shell shell;
     double ends[2][3];
     if (sight->is_seen && eye_is_same(&sight->eye, eye) && sight->fade == viewer->display.fade) {
         return;
@@ -160,45 +197,53 @@ static void find_lines(struct window *window, enum tool_number number)
     sight->fade = viewer->display.fade;
     sight->line_count = 0;
     sight->clear = extent->near;
-    if (extent->solid > extent->near) {
-        find_shell(&shell, viewer, number, extent->near, extent->solid);
-        add_ring(sight, window, shell.far, false);
-        add_ring(sight, window, shell.near, false);
-        for (size_t i = 0; i < SHELL_POINTS; i++) {
-            if (shell_turns(&shell, i, from)) {
-                add_seen(sight, window, shell.near[i], shell.far[i]);
-            }
-        }
-        for (int a = 0; a < 3; a++) {
-            ends[0][a] = pose->world_from_device[12 + a] - extent->near * pose->world_from_device[8 + a];
-            ends[1][a] = pose->world_from_device[12 + a] - extent->solid * pose->world_from_device[8 + a];
-        }
+    on_axis(ends[0], window, number, extent->near);
+    if (is_needle(viewer, number)) {
+        on_axis(ends[1], window, number, extent->end);
+        add_seen(sight, window, ends[0], ends[1]);
+    } else if (extent->solid > extent->near) {
+        on_axis(ends[1], window, number, extent->solid);
+        add_wall(window, number, extent->near, extent->solid, false);
         if (!is_hidden(window, ends[0])) {
             sight->clear += next_change(window, ends[0], ends[1], 0, false) * (extent->solid - extent->near);
         }
     }
-    if (extent->end > extent->solid) {
-        find_shell(&shell, viewer, number, extent->solid, extent->end);
-        add_ring(sight, window, shell.far, true);
-        for (size_t i = 0; i < SHELL_POINTS; i++) {
-            if (shell_turns(&shell, i, from)) {
-                add_line(sight, shell.near[i], shell.far[i], true);
-            }
-        }
+    if (extent->end > extent->solid && !is_needle(viewer, number)) {
+        add_wall(window, number, extent->solid, extent->end, true);
     }
-    extent_ball(sight->ball, extent, pose);
+    extent_ball(sight->ball, extent, &viewer->tools[number].pose);
     add_seen(sight, window, sight->ball, extent->entry);
     sight->hides_ball = is_hidden(window, sight->ball);
 }
 
-static void draw_line(const float from[2], const float to[2], ui_colour colour)
+static void draw_line(const float from[2], const float to[2], ui_colour colour, float width)
 {
-    ui_draw_line(from, to, shade, cased);
-    ui_draw_line(from, to, colour, rim);
+    ui_draw_line(from, to, shade, width + casing);
+    ui_draw_line(from, to, colour, width);
+}
+
+/* Draws a mark across the needle at `at`, on its way from `from`. */
+static void draw_tick(const float from[2], const float at[2], ui_colour colour)
+{
+    float size = hypotf(at[0] - from[0], at[1] - from[1]);
+    if (size > 0) {
+        const float across[2] = {tick * (from[1] - at[1]) / size, tick * (at[0] - from[0]) / size};
+        draw_line((float[]){at[0] - across[0], at[1] - across[1]}, (float[]){at[0] + across[0], at[1] + across[1]},
+                  colour, rim);
+    }
+}
+
+/* Finds where mark `index` of the needle is, from 0 where it begins; false behind its tip. */
+static bool find_tick(double out[3], const struct window *window, enum tool_number number, int index)
+{
+    const struct extent *extent = &window->pictures.cones[number].extent;
+    double depth = extent->near + tick_mm * index;
+    on_axis(out, window, number, depth);
+    return depth <= extent->end;
 }
 
 /* Draws dashes; `phase`, 0 at first, goes on where several lines are one behind the other. */
-static void draw_dashes(float *phase, const float from[2], const float to[2], ui_colour colour)
+static void draw_dashes(float *phase, const float from[2], const float to[2], ui_colour colour, float width)
 {
     float length = hypotf(to[0] - from[0], to[1] - from[1]);
     float period = dash + gap;
@@ -209,7 +254,7 @@ static void draw_dashes(float *phase, const float from[2], const float to[2], ui
         float end = fminf(at + dash, length) / length;
         if (end > begin) {
             draw_line((float[]){from[0] + begin * (to[0] - from[0]), from[1] + begin * (to[1] - from[1])},
-                      (float[]){from[0] + end * (to[0] - from[0]), from[1] + end * (to[1] - from[1])}, colour);
+                      (float[]){from[0] + end * (to[0] - from[0]), from[1] + end * (to[1] - from[1])}, colour, width);
         }
     }
     *phase = fmodf(*phase + length, period);
@@ -227,7 +272,7 @@ static size_t find_hull(float (*points)[2], size_t count)
 {
     float hull[2 * HULL + 1][2];
     size_t corners = 0;
-    qsort(points, count, sizeof *points, by_place);
+    order_sort(points, count, sizeof *points, by_place);
     for (int side = 0; side < 2; side++) { /* the lower one from left to right, the upper one back */
         size_t first = corners;
         for (size_t i = 0; i < count; i++) {
@@ -307,7 +352,7 @@ static void draw_ball(const struct window *window, enum tool_number number, ui_c
         ui_colour inside = colour;
         inside.a = window->pictures.cones[number].hides_ball ? fill : colour.a;
         ui_draw_circle(at, ball * scale, inside, 0);
-        ui_draw_circle(at, ball * scale, shade, cased);
+        ui_draw_circle(at, ball * scale, shade, rim + casing);
         ui_draw_circle(at, ball * scale, is_taken ? (ui_colour){LOOK_RGB(LOOK_WHITE), 255} : colour, rim);
     }
 }
@@ -327,38 +372,62 @@ static void draw_best(struct window *window, ui_colour colour)
     }
 }
 
+/* Draws the lines of a cone; ticks on a needle. */
+static void draw_lines(const struct window *window, enum tool_number number, ui_colour colour)
+{
+    const struct cone_sight *sight = &window->pictures.cones[number];
+    float width = is_needle(window->viewer, number) ? needle : rim;
+    float phase = 0;
+    float ends[2][2];
+    for (size_t i = 0; i < sight->line_count; i++) {
+        const struct cone_line *line = &sight->lines[i];
+        if (!window_point(ends[0], window, line->ends[0]) || !window_point(ends[1], window, line->ends[1])) {
+            continue;
+        }
+        if (line->dashed) {
+            draw_dashes(&phase, ends[0], ends[1], colour, width);
+        } else {
+            draw_line(ends[0], ends[1], colour, width);
+        }
+    }
+    double place[3];
+    for (int i = 0; is_needle(window->viewer, number) && find_tick(place, window, number, i); i++) {
+        bool seen = window_point(ends[i % 2], window, place);
+        if (seen && i) {
+            draw_tick(ends[(i + 1) % 2], ends[i % 2], colour);
+        }
+    }
+}
+
 void pane_cones(struct window *window)
 {
     tool_update_second(window->viewer); /* a panel may have changed the atlas in this frame */
     for (enum tool_number number = FIRST_TOOL; number < TOOL_COUNT; number++) {
-        const struct cone_sight *sight = &window->pictures.cones[number];
         ui_colour colour = find_colour(window, number);
-        float phase = 0;
-        float ends[2][2];
+        float apex[2];
         if (!shows(window, number)) {
             continue;
         }
         find_extent(window, number);
         find_lines(window, number);
         draw_inside(window, number, colour);
-        for (size_t i = 0; i < sight->line_count; i++) {
-            const struct cone_line *line = &sight->lines[i];
-            if (!window_point(ends[0], window, line->ends[0]) || !window_point(ends[1], window, line->ends[1])) {
-                continue;
-            }
-            if (line->dashed) {
-                draw_dashes(&phase, ends[0], ends[1], colour);
-            } else {
-                draw_line(ends[0], ends[1], colour);
-            }
-        }
-        if (window_point(ends[0], window, window->viewer->tools[number].pose.world_from_device + 12)) {
-            ui_draw_circle(ends[0], 4, colour, 0);
+        draw_lines(window, number, colour);
+        if (window_point(apex, window, window->viewer->tools[number].pose.world_from_device + 12)) {
+            ui_draw_circle(apex, 4, colour, 0);
         }
         draw_ball(window, number, colour);
         if (number == SECOND_TOOL) {
             draw_best(window, colour);
         }
+    }
+}
+
+static void find_normal(double out[3], const struct pane_plane *plane)
+{
+    for (int a = 0; a < 3; a++) {
+        int b = (a + 1) % 3;
+        int c = (a + 2) % 3;
+        out[a] = plane->view.right[b] * plane->view.up[c] - plane->view.right[c] * plane->view.up[b];
     }
 }
 
@@ -369,11 +438,7 @@ static size_t find_section(float (*out)[2], const struct viewer *viewer, enum to
     struct shell shell;
     struct shell_piece pieces[2 * SHELL_POINTS];
     double normal[3];
-    for (int a = 0; a < 3; a++) {
-        int b = (a + 1) % 3;
-        int c = (a + 2) % 3;
-        normal[a] = plane->view.right[b] * plane->view.up[c] - plane->view.right[c] * plane->view.up[b];
-    }
+    find_normal(normal, plane);
     find_shell(&shell, viewer, number, depths[0], depths[1]);
     size_t count = shell_cut(pieces, &shell, plane->view.centre, normal);
     for (size_t i = 0; i < count; i++) {
@@ -383,28 +448,79 @@ static size_t find_section(float (*out)[2], const struct viewer *viewer, enum to
     return find_hull(out, 2 * count);
 }
 
+static void draw_section(struct window *window, enum tool_number number, const struct pane_plane *plane,
+                         ui_colour colour)
+{
+    const struct extent *extent = &window->pictures.cones[number].extent;
+    float corners[HULL][2];
+    float phase = 0;
+    ui_colour inside = colour;
+    size_t count = find_section(corners, window->viewer, number, (double[]){extent->solid, extent->end}, plane);
+    for (size_t i = 0; i < count; i++) {
+        draw_dashes(&phase, corners[i], corners[(i + 1) % count], colour, rim);
+    }
+    count = find_section(corners, window->viewer, number, (double[]){extent->near, extent->solid}, plane);
+    inside.a = fill;
+    ui_draw_fill(corners, count, inside);
+    for (size_t i = 0; i < count; i++) {
+        draw_line(corners[i], corners[(i + 1) % count], colour, rim);
+    }
+}
+
+/* Draws the needle as it is seen from before the cut, in dashes where it is not in it. */
+static void draw_needle(const struct window *window, enum tool_number number, const struct pane_plane *plane,
+                        ui_colour colour)
+{
+    const struct extent *extent = &window->pictures.cones[number].extent;
+    double places[2][3];
+    double away[2] = {0};
+    float ends[2][2];
+    float phase = 0;
+    double normal[3];
+    find_normal(normal, plane);
+    for (int e = 0; e < 2; e++) {
+        on_axis(places[e], window, number, e ? extent->end : extent->near);
+        pane_point(ends[e], plane, places[e]);
+        for (int a = 0; a < 3; a++) {
+            away[e] += (places[e][a] - plane->view.centre[a]) * normal[a];
+        }
+    }
+    double slope = away[1] - away[0];
+    double parts[2] = {fabs(away[0]) <= beside ? 0 : 1, 1}; /* of one beside the cut */
+    if (fabs(slope) > 1e-9) {
+        double one = (-beside - away[0]) / slope;
+        double other = (beside - away[0]) / slope;
+        parts[0] = fmin(fmax(fmin(one, other), 0), 1);
+        parts[1] = fmin(fmax(fmax(one, other), 0), 1);
+    }
+    float between[2][2];
+    for (int e = 0; e < 2; e++) {
+        for (int c = 0; c < 2; c++) {
+            between[e][c] = ends[0][c] + (float)parts[e] * (ends[1][c] - ends[0][c]);
+        }
+    }
+    draw_dashes(&phase, ends[0], between[0], colour, rim);
+    draw_line(between[0], between[1], colour, needle);
+    draw_dashes(&phase, between[1], ends[1], colour, rim);
+    for (int i = 1; find_tick(places[1], window, number, i); i++) {
+        pane_point(ends[1], plane, places[1]);
+        draw_tick(ends[0], ends[1], colour);
+    }
+}
+
 void pane_cones_cut(struct window *window, const struct pane_plane *plane)
 {
     tool_update_second(window->viewer); /* a panel may have changed the atlas in this frame */
     for (enum tool_number number = FIRST_TOOL; number < TOOL_COUNT; number++) {
-        const struct extent *extent = &window->pictures.cones[number].extent;
         ui_colour colour = find_colour(window, number);
-        ui_colour inside = colour;
-        float corners[HULL][2];
         if (!shows(window, number)) {
             continue;
         }
         find_extent(window, number);
-        size_t count = find_section(corners, window->viewer, number, (double[]){extent->solid, extent->end}, plane);
-        float phase = 0;
-        for (size_t i = 0; i < count; i++) {
-            draw_dashes(&phase, corners[i], corners[(i + 1) % count], colour);
-        }
-        count = find_section(corners, window->viewer, number, (double[]){extent->near, extent->solid}, plane);
-        inside.a = fill;
-        ui_draw_fill(corners, count, inside);
-        for (size_t i = 0; i < count; i++) {
-            draw_line(corners[i], corners[(i + 1) % count], colour);
+        if (is_needle(window->viewer, number)) {
+            draw_needle(window, number, plane, colour);
+        } else {
+            draw_section(window, number, plane, colour);
         }
     }
 }

@@ -91,12 +91,21 @@ static void draw_picture(struct window *window, const struct cut *cut)
     }
     const uint8_t *rgba = conus_cutter_rgba(pane->cutter);
     const uint32_t *objects = conus_cutter_objects(pane->cutter);
-    bool *wanted = outline_wanted(viewer); /* what is chosen has an outline */
-    pane->top = (struct outline_top){0};
-    uint8_t *outlined = wanted ? outline_cut(&pane->top, rgba, objects, view->width, view->height, wanted) : NULL;
+    size_t bytes = (size_t)4 * view->width * view->height;
+    uint8_t *outlined = NULL;
+    for (enum outline which = 0; which < OUTLINE_COUNT; which++) {
+        bool *wanted = outline_wanted(viewer, which);
+        pane->top = (struct outline_top){0};
+        if (wanted && !outlined && (outlined = malloc(bytes))) {
+            memcpy(outlined, rgba, bytes);
+        }
+        if (wanted && outlined) {
+            outline_cut(outlined, &pane->top, objects, view->width, view->height, wanted, &outline_looks[which]);
+        }
+        free(wanted);
+    }
     texture_set(&pane->texture, outlined ? outlined : rgba, view->width, view->height, false);
     free(outlined);
-    free(wanted);
 }
 
 static void world_at(double out[3], const struct cut *cut, float x, float y)

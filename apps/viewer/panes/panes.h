@@ -9,9 +9,9 @@ void pane_cut(struct window *window, enum plane plane);
 /** The borders of panes and panels, which the mouse drags; to be drawn before these. */
 void pane_borders(struct window *window);
 void pane_3d(struct window *window);
-/** The chosen area over the picture of the 3-D pane, whatever lies before it. */
+/** The chosen area, and those of a plan, over the picture of the 3-D pane, whatever lies before them. */
 void pane_chosen(struct window *window);
-void pane_chosen_name(struct window *window); /**< And its name. */
+void pane_chosen_names(struct window *window); /**< And their names. */
 enum { PANE_NAME = 512 /**< Bytes of a name in a pane, in which it ends with "..." where it is too long. */ };
 /** A name in a pane where it lies on no other, with a line from there to it: beside the place, or above it. */
 void pane_name(struct labels *labels, const struct ui_box *box, const float at[2], bool above, ui_colour colour,

@@ -41,11 +41,12 @@ struct cut_pane {
     struct outline_top top; /**< Top of the chosen area. */
 };
 
-/** The chosen area over the 3-D picture: its outline, in dashes where something lies before it. */
+/** Areas over the 3-D picture: their outline, in dashes where something lies before it. */
 struct shadow {
     struct cells cells;
     const struct view_atlas *of; /**< Whose cells they are, */
-    uint32_t chosen;             /**< of which object, */
+    uint32_t chosen;             /**< of which chosen object, */
+    unsigned plan_number;        /**< of which plan, */
     unsigned atlas_number;       /**< and at which of the viewer's numbers. */
     struct texture texture;
     uint32_t width, height; /**< Size of the texture; 0 = it is to be drawn anew. */
@@ -170,7 +171,7 @@ struct screen {
 struct pictures {
     struct cut_pane cuts[PLANE_COUNT];
     struct texture painted, device_view;
-    struct shadow shadow;
+    struct shadow shadows[OUTLINE_COUNT];
     struct cone_sight cones[TOOL_COUNT];
     const struct view_atlas *painted_of; /**< The atlas that painted shows. */
     struct eye eye;                      /**< The eye of the 3-D pane that the next picture shall have. */
