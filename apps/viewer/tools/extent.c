@@ -60,12 +60,13 @@ void extent_find(struct extent *out, struct viewer *viewer, enum tool_number num
     double behind[3];
     viewer_query(&options, viewer, number, 0);
     double whole = between(middle, apex, viewer->centre) + viewer->radius;
-    along(before, apex, axis, -whole);
-    along(behind, apex, axis, whole);
-    double enters = point_depth(viewer, before, axis) - whole;
-    double leaves = whole - point_depth(viewer, behind, m + 8);
+    double nearest = dot(middle, axis);
+    along(before, apex, axis, nearest - viewer->radius);
+    along(behind, apex, axis, nearest + viewer->radius);
+    double enters = nearest - viewer->radius + point_depth(viewer, before, axis);
+    double leaves = nearest + viewer->radius - point_depth(viewer, behind, m + 8);
     bool meets = isfinite(enters);
-    along(out->entry, apex, axis, meets ? enters : dot(middle, axis));
+    along(out->entry, apex, axis, meets ? enters : nearest);
     out->reach = ball_mm + (meets ? 0 : viewer->radius);
     out->near = options.range[1] > 0 ? options.range[0] : 0;
     out->end = options.range[1] > 0 ? options.range[1] : leaves > 0 ? leaves : whole;
