@@ -41,8 +41,15 @@ enum look_colour {
     LOOK_SEEN_NOTHING = 0x34353A, /**< Pixels of the device that see no object, and what is around them. */
     LOOK_SEEN_AROUND = 0x18191C,
 
+    /* The window: its main button is as amber as the cone, and nothing else is. */
+    LOOK_MAIN = LOOK_CONE,
+    LOOK_MAIN_HOVERED = 0xFFC24D,
+    LOOK_MAIN_HELD = 0xE09A00,
+    LOOK_MAIN_TEXT = 0x1E1600,
+    LOOK_PANE_DARK = 0x14171B, /**< Behind the brain in the dark theme. */
+
     /* The window, over pictures, which have no theme. */
-    LOOK_CHOSEN = 0xFFC85A, /**< The outline of what is chosen. */
+    LOOK_CHOSEN = 0xFFFFFF, /**< The outline of what is chosen. */
     LOOK_OVER = 0xEBEBF0,   /**< Words and lines over pictures, farther ones, and under them. */
     LOOK_OVER_FAR = 0xAFAFB5,
     LOOK_UNDER = 0x141418,
@@ -66,9 +73,9 @@ enum look_colour {
  * @{ */
 /** Texts of the window, and the mark of the focus, on which none stands. */
 #define LOOK_TEXTS(ITEM)                                                                                               \
-    ITEM(PLAIN, 0xFFFFFF, 0x121418)                                                                                    \
+    ITEM(PLAIN, 0xF2F4F6, 0x1B1F24)                                                                                    \
     ITEM(HINT, 0xBEC3CD, 0x424854)                                                                                     \
-    ITEM(AMBER, 0xFFC85A, 0x562E00)                                                                                    \
+    ITEM(ACCENT, 0x9CC7FF, 0x0A3880)                                                                                   \
     ITEM(ORANGE, 0xFFAF55, 0x963000)                                                                                   \
     ITEM(RED, 0xFFA596, 0xA01014)                                                                                      \
     ITEM(GREEN, 0x6EE682, 0x005C20)
@@ -76,23 +83,23 @@ enum look_colour {
 
 /** What texts stand on. */
 #define LOOK_SURFACES(ITEM)                                                                                            \
-    ITEM(PANEL, 0x212226, 0xF3F4F6)                                                                                    \
-    ITEM(POPUP, 0x141418, 0xFFFFFF)                                                                                    \
-    ITEM(TITLE, 0x2B2E36, 0xE2E6ED)                                                                                    \
-    ITEM(FIELD, 0x243450, 0xDEE5F0)                                                                                    \
-    ITEM(FIELD_HOVERED, 0x284068, 0xD2DDEF)                                                                            \
-    ITEM(FIELD_HELD, 0x284470, 0xCAD7ED)                                                                               \
-    ITEM(BUTTON, 0x284670, 0xCCDBF2)                                                                                   \
-    ITEM(BUTTON_HOVERED, 0x2C4E7E, 0xBED1F0)                                                                           \
-    ITEM(BUTTON_HELD, 0x223E68, 0xD4E1F5)                                                                              \
-    ITEM(ROW, 0x263E60, 0xD3E0F3)                                                                                      \
-    ITEM(ROW_HOVERED, 0x2A4A78, 0xCBDAF1)                                                                              \
-    ITEM(ROW_HELD, 0x223E68, 0xD6E2F5)                                                                                 \
-    ITEM(ODD_ROW, 0x2E2F33, 0xEAECF0)                                                                                  \
-    ITEM(HEADINGS, 0x303033, 0xE4E7EC)                                                                                 \
-    ITEM(KNOB, 0x385C92, 0x96B6E4)                                                                                     \
-    ITEM(KNOB_HELD, 0x3C629A, 0x8AADE0)                                                                                \
-    ITEM(MARKED, 0x2C5082, 0xAAC9F5)
+    ITEM(PANEL, 0x1E2126, 0xF4F5F7)                                                                                    \
+    ITEM(POPUP, 0x16181C, 0xFFFFFF)                                                                                    \
+    ITEM(FIELD, 0x272B31, 0xE9ECF0)                                                                                    \
+    ITEM(FIELD_HOVERED, 0x30353D, 0xE1E5EB)                                                                            \
+    ITEM(FIELD_HELD, 0x3A424D, 0xD8DEE6)                                                                               \
+    ITEM(BUTTON, 0x2F353D, 0xE1E5EA)                                                                                   \
+    ITEM(BUTTON_HOVERED, 0x373E48, 0xDADFE6)                                                                           \
+    ITEM(BUTTON_HELD, 0x3A424D, 0xCFD6DF)                                                                              \
+    ITEM(ROW, 0x333B46, 0xDDE4EE)                                                                                      \
+    ITEM(ROW_HOVERED, 0x2A2F37, 0xE9ECF0)                                                                              \
+    ITEM(ROW_HELD, 0x3A424D, 0xD3DBE6)                                                                                 \
+    ITEM(KNOB, 0x4A5664, 0xB4BFCC)                                                                                     \
+    ITEM(KNOB_HELD, 0x566475, 0xA3B0C0)                                                                                \
+    ITEM(MARKED, 0x34465F, 0xBFD3F2)
+
+/** Lines between groups of widgets. */
+#define LOOK_LINES(ITEM) ITEM(LINE, 0x3A4049, 0xD9DCE1)
 
 /** The page, as page.css names them. */
 #define LOOK_PAGE(ITEM)                                                                                                \
@@ -108,7 +115,7 @@ enum look_colour {
 #define LOOK_BOTH_THEMES(name, dark, light) LOOK_DARK_##name = (dark), LOOK_LIGHT_##name = (light),
 enum look_theme_colour {
     LOOK_TEXTS(LOOK_BOTH_THEMES) LOOK_MARKS(LOOK_BOTH_THEMES) LOOK_SURFACES(LOOK_BOTH_THEMES)
-        LOOK_PAGE(LOOK_BOTH_THEMES)
+        LOOK_LINES(LOOK_BOTH_THEMES) LOOK_PAGE(LOOK_BOTH_THEMES)
 };
 
 /** @name Linear light

@@ -7,14 +7,15 @@
 
 enum look_size {
     /* The window, pixels at a scale of 1. */
-    LOOK_TEXT = 15,
-    LOOK_HEADING = 22,
-    LOOK_ROUNDING = 3, /**< Of corners. */
-    LOOK_PADDING_X = 8,
+    LOOK_TEXT = 17,
+    LOOK_HEADING = 30,
+    LOOK_ROUNDING = 4, /**< Of corners. */
+    LOOK_PADDING_X = 12,
     LOOK_PADDING_Y = 6,
     LOOK_GAP_X = 6,
     LOOK_GAP_Y = 4,
-    LOOK_CELL = 3, /**< Between a table's column and its line. */
+    LOOK_CELL = 4,   /**< Between a table's columns, */
+    LOOK_CELL_Y = 4, /**< and between a row and its line. */
 
     /* Figures. */
     LOOK_FIGURE_PART = 54,  /**< Where no dpi is known letters are as high as this part of the shorter side, */

@@ -390,7 +390,7 @@ static void each_change_is_taken_back(void **state)
     char *all = session_text(&window);
     appearance = &viewer.drawn->appearance;
     undo_step(&window, -1);
-    assert_int_equal(viewer.display.backdrop, BACKDROP_LIGHT);
+    assert_int_equal(viewer.display.backdrop, BACKDROP_THEME);
     assert_non_null(viewer.preset);
     undo_step(&window, -1);
     assert_null(viewer.preset);
@@ -432,7 +432,7 @@ static void what_cannot_be_is_refused(void **state)
     assert_refused(&window, "\"opacity_of_the_rest\": 1.0", "\"opacity_of_the_rest\": 0", "above 0");
     assert_refused(&window, "\"pathways\": []", "\"pathways\": [[1, \"own\"]]", "pathway");
     assert_refused(&window, "\"pathways\": []", "\"pathways\": [[4, \"nonsense\"]]", "preset");
-    assert_refused(&window, "\"background\": \"light\"", "\"background\": \"pink\"", "transparent");
+    assert_refused(&window, "\"background\": \"theme\"", "\"background\": \"pink\"", "transparent");
     assert_refused(&window, "\"preset\": null", "\"preset\": \"pink\"", "transfer function");
     close_window(&window);
     open_window(&window, &viewer, false);

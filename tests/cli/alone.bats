@@ -48,8 +48,7 @@ open_slabs() {
 }
 
 search_300() {
-    xdotool mousemove --window "$window" 1150 502 click 1
-    xdotool key --window "$window" ctrl+a
+    xdotool key --window "$window" slash ctrl+a
     xdotool type --window "$window" 300
     enter
 }
@@ -120,7 +119,7 @@ seen() {
 @test "a border is dragged and put back, and the pane under the mouse enlarged" {
     conus phantom slabs -o .
     live slabs.nii.gz --size 1000x640
-    tell quiet-status 'pointer wand'
+    tell 'pointer wand'
     seen before.png
     xdotool mousemove --window "$window" 60 200
     pass

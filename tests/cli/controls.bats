@@ -143,7 +143,6 @@ END
     need_pixels
     nested
     view nested.nii.gz --labels tree.tsv --size 1000x640 <<'END'
-quiet-status
 aim 60 3 2 0 0 0
 settle
 screenshot plain.png
@@ -157,11 +156,11 @@ END
     /usr/bin/python3 - <<'END'
 import OpenImageIO as oiio
 import numpy
-# amber texts right above the list, below the panel's title
-def amber(name):
-    top = oiio.ImageBuf(name).get_pixels(oiio.UINT8)[22:42, 700:, :3].astype(int)
-    return (numpy.abs(top - [255, 200, 90]).max(axis=2) < 70).sum()
-counts = [amber(name + ".png") for name in ("plain", "depths", "level")]
+# texts of the accent's colour, 9cc7ff, right above the list, below the panel's title
+def accent(name):
+    top = oiio.ImageBuf(name).get_pixels(oiio.UINT8)[30:60, 700:, :3].astype(int)
+    return (numpy.abs(top - [156, 199, 255]).max(axis=2) < 40).sum()
+counts = [accent(name + ".png") for name in ("plain", "depths", "level")]
 assert counts[0] == 0 and counts[1] > 20 and counts[2] > 5, counts
 END
 }

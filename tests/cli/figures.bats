@@ -45,6 +45,7 @@ background transparent
 sheet pixels 300 200
 sheet legend right
 figure right.png
+figure right.svg
 sheet mm 30 25
 sheet dpi 200
 sheet legend below
@@ -62,6 +63,12 @@ END
         # shellcheck disable=SC2086
         conus render nested.nii.gz "$@" --field-of-view 28.64788975654116 "${cone[@]}" -o wanted.png ${how#* } --quiet
         same "${how%% *}.png" wanted.png
+        [ "${how%% *}" = below ] || {
+            # shellcheck disable=SC2086
+            conus render nested.nii.gz "$@" --field-of-view 28.64788975654116 "${cone[@]}" -o wanted.svg ${how#* } --quiet
+            cmp right.svg wanted.svg
+            grep -q '>Shell outer<' right.svg # text is text
+        }
     done
 }
 

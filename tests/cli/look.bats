@@ -43,7 +43,7 @@ END
     diff before.json again.json
     diff <(jq .look before.json) <(jq .look reset.json)
     # a step is a twentieth of the first window upwards, and a tenth of its logarithm in contrast
-    jq -e '.look.opacity_of_the_rest == 0.9 and .background == "white" and .look.grey[0] < .look.grey[1]' keys.json
+    jq -e '.look.opacity_of_the_rest == 0.9 and .background == "light" and .look.grey[0] < .look.grey[1]' keys.json
 }
 
 @test "the mouse drags grey values over a cut, and resets them" {

@@ -175,7 +175,7 @@ def write_inputs(folder, facts):
         "pathways": [{"file": "../ph/brain/brain-pathway.nii.gz", "name": "Arc", "threshold": 30000}],
         "context": {"file": "../ph/brain/brain-context.nii.gz", "transfer": "brain"}}, indent=1) + "\n")
     for name in WINDOWS:
-        put(f"{name}.txt", f"quiet-status\nsize 600 400\nangle 8\naim 30 80 40 0 0 0\nsettle\nresults {name}/rows.tsv\n"
+        put(f"{name}.txt", f"size 600 400\nangle 8\naim 30 80 40 0 0 0\nsettle\nresults {name}/rows.tsv\n"
             f"picture {name}/scene.png 200 150\nsave {name}/session.json\nscreenshot {name}/window.png\nkey l\n"
             f"angle 30\nsettle\nresults {name}/all.tsv\norbit 40 20\nsettle\nscreenshot {name}/layers.png\n")
     # a pyramid: a surface of five vertices, as many as annotations of the corpora have

@@ -398,7 +398,7 @@ static const struct key keys[] = {
     {".", "the chosen area more opaque in 3-D, or else what the cone does not hit; , less", .move = change_opacity,
      .by = {1}},
     {",", NULL, .move = change_opacity, .by = {-1}},
-    {"k", "another background of 3-D: light, white, black, transparent in figures", .act = next_backdrop,
+    {"k", "another background of 3-D: the theme's, light, white, black, transparent in figures", .act = next_backdrop,
      .sets = PROPERTY_BACKGROUND},
     {"9", "streamlines by their bundle, by direction, or by the next number of their file", .act = next_streamlines},
     {"ctrl+s", "save the session where it was opened or saved last", .move = press_save, .by = {SAVE_SAME_SESSION},
@@ -653,7 +653,7 @@ void keys_draw_help(struct window *window)
         }
         if (is_found(&keys[i], shown, search)) {
             found++;
-            ui_text_coloured(THEME_AMBER, "%s", shown);
+            ui_text_coloured(THEME_ACCENT, "%s", shown);
             ui_same_line_at(120 * window->screen.scale);
             ui_text_wrapped(THEME_PLAIN, keys[i].help);
         }

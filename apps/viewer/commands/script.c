@@ -492,12 +492,6 @@ static bool do_side(struct call *call)
     return fine;
 }
 
-static bool do_quiet_status(struct call *call)
-{
-    call->window->quiet_status = true;
-    return true;
-}
-
 static bool do_wait(struct call *call)
 {
     bool fine = call->numbers[0] >= 0 && call->numbers[0] < 1e6;
@@ -557,7 +551,7 @@ static bool read_size(uint32_t out[2], const struct call *call, size_t first)
 static bool do_picture(struct call *call)
 {
     const struct view_atlas *drawn = call->viewer->drawn;
-    struct figure_settings settings = {.background = backdrop_names[call->viewer->display.backdrop],
+    struct figure_settings settings = {.background = backdrop_of_figures(call->viewer->display.backdrop),
                                        .streamline_colour =
                                            appearance_streamline_colour(&drawn->appearance, drawn->atlas)};
     return read_size(settings.size, call, 1) && write_figure(call, PANE_3D, &settings);
@@ -701,7 +695,6 @@ static const struct script_command {
     {"zoom", 1, 1, "CLICKS", .act = do_zoom, .numbers = 1},
     {"search", 0, 1, "[TEXT]", .act = do_search},
     {"choose", 1, 1, "NAME", .act = do_choose},
-    {"quiet-status", 0, 0, "", .act = do_quiet_status, .is_anywhere = true},
     {"wait", 1, 1, "FRAMES", .act = do_wait, .numbers = 1, .is_anywhere = true},
     {"pause", 1, 1, "SECONDS", .act = do_pause, .numbers = 1, .is_anywhere = true},
     {"settle", 0, 0, "", .act = do_settle, .is_anywhere = true},
@@ -726,7 +719,7 @@ static const struct script_command {
     {"haze", 2, 2, "PATHWAY solid|own|PRESET", .act = do_haze},
     {"preset", 0, 1, "[NAME]", .act = do_preset},
     {"streamline-colour", 1, 1, "bundle|direction|NAME", .act = do_streamline_colour},
-    {"background", 1, 1, "light|white|black|transparent", .sets = PROPERTY_BACKGROUND},
+    {"background", 1, 1, "theme|light|white|black|transparent", .sets = PROPERTY_BACKGROUND},
     {"sheet", 2, 3, "pixels|mm WIDTH HEIGHT, dpi N, legend inside|right|below|none, text on|off", .act = do_sheet},
     {"figure", 1, 2, "FILE.png [3d|axial|coronal|sagittal]", .act = do_figure},
 };

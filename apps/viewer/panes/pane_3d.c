@@ -91,6 +91,7 @@ static void ask_painter(struct window *window, bool moving)
                             .height = (uint32_t)fmaxf(box->height, 1),
                             .fade = viewer->display.fade,
                             .backdrop = viewer->display.backdrop,
+                            .is_dark = theme_used() == THEME_DARK,
                             .own_colours = viewer->display.own_colours,
                             .chosen = viewer_full(viewer),
                             .answer = viewer->drawn->answers[FIRST_TOOL],

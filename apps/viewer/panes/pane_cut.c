@@ -328,7 +328,7 @@ void pane_cut(struct window *window, enum plane plane)
     char title[VIEW_ATLAS_TITLE];
     if (pane->top.is_there && conus_atlas_object(drawn->atlas, drawn->shown.chosen)) {
         const float at[2] = {box->x + (float)pane->top.x, box->y + (float)pane->top.y};
-        pane_name(&cut.labels, box, at, true, theme_shaded[THEME_AMBER], drawn->shown.chosen,
+        pane_name(&cut.labels, box, at, true, theme_shaded[THEME_ACCENT], drawn->shown.chosen,
                   view_atlas_title(title, drawn, drawn->shown.chosen));
     }
     ui_clip_end();

@@ -91,7 +91,7 @@ static void draw_area(struct window *window, uint32_t number)
             ui_scroll_here();
         }
         snprintf(name, sizeof name, "%s%s", title, shown == SHOWN_IN_PART ? " (in part)" : "");
-        ui_tint(THEME_AMBER);
+        ui_tint(THEME_ACCENT);
         float buttons = ui_text_width("Show") + ui_text_width("Only") + 32 * window->screen.scale; /* and a gap */
         ui_name_cut(name, ui_room() - buttons);
         ui_tint_end();

@@ -47,7 +47,7 @@ static void draw_facts(struct viewer *viewer, const conus_object *object, uint32
     const struct view_atlas *view = viewer->drawn;
     char text[TREE_TEXT];
     const char *side = find_side(view, number);
-    ui_text_wrapped(THEME_AMBER, object->name);
+    ui_text_wrapped(THEME_ACCENT, object->name);
     if (!ui_can_write(object->name)) {
         ui_text_wrapped(
             THEME_PLAIN,

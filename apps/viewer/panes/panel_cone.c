@@ -334,11 +334,25 @@ static void choose_details(struct window *window)
     choose_hits(window);
 }
 
+static void show_times(const struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    char device[160] = "";
+    char text[320];
+    if (viewer->painter) {
+        painter_device(viewer->painter, device, sizeof device);
+    }
+    snprintf(text, sizeof text, "frame %.1f ms, picture %.0f ms, selection %.3f ms%s%s", window->frame.ms,
+             window->pictures.painted_ms, viewer->tools[FIRST_TOOL].select_ms, device[0] ? ", " : "", device);
+    ui_text_wrapped(THEME_HINT, text);
+}
+
 void panel_expert(struct window *window)
 {
     if (ui_section("Expert", false)) {
         choose_details(window);
         panel_study_kind(window->viewer);
+        show_times(window);
     }
     if (ui_section("View", false)) {
         panel_look_view(window);

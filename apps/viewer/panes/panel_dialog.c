@@ -68,7 +68,7 @@ static bool draw_entry(struct window *window, size_t index)
         dialog->scrolls = false;
     }
     bool doubled = ui_hovered() && ui_mouse_now().doubled;
-    ui_text_coloured(is_folder ? THEME_AMBER : THEME_PLAIN, "%s%s", plain, is_folder ? "/" : "");
+    ui_text_coloured(is_folder ? THEME_ACCENT : THEME_PLAIN, "%s%s", plain, is_folder ? "/" : "");
     if (clicked) {
         dialog_take(dialog, index);
     }

@@ -142,7 +142,7 @@ static void draw_list(struct window *window, const struct view_atlas *view, cons
         columns--;
     }
     columns = usual ? ui_list_fit(widths, columns, 2) : columns;
-    if (ui_list("results", widths, columns, lines * ui_line())) {
+    if (ui_list("results", widths, columns, lines * ui_list_line())) {
         ui_list_top();
         for (size_t i = 0; i < columns; i++) {
             draw_heading(viewer, shown[i]);
@@ -160,7 +160,7 @@ void panel_lists(struct window *window, enum tool_number tool, float lines)
         const struct view_atlas *view = &viewer->atlases[i];
         ui_id((uint32_t)i);
         if (several) {
-            ui_text_coloured(THEME_AMBER, "%s", view->name);
+            ui_text_coloured(THEME_ACCENT, "%s", view->name);
         }
         if (several && tool == FIRST_TOOL) {
             ui_same_line();

@@ -27,6 +27,13 @@ void panel_look_view(struct window *window)
     ui_tip("opacity in 3-D, 0 to 1, of the areas that the cone does not hit; , and . change it where no area is\n"
            "chosen. It is of the picture only: what is not hidden is hit");
     panel_property(window, PROPERTY_BACKGROUND);
+    static const char *const themes[THEME_COUNT] = {[THEME_DARK] = "dark", [THEME_LIGHT] = "light"};
+    size_t theme = theme_used();
+    if (ui_choose("Theme", &theme, themes, THEME_COUNT)) {
+        theme_use((enum theme)theme);
+        window->screen.next_scale = window->screen.scale; /* makes the widgets anew */
+    }
+    ui_tip("of this window until it is closed; else as the desktop says, or --theme");
 }
 
 /* Widens the sliders to values that were dragged beyond those of the image. */

@@ -116,7 +116,7 @@ void panel_path(const char *path)
 
 void panel_key(const struct window *window, const char *key, const char *meaning)
 {
-    ui_text_coloured(THEME_AMBER, "%s", key);
+    ui_text_coloured(THEME_ACCENT, "%s", key);
     ui_same_line_at(key_width * window->screen.scale);
     ui_text_coloured(THEME_HINT, "%s", meaning);
 }

@@ -51,7 +51,7 @@ static void draw_list(struct viewer *viewer, const struct plan_list *list)
         widths[i] = fmaxf(ui_text_width(columns[i].widest), ui_text_width(columns[i].heading));
     }
     size_t shown = ui_list_fit(widths, COLUMNS, 2);
-    if (ui_list("plan", widths, shown, fminf(LINES, (float)list->count + 2) * ui_line())) {
+    if (ui_list("plan", widths, shown, fminf(LINES, (float)list->count + 2) * ui_list_line())) {
         ui_list_top();
         for (size_t i = 0; i < shown; i++) {
             ui_id((uint32_t)i);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table of results and the one of confirmed results. */
+#include "base/look_sizes.h"
 #include "viewer/panes/panels.h"
 
 #include "viewer/model/columns.h"
@@ -53,7 +54,7 @@ static void draw_pins(struct window *window)
     panel_widths(widths, window, columns, widest, 5);
     bool several = viewer->atlas_count > 1;
     size_t shown = several ? ui_list_fit(widths, 5, 5) : ui_list_fit(widths, 4, 2); /* the copied table has all */
-    if (ui_table("pins", columns, widths, shown, 6 * ui_line())) {
+    if (ui_table("pins", columns, widths, shown, 6 * ui_list_line())) {
         for (size_t i = viewer->pin_count; i > 0; i--) {
             const struct pin *pin = &viewer->pins[i - 1];
             char title[VIEW_ATLAS_TITLE];
@@ -74,36 +75,57 @@ static void draw_pins(struct window *window)
     }
 }
 
-/* Draws the button that exports a file, and the choice of its format. */
-static void draw_export(struct window *window)
+static void offer(struct window *window, const char *label, const char *key, const char *tip)
+{
+    if (ui_button(label, tip)) {
+        window_press(window, key);
+        ui_popup_close();
+    }
+}
+
+/* Draws the ways in which the answer leaves the window. */
+static void draw_ways_out(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    ui_flow("Export");
-    panel_key_button(window, "Export", "ctrl+e",
+    if (!ui_popup("Save\u2026")) {
+        ui_tip("the answer as a file, or copied as a table");
+        return;
+    }
+    offer(window, "Export", "ctrl+e",
                      "writes the hits of the cone with all columns as conus query does, and a sidecar (Ctrl+E)");
-    ui_flow("XXXXXX");
-    ui_width(70 * window->screen.scale);
+    ui_same_line();
+    ui_width(80 * window->screen.scale);
     if (ui_choose("##format", &viewer->list.format, result_formats, RESULT_FORMATS)) {
         viewer->version++;
     }
     ui_tip("the format of exported files");
+    offer(window, "Copy list", "ctrl+c", "copies the hits of the cone as a table (Ctrl+C)");
+    offer(window, "Copy confirmed", "ctrl+shift+c", "copies what was confirmed as a table (Ctrl+Shift+C)");
+    ui_popup_end();
 }
 
 static void draw_buttons(struct window *window)
 {
-    if (ui_button("Confirm", "pins the best hit in a list; or Enter, or a double click on the brain")) {
+    if (ui_main_button("Keep answer", "confirms the best hit: pins it in a list; or Enter, or a double click on the "
+                                      "brain")) {
         tool_confirm(window->viewer, FIRST_TOOL);
     }
-    ui_flow("Copy list");
-    panel_key_button(window, "Copy list", "ctrl+c", "copies the hits of the cone as a table (Ctrl+C)");
-    ui_flow("Copy confirmed");
-    panel_key_button(window, "Copy confirmed", "ctrl+shift+c", "copies what was confirmed as a table (Ctrl+Shift+C)");
-    ui_flow("Columns");
+    ui_flow("Save\u2026");
+    draw_ways_out(window);
+    ui_flow("Figure\u2026");
+    panel_key_button(window, "Figure\u2026", "ctrl+p", "saves 3-D or a cut at any size (Ctrl+P)");
+}
+
+/* Draws what the panel is about, and at its right what changes the list and folds the panel. */
+static void draw_title(struct window *window)
+{
+    float start = ui_room() - ui_button_width("Columns") - ui_button_width("\u00bb");
+    ui_text_coloured(THEME_HINT, "%s",
+                     window->viewer->cone.options.layers == CONUS_LAYERS_ALL ? "What lies in the cone"
+                                                                             : "What the cone reaches first");
+    ui_same_line_at(start + (LOOK_PADDING_X + LOOK_GAP_X) * window->screen.scale);
     panel_columns(window);
-    draw_export(window);
-    ui_flow("Figure");
-    panel_key_button(window, "Figure", "ctrl+p", "saves 3-D or a cut at any size (Ctrl+P)");
-    ui_flow("\u00bb");
+    ui_same_line();
     if (ui_button("\u00bb", "folds this panel to its rail")) {
         layout_fold(&window->screen.layout, 1, true);
     }
@@ -120,7 +142,8 @@ void panel_results(struct window *window)
         return;
     }
     inputs_notice(&notice, &window->inputs, viewer, FIRST_TOOL);
-    ui_panel("Hits of the cone", window->screen.right, 0);
+    ui_panel("Hits of the cone", window->screen.right, UI_UNTITLED);
+    draw_title(window);
     if (notice.is_old) {
         ui_tint(THEME_ORANGE);
         ui_heading("OLD ANSWER");
@@ -131,17 +154,17 @@ void panel_results(struct window *window)
     }
     if (range[1] > 0) { /* the limits of the lists, whose widgets may be scrolled out of sight below */
         snprintf(depths, sizeof depths, "only depths from %.6g to %.6g mm count", range[0], range[1]);
-        ui_text_wrapped(THEME_AMBER, depths);
+        ui_text_wrapped(THEME_ACCENT, depths);
     }
     if (viewer->cone.level[0]) {
-        ui_text_coloured(THEME_AMBER, "level: %s", viewer->cone.level);
+        ui_text_coloured(THEME_ACCENT, "level: %s", viewer->cone.level);
     }
     ui_dim(notice.is_old ? theme_pale : 1);
     draw_answer(window);
     panel_plan(window);
     bool two = viewer->tools[SECOND_TOOL].on; /* then its list stands below the first one's */
     bool shares_room = two || viewer->study.settings.kind || plans_is_on(viewer);
-    float room = ui_room_below() / ui_line();
+    float room = ui_room_below() / ui_list_line();
     float lines = viewer->atlas_count > 1 ? (two ? 8 : 16) /* else the rest is for what is asked, and the card */
                   : shares_room           ? fmaxf(fminf(8, 0.4F * room), 5)
                                           : fmaxf(fminf(14, 0.4F * room), room - 30);

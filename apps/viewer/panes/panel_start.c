@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The start page: what conus is, what to do first, and the ways to open an atlas. */
 #include "conus/file.h"
+#include "options/output.h"
 #include "viewer/panes/panels.h"
+#include "viewer/ui/ui_list.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 static const float number_width = 26;
 static const float least_wide = 700, gap = 24; /* from here on the lists stand side by side, so far apart */
@@ -42,15 +45,37 @@ static void draw_field(struct window *window)
     }
 }
 
-/* Draws a line with its number, which is a key, and its folder, which is cut at the page's end and whole in the tip. */
+/* Shows its name; the folder, too, where another one has that name. */
+static void show_name(const struct start *start, size_t index)
+{
+    char words[SYSTEM_PATH];
+    const char *name = start_words(words, start, index);
+    const char *about = installed_about(name);
+    bool is_alone = true;
+    for (size_t i = 0; start_path(start, i); i++) {
+        is_alone = is_alone &&
+                   (i == index || strcmp(path_name(start_path(start, i)), path_name(start_path(start, index))) != 0);
+    }
+    if (!is_alone) {
+        panel_path(words);
+        return;
+    }
+    ui_text("%s", name);
+    if (about) {
+        ui_same_line();
+        ui_text_coloured(THEME_HINT, "%s", about);
+    }
+}
+
+/* Draws a line with its number, which is a key; its path is in the tip. */
 static void draw_entry(struct window *window, size_t index)
 {
     char words[SYSTEM_PATH];
     start_words(words, &window->start, index);
     bool chosen = panel_row(window, index, false, words);
-    ui_text_coloured(THEME_AMBER, "%zu", index + 1);
+    ui_text_coloured(THEME_ACCENT, "%zu", index + 1);
     ui_same_line_at(number_width * window->screen.scale);
-    panel_path(words);
+    show_name(&window->start, index);
     if (chosen) {
         window_request_file(window, start_path(&window->start, index));
     }
@@ -76,10 +101,10 @@ static void draw_list(struct window *window, const char *title, size_t first, si
 
 static void draw_phantom(struct window *window)
 {
-    draw_list_title("A sample");
+    draw_list_title("To begin with");
     bool chosen = panel_row(window, RECENT_LIMIT + 1, false,
                             "eleven areas, a pathway and a context, made by conus; not a real brain");
-    ui_text_coloured(THEME_AMBER, "S");
+    ui_text_coloured(THEME_ACCENT, "S");
     ui_same_line_at(number_width * window->screen.scale);
     ui_text("brain phantom");
     ui_same_line();
@@ -94,7 +119,7 @@ static void draw_known(struct window *window)
     const struct start *start = &window->start;
     size_t recent = start->recent.count;
     draw_list(window, "Opened before", 0, recent);
-    draw_list(window, "A sample, of this computer", recent, recent + (start->found[0] != '\0'));
+    draw_list(window, "To begin with", recent, recent + (start->found[0] != '\0'));
     if (start->has_no_sample) {
         draw_phantom(window);
     }
@@ -117,6 +142,7 @@ static void draw_installed(struct window *window, size_t index, bool picked)
     const conus_installed *atlas = conus_catalogue_atlas(window->start.catalogue, index);
     char words[SYSTEM_PATH];
     char spacing[64];
+    const char *about = installed_about(atlas->name);
     write_spacing(spacing, atlas->spacing);
     snprintf(words, sizeof words, "%s", atlas->path);
     conus_plain_text(words);
@@ -127,7 +153,10 @@ static void draw_installed(struct window *window, size_t index, bool picked)
     }
     ui_text("%s", atlas->name);
     ui_same_line();
-    ui_text_coloured(THEME_HINT, "%s, %s%s%s", atlas->source, atlas->kind, spacing, installed_animal(atlas->name));
+    snprintf(words, sizeof words, "%s%s, %s", about ? about : atlas->kind, spacing, atlas->source);
+    ui_tint(THEME_HINT);
+    ui_text_cut(words, ui_room());
+    ui_tint_end();
     if (chosen && installed_words(words, window->start.catalogue, atlas)) {
         window_request_file(window, words);
     }

@@ -37,27 +37,7 @@ static void write_place(char out[STATUS_TEXT], const struct window *window)
              viewer_place_text(place, viewer, at), voxel_text, grey_text, text);
 }
 
-/* Shows times where there is room, with the name of the device that draws or without. */
-static void show_times(const struct window *window, float room)
-{
-    const struct viewer *viewer = window->viewer;
-    for (int with_device = 1; with_device >= 0; with_device--) {
-        char times[STATUS_TEXT];
-        char device[160] = "";
-        if (viewer->painter && with_device) {
-            painter_device(viewer->painter, device, sizeof device);
-        }
-        snprintf(times, sizeof times, "frame %.1f ms, picture %.0f ms, selection %.3f ms%s%s", window->frame.ms,
-                 window->pictures.painted_ms, viewer->tools[FIRST_TOOL].select_ms, device[0] ? ", " : "", device);
-        if (ui_text_width(times) + gap * window->screen.scale <= room) {
-            ui_same_line_at(window->screen.status.width - ui_text_width(times) - gap * window->screen.scale / 2);
-            ui_text_coloured(THEME_HINT, "%s", times);
-            return;
-        }
-    }
-}
-
-/* The last message is whole where it can be; the place gets the rest, and times the rest of that. */
+/* The last message is whole where it can be; the place gets the rest. */
 void panel_status(struct window *window)
 {
     char place[STATUS_TEXT];
@@ -83,12 +63,9 @@ void panel_status(struct window *window)
     ui_text_cut(place, placed);
     if (message[0]) {
         ui_same_line_at(gap * window->screen.scale + lit + placed + gap * window->screen.scale);
-        ui_tint(THEME_AMBER);
+        ui_tint(THEME_ACCENT);
         ui_text_cut(message, said - gap * window->screen.scale);
         ui_tint_end();
-    }
-    if (!window->quiet_status) {
-        show_times(window, wide - placed - said);
     }
     ui_panel_end();
 }

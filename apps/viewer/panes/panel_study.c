@@ -195,7 +195,7 @@ static void draw_shares(struct window *window, const struct study_answer *answer
     float widths[3];
     panel_widths(widths, window, columns, widest, 3);
     size_t shown = ui_list_fit(widths, 3, 2);
-    if (ui_table("shares", columns, widths, shown, LINES * ui_line())) {
+    if (ui_table("shares", columns, widths, shown, LINES * ui_list_line())) {
         for (size_t i = 0; i < table->curve_count; i++) {
             const struct study_curve *curve = &table->curves[i];
             ui_id(curve->object);
@@ -234,7 +234,7 @@ static void draw_chances(struct window *window, const struct study_table *table)
     float widths[4];
     panel_widths(widths, window, columns, (const char *const[]){"", "100.00", "100.00", "100.00"}, 4);
     size_t shown = ui_list_fit(widths, 4, 2); /* the tip has all */
-    if (ui_table("chances", columns, widths, shown, (LINES + 2) * ui_line())) {
+    if (ui_table("chances", columns, widths, shown, (LINES + 2) * ui_list_line())) {
         for (size_t i = 0; i < table->chance_count; i++) {
             const conus_chance *chance = &table->chances[i];
             char tip[CHANCE_TIP];

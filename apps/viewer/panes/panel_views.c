@@ -7,12 +7,12 @@ static const float inset = 8; /* pixels at scale 1, from the pane's corner */
 static const struct {
     const char *label, *key, *tip;
 } buttons[] = {{"Brain alone", "f", "the brain has the whole window, and gives it back (F)"},
-               {"Left", "ctrl+1", "looks at the left side (Ctrl+1)"},
-               {"Right", "ctrl+2", "looks at the right side (Ctrl+2)"},
-               {"Front", "ctrl+3", "looks at the front (Ctrl+3)"},
-               {"Back", "ctrl+4", "looks at the back (Ctrl+4)"},
-               {"Top", "ctrl+5", "looks from above (Ctrl+5)"},
-               {"Bottom", "ctrl+6", "looks from below (Ctrl+6)"},
+               {"L", "ctrl+1", "looks at the left side (Ctrl+1)"},
+               {"R", "ctrl+2", "looks at the right side (Ctrl+2)"},
+               {"A", "ctrl+3", "looks at the front (Ctrl+3)"},
+               {"P", "ctrl+4", "looks at the back (Ctrl+4)"},
+               {"S", "ctrl+5", "looks from above (Ctrl+5)"},
+               {"I", "ctrl+6", "looks from below (Ctrl+6)"},
                {"Measure", "ctrl+m", "two clicks give a distance, in 3-D or in a cut (Ctrl+M)"}};
 
 enum { BUTTONS = sizeof buttons / sizeof buttons[0] };

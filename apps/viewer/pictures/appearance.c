@@ -2,18 +2,29 @@
 /* Background, opacities, pathways as haze, and colours of streamlines. */
 #include "viewer/pictures/appearance.h"
 
+#include "base/look.h"
 #include "conus/streamlines.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-const char *const backdrop_names[BACKDROP_COUNT] = {"light", "white", "black", "transparent"};
+const char *const backdrop_names[BACKDROP_COUNT] = {"theme", "light", "white", "black", "transparent"};
 
-void backdrop_set(conus_view *view, enum backdrop backdrop)
+void backdrop_set(conus_view *view, enum backdrop backdrop, bool theme_is_dark)
 {
-    view->background = backdrop == BACKDROP_LIGHT ? CONUS_BACKGROUND_LIGHT : CONUS_BACKGROUND_COLOUR;
-    memset(view->background_rgb, backdrop == BACKDROP_BLACK ? 0 : 255, sizeof view->background_rgb);
+    static const uint8_t colours[BACKDROP_COUNT][3] = {[BACKDROP_THEME] = {LOOK_RGB(LOOK_PANE_DARK)},
+                                                       [BACKDROP_WHITE] = {LOOK_RGB(LOOK_WHITE)},
+                                                       [BACKDROP_BLACK] = {LOOK_RGB(LOOK_BLACK)},
+                                                       [BACKDROP_TRANSPARENT] = {LOOK_RGB(LOOK_WHITE)}};
+    enum backdrop of = backdrop == BACKDROP_THEME && !theme_is_dark ? BACKDROP_WHITE : backdrop;
+    view->background = of == BACKDROP_LIGHT ? CONUS_BACKGROUND_LIGHT : CONUS_BACKGROUND_COLOUR;
+    memcpy(view->background_rgb, colours[of], sizeof view->background_rgb);
+}
+
+const char *backdrop_of_figures(enum backdrop backdrop)
+{
+    return backdrop_names[backdrop == BACKDROP_THEME ? BACKDROP_LIGHT : backdrop];
 }
 
 void sheet_init(struct sheet *out)

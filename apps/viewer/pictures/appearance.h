@@ -6,11 +6,20 @@
 #include "conus/picture.h"
 
 /** The background behind the brain in 3-D. */
-enum backdrop { BACKDROP_LIGHT = 0, BACKDROP_WHITE, BACKDROP_BLACK, BACKDROP_TRANSPARENT, BACKDROP_COUNT };
-/** Their names, as conus render --background has them. */
+enum backdrop {
+    BACKDROP_THEME = 0,
+    BACKDROP_LIGHT,
+    BACKDROP_WHITE,
+    BACKDROP_BLACK,
+    BACKDROP_TRANSPARENT,
+    BACKDROP_COUNT
+};
+/** Their names: but the first, those that conus render --background has. */
 extern const char *const backdrop_names[BACKDROP_COUNT];
-/** Sets it in @p view, of a pane: there what is transparent is white. */
-void backdrop_set(conus_view *view, enum backdrop backdrop);
+/** Sets it in @p view, of a pane: there what is transparent is white, and the theme's is dark or white. */
+void backdrop_set(conus_view *view, enum backdrop backdrop, bool theme_is_dark);
+/** The name for conus render: figures have no theme, and are light there. */
+const char *backdrop_of_figures(enum backdrop backdrop);
 
 /** How a pathway is drawn: as a surface, or as haze by its values, in its own colour or a preset's. */
 enum { HAZE_NONE = 0, HAZE_OWN, HAZE_LIMIT = 32 };

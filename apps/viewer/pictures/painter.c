@@ -65,8 +65,8 @@ struct painter {
 bool painting_shows_same(const struct painting *a, const struct painting *b)
 {
     return a->width == b->width && a->height == b->height && a->fade == b->fade && a->own_colours == b->own_colours &&
-           a->backdrop == b->backdrop && a->chosen == b->chosen && a->answer_number == b->answer_number &&
-           a->scene_number == b->scene_number && eye_is_same(&a->eye, &b->eye);
+           a->backdrop == b->backdrop && a->is_dark == b->is_dark && a->chosen == b->chosen &&
+           a->answer_number == b->answer_number && a->scene_number == b->scene_number && eye_is_same(&a->eye, &b->eye);
 }
 
 /* Tells the window that something changed. To be called with the lock held, which it releases. */
@@ -153,7 +153,7 @@ static enum stage paint(struct painter *painter, conus_renderer *renderer, const
                        .pale = painter->opacity[0],
                        .progress = stage == STAGE_COARSE ? NULL : is_wanted,
                        .progress_user = &drawing};
-    backdrop_set(&view, what->backdrop);
+    backdrop_set(&view, what->backdrop, what->is_dark);
     double begun = clock_ms();
     conus_status status = conus_render(&image, renderer, &view);
     if (status == CONUS_ERROR_CANCELLED) {

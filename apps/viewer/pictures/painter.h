@@ -18,6 +18,7 @@ struct painting {
     uint32_t width, height;
     double fade;
     enum backdrop backdrop;
+    bool is_dark;           /**< The theme, if it is that of the theme. */
     bool own_colours;       /**< As of conus_view. */
     uint32_t chosen;        /**< Object that is never pale; 0 = none. */
     struct answer *answer;  /**< What it hits stands out; its cone is not drawn. NULL = none. */

@@ -163,8 +163,8 @@ const struct property properties[PROPERTY_COUNT] = {
     [PROPERTY_BACKGROUND] = {NULL, "background", "behind the brain in 3-D and in figures", OF_VIEWER(display.backdrop),
                              .type = PROPERTY_NAME, .high = BACKDROP_COUNT - 1, .names = backdrop_names,
                              .label = "Background", .presence = PROPERTY_KEPT,
-                             .tip = "behind the brain in 3-D and in figures; transparent is of figures, the window "
-                                    "shows it white"},
+                             .tip = "behind the brain in 3-D and in figures; the theme's is light in figures;\n"
+                                    "transparent is of figures, the window shows it white"},
     [PROPERTY_SAFE_COLOURS] = {NULL, "safe_colours", "colours for any colour vision in place of the atlas's own",
                                OF_VIEWER(display.safe_colours), TRUTH, .presence = PROPERTY_KEPT,
                                .change = CHANGES_COLOURS, .label = "Colours for any colour vision",

@@ -23,6 +23,7 @@ static const ui_colour surfaces[THEME_COUNT][THEME_SURFACES] = {
 };
 
 static const ui_colour marks[THEME_COUNT] = {{LOOK_RGB(LOOK_DARK_MARK), 255}, {LOOK_RGB(LOOK_LIGHT_MARK), 255}};
+static const ui_colour lines[THEME_COUNT] = {{LOOK_RGB(LOOK_DARK_LINE), 255}, {LOOK_RGB(LOOK_LIGHT_LINE), 255}};
 const ui_colour *theme_texts = theme_shaded;
 const ui_colour *theme_surfaces = surfaces[THEME_DARK];
 const float theme_pale = 0.7F;
@@ -41,6 +42,11 @@ enum theme theme_used(void)
 ui_colour theme_mark(void)
 {
     return marks[theme_used()];
+}
+
+ui_colour theme_line(void)
+{
+    return lines[theme_used()];
 }
 
 /* The XDG Desktop Portal, which GNOME, KDE and others answer: its color-scheme is 0 = no preference, which is how GNOME

@@ -18,7 +18,7 @@ typedef struct ui_colour {
 enum theme_text {
     THEME_PLAIN = 0,
     THEME_HINT,   /**< Where nothing is typed yet, what is less important. */
-    THEME_AMBER,  /**< Chosen things; keys. */
+    THEME_ACCENT, /**< Chosen things; keys; what was just done. */
     THEME_ORANGE, /**< Trouble. */
     THEME_RED,    /**< A tracker that is lost; the words say so, too. */
     THEME_GREEN,  /**< One that is there. */
@@ -28,7 +28,6 @@ enum theme_text {
 enum theme_surface {
     THEME_PANEL = 0,
     THEME_POPUP,
-    THEME_TITLE,
     THEME_FIELD, /**< Lines to type in, sliders, choices; under the mouse; while they are held. */
     THEME_FIELD_HOVERED,
     THEME_FIELD_HELD,
@@ -38,9 +37,7 @@ enum theme_surface {
     THEME_ROW, /**< A row that is chosen. */
     THEME_ROW_HOVERED,
     THEME_ROW_HELD,
-    THEME_ODD_ROW,
-    THEME_HEADINGS, /**< Headings of tables. */
-    THEME_KNOB,     /**< A slider's knob, on which its number may stand. */
+    THEME_KNOB, /**< A slider's knob, on which its number may stand. */
     THEME_KNOB_HELD,
     THEME_MARKED, /**< Text that is marked. */
     THEME_SHADE,  /**< Under texts over pictures, with the opacity that it has over white. */
@@ -57,8 +54,9 @@ extern const ui_colour theme_shaded[THEME_TEXTS];
  * ui_set_scale(). */
 enum theme theme_used(void);
 void theme_use(enum theme theme);
-/** The focus of keys, and check marks: no text stands on it. */
+/** The focus of keys, and check marks: no text stands on it; lines between groups of widgets. */
 ui_colour theme_mark(void);
+ui_colour theme_line(void);
 /** Opacity of pale texts: less would be too faint. */
 extern const float theme_pale;
 

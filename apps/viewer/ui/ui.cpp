@@ -4,6 +4,8 @@
 
 #include "viewer/ui/ui_audit.h"
 
+#include "base/look.h"
+
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
@@ -399,6 +401,23 @@ bool ui_button(const char *label, const char *tip)
     return end_labelled(ImGui::Button(label), label, tip);
 }
 
+bool ui_main_button(const char *label, const char *tip)
+{
+    static const struct {
+        ImGuiCol of;
+        ui_colour colour;
+    } colours[] = {{ImGuiCol_Button, {LOOK_RGB(LOOK_MAIN), 255}},
+                   {ImGuiCol_ButtonHovered, {LOOK_RGB(LOOK_MAIN_HOVERED), 255}},
+                   {ImGuiCol_ButtonActive, {LOOK_RGB(LOOK_MAIN_HELD), 255}},
+                   {ImGuiCol_Text, {LOOK_RGB(LOOK_MAIN_TEXT), 255}}};
+    for (const auto &one : colours) {
+        ImGui::PushStyleColor(one.of, packed(one.colour));
+    }
+    bool used = ImGui::Button(label);
+    ImGui::PopStyleColor(static_cast<int>(std::size(colours)));
+    return end_labelled(used, label, tip);
+}
+
 bool ui_small_button(const char *label, const char *tip)
 {
     return end_labelled(ImGui::SmallButton(label), label, tip);
@@ -579,7 +598,11 @@ bool ui_section(const char *label, bool open)
     if (audit_runs()) {
         ImGui::SetNextItemOpen(true);
     }
-    return ImGui::CollapsingHeader(label, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+    ImGui::Separator();
+    ImGui::PushStyleColor(ImGuiCol_Header, packed(theme_surfaces[THEME_PANEL]));
+    bool is_open = ImGui::CollapsingHeader(label, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+    ImGui::PopStyleColor();
+    return is_open;
 }
 
 bool ui_tree(const char *label, enum ui_opening opening)

@@ -111,6 +111,7 @@ bool ui_hovered(void); /**< Whether the mouse is on the widget before. */
 
 /* Tips (NULL = none) work as in ui_tip(). */
 bool ui_button(const char *label, const char *tip);
+bool ui_main_button(const char *label, const char *tip); /**< The one of a panel that matters most. */
 bool ui_small_button(const char *label, const char *tip);
 bool ui_check(const char *label, bool *value, const char *tip);
 bool ui_choose(const char *label, size_t *index, const char *const *choices, size_t count);

@@ -21,13 +21,13 @@ static std::string cut_to(const char *text, float room)
     if (ImGui::CalcTextSize(text).x <= room) {
         return shown;
     }
-    while (!shown.empty() && ImGui::CalcTextSize((shown + "...").c_str()).x > room) {
+    while (!shown.empty() && ImGui::CalcTextSize((shown + "\u2026").c_str()).x > room) {
         while ((shown.back() & 0xc0) == 0x80) {
             shown.pop_back();
         }
         shown.pop_back();
     }
-    return shown + "...";
+    return shown + "\u2026";
 }
 
 /* The name, or its beginning and its end with "..." between them: the end tells left from right. */
@@ -43,7 +43,7 @@ static std::string cut_name(const char *name, float room)
     for (size_t kept = starts.size(); ImGui::CalcTextSize(shown.c_str()).x > room && kept > 0; kept--) {
         size_t end = (kept - 1) / 3; // characters of its end
         size_t begun = kept - 1 - end;
-        shown = std::string(name, starts[begun]) + "..." + (end ? name + starts[starts.size() - end] : "");
+        shown = std::string(name, starts[begun]) + "\u2026" + (end ? name + starts[starts.size() - end] : "");
     }
     return shown;
 }
@@ -64,6 +64,11 @@ static bool fits(const float *widths, size_t count)
 
 extern "C" {
 
+float ui_list_line(void)
+{
+    return ImGui::GetTextLineHeight() + 2 * ImGui::GetStyle().CellPadding.y;
+}
+
 size_t ui_list_fit(float *widths, size_t count, size_t least)
 {
     float name = widths[0];
@@ -80,9 +85,8 @@ size_t ui_list_fit(float *widths, size_t count, size_t least)
 bool ui_list(const char *id, const float *widths, size_t count, float height)
 {
     bool whole = fits(widths, count);
-    ImGuiTableFlags flags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit |
-                            ImGuiTableFlags_BordersInnerV | ImGuiTableFlags_NoSavedSettings |
-                            (whole ? 0 : ImGuiTableFlags_ScrollX);
+    ImGuiTableFlags flags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_BordersInnerH |
+                            ImGuiTableFlags_NoSavedSettings | (whole ? 0 : ImGuiTableFlags_ScrollX);
     ImGui::PushID(whole ? "fits" : "scrolls"); // a table keeps the flags of its columns
     ImGui::PushID(static_cast<int>(count));
     if (!ImGui::BeginTable(id, static_cast<int>(count), flags, ImVec2(0, height))) {
@@ -140,7 +144,7 @@ bool ui_table(const char *id, const char *const *headings, const float *widths, 
 
 bool ui_list_row(void)
 {
-    float line = ImGui::GetTextLineHeightWithSpacing();
+    float line = ui_list_line();
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     ImVec2 at = ImGui::GetCursorScreenPos();
@@ -163,7 +167,7 @@ void ui_underline(double part, ui_colour colour)
 {
     ImVec2 at = ImGui::GetCursorScreenPos();
     float room = ImGui::GetContentRegionAvail().x;
-    float top = at.y + ImGui::GetTextLineHeight() - 1;
+    float top = at.y + ImGui::GetTextLineHeight();
     ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x, top),
                                               ImVec2(at.x + room * static_cast<float>(part), top + 3),
                                               ImGui::GetColorU32(IM_COL32(colour.r, colour.g, colour.b, colour.a)));
@@ -242,6 +246,11 @@ bool ui_popup(const char *label)
 void ui_popup_end(void)
 {
     ImGui::EndPopup();
+}
+
+void ui_popup_close(void)
+{
+    ImGui::CloseCurrentPopup();
 }
 
 void ui_flow(const char *label)

@@ -9,6 +9,7 @@
 extern "C" {
 #endif
 
+float ui_list_line(void); /**< Height of a row of a list. */
 /** A list of @p count columns, the first of which is at least so wide, and takes what the others leave. Where they
  * leave less, the list scrolls to the side below it. False: nothing of it is to be drawn, and it is not to be ended. */
 bool ui_list(const char *id, const float *widths, size_t count, float height);
@@ -40,6 +41,7 @@ void ui_next_column(void);
 /** A button that opens what comes up to ui_popup_end(), if it is true, over the window. */
 bool ui_popup(const char *label);
 void ui_popup_end(void);
+void ui_popup_close(void); /**< It is over with this frame. */
 /** The next widget, a button with this label, stands in the same line where it fits, else below. */
 void ui_flow(const char *label);
 

@@ -7,6 +7,8 @@
 
 #include <imgui.h>
 
+#include <initializer_list>
+
 static ImVec4 from_theme(ui_colour c)
 {
     return ImGui::ColorConvertU32ToFloat4(IM_COL32(c.r, c.g, c.b, c.a));
@@ -33,8 +35,8 @@ static void set_colours(ImGuiStyle &style)
     } surfaces[] = {
         {ImGuiCol_WindowBg, THEME_PANEL},
         {ImGuiCol_PopupBg, THEME_POPUP},
-        {ImGuiCol_TitleBg, THEME_TITLE},
-        {ImGuiCol_TitleBgActive, THEME_TITLE},
+        {ImGuiCol_TitleBg, THEME_PANEL},
+        {ImGuiCol_TitleBgActive, THEME_PANEL},
         {ImGuiCol_FrameBg, THEME_FIELD},
         {ImGuiCol_FrameBgHovered, THEME_FIELD_HOVERED},
         {ImGuiCol_FrameBgActive, THEME_FIELD_HELD},
@@ -44,8 +46,7 @@ static void set_colours(ImGuiStyle &style)
         {ImGuiCol_Header, THEME_ROW},
         {ImGuiCol_HeaderHovered, THEME_ROW_HOVERED},
         {ImGuiCol_HeaderActive, THEME_ROW_HELD},
-        {ImGuiCol_TableRowBgAlt, THEME_ODD_ROW},
-        {ImGuiCol_TableHeaderBg, THEME_HEADINGS},
+        {ImGuiCol_TableHeaderBg, THEME_PANEL},
         {ImGuiCol_SliderGrab, THEME_KNOB},
         {ImGuiCol_SliderGrabActive, THEME_KNOB_HELD},
         {ImGuiCol_TextSelectedBg, THEME_MARKED},
@@ -55,6 +56,9 @@ static void set_colours(ImGuiStyle &style)
     }
     style.Colors[ImGuiCol_Text] = from_theme(theme_texts[THEME_PLAIN]);
     style.Colors[ImGuiCol_TextDisabled] = from_theme(theme_texts[THEME_HINT]);
+    for (ImGuiCol line : {ImGuiCol_Separator, ImGuiCol_TableBorderLight, ImGuiCol_TableBorderStrong, ImGuiCol_Border}) {
+        style.Colors[line] = from_theme(theme_line());
+    }
     style.Colors[ImGuiCol_CheckMark] = style.Colors[ImGuiCol_NavHighlight] = from_theme(theme_mark());
 }
 
@@ -70,7 +74,7 @@ bool ui_style(float scale)
     style.FrameRounding = LOOK_ROUNDING;
     style.WindowPadding = ImVec2(LOOK_PADDING_X, LOOK_PADDING_Y);
     style.ItemSpacing = ImVec2(LOOK_GAP_X, LOOK_GAP_Y);
-    style.CellPadding.x = LOOK_CELL;
+    style.CellPadding = ImVec2(LOOK_CELL, LOOK_CELL_Y);
     set_colours(style);
     style.ScaleAllSizes(scale);
     ImGui::GetStyle() = style;

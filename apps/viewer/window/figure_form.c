@@ -2,6 +2,7 @@
 /* Finds a name, waits until the window has said what it does, and writes what a pane shows as conus render would. */
 #include "viewer/window/figure_form.h"
 
+#include "base/path.h"
 #include "base/system/system.h"
 #include "viewer/model/viewer.h"
 #include "viewer/window/window.h"
@@ -11,7 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 void figure_of_window(struct figure_settings *out, const struct window *window)
 {
@@ -21,7 +21,7 @@ void figure_of_window(struct figure_settings *out, const struct window *window)
         (struct figure_settings){.dpi = sheet->dpi,
                                  .legend = (size_t)sheet->legend,
                                  .no_legend = sheet->no_text,
-                                 .background = backdrop_names[window->viewer->display.backdrop],
+                                 .background = backdrop_of_figures(window->viewer->display.backdrop),
                                  .streamline_colour = appearance_streamline_colour(&drawn->appearance, drawn->atlas)};
     if (sheet->in_mm) {
         out->width_mm = sheet->mm[0];
@@ -72,7 +72,7 @@ static bool set_camera(conus_view *view, struct eye *eye, const char *streamline
 }
 
 static conus_status draw_3d(conus_image **out, const char **refusal, const struct window *window,
-                            const struct figure_settings *settings)
+                            const struct figure_settings *settings, bool shapes)
 {
     const struct viewer *viewer = window->viewer;
     conus_renderer *renderer = NULL;
@@ -80,6 +80,7 @@ static conus_status draw_3d(conus_image **out, const char **refusal, const struc
     conus_view view = {.selection = viewer_selection(viewer),
                        .chosen = viewer_full(viewer),
                        .fade = viewer->display.fade,
+                       .shapes = shapes,
                        .measured = measured(viewer)};
     window_eye(window, &eye);
     figure_view(&view, settings);
@@ -96,9 +97,9 @@ static conus_status draw_3d(conus_image **out, const char **refusal, const struc
 }
 
 static conus_status draw_cut(conus_image **out, const struct window *window, enum plane plane,
-                             const struct figure_settings *settings)
+                             const struct figure_settings *settings, bool shapes)
 {
-    conus_view sheet = {.measured = measured(window->viewer)};
+    conus_view sheet = {.shapes = shapes, .measured = measured(window->viewer)};
     conus_cut_view view;
     figure_view(&sheet, settings);
     cut_view(&view, window->viewer, plane, (double[]){sheet.width, sheet.height});
@@ -110,8 +111,9 @@ bool figure_write(const struct window *window, size_t pane, const struct figure_
 {
     conus_image *image = NULL;
     const char *refusal = NULL;
-    conus_status status = pane == PANE_3D ? draw_3d(&image, &refusal, window, settings)
-                                          : draw_cut(&image, window, (enum plane)pane, settings);
+    const bool shapes = path_ends_in(path, ".svg") || path_ends_in(path, ".pdf");
+    conus_status status = pane == PANE_3D ? draw_3d(&image, &refusal, window, settings, shapes)
+                                          : draw_cut(&image, window, (enum plane)pane, settings, shapes);
     status = status || refusal ? status : conus_image_write(image, path);
     conus_image_destroy(image);
     if (status) {
@@ -154,8 +156,7 @@ void figure_form_save(struct window *window)
     if (!used || form->frames) {
         return;
     }
-    const char *dot = strrchr(form->name, '.');
-    if (!dot || (strcasecmp(dot, ".png") != 0 && strcasecmp(dot, ".exr") != 0)) {
+    if (!path_ending_length(form->name, ".png/.exr/.svg/.pdf")) {
         snprintf(form->name + used, sizeof form->name - used, ".png");
     }
     if (system_allows(form->name, 0) && strcmp(form->replaced, form->name) != 0) {

@@ -45,16 +45,26 @@ static bool installed_is_same_file(const char *a, const char *b)
                                  system_stat(&infos[1], b) && infos[0].size == infos[1].size);
 }
 
-const char *installed_animal(const char *name)
+const char *installed_about(const char *name)
 {
-    static const char *const animals[][2] = {
-        {"inia19", ", macaque"}, {"d99", ", macaque"}, {"nmt", ", macaque"}, {"ccfv3", ", mouse"}};
-    for (size_t i = 0; i < sizeof animals / sizeof animals[0]; i++) {
-        if (strncasecmp(name, animals[i][0], strlen(animals[i][0])) == 0) {
-            return animals[i][1];
+    static const char *const known[][2] = {{"aal", "Automated Anatomical Labeling, human"},
+                                           {"aicha", "AICHA, areas by function, human"},
+                                           {"brodmann", "Brodmann's areas, human"},
+                                           {"ccfv3", "Allen CCFv3, mouse"},
+                                           {"d99", "D99, macaque"},
+                                           {"harvardoxford-cort", "Harvard-Oxford, cortex, human"},
+                                           {"harvardoxford-sub", "Harvard-Oxford, below the cortex, human"},
+                                           {"inia19", "INIA19 NeuroMaps, macaque"},
+                                           {"jhu-whitematter", "JHU, white matter, human"},
+                                           {"jhu189", "JHU, 189 areas, human"},
+                                           {"natbrainlab", "NatBrainLab, pathways, human"},
+                                           {"nmt", "NMT, macaque"}};
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+        if (strncasecmp(name, known[i][0], strlen(known[i][0])) == 0) {
+            return known[i][1];
         }
     }
-    return "";
+    return NULL;
 }
 
 bool installed_is_twin(const conus_catalogue *catalogue, size_t index)

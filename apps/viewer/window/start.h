@@ -13,8 +13,8 @@
 /** Whether each word of @p text is in the atlas's name, or is its source's name or the beginning of that. Upper and
  * lower case are the same, and so are '-', '_', '.', '+' and spaces. An empty text fits all. */
 bool installed_fits(const conus_installed *atlas, const char *text);
-/** ", macaque" and the like of atlases that are known by their names and not of a human; "" of all others. */
-const char *installed_animal(const char *name);
+/** What an atlas of that name is, and of which animal; NULL = it is not known. */
+const char *installed_about(const char *name);
 /** Whether one before atlas @p index is the same in another place: lists leave it out. */
 bool installed_is_twin(const conus_catalogue *catalogue, size_t index);
 /** The words that open the atlas: its name, "source:name", or where both mean others its path,

@@ -243,7 +243,6 @@ struct window {
     struct sheet sheet;   /**< For figures. */
     struct times times;
     struct events events;
-    bool quiet_status; /**< The status line leaves out what differs from run to run: times and the device. */
 
     /* as long as the viewer is shown: window_show() begins anew */
     struct viewer *viewer; /**< NULL = there is no atlas. */
