@@ -32,23 +32,43 @@ static const char device_caption[] = "what the device sees";
 
 enum { NAMES_SHOWN = 3, INSET = 7 /* pixels on the screen per pixel of the device's view */ };
 
-/* Draws half an axis, paler where it points away from the viewer. */
-static void draw_direction(const struct window *window, const float centre[2], size_t axis, int sign)
+/* Half an axis of the cross of directions. */
+struct direction {
+    const char *letter;
+    float x, y; /* in the picture, of a unit vector */
+    bool is_away;
+};
+
+static struct direction find_direction(const struct window *window, size_t axis, int sign)
 {
     static const char letters[3][2][2] = {{"L", "R"}, {"P", "A"}, {"I", "S"}};
     const double *m = window->pictures.shown.camera.world_from_device;
-    float x = (float)(sign * m[axis]);
-    float y = (float)(-sign * m[4 + axis]);
-    bool is_away = sign * m[8 + axis] < 0;
+    return (struct direction){letters[axis][sign > 0], (float)(sign * m[axis]), (float)(-sign * m[4 + axis]),
+                              sign * m[8 + axis] < 0};
+}
+
+/* Draws it paler where it points away from the viewer. */
+static void draw_direction(const float centre[2], const struct direction *direction)
+{
+    bool is_away = direction->is_away;
     float length = 1.5F * ui_line();
-    const float end[2] = {centre[0] + length * x, centre[1] + length * y};
-    const char *letter = letters[axis][sign > 0];
+    const float end[2] = {centre[0] + length * direction->x, centre[1] + length * direction->y};
     ui_draw_line(centre, end, compass_edge, is_away ? 2.5F : 3.5F);
     ui_draw_line(centre, end, is_away ? compass_far : compass_near, is_away ? 1.0F : 2.0F);
-    if (x * x + y * y > 0.1F) { /* else it points at the viewer, or away */
-        const float at[2] = {centre[0] + 1.45F * length * x - ui_text_width(letter) / 2,
-                             centre[1] + 1.45F * length * y - ui_line() / 2};
-        ui_draw_text(at, is_away ? compass_far : compass_near, letter);
+}
+
+/* Writes its letter where there is room beside those before. */
+static void draw_letter(struct labels *labels, const float centre[2], const struct direction *direction)
+{
+    static const float shade = 3; /* around texts, pixels */
+    float wide = ui_text_width(direction->letter) + 2 * shade;
+    const struct ui_box box = {centre[0] + 2.2F * ui_line() * direction->x - wide / 2,
+                               centre[1] + 2.2F * ui_line() * direction->y - ui_line() / 2, wide, ui_line()};
+    bool is_across = direction->x * direction->x + direction->y * direction->y > 0.1F; /* else it is at the middle */
+    if (is_across && labels_leave_free(labels, &box)) {
+        labels_reserve(labels, box);
+        ui_draw_text((float[]){box.x + shade, box.y}, direction->is_away ? compass_far : compass_near,
+                     direction->letter);
     }
 }
 
@@ -70,14 +90,17 @@ static void draw_compass(const struct window *window)
     bool has_text = head_text(&window->viewer->head, &is_well) || !window->viewer->tools[FIRST_TOOL].has_pose;
     float below = has_text ? 1.6F * ui_line() : 0; /* where it stands */
     const float centre[2] = {box->x + box->width - reach, box->y + box->height - reach - below};
-    if (has_compass(box)) {
-        for (int half = 0; half < 12; half++) { /* what points away first */
-            size_t axis = (size_t)half % 3;
-            int sign = half / 3 % 2 ? 1 : -1;
-            bool is_away = sign * window->pictures.shown.camera.world_from_device[8 + axis] < 0;
-            if (is_away == (half < 6)) {
-                draw_direction(window, centre, axis, sign);
-            }
+    struct labels labels = {.count = 0};
+    for (int half = 0; half < 24 && has_compass(box); half++) { /* what points away first; of letters the near ones */
+        struct direction direction = find_direction(window, (size_t)half % 3, half / 3 % 2 ? 1 : -1);
+        bool is_letter = half >= 12;
+        if (direction.is_away != (half / 6 % 2 == is_letter)) {
+            continue;
+        }
+        if (is_letter) {
+            draw_letter(&labels, centre, &direction);
+        } else {
+            draw_direction(centre, &direction);
         }
     }
 }

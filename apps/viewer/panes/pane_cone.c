@@ -40,9 +40,16 @@ static bool shows(const struct window *window, enum tool_number number)
     return tool->has_pose && (number == FIRST_TOOL || tool->on);
 }
 
-static ui_colour find_colour(const struct window *window, enum tool_number number)
+/* What a cone is drawn with. */
+struct pen {
+    ui_colour colour;
+    float scale;
+};
+
+static struct pen find_pen(const struct window *window, enum tool_number number)
 {
-    return inputs_is_old(&window->inputs, window->viewer, number) ? old_colour : colours[number];
+    ui_colour colour = inputs_is_old(&window->inputs, window->viewer, number) ? old_colour : colours[number];
+    return (struct pen){colour, window->screen.scale};
 }
 
 static void find_shell(struct shell *out, const struct viewer *viewer, enum tool_number number, double near, double far)
@@ -180,6 +187,33 @@ static void add_wall(struct window *window, enum tool_number number, double near
     }
 }
 
+/* Finds the place of the ball: as far out as it reaches, or as the pane shows it. */
+static void place_ball(struct window *window, enum tool_number number)
+{
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
+    struct cone_sight *sight = &window->pictures.cones[number];
+    const conus_pose *pose = &window->viewer->tools[number].pose;
+    float margin = (ball + rim) * window->screen.scale;
+    double seen = 0;
+    double step = sight->extent.reach;
+    sight->turned = sight->extent;
+    for (int i = 0; i < 2 * STEPS; i++) { /* the whole way at once, or by halves */
+        float at[2];
+        sight->turned.reach = seen + step;
+        extent_ball(sight->ball, &sight->turned, pose);
+        bool is_seen = window_point(at, window, sight->ball) && at[0] > box->x + margin &&
+                       at[0] < box->x + box->width - margin && at[1] > box->y + margin &&
+                       at[1] < box->y + box->height - margin;
+        seen += is_seen ? step : 0;
+        if (is_seen && i == 0) {
+            return;
+        }
+        step /= 2;
+    }
+    sight->turned.reach = seen;
+    extent_ball(sight->ball, &sight->turned, pose);
+}
+
 /* Finds the lines of the cone as the eye sees it: its wall up to the deepest hit, behind that dashed, or the needle of
  * a plan; and the axis up to its ball. */
 static void find_lines(struct window *window, enum tool_number number)
@@ -211,25 +245,26 @@ static void find_lines(struct window *window, enum tool_number number)
     if (extent->end > extent->solid && !is_needle(viewer, number)) {
         add_wall(window, number, extent->solid, extent->end, true);
     }
-    extent_ball(sight->ball, extent, &viewer->tools[number].pose);
+    place_ball(window, number);
     add_seen(sight, window, sight->ball, extent->entry);
     sight->hides_ball = is_hidden(window, sight->ball);
 }
 
-static void draw_line(const float from[2], const float to[2], ui_colour colour, float width)
+static void draw_line(const float from[2], const float to[2], struct pen pen, float width)
 {
-    ui_draw_line(from, to, shade, width + casing);
-    ui_draw_line(from, to, colour, width);
+    ui_draw_line(from, to, shade, (width + casing) * pen.scale);
+    ui_draw_line(from, to, pen.colour, width * pen.scale);
 }
 
 /* Draws a mark across the needle at `at`, on its way from `from`. */
-static void draw_tick(const float from[2], const float at[2], ui_colour colour)
+static void draw_tick(const float from[2], const float at[2], struct pen pen)
 {
     float size = hypotf(at[0] - from[0], at[1] - from[1]);
     if (size > 0) {
-        const float across[2] = {tick * (from[1] - at[1]) / size, tick * (at[0] - from[0]) / size};
-        draw_line((float[]){at[0] - across[0], at[1] - across[1]}, (float[]){at[0] + across[0], at[1] + across[1]},
-                  colour, rim);
+        float half = tick * pen.scale / size;
+        const float across[2] = {half * (from[1] - at[1]), half * (at[0] - from[0])};
+        draw_line((float[]){at[0] - across[0], at[1] - across[1]}, (float[]){at[0] + across[0], at[1] + across[1]}, pen,
+                  rim);
     }
 }
 
@@ -243,18 +278,18 @@ static bool find_tick(double out[3], const struct window *window, enum tool_numb
 }
 
 /* Draws dashes; `phase`, 0 at first, goes on where several lines are one behind the other. */
-static void draw_dashes(float *phase, const float from[2], const float to[2], ui_colour colour, float width)
+static void draw_dashes(float *phase, const float from[2], const float to[2], struct pen pen, float width)
 {
     float length = hypotf(to[0] - from[0], to[1] - from[1]);
-    float period = dash + gap;
+    float period = (dash + gap) * pen.scale;
     int dashes = (int)ceilf((*phase + length) / period);
     for (int i = 0; i < dashes; i++) {
         float at = (float)i * period - *phase;
         float begin = fmaxf(at, 0) / length;
-        float end = fminf(at + dash, length) / length;
+        float end = fminf(at + dash * pen.scale, length) / length;
         if (end > begin) {
             draw_line((float[]){from[0] + begin * (to[0] - from[0]), from[1] + begin * (to[1] - from[1])},
-                      (float[]){from[0] + end * (to[0] - from[0]), from[1] + end * (to[1] - from[1])}, colour, width);
+                      (float[]){from[0] + end * (to[0] - from[0]), from[1] + end * (to[1] - from[1])}, pen, width);
         }
     }
     *phase = fmodf(*phase + length, period);
@@ -294,7 +329,7 @@ static size_t find_hull(float (*points)[2], size_t count)
 }
 
 /* Fills the part that nothing hides. */
-static void draw_inside(const struct window *window, enum tool_number number, ui_colour colour)
+static void draw_inside(const struct window *window, enum tool_number number, struct pen pen)
 {
     const struct cone_sight *sight = &window->pictures.cones[number];
     float points[HULL][2];
@@ -308,8 +343,8 @@ static void draw_inside(const struct window *window, enum tool_number number, ui
             window_point(points[2 * i], window, shell.near[i]) && window_point(points[2 * i + 1], window, shell.far[i]);
     }
     if (seen) {
-        colour.a = fill;
-        ui_draw_fill(points, find_hull(points, (size_t)2 * SHELL_POINTS), colour);
+        pen.colour.a = fill;
+        ui_draw_fill(points, find_hull(points, (size_t)2 * SHELL_POINTS), pen.colour);
     }
 }
 
@@ -341,19 +376,21 @@ enum tool_number pane_cone_at(const struct window *window, const float at[2])
     return number;
 }
 
-static void draw_ball(const struct window *window, enum tool_number number, ui_colour colour)
+static void draw_ball(struct window *window, enum tool_number number, struct pen pen)
 {
     float at[2];
-    float scale = window->screen.scale;
+    float scale = pen.scale;
     if (find_ball(at, window, number)) {
         const struct ui_mouse mouse = ui_mouse_now();
         bool is_taken =
             window->frame.turns_cone == number || pane_cone_at(window, (float[]){mouse.x, mouse.y}) == number;
-        ui_colour inside = colour;
-        inside.a = window->pictures.cones[number].hides_ball ? fill : colour.a;
+        ui_colour inside = pen.colour;
+        inside.a = window->pictures.cones[number].hides_ball ? fill : pen.colour.a;
+        float half = (ball + grip) * scale;
+        labels_reserve(&window->frame.labels, (struct ui_box){at[0] - half, at[1] - half, 2 * half, 2 * half});
         ui_draw_circle(at, ball * scale, inside, 0);
-        ui_draw_circle(at, ball * scale, shade, rim + casing);
-        ui_draw_circle(at, ball * scale, is_taken ? (ui_colour){LOOK_RGB(LOOK_WHITE), 255} : colour, rim);
+        ui_draw_circle(at, ball * scale, shade, (rim + casing) * scale);
+        ui_draw_circle(at, ball * scale, is_taken ? (ui_colour){LOOK_RGB(LOOK_WHITE), 255} : pen.colour, rim * scale);
     }
 }
 
@@ -373,7 +410,7 @@ static void draw_best(struct window *window, ui_colour colour)
 }
 
 /* Draws the lines of a cone; ticks on a needle. */
-static void draw_lines(const struct window *window, enum tool_number number, ui_colour colour)
+static void draw_lines(const struct window *window, enum tool_number number, struct pen pen)
 {
     const struct cone_sight *sight = &window->pictures.cones[number];
     float width = is_needle(window->viewer, number) ? needle : rim;
@@ -385,16 +422,16 @@ static void draw_lines(const struct window *window, enum tool_number number, ui_
             continue;
         }
         if (line->dashed) {
-            draw_dashes(&phase, ends[0], ends[1], colour, width);
+            draw_dashes(&phase, ends[0], ends[1], pen, width);
         } else {
-            draw_line(ends[0], ends[1], colour, width);
+            draw_line(ends[0], ends[1], pen, width);
         }
     }
     double place[3];
     for (int i = 0; is_needle(window->viewer, number) && find_tick(place, window, number, i); i++) {
         bool seen = window_point(ends[i % 2], window, place);
         if (seen && i) {
-            draw_tick(ends[(i + 1) % 2], ends[i % 2], colour);
+            draw_tick(ends[(i + 1) % 2], ends[i % 2], pen);
         }
     }
 }
@@ -403,21 +440,21 @@ void pane_cones(struct window *window)
 {
     tool_update_second(window->viewer); /* a panel may have changed the atlas in this frame */
     for (enum tool_number number = FIRST_TOOL; number < TOOL_COUNT; number++) {
-        ui_colour colour = find_colour(window, number);
+        struct pen pen = find_pen(window, number);
         float apex[2];
         if (!shows(window, number)) {
             continue;
         }
         find_extent(window, number);
         find_lines(window, number);
-        draw_inside(window, number, colour);
-        draw_lines(window, number, colour);
+        draw_inside(window, number, pen);
+        draw_lines(window, number, pen);
         if (window_point(apex, window, window->viewer->tools[number].pose.world_from_device + 12)) {
-            ui_draw_circle(apex, 4, colour, 0);
+            ui_draw_circle(apex, 4 * pen.scale, pen.colour, 0);
         }
-        draw_ball(window, number, colour);
+        draw_ball(window, number, pen);
         if (number == SECOND_TOOL) {
-            draw_best(window, colour);
+            draw_best(window, pen.colour);
         }
     }
 }
@@ -448,28 +485,27 @@ static size_t find_section(float (*out)[2], const struct viewer *viewer, enum to
     return find_hull(out, 2 * count);
 }
 
-static void draw_section(struct window *window, enum tool_number number, const struct pane_plane *plane,
-                         ui_colour colour)
+static void draw_section(struct window *window, enum tool_number number, const struct pane_plane *plane, struct pen pen)
 {
     const struct extent *extent = &window->pictures.cones[number].extent;
     float corners[HULL][2];
     float phase = 0;
-    ui_colour inside = colour;
+    ui_colour inside = pen.colour;
     size_t count = find_section(corners, window->viewer, number, (double[]){extent->solid, extent->end}, plane);
     for (size_t i = 0; i < count; i++) {
-        draw_dashes(&phase, corners[i], corners[(i + 1) % count], colour, rim);
+        draw_dashes(&phase, corners[i], corners[(i + 1) % count], pen, rim);
     }
     count = find_section(corners, window->viewer, number, (double[]){extent->near, extent->solid}, plane);
     inside.a = fill;
     ui_draw_fill(corners, count, inside);
     for (size_t i = 0; i < count; i++) {
-        draw_line(corners[i], corners[(i + 1) % count], colour, rim);
+        draw_line(corners[i], corners[(i + 1) % count], pen, rim);
     }
 }
 
 /* Draws the needle as it is seen from before the cut, in dashes where it is not in it. */
 static void draw_needle(const struct window *window, enum tool_number number, const struct pane_plane *plane,
-                        ui_colour colour)
+                        struct pen pen)
 {
     const struct extent *extent = &window->pictures.cones[number].extent;
     double places[2][3];
@@ -499,12 +535,12 @@ static void draw_needle(const struct window *window, enum tool_number number, co
             between[e][c] = ends[0][c] + (float)parts[e] * (ends[1][c] - ends[0][c]);
         }
     }
-    draw_dashes(&phase, ends[0], between[0], colour, rim);
-    draw_line(between[0], between[1], colour, needle);
-    draw_dashes(&phase, between[1], ends[1], colour, rim);
+    draw_dashes(&phase, ends[0], between[0], pen, rim);
+    draw_line(between[0], between[1], pen, needle);
+    draw_dashes(&phase, between[1], ends[1], pen, rim);
     for (int i = 1; find_tick(places[1], window, number, i); i++) {
         pane_point(ends[1], plane, places[1]);
-        draw_tick(ends[0], ends[1], colour);
+        draw_tick(ends[0], ends[1], pen);
     }
 }
 
@@ -512,15 +548,15 @@ void pane_cones_cut(struct window *window, const struct pane_plane *plane)
 {
     tool_update_second(window->viewer); /* a panel may have changed the atlas in this frame */
     for (enum tool_number number = FIRST_TOOL; number < TOOL_COUNT; number++) {
-        ui_colour colour = find_colour(window, number);
+        struct pen pen = find_pen(window, number);
         if (!shows(window, number)) {
             continue;
         }
         find_extent(window, number);
         if (is_needle(window->viewer, number)) {
-            draw_needle(window, number, plane, colour);
+            draw_needle(window, number, plane, pen);
         } else {
-            draw_section(window, number, plane, colour);
+            draw_section(window, number, plane, pen);
         }
     }
 }
@@ -535,7 +571,7 @@ bool pane_cone_turn(struct window *window)
         frame->turns_cone = pane_cone_at(window, (float[]){mouse.x, mouse.y});
         if (frame->turns_cone < TOOL_COUNT) {
             struct tool *tool = &viewer->tools[frame->turns_cone];
-            frame->turned_about = window->pictures.cones[frame->turns_cone].extent;
+            frame->turned_about = window->pictures.cones[frame->turns_cone].turned;
             if (tool->pointer == POINT_BY_MOUSE && !tool->held) {
                 tool_hold(viewer, frame->turns_cone);
             }

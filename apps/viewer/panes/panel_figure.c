@@ -62,7 +62,8 @@ static void choose_name(struct window *window)
     struct figure_form *form = &window->forms.figure;
     ui_take_keys(&form->takes_keys);
     bool entered = ui_type("Name", form->name, sizeof form->name, "figure.png");
-    ui_tip("of the file, .png, .svg, .pdf or .exr, in the folder where conus was started, or a whole path; Enter saves");
+    ui_tip(
+        "of the file, .png, .svg, .pdf or .exr, in the folder where conus was started, or a whole path; Enter saves");
     if (ui_button("Save figure", NULL) || entered) {
         figure_form_save(window);
     }

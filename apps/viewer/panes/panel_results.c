@@ -92,7 +92,7 @@ static void draw_ways_out(struct window *window)
         return;
     }
     offer(window, "Export", "ctrl+e",
-                     "writes the hits of the cone with all columns as conus query does, and a sidecar (Ctrl+E)");
+          "writes the hits of the cone with all columns as conus query does, and a sidecar (Ctrl+E)");
     ui_same_line();
     ui_width(80 * window->screen.scale);
     if (ui_choose("##format", &viewer->list.format, result_formats, RESULT_FORMATS)) {

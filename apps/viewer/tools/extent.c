@@ -67,7 +67,7 @@ void extent_find(struct extent *out, struct viewer *viewer, enum tool_number num
     double leaves = nearest + viewer->radius - point_depth(viewer, behind, m + 8);
     bool meets = isfinite(enters);
     along(out->entry, apex, axis, meets ? enters : nearest);
-    out->reach = ball_mm + (meets ? 0 : viewer->radius);
+    out->reach = fmin(ball_mm, viewer->radius / 2) + (meets ? 0 : viewer->radius);
     out->near = options.range[1] > 0 ? options.range[0] : 0;
     out->end = options.range[1] > 0 ? options.range[1] : leaves > 0 ? leaves : whole;
     out->solid = selection && options.layers != CONUS_LAYERS_ALL ? deepest_hit(selection, apex, axis) : -1;

@@ -9,7 +9,8 @@
 struct extent {
     double entry[3]; /**< Where the axis, from far before the apex, comes into what is shown (point.h); beside that its
                           place that is nearest to the middle. */
-    double reach;    /**< Its ball is so far before the entry: 40, or beside what is shown outside of all. */
+    double reach;    /**< Its ball is so far before the entry, or nearer where that is not seen: 40, or half the radius
+                          of a small atlas; beside what is shown outside of all. */
     double near;     /**< Depths along the axis from the apex: the cone begins, */
     double solid;    /**< has its deepest hit, where only first hits count, else it ends there, */
     double end;      /**< and ends: its range does, or else it leaves what is shown. */

@@ -76,9 +76,10 @@ struct cone_sight {
     double fade;    /**< and with this fading of the context. */
     struct cone_line lines[CONE_LINES];
     size_t line_count;
-    double clear;    /**< Depth up to which nothing hides the axis. */
-    double ball[3];  /**< The place of its ball. */
-    bool hides_ball; /**< Something lies before that. */
+    struct extent turned; /**< The extent, with the reach of its ball as it is drawn. */
+    double clear;         /**< Depth up to which nothing hides the axis. */
+    double ball[3];       /**< The place of its ball. */
+    bool hides_ball;      /**< Something lies before that. */
 };
 
 /** The object under the mouse. */
