@@ -66,15 +66,6 @@ assert rows == [("Frontal_Inf_Oper_L", 188), ("Precentral_L", 16), ("Postcentral
 '
 }
 
-# refuse_picture: where there is no OpenGL, in one line that names what is missing.
-refuse_picture() {
-    local status=0
-    conus phantom sphere --size 16 -o .
-    conus render sphere.nii.gz --origin=0,0,90 --toward=0,0,0 -o sphere.png 2>said || status=$?
-    cat said
-    [ $status = 4 ] && [ "$(wc -l <said)" = 1 ] && grep 'Debian: libegl1, libopengl0, libgl1-mesa-dri' said
-}
-
 # find_triangles: where there is no Embree, which one line says.
 find_triangles() {
     conus phantom brain -o brain
@@ -84,7 +75,9 @@ find_triangles() {
     grep -q ' share ' got
 }
 
+# draw_picture: by OpenGL, or by rays where there is none, without a word.
 draw_picture() {
+    conus phantom sphere --size 16 -o .
     conus render sphere.nii.gz --origin=0,0,90 --toward=0,0,0 -o sphere.png 2>said
     cat said
     [ ! -s said ]

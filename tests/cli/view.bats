@@ -649,7 +649,7 @@ END
     wait_until "$tracker" test -e port
     live sphere.nii.gz --size 1280x800 2>said
     tell 'pointer tracker'
-    click_at 1150 472 # the field below Point with, in which Enter connects
+    click_at 1150 461 # the field below Point with, in which Enter connects
     xdotool key --window "$window" ctrl+a
     xdotool type --window "$window" "127.0.0.1:$(<port)"
     pass
