@@ -49,7 +49,7 @@ enum look_colour {
     LOOK_PANE_DARK = 0x14171B, /**< Behind the brain in the dark theme. */
 
     /* The window, over pictures, which have no theme. */
-    LOOK_CHOSEN = 0xFFC85A, /**< The outline of what is chosen. */
+    LOOK_CHOSEN = 0xFFFFFF, /**< The outline of what is chosen. */
     LOOK_OVER = 0xEBEBF0,   /**< Words and lines over pictures, farther ones, and under them. */
     LOOK_OVER_FAR = 0xAFAFB5,
     LOOK_UNDER = 0x141418,

@@ -227,6 +227,7 @@ typedef struct conus_view {
                               answer, behind these what else stands out, and from the seventh on a grey, with a number
                               in picture and legend where it is hit first; all else is a neutral grey. Pathways that are
                               haze have their own. */
+    bool no_cone;          /**< With a selection: only its contacts are drawn, not its cone. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -278,6 +279,7 @@ typedef struct conus_cut_view {
                                          own_colours; 0 = none. */
     bool own_colours;                 /**< As of conus_view. Else areas that are not hit have only an outline, over an
                                          image, and are a neutral grey without one. */
+    bool no_cone;                     /**< The selection's cone is not drawn. */
 } conus_cut_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

@@ -154,7 +154,7 @@ conus_status conus_cutter_draw(conus_cutter *cutter, const conus_cut_view *view)
 {
     view = options_of(conus_cut_view, view);
     conus_status status = check_view(view);
-    return status ? status : draw(cutter, view, true, NULL, NULL);
+    return status ? status : draw(cutter, view, !view->no_cone, NULL, NULL);
 }
 
 conus_status cutter_draw_bare(const struct cut **out, conus_cutter *cutter, const conus_cut_view *view, cut_line *line,

@@ -186,13 +186,15 @@ static void add_cone(struct picture *picture)
     const conus_selection *selection = picture->options.selection;
     struct colour_view *view = &picture->view;
     view->group = selection->group;
-    view->world_from_cone = selection->cone.pose.world_from_device;
+    if (!picture->options.no_cone) {
+        view->world_from_cone = selection->cone.pose.world_from_device;
+        add_marker(picture, view->world_from_cone + 12, DEVICE * picture->radius, device);
+    }
     view->cone_slope = tan(selection->cone.angle / 2);
     view->cone_radius = selection->cone.radius;
     view->cone_start = selection->cone.range[0];
     view->cone_length = cone_length(picture, selection);
     view->grey_cone = picture->options.grey_cone;
-    add_marker(picture, view->world_from_cone + 12, DEVICE * picture->radius, device);
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (result->object && result->pixels) {

@@ -221,18 +221,38 @@ static void an_outline_is_bright_within_and_dark_beside(void **state)
         mask[pixel] = shape[pixel] == '#';
         objects[pixel] = mask[pixel] ? 1 + pixel % 2 : pixel % 3 ? 0 : 3;
     }
-    uint8_t *copy = outline_cut(&top, rgba, objects, WIDE, HIGH, (bool[]){false, true, true, false});
-    assert_non_null(copy);
+    uint8_t copy[sizeof rgba];
+    memcpy(copy, rgba, sizeof copy);
+    outline_cut(copy, &top, objects, WIDE, HIGH, (bool[]){false, true, true, false}, &outline_looks[OUTLINE_CHOSEN]);
     check_lines(copy, wide);
     assert_true(top.is_there);
     assert_int_equal(top.x, 3);
     assert_int_equal(top.y, 1);
-    free(copy);
-    outline_draw(rgba, &top, mask, WIDE, HIGH);
+    outline_draw(rgba, &top, mask, WIDE, HIGH, &outline_looks[OUTLINE_CHOSEN]);
     check_lines(rgba, thin);
     assert_int_equal(top.x, 3);
+    /* what is filled by 0.7 has 0.7 of that opacity within the line, in a cut 0.7 of its colour and 0.3 of what was */
+    const struct outline_look full = {{255, 0, 0}, 0.7};
+    uint8_t square[4 * 25] = {0};
+    uint8_t inner[25] = {0};
+    uint32_t number[25];
+    for (int pixel = 0; pixel < 25; pixel++) {
+        inner[pixel] = pixel % 5 % 4 && pixel / 5 % 4;
+    }
+    outline_draw(square, &top, inner, 5, 5, &full);
+    assert_int_equal(square[4 * 12 + 3], 179); /* 178.5 */
+    assert_int_equal(square[4 * 6 + 3], 255);
+    assert_int_equal(square[4 * 1], 0);
+    memset(square, 100, sizeof square);
+    for (int pixel = 0; pixel < 25; pixel++) {
+        number[pixel] = 1;
+    }
+    outline_cut(square, &top, number, 5, 5, (bool[]){false, true}, &full);
+    assert_int_equal(square[4 * 12], 209); /* 208.5 */
+    assert_int_equal(square[4 * 12 + 1], 30);
+    assert_int_equal(square[4 * 12 + 3], 100);
     memset(mask, 0, sizeof mask);
-    outline_draw(rgba, &top, mask, WIDE, HIGH);
+    outline_draw(rgba, &top, mask, WIDE, HIGH, &outline_looks[OUTLINE_CHOSEN]);
     assert_false(top.is_there);
 }
 
@@ -252,7 +272,7 @@ static void an_outline_is_dashed_where_it_is_hidden(void **state)
         mask[pixel] = x >= LOW && x < HIGH && y >= LOW && y < HIGH;
         hidden[pixel] = x >= MIDDLE;
     }
-    outline_draw(whole, &top, mask, WIDE, WIDE);
+    outline_draw(whole, &top, mask, WIDE, WIDE, &outline_looks[OUTLINE_CHOSEN]);
     memcpy(dashed, whole, sizeof whole);
     outline_dash(dashed, mask, hidden, WIDE, WIDE);
     for (int pixel = 0; pixel < PIXELS; pixel++) {

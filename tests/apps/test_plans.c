@@ -14,6 +14,7 @@
 
 #include <math.h>
 #include <sched.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const double start[3] = {40, 0, 5};
@@ -87,6 +88,42 @@ static void the_tool_is_judged_where_it_is(void **state)
     assert_string_equal(line, "held, not tracked: holds, 4.0 mm to Ball");
     viewer.cone.options.radius = 2; /* a thicker needle, which another plan judges */
     says(&viewer, 30, "breaks: 3.0 of 3 mm to Ball", "");
+    viewer_finish(&viewer);
+}
+
+static void check_structure(struct viewer *viewer, conus_constraint_kind kind, const char *name, bool u, bool ball)
+{
+    const char *is = plans_name(viewer, kind);
+    bool *wanted = plans_structure(viewer, kind);
+    assert_int_equal(!is, !name);
+    assert_int_equal(!wanted, !name);
+    if (name) {
+        assert_string_equal(is, name);
+        assert_int_equal(wanted[1], u);
+        assert_int_equal(wanted[2], ball);
+    }
+    free(wanted);
+}
+
+static void the_structures_of_a_plan_are_shown(void **state)
+{
+    static const char *const both[] = {"--reach=Ball,U", "--radius=1", "--depth=30"};
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    open_usual(&window, &viewer);
+    check_structure(&viewer, CONUS_CONSTRAINT_REACH, "U", true, false);
+    check_structure(&viewer, CONUS_CONSTRAINT_AVOID, "Ball", false, true);
+    tool_clear(&viewer);
+    viewer_hide(&viewer, 2, true); /* then there is no such plan */
+    check_structure(&viewer, CONUS_CONSTRAINT_AVOID, NULL, false, false);
+    viewer_hide(&viewer, 2, false);
+    check_structure(&viewer, CONUS_CONSTRAINT_REACH, "U", true, false);
+    unsigned number = viewer.plan.number;
+    assert_int_equal(open_plan(&viewer, both, 3), 0);
+    assert_int_not_equal(viewer.plan.number, number);
+    check_structure(&viewer, CONUS_CONSTRAINT_REACH, "Ball, U", true, true);
+    check_structure(&viewer, CONUS_CONSTRAINT_AVOID, NULL, false, false);
     viewer_finish(&viewer);
 }
 
@@ -209,6 +246,13 @@ static void rows_move_the_tool_and_are_taken_back(void **state)
     assert_near(viewer.crosshair[0], 10, 1e-9); /* its tip */
     assert_true(viewer.tools[FIRST_TOOL].held);
     assert_string_equal(plans_verdict(&viewer)->text, "holds, 4.0 mm to Ball");
+    char lines[2][PLAN_LINE]; /* the list's own number, in place of what the needle meets first */
+    assert_true(plans_answer(lines[0], lines[1], &viewer));
+    assert_string_equal(lines[0], "Reaches U");
+    assert_string_equal(lines[1], "4.0 mm from Ball");
+    viewer.cone.options.range[1] = 29; /* at no row */
+    assert_false(plans_answer(lines[0], lines[1], &viewer));
+    viewer.cone.options.range[1] = 30;
     assert_false(plans_go(&viewer, 2));
     assert_false(plans_is_behind(&viewer)); /* its depth is not that of other candidates */
     undo_step(&window, -1);
@@ -237,6 +281,8 @@ static void without_a_feasible_pose_the_nearest_misses_are_listed(void **state)
     assert_near(list->rows[1].clearance, 8, 1e-9);
     assert_true(plans_go(&viewer, 1));
     assert_string_equal(plans_verdict(&viewer)->text, "breaks: 8.0 of 9 mm to Ball");
+    char lines[2][PLAN_LINE];
+    assert_false(plans_answer(lines[0], lines[1], &viewer));
     viewer_finish(&viewer);
 }
 
@@ -264,6 +310,7 @@ TEST_GROUP(plans)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_tool_is_judged_where_it_is),
+        cmocka_unit_test(the_structures_of_a_plan_are_shown),
         cmocka_unit_test(what_is_not_there_is_not_judged),
         cmocka_unit_test(all_kinds_of_constraints_are_worded),
         cmocka_unit_test(unknown_names_are_refused),

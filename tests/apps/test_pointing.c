@@ -2,6 +2,7 @@
 /* The mouse's cone without a window: where it begins, when it stays, which notices it has. */
 #include "viewer/model/picker.h"
 #include "viewer/session/property.h"
+#include "viewer/tools/extent.h"
 #include "viewer/tools/inputs.h"
 #include "viewer/tools/point.h"
 
@@ -193,6 +194,83 @@ static void the_cone_is_held_freed_and_cleared(void **state)
     viewer_finish(&viewer);
 }
 
+static void aim_back(struct viewer *viewer, double x)
+{
+    tool_aim_along(viewer, FIRST_TOOL, (double[]){x, 90, 0}, back);
+}
+
+/* From y = 90 along -y the blocks reach from 20.5 to -20.5: depths of 69.5 and 110.5. Their front is flat, so every
+ * first hit is as deep as that of the axis. Beside them, at x = 60, where a cone of 5 degrees reaches 5 mm to the side,
+ * the place of the axis that is nearest to the middle is y = 0. */
+static void a_cone_reaches_from_its_entry_to_its_deepest_hit(void **state)
+{
+    struct viewer viewer;
+    struct extent extent;
+    (void)state;
+    open_atlases(&viewer, make_blocks(20), NULL);
+    aim_back(&viewer, -10);
+    extent_find(&extent, &viewer, FIRST_TOOL);
+    assert_near(extent.entry[0], -10, 1e-9);
+    assert_near(extent.entry[1], 20.5, 1e-9);
+    assert_true(viewer.radius < 80); /* a small atlas */
+    assert_near(extent.reach, viewer.radius / 2, 1e-9);
+    assert_near(extent.near, 0, 0);
+    assert_near(extent.solid, 69.5, 1e-4);
+    assert_near(extent.end, 110.5, 1e-9);
+    viewer.cone.options.layers = CONUS_LAYERS_ALL; /* then all counts up to the end */
+    tool_reselect(&viewer);
+    extent_find(&extent, &viewer, FIRST_TOOL);
+    assert_near(extent.solid, 110.5, 1e-9);
+    viewer.cone.options.layers = CONUS_LAYERS_VISIBLE;
+    viewer.cone.options.range[0] = 80;
+    viewer.cone.options.range[1] = 100;
+    tool_reselect(&viewer);
+    extent_find(&extent, &viewer, FIRST_TOOL);
+    assert_near(extent.near, 80, 0);
+    assert_near(extent.solid, 80, 0.01); /* it begins inside */
+    assert_near(extent.end, 100, 0);
+    viewer.cone.options.range[1] = 0;
+    aim_back(&viewer, 60);
+    extent_find(&extent, &viewer, FIRST_TOOL);
+    assert_near(extent.entry[0], 60, 1e-9);
+    assert_near(extent.entry[1], viewer.centre[1], 1e-9);
+    assert_near(extent.reach, 1.5 * viewer.radius, 1e-9);
+    assert_near(extent.solid, extent.end, 0); /* nothing ends it */
+    viewer_finish(&viewer);
+}
+
+/* Around the entry (0, 20.5, 0) the ball goes on a sphere of 40 mm. The ray along -y at x = 24 meets that at 32 mm to
+ * its front, (24, 52.5, 0), and behind; the ball is in front, and so the axis is along (-0.6, -0.8, 0), and the apex,
+ * which is 69.5 mm from the entry, at (41.7, 76.1, 0). The ray at x = 100 passes beside it, nearest at y = 20.5. */
+static void a_cone_turns_about_its_entry(void **state)
+{
+    struct viewer viewer;
+    struct extent extent;
+    double ball[3];
+    const double *m = viewer.tools[FIRST_TOOL].pose.world_from_device;
+    (void)state;
+    open_atlases(&viewer, make_blocks(20), NULL);
+    aim_back(&viewer, 0);
+    extent_find(&extent, &viewer, FIRST_TOOL);
+    extent.reach = 40;
+    extent_ball(ball, &extent, &viewer.tools[FIRST_TOOL].pose);
+    assert_near(ball[1], 60.5, 1e-9);
+    extent_turn(&viewer, FIRST_TOOL, &extent, (double[]){24, 300, 0}, back);
+    assert_near(m[8], 0.6, 1e-9);
+    assert_near(m[9], 0.8, 1e-9);
+    assert_near(m[12], 41.7, 1e-9);
+    assert_near(m[13], 76.1, 1e-9);
+    assert_near(m[14], 0, 1e-9);
+    extent_ball(ball, &extent, &viewer.tools[FIRST_TOOL].pose);
+    assert_near(ball[0], 24, 1e-9);
+    assert_near(ball[1], 52.5, 1e-9);
+    extent_turn(&viewer, FIRST_TOOL, &extent, (double[]){100, 300, 0}, back);
+    assert_near(m[8], 1, 1e-9);
+    assert_near(m[12], 69.5, 1e-9);
+    assert_near(m[13], 20.5, 1e-9);
+    viewer_finish(&viewer);
+}
+
 /* At x = -1, 70 mm before both blocks, a cone of 30 degrees hits both; its axis hits the first. */
 static void one_ray_names_one_area(void **state)
 {
@@ -305,6 +383,8 @@ TEST_GROUP(pointing)
         cmocka_unit_test(the_nearest_atlas_is_the_surface),
         cmocka_unit_test(the_mouse_puts_the_apex_there),
         cmocka_unit_test(the_cone_is_held_freed_and_cleared),
+        cmocka_unit_test(a_cone_reaches_from_its_entry_to_its_deepest_hit),
+        cmocka_unit_test(a_cone_turns_about_its_entry),
         cmocka_unit_test(one_ray_names_one_area),
         cmocka_unit_test(the_cuts_follow_the_chosen_place),
         cmocka_unit_test(notices_explain_a_missing_cone),

@@ -350,11 +350,10 @@ static void the_wall_is_cut_by_planes(void **state)
     struct shell shell;
     struct shell_piece pieces[2 * SHELL_POINTS];
     conus_pose pose;
-    const conus_selector_options options = {.resolution = 16};
     double along = 0;
     (void)state;
     assert_ok(conus_pose_along(&pose, (double[]){0, 0, 0}, (double[]){0, 0, -1}, NULL));
-    shell_find(&shell, &pose, &options, M_PI / 3, 100);
+    shell_find(&shell, &pose, 0, M_PI / 3, 0, 100 * cos(M_PI / 6));
     for (size_t i = 0; i < SHELL_POINTS; i++) {
         assert_near(hypot(shell.far[i][0], shell.far[i][1]), 50, 1e-9);
         assert_near(shell.far[i][2], -100 * cos(M_PI / 6), 1e-9);

@@ -3,21 +3,35 @@
 #include "viewer/model/outline.h"
 
 #include "base/look.h"
+#include "viewer/model/plans.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static const uint8_t bright[4] = {LOOK_RGB(LOOK_CHOSEN), 255};
+const struct outline_look outline_looks[OUTLINE_COUNT] = {[OUTLINE_AVOIDED] = {{LOOK_RGB(LOOK_BROKEN)}, 0},
+                                                          [OUTLINE_TARGET] = {{LOOK_RGB(LOOK_HOLDS)}, 0.7},
+                                                          [OUTLINE_CHOSEN] = {{LOOK_RGB(LOOK_CHOSEN)}, 0}};
 static const uint8_t dark[4] = {LOOK_RGB(LOOK_BLACK), 255};
 
-bool *outline_wanted(const struct viewer *viewer)
+static const conus_constraint_kind kinds[] = {
+    [OUTLINE_AVOIDED] = CONUS_CONSTRAINT_AVOID, [OUTLINE_TARGET] = CONUS_CONSTRAINT_REACH};
+
+bool *outline_wanted(struct viewer *viewer, enum outline which)
 {
     uint32_t chosen = viewer->drawn->shown.chosen;
+    if (which != OUTLINE_CHOSEN) {
+        return plans_structure(viewer, kinds[which]);
+    }
     bool *wanted = chosen ? calloc(viewer->drawn->object_count + 1, sizeof *wanted) : NULL;
     for (uint32_t number = 1; wanted && number <= viewer->drawn->object_count; number++) {
         wanted[number] = viewer_is_below(viewer, number, chosen);
     }
     return wanted;
+}
+
+const char *outline_name(struct viewer *viewer, enum outline which)
+{
+    return which == OUTLINE_CHOSEN ? NULL : plans_name(viewer, kinds[which]);
 }
 
 /* Whether a neighbour beside, above or below has the other value. */
@@ -31,28 +45,39 @@ static bool is_edge(const uint8_t *mask, uint32_t width, uint32_t height, uint32
 /* The middle of the first run of the first row that has one. */
 static void find_top(struct outline_top *top, const uint8_t *mask, uint32_t width, uint32_t height)
 {
-    size_t pixels = (size_t)width * height;
-    const uint8_t *first = memchr(mask, 1, pixels);
-    *top = (struct outline_top){.is_there = first};
-    if (first) {
-        size_t at = (size_t)(first - mask);
-        size_t end = at;
-        while (end < pixels && end / width == at / width && mask[end]) {
-            end++;
+    *top = (struct outline_top){.is_there = false};
+    for (uint32_t y = 0; y < height && !top->is_there; y++) {
+        const uint8_t *row = mask + (size_t)y * width;
+        const uint8_t *first = memchr(row, 1, width);
+        if (first) {
+            uint32_t x = (uint32_t)(first - row);
+            uint32_t end = x;
+            while (end < width && row[end]) {
+                end++;
+            }
+            *top = (struct outline_top){true, (x + end) / 2, y};
         }
-        top->x = (uint32_t)((at + end) / 2 % width);
-        top->y = (uint32_t)(at / width);
     }
 }
 
-void outline_draw(uint8_t *rgba, struct outline_top *top, const uint8_t *mask, uint32_t width, uint32_t height)
+static void put(uint8_t *pixel, const struct outline_look *look, double opacity)
+{
+    memcpy(pixel, look->rgb, sizeof look->rgb);
+    pixel[3] = (uint8_t)(255 * opacity + 0.5);
+}
+
+void outline_draw(uint8_t *rgba, struct outline_top *top, const uint8_t *mask, uint32_t width, uint32_t height,
+                  const struct outline_look *look)
 {
     find_top(top, mask, width, height);
     for (uint32_t y = 0; y < height && top->is_there; y++) {
         for (uint32_t x = 0; x < width; x++) {
-            if (is_edge(mask, width, height, x, y)) {
-                size_t pixel = (size_t)y * width + x;
-                memcpy(rgba + 4 * pixel, mask[pixel] ? bright : dark, sizeof bright);
+            size_t pixel = (size_t)y * width + x;
+            bool edge = is_edge(mask, width, height, x, y);
+            if (mask[pixel] && (edge || look->fill > 0)) {
+                put(rgba + 4 * pixel, look, edge ? 1 : look->fill);
+            } else if (edge) {
+                memcpy(rgba + 4 * pixel, dark, sizeof dark);
             }
         }
     }
@@ -72,21 +97,22 @@ void outline_dash(uint8_t *rgba, const uint8_t *mask, const uint8_t *hidden, uin
     }
 }
 
-uint8_t *outline_cut(struct outline_top *top, const uint8_t *rgba, const uint32_t *objects, uint32_t width,
-                     uint32_t height, const bool *wanted)
+void outline_cut(uint8_t *rgba, struct outline_top *top, const uint32_t *objects, uint32_t width, uint32_t height,
+                 const bool *wanted, const struct outline_look *look)
 {
     size_t pixels = (size_t)width * height;
-    uint8_t *copy = malloc(4 * pixels);
     uint8_t *mask = calloc(2, pixels); /* and the same, grown */
+    const struct outline_look line = {{look->rgb[0], look->rgb[1], look->rgb[2]}, 0};
     struct outline_top grown;
-    if (!copy || !mask) {
-        free(copy);
-        free(mask);
-        return NULL;
+    if (!mask) {
+        return;
     }
-    memcpy(copy, rgba, 4 * pixels);
     for (size_t pixel = 0; pixel < pixels; pixel++) {
         mask[pixel] = wanted[objects[pixel]];
+        for (int c = 0; c < 3 && mask[pixel]; c++) {
+            uint8_t *level = rgba + 4 * pixel + c;
+            *level = (uint8_t)(*level + (look->rgb[c] - *level) * look->fill + 0.5);
+        }
     }
     find_top(top, mask, width, height);
     for (uint32_t y = 0; y < height; y++) { /* grown by a pixel to each side, above and below */
@@ -95,14 +121,13 @@ uint8_t *outline_cut(struct outline_top *top, const uint8_t *rgba, const uint32_
             mask[pixels + pixel] = mask[pixel] || is_edge(mask, width, height, x, y);
         }
     }
-    outline_draw(copy, &grown, mask + pixels, width, height);
+    outline_draw(rgba, &grown, mask + pixels, width, height, &line);
     for (uint32_t y = 0; y < height; y++) { /* a pixel to each side of the edge */
         for (uint32_t x = 0; x < width; x++) {
             if (is_edge(mask, width, height, x, y)) {
-                memcpy(copy + 4 * ((size_t)y * width + x), bright, sizeof bright);
+                put(rgba + 4 * ((size_t)y * width + x), look, 1);
             }
         }
     }
     free(mask);
-    return copy;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * Draws an outline around the chosen object, in pictures of sRGB and opacity, [height width 4], top row first. */
+ * Draws outlines around objects, in pictures of sRGB and opacity, [height width 4], top row first. */
 #ifndef CONUS_VIEWER_MODEL_OUTLINE_H
 #define CONUS_VIEWER_MODEL_OUTLINE_H
 
@@ -14,19 +14,32 @@ struct outline_top {
     uint32_t x, y;
 };
 
-/** Which objects are the chosen one or below it, [objects + 1], to be freed; NULL: none is chosen, or no memory. */
-bool *outline_wanted(const struct viewer *viewer);
+/** What has an outline; the later ones lie over the others. */
+enum outline { OUTLINE_AVOIDED = 0, OUTLINE_TARGET /**< Of a plan. */, OUTLINE_CHOSEN, OUTLINE_COUNT };
 
-/** Draws a bright line inside the edge of @p mask, [height width] of 0 and 1, and a dark one outside; none at the
- * picture's border. */
-void outline_draw(uint8_t *rgba, struct outline_top *top, const uint8_t *mask, uint32_t width, uint32_t height);
+struct outline_look {
+    uint8_t rgb[3];
+    double fill; /**< Opacity of the inside. */
+};
+extern const struct outline_look outline_looks[OUTLINE_COUNT];
+
+/** The objects that have it, [objects + 1], to be freed; NULL: none has, or no memory. */
+bool *outline_wanted(struct viewer *viewer, enum outline which);
+
+/** The name of an object that has it; NULL: @p which is not of a plan. */
+const char *outline_name(struct viewer *viewer, enum outline which);
+
+/** Draws a line inside the edge of @p mask, [height width] of 0 and 1, and a dark one outside; none at the picture's
+ * border. All else of a mask that is filled becomes so. */
+void outline_draw(uint8_t *rgba, struct outline_top *top, const uint8_t *mask, uint32_t width, uint32_t height,
+                  const struct outline_look *look);
 
 /** Makes dashes of the outline of @p mask that was drawn, where @p hidden, [height width], is 1. */
 void outline_dash(uint8_t *rgba, const uint8_t *mask, const uint8_t *hidden, uint32_t width, uint32_t height);
 
-/** A wider outline, two pixels bright, of the @p wanted ones of @p objects, [height width], in a copy of @p rgba that
- * is to be freed; NULL without memory. */
-uint8_t *outline_cut(struct outline_top *top, const uint8_t *rgba, const uint32_t *objects, uint32_t width,
-                     uint32_t height, const bool *wanted);
+/** Draws a wider outline, of two pixels, around the @p wanted ones of @p objects, [height width], over @p rgba; none
+ * without memory. */
+void outline_cut(uint8_t *rgba, struct outline_top *top, const uint32_t *objects, uint32_t width, uint32_t height,
+                 const bool *wanted, const struct outline_look *look);
 
 #endif

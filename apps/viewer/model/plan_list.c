@@ -21,6 +21,7 @@ static void take_row(struct plan_row *out, const conus_plan *plan, const conus_a
                              .range = {planned->near, planned->far},
                              .angle = planned->angle,
                              .leeway = planned->leeway,
+                             .breaks = !planned->feasible,
                              .clearance = planned->clearance};
     conus_frame_turn_pose(&out->pose, &(conus_frame){.space = CONUS_SPACE_RAS}, true); /* as a tool has it */
     snprintf(out->id, sizeof out->id, "%s", planned->id);

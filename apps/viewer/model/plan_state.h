@@ -18,6 +18,7 @@ struct plan_verdict {
 /** The state of model/plans.h. */
 struct plan_state {
     struct plan_task task;            /**< Does not change. */
+    unsigned number;                  /**< Grows with every other task. */
     double depth;                     /**< Far end of candidates that have none; 0 = none. */
     struct study_state list;          /**< The candidates' study: STUDY_PLAN, or STUDY_NONE without a file of them. */
     conus_selector *selector;         /**< Selects for the plan that tries the tool; */

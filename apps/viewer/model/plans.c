@@ -74,7 +74,7 @@ int plans_change(struct viewer *viewer, const struct arguments *arguments, const
     struct plan_state before;
     plan_state_pause(&viewer->plan); /* its thread reads the task */
     before = viewer->plan;
-    viewer->plan = (struct plan_state){.depth = before.depth};
+    viewer->plan = (struct plan_state){.depth = before.depth, .number = before.number + 1};
     int code = read_task(viewer, arguments, poses);
     plan_state_finish(code ? &viewer->plan : &before);
     if (code) {
@@ -156,6 +156,55 @@ bool plans_is_target(const struct viewer *viewer, uint32_t object)
     }
     json_decref(word);
     return found;
+}
+
+/* The structure of a constraint of this kind, the one at *from or behind it; past it then. */
+static const char *next_structure(size_t *from, const struct viewer *viewer, conus_constraint_kind kind)
+{
+    const conus_plan *plan = viewer->plan.live;
+    size_t count = conus_plan_constraint_count(plan);
+    const char *name = NULL;
+    while (*from < count && !name) {
+        name = conus_plan_constraint(plan, *from)->kind == kind ? conus_plan_name(plan, *from) : NULL;
+        ++*from;
+    }
+    return name;
+}
+
+const char *plans_name(struct viewer *viewer, conus_constraint_kind kind)
+{
+    size_t from = 0;
+    (void)(plans_is_on(viewer) && prepare_live(viewer)); /* where that fails there is no structure */
+    return next_structure(&from, viewer, kind);
+}
+
+/* Whether a name is one of those, which ", " separates. */
+static bool is_among(const char *name, const char *names)
+{
+    size_t length = strlen(name);
+    const char *at = length ? strstr(names, name) : NULL;
+    while (at &&
+           !((at == names || strncmp(at - 2, ", ", 2) == 0) && (!at[length] || strncmp(at + length, ", ", 2) == 0))) {
+        at = strstr(at + 1, name);
+    }
+    return at;
+}
+
+bool *plans_structure(struct viewer *viewer, conus_constraint_kind kind)
+{
+    const struct view_atlas *view = viewer->drawn;
+    const char *names;
+    bool *is = view == viewer->atlases && plans_name(viewer, kind) ? calloc(view->object_count + 1, sizeof *is) : NULL;
+    for (size_t from = 0; is && (names = next_structure(&from, viewer, kind));) {
+        for (uint32_t number = 1; number <= view->object_count; number++) {
+            const conus_object *object = conus_atlas_object(view->atlas, number);
+            while (object && !is_among(object->name, names)) {
+                object = conus_atlas_object(view->atlas, object->parent);
+            }
+            is[number] = is[number] || object;
+        }
+    }
+    return is;
 }
 
 /* A number that is shown never looks better than it is: it is rounded down, or up where less is better. */
@@ -376,6 +425,26 @@ size_t plans_at(const struct viewer *viewer)
         }
     }
     return SIZE_MAX;
+}
+
+bool plans_answer(char reaches[PLAN_LINE], char clears[PLAN_LINE], struct viewer *viewer)
+{
+    const char *why;
+    const struct plan_list *list = plans_list(viewer, &why);
+    const struct plan_row *row = list && plans_at(viewer) < list->count ? &list->rows[plans_at(viewer)] : NULL;
+    const char *target = plans_name(viewer, CONUS_CONSTRAINT_REACH);
+    struct system_text text;
+    if (!row || row->breaks || plans_is_behind(viewer) || !(target || row->nearest[0])) {
+        return false;
+    }
+    snprintf(reaches, PLAN_LINE, "%s%s", target ? "Reaches " : "", target ? target : "");
+    FILE *out = system_text_open(&text);
+    if (out && row->nearest[0]) {
+        put_number(out, row->clearance, false);
+        fprintf(out, " mm from %s", row->nearest);
+    }
+    take_text(clears, PLAN_LINE, &text);
+    return true;
 }
 
 bool plans_go(struct viewer *viewer, size_t index)

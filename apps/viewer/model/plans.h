@@ -27,6 +27,15 @@ bool plans_targets_are_same(const json_t *a, const json_t *b);
 /** Whether an object of the first atlas is by itself what the needle is to reach. */
 bool plans_is_target(const struct viewer *viewer, uint32_t object);
 
+/** The objects of the drawn atlas that are, or are below, what the needle is to reach (@p kind) or to avoid, [objects +
+ * 1], to be freed; NULL: there are none, or no memory. */
+bool *plans_structure(struct viewer *viewer, conus_constraint_kind kind);
+/** How the first of these structures is called: "Thalamus_L, Putamen_L"; NULL without one. */
+const char *plans_name(struct viewer *viewer, conus_constraint_kind kind);
+/** What the first tool does at the row where it is, in two lines: "Reaches Hippocampus_L" and "13.6 mm from Insula_L";
+ * a line is "" where there is no such constraint. False: it is at no row, or at one that breaks a constraint. */
+bool plans_answer(char reaches[PLAN_LINE], char clears[PLAN_LINE], struct viewer *viewer);
+
 /** Whether there is a plan. */
 bool plans_is_on(const struct viewer *viewer);
 /** The verdict of the constraints on the first tool as it is now. Costs nothing where it has not changed. */

@@ -32,23 +32,43 @@ static const char device_caption[] = "what the device sees";
 
 enum { NAMES_SHOWN = 3, INSET = 7 /* pixels on the screen per pixel of the device's view */ };
 
-/* Draws half an axis, paler where it points away from the viewer. */
-static void draw_direction(const struct window *window, const float centre[2], size_t axis, int sign)
+/* Half an axis of the cross of directions. */
+struct direction {
+    const char *letter;
+    float x, y; /* in the picture, of a unit vector */
+    bool is_away;
+};
+
+static struct direction find_direction(const struct window *window, size_t axis, int sign)
 {
     static const char letters[3][2][2] = {{"L", "R"}, {"P", "A"}, {"I", "S"}};
     const double *m = window->pictures.shown.camera.world_from_device;
-    float x = (float)(sign * m[axis]);
-    float y = (float)(-sign * m[4 + axis]);
-    bool is_away = sign * m[8 + axis] < 0;
+    return (struct direction){letters[axis][sign > 0], (float)(sign * m[axis]), (float)(-sign * m[4 + axis]),
+                              sign * m[8 + axis] < 0};
+}
+
+/* Draws it paler where it points away from the viewer. */
+static void draw_direction(const float centre[2], const struct direction *direction)
+{
+    bool is_away = direction->is_away;
     float length = 1.5F * ui_line();
-    const float end[2] = {centre[0] + length * x, centre[1] + length * y};
-    const char *letter = letters[axis][sign > 0];
+    const float end[2] = {centre[0] + length * direction->x, centre[1] + length * direction->y};
     ui_draw_line(centre, end, compass_edge, is_away ? 2.5F : 3.5F);
     ui_draw_line(centre, end, is_away ? compass_far : compass_near, is_away ? 1.0F : 2.0F);
-    if (x * x + y * y > 0.1F) { /* else it points at the viewer, or away */
-        const float at[2] = {centre[0] + 1.45F * length * x - ui_text_width(letter) / 2,
-                             centre[1] + 1.45F * length * y - ui_line() / 2};
-        ui_draw_text(at, is_away ? compass_far : compass_near, letter);
+}
+
+/* Writes its letter where there is room beside those before. */
+static void draw_letter(struct labels *labels, const float centre[2], const struct direction *direction)
+{
+    static const float shade = 3; /* around texts, pixels */
+    float wide = ui_text_width(direction->letter) + 2 * shade;
+    const struct ui_box box = {centre[0] + 2.2F * ui_line() * direction->x - wide / 2,
+                               centre[1] + 2.2F * ui_line() * direction->y - ui_line() / 2, wide, ui_line()};
+    bool is_across = direction->x * direction->x + direction->y * direction->y > 0.1F; /* else it is at the middle */
+    if (is_across && labels_leave_free(labels, &box)) {
+        labels_reserve(labels, box);
+        ui_draw_text((float[]){box.x + shade, box.y}, direction->is_away ? compass_far : compass_near,
+                     direction->letter);
     }
 }
 
@@ -70,14 +90,17 @@ static void draw_compass(const struct window *window)
     bool has_text = head_text(&window->viewer->head, &is_well) || !window->viewer->tools[FIRST_TOOL].has_pose;
     float below = has_text ? 1.6F * ui_line() : 0; /* where it stands */
     const float centre[2] = {box->x + box->width - reach, box->y + box->height - reach - below};
-    if (has_compass(box)) {
-        for (int half = 0; half < 12; half++) { /* what points away first */
-            size_t axis = (size_t)half % 3;
-            int sign = half / 3 % 2 ? 1 : -1;
-            bool is_away = sign * window->pictures.shown.camera.world_from_device[8 + axis] < 0;
-            if (is_away == (half < 6)) {
-                draw_direction(window, centre, axis, sign);
-            }
+    struct labels labels = {.count = 0};
+    for (int half = 0; half < 24 && has_compass(box); half++) { /* what points away first; of letters the near ones */
+        struct direction direction = find_direction(window, (size_t)half % 3, half / 3 % 2 ? 1 : -1);
+        bool is_letter = half >= 12;
+        if (direction.is_away != (half / 6 % 2 == is_letter)) {
+            continue;
+        }
+        if (is_letter) {
+            draw_letter(&labels, centre, &direction);
+        } else {
+            draw_direction(centre, &direction);
         }
     }
 }
@@ -95,7 +118,6 @@ static void ask_painter(struct window *window, bool moving)
                             .own_colours = viewer->display.own_colours,
                             .chosen = viewer_full(viewer),
                             .answer = viewer->drawn->answers[FIRST_TOOL],
-                            .is_old = inputs_is_old(&window->inputs, viewer, FIRST_TOOL),
                             .answer_number = viewer->tools[FIRST_TOOL].answer_number,
                             .scene_number = viewer->scene_number,
                             .moving = moving};
@@ -400,6 +422,9 @@ static bool use_mouse(struct window *window)
     bool is_behind = !eye_is_same(&window->pictures.shown, &window->pictures.eye);
     bool turns = held && mouse.down[0] && frame->pressed_of && mouse.strayed >= click && moved;
     bool pans = held && !mouse.down[0] && moved && (mouse.down[1] || mouse.down[2]);
+    if (pane_cone_turn(window)) {
+        return moved;
+    }
     if (mouse.pressed[0] && held) {
         press(window, &mouse);
     }
@@ -413,7 +438,8 @@ static bool use_mouse(struct window *window)
         frame->turned[1] = mouse.y;
     } else if (pans) {
         orbit_pan(&viewer->orbit, (double)mouse.moved_x, (double)mouse.moved_y, height);
-    } else if (!held && (moved || (frame->points_again && !is_behind))) {
+    } else if (!held && pane_cone_at(window, (float[]){mouse.x, mouse.y}) == TOOL_COUNT &&
+               (moved || (frame->points_again && !is_behind))) {
         point_at(window, &frame->hover);
         frame->points_again = is_behind;
     }
@@ -441,6 +467,11 @@ static void use_release(struct window *window)
 /* Names what is under the mouse; where the cone follows the mouse, it has its name there already. */
 static void show_hover_tip(const struct window *window)
 {
+    const struct ui_mouse mouse = ui_mouse_now();
+    if (pane_cone_at(window, (float[]){mouse.x, mouse.y}) < TOOL_COUNT) {
+        ui_tip("drag it: the cone turns about the place where it enters");
+        return;
+    }
     enum tool_number follows = tool_moved_by(window->viewer, POINT_BY_MOUSE);
     if (window->frame.hover.object && !labels_has(&window->frame.labels, window->frame.hover.object) &&
         (follows == TOOL_COUNT || window->viewer->tools[follows].held)) {
@@ -498,8 +529,8 @@ void pane_3d(struct window *window)
     ui_clip(*box);
     pane_chosen(window);
     draw_compass(window);
-    pane_chosen_name(window);
-    pane_second_3d(window);
+    pane_chosen_names(window);
+    pane_cones(window);
     draw_crosshair(window);
     draw_measured(window);
     draw_names(window);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The chosen area over the picture of the 3-D pane, seen through what lies before it, and its name. */
+/* The chosen area and those of a plan over the picture of the 3-D pane, seen through what lies before them, and their
+ * names. */
 #include "viewer/panes/panes.h"
 
 #include "viewer/model/picker.h"
@@ -12,18 +13,22 @@
 
 enum { COARSE = 2 /* pixels of the pane per pixel of the shadow */ };
 
-/* Finds the cells anew where another area is chosen, or the atlas changed. */
-static void find_cells(struct shadow *shadow, struct viewer *viewer)
+/* Finds the cells anew where another area is chosen, the plan is another, or the atlas changed. */
+static void find_cells(struct shadow *shadow, struct viewer *viewer, enum outline which)
 {
-    bool same = shadow->of == viewer->drawn && shadow->chosen == viewer->drawn->shown.chosen &&
+    bool is_chosen = which == OUTLINE_CHOSEN;
+    uint32_t chosen = is_chosen ? viewer->drawn->shown.chosen : 0;
+    unsigned plan = is_chosen ? 0 : viewer->plan.number;
+    bool same = shadow->of == viewer->drawn && shadow->chosen == chosen && shadow->plan_number == plan &&
                 shadow->atlas_number == viewer->atlas_number;
     if (same) {
         return;
     }
-    bool *wanted = outline_wanted(viewer);
+    bool *wanted = outline_wanted(viewer, which);
     cells_finish(&shadow->cells);
     shadow->of = viewer->drawn;
-    shadow->chosen = viewer->drawn->shown.chosen;
+    shadow->chosen = chosen;
+    shadow->plan_number = plan;
     shadow->atlas_number = viewer->atlas_number;
     shadow->width = 0;
     if (wanted && cells_find(&shadow->cells, viewer->drawn->atlas, wanted)) { /* said once */
@@ -31,14 +36,14 @@ static void find_cells(struct shadow *shadow, struct viewer *viewer)
     }
     free(wanted);
     const conus_atlas *atlas = viewer->drawn->atlas;
-    shadow->has_middle = !shadow->cells.count && shadow->chosen && !conus_atlas_is_hidden(atlas, shadow->chosen) &&
-                         !conus_atlas_centre(shadow->middle, atlas, shadow->chosen);
+    shadow->has_middle = !shadow->cells.count && chosen && !conus_atlas_is_hidden(atlas, chosen) &&
+                         !conus_atlas_centre(shadow->middle, atlas, chosen);
 }
 
-/* Whether something else lies before the nearest cell beside a pixel. */
-static bool is_hidden(const struct window *window, const float *nearest, uint32_t x, uint32_t y)
+/* Whether something else than its own objects lies before the nearest cell beside a pixel. */
+static bool is_hidden(const struct window *window, const struct shadow *shadow, const bool *own, const float *nearest,
+                      uint32_t x, uint32_t y)
 {
-    const struct shadow *shadow = &window->pictures.shadow;
     const double *from = shadow->eye.camera.world_from_device + 12;
     double depth = INFINITY;
     double direction[3];
@@ -50,25 +55,24 @@ static bool is_hidden(const struct window *window, const float *nearest, uint32_
         }
     }
     eye_ray(direction, &shadow->eye, (double[]){shadow->width, shadow->height}, (double[]){x + 0.5, y + 0.5});
-    if (!viewer_pick(&object, at, window->viewer, from, direction) ||
-        (object && viewer_is_below(window->viewer, object, shadow->chosen))) {
+    if (!viewer_pick(&object, at, window->viewer, from, direction) || (object && own[object])) {
         return false;
     }
     double seen = hypot(hypot(at[0] - from[0], at[1] - from[1]), at[2] - from[2]);
     return seen < depth - 2 * shadow->cells.edge; /* what lies beside it is as far */
 }
 
-/* Finds where its outline, the pixels of `rgba` that are not empty, is hidden (1) or not (2): dash by dash. */
-static void find_hidden(uint8_t *hidden, const struct window *window, const uint8_t *rgba, const float *nearest)
+/* Finds where its outline, the pixels of `rgba` that are opaque, is hidden (1) or not (2): dash by dash. */
+static void find_hidden(uint8_t *hidden, const struct window *window, const struct shadow *shadow, const bool *own,
+                        const uint8_t *rgba, const float *nearest)
 {
-    const struct shadow *shadow = &window->pictures.shadow;
     for (uint32_t y = 0; y < shadow->height; y++) {
         for (uint32_t x = 0; x < shadow->width; x++) {
             size_t pixel = (size_t)y * shadow->width + x;
-            if (!rgba[4 * pixel + 3] || hidden[pixel]) {
+            if (rgba[4 * pixel + 3] < 255 || hidden[pixel]) {
                 continue;
             }
-            uint8_t is = is_hidden(window, nearest, x, y) ? 1 : 2;
+            uint8_t is = is_hidden(window, shadow, own, nearest, x, y) ? 1 : 2;
             for (uint32_t j = y; j < shadow->height && j / OUTLINE_DASH == y / OUTLINE_DASH; j++) {
                 uint32_t left = x / OUTLINE_DASH * OUTLINE_DASH;
                 for (uint32_t i = left; i < shadow->width && i < left + OUTLINE_DASH; i++) {
@@ -79,19 +83,20 @@ static void find_hidden(uint8_t *hidden, const struct window *window, const uint
     }
 }
 
-/* Draws the outline. There is no colour within: what lies there in the picture may be another area. */
-static void cast(struct window *window, uint32_t width, uint32_t height)
+/* Draws the outline. What is chosen has no colour within: what lies there in the picture may be another area. */
+static void cast(struct window *window, enum outline which, uint32_t width, uint32_t height)
 {
-    struct shadow *shadow = &window->pictures.shadow;
+    struct shadow *shadow = &window->pictures.shadows[which];
     size_t pixels = (size_t)width * height;
     uint8_t *mask = calloc(pixels + 1, 2); /* and what is hidden of it */
     uint8_t *rgba = calloc(pixels + 1, 4);
     float *nearest = malloc((pixels + 1) * sizeof *nearest);
+    bool *own = outline_wanted(window->viewer, which);
     shadow->top.is_there = false;
     shadow->width = width;
     shadow->height = height;
     shadow->eye = window->pictures.shown;
-    if (mask && rgba && nearest) {
+    if (mask && rgba && nearest && own) {
         for (size_t pixel = 0; pixel < pixels; pixel++) {
             nearest[pixel] = INFINITY;
         }
@@ -99,29 +104,35 @@ static void cast(struct window *window, uint32_t width, uint32_t height)
         for (size_t pixel = 0; pixel < pixels; pixel++) {
             mask[pixel] = isfinite(nearest[pixel]) != 0;
         }
-        outline_draw(rgba, &shadow->top, mask, width, height);
-        find_hidden(mask + pixels, window, rgba, nearest);
+        outline_draw(rgba, &shadow->top, mask, width, height, &outline_looks[which]);
+        find_hidden(mask + pixels, window, shadow, own, rgba, nearest);
         outline_dash(rgba, mask, mask + pixels, width, height);
         texture_set(&shadow->texture, rgba, width, height, true);
     }
     free(mask);
     free(rgba);
     free(nearest);
+    free(own);
 }
 
-void pane_chosen_name(struct window *window)
+void pane_chosen_names(struct window *window)
 {
-    const struct shadow *shadow = &window->pictures.shadow;
     const struct ui_box *box = &window->screen.panes[PANE_3D];
-    float at[2] = {box->x + (float)(COARSE * shadow->top.x), box->y + (float)(COARSE * shadow->top.y)};
-    bool has_outline = shadow->cells.count && shadow->top.is_there;
-    if (has_outline || (shadow->has_middle && window_point(at, window, shadow->middle))) {
-        char title[VIEW_ATLAS_TITLE];
-        if (!has_outline) {
-            ui_draw_circle(at, 4, theme_shaded[THEME_ACCENT], 1.5F);
+    for (enum outline which = OUTLINE_COUNT; which-- > 0;) { /* what is chosen first */
+        const struct shadow *shadow = &window->pictures.shadows[which];
+        const uint8_t *rgb = outline_looks[which].rgb;
+        const ui_colour colour = {rgb[0], rgb[1], rgb[2], 255};
+        float at[2] = {box->x + (float)(COARSE * shadow->top.x), box->y + (float)(COARSE * shadow->top.y)};
+        bool has_outline = shadow->cells.count && shadow->top.is_there;
+        if (has_outline || (shadow->has_middle && window_point(at, window, shadow->middle))) {
+            char title[VIEW_ATLAS_TITLE];
+            const char *name = outline_name(window->viewer, which);
+            if (!has_outline) {
+                ui_draw_circle(at, 4, colour, 1.5F);
+            }
+            pane_name(&window->frame.labels, box, at, has_outline, colour, shadow->chosen,
+                      name ? name : view_atlas_title(title, window->viewer->drawn, shadow->chosen));
         }
-        pane_name(&window->frame.labels, box, at, has_outline, theme_shaded[THEME_ACCENT], shadow->chosen,
-                  view_atlas_title(title, window->viewer->drawn, shadow->chosen));
     }
 }
 
@@ -143,19 +154,19 @@ void pane_name(struct labels *labels, const struct ui_box *box, const float at[2
 
 void pane_chosen(struct window *window)
 {
-    struct shadow *shadow = &window->pictures.shadow;
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     uint32_t width = (uint32_t)fmaxf(box->width / COARSE, 1);
     uint32_t height = (uint32_t)fmaxf(box->height / COARSE, 1);
-    find_cells(shadow, window->viewer);
-    if (!shadow->cells.count) {
-        return;
-    }
-    if (shadow->width != width || shadow->height != height || !eye_is_same(&shadow->eye, &window->pictures.shown)) {
-        cast(window, width, height);
-    }
-    if (shadow->top.is_there) {
-        ui_draw_overlay(shadow->texture.name, *box);
+    for (enum outline which = 0; which < OUTLINE_COUNT; which++) {
+        struct shadow *shadow = &window->pictures.shadows[which];
+        find_cells(shadow, window->viewer, which);
+        if (shadow->cells.count && (shadow->width != width || shadow->height != height ||
+                                    !eye_is_same(&shadow->eye, &window->pictures.shown))) {
+            cast(window, which, width, height);
+        }
+        if (shadow->cells.count && shadow->top.is_there) {
+            ui_draw_overlay(shadow->texture.name, *box);
+        }
     }
 }
 

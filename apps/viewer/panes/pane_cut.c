@@ -14,6 +14,7 @@
 #include <string.h>
 
 static const ui_colour light = {LOOK_RGB(LOOK_OVER), 255};
+static const ui_colour white = {LOOK_RGB(LOOK_CHOSEN), 255};
 static const float margin = 7;    /* pixels, of letters */
 static const double pixels = 300; /* that the mouse moves for a step of 1 of appearance_move_grey() */
 
@@ -34,15 +35,26 @@ static bool drag_grey(struct window *window, const struct ui_mouse *mouse)
     return true;
 }
 
-/* Writes the grey values into a cut, unless they are those that were found. */
-static void show_grey(const struct window *window, const struct ui_box *box)
+/* Writes into a cut's lower left corner, beside the brain and the lower letter: what is chosen, if the cut shows it,
+ * and above it the grey values, unless they are those that were found. */
+static void draw_corner(const struct window *window, const struct ui_box *box, bool shows_chosen)
 {
+    static const char *const ends[2] = {"black", "white"};
     const struct view_atlas *view = window->viewer->drawn;
     const double *grey = view_atlas_grey(view);
-    char text[96];
-    if (grey != view->found_grey) {
-        snprintf(text, sizeof text, "black %.6g  white %.6g", grey[0], grey[1]);
-        ui_draw_text((float[]){box->x + 8, box->y + box->height - 1.4F * ui_line()}, light, text);
+    float at[2] = {box->x + 8, box->y + box->height - 1.4F * ui_line()};
+    char title[VIEW_ATLAS_TITLE];
+    char text[PANE_NAME];
+    if (shows_chosen && conus_atlas_object(view->atlas, view->shown.chosen)) {
+        const char *name = view_atlas_title(title, view, view->shown.chosen);
+        ui_shorten_name(text, sizeof text, name, box->width / 2 - ui_line() - 8);
+        ui_draw_text(at, white, text);
+        at[1] -= 1.2F * ui_line();
+    }
+    for (int end = 1; end >= 0 && grey != view->found_grey; end--) {
+        snprintf(text, sizeof text, "%s %.6g", ends[end], grey[end]);
+        ui_draw_text(at, light, text);
+        at[1] -= 1.2F * ui_line();
     }
 }
 
@@ -91,12 +103,21 @@ static void draw_picture(struct window *window, const struct cut *cut)
     }
     const uint8_t *rgba = conus_cutter_rgba(pane->cutter);
     const uint32_t *objects = conus_cutter_objects(pane->cutter);
-    bool *wanted = outline_wanted(viewer); /* what is chosen has an outline */
-    pane->top = (struct outline_top){0};
-    uint8_t *outlined = wanted ? outline_cut(&pane->top, rgba, objects, view->width, view->height, wanted) : NULL;
+    size_t bytes = (size_t)4 * view->width * view->height;
+    uint8_t *outlined = NULL;
+    for (enum outline which = 0; which < OUTLINE_COUNT; which++) {
+        bool *wanted = outline_wanted(viewer, which);
+        pane->top = (struct outline_top){0};
+        if (wanted && !outlined && (outlined = malloc(bytes))) {
+            memcpy(outlined, rgba, bytes);
+        }
+        if (wanted && outlined) {
+            outline_cut(outlined, &pane->top, objects, view->width, view->height, wanted, &outline_looks[which]);
+        }
+        free(wanted);
+    }
     texture_set(&pane->texture, outlined ? outlined : rgba, view->width, view->height, false);
     free(outlined);
-    free(wanted);
 }
 
 static void world_at(double out[3], const struct cut *cut, float x, float y)
@@ -159,15 +180,19 @@ static void draw_measured(const struct window *window, struct cut *cut)
     pane_measured(window->viewer, &cut->labels, &cut->plane.box, ends);
 }
 
+/* Draws its arms beside the place, which they leave free. */
 static void draw_crosshair(const struct window *window, const struct cut *cut)
 {
-    const struct ui_box *box = &cut->plane.box;
+    static const float inner = 6, outer = 20;
+    float scale = window->screen.scale;
     float at[2];
     pane_point(at, &cut->plane, window->viewer->crosshair);
-    ui_draw_line((float[]){box->x, at[1]}, (float[]){at[0] - 6, at[1]}, cross, 1);
-    ui_draw_line((float[]){at[0] + 6, at[1]}, (float[]){box->x + box->width, at[1]}, cross, 1);
-    ui_draw_line((float[]){at[0], box->y}, (float[]){at[0], at[1] - 6}, cross, 1);
-    ui_draw_line((float[]){at[0], at[1] + 6}, (float[]){at[0], box->y + box->height}, cross, 1);
+    for (int side = -1; side <= 1; side += 2) {
+        float from = (float)side * inner * scale;
+        float to = (float)side * outer * scale;
+        ui_draw_line((float[]){at[0] + from, at[1]}, (float[]){at[0] + to, at[1]}, cross, 1);
+        ui_draw_line((float[]){at[0], at[1] + from}, (float[]){at[0], at[1] + to}, cross, 1);
+    }
 }
 
 /* As everywhere, or with up to three digits after the point where that is the place: "-36.1" of a click, "-100.26". */
@@ -298,7 +323,7 @@ void pane_cut(struct window *window, enum plane plane)
     const struct ui_box *box = &cut.plane.box;
     cut_view(&cut.plane.view, window->viewer, plane, (double[]){(double)box->width, (double)box->height});
     make_title(&cut, window->viewer, plane);
-    cut.plane.view.grey_cone = inputs_is_old(&window->inputs, window->viewer, FIRST_TOOL);
+    cut.plane.view.no_cone = true; /* pane_cone.c has it */
     draw_picture(window, &cut);
     ui_panel(figure_panes[plane], *box, UI_PLAIN);
     if (pane->texture.name) {
@@ -309,19 +334,12 @@ void pane_cut(struct window *window, enum plane plane)
         use_mouse(window, &cut, plane);
     }
     ui_clip(*box);
-    pane_second_cut(window, &cut.plane);
+    pane_cones_cut(window, &cut.plane);
     draw_crosshair(window, &cut);
     draw_title(&cut);
     draw_letters(&cut);
     draw_measured(window, &cut);
-    show_grey(window, box);
-    const struct view_atlas *drawn = window->viewer->drawn;
-    char title[VIEW_ATLAS_TITLE];
-    if (pane->top.is_there && conus_atlas_object(drawn->atlas, drawn->shown.chosen)) {
-        const float at[2] = {box->x + (float)pane->top.x, box->y + (float)pane->top.y};
-        pane_name(&cut.labels, box, at, true, theme_shaded[THEME_ACCENT], drawn->shown.chosen,
-                  view_atlas_title(title, drawn, drawn->shown.chosen));
-    }
+    draw_corner(window, box, pane->top.is_there);
     ui_clip_end();
     if (touched && window->frame.hover.object) {
         hover_tip(window);

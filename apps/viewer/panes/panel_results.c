@@ -18,6 +18,13 @@ static void draw_answer(const struct window *window)
     char title[VIEW_ATLAS_TITLE];
     char share[32];
     char text[128];
+    char reaches[PLAN_LINE];
+    char clears[PLAN_LINE];
+    if (plans_answer(reaches, clears, window->viewer)) {
+        ui_heading(reaches[0] ? reaches : clears);
+        ui_text_wrapped(THEME_HINT, reaches[0] && clears[0] ? clears : " ");
+        return;
+    }
     if (!best || !best->object) {
         ui_heading(best ? "Nothing is hit" : "No answer yet");
         ui_text_wrapped(THEME_HINT, best ? "no area lies in the cone" : " ");

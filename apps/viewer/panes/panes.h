@@ -9,9 +9,9 @@ void pane_cut(struct window *window, enum plane plane);
 /** The borders of panes and panels, which the mouse drags; to be drawn before these. */
 void pane_borders(struct window *window);
 void pane_3d(struct window *window);
-/** The chosen area over the picture of the 3-D pane, whatever lies before it. */
+/** The chosen area, and those of a plan, over the picture of the 3-D pane, whatever lies before them. */
 void pane_chosen(struct window *window);
-void pane_chosen_name(struct window *window); /**< And its name. */
+void pane_chosen_names(struct window *window); /**< And their names. */
 enum { PANE_NAME = 512 /**< Bytes of a name in a pane, in which it ends with "..." where it is too long. */ };
 /** A name in a pane where it lies on no other, with a line from there to it: beside the place, or above it. */
 void pane_name(struct labels *labels, const struct ui_box *box, const float at[2], bool above, ui_colour colour,
@@ -25,8 +25,12 @@ struct pane_plane {
 };
 /** The pixel of the window that a place is seen at, wherever it lies before or behind the cut. */
 void pane_point(float out[2], const struct pane_plane *plane, const double world[3]);
-/** The second tool's cone, over a cut and over the 3-D pane. */
-void pane_second_cut(struct window *window, const struct pane_plane *plane);
-void pane_second_3d(struct window *window);
+/** The cones of both tools, over a cut and over the 3-D pane. */
+void pane_cones_cut(struct window *window, const struct pane_plane *plane);
+void pane_cones(struct window *window);
+/** The tool whose ball is at this pixel of the 3-D pane; TOOL_COUNT = none. */
+enum tool_number pane_cone_at(const struct window *window, const float at[2]);
+/** Lets the mouse, which is on the 3-D pane's surface, turn the cone whose ball it took. Returns whether it has one. */
+bool pane_cone_turn(struct window *window);
 
 #endif

@@ -65,7 +65,7 @@ struct painter {
 bool painting_shows_same(const struct painting *a, const struct painting *b)
 {
     return a->width == b->width && a->height == b->height && a->fade == b->fade && a->own_colours == b->own_colours &&
-           a->backdrop == b->backdrop && a->is_dark == b->is_dark && a->chosen == b->chosen && a->is_old == b->is_old &&
+           a->backdrop == b->backdrop && a->is_dark == b->is_dark && a->chosen == b->chosen &&
            a->answer_number == b->answer_number && a->scene_number == b->scene_number && eye_is_same(&a->eye, &b->eye);
 }
 
@@ -143,7 +143,7 @@ static enum stage paint(struct painter *painter, conus_renderer *renderer, const
                        .frustum = {f[0], f[1], f[2], f[3]},
                        .camera = &what->eye.camera,
                        .selection = answer_selection(what->answer),
-                       .grey_cone = what->is_old,
+                       .no_cone = true, /* pane_cone.c has it */
                        .chosen = what->chosen,
                        .no_legend = true,
                        .own_colours = what->own_colours,

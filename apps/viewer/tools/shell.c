@@ -18,20 +18,16 @@ static void put(double out[3], const conus_pose *pose, double x, double y, doubl
     }
 }
 
-void shell_find(struct shell *out, const conus_pose *pose, const conus_selector_options *options, double angle,
-                double length)
+void shell_find(struct shell *out, const conus_pose *pose, double radius, double angle, double near, double far)
 {
     double slope = tan(angle / 2);
-    bool has_range = options->range[1] > 0;
-    double near = has_range ? options->range[0] : 0;
-    double far = has_range ? options->range[1] : length * cos(angle / 2);
     const double *m = pose->world_from_device;
     for (size_t i = 0; i < SHELL_POINTS; i++) {
         double turn = 2 * M_PI * (double)i / SHELL_POINTS;
         double x = cos(turn);
         double y = sin(turn);
-        put(out->near[i], pose, x, y, options->radius + near * slope, near);
-        put(out->far[i], pose, x, y, options->radius + far * slope, far);
+        put(out->near[i], pose, x, y, radius + near * slope, near);
+        put(out->far[i], pose, x, y, radius + far * slope, far);
         for (int a = 0; a < 3; a++) {
             out->out[i][a] = cos(angle / 2) * (x * m[a] + y * m[4 + a]) + sin(angle / 2) * m[8 + a];
         }

@@ -3,7 +3,9 @@
 #ifndef CONUS_VIEWER_TOOLS_SHELL_H
 #define CONUS_VIEWER_TOOLS_SHELL_H
 
-#include "conus/selection.h"
+#include "conus/pose.h"
+
+#include <stddef.h>
 
 enum { SHELL_POINTS = 64 };
 
@@ -13,11 +15,10 @@ struct shell {
     double out[SHELL_POINTS][3]; /**< Unit normals of the wall there. */
 };
 
-/** Finds the wall of the question (@p options, @p angle in radians, 0 = a cylinder) at @p pose; a cone without a range
- * ends
- * @p length mm from its apex. */
-void shell_find(struct shell *out, const conus_pose *pose, const conus_selector_options *options, double angle,
-                double length);
+/** Finds the wall at @p pose between two depths along the axis: @p radius at the apex, 0 of a cone, and the full
+ * opening
+ * @p angle, radians, 0 of a cylinder. */
+void shell_find(struct shell *out, const conus_pose *pose, double radius, double angle, double near, double far);
 
 /** A straight piece of the wall in a plane. */
 struct shell_piece {

@@ -674,6 +674,15 @@ void ui_draw_circle(const float centre[2], float radius, ui_colour colour, float
     }
 }
 
+void ui_draw_fill(float (*corners)[2], size_t count, ui_colour colour)
+{
+    ImVector<ImVec2> points;
+    for (size_t i = 0; i < count; i++) {
+        points.push_back(ImVec2(corners[i][0], corners[i][1]));
+    }
+    ImGui::GetWindowDrawList()->AddConvexPolyFilled(points.Data, points.Size, packed(colour));
+}
+
 void ui_draw_box(struct ui_box box, ui_colour colour, float width)
 {
     ImVec2 low(box.x, box.y);

@@ -145,6 +145,8 @@ void ui_clip(struct ui_box box); /**< Keeps drawings up to ui_clip_end() in the 
 void ui_clip_end(void);
 void ui_draw_line(const float from[2], const float to[2], ui_colour colour, float width);
 void ui_draw_circle(const float centre[2], float radius, ui_colour colour, float width); /**< Width 0: filled. */
+/** Fills the inside of a convex shape. */
+void ui_draw_fill(float (*corners)[2], size_t count, ui_colour colour);
 void ui_draw_box(struct ui_box box, ui_colour colour, float width);
 /** Copies @p text to @p out [size], or its beginning with "..." where it is wider than @p width. */
 void ui_shorten(char *out, size_t size, const char *text, float width);

@@ -15,14 +15,20 @@ static bool overlap(const struct ui_box *a, const struct ui_box *b)
            b->y < a->y + a->height + margin;
 }
 
-static bool is_free(const struct labels *labels, const struct ui_box *pane, const struct ui_box *box)
+bool labels_leave_free(const struct labels *labels, const struct ui_box *box)
 {
-    bool is = box->x >= pane->x + margin && box->x + box->width <= pane->x + pane->width - margin &&
-              box->y >= pane->y + margin && box->y + box->height <= pane->y + pane->height - margin;
+    bool is = true;
     for (size_t i = 0; i < labels->count && is; i++) {
         is = !overlap(box, &labels->items[i].box);
     }
     return is;
+}
+
+static bool is_free(const struct labels *labels, const struct ui_box *pane, const struct ui_box *box)
+{
+    return box->x >= pane->x + margin && box->x + box->width <= pane->x + pane->width - margin &&
+           box->y >= pane->y + margin && box->y + box->height <= pane->y + pane->height - margin &&
+           labels_leave_free(labels, box);
 }
 
 static bool add(struct labels *labels, struct ui_box box, uint32_t object)

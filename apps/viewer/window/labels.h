@@ -22,6 +22,8 @@ struct labels {
 
 /** No name may lie there. */
 void labels_reserve(struct labels *labels, struct ui_box box);
+/** Whether nothing lies there. */
+bool labels_leave_free(const struct labels *labels, const struct ui_box *box);
 bool labels_has(const struct labels *labels, uint32_t object);
 /** Finds the place of a name so large in pixels, as near to @p at as it can be: beside it, or first @p above it. False:
  * the object has a name already, or there is no room. */

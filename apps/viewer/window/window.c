@@ -320,8 +320,10 @@ static void pictures_drop(struct pictures *pictures)
 {
     glDeleteTextures(1, &pictures->painted.name);
     glDeleteTextures(1, &pictures->device_view.name);
-    glDeleteTextures(1, &pictures->shadow.texture.name);
-    cells_finish(&pictures->shadow.cells);
+    for (enum outline which = 0; which < OUTLINE_COUNT; which++) {
+        glDeleteTextures(1, &pictures->shadows[which].texture.name);
+        cells_finish(&pictures->shadows[which].cells);
+    }
     for (int p = 0; p < PLANE_COUNT; p++) {
         glDeleteTextures(1, &pictures->cuts[p].texture.name);
         conus_cutter_destroy(pictures->cuts[p].cutter);
@@ -360,7 +362,7 @@ void window_show(struct window *window, struct viewer *viewer)
     history_finish(&window->history);
     window->viewer = viewer;
     window->pictures = (struct pictures){0};
-    window->frame = (struct frame_state){.frames_wanted = 1};
+    window->frame = (struct frame_state){.frames_wanted = 1, .turns_cone = TOOL_COUNT};
     window->history = (struct history){0};
     window->forms = (struct forms){0};
     window->inputs.replay = (struct replay){.poses = window->inputs.replay.poses};

@@ -10,6 +10,7 @@
 #include "viewer/model/times.h"
 #include "viewer/model/viewer.h"
 #include "viewer/pictures/cells.h"
+#include "viewer/tools/extent.h"
 #include "viewer/tools/inputs.h"
 #include "viewer/ui/ui.h"
 #include "viewer/window/changes.h"
@@ -40,11 +41,12 @@ struct cut_pane {
     struct outline_top top; /**< Top of the chosen area. */
 };
 
-/** The chosen area over the 3-D picture: its outline, in dashes where something lies before it. */
+/** Areas over the 3-D picture: their outline, in dashes where something lies before it. */
 struct shadow {
     struct cells cells;
     const struct view_atlas *of; /**< Whose cells they are, */
-    uint32_t chosen;             /**< of which object, */
+    uint32_t chosen;             /**< of which chosen object, */
+    unsigned plan_number;        /**< of which plan, */
     unsigned atlas_number;       /**< and at which of the viewer's numbers. */
     struct texture texture;
     uint32_t width, height; /**< Size of the texture; 0 = it is to be drawn anew. */
@@ -52,6 +54,32 @@ struct shadow {
     struct outline_top top;
     bool has_middle; /**< Without cells, such as a surface that is not closed: its name is there. */
     double middle[3];
+};
+
+enum { CONE_LINES = 256 };
+
+/** A piece of a line of a cone in the 3-D pane, world mm. */
+struct cone_line {
+    double ends[2][3];
+    bool dashed;
+};
+
+/** A tool's cone as the 3-D pane shows it. */
+struct cone_sight {
+    const struct view_atlas *of; /**< The drawn atlas, */
+    unsigned answer_number;      /**< and the tool's number and */
+    unsigned atlas_number;       /**< the viewer's, */
+    unsigned scene_number;       /**< whose extent it is. */
+    struct extent extent;
+    bool is_seen;   /**< What follows was found for it, */
+    struct eye eye; /**< seen from here, */
+    double fade;    /**< and with this fading of the context. */
+    struct cone_line lines[CONE_LINES];
+    size_t line_count;
+    struct extent turned; /**< The extent, with the reach of its ball as it is drawn. */
+    double clear;         /**< Depth up to which nothing hides the axis. */
+    double ball[3];       /**< The place of its ball. */
+    bool hides_ball;      /**< Something lies before that. */
 };
 
 /** The object under the mouse. */
@@ -144,7 +172,8 @@ struct screen {
 struct pictures {
     struct cut_pane cuts[PLANE_COUNT];
     struct texture painted, device_view;
-    struct shadow shadow;
+    struct shadow shadows[OUTLINE_COUNT];
+    struct cone_sight cones[TOOL_COUNT];
     const struct view_atlas *painted_of; /**< The atlas that painted shows. */
     struct eye eye;                      /**< The eye of the 3-D pane that the next picture shall have. */
     struct painting asked;               /**< The last request to the painter. */
@@ -170,6 +199,8 @@ struct frame_state {
     struct labels labels; /**< Labels of the 3-D pane. */
     struct hover pressed; /**< What was under the mouse when its left button was pressed on the 3-D pane, */
     const struct view_atlas *pressed_of; /**< of which atlas; NULL = it is not pressed there. */
+    enum tool_number turns_cone;         /**< The mouse turns the cone of this tool; TOOL_COUNT = none. */
+    struct extent turned_about;          /**< That it had when the mouse took its ball. */
     float turned[2];                     /**< The place, from there on, that the view was turned to. */
     bool points_again; /**< The mouse pointed while the picture was one from before: it does again in that which comes.
                         */

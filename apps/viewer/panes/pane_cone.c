@@ -1,0 +1,587 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The cones of both tools over the four panes, and the balls by which the mouse turns them. */
+#include "viewer/panes/panes.h"
+
+#include "base/look.h"
+#include "base/order.h"
+#include "viewer/model/picker.h"
+#include "viewer/model/plans.h"
+#include "viewer/tools/shell.h"
+
+#include <math.h>
+#include <string.h>
+
+static const ui_colour colours[TOOL_COUNT] = {{LOOK_RGB(LOOK_CONE), 255}, {LOOK_RGB(LOOK_SECOND), 255}};
+static const ui_colour old_colour = {LOOK_RGB(LOOK_CONE_OLD), 255}; /* where the tool is not seen */
+static const ui_colour shade = {LOOK_RGB(LOOK_UNDER),
+                                150}; /* under lines, so that they are seen on white as on black */
+static const uint8_t fill = 64;       /* opacity of the inside */
+
+/* Pixels. */
+static const float rim = 2, needle = 3, casing = 2, dash = 6, gap = 5, tick = 5;
+static const float ball = 8, grip = 4; /* its radius, and how far beside it the mouse takes it */
+static const float end_on = 20;        /* nearer to its entry it is not drawn: it would hide what the cone points at */
+
+static const double tick_mm = 10;
+static const double beside = 2;     /* mm: a needle so near to a cut is in it */
+static const double touching = 1.5; /* mm: what lies no farther behind a surface lies on it */
+
+enum { PARTS = 6, ARC = 8 /* points of a ring that are looked at once */, STEPS = 4, HULL = 4 * SHELL_POINTS };
+
+/* Whether the tool is the needle of a plan: its axis from where it begins to its tip. */
+static bool is_needle(const struct viewer *viewer, enum tool_number number)
+{
+    return number == FIRST_TOOL && plans_is_on(viewer) && viewer->cone.options.range[1] > 0;
+}
+
+static bool shows(const struct window *window, enum tool_number number)
+{
+    const struct tool *tool = &window->viewer->tools[number];
+    return tool->has_pose && (number == FIRST_TOOL || tool->on);
+}
+
+/* What a cone is drawn with. */
+struct pen {
+    ui_colour colour;
+    float scale;
+};
+
+static struct pen find_pen(const struct window *window, enum tool_number number)
+{
+    ui_colour colour = inputs_is_old(&window->inputs, window->viewer, number) ? old_colour : colours[number];
+    return (struct pen){colour, window->screen.scale};
+}
+
+static void find_shell(struct shell *out, const struct viewer *viewer, enum tool_number number, double near, double far)
+{
+    conus_selector_options options;
+    double angle = viewer_query(&options, viewer, number, 0);
+    shell_find(out, &viewer->tools[number].pose, options.radius, angle, near, far);
+}
+
+/* Finds how far the cone reaches, where that is not known any more. */
+static void find_extent(struct window *window, enum tool_number number)
+{
+    struct viewer *viewer = window->viewer;
+    struct cone_sight *sight = &window->pictures.cones[number];
+    unsigned answer = viewer->tools[number].answer_number;
+    if (sight->of == viewer->drawn && sight->answer_number == answer && sight->atlas_number == viewer->atlas_number &&
+        sight->scene_number == viewer->scene_number) {
+        return;
+    }
+    sight->of = viewer->drawn;
+    sight->answer_number = answer;
+    sight->atlas_number = viewer->atlas_number;
+    sight->scene_number = viewer->scene_number;
+    sight->is_seen = false;
+    extent_find(&sight->extent, viewer, number);
+    if (window->frame.turns_cone == number) { /* about the place where it was taken */
+        memcpy(sight->extent.entry, window->frame.turned_about.entry, sizeof sight->extent.entry);
+        sight->extent.reach = window->frame.turned_about.reach;
+    }
+}
+
+/* Whether the picture of the 3-D pane shows something before a place. */
+static bool is_hidden(const struct window *window, const double at[3])
+{
+    const double *eye = window->pictures.shown.camera.world_from_device + 12;
+    const double offset[3] = {at[0] - eye[0], at[1] - eye[1], at[2] - eye[2]};
+    double place[3];
+    uint32_t object;
+    double far = hypot(hypot(offset[0], offset[1]), offset[2]);
+    return viewer_pick(&object, place, window->viewer, eye, offset) &&
+           hypot(hypot(place[0] - eye[0], place[1] - eye[1]), place[2] - eye[2]) < far - touching;
+}
+
+static void add_line(struct cone_sight *sight, const double from[3], const double to[3], bool dashed)
+{
+    if (sight->line_count < CONE_LINES) {
+        struct cone_line *line = &sight->lines[sight->line_count++];
+        memcpy(line->ends[0], from, sizeof line->ends[0]);
+        memcpy(line->ends[1], to, sizeof line->ends[1]);
+        line->dashed = dashed;
+    }
+}
+
+static void part_of(double out[3], const double from[3], const double to[3], double part)
+{
+    for (int a = 0; a < 3; a++) {
+        out[a] = from[a] + part * (to[a] - from[a]);
+    }
+}
+
+/* How far along a line something begins or ceases to hide it, after `part`, at the beginning of which it is hidden or
+ * not; 1 = nowhere. */
+static double next_change(const struct window *window, const double from[3], const double to[3], double part,
+                          bool hidden)
+{
+    double place[3];
+    double same = part;
+    double other = part;
+    for (bool changes = false; !changes && same < 1;) {
+        other = fmin(same + 1.0 / PARTS, 1);
+        part_of(place, from, to, other);
+        changes = is_hidden(window, place) != hidden;
+        same = changes ? same : other;
+    }
+    for (int step = 0; step < STEPS && same < other; step++) {
+        double middle = (same + other) / 2;
+        part_of(place, from, to, middle);
+        *(is_hidden(window, place) == hidden ? &same : &other) = middle;
+    }
+    return other;
+}
+
+static void add_seen(struct cone_sight *sight, const struct window *window, const double from[3], const double to[3])
+{
+    double ends[2][3];
+    double part = 0;
+    bool hidden = is_hidden(window, from);
+    while (part < 1) {
+        double next = next_change(window, from, to, part, hidden);
+        part_of(ends[0], from, to, part);
+        part_of(ends[1], from, to, next);
+        add_line(sight, ends[0], ends[1], hidden);
+        hidden = !hidden;
+        part = next;
+    }
+}
+
+static void add_ring(struct cone_sight *sight, const struct window *window, double (*points)[3], bool dashed)
+{
+    bool hidden = dashed;
+    for (size_t i = 0; i < SHELL_POINTS; i++) {
+        hidden = dashed || (i % ARC ? hidden : is_hidden(window, points[i + ARC / 2]));
+        add_line(sight, points[i], points[(i + 1) % SHELL_POINTS], hidden);
+    }
+}
+
+static void on_axis(double out[3], const struct window *window, enum tool_number number, double depth)
+{
+    const double *m = window->viewer->tools[number].pose.world_from_device;
+    for (int a = 0; a < 3; a++) {
+        out[a] = m[12 + a] - depth * m[8 + a];
+    }
+}
+
+/* Adds the wall between two depths: both rings, but none that is a point, and the sides. */
+static void add_wall(struct window *window, enum tool_number number, double near, double far, bool dashed)
+{
+    struct cone_sight *sight = &window->pictures.cones[number];
+    const double *eye = window->pictures.shown.camera.world_from_device + 12;
+    struct shell shell;
+    find_shell(&shell, window->viewer, number, near, far);
+    add_ring(sight, window, shell.far, dashed);
+    if (!dashed && (near > 0 || window->viewer->cone.options.radius > 0)) {
+        add_ring(sight, window, shell.near, dashed);
+    }
+    for (size_t i = 0; i < SHELL_POINTS; i++) {
+        if (!shell_turns(&shell, i, eye)) {
+            continue;
+        }
+        if (dashed) {
+            add_line(sight, shell.near[i], shell.far[i], true);
+        } else {
+            add_seen(sight, window, shell.near[i], shell.far[i]);
+        }
+    }
+}
+
+/* Finds the place of the ball: as far out as it reaches, or as the pane shows it. */
+static void place_ball(struct window *window, enum tool_number number)
+{
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
+    struct cone_sight *sight = &window->pictures.cones[number];
+    const conus_pose *pose = &window->viewer->tools[number].pose;
+    float margin = (ball + rim) * window->screen.scale;
+    double seen = 0;
+    double step = sight->extent.reach;
+    sight->turned = sight->extent;
+    for (int i = 0; i < 2 * STEPS; i++) { /* the whole way at once, or by halves */
+        float at[2];
+        sight->turned.reach = seen + step;
+        extent_ball(sight->ball, &sight->turned, pose);
+        bool is_seen = window_point(at, window, sight->ball) && at[0] > box->x + margin &&
+                       at[0] < box->x + box->width - margin && at[1] > box->y + margin &&
+                       at[1] < box->y + box->height - margin;
+        seen += is_seen ? step : 0;
+        if (is_seen && i == 0) {
+            return;
+        }
+        step /= 2;
+    }
+    sight->turned.reach = seen;
+    extent_ball(sight->ball, &sight->turned, pose);
+}
+
+/* Finds the lines of the cone as the eye sees it: its wall up to the deepest hit, behind that dashed, or the needle of
+ * a plan; and the axis up to its ball. */
+static void find_lines(struct window *window, enum tool_number number)
+{
+    struct viewer *viewer = window->viewer;
+    struct cone_sight *sight = &window->pictures.cones[number];
+    const struct extent *extent = &sight->extent;
+    const struct eye *eye = &window->pictures.shown;
+    double ends[2][3];
+    if (sight->is_seen && eye_is_same(&sight->eye, eye) && sight->fade == viewer->display.fade) {
+        return;
+    }
+    sight->is_seen = true;
+    sight->eye = *eye;
+    sight->fade = viewer->display.fade;
+    sight->line_count = 0;
+    sight->clear = extent->near;
+    on_axis(ends[0], window, number, extent->near);
+    if (is_needle(viewer, number)) {
+        on_axis(ends[1], window, number, extent->end);
+        add_seen(sight, window, ends[0], ends[1]);
+    } else if (extent->solid > extent->near) {
+        on_axis(ends[1], window, number, extent->solid);
+        add_wall(window, number, extent->near, extent->solid, false);
+        if (!is_hidden(window, ends[0])) {
+            sight->clear += next_change(window, ends[0], ends[1], 0, false) * (extent->solid - extent->near);
+        }
+    }
+    if (extent->end > extent->solid && !is_needle(viewer, number)) {
+        add_wall(window, number, extent->solid, extent->end, true);
+    }
+    place_ball(window, number);
+    add_seen(sight, window, sight->ball, extent->entry);
+    sight->hides_ball = is_hidden(window, sight->ball);
+}
+
+static void draw_line(const float from[2], const float to[2], struct pen pen, float width)
+{
+    ui_draw_line(from, to, shade, (width + casing) * pen.scale);
+    ui_draw_line(from, to, pen.colour, width * pen.scale);
+}
+
+/* Draws a mark across the needle at `at`, on its way from `from`. */
+static void draw_tick(const float from[2], const float at[2], struct pen pen)
+{
+    float size = hypotf(at[0] - from[0], at[1] - from[1]);
+    if (size > 0) {
+        float half = tick * pen.scale / size;
+        const float across[2] = {half * (from[1] - at[1]), half * (at[0] - from[0])};
+        draw_line((float[]){at[0] - across[0], at[1] - across[1]}, (float[]){at[0] + across[0], at[1] + across[1]}, pen,
+                  rim);
+    }
+}
+
+/* Finds where mark `index` of the needle is, from 0 where it begins; false behind its tip. */
+static bool find_tick(double out[3], const struct window *window, enum tool_number number, int index)
+{
+    const struct extent *extent = &window->pictures.cones[number].extent;
+    double depth = extent->near + tick_mm * index;
+    on_axis(out, window, number, depth);
+    return depth <= extent->end;
+}
+
+/* Draws dashes; `phase`, 0 at first, goes on where several lines are one behind the other. */
+static void draw_dashes(float *phase, const float from[2], const float to[2], struct pen pen, float width)
+{
+    float length = hypotf(to[0] - from[0], to[1] - from[1]);
+    float period = (dash + gap) * pen.scale;
+    int dashes = (int)ceilf((*phase + length) / period);
+    for (int i = 0; i < dashes; i++) {
+        float at = (float)i * period - *phase;
+        float begin = fmaxf(at, 0) / length;
+        float end = fminf(at + dash * pen.scale, length) / length;
+        if (end > begin) {
+            draw_line((float[]){from[0] + begin * (to[0] - from[0]), from[1] + begin * (to[1] - from[1])},
+                      (float[]){from[0] + end * (to[0] - from[0]), from[1] + end * (to[1] - from[1])}, pen, width);
+        }
+    }
+    *phase = fmodf(*phase + length, period);
+}
+
+static int by_place(const void *a, const void *b)
+{
+    const float *p = a;
+    const float *q = b;
+    return p[0] != q[0] ? (p[0] > q[0]) - (p[0] < q[0]) : (p[1] > q[1]) - (p[1] < q[1]);
+}
+
+/* Replaces points, at most HULL, by the corners of their hull, in their order around it. */
+static size_t find_hull(float (*points)[2], size_t count)
+{
+    float hull[2 * HULL + 1][2];
+    size_t corners = 0;
+    order_sort(points, count, sizeof *points, by_place);
+    for (int side = 0; side < 2; side++) { /* the lower one from left to right, the upper one back */
+        size_t first = corners;
+        for (size_t i = 0; i < count; i++) {
+            const float *p = points[side ? count - 1 - i : i];
+            while (corners >= first + 2) {
+                const float *a = hull[corners - 2];
+                const float *b = hull[corners - 1];
+                if ((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) > 0) {
+                    break;
+                }
+                corners--;
+            }
+            memcpy(hull[corners++], p, sizeof hull[0]);
+        }
+        corners -= corners > 0; /* where the other side begins */
+    }
+    memcpy(points, hull, corners * sizeof *points);
+    return corners;
+}
+
+/* Fills the part that nothing hides. */
+static void draw_inside(const struct window *window, enum tool_number number, struct pen pen)
+{
+    const struct cone_sight *sight = &window->pictures.cones[number];
+    float points[HULL][2];
+    struct shell shell;
+    bool seen = sight->clear > sight->extent.near;
+    if (seen) {
+        find_shell(&shell, window->viewer, number, sight->extent.near, sight->clear);
+    }
+    for (size_t i = 0; i < SHELL_POINTS && seen; i++) {
+        seen =
+            window_point(points[2 * i], window, shell.near[i]) && window_point(points[2 * i + 1], window, shell.far[i]);
+    }
+    if (seen) {
+        pen.colour.a = fill;
+        ui_draw_fill(points, find_hull(points, (size_t)2 * SHELL_POINTS), pen.colour);
+    }
+}
+
+/* Whether the mouse may turn the cone: nothing else moves it. */
+static bool is_free(const struct tool *tool)
+{
+    return tool->held || tool->pointer == POINT_BY_MOUSE || tool->pointer == POINT_BY_WAND ||
+           tool->pointer >= POINT_BY_SPACEMOUSE;
+}
+
+/* Where the ball is drawn; false where it is not. */
+static bool find_ball(float out[2], const struct window *window, enum tool_number number)
+{
+    const struct cone_sight *sight = &window->pictures.cones[number];
+    float entry[2];
+    return shows(window, number) && sight->is_seen && is_free(&window->viewer->tools[number]) &&
+           window_point(out, window, sight->ball) && window_point(entry, window, sight->extent.entry) &&
+           hypotf(out[0] - entry[0], out[1] - entry[1]) > end_on * window->screen.scale;
+}
+
+enum tool_number pane_cone_at(const struct window *window, const float at[2])
+{
+    enum tool_number number = FIRST_TOOL;
+    float place[2];
+    while (number < TOOL_COUNT && !(find_ball(place, window, number) && hypotf(at[0] - place[0], at[1] - place[1]) <=
+                                                                            (ball + grip) * window->screen.scale)) {
+        number++;
+    }
+    return number;
+}
+
+static void draw_ball(struct window *window, enum tool_number number, struct pen pen)
+{
+    float at[2];
+    float scale = pen.scale;
+    if (find_ball(at, window, number)) {
+        const struct ui_mouse mouse = ui_mouse_now();
+        bool is_taken =
+            window->frame.turns_cone == number || pane_cone_at(window, (float[]){mouse.x, mouse.y}) == number;
+        ui_colour inside = pen.colour;
+        inside.a = window->pictures.cones[number].hides_ball ? fill : pen.colour.a;
+        float half = (ball + grip) * scale;
+        labels_reserve(&window->frame.labels, (struct ui_box){at[0] - half, at[1] - half, 2 * half, 2 * half});
+        ui_draw_circle(at, ball * scale, inside, 0);
+        ui_draw_circle(at, ball * scale, shade, (rim + casing) * scale);
+        ui_draw_circle(at, ball * scale, is_taken ? (ui_colour){LOOK_RGB(LOOK_WHITE), 255} : pen.colour, rim * scale);
+    }
+}
+
+static void draw_best(struct window *window, ui_colour colour)
+{
+    const struct viewer *viewer = window->viewer;
+    const conus_selection *selection = view_atlas_selection(viewer->drawn, SECOND_TOOL);
+    const conus_result *best = conus_selection_result(selection, 0);
+    float at[2];
+    if (best && best->object && best->pixels && window_point(at, window, best->contact)) {
+        ui_draw_circle(at, 4, colour, 1.5F);
+        const struct ui_box *box = &window->screen.panes[PANE_3D];
+        char title[VIEW_ATLAS_TITLE];
+        pane_name(&window->frame.labels, box, at, false, colour, best->object,
+                  view_atlas_title(title, viewer->drawn, best->object));
+    }
+}
+
+/* Draws the lines of a cone; ticks on a needle. */
+static void draw_lines(const struct window *window, enum tool_number number, struct pen pen)
+{
+    const struct cone_sight *sight = &window->pictures.cones[number];
+    float width = is_needle(window->viewer, number) ? needle : rim;
+    float phase = 0;
+    float ends[2][2];
+    for (size_t i = 0; i < sight->line_count; i++) {
+        const struct cone_line *line = &sight->lines[i];
+        if (!window_point(ends[0], window, line->ends[0]) || !window_point(ends[1], window, line->ends[1])) {
+            continue;
+        }
+        if (line->dashed) {
+            draw_dashes(&phase, ends[0], ends[1], pen, width);
+        } else {
+            draw_line(ends[0], ends[1], pen, width);
+        }
+    }
+    double place[3];
+    for (int i = 0; is_needle(window->viewer, number) && find_tick(place, window, number, i); i++) {
+        bool seen = window_point(ends[i % 2], window, place);
+        if (seen && i) {
+            draw_tick(ends[(i + 1) % 2], ends[i % 2], pen);
+        }
+    }
+}
+
+void pane_cones(struct window *window)
+{
+    tool_update_second(window->viewer); /* a panel may have changed the atlas in this frame */
+    for (enum tool_number number = FIRST_TOOL; number < TOOL_COUNT; number++) {
+        struct pen pen = find_pen(window, number);
+        float apex[2];
+        if (!shows(window, number)) {
+            continue;
+        }
+        find_extent(window, number);
+        find_lines(window, number);
+        draw_inside(window, number, pen);
+        draw_lines(window, number, pen);
+        if (window_point(apex, window, window->viewer->tools[number].pose.world_from_device + 12)) {
+            ui_draw_circle(apex, 4 * pen.scale, pen.colour, 0);
+        }
+        draw_ball(window, number, pen);
+        if (number == SECOND_TOOL) {
+            draw_best(window, pen.colour);
+        }
+    }
+}
+
+static void find_normal(double out[3], const struct pane_plane *plane)
+{
+    for (int a = 0; a < 3; a++) {
+        int b = (a + 1) % 3;
+        int c = (a + 2) % 3;
+        out[a] = plane->view.right[b] * plane->view.up[c] - plane->view.right[c] * plane->view.up[b];
+    }
+}
+
+/* Finds where a plane cuts the cone between two depths: the corners of its section, as pixels. */
+static size_t find_section(float (*out)[2], const struct viewer *viewer, enum tool_number number,
+                           const double depths[2], const struct pane_plane *plane)
+{
+    struct shell shell;
+    struct shell_piece pieces[2 * SHELL_POINTS];
+    double normal[3];
+    find_normal(normal, plane);
+    find_shell(&shell, viewer, number, depths[0], depths[1]);
+    size_t count = shell_cut(pieces, &shell, plane->view.centre, normal);
+    for (size_t i = 0; i < count; i++) {
+        pane_point(out[2 * i], plane, pieces[i].ends[0]);
+        pane_point(out[2 * i + 1], plane, pieces[i].ends[1]);
+    }
+    return find_hull(out, 2 * count);
+}
+
+static void draw_section(struct window *window, enum tool_number number, const struct pane_plane *plane, struct pen pen)
+{
+    const struct extent *extent = &window->pictures.cones[number].extent;
+    float corners[HULL][2];
+    float phase = 0;
+    ui_colour inside = pen.colour;
+    size_t count = find_section(corners, window->viewer, number, (double[]){extent->solid, extent->end}, plane);
+    for (size_t i = 0; i < count; i++) {
+        draw_dashes(&phase, corners[i], corners[(i + 1) % count], pen, rim);
+    }
+    count = find_section(corners, window->viewer, number, (double[]){extent->near, extent->solid}, plane);
+    inside.a = fill;
+    ui_draw_fill(corners, count, inside);
+    for (size_t i = 0; i < count; i++) {
+        draw_line(corners[i], corners[(i + 1) % count], pen, rim);
+    }
+}
+
+/* Draws the needle as it is seen from before the cut, in dashes where it is not in it. */
+static void draw_needle(const struct window *window, enum tool_number number, const struct pane_plane *plane,
+                        struct pen pen)
+{
+    const struct extent *extent = &window->pictures.cones[number].extent;
+    double places[2][3];
+    double away[2] = {0};
+    float ends[2][2];
+    float phase = 0;
+    double normal[3];
+    find_normal(normal, plane);
+    for (int e = 0; e < 2; e++) {
+        on_axis(places[e], window, number, e ? extent->end : extent->near);
+        pane_point(ends[e], plane, places[e]);
+        for (int a = 0; a < 3; a++) {
+            away[e] += (places[e][a] - plane->view.centre[a]) * normal[a];
+        }
+    }
+    double slope = away[1] - away[0];
+    double parts[2] = {fabs(away[0]) <= beside ? 0 : 1, 1}; /* of one beside the cut */
+    if (fabs(slope) > 1e-9) {
+        double one = (-beside - away[0]) / slope;
+        double other = (beside - away[0]) / slope;
+        parts[0] = fmin(fmax(fmin(one, other), 0), 1);
+        parts[1] = fmin(fmax(fmax(one, other), 0), 1);
+    }
+    float between[2][2];
+    for (int e = 0; e < 2; e++) {
+        for (int c = 0; c < 2; c++) {
+            between[e][c] = ends[0][c] + (float)parts[e] * (ends[1][c] - ends[0][c]);
+        }
+    }
+    draw_dashes(&phase, ends[0], between[0], pen, rim);
+    draw_line(between[0], between[1], pen, needle);
+    draw_dashes(&phase, between[1], ends[1], pen, rim);
+    for (int i = 1; find_tick(places[1], window, number, i); i++) {
+        pane_point(ends[1], plane, places[1]);
+        draw_tick(ends[0], ends[1], pen);
+    }
+}
+
+void pane_cones_cut(struct window *window, const struct pane_plane *plane)
+{
+    tool_update_second(window->viewer); /* a panel may have changed the atlas in this frame */
+    for (enum tool_number number = FIRST_TOOL; number < TOOL_COUNT; number++) {
+        struct pen pen = find_pen(window, number);
+        if (!shows(window, number)) {
+            continue;
+        }
+        find_extent(window, number);
+        if (is_needle(window->viewer, number)) {
+            draw_needle(window, number, plane, pen);
+        } else {
+            draw_section(window, number, plane, pen);
+        }
+    }
+}
+
+bool pane_cone_turn(struct window *window)
+{
+    const struct ui_mouse mouse = ui_mouse_now();
+    const struct hover *hover = &window->frame.hover;
+    struct viewer *viewer = window->viewer;
+    struct frame_state *frame = &window->frame;
+    if (mouse.pressed[0] && ui_surface_held()) {
+        frame->turns_cone = pane_cone_at(window, (float[]){mouse.x, mouse.y});
+        if (frame->turns_cone < TOOL_COUNT) {
+            struct tool *tool = &viewer->tools[frame->turns_cone];
+            frame->turned_about = window->pictures.cones[frame->turns_cone].turned;
+            if (tool->pointer == POINT_BY_MOUSE && !tool->held) {
+                tool_hold(viewer, frame->turns_cone);
+            }
+        }
+    } else if (!mouse.down[0]) {
+        frame->turns_cone = TOOL_COUNT;
+    }
+    bool turns = frame->turns_cone < TOOL_COUNT;
+    if (turns && (mouse.moved_x != 0 || mouse.moved_y != 0)) {
+        extent_turn(viewer, frame->turns_cone, &frame->turned_about, hover->eye, hover->direction);
+    }
+    return turns;
+}

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds where a tool's axis comes into what is shown and leaves it, and turns the tool about there. */
+#include "viewer/tools/extent.h"
+
+#include "viewer/tools/point.h"
+
+#include <math.h>
+
+static const double ball_mm = 40;
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void along(double out[3], const double from[3], const double direction[3], double length)
+{
+    for (int a = 0; a < 3; a++) {
+        out[a] = from[a] + length * direction[a];
+    }
+}
+
+static double between(double out[3], const double from[3], const double to[3])
+{
+    along(out, to, from, -1);
+    return sqrt(dot(out, out));
+}
+
+/* The depth along the axis of the first hit that is farthest from the apex; negative without one. */
+static double deepest_hit(const conus_selection *selection, const double apex[3], const double axis[3])
+{
+    conus_evidence evidence = conus_selection_evidence(selection);
+    size_t pixels = (size_t)evidence.resolution * evidence.resolution;
+    size_t deepest = pixels;
+    double at[3];
+    double offset[3];
+    for (size_t p = 0; p < pixels; p++) {
+        if (evidence.in_cone[p] && evidence.object[p] &&
+            (deepest == pixels || evidence.distance[p] > evidence.distance[deepest])) {
+            deepest = p;
+        }
+    }
+    if (deepest == pixels) {
+        return -1;
+    }
+    conus_selection_position(at, selection, deepest);
+    between(offset, apex, at);
+    return fmax(dot(offset, axis), 0);
+}
+
+void extent_find(struct extent *out, struct viewer *viewer, enum tool_number number)
+{
+    conus_selector_options options;
+    const conus_selection *selection = view_atlas_selection(viewer->drawn, number);
+    const double *m = viewer->tools[number].pose.world_from_device;
+    const double *apex = m + 12;
+    const double axis[3] = {-m[8], -m[9], -m[10]};
+    double middle[3];
+    double before[3];
+    double behind[3];
+    viewer_query(&options, viewer, number, 0);
+    double whole = between(middle, apex, viewer->centre) + viewer->radius;
+    double nearest = dot(middle, axis);
+    along(before, apex, axis, nearest - viewer->radius);
+    along(behind, apex, axis, nearest + viewer->radius);
+    double enters = nearest - viewer->radius + point_depth(viewer, before, axis);
+    double leaves = nearest + viewer->radius - point_depth(viewer, behind, m + 8);
+    bool meets = isfinite(enters);
+    along(out->entry, apex, axis, meets ? enters : nearest);
+    out->reach = fmin(ball_mm, viewer->radius / 2) + (meets ? 0 : viewer->radius);
+    out->near = options.range[1] > 0 ? options.range[0] : 0;
+    out->end = options.range[1] > 0 ? options.range[1] : leaves > 0 ? leaves : whole;
+    out->solid = selection && options.layers != CONUS_LAYERS_ALL ? deepest_hit(selection, apex, axis) : -1;
+    out->solid = out->solid < 0 ? out->end : fmin(fmax(out->solid, out->near), out->end);
+}
+
+void extent_ball(double out[3], const struct extent *extent, const conus_pose *pose)
+{
+    along(out, extent->entry, pose->world_from_device + 8, extent->reach);
+}
+
+void extent_turn(struct viewer *viewer, enum tool_number number, const struct extent *extent, const double eye[3],
+                 const double direction[3])
+{
+    const conus_pose *pose = &viewer->tools[number].pose;
+    const double *apex = pose->world_from_device + 12;
+    double ball[3];
+    double at[3];
+    double offset[3];
+    double origin[3];
+    const double axis[3] = {-pose->world_from_device[8], -pose->world_from_device[9], -pose->world_from_device[10]};
+    extent_ball(ball, extent, pose);
+    between(offset, apex, extent->entry);
+    double depth = dot(offset, axis); /* of the entry */
+    between(offset, eye, extent->entry);
+    double nearest = dot(offset, direction); /* along the ray, to the entry */
+    double inside = extent->reach * extent->reach - (dot(offset, offset) - nearest * nearest);
+    between(offset, eye, ball);
+    double half = inside > 0 ? sqrt(inside) : 0;
+    along(at, eye, direction, nearest + (dot(offset, direction) < nearest ? -half : half));
+    double size = between(offset, at, extent->entry);
+    if (size > 0) {
+        along(origin, extent->entry, offset, -depth / size);
+        tool_aim_along(viewer, number, origin, offset);
+    }
+}
