@@ -838,7 +838,7 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
                          "unless 3d is beside them");
     }
     if (settings->turn.frames && selection && !option_given(picture->arguments, "legend")) {
-        view.legend = CONUS_LEGEND_BELOW; /* inside, it would change its corner */
+        view.legend = CONUS_LEGEND_BELOW; /* all drawings are as large */
     }
     view.shapes = path_ends_in(path, ".svg") || path_ends_in(path, ".pdf");
     if (settings->cuts.cuts && !option_given(picture->arguments, "size") &&

@@ -18,7 +18,7 @@ static const double MM_PER_INCH = 25.4;
 
 /* In the orders of conus_side and conus_legend. */
 static const char *const sides[] = {"cone", "left", "right", "front", "back", "top", "bottom", NULL};
-const char *const figure_legends[] = {"inside", "right", "below", "none", NULL};
+const char *const figure_legends[] = {"auto", "right", "below", "none", NULL};
 
 const struct option figure_options[] = {
     {.name = "size",
@@ -68,7 +68,8 @@ const struct option figure_options[] = {
      .type = OPTION_CHOICE,
      .offset = FIELD(legend),
      .value = "WHERE",
-     .help = "where the legend is; without a cone it names what is drawn:",
+     .help = "where the legend is: auto is right of a picture that is wide enough, else below; without a cone it names "
+             "what is drawn:",
      .choices = figure_legends,
      .excludes = "no-legend"},
     {.name = "legend-rows",

@@ -57,7 +57,6 @@ struct sheet {
     bool trims; /* no height was asked for */
     enum title title;
     double pixels_per_mm;
-    double room[2];                     /* for a legend inside, on the left or above */
     double beside, above, below, strip; /* pixels around each panel, and below all */
     uint8_t *rgba;                      /* of the panel that is drawn: scratch */
     uint32_t *stack;
@@ -162,8 +161,8 @@ static void choose_scale(struct sheet *sheet)
         double mm[2];
         size_t rows = (sheet->count + columns - 1) / columns;
         measure_rows(mm, sheet, columns);
-        double width = drawing[0] - sheet->room[0] - 2 * sheet->beside * (double)columns;
-        double height = drawing[1] - sheet->room[1] - sheet->strip - (sheet->above + sheet->below) * (double)rows;
+        double width = drawing[0] - 2 * sheet->beside * (double)columns;
+        double height = drawing[1] - sheet->strip - (sheet->above + sheet->below) * (double)rows;
         double scale = fmin(width / mm[0], height / mm[1]);
         double score = scale * (double)sheet->count / (double)(rows * columns);
         if (score > best) {
@@ -192,9 +191,9 @@ static void place_panels(struct sheet *sheet)
     measure_rows(mm, sheet, sheet->columns);
     double taken = mm[1] * sheet->pixels_per_mm + (sheet->above + sheet->below) * (double)rows + sheet->strip;
     if (sheet->trims) {
-        picture_lower(&sheet->picture, (uint32_t)ceil(sheet->room[1] + taken));
+        picture_lower(&sheet->picture, (uint32_t)ceil(taken));
     }
-    double top = (sheet->room[1] + sheet->picture.drawing[1] - taken) / 2;
+    double top = (sheet->picture.drawing[1] - taken) / 2;
     for (size_t first = 0; first < sheet->count; first += sheet->columns) {
         size_t end = first + sheet->columns < sheet->count ? first + sheet->columns : sheet->count;
         double width = 0;
@@ -203,7 +202,7 @@ static void place_panels(struct sheet *sheet)
             width += sheet->panels[i].mm[0] * sheet->pixels_per_mm + 2 * sheet->beside;
             height = fmax(height, sheet->panels[i].mm[1] * sheet->pixels_per_mm);
         }
-        double left = (sheet->room[0] + sheet->picture.drawing[0] - width) / 2;
+        double left = (sheet->picture.drawing[0] - width) / 2;
         for (size_t i = first; i < end; i++) {
             struct panel *panel = &sheet->panels[i];
             const double size[2] = {panel->mm[0] * sheet->pixels_per_mm, panel->mm[1] * sheet->pixels_per_mm};
@@ -278,7 +277,6 @@ static conus_status lay_out(struct sheet *sheet)
         return status;
     }
     measure_panels(sheet, low, high);
-    picture_legend_room(sheet->room, &sheet->picture);
     set_bands(sheet, true);
     choose_scale(sheet);
     if (sheet->panels[sheet->count - 1].mm[1] * sheet->pixels_per_mm < TALL * sheet->picture.em) {
@@ -519,21 +517,6 @@ static conus_status draw_panel(struct sheet *sheet, const struct panel *panel)
     return status;
 }
 
-/* A legend inside has the upper left corner, since nothing counts as covered. */
-static conus_status draw_legend(struct sheet *sheet)
-{
-    struct picture *picture = &sheet->picture;
-    if (!picture->legend) {
-        return CONUS_OK;
-    }
-    picture->rgba = memory_zeroed((size_t)picture->drawing[0] * picture->drawing[1], 4 * sizeof *picture->rgba);
-    if (!picture->rgba) {
-        return CONUS_ERROR_MEMORY;
-    }
-    picture_legend_draw(sheet->image->list, picture);
-    return CONUS_OK;
-}
-
 static conus_status draw_sheet(struct sheet *sheet)
 {
     struct picture *picture = &sheet->picture;
@@ -551,7 +534,9 @@ static conus_status draw_sheet(struct sheet *sheet)
     if (!status && picture->font && has_cuts) {
         picture_draw_bar(sheet->image->list, picture, sheet->pixels_per_mm);
     }
-    status = status ? status : draw_legend(sheet);
+    if (!status && picture->legend) {
+        picture_legend_draw(sheet->image->list, picture);
+    }
     status = status || picture->options.shapes ? status : image_paint(sheet->image);
     return status ? status : picture_add_volumes(sheet->image, picture->atlas, true);
 }

@@ -22,9 +22,7 @@ enum {
     SIDE_LIMIT = 16384,
     SLICE_LIMIT = 65536,
     DPI_LIMIT = 100000,
-    BALL_POINTS = 6,
-    AROUND = 24, /* a cone's axis */
-    WALL_POINTS = 8 * AROUND
+    BALL_POINTS = 6
 };
 
 /* Radius of the ball at the apex, as a part of the atlas's. */
@@ -203,19 +201,18 @@ static void add_cone(struct picture *picture)
     }
 }
 
-/* `letters`: there are some at the edges. `room`: left free on the left and above. */
-static void set_frame(struct picture *picture, bool letters, const double room[2])
+/* `letters`: there are some at the edges. */
+static void set_frame(struct picture *picture, bool letters)
 {
     uint32_t width = picture->drawing[0];
     uint32_t height = picture->drawing[1];
     uint32_t least = letters ? (uint32_t)lrint(2 * picture->em) : 0;
     uint32_t across = width / 28 > least ? width / 28 : least;
     uint32_t upward = height / 24 > least ? height / 24 : least;
-    picture->frame = (struct camera_frame){.width = width, .height = height, .right = across, .bottom = upward};
-    picture->frame.left = across + (uint32_t)room[0];
-    picture->frame.top = upward + (uint32_t)room[1];
-    if (picture->frame.left + across >= width || picture->frame.top + upward >= height) { /* too small for margins */
-        picture->frame = (struct camera_frame){.width = width, .height = height};
+    picture->frame = (struct camera_frame){.width = width, .height = height};
+    if (2 * across < width && 2 * upward < height) { /* else it is too small for margins */
+        picture->frame.left = picture->frame.right = across;
+        picture->frame.top = picture->frame.bottom = upward;
     }
 }
 
@@ -230,9 +227,8 @@ static double camera_distance(const struct picture *picture)
 
 /* Points that a picture shows, and from where. */
 struct shown_points {
-    const double *xyz; /* [all * 3] */
-    size_t count;      /* The first ones, which lie in the frame. */
-    size_t all;        /* With those of the cone's walls, which may end beyond it. */
+    const double *xyz; /* [count * 3] */
+    size_t count;
     const double *forward;
 };
 
@@ -243,29 +239,24 @@ static void frame_all(struct picture *picture, const struct shown_points *points
 }
 
 /* Finds a place for the camera from which all points are in the frame and none under the scale and the directions.
- * These get room below, on the right or both, whatever leaves the points largest. `legend`: its size in the upper left
- * corner, where `room` is left for it; false if points lie there. */
-static bool frame_in_room(struct picture *picture, const struct shown_points *points, const double room[2],
-                          const double legend[2])
+ * These get room below, on the right or both, whatever leaves the points largest; none where no way leaves them any. */
+static void frame_points(struct picture *picture, const struct shown_points *points)
 {
     enum { BELOW = 1, RIGHT = 2, STEPS = 12 };
-    const struct draw_box corner = {0, 0, legend[0] + picture->em, legend[1] + picture->em};
     double key[2];
-    set_frame(picture, picture->font && picture_is_across(picture), room);
+    set_frame(picture, false);
+    frame_all(picture, points); /* which decides whether there are letters at the edges */
+    set_frame(picture, picture->font && picture_is_across(picture));
     frame_all(picture, points);
-    if (!picture->font) {
-        return true;
-    }
-    bool is_free = !legend[0] || picture_is_free(picture, &corner, points->xyz, points->all);
-    if (!is_free || picture_key_is_free(key, picture, points->xyz, points->count)) {
-        return is_free;
+    if (!picture->font || picture_key_is_free(key, picture, points->xyz, points->count)) {
+        return;
     }
     const struct camera_frame whole = picture->frame;
     const struct camera plain = picture->camera;
     struct camera_frame best = whole;
     double nearest = INFINITY;
     for (int way = BELOW; way <= (BELOW | RIGHT); way++) {
-        is_free = false;
+        bool is_free = false;
         for (int step = 1; step <= STEPS && !is_free; step++) {
             struct camera_frame *frame = &picture->frame;
             *frame = whole;
@@ -275,8 +266,7 @@ static bool frame_in_room(struct picture *picture, const struct shown_points *po
                 break;
             }
             frame_all(picture, points);
-            is_free = picture_key_is_free(key, picture, points->xyz, points->count) &&
-                      (!legend[0] || picture_is_free(picture, &corner, points->xyz, points->all));
+            is_free = picture_key_is_free(key, picture, points->xyz, points->count);
             if (is_free && camera_distance(picture) < nearest) {
                 nearest = camera_distance(picture);
                 best = *frame;
@@ -287,54 +277,6 @@ static bool frame_in_room(struct picture *picture, const struct shown_points *po
     picture->camera = plain;
     if (nearest < INFINITY) {
         frame_all(picture, points);
-    }
-    return nearest < INFINITY;
-}
-
-/* A legend inside gets all its width or height free, or less on the left, above or both where the points, which are
- * round, stay beside it all the same: whatever leaves them largest. */
-static void frame_points(struct picture *picture, const struct shown_points *points)
-{
-    enum { LEFT = 1, ABOVE = 2, STEPS = 12 };
-    static const double none[2] = {0};
-    double room[2];
-    double legend[2];
-    picture_legend_room(room, picture);
-    picture_legend_size(legend, picture);
-    set_frame(picture, false, room);
-    frame_all(picture, points); /* which decides whether there are letters at the edges */
-    frame_in_room(picture, points, room, none);
-    struct camera camera = picture->camera;
-    struct camera_frame frame = picture->frame;
-    for (int way = LEFT; way <= (LEFT | ABOVE) && legend[0] > 0; way++) {
-        bool is_free = false;
-        for (int step = 0; step < STEPS && !is_free; step++) {
-            room[0] = way & LEFT ? legend[0] * step / STEPS : 0;
-            room[1] = way & ABOVE ? legend[1] * step / STEPS : 0;
-            is_free = frame_in_room(picture, points, room, legend);
-            if (is_free &&
-                camera_distance(picture) < vec3_dot(camera.world_from_camera + 8, camera.world_from_camera + 12)) {
-                camera = picture->camera;
-                frame = picture->frame;
-            }
-        }
-    }
-    picture->camera = camera;
-    picture->frame = frame;
-}
-
-/* On the walls of the cone that is drawn. */
-static void add_walls(double points[WALL_POINTS][3], const struct colour_view *view)
-{
-    const double *m = view->world_from_cone;
-    for (int n = 0; n < WALL_POINTS; n++) {
-        const int circle = n / AROUND + 1;
-        double along = view->cone_start + (view->cone_length - view->cone_start) * circle * AROUND / WALL_POINTS;
-        double turn = radians_from_degrees(360.0 / AROUND * (n % AROUND));
-        double away = view->cone_radius + along * view->cone_slope;
-        vec3_add_scaled(points[n], m + 12, -along, m + 8);
-        vec3_add_scaled(points[n], points[n], away * cos(turn), m);
-        vec3_add_scaled(points[n], points[n], away * sin(turn), m + 4);
     }
 }
 
@@ -349,9 +291,7 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
         } else if (!status) {
             camera_from_pose(&picture->camera, &pose, options->field_of_view, picture->drawing[0], picture->drawing[1]);
         }
-        double room[2];
-        picture_legend_room(room, picture);
-        set_frame(picture, false, room);
+        set_frame(picture, false);
         return status ? fail_in(status, "camera") : CONUS_OK;
     }
     double forward[3];
@@ -363,8 +303,7 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
         cone_axis(axis, &options->selection->cone);
         camera_cone_forward(forward, axis);
     }
-    double(*points)[3] =
-        memory_raw(pass->content_count + 2 * options->probe_count + BALL_POINTS + WALL_POINTS, sizeof *points);
+    double(*points)[3] = memory_raw(pass->content_count + 2 * options->probe_count + BALL_POINTS, sizeof *points);
     if (!points) {
         return CONUS_ERROR_MEMORY;
     }
@@ -391,11 +330,7 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
             points[count++][n / 2] += (n % 2 ? 1 : -1) * DEVICE * picture->radius;
         }
     }
-    size_t walls = options->selection ? WALL_POINTS : 0;
-    if (walls) {
-        add_walls(points + count, &picture->view);
-    }
-    frame_points(picture, &(struct shown_points){points[0], count, count + walls, forward});
+    frame_points(picture, &(struct shown_points){points[0], count, forward});
     memory_free(points);
     return CONUS_OK;
 }
@@ -687,15 +622,15 @@ static conus_status find_opacities(struct picture *picture)
     return CONUS_OK;
 }
 
-/* Finds first hits of the selection that the camera does not see, by rays from it through the whole picture. Only if
- * all that is drawn is opaque, and nothing is left out. Needs no legend: one changes the camera's distance alone. */
-static conus_status find_hidden(struct picture *picture, const struct colour_pass *pass)
+/* Finds what the camera sees, by rays from it through the whole picture, for a legend. Only if all that is drawn is
+ * opaque, and nothing is left out. Needs no legend: one changes the camera's distance alone. */
+static conus_status find_seen(struct picture *picture, const struct colour_pass *pass)
 {
     enum { RAYS_ACROSS = 512 };
     const conus_view *options = &picture->options;
     const conus_atlas *atlas = picture->atlas;
-    if (!options->selection || options->no_legend || options->draft || picture->opacity || pathways_first(atlas) ||
-        pathways_shown(atlas) || has_frustum(options)) {
+    if (!(options->selection || picture_lists_all(picture)) || options->no_legend || options->draft ||
+        picture->opacity || pathways_first(atlas) || pathways_shown(atlas) || has_frustum(options)) {
         return CONUS_OK;
     }
     picture->drawing[0] = options->width;
@@ -708,16 +643,14 @@ static conus_status find_hidden(struct picture *picture, const struct colour_pas
     conus_selector *selector = NULL;
     conus_selection *seen = NULL;
     conus_pose eye;
-    picture->hidden = memory_zeroed(atlas->object_count + 1, sizeof *picture->hidden);
-    status = status || picture->hidden ? status : CONUS_ERROR_MEMORY;
+    picture->seen = memory_zeroed(atlas->object_count + 1, sizeof *picture->seen);
+    status = status || picture->seen ? status : CONUS_ERROR_MEMORY;
     status = status ? status : conus_pose_from_matrix(&eye, picture->camera.world_from_camera);
     status = status ? status : conus_selector_create(&selector, atlas, &rays);
     status = status ? status : conus_select(&seen, selector, &eye, 2 * atan(slope));
-    for (size_t n = 1; n <= atlas->object_count && !status; n++) {
-        picture->hidden[n] = true;
-    }
     for (size_t i = 0; i < conus_selection_count(seen); i++) {
-        picture->hidden[conus_selection_result(seen, i)->object] = false;
+        const conus_result *result = conus_selection_result(seen, i);
+        picture->seen[result->object] = result->share;
     }
     conus_selection_destroy(seen);
     conus_selector_destroy(selector);
@@ -755,7 +688,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     if (!status && picture.options.selection) {
         add_cone(&picture);
     }
-    status = status ? status : find_hidden(&picture, &renderer->colour);
+    status = status ? status : find_seen(&picture, &renderer->colour);
     status = status ? status : picture_prepare_sheet(&picture, renderer->max_memory, renderer->log, renderer->log_user);
     status = status ? status : place_camera(&picture, &renderer->colour);
     status = status ? status : draw(&picture, renderer);
@@ -767,7 +700,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     picture_rank_finish(&picture);
     memory_free(picture.opacity);
     memory_free(picture.areas);
-    memory_free(picture.hidden);
+    memory_free(picture.seen);
     memory_free(picture.rgba);
     return status;
 }

@@ -86,7 +86,7 @@ static conus_status draw_3d(conus_image **out, const char **refusal, const struc
     appearance_set(&view, &viewer->drawn->appearance);
     view.own_colours = viewer->display.own_colours;
     if (!set_camera(&view, &eye, settings->streamline_colour)) {
-        *refusal = "a tracked head's view has no room for a legend beside it: choose inside, below or none";
+        *refusal = "a tracked head's view has no room for a legend beside it: choose auto, below or none";
         return CONUS_OK;
     }
     conus_status status = make_renderer(&renderer, viewer, settings);
