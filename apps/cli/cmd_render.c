@@ -793,6 +793,7 @@ static int draw_frames(const struct picture *picture, const conus_view *view, co
             status =
                 turn_camera(&camera, turn, frame, picture->has_camera ? &picture->camera : NULL, picture->atlas, view);
             of_frame.camera = &camera;
+            of_frame.side = CONUS_SIDE_OF_CONE;
         }
         status = status ? status : draw_view(&image, picture, &of_frame, planes, count);
         status = status ? status : conus_image_write(image, name);

@@ -138,7 +138,9 @@ typedef enum conus_side {
     CONUS_SIDE_FRONT,       /**< From the front, the person's right to the left of the picture. */
     CONUS_SIDE_BACK,        /**< From the back. */
     CONUS_SIDE_TOP,         /**< From above, anterior up. */
-    CONUS_SIDE_BOTTOM       /**< From below, anterior up, the person's right to the left of the picture. */
+    CONUS_SIDE_BOTTOM,      /**< From below, anterior up, the person's right to the left of the picture. */
+    CONUS_SIDE_BESIDE_CONE  /**< 60 degrees off the cone's axis, whence the place of the best hit is seen best, and with
+                               all of the cone in the picture; without a cone as #CONUS_SIDE_OF_CONE. */
 } conus_side;
 
 /** Where a picture's legend is. */
@@ -226,6 +228,8 @@ typedef struct conus_view {
                               answer, behind these what else stands out, and from the seventh on a grey, with a number
                               in picture and legend where it is hit first; all else is a neutral grey. Pathways that are
                               haze have their own. */
+    bool print;            /**< As for paper: what is drawn in space has a thin dark line around it, and of several
+                              panels each has a letter: a, b, c. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -333,9 +337,9 @@ typedef struct conus_cut_plane {
  * @param count 1 to 400; 0 with a renderer, too.
  * @param look Its fill, no_outlines, window and chosen are those of all cuts. NULL = defaults.
  * @param renderer The atlas's, which draws the view in space before the first cut; NULL = only cuts.
- * @param sheet Of the whole: its size, legend, background, dpi, no_legend, selection, own_colours and frame; all else
- * is of the view in space. Its height 0 means as high as the cuts need it, at most three quarters of the width. NULL =
- * defaults.
+ * @param sheet Of the whole: its size, legend, background, dpi, no_legend, selection, own_colours, print and frame; all
+ * else is of the view in space. Its height 0 means as high as the cuts need it, at most three quarters of the width, in
+ * print the width. With dpi outlines are half a point wide and of one grey. NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for something out of its range, and for a sheet too small for so many cuts;
  * #CONUS_ERROR_DATA for an atlas in which nothing shows; #CONUS_ERROR_MEMORY for more than 8 GiB, at 32 bytes per
  * pixel; the errors of conus_render().

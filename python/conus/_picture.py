@@ -91,7 +91,7 @@ class GLOwner:
 _SRGB = (np.arange(255) + 0.5) / 255
 _STEPS = np.where(_SRGB <= 0.04045, _SRGB / 12.92, ((_SRGB + 0.055) / 1.055) ** 2.4).astype(np.float32)
 _POINT = dtype_of("conus_transfer_point")
-_SIDES = ("cone", "left", "right", "front", "back", "top", "bottom")
+_SIDES = ("cone", "left", "right", "front", "back", "top", "bottom", "beside")
 _LEGENDS = ("auto", "right", "below", "none")
 _PLANES = {"axial": ((1, 0, 0), (0, 1, 0)), "coronal": ((1, 0, 0), (0, 0, 1)), "sagittal": ((0, 1, 0), (0, 0, 1))}
 _FAINT = 0.12  # opacity of what no probe passes
@@ -338,7 +338,7 @@ class Renderer(Bound):
             Leave edges rough, and many streamlines out where there are many: quicker.
         view : str
             Without a camera, the side from which the atlas is seen: "cone", "left", "right", "front",
-            "back", "top" or "bottom".
+            "back", "top", "bottom" or "beside": 60 degrees off the cone's axis, with all of it.
         background : str
             "light", "white", "black", "transparent" or "#rrggbb".
         width_mm, height_mm, dpi : float

@@ -14,6 +14,9 @@ enum { PICTURE_FRUSTUM_LIMIT = 1000 };
 #define PICTURE_CONTRAST 4.5
 #define PICTURE_DIM 0.87F
 
+/** Letters of directions, in em. */
+#define PICTURE_LETTER 1.1
+
 struct picture_legend;
 struct picture_probes;
 
@@ -27,11 +30,12 @@ struct picture {
     struct font *font;             /**< NULL = no text.                                                        */
     struct picture_legend *legend; /**< NULL = none.                                                   */
     struct picture_probes *probes; /**< Strips; NULL = none. */
-    double em, line;               /**< Size of letters, and of the thinnest line, pixels.             */
+    double em, line;               /**< Size of letters, and the thinnest line (half a point), pixels. */
     float ink[4];                  /**< Colour of letters, in the form of list.h. */
     float dim;                     /**< Opacity of letters that say less.                              */
     struct camera camera;
     struct camera_frame frame;
+    double forward[3];        /**< Where a camera looks that is not given. */
     double centre[3], radius; /**< A ball around what shows, world mm. */
     struct colour_view view;
     struct colour_marker markers[COLOUR_MARKER_LIMIT];

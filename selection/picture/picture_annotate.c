@@ -58,7 +58,7 @@ static void draw_edges(struct draw_list *list, const struct picture *picture)
 {
     const double *m = picture->camera.world_from_camera;
     const struct camera_frame *frame = &picture->frame;
-    double size = 1.5 * picture->em;
+    double size = PICTURE_LETTER * picture->em;
     double centre[2] = {(frame->left + (double)frame->width - frame->right) / 2,
                         (frame->top + (double)frame->height - frame->bottom) / 2};
     for (int n = 0; n < 4; n++) {

@@ -390,14 +390,13 @@ static conus_status trace(const struct sheet *sheet, const struct cut *cut, stru
     }
     conus_status status = sheet->look->no_outlines
                               ? CONUS_OK
-                              : cut_trace_areas(lines->out, cut->objects, cut->of.width, cut->of.height, atlas->objects,
-                                                lines->rgb, skips, lines->at);
+                              : cut_trace_areas(lines, cut->objects, cut->of.width, cut->of.height, skips);
     memory_free(skips);
     cut_lines_finish(lines);
     if (!status && sheet->view.selection) {
         struct cut_cone cone;
         cutter_cone(&cone, sheet->view.selection);
-        cut_trace_cone(lines->out, &cut->of, &cone, lines->at);
+        cut_trace_cone(lines, &cut->of, &cone);
     }
     return status;
 }
@@ -417,6 +416,7 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
     struct cut_lines lines = {.out = sheet->image->list,
                               .list = sheet->picture.atlas->objects,
                               .rgb = (const uint8_t(*)[3])sheet->picture.line_rgb,
+                              .width = sheet->picture.line,
                               .at = {(double)panel->at[0], (double)panel->at[1]},
                               .limit = {(double)panel->size[0], (double)panel->size[1]}};
     view.no_outlines = true;
@@ -482,7 +482,7 @@ static void write_centred(const struct sheet *sheet, double x, double baseline, 
 static void annotate(const struct sheet *sheet, const struct panel *panel)
 {
     const double em = sheet->picture.em;
-    const double size = 1.2 * em;
+    const double size = PICTURE_LETTER * em;
     const double middle[2] = {(double)panel->at[0] + (double)panel->size[0] / 2,
                               (double)panel->at[1] + (double)panel->size[1] / 2};
     const double bottom = (double)(panel->at[1] + panel->size[1]);
@@ -505,14 +505,30 @@ static void annotate(const struct sheet *sheet, const struct panel *panel)
     write_centred(sheet, middle[0], bottom + sheet->above + (TITLE - 0.5) * em, em, title);
 }
 
-static conus_status draw_panel(struct sheet *sheet, const struct panel *panel)
+/* The letter of panel `index`, a, b, c, ... z, aa, ab, ...: left above it. */
+static void write_letter(const struct sheet *sheet, size_t index)
 {
-    if (!panel->plane) {
-        return draw_space(sheet, panel);
+    const struct panel *panel = &sheet->panels[index];
+    const double size = PICTURE_LETTER * sheet->picture.em;
+    const double at[2] = {fmax((double)panel->at[0] - sheet->beside, 0) + GAP * sheet->picture.em,
+                          fmax((double)panel->at[1] - sheet->above, 0) + size};
+    char text[3] = {(char)('a' + index % 26)};
+    if (index >= 26) {
+        text[1] = text[0];
+        text[0] = (char)('a' + index / 26 - 1);
     }
-    conus_status status = draw_cut(sheet, panel);
-    if (!status && sheet->picture.font) {
+    draw_text(sheet->image->list, sheet->picture.font, at, size, sheet->picture.ink, text);
+}
+
+static conus_status draw_panel(struct sheet *sheet, size_t index)
+{
+    const struct panel *panel = &sheet->panels[index];
+    conus_status status = panel->plane ? draw_cut(sheet, panel) : draw_space(sheet, panel);
+    if (!status && sheet->picture.font && panel->plane) {
         annotate(sheet, panel);
+    }
+    if (!status && sheet->picture.font && sheet->view.print && sheet->count > 1) {
+        write_letter(sheet, index);
     }
     return status;
 }
@@ -528,7 +544,7 @@ static conus_status draw_sheet(struct sheet *sheet)
     sheet->image->dpi = picture->options.dpi;
     lay_background(sheet);
     for (size_t i = 0; i < sheet->count && !status; i++) {
-        status = draw_panel(sheet, &sheet->panels[i]);
+        status = draw_panel(sheet, i);
     }
     bool has_cuts = sheet->panels[sheet->count - 1].plane;
     if (!status && picture->font && has_cuts) {
@@ -558,7 +574,8 @@ conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const
     of.view = *options_of(conus_view, sheet);
     of.view.width = of.view.width ? of.view.width : DEFAULT_WIDTH;
     of.trims = !of.view.height;
-    of.view.height = of.trims ? (uint32_t)fmax(ceil(0.75 * of.view.width), 1) : of.view.height;
+    const double highest = of.view.print ? 1 : 0.75; /* on paper the width is scarce */
+    of.view.height = of.trims ? (uint32_t)fmax(ceil(highest * of.view.width), 1) : of.view.height;
     of.count = count + (renderer ? 1 : 0);
     const conus_cut_view whole = {
         .width = of.view.width, .height = of.view.height, .selection = of.view.selection, .chosen = of.look->chosen};

@@ -2,6 +2,7 @@
 /* How areas stand out in a picture with a cone. */
 #include "selection/picture/picture_emphasis.h"
 
+#include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
 #include "render/colour/emphasis.h"
@@ -40,6 +41,21 @@ uint8_t *picture_emphasis(const conus_selection *selection, uint32_t chosen)
     return emphasis;
 }
 
+double picture_cone_depth(const conus_selection *selection)
+{
+    const double *m = selection->cone.pose.world_from_device;
+    double depth = -INFINITY;
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        double offset[3];
+        if (result->object && result->pixels) {
+            vec3_sub(offset, result->contact, m + 12);
+            depth = fmax(depth, -vec3_dot(offset, m + 8));
+        }
+    }
+    return depth;
+}
+
 bool picture_has_ranks(const conus_selection *selection, bool own_colours)
 {
     return selection && !own_colours && !selection->atlas->has_palette;
@@ -67,7 +83,7 @@ uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, 
     static const unsigned colours[PICTURE_RANKS] = {LOOK_RANKS(COLOUR)};
     uint8_t(*rgb)[3] = memory_raw(atlas->object_count + 1, sizeof *rgb);
     for (size_t object = 0; rgb && object <= atlas->object_count; object++) {
-        const uint32_t rank = ranks[object];
+        const uint32_t rank = ranks ? ranks[object] : 0;
         const unsigned colour = !rank ? not_hit : rank <= PICTURE_RANKS ? colours[rank - 1] : LOOK_RANK_MORE;
         memcpy(rgb[object], (const uint8_t[]){(uint8_t)(colour >> 16), (uint8_t)(colour >> 8), (uint8_t)colour}, 3);
     }

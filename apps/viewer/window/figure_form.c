@@ -18,7 +18,8 @@ void figure_of_window(struct figure_settings *out, const struct window *window)
     const struct sheet *sheet = &window->sheet;
     const struct view_atlas *drawn = window->viewer->drawn;
     *out =
-        (struct figure_settings){.dpi = sheet->dpi,
+        (struct figure_settings){.side = CONUS_SIDE_OF_CONE + 1,
+                                 .dpi = sheet->dpi,
                                  .legend = (size_t)sheet->legend,
                                  .no_legend = sheet->no_text,
                                  .background = backdrop_names[window->viewer->display.backdrop],
