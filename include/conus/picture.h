@@ -148,8 +148,9 @@ typedef enum conus_legend {
     CONUS_LEGEND_AUTO = 0, /**< On the right of a picture that is wider than high, where it takes at most two fifths of
                               the width with all its letters as large as others; else, and with a frustum, below. */
     CONUS_LEGEND_RIGHT,    /**< Beside the drawing, in at most half the width; the picture is as large as asked for. */
-    CONUS_LEGEND_BELOW,    /**< Below the drawing, in columns: the picture becomes higher by it, at most by half. */
-    CONUS_LEGEND_NONE      /**< Nowhere; letters of directions and the scale stay. */
+    CONUS_LEGEND_BELOW, /**< Below the drawing, in columns: the picture becomes higher by it, at most by half, in print
+                           at most twice as high. */
+    CONUS_LEGEND_NONE   /**< Nowhere; letters of directions and the scale stay. */
 } conus_legend;
 
 /** The background of a drawing. */

@@ -316,6 +316,12 @@ static void write_row(const struct layout *layout, double left, double baseline,
                                      rint(bottom)};
         draw_colour(chip, row->rgb, 1);
         draw_box(layout->list, &box, 0.18 * layout->em, chip);
+        for (int k = 0; k < LEGEND_BAR && row->ramp; k++) {
+            const double step = (box.right - box.left) / LEGEND_BAR;
+            const struct draw_box part = {box.left + step * k, box.top, box.right, box.bottom};
+            draw_colour(chip, row->ramp[k], 1);
+            draw_box(layout->list, &part, 0, chip); /* up to the end: the next one lies over it */
+        }
         if (row->striped) {
             draw_stripes(layout, &box, chip);
         }

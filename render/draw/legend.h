@@ -8,11 +8,12 @@
 enum { LEGEND_DETAILS = 3, LEGEND_BAR = 32 };
 
 struct legend_row {
-    uint8_t rgb[3]; /**< sRGB of the chip.                                                            */
-    bool plain;     /**< No chip, and grey letters: for what is no object.                            */
-    bool heading;   /**< A heading: only its name, in grey. */
-    bool striped;   /**< Stripes of its colour on the chip. */
-    bool mark;      /**< A mark of a bar in place of the chip. */
+    uint8_t rgb[3];           /**< sRGB of the chip.                                                            */
+    const uint8_t (*ramp)[3]; /**< [LEGEND_BAR] sRGB of the chip from left to right in place of `rgb`; NULL = that. */
+    bool plain;               /**< No chip, and grey letters: for what is no object.                            */
+    bool heading;             /**< A heading: only its name, in grey. */
+    bool striped;             /**< Stripes of its colour on the chip. */
+    bool mark;                /**< A mark of a bar in place of the chip. */
     const uint8_t (
         *bar)[3]; /**< [LEGEND_BAR] sRGB of the bar from the row above, which has a mark, too; NULL = none. */
     const char *name;

@@ -26,6 +26,7 @@ conus_status picture_cut_init(struct picture *picture, const conus_cut_view *vie
                                     .dpi = sheet->dpi,
                                     .frame = sheet->frame,
                                     .shapes = sheet->shapes,
+                                    .print = sheet->print,
                                     .measured = sheet->measured,
                                     .own_colours = view->own_colours || sheet->own_colours};
     memcpy(picture->options.background_rgb, sheet->background_rgb, sizeof sheet->background_rgb);

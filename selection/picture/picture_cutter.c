@@ -117,7 +117,7 @@ static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool 
         what.emphasis = emphasis = picture_emphasis(view->selection, has_ranks ? 0 : view->chosen);
         status = emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
-    if (!status && has_ranks) {
+    if (!status && view->selection && !view->own_colours) {
         ranks = picture_ranks(view->selection);
         rgb = ranks ? picture_rank_colours(ranks, cutter->cut.atlas, LOOK_NOT_HIT) : NULL;
         line_rgb = ranks ? picture_rank_colours(ranks, cutter->cut.atlas, LOOK_OUTLINE) : NULL;

@@ -76,12 +76,67 @@ uint32_t *picture_ranks(const conus_selection *selection)
     return ranks;
 }
 
+/* Finds the first colour of the palette that is not taken; leaves what is there where all are. */
+static void find_free(uint8_t out[3], const conus_atlas *atlas, const uint8_t (*taken)[3], size_t count)
+{
+    for (size_t n = 0; n < atlas->object_count; n++) {
+        bool is_free = true;
+        for (size_t i = 0; i < count && is_free; i++) {
+            is_free = memcmp(taken[i], atlas->objects[n].rgb, 3) != 0;
+        }
+        if (is_free) {
+            memcpy(out, atlas->objects[n].rgb, 3);
+            return;
+        }
+    }
+}
+
+/* Those of the atlas's palette: what has a rank has a colour that nothing with a better rank has, while there are some.
+ */
+static conus_status colour_by_palette(uint8_t (*rgb)[3], const uint32_t *ranks, const conus_atlas *atlas)
+{
+    uint8_t(*taken)[3] = memory_raw(atlas->object_count + 1, sizeof *taken);
+    size_t count = 0;
+    bool found = taken;
+    memset(rgb[0], 0, sizeof *rgb);
+    for (size_t n = 1; n <= atlas->object_count; n++) {
+        memcpy(rgb[n], atlas->objects[n - 1].rgb, 3);
+    }
+    for (uint32_t rank = 1; found; rank++) {
+        found = false;
+        for (size_t n = 1; n <= atlas->object_count; n++) {
+            if (ranks[n] == rank && !found) {
+                found = true;
+                bool is_taken = false;
+                for (size_t i = 0; i < count; i++) {
+                    is_taken = is_taken || memcmp(taken[i], rgb[n], 3) == 0;
+                }
+                if (is_taken) {
+                    find_free(rgb[n], atlas, (const uint8_t(*)[3])taken, count);
+                }
+                memcpy(taken[count++], rgb[n], 3);
+            } else if (ranks[n] == rank) {
+                memcpy(rgb[n], taken[count - 1], 3);
+            }
+        }
+    }
+    memory_free(taken);
+    return taken ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
 #define COLOUR(colour) colour,
 
 uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, unsigned not_hit))[3]
 {
     static const unsigned colours[PICTURE_RANKS] = {LOOK_RANKS(COLOUR)};
     uint8_t(*rgb)[3] = memory_raw(atlas->object_count + 1, sizeof *rgb);
+    if (rgb && ranks && atlas->has_palette) {
+        if (colour_by_palette(rgb, ranks, atlas)) {
+            memory_free(rgb);
+            return NULL;
+        }
+        return rgb;
+    }
     for (size_t object = 0; rgb && object <= atlas->object_count; object++) {
         const uint32_t rank = ranks ? ranks[object] : 0;
         const unsigned colour = !rank ? not_hit : rank <= PICTURE_RANKS ? colours[rank - 1] : LOOK_RANK_MORE;

@@ -26,8 +26,9 @@ enum {
 static const double BESIDE = 0.5;
 static const double SLIM = 0.4;
 
-/* Height that a legend below adds to the picture, as a part of it. */
+/* Height that a legend below adds to the picture, as a part of it: at most, and on paper. */
 static const double BELOW = 0.5;
+static const double BELOW_IN_PRINT = 1;
 static const double SMALLEST = 6.0 / 7;
 
 /* Below the drawing a column has at least so many rows. */
@@ -52,6 +53,7 @@ struct picture_legend {
     size_t name_count;
     char subtitle[TEXT_SIZE], words[TEXT_SIZE], more[TEXT_SIZE], colours[KEYS * COLOUR_ROWS][TEXT_SIZE];
     uint8_t bars[2][MARKS - 1][LEGEND_BAR][3]; /* of the ramp of numbers, and of haze */
+    uint8_t ramp[LEGEND_BAR][3];               /* the chip of the only haze that is coloured by its values */
     double size[2];                            /* pixels of the image */
     bool is_right;                             /* of the drawing, not below it */
 };
@@ -130,12 +132,24 @@ bool picture_has_legend(const struct picture *picture)
             colours_streamlines(picture) || count_by_value(picture) || atlas_mapped_surface(picture->atlas));
 }
 
+/* Whether something of another rank has the same colour. */
+static bool shares_colour(const struct picture *picture, uint32_t number)
+{
+    bool found = false;
+    for (size_t n = 1; n <= picture->atlas->object_count && !found; n++) {
+        found = picture->ranks[n] && picture->ranks[n] != picture->ranks[number] &&
+                memcmp(picture->rgb[n], picture->rgb[number], 3) == 0;
+    }
+    return found;
+}
+
 size_t picture_tag(const struct picture *picture, uint32_t number)
 {
     size_t tag = 1;
     if (picture->ranks && picture->ranks[number]) { /* not where it lies behind others: then it is not seen there */
-        bool has_number = picture->ranks[number] > PICTURE_RANKS && picture->emphasis[number] == EMPHASIS_FULL;
-        return has_number ? picture->ranks[number] : 0;
+        bool is_alike =
+            picture->atlas->has_palette ? shares_colour(picture, number) : picture->ranks[number] > PICTURE_RANKS;
+        return is_alike && picture->emphasis[number] == EMPHASIS_FULL ? picture->ranks[number] : 0;
     }
     for (size_t before = 1; before < number; before++) {
         tag += is_by_value(picture, before);
@@ -195,7 +209,7 @@ static void rank_listed(const struct picture *picture)
 
 conus_status picture_rank(struct picture *picture, bool on_dark)
 {
-    if (!picture_has_ranks(picture->options.selection, picture->options.own_colours)) {
+    if (!picture->options.selection || picture->options.own_colours) {
         return CONUS_OK;
     }
     picture->ranks = picture_ranks(picture->options.selection);
@@ -236,10 +250,16 @@ void picture_colour(uint8_t out[3], const struct picture *picture, size_t number
     }
 }
 
-/* Its colour in the picture, and stripes where it has some. */
-static void set_chip(struct legend_row *row, const struct picture *picture, uint32_t number)
+/* Its colour in the picture, those of its values, or stripes where it has some. */
+static void set_chip(struct legend_row *row, struct picture_legend *out, const struct picture *picture, uint32_t number)
 {
     picture_colour(row->rgb, picture, number);
+    if (is_by_value(picture, number) && count_by_value(picture) == 1) {
+        for (int k = 0; k < LEGEND_BAR; k++) {
+            transfer_part_colour(out->ramp[k], &picture->hazy->transfers[number], (k + 0.5) / LEGEND_BAR);
+        }
+        row->ramp = (const uint8_t(*)[3])out->ramp;
+    }
     row->striped = picture->emphasis && picture->emphasis[number] == EMPHASIS_HATCHED;
 }
 
@@ -256,7 +276,7 @@ static void fill_row(struct picture_legend *out, size_t index, const struct pict
     row->name = "unassigned";
     if (result->object) {
         row->name = name_of(out, picture, result->object, result->pixels && is_hidden(picture, result->object));
-        set_chip(row, picture, result->object);
+        set_chip(row, out, picture, result->object);
         row->detail[1] = cells->distance;
     }
 }
@@ -288,7 +308,7 @@ static size_t add_pathways(struct picture_legend *out, struct legend_row rows[PA
             if (others++ < PATHWAY_ROWS - 1) {
                 rows[count++] =
                     (struct legend_row){.name = name_of(out, picture, (uint32_t)number, false), .detail = {"not hit"}};
-                set_chip(&rows[count - 1], picture, (uint32_t)number);
+                set_chip(&rows[count - 1], out, picture, (uint32_t)number);
             }
         }
     }
@@ -519,7 +539,7 @@ static size_t add_listed(struct picture_legend *out, struct legend_row *rows, co
         if (!was_done && is_listed(picture, number)) {
             rows[count] = (struct legend_row){.name = name_of(out, picture, shown, is_hidden(picture, shown))};
             rows[count].detail[0] = selection ? "not hit" : NULL;
-            set_chip(&rows[count++], picture, shown);
+            set_chip(&rows[count++], out, picture, shown);
         }
     }
     return count;
@@ -667,7 +687,10 @@ static void place(struct picture_legend *legend, struct picture *picture)
 {
     const bool right = legend->is_right = stands_right(legend, picture);
     const double sheet[2] = {picture->options.width, picture->options.height};
-    const double limit[2] = {(right ? BESIDE : 1) * sheet[0], (right ? 1 : BELOW) * sheet[1]};
+    const double limit[2] = {(right ? BESIDE : 1) * sheet[0], (right                    ? 1
+                                                               : picture->options.print ? BELOW_IN_PRINT
+                                                                                        : BELOW) *
+                                                                  sheet[1]};
     struct legend *drawn = &legend->legend;
     fit(legend, picture, limit, right ? 1 : (drawn->count + LEAST_ROWS - 1) / LEAST_ROWS);
     double width = fmin(ceil(legend->size[0]), right ? sheet[0] - 1 : sheet[0]);

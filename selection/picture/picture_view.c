@@ -652,9 +652,9 @@ static conus_status draw(struct picture *picture, conus_renderer *renderer)
     view->opacity = picture->opacity;
     view->emphasis = picture->emphasis;
     view->rgb = (const uint8_t(*)[3])picture->rgb;
-    view->pale_rgb = picture->options.has_unselected ? picture->options.unselected_rgb
-                     : picture->rgb                  ? picture->rgb[0]
-                                                     : NULL;
+    view->pale_rgb = picture->options.has_unselected                ? picture->options.unselected_rgb
+                     : picture->rgb && !picture->atlas->has_palette ? picture->rgb[0]
+                                                                    : NULL;
     view->line_width = fmax(0.012 * picture->radius, view->draft);
     view->markers = picture->markers;
     picture->rgba = memory_raw((size_t)view->width * view->height, 4 * sizeof *picture->rgba);

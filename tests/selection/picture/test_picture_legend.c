@@ -364,6 +364,38 @@ static void an_area_that_is_given_an_opacity_has_a_row(void **state)
     finish_scene(&scene);
 }
 
+/* Every second of sixty slabs is hit, the last one best: while the palette has colours, what is hit has one that
+ * nothing better has, and all other slabs, the best one, too, keep theirs. */
+static void what_is_hit_differs_in_a_palette(void **state)
+{
+    (void)state;
+    static const uint8_t palette[4][3] = {{200, 0, 0}, {0, 150, 0}, {0, 0, 250}, {220, 200, 0}};
+    uint32_t places[SLABS + 1] = {0};
+    conus_atlas *atlas = make_atlas(slabs, "Slab");
+    assert_ok(conus_atlas_use_palette(atlas, palette[0], 4));
+    size_t colours = 0; /* that are in use: lighter and darker ones, too */
+    for (size_t n = 0; n < SLABS; n++) {
+        bool is_new = true;
+        for (size_t k = 0; k < n; k++) {
+            is_new = is_new && memcmp(atlas->objects[n].rgb, atlas->objects[k].rgb, 3) != 0;
+        }
+        colours += is_new;
+        places[n + 1] = n % 2 ? (uint32_t)(SLABS - n + 1) / 2 : 0;
+    }
+    assert_in_range(colours, 2, SLABS / 2 - 1);
+    uint8_t(*rgb)[3] = picture_rank_colours(places, atlas, 0);
+    assert_non_null(rgb);
+    for (size_t n = 1; n <= SLABS; n++) {
+        bool keeps = places[n] <= 1;
+        assert_true(!keeps || memcmp(rgb[n], atlas->objects[n - 1].rgb, 3) == 0);
+        for (size_t k = 1; k < n && places[n] && places[n] <= colours; k++) {
+            assert_true(!places[k] || places[k] > colours || memcmp(rgb[n], rgb[k], 3) != 0);
+        }
+    }
+    memory_free(rgb);
+    conus_atlas_destroy(atlas);
+}
+
 /* Mean saturation of the drawing in the right part of the picture: the largest less the least channel, over the
  * largest. */
 static double chroma(const struct scene *scene)
@@ -532,40 +564,56 @@ static void heat(uint8_t rgb[3], double part)
     }
 }
 
-/* Pathways with the probability 1 from a half on, both drawn as heat. The legend has a bar from 50 to 100 %, and for
- * each pathway a disc with its number, which is on the picture, too. The disc has the pathway's colour; it is one and a
- * half times as high as the letters, 86 pixels large, less the number and the rim. */
-static void haze_by_values_has_a_bar_and_numbers(void **state)
+/* A scene without a cone of halves and so many pathways with the probability 1 from a half on, drawn as heat. */
+static struct scene see_haze(size_t count)
 {
-    (void)state;
-    static const char *const words[] = {"100", "88", "75", "62", "50"};
-    static const char *const names[] = {"1  First", "2  Second"};
+    static const char *const names[] = {"First", "Second"};
     const conus_pathway_transfer transfer = {.transfer = "heat"};
-    uint8_t bars[5][LEGEND_BAR][3];
-    struct legend_row rows[8];
-    const struct legend legend = {.title = "Pathways", .rows = rows, .count = 8, .tail = 6};
-    conus_image *image = NULL;
     conus_atlas *atlas = make_atlas(halves, "Half");
-    assert_ok(area_rows_add_pathway(atlas, "First"));
-    assert_ok(area_rows_add_pathway(atlas, "Second"));
+    for (size_t i = 0; i < count; i++) {
+        assert_ok(area_rows_add_pathway(atlas, names[i]));
+    }
     struct scene scene = see(atlas, left, 8);
     conus_selection_destroy(scene.selection);
     scene.selection = NULL;
     conus_renderer_destroy(scene.renderer);
     assert_ok(conus_renderer_create(&scene.renderer, atlas,
                                     &(conus_renderer_options){.pathways = &transfer, .pathway_count = 1}));
-    for (size_t i = 0; i < 2; i++) {
-        rows[i] = (struct legend_row){.name = names[i]};
-        memcpy(rows[i].rgb, atlas->objects[2 + i].rgb, 3);
-    }
-    rows[2] = (struct legend_row){.name = "Pathways by probability, %", .heading = true};
+    return scene;
+}
+
+/* The key of heat from 50 to 100 %: a heading and five marks. */
+static void describe_heat(struct legend_row rows[6], uint8_t bars[5][LEGEND_BAR][3])
+{
+    static const char *const words[] = {"100", "88", "75", "62", "50"};
+    rows[0] = (struct legend_row){.name = "Pathways by probability, %", .heading = true};
     for (size_t i = 0; i < 5; i++) {
         for (size_t k = 0; k < LEGEND_BAR && i; k++) {
             heat(bars[i][k], 1 - ((double)i - 1 + ((double)k + 0.5) / LEGEND_BAR) / 4);
         }
-        rows[3 + i] =
+        rows[1 + i] =
             (struct legend_row){.name = words[i], .mark = true, .bar = i ? (const uint8_t(*)[3])bars[i] : NULL};
     }
+}
+
+/* The legend has a bar from 50 to 100 %, and for each pathway a disc with its number, which is on the picture, too. The
+ * disc has the pathway's colour; it is one and a half times as high as the letters, 86 pixels large, less the number
+ * and the rim. */
+static void haze_by_values_has_a_bar_and_numbers(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"1  First", "2  Second"};
+    uint8_t bars[5][LEGEND_BAR][3];
+    struct legend_row rows[8];
+    const struct legend legend = {.title = "Pathways", .rows = rows, .count = 8, .tail = 6};
+    conus_image *image = NULL;
+    struct scene scene = see_haze(2);
+    const conus_atlas *atlas = scene.atlas;
+    for (size_t i = 0; i < 2; i++) {
+        rows[i] = (struct legend_row){.name = names[i]};
+        memcpy(rows[i].rgb, atlas->objects[2 + i].rgb, 3);
+    }
+    describe_heat(rows + 2, bars);
     check_legend(&scene, legend, RIGHT);
     scene.view.legend = CONUS_LEGEND_BELOW;
     assert_ok(draw(&image, &scene));
@@ -583,6 +631,24 @@ static void haze_by_values_has_a_bar_and_numbers(void **state)
         assert_in_range(found, 40, 200);
     }
     conus_image_destroy(image);
+    finish_scene(&scene);
+}
+
+/* The chip of a single one has all colours of the bar, from the least on the left to the largest. */
+static void one_haze_has_its_bar_as_its_chip(void **state)
+{
+    (void)state;
+    uint8_t ramp[LEGEND_BAR][3];
+    uint8_t bars[5][LEGEND_BAR][3];
+    struct legend_row rows[7] = {{.name = "First", .ramp = (const uint8_t(*)[3])ramp}};
+    const struct legend legend = {.title = "Pathways", .rows = rows, .count = 7, .tail = 6};
+    struct scene scene = see_haze(1);
+    for (size_t k = 0; k < LEGEND_BAR; k++) {
+        heat(ramp[k], ((double)k + 0.5) / LEGEND_BAR);
+    }
+    heat(rows[0].rgb, 0.5);
+    describe_heat(rows + 1, bars);
+    check_legend(&scene, legend, RIGHT);
     finish_scene(&scene);
 }
 
@@ -681,7 +747,9 @@ TEST_GROUP(picture_legend)
         cmocka_unit_test(a_legend_without_a_cone_has_the_first_rows),
         cmocka_unit_test(a_legend_outside_does_not_make_the_picture_endless),
         cmocka_unit_test(letters_have_contrast_on_any_background),
+        cmocka_unit_test(what_is_hit_differs_in_a_palette),
         cmocka_unit_test(haze_by_values_has_a_bar_and_numbers),
+        cmocka_unit_test(one_haze_has_its_bar_as_its_chip),
         cmocka_unit_test(many_bundles_that_are_not_hit_are_counted),
         cmocka_unit_test(colours_of_directions_have_a_key),
         cmocka_unit_test(colours_of_a_number_have_a_bar),
