@@ -126,11 +126,8 @@ enum look_theme_colour {
 #define LOOK_PICTURE_INK_ON_LIGHT 0.02F
 #define LOOK_PICTURE_TOP 0.90F /**< The light background, a grey: its top, and how much darker it is below. */
 #define LOOK_PICTURE_DARKER 0.22F
-#define LOOK_LEGEND_PANEL 0.004F, 0.005F, 0.008F
-#define LOOK_LEGEND_RIM 0.6F, 0.65F, 0.75F
-#define LOOK_LEGEND_TEXT 0.95F, 0.95F, 0.95F
-#define LOOK_LEGEND_SOFT 0.42F, 0.45F, 0.5F
-#define LOOK_MEASURED 0.83F, 0.9F, 0.83F /**< A measured line and its words, and what is under them. */
+#define LOOK_LEGEND_TEXT 0.95F, 0.95F, 0.95F /**< Beside what a device saw. */
+#define LOOK_MEASURED 0.83F, 0.9F, 0.83F     /**< A measured line and its words, and what is under them. */
 #define LOOK_MEASURED_UNDER 0.02F, 0.02F, 0.025F
 #define LOOK_PROBE_CASING 0.01F, 0.01F, 0.015F
 #define LOOK_PROBE_OUTSIDE 0.35F, 0.35F, 0.37F

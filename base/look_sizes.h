@@ -29,6 +29,6 @@ enum look_size {
 };
 
 /** Letters of figures, points of a 72nd inch. */
-#define LOOK_FIGURE_POINTS 7.5
+#define LOOK_FIGURE_POINTS 7.0
 
 #endif

@@ -793,6 +793,7 @@ static int draw_frames(const struct picture *picture, const conus_view *view, co
             status =
                 turn_camera(&camera, turn, frame, picture->has_camera ? &picture->camera : NULL, picture->atlas, view);
             of_frame.camera = &camera;
+            of_frame.side = CONUS_SIDE_OF_CONE;
         }
         status = status ? status : draw_view(&image, picture, &of_frame, planes, count);
         status = status ? status : conus_image_write(image, name);
@@ -838,7 +839,7 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
                          "unless 3d is beside them");
     }
     if (settings->turn.frames && selection && !option_given(picture->arguments, "legend")) {
-        view.legend = CONUS_LEGEND_BELOW; /* inside, it would change its corner */
+        view.legend = CONUS_LEGEND_BELOW; /* all drawings are as large */
     }
     view.shapes = path_ends_in(path, ".svg") || path_ends_in(path, ".pdf");
     if (settings->cuts.cuts && !option_given(picture->arguments, "size") &&

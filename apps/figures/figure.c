@@ -12,15 +12,27 @@
 
 #define FIELD(member) offsetof(struct figure_settings, member)
 
-enum { SIDE_LIMIT = 16384, PRINT_DPI = 300 };
+enum { SIDE_LIMIT = 16384, PRINT_DPI = 300, PRINT_MM = 180 };
 
 static const double MM_PER_INCH = 25.4;
 
-/* In the orders of conus_side and conus_legend. */
-static const char *const sides[] = {"cone", "left", "right", "front", "back", "top", "bottom", NULL};
-const char *const figure_legends[] = {"inside", "right", "below", "none", NULL};
+enum { STYLE_AUTO, STYLE_SCREEN, STYLE_PRINT };
+static const char *const styles[] = {"auto", "screen", "print", NULL};
+
+/* In the orders of conus_side, after the first, and conus_legend. */
+static const char *const sides[] = {"auto", "cone", "left", "right", "front", "back", "top", "bottom", "beside", NULL};
+const char *const figure_legends[] = {"auto", "right", "below", "none", NULL};
 
 const struct option figure_options[] = {
+    {.name = "style",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(style),
+     .value = "STYLE",
+     .help = "print: white, seen from beside the cone, with thin lines around what is drawn and letters of panels, 180 "
+             "mm wide unless --size or --width-mm is given; what other options say counts; auto is print with "
+             "--width-mm, else screen:",
+     .choices = styles,
+     .words = "paper, publication, journal"},
     {.name = "size",
      .type = OPTION_SIZE,
      .offset = FIELD(size),
@@ -48,27 +60,28 @@ const struct option figure_options[] = {
      .type = OPTION_NUMBER,
      .offset = FIELD(dpi),
      .value = "N",
-     .help = "pixels per inch, which the file says, with letters of 7.5 points (default with --width-mm 300)",
+     .help = "pixels per inch, which the file says, with letters of 7 points (default with --width-mm 300)",
      .low = 10,
      .high = 10000},
     {.name = "view",
      .type = OPTION_CHOICE,
      .offset = FIELD(side),
      .value = "SIDE",
-     .help = "the whole atlas from the cone's side, or from this one:",
+     .help = "the whole atlas from this side; beside is 60 degrees off the cone's axis; auto is cone, in print beside:",
      .choices = sides,
      .excludes = "camera,camera-origin"},
     {.name = "background",
      .type = OPTION_TEXT,
      .offset = FIELD(background),
      .value = "COLOUR",
-     .help = "light (default), white, black, transparent, or #RRGGBB",
+     .help = "light (default, in print white), white, black, transparent, or #RRGGBB",
      .words = "colour, color"},
     {.name = "legend",
      .type = OPTION_CHOICE,
      .offset = FIELD(legend),
      .value = "WHERE",
-     .help = "where the legend is; without a cone it names what is drawn:",
+     .help = "where the legend is: auto is right of a picture that is wide enough, else below; without a cone it names "
+             "what is drawn:",
      .choices = figure_legends,
      .excludes = "no-legend"},
     {.name = "legend-rows",
@@ -208,18 +221,30 @@ static uint32_t pixels_of(double mm, double dpi)
     return pixels < 1 ? 1 : pixels > UINT32_MAX ? UINT32_MAX : (uint32_t)pixels;
 }
 
+static bool is_print(const struct figure_settings *settings)
+{
+    return settings->style == STYLE_PRINT || (settings->style == STYLE_AUTO && settings->width_mm > 0);
+}
+
 void figure_view(conus_view *view, const struct figure_settings *settings)
 {
-    double width = settings->width_mm;
+    const bool print = is_print(settings);
+    double width = settings->width_mm > 0 || !print || settings->size[0] ? settings->width_mm : PRINT_MM;
     double height = settings->height_mm > 0 ? settings->height_mm : 0.75 * width;
     view->dpi = settings->dpi > 0 || width == 0 ? settings->dpi : PRINT_DPI;
     view->width = width > 0 ? pixels_of(width, view->dpi) : settings->size[0];
     view->height = width > 0 ? pixels_of(height, view->dpi) : settings->size[1];
-    view->side = (conus_side)settings->side;
+    view->print = print;
+    view->side = settings->side                              ? (conus_side)(settings->side - 1)
+                 : print && view->selection && !view->camera ? CONUS_SIDE_BESIDE_CONE
+                                                             : CONUS_SIDE_OF_CONE;
     view->legend = (conus_legend)settings->legend;
     view->legend_rows = settings->legend_rows;
     view->no_legend = settings->no_legend;
-    parse_background(&view->background, view->background_rgb, settings->background);
+    parse_background(&view->background, view->background_rgb,
+                     settings->background ? settings->background
+                     : print              ? "white"
+                                          : NULL);
     view->own_colours = settings->palette && strcmp(settings->palette, "file") == 0;
     view->has_unselected = settings->unselected && parse_rgb(view->unselected_rgb, settings->unselected);
 }

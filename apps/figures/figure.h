@@ -10,7 +10,8 @@
 struct figure_settings {
     uint32_t size[2];
     double width_mm, height_mm, dpi; /* 0 = not given */
-    size_t side, legend;             /* conus_side, conus_legend */
+    size_t side, legend;             /* 0 or conus_side + 1, conus_legend */
+    size_t style;
     const char *background;
     bool safe_colours, no_legend;
     const char *palette, *unselected;

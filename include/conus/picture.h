@@ -138,16 +138,18 @@ typedef enum conus_side {
     CONUS_SIDE_FRONT,       /**< From the front, the person's right to the left of the picture. */
     CONUS_SIDE_BACK,        /**< From the back. */
     CONUS_SIDE_TOP,         /**< From above, anterior up. */
-    CONUS_SIDE_BOTTOM       /**< From below, anterior up, the person's right to the left of the picture. */
+    CONUS_SIDE_BOTTOM,      /**< From below, anterior up, the person's right to the left of the picture. */
+    CONUS_SIDE_BESIDE_CONE  /**< 60 degrees off the cone's axis, whence the place of the best hit is seen best, and with
+                               all of the cone in the picture; without a cone as #CONUS_SIDE_OF_CONE. */
 } conus_side;
 
 /** Where a picture's legend is. */
 typedef enum conus_legend {
-    CONUS_LEGEND_INSIDE = 0, /**< In a corner of the drawing, which leaves a margin for it: of its width or height at
-                                most 0.6. Where rows do not fit, the last ones behind others are counted in one. Where
-                                all is opaque, first hits that the camera does not see are "(behind)". */
-    CONUS_LEGEND_RIGHT, /**< Beside the drawing, in at most half the width; the picture is as large as asked for. */
-    CONUS_LEGEND_BELOW, /**< Below the drawing: the picture becomes higher by it, at most by half. */
+    CONUS_LEGEND_AUTO = 0, /**< On the right of a picture that is wider than high, where it takes at most two fifths of
+                              the width with all its letters as large as others; else, and with a frustum, below. */
+    CONUS_LEGEND_RIGHT,    /**< Beside the drawing, in at most half the width; the picture is as large as asked for. */
+    CONUS_LEGEND_BELOW, /**< Below the drawing, in columns: the picture becomes higher by it, at most by half, in print
+                           at most twice as high. */
     CONUS_LEGEND_NONE   /**< Nowhere; letters of directions and the scale stay. */
 } conus_legend;
 
@@ -189,7 +191,7 @@ typedef struct conus_view {
     conus_legend legend; /**< Where the legend is; it is there with a selection or coloured streamlines. */
     conus_background background; /**< The background. */
     uint8_t background_rgb[3];   /**< sRGB, of #CONUS_BACKGROUND_COLOUR. */
-    double dpi; /**< Pixels per inch, up to 100000: letters have 7.5 points, and files say it; 0 = not known, letters
+    double dpi; /**< Pixels per inch, up to 100000: letters have 7 points, and files say it; 0 = not known, letters
                    are as high as a 54th of the shorter side. */
     const double *opacity;    /**< [object count + 1] Opacity of the surface of each object, by number, 0 to 1; NaN =
                                  as @p pale says. An area that is given one is drawn beside pathways, too. NULL = all
@@ -199,7 +201,7 @@ typedef struct conus_view {
     const conus_frame *frame; /**< In which the legend says where the cone begins; NULL = RAS mm. */
     const bool *listed;   /**< [object count + 1] What stands out and has a row in the legend beside what the selection
                              hits, as far as it is drawn, by number. NULL = with a selection what @p opacity names,
-                             without one everything that is drawn, in a legend that is outside or that has
+                             without one everything that is drawn, in a legend that is asked for by its place or by
                              @p legend_rows. */
     uint32_t legend_rows; /**< The legend has at most so many rows of objects, and one that counts the others; 0 = as
                              many as there is room for. */
@@ -228,6 +230,8 @@ typedef struct conus_view {
                               in picture and legend where it is hit first; all else is a neutral grey. Pathways that are
                               haze have their own. */
     bool no_cone;          /**< With a selection: only its contacts are drawn, not its cone. */
+    bool print;            /**< As for paper: what is drawn in space has a thin dark line around it, and of several
+                              panels each has a letter: a, b, c. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -239,8 +243,10 @@ typedef struct conus_view {
  * before.
  * Where left and right, or the like, are across the picture to within 15 degrees, letters at its edges say so; else a
  * cross of all directions does. These and the scale bar lie beside what is drawn; with a camera in the corner where
- * they hide least, on a patch where they hide something. The legend lists what conus_selection_result() lists, with
- * whole names where there is room for letters of at least three fifths of their size.
+ * they hide least, on a patch where they hide something. The legend lists what conus_selection_result() lists, in that
+ * order. Its letters become smaller where names do not fit, down to 6/7 of their size, below that only for a name that
+ * is wider than the place. Where rows do not fit, the last ones behind others are counted in one. Where all is opaque,
+ * first hits that the camera does not see are "(behind)".
  * @param[out] out Channels R, G, B, A: float, linear light, premultiplied; A is 1 unless the background is transparent.
  * End it with conus_image_destroy().
  * @param renderer The renderer.
@@ -334,9 +340,9 @@ typedef struct conus_cut_plane {
  * @param count 1 to 400; 0 with a renderer, too.
  * @param look Its fill, no_outlines, window and chosen are those of all cuts. NULL = defaults.
  * @param renderer The atlas's, which draws the view in space before the first cut; NULL = only cuts.
- * @param sheet Of the whole: its size, legend, background, dpi, no_legend, selection, own_colours and frame; all else
- * is of the view in space. Its height 0 means as high as the cuts need it, at most three quarters of the width. NULL =
- * defaults.
+ * @param sheet Of the whole: its size, legend, background, dpi, no_legend, selection, own_colours, print and frame; all
+ * else is of the view in space. Its height 0 means as high as the cuts need it, at most three quarters of the width, in
+ * print the width. With dpi outlines are half a point wide and of one grey. NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for something out of its range, and for a sheet too small for so many cuts;
  * #CONUS_ERROR_DATA for an atlas in which nothing shows; #CONUS_ERROR_MEMORY for more than 8 GiB, at 32 bytes per
  * pixel; the errors of conus_render().

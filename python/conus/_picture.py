@@ -91,8 +91,8 @@ class GLOwner:
 _SRGB = (np.arange(255) + 0.5) / 255
 _STEPS = np.where(_SRGB <= 0.04045, _SRGB / 12.92, ((_SRGB + 0.055) / 1.055) ** 2.4).astype(np.float32)
 _POINT = dtype_of("conus_transfer_point")
-_SIDES = ("cone", "left", "right", "front", "back", "top", "bottom")
-_LEGENDS = ("inside", "right", "below", "none")
+_SIDES = ("cone", "left", "right", "front", "back", "top", "bottom", "beside")
+_LEGENDS = ("auto", "right", "below", "none")
 _PLANES = {"axial": ((1, 0, 0), (0, 1, 0)), "coronal": ((1, 0, 0), (0, 0, 1)), "sagittal": ((0, 1, 0), (0, 0, 1))}
 _FAINT = 0.12  # opacity of what no probe passes
 
@@ -329,20 +329,21 @@ class Renderer(Bound):
         fade : float
             How much the context is thinned: 0 not at all, 1 it is gone.
         legend : bool or str
-            False leaves out all text. True or "inside" has the legend in a corner, "right" and "below"
-            outside the drawing, where the picture becomes higher, and "none" nowhere.
+            False leaves out all text. "right" has the legend beside the drawing, "below" under it, where
+            the picture becomes higher, "none" nowhere; True or "auto" on the right of a picture that is
+            wide enough, else below.
         skipping : bool
             Skip empty space: the same picture, quicker.
         draft : bool
             Leave edges rough, and many streamlines out where there are many: quicker.
         view : str
             Without a camera, the side from which the atlas is seen: "cone", "left", "right", "front",
-            "back", "top" or "bottom".
+            "back", "top", "bottom" or "beside": 60 degrees off the cone's axis, with all of it.
         background : str
             "light", "white", "black", "transparent" or "#rrggbb".
         width_mm, height_mm, dpi : float
             In place of size: the width and height on paper, mm (the height is three quarters of the
-            width if not given), and pixels per inch (300 if not given). With dpi letters have 7.5
+            width if not given), and pixels per inch (300 if not given). With dpi letters have 7
             points, and files say how large they are.
         opacity : float or dict
             Opacity of surfaces, 0 to 1: of all that the selection does not hit, or ``{name or number: opacity, ...}``

@@ -2,30 +2,22 @@
 /* Lays a legend out in columns and draws it. */
 #include "render/draw/legend.h"
 
-#include "base/look.h"
-#include "base/look_sizes.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 /* Lengths in em. */
-static const double MARGIN = 0.9;
-static const double PADDING = 0.8;
+static const double MARGIN = 1.2;
 static const double LINE = 1.45;
-static const double TITLE = 1.15; /* size of its letters */
+static const double TITLE = 1.1; /* size of its letters */
 static const double CHIP = 0.78;
 static const double CHIP_GAP = 0.5;
-static const double COLUMN_GAP = 1.0;
+static const double DETAIL_GAP = 1.0;
+static const double COLUMN_GAP = 2.2;
 static const double SHORTEST_NAME = 5;
 static const double BELOW_BASELINE = 0.45; /* the part of a line below its baseline */
 
-static const double WIDEST = 0.42;
-
-static const float PANEL[4] = {LOOK_LEGEND_PANEL, 0.96F};
-static const float RIM[4] = {LOOK_LEGEND_RIM, 0.25F};
-static const float BRIGHT[4] = {LOOK_LEGEND_TEXT, 1};
-static const float DIM[4] = {LOOK_LEGEND_SOFT, 1};
+static const float FAINT = 0.87F;
 
 /* A legend with its measures. */
 struct layout {
@@ -33,39 +25,92 @@ struct layout {
     struct font *font;
     struct draw_list *list;
     double em;
-    size_t shown; /* rows that are shown, without the line that counts the others */
-    size_t head;  /* those of them that are above that line */
-    int columns;  /* details shown */
-    double name_width, column_width[LEGEND_DETAILS];
+    size_t shown;           /* lines: rows, and one that counts those that are left out */
+    size_t head;            /* those above that one */
+    size_t key;             /* those of the legend's tail */
+    struct legend_row more; /* that one */
+    char text[64];
+    size_t columns, lines; /* columns, and lines of each at most */
+    int details;           /* shown */
+    double name_width, detail_width[LEGEND_DETAILS];
     bool has_header;
-    struct draw_box panel;
-    float bright[4], dim[4];
+    double left, top; /* without the margin */
+    float dim[4];
 };
 
-double legend_size(const struct draw_list *list)
-{
-    return fmax(LOOK_FIGURE_LEAST, fmin(list->width, list->height) / (double)LOOK_FIGURE_PART);
-}
+/* Where a line stands. */
+struct place {
+    size_t column, line;
+};
 
 static double width_of(const struct layout *layout, double size, const char *text)
 {
     return text ? font_width(layout->font, size, text) : 0;
 }
 
-/* Row number `i` of those shown. */
-static const struct legend_row *shown_row(const struct layout *layout, size_t i)
+static const struct legend_row *line_at(const struct layout *layout, size_t i)
 {
-    size_t left_out = i < layout->head ? 0 : layout->legend->count - layout->shown;
-    return &layout->legend->rows[i + left_out];
+    const struct legend *legend = layout->legend;
+    return i < layout->head                         ? &legend->rows[i]
+           : i == layout->head && layout->more.name ? &layout->more
+                                                    : &legend->rows[legend->count - layout->shown + i];
 }
 
-static double column_width(const struct layout *layout, int column)
+/* A layout of all rows. */
+static struct layout lay_out(const struct legend *legend, struct font *font, double em)
 {
-    double width = width_of(layout, layout->em, layout->legend->header[column]);
-    for (size_t i = 0; i < layout->shown; i++) {
-        width = fmax(width, width_of(layout, layout->em, shown_row(layout, i)->detail[column]));
+    struct layout layout = {.legend = legend,
+                            .font = font,
+                            .em = em,
+                            .shown = legend->count,
+                            .head = legend->count,
+                            .key = legend->tail,
+                            .columns = legend->columns ? legend->columns : 1,
+                            .details = LEGEND_DETAILS};
+    for (int d = 0; d < LEGEND_DETAILS; d++) {
+        layout.has_header = layout.has_header || legend->header[d];
     }
-    return width > 0 ? width + COLUMN_GAP * layout->em : 0;
+    return layout;
+}
+
+/* Whether a line must stand below the one before: in a key below its heading, a mark with the bar that leads to it. */
+static bool is_joined(const struct layout *layout, size_t i)
+{
+    const struct legend_row *row = line_at(layout, i);
+    return row->bar || (i + layout->key > layout->shown && !row->heading);
+}
+
+/* Moves from the place of the line before to that of line `i`, which may begin the next column. */
+static void step_to(struct place *place, const struct layout *layout, size_t i)
+{
+    size_t block = 1;
+    while (i + block < layout->shown && is_joined(layout, i + block)) {
+        block++;
+    }
+    bool is_whole = !is_joined(layout, i) && block <= layout->lines;
+    place->line += i > 0;
+    if (place->line >= layout->lines || (is_whole && place->line + block > layout->lines)) {
+        place->column++;
+        place->line = 0;
+    }
+}
+
+static bool fits_into_columns(const struct layout *layout)
+{
+    struct place place = {0, 0};
+    for (size_t i = 0; i < layout->shown; i++) {
+        step_to(&place, layout, i);
+    }
+    return place.column < layout->columns;
+}
+
+/* The least number of lines with which all stand in the columns. */
+static void balance(struct layout *layout)
+{
+    layout->lines = layout->shown ? (layout->shown + layout->columns - 1) / layout->columns : 1;
+    while (!fits_into_columns(layout)) {
+        layout->lines++;
+    }
 }
 
 /* Lines that are no rows, and the height they take. */
@@ -77,101 +122,118 @@ static double head_height(const struct layout *layout)
     return height * layout->em;
 }
 
-static void find_header(struct layout *layout)
-{
-    for (int c = 0; c < LEGEND_DETAILS; c++) {
-        layout->has_header = layout->has_header || layout->legend->header[c];
-    }
-}
-
-/* Measures columns and names of the rows that are shown. Returns the width of all columns but the names. */
-static double measure_columns(struct layout *layout)
+/* Measures details and names of the rows that are shown. Returns the width of all details. */
+static double measure_rows(struct layout *layout)
 {
     double details = 0;
-    for (int c = 0; c < LEGEND_DETAILS; c++) {
-        layout->column_width[c] = column_width(layout, c);
-        details += layout->column_width[c];
+    for (int d = 0; d < LEGEND_DETAILS; d++) {
+        double width = width_of(layout, layout->em, layout->legend->header[d]);
+        for (size_t i = 0; i < layout->shown; i++) {
+            width = fmax(width, width_of(layout, layout->em, line_at(layout, i)->detail[d]));
+        }
+        layout->detail_width[d] = width > 0 ? width + DETAIL_GAP * layout->em : 0;
+        details += layout->detail_width[d];
     }
     for (size_t i = 0; i < layout->shown; i++) {
-        double width = width_of(layout, layout->em, shown_row(layout, i)->name);
-        layout->name_width = fmax(layout->name_width, width);
+        const struct legend_row *row = line_at(layout, i);
+        bool is_long = row == &layout->more && details > 0; /* it has the place of details, too */
+        layout->name_width = fmax(layout->name_width, is_long ? 0 : width_of(layout, layout->em, row->name));
     }
     return details;
 }
 
-/* The width of the columns, or of the lines above them. */
-static double content_width(const struct layout *layout, double details)
+static double column_width(const struct layout *layout)
 {
-    const struct legend *legend = layout->legend;
-    double width = (CHIP + CHIP_GAP) * layout->em + layout->name_width + details;
-    width = fmax(width, width_of(layout, TITLE * layout->em, legend->title));
-    return fmax(width, width_of(layout, layout->em, legend->subtitle));
+    double width = (CHIP + CHIP_GAP) * layout->em + layout->name_width;
+    for (int d = 0; d < layout->details; d++) {
+        width += layout->detail_width[d];
+    }
+    return width;
 }
 
-double legend_fit(double size[2], struct font *font, const struct legend *legend, const double limit[2], double largest,
-                  double smallest)
+/* The width of the columns, or of the lines above them. */
+static double content_width(const struct layout *layout)
+{
+    double columns = (double)layout->columns;
+    double width = columns * column_width(layout) + (columns - 1) * COLUMN_GAP * layout->em;
+    width = fmax(width, width_of(layout, TITLE * layout->em, layout->legend->title));
+    return fmax(width, width_of(layout, layout->em, layout->legend->subtitle));
+}
+
+void legend_fit(double size[2], struct legend *legend, struct font *font, const double limit[2], double largest,
+                double smallest)
 {
     static const double step = 0.96;
+    struct layout layout;
     double em = largest / step;
     do {
         em = fmax(em * step, smallest);
-        struct layout layout = {
-            .legend = legend, .font = font, .em = em, .shown = legend->count, .head = legend->count};
-        find_header(&layout);
-        double details = measure_columns(&layout);
-        size[0] = content_width(&layout, details) + 2 * (MARGIN + PADDING) * em + 1; /* the panel is of whole pixels */
-        size[1] = head_height(&layout) + (LINE * (double)legend->count + 2 * (MARGIN + PADDING)) * em + 1;
+        layout = lay_out(legend, font, em);
+        measure_rows(&layout);
+        layout.columns++;
+        do {
+            layout.columns--;
+            size[0] = content_width(&layout) + 2 * MARGIN * em + 1; /* lines begin at whole pixels */
+        } while (layout.columns > 1 && size[0] > limit[0]);
+        balance(&layout);
+        size[1] = head_height(&layout) + (LINE * (double)layout.lines + 2 * MARGIN) * em + 1;
     } while (em > smallest && (size[0] > limit[0] || size[1] > limit[1]));
-    return em;
+    legend->size = em;
+    legend->columns = layout.columns;
 }
 
-size_t legend_capacity(const struct legend *legend, double size, double height)
+/* How many lines a column has room for. */
+static size_t count_lines(const struct layout *layout, double height)
 {
-    struct layout layout = {.legend = legend, .em = size};
-    find_header(&layout);
-    double space = height - 2 * (MARGIN + PADDING) * size - head_height(&layout);
-    return space > 0 ? (size_t)(space / (LINE * size)) : 0;
+    double space = height - 2 * MARGIN * layout->em - head_height(layout);
+    return space > 0 ? (size_t)(space / (LINE * layout->em)) : 0;
 }
 
-/* Chooses the columns and the width of the names: their full width, or what the columns leave. */
-static double choose_columns(struct layout *layout)
+size_t legend_capacity(const struct legend *legend, double height)
 {
-    double em = layout->em;
-    double details = measure_columns(layout);
-    double widest = layout->legend->widest > 0 ? layout->legend->widest : WIDEST;
-    double space = widest * layout->list->width - (MARGIN + 2 * PADDING + CHIP + CHIP_GAP) * em;
-    double shortest = fmin(layout->name_width, SHORTEST_NAME * em);
-    layout->columns = LEGEND_DETAILS;
-    while (layout->columns > 0 && space - details < shortest) {
-        details -= layout->column_width[--layout->columns];
-    }
-    layout->name_width = fmin(layout->name_width, space - details);
-    return fmin(content_width(layout, details), space + (CHIP + CHIP_GAP) * em);
+    const struct layout layout = lay_out(legend, NULL, legend->size);
+    return layout.columns * count_lines(&layout, height);
 }
 
-/* False where nothing fits. */
+/* Leaves rows out until the others stand in the columns, the last ones above the key first; where there are hardly
+ * lines for the key, that, too. */
+static void leave_out(struct layout *layout, size_t lines)
+{
+    const struct legend *legend = layout->legend;
+    layout->lines = lines;
+    layout->shown++;
+    do {
+        layout->shown--;
+        layout->key = layout->shown > legend->tail + 1 ? legend->tail : 0;
+        layout->head = layout->shown ? layout->shown - 1 - layout->key : 0;
+        layout->more = (struct legend_row){.plain = true, .name = layout->text};
+    } while (layout->shown && !fits_into_columns(layout));
+    snprintf(layout->text, sizeof layout->text, "\u2026 and %zu more", legend->count - layout->shown + 1);
+}
+
+/* Chooses the details and the width of names: their full width, or what is left beside details. False where nothing
+ * fits. */
 static bool measure_layout(struct layout *layout)
 {
     const struct legend *legend = layout->legend;
-    double em = layout->em;
-    find_header(layout);
-    double above = legend->at ? legend->at[1] : 0;
-    size_t fitting = legend_capacity(layout->legend, layout->em, layout->list->height - above);
-    size_t count = layout->legend->count;
-    size_t tail = layout->legend->tail;
-    layout->shown = count <= fitting ? count : fitting > 0 ? fitting - 1 : 0;
-    layout->head = count <= fitting || layout->shown <= tail ? layout->shown : layout->shown - tail;
-    double width = choose_columns(layout) + 2 * PADDING * em;
-    size_t lines = layout->shown + (layout->shown < legend->count);
-    double height = head_height(layout) + (LINE * (double)lines + 2 * PADDING) * em;
-    bool right = legend->corner == LEGEND_TOP_RIGHT || legend->corner == LEGEND_BOTTOM_RIGHT;
-    bool bottom = legend->corner == LEGEND_BOTTOM_LEFT || legend->corner == LEGEND_BOTTOM_RIGHT;
-    double left = rint(right ? layout->list->width - MARGIN * em - width : MARGIN * em);
-    double top = rint(bottom ? layout->list->height - MARGIN * em - height : MARGIN * em);
-    left = legend->at ? rint(legend->at[0] + MARGIN * em) : left;
-    top = legend->at ? rint(legend->at[1] + MARGIN * em) : top;
-    layout->panel = (struct draw_box){left, top, left + ceil(width), top + rint(height)};
-    return (layout->shown > 0 || legend->count == 0) && layout->name_width >= 0 && left >= 0 && top >= 0;
+    const double em = layout->em;
+    const double columns = (double)layout->columns;
+    layout->left = rint(legend->at[0] + MARGIN * em);
+    layout->top = rint(legend->at[1] + MARGIN * em);
+    const double width = layout->list->width - layout->left - MARGIN * em;
+    const double space = (width - (columns - 1) * COLUMN_GAP * em) / columns - (CHIP + CHIP_GAP) * em;
+    size_t lines = count_lines(layout, layout->list->height - legend->at[1]);
+    balance(layout);
+    if (layout->lines > lines) {
+        leave_out(layout, lines);
+    }
+    double details = measure_rows(layout);
+    double shortest = fmin(layout->name_width, SHORTEST_NAME * em);
+    while (layout->details > 0 && space - details < shortest) {
+        details -= layout->detail_width[--layout->details];
+    }
+    layout->name_width = fmin(layout->name_width, space - details);
+    return (layout->shown > 1 || layout->shown == legend->count) && layout->name_width >= 0;
 }
 
 /* Draws `text`, shortened to `limit` pixels. */
@@ -183,37 +245,17 @@ static void write_text(const struct layout *layout, const double at[2], double s
     draw_text(layout->list, layout->font, at, size, rgba, shorter);
 }
 
-/* Draws the detail columns of one line, which end at the panel's right padding. */
-static void write_details(const struct layout *layout, double baseline, const char *const *detail, const float rgba[4])
+/* Draws the details of a line, which end at the column's right edge. */
+static void write_details(const struct layout *layout, double left, double baseline, const char *const *detail,
+                          const float rgba[4])
 {
-    double right = layout->panel.right - PADDING * layout->em;
-    for (int c = layout->columns - 1; c >= 0; c--) {
-        if (detail[c]) {
-            double at[2] = {right - font_width(layout->font, layout->em, detail[c]), baseline};
-            draw_text(layout->list, layout->font, at, layout->em, rgba, detail[c]);
+    double right = left + column_width(layout);
+    for (int d = layout->details - 1; d >= 0; d--) {
+        if (detail[d]) {
+            const double at[2] = {right - font_width(layout->font, layout->em, detail[d]), baseline};
+            draw_text(layout->list, layout->font, at, layout->em, rgba, detail[d]);
         }
-        right -= layout->column_width[c];
-    }
-}
-
-static void write_head(const struct layout *layout, double *y)
-{
-    const struct legend *legend = layout->legend;
-    double em = layout->em;
-    double left = layout->panel.left + PADDING * em;
-    double limit = layout->panel.right - PADDING * em - left;
-    if (legend->title) {
-        *y += TITLE * LINE * em;
-        write_text(layout, (double[]){left, *y - BELOW_BASELINE * TITLE * em}, TITLE * em, limit, layout->bright,
-                   legend->title);
-    }
-    if (legend->subtitle) {
-        *y += LINE * em;
-        write_text(layout, (double[]){left, *y - BELOW_BASELINE * em}, em, limit, layout->dim, legend->subtitle);
-    }
-    if (layout->has_header) {
-        *y += LINE * em;
-        write_details(layout, *y - BELOW_BASELINE * em, legend->header, layout->dim);
+        right -= layout->detail_width[d];
     }
 }
 
@@ -264,57 +306,68 @@ static void draw_stripes(const struct layout *layout, const struct draw_box *box
 static void write_row(const struct layout *layout, double left, double baseline, const struct legend_row *row)
 {
     double indent = row->heading ? 0 : (CHIP + CHIP_GAP) * layout->em;
-    const float *colour = row->hollow || row->heading ? layout->dim : layout->bright;
+    const float *ink = row->plain || row->heading ? layout->dim : layout->legend->ink;
     if (row->mark) {
         draw_bar(layout, left, baseline, row);
-    } else if (!row->heading) {
+    } else if (!row->heading && !row->plain) {
         float chip[4];
         double bottom = baseline + 0.04 * layout->em;
         const struct draw_box box = {rint(left), rint(bottom - CHIP * layout->em), rint(left + CHIP * layout->em),
                                      rint(bottom)};
         draw_colour(chip, row->rgb, 1);
-        if (row->hollow) {
-            memcpy(chip, layout->dim, sizeof chip);
+        draw_box(layout->list, &box, 0.18 * layout->em, chip);
+        for (int k = 0; k < LEGEND_BAR && row->ramp; k++) {
+            const double step = (box.right - box.left) / LEGEND_BAR;
+            const struct draw_box part = {box.left + step * k, box.top, box.right, box.bottom};
+            draw_colour(chip, row->ramp[k], 1);
+            draw_box(layout->list, &part, 0, chip); /* up to the end: the next one lies over it */
         }
-        draw_frame(layout->list, &box, 0.18 * layout->em, row->hollow ? fmax(1, 0.08 * layout->em) : 0, chip);
         if (row->striped) {
             draw_stripes(layout, &box, chip);
         }
     }
-    write_text(layout, (double[]){left + indent, baseline}, layout->em, layout->name_width + 0.01, colour, row->name);
-    write_details(layout, baseline, row->detail, colour);
+    double limit = row == &layout->more ? column_width(layout) - indent : layout->name_width + 0.01;
+    write_text(layout, (double[]){left + indent, baseline}, layout->em, limit, ink, row->name);
+    write_details(layout, left, baseline, row->detail, ink);
+}
+
+/* The lines above the columns. */
+static double write_head(const struct layout *layout)
+{
+    const struct legend *legend = layout->legend;
+    const double limit = layout->list->width - layout->left - MARGIN * layout->em;
+    const char *const words[2] = {legend->title, legend->subtitle};
+    double y = layout->top;
+    for (int n = 0; n < 2; n++) {
+        const double size = (n == 0 ? TITLE : 1) * layout->em;
+        if (words[n]) {
+            y += LINE * size;
+            write_text(layout, (double[]){layout->left, y - BELOW_BASELINE * size}, size, limit,
+                       n == 0 ? legend->ink : layout->dim, words[n]);
+        }
+    }
+    return y;
 }
 
 void legend_draw(struct draw_list *list, struct font *font, const struct legend *legend)
 {
-    struct layout layout = {.legend = legend, .font = font, .list = list};
-    layout.em = legend->size > 0 ? legend->size : legend_size(list);
-    const float *ink = layout.legend->ink;
-    memcpy(layout.bright, ink ? ink : BRIGHT, sizeof layout.bright);
-    memcpy(layout.dim, ink ? ink : DIM, sizeof layout.dim);
-    layout.dim[3] *= !ink ? 1 : legend->faint > 0 ? (float)legend->faint : 0.87F;
+    struct layout layout = lay_out(legend, font, legend->size);
+    layout.list = list;
+    memcpy(layout.dim, legend->ink, sizeof layout.dim);
+    layout.dim[3] *= legend->faint > 0 ? (float)legend->faint : FAINT;
     if (!measure_layout(&layout)) {
         return;
     }
-    if (!legend->ink) {
-        draw_box(list, &layout.panel, 0.45 * layout.em, PANEL);
-        draw_frame(list, &layout.panel, 0.45 * layout.em, fmax(1, 0.06 * layout.em), RIM);
-    }
-    const double em = layout.em;
-    const double left = layout.panel.left + PADDING * em;
-    const bool is_short = layout.shown < legend->count;
-    double y = layout.panel.top + PADDING * em;
-    write_head(&layout, &y);
-    for (size_t line = 0; line < layout.shown + is_short; line++) {
-        y += LINE * em;
-        double baseline = rint(y - BELOW_BASELINE * em);
-        if (is_short && line == layout.head) {
-            char text[64];
-            snprintf(text, sizeof text, "\xe2\x80\xa6 and %zu more", legend->count - layout.shown);
-            const double at[2] = {left + (CHIP + CHIP_GAP) * em, baseline};
-            draw_text(list, font, at, em, layout.dim, text);
-        } else {
-            write_row(&layout, left, baseline, shown_row(&layout, line - (is_short && line > layout.head)));
+    const double step = column_width(&layout) + COLUMN_GAP * layout.em;
+    const double top = write_head(&layout) + (layout.has_header ? LINE * layout.em : 0);
+    struct place place = {0, 0};
+    for (size_t i = 0; i < layout.shown; i++) {
+        step_to(&place, &layout, i);
+        const double left = layout.left + step * (double)place.column;
+        const double y = top + LINE * layout.em * (double)(place.line + 1) - BELOW_BASELINE * layout.em;
+        if (layout.has_header && place.line == 0) {
+            write_details(&layout, left, top - BELOW_BASELINE * layout.em, legend->header, layout.dim);
         }
+        write_row(&layout, left, rint(y), line_at(&layout, i));
     }
 }

@@ -738,7 +738,8 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const d
 
 conus_status cut_draw(struct cut *cut, const struct cut_view *view)
 {
-    double pale = view->rgb ? !atlas_context(cut->atlas) && view->fill > 0 : view->fill * PALE / 100;
+    const bool is_neutral = view->rgb && !cut->atlas->has_palette;
+    double pale = is_neutral ? !atlas_context(cut->atlas) && view->fill > 0 : view->fill * PALE / 100;
     const double opacities[3][2] = {[EMPHASIS_PALE] = {pale, pale},
                                     [EMPHASIS_FULL] = {view->fill, view->fill},
                                     [EMPHASIS_HATCHED] = {0.35 * view->fill, fmin(1.6 * view->fill, 1)}};

@@ -75,8 +75,8 @@ static bool walk_around(struct walk *walk, size_t first)
     return fits;
 }
 
-conus_status cut_trace_areas(struct draw_list *out, const uint32_t *objects, uint32_t width, uint32_t height,
-                             const conus_object *list, const uint8_t (*rgb)[3], const bool *skips, const double at[2])
+conus_status cut_trace_areas(const struct cut_lines *lines, const uint32_t *objects, uint32_t width, uint32_t height,
+                             const bool *skips)
 {
     struct walk walk = {.objects = objects, .width = width, .height = height};
     size_t pixels = (size_t)width * height;
@@ -90,13 +90,13 @@ conus_status cut_trace_areas(struct draw_list *out, const uint32_t *objects, uin
         }
         fits = walk_around(&walk, i);
         for (size_t k = 0; k < walk.count; k++) {
-            walk.points[k][0] += at[0];
-            walk.points[k][1] += at[1];
+            walk.points[k][0] += lines->at[0];
+            walk.points[k][1] += lines->at[1];
         }
-        struct draw_item loop = {.kind = DRAW_LOOP, .width = 1, .points = walk.points, .count = walk.count};
-        draw_colour(loop.rgba, rgb ? rgb[object] : list[object - 1].rgb, 1);
+        struct draw_item loop = {.kind = DRAW_LOOP, .width = lines->width, .points = walk.points, .count = walk.count};
+        draw_colour(loop.rgba, lines->rgb ? lines->rgb[object] : lines->list[object - 1].rgb, 1);
         if (fits) {
-            draw_item(out, &loop);
+            draw_item(lines->out, &loop);
         }
     }
     memory_free(walk.walked);
@@ -122,11 +122,10 @@ static size_t cross_cell(double points[4][2], const double corner[2], const doub
     return count;
 }
 
-void cut_trace_cone(struct draw_list *out, const struct cut_place *place, const struct cut_cone *cone,
-                    const double at[2])
+void cut_trace_cone(const struct cut_lines *to, const struct cut_place *place, const struct cut_cone *cone)
 {
-    struct cut_lines lines = {.out = out, .limit = {INFINITY, INFINITY}};
-    memcpy(lines.at, at, sizeof lines.at);
+    struct cut_lines lines = {
+        .out = to->out, .width = to->width, .at = {to->at[0], to->at[1]}, .limit = {INFINITY, INFINITY}};
     for (uint32_t row = 0; row + CELL <= place->height; row += CELL) {
         for (uint32_t column = 0; column + CELL <= place->width; column += CELL) {
             /* distances are from the middles of pixels */
@@ -153,8 +152,8 @@ void cut_trace_cone(struct draw_list *out, const struct cut_place *place, const 
 /* Object 0 is the cone. */
 static void flush(struct cut_lines *lines)
 {
-    struct draw_item item = {
-        .kind = DRAW_LINES, .width = lines->object ? 1 : CONE_LINE, .points = lines->points, .count = lines->count};
+    struct draw_item item = {.kind = DRAW_LINES, .width = lines->width, .points = lines->points, .count = lines->count};
+    item.width *= lines->object ? 1 : CONE_LINE;
     const uint8_t *rgb = lines->object == CUT_AROUND ? around_rgb
                          : !lines->object            ? cone_rgb
                          : lines->rgb                ? lines->rgb[lines->object]

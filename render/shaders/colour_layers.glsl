@@ -52,13 +52,13 @@ uint visible_at(vec3 place)
     return opacities[object] > 0.0 ? object : 0u;
 }
 
-// The depth at which the object begins that is found at `inside` and not at `outside`.
+// The depth at which the object begins that is found at `inside` and not at `outside`; 0 = any area.
 float object_depth(Track areas, uint object, float outside, float inside)
 {
     for (int n = 0; n < 6; n++) {
         float middle = 0.5 * (outside + inside);
         vec3 place = place_on(areas, middle);
-        bool found = lies_in(place) && shows_area(place) && object_at(place) == object;
+        bool found = lies_in(place) && shows_area(place) && (object == 0u || object_at(place) == object);
         inside = found ? middle : inside;
         outside = found ? outside : middle;
     }
@@ -215,6 +215,22 @@ bool is_seen(uint object)
     return found;
 }
 
+// The depth at which the walk enters an area. From outside of all it is the one that the surface has there, which need
+// not be that of the plane behind: else borders on a surface have teeth as wide as planes are apart.
+float entry_depth(inout Walk walk, Track areas)
+{
+    vec3 place = place_on(areas, walk.depth);
+    if (walk.before == 0u && !(lies_in(place) && shows_area(place))) {
+        float depth = object_depth(areas, 0u, walk.depth, walk.t);
+        uint object = visible_at(place_on(areas, depth));
+        if (object != 0u && !is_seen(object)) {
+            walk.object = object;
+            return depth;
+        }
+    }
+    return object_depth(areas, walk.object, walk.depth, walk.t);
+}
+
 // Adds the part of the cone that shines through the surface at the ray's end, or lies behind what the ray passed.
 vec4 with_rest(vec4 sum, Events events, Surface solid, bool is_hit)
 {
@@ -282,7 +298,7 @@ void main()
         if (!walk.enters && !walk.stops) {
             break;
         }
-        float stop = walk.enters ? object_depth(areas, walk.object, walk.depth, walk.t) : walk.t;
+        float stop = walk.enters ? entry_depth(walk, areas) : walk.t;
         bool is_event = event < NEVER && event <= stop;
         stop = is_event ? event : stop;
         if (walk.shows && stop > walk.depth) {

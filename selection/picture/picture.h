@@ -14,6 +14,9 @@ enum { PICTURE_FRUSTUM_LIMIT = 1000 };
 #define PICTURE_CONTRAST 4.5
 #define PICTURE_DIM 0.87F
 
+/** Letters of directions, in em. */
+#define PICTURE_LETTER 1.1
+
 struct picture_legend;
 struct picture_probes;
 
@@ -27,11 +30,12 @@ struct picture {
     struct font *font;             /**< NULL = no text.                                                        */
     struct picture_legend *legend; /**< NULL = none.                                                   */
     struct picture_probes *probes; /**< Strips; NULL = none. */
-    double em, line;               /**< Size of letters, and of the thinnest line, pixels.             */
+    double em, line;               /**< Size of letters, and the thinnest line (half a point), pixels. */
     float ink[4];                  /**< Colour of letters, in the form of list.h. */
     float dim;                     /**< Opacity of letters that say less.                              */
     struct camera camera;
     struct camera_frame frame;
+    double forward[3];        /**< Where a camera looks that is not given. */
     double centre[3], radius; /**< A ball around what shows, world mm. */
     struct colour_view view;
     struct colour_marker markers[COLOUR_MARKER_LIMIT];
@@ -41,7 +45,7 @@ struct picture {
     uint32_t *ranks; /**< [objects + 1] of picture_ranks(), and of what is listed; NULL = all have their own colours. */
     uint8_t (*rgb)[3]; /**< [objects + 1] sRGB by rank, and of outlines in cuts; with `ranks`. */
     uint8_t (*line_rgb)[3];
-    bool *hidden; /**< [objects + 1] What the camera cannot see, as it lies behind other areas; NULL = not known. */
+    double *seen; /**< [objects + 1] The part of the camera's rays that meets each first; NULL = not known. */
     float *rgba;  /**< [height * width * 4], bottom row first. */
 };
 
@@ -64,9 +68,6 @@ void picture_draw_bar(struct draw_list *list, const struct picture *picture, dou
 
 /** Whether letters at the edges of the drawing say where it is seen from; else a cross of directions does. */
 bool picture_is_across(const struct picture *picture);
-
-/** Whether none of the points, world mm, lies in the box as the picture's camera sees them. */
-bool picture_is_free(const struct picture *picture, const struct draw_box *box, const double *points, size_t count);
 
 /** Whether none of @p points, [count][3] in the world, lies under the scale and the directions in the lower right
  * corner. In @p size what these take of its width and height, pixels. */
@@ -118,6 +119,9 @@ bool picture_stands_out(const struct picture *picture, size_t number);
  * values, and what has a rank behind the colours; 0 where it has none. */
 size_t picture_tag(const struct picture *picture, uint32_t number);
 
+/** Whether a legend without a cone names all that is in the picture. */
+bool picture_lists_all(const struct picture *picture);
+
 /** Whether its options have a legend, and there is something to put in: hits of a cone, objects that are listed, or
  * colours that stand for something. */
 bool picture_has_legend(const struct picture *picture);
@@ -151,22 +155,13 @@ void picture_put_place(char out[PICTURE_NUMBER], double value);
 /** The legend's words about where a cone begins, in the space of @p frame; NULL = RAS mm. */
 void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, const conus_frame *frame);
 
-/** The space that a drawing leaves free for a legend inside it, on the left or above, pixels; else 0. */
-void picture_legend_room(double out[2], const struct picture *picture);
-
-/** Width and height of a legend inside the drawing, pixels; else 0. */
-void picture_legend_size(double out[2], const struct picture *picture);
-
-/** Makes the drawing, and with it the sheet, as low as @p height, but not lower than a legend on its left or beside it.
- * A legend below follows. */
+/** Makes the drawing, and with it the sheet, as low as @p height, but the sheet not lower than a legend beside the
+ * drawing. A legend below follows. */
 void picture_lower(struct picture *picture, uint32_t height);
 
 void picture_legend_draw(struct draw_list *list, const struct picture *picture);
 
-/** The part of the drawing that a legend inside it takes; empty without one. */
-struct draw_box picture_legend_box(const struct picture *picture);
-
-/** Whether a legend of first hits lists @p result. */
+/** Whether a table of first hits lists @p result. */
 static inline bool picture_lists(const conus_result *result)
 {
     return !result->object || result->pixels > 0;

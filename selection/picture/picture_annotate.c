@@ -5,12 +5,14 @@
 
 #include "base/geometry/math3.h"
 #include "base/look.h"
-#include "render/draw/legend.h"
 
 #include <stdio.h>
 #include <string.h>
 
 enum { CELL_SIZE = 24 };
+
+/* Of a corner of the drawing; else it is on the left, or above. */
+enum { RIGHT = 1, BELOW = 2 };
 
 /* The sine of 15 degrees: what an axis may lie off the picture's, and its letter is still at the edge. */
 static const double ACROSS = 0.2588;
@@ -56,7 +58,7 @@ static void draw_edges(struct draw_list *list, const struct picture *picture)
 {
     const double *m = picture->camera.world_from_camera;
     const struct camera_frame *frame = &picture->frame;
-    double size = 1.5 * picture->em;
+    double size = PICTURE_LETTER * picture->em;
     double centre[2] = {(frame->left + (double)frame->width - frame->right) / 2,
                         (frame->top + (double)frame->height - frame->bottom) / 2};
     for (int n = 0; n < 4; n++) {
@@ -163,7 +165,7 @@ struct bar {
 };
 
 static void measure_bar(struct bar *out, const struct picture *picture, double pixels_per_mm, double beside,
-                        enum legend_corner corner)
+                        unsigned corner)
 {
     double size = picture->em;
     double limit = 0.14 * picture->drawing[0] / pixels_per_mm;
@@ -175,8 +177,8 @@ static void measure_bar(struct bar *out, const struct picture *picture, double p
     snprintf(out->text, sizeof out->text, "%g mm", length);
     double half = fmax(length * pixels_per_mm, font_width(picture->font, size, out->text)) / 2;
     double edge = beside * size + half;
-    double middle = corner & LEGEND_TOP_RIGHT ? picture->drawing[0] - edge : edge;
-    out->base = corner & LEGEND_BOTTOM_LEFT ? picture->drawing[1] - 1.4 * size : 2.4 * size;
+    double middle = corner & RIGHT ? picture->drawing[0] - edge : edge;
+    out->base = corner & BELOW ? picture->drawing[1] - 1.4 * size : 2.4 * size;
     out->left = middle - length * pixels_per_mm / 2;
     out->right = middle + length * pixels_per_mm / 2;
     out->box = (struct draw_box){middle - half, out->base - 1.4 * size, middle + half, out->base + 0.4 * size};
@@ -200,7 +202,7 @@ static void draw_bar(struct draw_list *list, const struct picture *picture, cons
 void picture_draw_bar(struct draw_list *list, const struct picture *picture, double pixels_per_mm)
 {
     struct bar bar;
-    measure_bar(&bar, picture, pixels_per_mm, EDGE, LEGEND_BOTTOM_RIGHT);
+    measure_bar(&bar, picture, pixels_per_mm, EDGE, RIGHT | BELOW);
     if (picture->rgba) {
         picture_lay_patch(list, picture, &bar.box);
     }
@@ -215,12 +217,12 @@ struct key {
     struct draw_box cross;
 };
 
-static void measure_key(struct key *out, const struct picture *picture, enum legend_corner corner)
+static void measure_key(struct key *out, const struct picture *picture, unsigned corner)
 {
     const double size = picture->em;
     const double side = 2 * (CROSS + AROUND) * size;
-    const double left = corner & LEGEND_TOP_RIGHT ? picture->drawing[0] - GAP * size - side : GAP * size;
-    const double top = corner & LEGEND_BOTTOM_LEFT ? picture->drawing[1] - GAP * size - side : GAP * size;
+    const double left = corner & RIGHT ? picture->drawing[0] - GAP * size - side : GAP * size;
+    const double top = corner & BELOW ? picture->drawing[1] - GAP * size - side : GAP * size;
     double x, y, depth;
     out->has_bar = camera_project(&x, &y, &depth, &picture->camera, &picture->frame, picture->centre);
     const double least = fmin(picture->drawing[0], picture->drawing[1]);
@@ -237,7 +239,8 @@ bool picture_overlaps(const struct draw_box *a, const struct draw_box *b)
     return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom;
 }
 
-bool picture_is_free(const struct picture *picture, const struct draw_box *box, const double *points, size_t count)
+/* Whether none of the points, world mm, lies in the box as the picture's camera sees them. */
+static bool is_free(const struct picture *picture, const struct draw_box *box, const double *points, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         double x, y, depth;
@@ -252,31 +255,27 @@ bool picture_is_free(const struct picture *picture, const struct draw_box *box, 
 bool picture_key_is_free(double size[2], const struct picture *picture, const double *points, size_t count)
 {
     struct key key;
-    measure_key(&key, picture, LEGEND_BOTTOM_RIGHT);
+    measure_key(&key, picture, RIGHT | BELOW);
     const double side = key.cross.right - key.cross.left + 2 * GAP * picture->em;
     size[0] = key.has_cross ? side : key.has_bar ? picture->drawing[0] - key.bar.box.left : 0;
     size[1] = key.has_cross ? side : key.has_bar ? picture->drawing[1] - key.bar.box.top : 0;
-    return (!key.has_cross || picture_is_free(picture, &key.cross, points, count)) &&
-           (!key.has_bar || picture_is_free(picture, &key.bar.box, points, count));
+    return (!key.has_cross || is_free(picture, &key.cross, points, count)) &&
+           (!key.has_bar || is_free(picture, &key.bar.box, points, count));
 }
 
 /* In the lower right corner; where something is there, as a given camera may have it, in the one where it hides least.
  */
 static struct key choose_key(const struct picture *picture)
 {
-    static const enum legend_corner corners[] = {LEGEND_BOTTOM_RIGHT, LEGEND_BOTTOM_LEFT, LEGEND_TOP_RIGHT,
-                                                 LEGEND_TOP_LEFT};
-    const struct draw_box legend = picture_legend_box(picture);
-    struct key key;
+    static const unsigned corners[] = {RIGHT | BELOW, BELOW, RIGHT, 0};
+    struct key key = {0};
     double least = INFINITY;
     for (size_t i = 0; i < sizeof corners / sizeof *corners && least > 0; i++) {
         struct key other;
         measure_key(&other, picture, corners[i]);
         double hidden = other.has_cross ? picture_covered(picture, &other.cross) : 0;
         hidden += other.has_bar ? picture_covered(picture, &other.bar.box) : 0;
-        bool is_taken = (other.has_cross && picture_overlaps(&other.cross, &legend)) ||
-                        (other.has_bar && picture_overlaps(&other.bar.box, &legend));
-        if (i == 0 || (hidden < least && !is_taken)) {
+        if (hidden < least) {
             least = hidden;
             key = other;
         }
@@ -342,7 +341,31 @@ static float ink_on(const float rgba[4])
     return 0.2126F * rgba[0] + 0.7152F * rgba[1] + 0.0722F * rgba[2] > 0.179F ? 0 : 1;
 }
 
-/* The number of each pathway that the legend names by one, on a disc of its colour; beside one that is there. */
+/* Moves a disc to the free place in the drawing that is nearest to where it belongs. */
+static void place_disc(double at[2], const struct picture *picture, double radius, const double (*others)[2],
+                       size_t count)
+{
+    enum { RINGS = 24, TURNS = 6 };
+    const double wanted[2] = {at[0], at[1]};
+    for (int ring = 0; ring < RINGS; ring++) {
+        for (int n = 0; n < (ring ? TURNS * ring : 1); n++) {
+            const double turn = 2 * MATH3_PI * n / (TURNS * fmax(ring, 1));
+            at[0] = wanted[0] + 2.4 * radius * ring * cos(turn);
+            at[1] = wanted[1] + 2.4 * radius * ring * sin(turn);
+            bool is_free = at[0] >= radius && at[0] <= picture->drawing[0] - radius && at[1] >= radius &&
+                           at[1] <= picture->drawing[1] - radius;
+            for (size_t i = 0; i < count && is_free; i++) {
+                is_free = hypot(at[0] - others[i][0], at[1] - others[i][1]) > 2.2 * radius;
+            }
+            if (is_free) {
+                return;
+            }
+        }
+    }
+}
+
+/* The number of each pathway that the legend names by one, on a disc of its colour; where there are several, beside the
+ * others, with a line to where it belongs. */
 static void draw_tags(struct draw_list *list, const struct picture *picture)
 {
     enum { TAGS = 64 };
@@ -352,6 +375,7 @@ static void draw_tags(struct draw_list *list, const struct picture *picture)
     for (uint32_t number = 1; number <= picture->atlas->object_count && count < TAGS; number++) {
         size_t tag = picture_tag(picture, number);
         double peak[3];
+        double from[2];
         double *at = places[count];
         double depth;
         if (!tag) {
@@ -362,14 +386,11 @@ static void draw_tags(struct draw_list *list, const struct picture *picture)
         } else {
             find_peak(peak, picture->atlas, number);
         }
-        if (!camera_project(&at[0], &at[1], &depth, &picture->camera, &picture->frame, peak)) {
+        if (!camera_project(&from[0], &from[1], &depth, &picture->camera, &picture->frame, peak)) {
             continue;
         }
-        for (size_t i = 0; i < count; i++) {
-            bool is_free = hypot(at[0] - places[i][0], at[1] - places[i][1]) > 2.2 * radius;
-            at[0] += is_free ? 0 : 2.4 * radius;
-            i = is_free ? i : (size_t)-1; /* and again from the first one */
-        }
+        memcpy(at, from, sizeof from);
+        place_disc(at, picture, radius, (const double(*)[2])places, count);
         count++;
         float colour[4];
         uint8_t rgb[3];
@@ -381,6 +402,9 @@ static void draw_tags(struct draw_list *list, const struct picture *picture)
         char text[CELL_SIZE];
         snprintf(text, sizeof text, "%zu", tag);
         const double corner[2] = {at[0] - font_width(picture->font, picture->em, text) / 2, at[1] + 0.36 * picture->em};
+        if (hypot(at[0] - from[0], at[1] - from[1]) > radius) {
+            draw_line(list, from, at, picture->line, picture->ink);
+        }
         draw_box(list, &disc, radius, colour);
         draw_frame(list, &disc, radius, fmax(1, 0.1 * picture->em), ink);
         draw_text(list, picture->font, corner, picture->em, ink, text);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A cut as a figure: with letters, a scale and a legend. */
 #include "base/geometry/math3.h"
+#include "base/look.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "render/colour/pathways.h"
@@ -25,6 +26,7 @@ conus_status picture_cut_init(struct picture *picture, const conus_cut_view *vie
                                     .dpi = sheet->dpi,
                                     .frame = sheet->frame,
                                     .shapes = sheet->shapes,
+                                    .print = sheet->print,
                                     .measured = sheet->measured,
                                     .own_colours = view->own_colours || sheet->own_colours};
     memcpy(picture->options.background_rgb, sheet->background_rgb, sizeof sheet->background_rgb);
@@ -36,6 +38,11 @@ conus_status picture_cut_init(struct picture *picture, const conus_cut_view *vie
     }
     memset(picture->areas, PATHWAYS_AREA_OVER, count * sizeof *picture->areas);
     conus_status status = picture_rank(picture, picture_is_dark(&picture->options));
+    if (!status && sheet->dpi > 0) { /* on paper outlines are of one grey */
+        memory_free(picture->line_rgb);
+        picture->line_rgb = picture_rank_colours(NULL, picture->atlas, LOOK_OUTLINE);
+        status = picture->line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
     return status ? status : picture_prepare_sheet(picture, memory_limit(0), NULL, NULL);
 }
 

@@ -57,7 +57,6 @@ struct sheet {
     bool trims; /* no height was asked for */
     enum title title;
     double pixels_per_mm;
-    double room[2];                     /* for a legend inside, on the left or above */
     double beside, above, below, strip; /* pixels around each panel, and below all */
     uint8_t *rgba;                      /* of the panel that is drawn: scratch */
     uint32_t *stack;
@@ -162,8 +161,8 @@ static void choose_scale(struct sheet *sheet)
         double mm[2];
         size_t rows = (sheet->count + columns - 1) / columns;
         measure_rows(mm, sheet, columns);
-        double width = drawing[0] - sheet->room[0] - 2 * sheet->beside * (double)columns;
-        double height = drawing[1] - sheet->room[1] - sheet->strip - (sheet->above + sheet->below) * (double)rows;
+        double width = drawing[0] - 2 * sheet->beside * (double)columns;
+        double height = drawing[1] - sheet->strip - (sheet->above + sheet->below) * (double)rows;
         double scale = fmin(width / mm[0], height / mm[1]);
         double score = scale * (double)sheet->count / (double)(rows * columns);
         if (score > best) {
@@ -192,9 +191,9 @@ static void place_panels(struct sheet *sheet)
     measure_rows(mm, sheet, sheet->columns);
     double taken = mm[1] * sheet->pixels_per_mm + (sheet->above + sheet->below) * (double)rows + sheet->strip;
     if (sheet->trims) {
-        picture_lower(&sheet->picture, (uint32_t)ceil(sheet->room[1] + taken));
+        picture_lower(&sheet->picture, (uint32_t)ceil(taken));
     }
-    double top = (sheet->room[1] + sheet->picture.drawing[1] - taken) / 2;
+    double top = (sheet->picture.drawing[1] - taken) / 2;
     for (size_t first = 0; first < sheet->count; first += sheet->columns) {
         size_t end = first + sheet->columns < sheet->count ? first + sheet->columns : sheet->count;
         double width = 0;
@@ -203,7 +202,7 @@ static void place_panels(struct sheet *sheet)
             width += sheet->panels[i].mm[0] * sheet->pixels_per_mm + 2 * sheet->beside;
             height = fmax(height, sheet->panels[i].mm[1] * sheet->pixels_per_mm);
         }
-        double left = (sheet->room[0] + sheet->picture.drawing[0] - width) / 2;
+        double left = (sheet->picture.drawing[0] - width) / 2;
         for (size_t i = first; i < end; i++) {
             struct panel *panel = &sheet->panels[i];
             const double size[2] = {panel->mm[0] * sheet->pixels_per_mm, panel->mm[1] * sheet->pixels_per_mm};
@@ -278,7 +277,6 @@ static conus_status lay_out(struct sheet *sheet)
         return status;
     }
     measure_panels(sheet, low, high);
-    picture_legend_room(sheet->room, &sheet->picture);
     set_bands(sheet, true);
     choose_scale(sheet);
     if (sheet->panels[sheet->count - 1].mm[1] * sheet->pixels_per_mm < TALL * sheet->picture.em) {
@@ -392,14 +390,13 @@ static conus_status trace(const struct sheet *sheet, const struct cut *cut, stru
     }
     conus_status status = sheet->look->no_outlines
                               ? CONUS_OK
-                              : cut_trace_areas(lines->out, cut->objects, cut->of.width, cut->of.height, atlas->objects,
-                                                lines->rgb, skips, lines->at);
+                              : cut_trace_areas(lines, cut->objects, cut->of.width, cut->of.height, skips);
     memory_free(skips);
     cut_lines_finish(lines);
     if (!status && sheet->view.selection) {
         struct cut_cone cone;
         cutter_cone(&cone, sheet->view.selection);
-        cut_trace_cone(lines->out, &cut->of, &cone, lines->at);
+        cut_trace_cone(lines, &cut->of, &cone);
     }
     return status;
 }
@@ -419,6 +416,7 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
     struct cut_lines lines = {.out = sheet->image->list,
                               .list = sheet->picture.atlas->objects,
                               .rgb = (const uint8_t(*)[3])sheet->picture.line_rgb,
+                              .width = sheet->picture.line,
                               .at = {(double)panel->at[0], (double)panel->at[1]},
                               .limit = {(double)panel->size[0], (double)panel->size[1]}};
     view.no_outlines = true;
@@ -484,7 +482,7 @@ static void write_centred(const struct sheet *sheet, double x, double baseline, 
 static void annotate(const struct sheet *sheet, const struct panel *panel)
 {
     const double em = sheet->picture.em;
-    const double size = 1.2 * em;
+    const double size = PICTURE_LETTER * em;
     const double middle[2] = {(double)panel->at[0] + (double)panel->size[0] / 2,
                               (double)panel->at[1] + (double)panel->size[1] / 2};
     const double bottom = (double)(panel->at[1] + panel->size[1]);
@@ -507,31 +505,32 @@ static void annotate(const struct sheet *sheet, const struct panel *panel)
     write_centred(sheet, middle[0], bottom + sheet->above + (TITLE - 0.5) * em, em, title);
 }
 
-static conus_status draw_panel(struct sheet *sheet, const struct panel *panel)
+/* The letter of panel `index`, a, b, c, ... z, aa, ab, ...: left above it. */
+static void write_letter(const struct sheet *sheet, size_t index)
 {
-    if (!panel->plane) {
-        return draw_space(sheet, panel);
+    const struct panel *panel = &sheet->panels[index];
+    const double size = PICTURE_LETTER * sheet->picture.em;
+    const double at[2] = {fmax((double)panel->at[0] - sheet->beside, 0) + GAP * sheet->picture.em,
+                          fmax((double)panel->at[1] - sheet->above, 0) + size};
+    char text[3] = {(char)('a' + index % 26)};
+    if (index >= 26) {
+        text[1] = text[0];
+        text[0] = (char)('a' + index / 26 - 1);
     }
-    conus_status status = draw_cut(sheet, panel);
-    if (!status && sheet->picture.font) {
-        annotate(sheet, panel);
-    }
-    return status;
+    draw_text(sheet->image->list, sheet->picture.font, at, size, sheet->picture.ink, text);
 }
 
-/* A legend inside has the upper left corner, since nothing counts as covered. */
-static conus_status draw_legend(struct sheet *sheet)
+static conus_status draw_panel(struct sheet *sheet, size_t index)
 {
-    struct picture *picture = &sheet->picture;
-    if (!picture->legend) {
-        return CONUS_OK;
+    const struct panel *panel = &sheet->panels[index];
+    conus_status status = panel->plane ? draw_cut(sheet, panel) : draw_space(sheet, panel);
+    if (!status && sheet->picture.font && panel->plane) {
+        annotate(sheet, panel);
     }
-    picture->rgba = memory_zeroed((size_t)picture->drawing[0] * picture->drawing[1], 4 * sizeof *picture->rgba);
-    if (!picture->rgba) {
-        return CONUS_ERROR_MEMORY;
+    if (!status && sheet->picture.font && sheet->view.print && sheet->count > 1) {
+        write_letter(sheet, index);
     }
-    picture_legend_draw(sheet->image->list, picture);
-    return CONUS_OK;
+    return status;
 }
 
 static conus_status draw_sheet(struct sheet *sheet)
@@ -545,13 +544,15 @@ static conus_status draw_sheet(struct sheet *sheet)
     sheet->image->dpi = picture->options.dpi;
     lay_background(sheet);
     for (size_t i = 0; i < sheet->count && !status; i++) {
-        status = draw_panel(sheet, &sheet->panels[i]);
+        status = draw_panel(sheet, i);
     }
     bool has_cuts = sheet->panels[sheet->count - 1].plane;
     if (!status && picture->font && has_cuts) {
         picture_draw_bar(sheet->image->list, picture, sheet->pixels_per_mm);
     }
-    status = status ? status : draw_legend(sheet);
+    if (!status && picture->legend) {
+        picture_legend_draw(sheet->image->list, picture);
+    }
     status = status || picture->options.shapes ? status : image_paint(sheet->image);
     return status ? status : picture_add_volumes(sheet->image, picture->atlas, true);
 }
@@ -573,7 +574,8 @@ conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const
     of.view = *options_of(conus_view, sheet);
     of.view.width = of.view.width ? of.view.width : DEFAULT_WIDTH;
     of.trims = !of.view.height;
-    of.view.height = of.trims ? (uint32_t)fmax(ceil(0.75 * of.view.width), 1) : of.view.height;
+    const double highest = of.view.print ? 1 : 0.75; /* on paper the width is scarce */
+    of.view.height = of.trims ? (uint32_t)fmax(ceil(highest * of.view.width), 1) : of.view.height;
     of.count = count + (renderer ? 1 : 0);
     const conus_cut_view whole = {
         .width = of.view.width, .height = of.view.height, .selection = of.view.selection, .chosen = of.look->chosen};

@@ -82,11 +82,14 @@ void cutter_cone(struct cut_cone *out, const conus_selection *selection)
 {
     const struct cone *cone = &selection->cone;
     bool has_range = cone_has_range(cone);
+    double depth = selection->has_layers ? -INFINITY : picture_cone_depth(selection);
     *out = (struct cut_cone){.world_from_cone = cone->pose.world_from_device,
                              .slope = cone_slope(cone),
                              .radius = cone->radius,
                              .near = has_range ? cone->range[0] : 0,
-                             .far = has_range ? cone->range[1] : INFINITY};
+                             .far = has_range           ? cone->range[1]
+                                    : depth > -INFINITY ? depth
+                                                        : INFINITY};
 }
 
 static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool has_cone, cut_line *line, void *user)
@@ -114,7 +117,7 @@ static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool 
         what.emphasis = emphasis = picture_emphasis(view->selection, has_ranks ? 0 : view->chosen);
         status = emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
-    if (!status && has_ranks) {
+    if (!status && view->selection && !view->own_colours) {
         ranks = picture_ranks(view->selection);
         rgb = ranks ? picture_rank_colours(ranks, cutter->cut.atlas, LOOK_NOT_HIT) : NULL;
         line_rgb = ranks ? picture_rank_colours(ranks, cutter->cut.atlas, LOOK_OUTLINE) : NULL;

@@ -2,6 +2,7 @@
 /* How areas stand out in a picture with a cone. */
 #include "selection/picture/picture_emphasis.h"
 
+#include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
 #include "render/colour/emphasis.h"
@@ -40,6 +41,21 @@ uint8_t *picture_emphasis(const conus_selection *selection, uint32_t chosen)
     return emphasis;
 }
 
+double picture_cone_depth(const conus_selection *selection)
+{
+    const double *m = selection->cone.pose.world_from_device;
+    double depth = -INFINITY;
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        double offset[3];
+        if (result->object && result->pixels) {
+            vec3_sub(offset, result->contact, m + 12);
+            depth = fmax(depth, -vec3_dot(offset, m + 8));
+        }
+    }
+    return depth;
+}
+
 bool picture_has_ranks(const conus_selection *selection, bool own_colours)
 {
     return selection && !own_colours && !selection->atlas->has_palette;
@@ -60,14 +76,69 @@ uint32_t *picture_ranks(const conus_selection *selection)
     return ranks;
 }
 
+/* Finds the first colour of the palette that is not taken; leaves what is there where all are. */
+static void find_free(uint8_t out[3], const conus_atlas *atlas, const uint8_t (*taken)[3], size_t count)
+{
+    for (size_t n = 0; n < atlas->object_count; n++) {
+        bool is_free = true;
+        for (size_t i = 0; i < count && is_free; i++) {
+            is_free = memcmp(taken[i], atlas->objects[n].rgb, 3) != 0;
+        }
+        if (is_free) {
+            memcpy(out, atlas->objects[n].rgb, 3);
+            return;
+        }
+    }
+}
+
+/* Those of the atlas's palette: what has a rank has a colour that nothing with a better rank has, while there are some.
+ */
+static conus_status colour_by_palette(uint8_t (*rgb)[3], const uint32_t *ranks, const conus_atlas *atlas)
+{
+    uint8_t(*taken)[3] = memory_raw(atlas->object_count + 1, sizeof *taken);
+    size_t count = 0;
+    bool found = taken;
+    memset(rgb[0], 0, sizeof *rgb);
+    for (size_t n = 1; n <= atlas->object_count; n++) {
+        memcpy(rgb[n], atlas->objects[n - 1].rgb, 3);
+    }
+    for (uint32_t rank = 1; found; rank++) {
+        found = false;
+        for (size_t n = 1; n <= atlas->object_count; n++) {
+            if (ranks[n] == rank && !found) {
+                found = true;
+                bool is_taken = false;
+                for (size_t i = 0; i < count; i++) {
+                    is_taken = is_taken || memcmp(taken[i], rgb[n], 3) == 0;
+                }
+                if (is_taken) {
+                    find_free(rgb[n], atlas, (const uint8_t(*)[3])taken, count);
+                }
+                memcpy(taken[count++], rgb[n], 3);
+            } else if (ranks[n] == rank) {
+                memcpy(rgb[n], taken[count - 1], 3);
+            }
+        }
+    }
+    memory_free(taken);
+    return taken ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
 #define COLOUR(colour) colour,
 
 uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, unsigned not_hit))[3]
 {
     static const unsigned colours[PICTURE_RANKS] = {LOOK_RANKS(COLOUR)};
     uint8_t(*rgb)[3] = memory_raw(atlas->object_count + 1, sizeof *rgb);
+    if (rgb && ranks && atlas->has_palette) {
+        if (colour_by_palette(rgb, ranks, atlas)) {
+            memory_free(rgb);
+            return NULL;
+        }
+        return rgb;
+    }
     for (size_t object = 0; rgb && object <= atlas->object_count; object++) {
-        const uint32_t rank = ranks[object];
+        const uint32_t rank = ranks ? ranks[object] : 0;
         const unsigned colour = !rank ? not_hit : rank <= PICTURE_RANKS ? colours[rank - 1] : LOOK_RANK_MORE;
         memcpy(rgb[object], (const uint8_t[]){(uint8_t)(colour >> 16), (uint8_t)(colour >> 8), (uint8_t)colour}, 3);
     }

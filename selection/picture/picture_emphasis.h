@@ -9,6 +9,9 @@
  * freed. @p chosen (0 = none) and what is below it in the area tree are never pale. NULL without memory. */
 uint8_t *picture_emphasis(const conus_selection *selection, uint32_t chosen);
 
+/** How far along the axis the farthest contact lies, mm; -INFINITY where nothing is hit. */
+double picture_cone_depth(const conus_selection *selection);
+
 /** Whether a picture of @p selection, which may be NULL, colours by rank: unless @p own_colours, or where the atlas has
  * a palette, which somebody chose. */
 bool picture_has_ranks(const conus_selection *selection, bool own_colours);
@@ -18,8 +21,9 @@ bool picture_has_ranks(const conus_selection *selection, bool own_colours);
 uint32_t *picture_ranks(const conus_selection *selection);
 
 enum { PICTURE_RANKS = 6 };
-/** sRGB of each object by its rank, to be freed: of [object count + 1] @p ranks; 0 = @p not_hit, 0xRRGGBB. NULL without
- * memory. */
+/** sRGB of each object by its rank, to be freed; where the atlas has a palette its colours, but what has a rank has
+ * none that a better one has, while there are some: of [object count + 1] @p ranks; 0, and all where that is NULL, = @p
+ * not_hit, 0xRRGGBB. NULL without memory. */
 uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, unsigned not_hit))[3];
 
 #endif

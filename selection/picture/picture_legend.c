@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The legend of a picture: its rows, the place that it takes, and the corner of the drawing where it hides least. */
+/* The legend of a picture: its rows, and the place beside or below the drawing that it takes. */
 #include "selection/picture/picture.h"
 
 #include "base/buffer.h"
@@ -22,16 +22,20 @@ enum {
     KEYS = 3
 };
 
-/* The legend's part of the picture's width: inside, while letters of SMALLEST of their size are enough, and beside. */
-static const double INSIDE = 0.42;
+/* The legend's part of the picture's width beside the drawing: at most, and where nobody said that it stands there. */
 static const double BESIDE = 0.5;
+static const double SLIM = 0.4;
 
-/* Height that a legend below adds to the picture, as a part of it. */
+/* Height that a legend below adds to the picture, as a part of it: at most, and on paper. */
 static const double BELOW = 0.5;
-static const double SMALLEST = 0.6;
+static const double BELOW_IN_PRINT = 1;
+static const double SMALLEST = 6.0 / 7;
 
-/* The part of the drawing's width or height that it leaves free for a legend inside. */
-static const double ROOM = 0.6;
+/* Below the drawing a column has at least so many rows. */
+enum { LEAST_ROWS = 3 };
+
+/* A share that would be 0.0 %. */
+static const double NO_SHARE = 0.0005;
 
 static const char BEHIND[] = "behind";
 
@@ -49,7 +53,9 @@ struct picture_legend {
     size_t name_count;
     char subtitle[TEXT_SIZE], words[TEXT_SIZE], more[TEXT_SIZE], colours[KEYS * COLOUR_ROWS][TEXT_SIZE];
     uint8_t bars[2][MARKS - 1][LEGEND_BAR][3]; /* of the ramp of numbers, and of haze */
-    double at[2], size[2];                     /* pixels of the image */
+    uint8_t ramp[LEGEND_BAR][3];               /* the chip of the only haze that is coloured by its values */
+    double size[2];                            /* pixels of the image */
+    bool is_right;                             /* of the drawing, not below it */
 };
 
 /* A cut has no colouring. */
@@ -82,12 +88,13 @@ static size_t count_by_value(const struct picture *picture)
     return count;
 }
 
-/* Without a cone a legend outside, or one of so many rows, names all that is in the picture. A cut has no haze. */
-static bool lists_all(const struct picture *picture)
+/* Without a cone a legend that is asked for, by its place or its rows, names all that is in the picture. A cut has no
+ * haze. */
+bool picture_lists_all(const struct picture *picture)
 {
     const conus_view *options = &picture->options;
-    bool outside = options->legend == CONUS_LEGEND_RIGHT || options->legend == CONUS_LEGEND_BELOW;
-    return picture->hazy && (outside || options->legend_rows) && !options->selection && !options->listed;
+    bool has_place = options->legend == CONUS_LEGEND_RIGHT || options->legend == CONUS_LEGEND_BELOW;
+    return picture->hazy && (has_place || options->legend_rows) && !options->selection && !options->listed;
 }
 
 bool picture_stands_out(const struct picture *picture, size_t number)
@@ -113,23 +120,36 @@ static bool is_drawn(const struct picture *picture, uint32_t number)
 /* Whether the legend has a row for it even if the cone does not hit it. */
 static bool is_listed(const struct picture *picture, uint32_t number)
 {
+    bool is_seen = picture_lists_all(picture) && (!picture->seen || picture->seen[number] > 0);
     return is_drawn(picture, number) &&
-           (picture_stands_out(picture, number) || lists_all(picture) || is_by_value(picture, number));
+           (picture_stands_out(picture, number) || is_seen || is_by_value(picture, number));
 }
 
 bool picture_has_legend(const struct picture *picture)
 {
     return picture->font && picture->options.legend != CONUS_LEGEND_NONE && !picture->options.probe_count &&
-           (picture->options.selection || picture->options.listed || lists_all(picture) ||
+           (picture->options.selection || picture->options.listed || picture_lists_all(picture) ||
             colours_streamlines(picture) || count_by_value(picture) || atlas_mapped_surface(picture->atlas));
+}
+
+/* Whether something of another rank has the same colour. */
+static bool shares_colour(const struct picture *picture, uint32_t number)
+{
+    bool found = false;
+    for (size_t n = 1; n <= picture->atlas->object_count && !found; n++) {
+        found = picture->ranks[n] && picture->ranks[n] != picture->ranks[number] &&
+                memcmp(picture->rgb[n], picture->rgb[number], 3) == 0;
+    }
+    return found;
 }
 
 size_t picture_tag(const struct picture *picture, uint32_t number)
 {
     size_t tag = 1;
     if (picture->ranks && picture->ranks[number]) { /* not where it lies behind others: then it is not seen there */
-        bool has_number = picture->ranks[number] > PICTURE_RANKS && picture->emphasis[number] == EMPHASIS_FULL;
-        return has_number ? picture->ranks[number] : 0;
+        bool is_alike =
+            picture->atlas->has_palette ? shares_colour(picture, number) : picture->ranks[number] > PICTURE_RANKS;
+        return is_alike && picture->emphasis[number] == EMPHASIS_FULL ? picture->ranks[number] : 0;
     }
     for (size_t before = 1; before < number; before++) {
         tag += is_by_value(picture, before);
@@ -140,9 +160,9 @@ size_t picture_tag(const struct picture *picture, uint32_t number)
 /* Whether the camera sees neither it nor anything below it in the area tree. */
 static bool is_hidden(const struct picture *picture, uint32_t number)
 {
-    bool hidden = picture->hidden;
+    bool hidden = picture->seen;
     for (uint32_t n = 1; hidden && n <= picture->atlas->object_count; n++) {
-        hidden = picture->hidden[n] || !atlas_is_below(picture->atlas, n, number);
+        hidden = picture->seen[n] == 0 || !atlas_is_below(picture->atlas, n, number);
     }
     return hidden;
 }
@@ -189,7 +209,7 @@ static void rank_listed(const struct picture *picture)
 
 conus_status picture_rank(struct picture *picture, bool on_dark)
 {
-    if (!picture_has_ranks(picture->options.selection, picture->options.own_colours)) {
+    if (!picture->options.selection || picture->options.own_colours) {
         return CONUS_OK;
     }
     picture->ranks = picture_ranks(picture->options.selection);
@@ -230,10 +250,16 @@ void picture_colour(uint8_t out[3], const struct picture *picture, size_t number
     }
 }
 
-/* Its colour in the picture, and stripes where it has some. */
-static void set_chip(struct legend_row *row, const struct picture *picture, uint32_t number)
+/* Its colour in the picture, those of its values, or stripes where it has some. */
+static void set_chip(struct legend_row *row, struct picture_legend *out, const struct picture *picture, uint32_t number)
 {
     picture_colour(row->rgb, picture, number);
+    if (is_by_value(picture, number) && count_by_value(picture) == 1) {
+        for (int k = 0; k < LEGEND_BAR; k++) {
+            transfer_part_colour(out->ramp[k], &picture->hazy->transfers[number], (k + 0.5) / LEGEND_BAR);
+        }
+        row->ramp = (const uint8_t(*)[3])out->ramp;
+    }
     row->striped = picture->emphasis && picture->emphasis[number] == EMPHASIS_HATCHED;
 }
 
@@ -246,11 +272,11 @@ static void fill_row(struct picture_legend *out, size_t index, const struct pict
     snprintf(cells->share, sizeof cells->share, "%.1f %%", 100 * result->share);
     snprintf(cells->distance, sizeof cells->distance, "%.1f mm", is_behind ? result->entry : result->distance);
     row->detail[0] = is_behind ? BEHIND : cells->share;
-    row->hollow = !result->object;
+    row->plain = !result->object;
     row->name = "unassigned";
     if (result->object) {
         row->name = name_of(out, picture, result->object, result->pixels && is_hidden(picture, result->object));
-        set_chip(row, picture, result->object);
+        set_chip(row, out, picture, result->object);
         row->detail[1] = cells->distance;
     }
 }
@@ -282,7 +308,7 @@ static size_t add_pathways(struct picture_legend *out, struct legend_row rows[PA
             if (others++ < PATHWAY_ROWS - 1) {
                 rows[count++] =
                     (struct legend_row){.name = name_of(out, picture, (uint32_t)number, false), .detail = {"not hit"}};
-                set_chip(&rows[count - 1], picture, (uint32_t)number);
+                set_chip(&rows[count - 1], out, picture, (uint32_t)number);
             }
         }
     }
@@ -291,11 +317,11 @@ static size_t add_pathways(struct picture_legend *out, struct legend_row rows[PA
                  !bundles            ? "pathways"
                  : bundles == others ? "bundles"
                                      : "pathways and bundles");
-        rows[0] = (struct legend_row){.name = out->words, .hollow = true, .detail = {"not hit"}};
+        rows[0] = (struct legend_row){.name = out->words, .plain = true, .detail = {"not hit"}};
         count = 1;
     }
     if ((pathways_first(atlas) || pathways_shown(atlas)) && atlas_parcellation_count(atlas) && leaves_out(picture)) {
-        rows[count++] = (struct legend_row){.name = "other areas", .hollow = true, .detail = {"not drawn"}};
+        rows[count++] = (struct legend_row){.name = "other areas", .plain = true, .detail = {"not drawn"}};
     }
     return count;
 }
@@ -486,21 +512,34 @@ void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, cons
     snprintf(out + size, PICTURE_TEXT - (size_t)size, "%s", places[space]);
 }
 
-/* Adds what is listed though the cone does not hit it: areas of one level once, pathways and bundles, which are few and
- * drawn over areas, before them. Those that are hit are marked in `done` [object_count + 1]. */
+/* Object number `i` of the list: pathways and bundles, which are few and drawn over areas, before these; without a
+ * cone, where it is known, what is seen most of what is not `done`. */
+static uint32_t listed_at(const struct picture *picture, size_t i, const bool *done)
+{
+    const conus_atlas *atlas = picture->atlas;
+    uint32_t best = 0;
+    for (uint32_t n = 1; picture->seen && !picture->options.selection && n <= atlas->object_count; n++) {
+        best = !done[n] && (!best || picture->seen[n] > picture->seen[best]) ? n : best;
+    }
+    return best ? best : (uint32_t)((atlas->area_count + i) % atlas->object_count + 1);
+}
+
+/* Adds what is listed though the cone does not hit it, areas of one level once. Those that are hit are marked in `done`
+ * [object_count + 1]. */
 static size_t add_listed(struct picture_legend *out, struct legend_row *rows, const struct picture *picture, bool *done)
 {
     const conus_selection *selection = picture->options.selection;
     const conus_atlas *atlas = picture->atlas;
     size_t count = 0;
     for (size_t i = 0; i < atlas->object_count; i++) {
-        uint32_t number = (uint32_t)((atlas->area_count + i) % atlas->object_count + 1);
+        uint32_t number = listed_at(picture, i, done);
         uint32_t shown = selection && selection->group ? selection->group[number] : number;
-        if (!done[shown] && is_listed(picture, number)) {
-            done[shown] = true;
+        bool was_done = done[shown];
+        done[shown] = done[shown] || !selection || is_listed(picture, number);
+        if (!was_done && is_listed(picture, number)) {
             rows[count] = (struct legend_row){.name = name_of(out, picture, shown, is_hidden(picture, shown))};
             rows[count].detail[0] = selection ? "not hit" : NULL;
-            set_chip(&rows[count++], picture, shown);
+            set_chip(&rows[count++], out, picture, shown);
         }
     }
     return count;
@@ -536,7 +575,7 @@ static void leave_out(struct picture_legend *out, size_t kept, bool only_behind)
     bool all_behind = true;
     for (size_t i = 0; i < out->legend.count; i++) {
         bool is_last = i >= out->legend.count - out->legend.tail;
-        bool can_leave = !is_last && (only_behind ? rows[i].detail[0] == BEHIND : !rows[i].hollow);
+        bool can_leave = !is_last && (only_behind ? rows[i].detail[0] == BEHIND : !rows[i].plain);
         if (!can_leave || seen++ < kept) {
             rows[count++] = rows[i];
             continue;
@@ -545,7 +584,7 @@ static void leave_out(struct picture_legend *out, size_t kept, bool only_behind)
         all_behind = all_behind && rows[i].detail[0] == BEHIND;
         if (!more) {
             more = &rows[count++];
-            *more = (struct legend_row){.name = out->more, .hollow = true};
+            *more = (struct legend_row){.name = out->more, .plain = true};
         }
     }
     if (more) {
@@ -566,7 +605,7 @@ static conus_status fill_rows(struct picture_legend *out, const struct picture *
     }
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
-        if (picture_lists(result) || result->pierced) {
+        if (result->object ? result->pixels || result->pierced : result->share >= NO_SHARE) {
             fill_row(out, count, picture, result);
             done[result->object] = true;
             count++;
@@ -603,7 +642,7 @@ static void leave_out_behind(struct picture_legend *out, size_t capacity)
 {
     size_t behind = 0;
     for (size_t i = 0; i < out->legend.count; i++) {
-        behind += out->legend.rows[i].detail[0] == BEHIND && !out->legend.rows[i].hollow;
+        behind += out->legend.rows[i].detail[0] == BEHIND && !out->legend.rows[i].plain;
     }
     size_t surplus = out->legend.count + 1 - capacity; /* the row that says so takes a line, too */
     if (behind >= surplus) {
@@ -611,42 +650,58 @@ static void leave_out_behind(struct picture_legend *out, size_t capacity)
     }
 }
 
-/* Chooses the letters' size and the rows for so many pixels, and measures the legend. */
-static void fit(struct picture_legend *legend, const struct picture *picture, const double limit[2])
+/* Chooses the letters' size, the columns, up to `columns`, and the rows for so many pixels, and measures the legend. */
+static void fit(struct picture_legend *legend, const struct picture *picture, const double limit[2], size_t columns)
 {
     struct legend *drawn = &legend->legend;
     const double em = picture->em;
-    drawn->widest = 1;
-    drawn->size = legend_fit(legend->size, picture->font, drawn, limit, em, SMALLEST * em);
-    size_t capacity = legend_capacity(drawn, drawn->size, limit[1]);
+    drawn->columns = columns;
+    legend_fit(legend->size, drawn, picture->font, limit, em, SMALLEST * em);
+    size_t capacity = legend_capacity(drawn, limit[1]);
     if (drawn->count > capacity) {
         leave_out_behind(legend, capacity);
-        drawn->size = legend_fit(legend->size, picture->font, drawn, limit, drawn->size, drawn->size);
+        legend_fit(legend->size, drawn, picture->font, limit, drawn->size, drawn->size);
+    }
+    if (legend->size[0] > limit[0]) { /* a long name has smaller letters yet */
+        const double width[2] = {limit[0], INFINITY};
+        legend_fit(legend->size, drawn, picture->font, width, drawn->size, 1);
     }
 }
 
-/* Takes place for it from the drawing on the right, or adds some below. */
-static void place_outside(struct picture_legend *legend, struct picture *picture)
+/* Where nobody said where it stands: beside a drawing that is wide enough, and where an off-axis camera has made one of
+ * this shape below it. */
+static bool stands_right(struct picture_legend *legend, const struct picture *picture)
 {
-    const bool right = picture->options.legend == CONUS_LEGEND_RIGHT;
-    const double sheet[2] = {picture->options.width, picture->options.height};
-    const double limit[2] = {(right ? BESIDE : 1) * sheet[0], (right ? 1 : BELOW) * sheet[1]};
-    struct legend *drawn = &legend->legend;
-    fit(legend, picture, limit);
-    if (legend->size[0] > limit[0]) { /* a long name has smaller letters yet */
-        const double width[2] = {limit[0], INFINITY};
-        drawn->size = legend_fit(legend->size, picture->font, drawn, width, drawn->size, 1);
+    const conus_view *options = &picture->options;
+    const double width[2] = {SLIM * options->width, INFINITY};
+    if (options->legend != CONUS_LEGEND_AUTO) {
+        return options->legend == CONUS_LEGEND_RIGHT;
     }
+    legend_fit(legend->size, &legend->legend, picture->font, width, picture->em, picture->em);
+    return legend->size[0] <= width[0] && options->width > options->height &&
+           !(options->frustum[0] < options->frustum[1]);
+}
+
+/* Takes place for it from the drawing on the right, or adds some below. */
+static void place(struct picture_legend *legend, struct picture *picture)
+{
+    const bool right = legend->is_right = stands_right(legend, picture);
+    const double sheet[2] = {picture->options.width, picture->options.height};
+    const double limit[2] = {(right ? BESIDE : 1) * sheet[0], (right                    ? 1
+                                                               : picture->options.print ? BELOW_IN_PRINT
+                                                                                        : BELOW) *
+                                                                  sheet[1]};
+    struct legend *drawn = &legend->legend;
+    fit(legend, picture, limit, right ? 1 : (drawn->count + LEAST_ROWS - 1) / LEAST_ROWS);
     double width = fmin(ceil(legend->size[0]), right ? sheet[0] - 1 : sheet[0]);
     double height = fmin(ceil(legend->size[1]), floor(limit[1]));
     if (right) {
         picture->drawing[0] -= (uint32_t)width;
-        legend->at[0] = picture->drawing[0];
+        drawn->at[0] = picture->drawing[0];
     } else {
-        legend->at[1] = picture->drawing[1];
+        drawn->at[1] = picture->drawing[1];
         picture->sheet_height += (uint32_t)height;
     }
-    drawn->at = legend->at;
     drawn->ink = picture->ink;
     drawn->faint = (double)picture->dim;
 }
@@ -692,45 +747,18 @@ conus_status picture_legend_init(struct picture *picture)
         legend_destroy(legend);
         return status;
     }
-    if (picture->options.legend == CONUS_LEGEND_INSIDE) {
-        fit(legend, picture, (const double[]){INSIDE * picture->options.width, picture->options.height});
-    } else {
-        place_outside(legend, picture);
-    }
+    place(legend, picture);
     picture->legend = legend;
     return CONUS_OK;
-}
-
-void picture_legend_room(double out[2], const struct picture *picture)
-{
-    out[0] = out[1] = 0;
-    if (!picture->legend || picture->options.legend != CONUS_LEGEND_INSIDE) {
-        return;
-    }
-    const double *size = picture->legend->size;
-    double width = picture->drawing[0];
-    double height = picture->drawing[1];
-    bool above = size[0] > INSIDE * width && height - size[1] > width - size[0];
-    out[above] = above ? fmin(size[1], ROOM * height) : fmin(size[0], ROOM * width);
-}
-
-void picture_legend_size(double out[2], const struct picture *picture)
-{
-    bool is_inside = picture->legend && picture->options.legend == CONUS_LEGEND_INSIDE;
-    for (int a = 0; a < 2; a++) {
-        out[a] = is_inside ? fmin(picture->drawing[a], picture->legend->size[a]) : 0;
-    }
 }
 
 void picture_lower(struct picture *picture, uint32_t height)
 {
     struct picture_legend *legend = picture->legend;
-    const conus_legend where = picture->options.legend;
-    uint32_t beside = legend && where != CONUS_LEGEND_BELOW ? (uint32_t)ceil(legend->size[1]) : 0;
-    uint32_t lowered = where == CONUS_LEGEND_INSIDE && beside > height ? beside : height;
-    lowered = lowered < picture->drawing[1] ? lowered : picture->drawing[1];
-    if (legend && where == CONUS_LEGEND_BELOW) {
-        legend->at[1] = lowered;
+    uint32_t beside = legend && legend->is_right ? (uint32_t)ceil(legend->size[1]) : 0;
+    uint32_t lowered = height < picture->drawing[1] ? height : picture->drawing[1];
+    if (legend && !legend->is_right) {
+        legend->legend.at[1] = lowered;
         picture->sheet_height -= picture->drawing[1] - lowered;
     } else {
         picture->sheet_height = lowered > beside ? lowered : beside;
@@ -754,43 +782,7 @@ double picture_covered(const struct picture *picture, const struct draw_box *box
     return sum;
 }
 
-static struct draw_box box_in(const struct picture *picture, enum legend_corner corner)
-{
-    const double width = fmin(picture->drawing[0], picture->legend->size[0]);
-    const double height = fmin(picture->drawing[1], picture->legend->size[1]);
-    const double left = corner & LEGEND_TOP_RIGHT ? picture->drawing[0] - width : 0;
-    const double top = corner & LEGEND_BOTTOM_LEFT ? picture->drawing[1] - height : 0;
-    return (struct draw_box){left, top, left + width, top + height};
-}
-
-/* The corner in which the legend hides least; the fourth one is taken by the directions. */
-static enum legend_corner corner_of(const struct picture *picture)
-{
-    static const enum legend_corner corners[] = {LEGEND_TOP_LEFT, LEGEND_TOP_RIGHT, LEGEND_BOTTOM_LEFT};
-    enum legend_corner best = LEGEND_TOP_LEFT;
-    double least = INFINITY;
-    for (size_t i = 0; i < sizeof corners / sizeof *corners; i++) {
-        const struct draw_box box = box_in(picture, corners[i]);
-        double hidden = picture_covered(picture, &box);
-        if (hidden < 0.8 * least) {
-            least = hidden;
-            best = corners[i];
-        }
-    }
-    return best;
-}
-
-struct draw_box picture_legend_box(const struct picture *picture)
-{
-    bool is_inside = picture->legend && picture->options.legend == CONUS_LEGEND_INSIDE;
-    return is_inside ? box_in(picture, corner_of(picture)) : (struct draw_box){0};
-}
-
 void picture_legend_draw(struct draw_list *list, const struct picture *picture)
 {
-    struct legend legend = picture->legend->legend;
-    if (picture->options.legend == CONUS_LEGEND_INSIDE) {
-        legend.corner = corner_of(picture);
-    }
-    legend_draw(list, picture->font, &legend);
+    legend_draw(list, picture->font, &picture->legend->legend);
 }

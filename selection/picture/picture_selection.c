@@ -26,6 +26,7 @@ enum {
 
 static const uint8_t NOTHING[3] = {LOOK_RGB(LOOK_SEEN_NOTHING)};
 static const uint8_t BACKGROUND[3] = {LOOK_RGB(LOOK_SEEN_AROUND)};
+static const float LETTER_INK[4] = {LOOK_LEGEND_TEXT, 1};
 static const float HIDDEN_SHADE = 0.15F; /* for pixels that the aperture hides: linear light */
 static const float LINE_SHADE = 0.72F;
 
@@ -282,7 +283,7 @@ static conus_status draw_legend(struct draw_list *panel, const conus_selection *
         const conus_object *object = conus_atlas_object(selection->atlas, result->object);
         struct details *text = &details[count];
         struct legend_row *row = &rows[count++];
-        *row = (struct legend_row){.hollow = !object,
+        *row = (struct legend_row){.plain = !object,
                                    .name = object ? object->name : "unassigned",
                                    .detail = {text->pixels, text->share, text->distance}};
         memcpy(row->rgb, object ? object->rgb : (const uint8_t[]){LOOK_RGB(LOOK_NO_OBJECT)}, sizeof row->rgb);
@@ -301,8 +302,8 @@ static conus_status draw_legend(struct draw_list *panel, const conus_selection *
                                       .header = {"pixels", "share", "distance"},
                                       .rows = rows,
                                       .count = count,
-                                      .size = LETTERS,
-                                      .widest = 1};
+                                      .ink = LETTER_INK,
+                                      .size = LETTERS};
         legend_draw(panel, font, &legend);
     }
     memory_free(rows);

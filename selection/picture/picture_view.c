@@ -24,7 +24,7 @@ enum {
     DPI_LIMIT = 100000,
     BALL_POINTS = 6,
     AROUND = 24, /* a cone's axis */
-    WALL_POINTS = 8 * AROUND
+    WALL_POINTS = 2 * AROUND
 };
 
 /* Radius of the ball at the apex, as a part of the atlas's. */
@@ -56,11 +56,11 @@ static conus_status check_frustum(const conus_view *view)
 
 conus_status picture_check_sheet(const conus_view *view)
 {
-    if (view->side > CONUS_SIDE_BOTTOM || view->legend > CONUS_LEGEND_NONE ||
+    if (view->side > CONUS_SIDE_BESIDE_CONE || view->legend > CONUS_LEGEND_NONE ||
         view->background > CONUS_BACKGROUND_TRANSPARENT) {
         return fail(CONUS_ERROR_ARGUMENT, "side %d, legend %d, background %d; allowed are at most %d, %d, %d",
-                    (int)view->side, (int)view->legend, (int)view->background, CONUS_SIDE_BOTTOM, CONUS_LEGEND_NONE,
-                    CONUS_BACKGROUND_TRANSPARENT);
+                    (int)view->side, (int)view->legend, (int)view->background, CONUS_SIDE_BESIDE_CONE,
+                    CONUS_LEGEND_NONE, CONUS_BACKGROUND_TRANSPARENT);
     }
     if (view->side && view->camera) {
         return fail(CONUS_ERROR_ARGUMENT, "side: there is a camera");
@@ -149,24 +149,16 @@ static void cone_axis(double out[3], const struct cone *cone)
 /* To just behind the farthest contact, which may be the apex, or through everything where nothing was hit. */
 static double cone_length(const struct picture *picture, const conus_selection *selection)
 {
-    const double *apex = selection->cone.pose.world_from_device + 12;
+    const double length = picture_cone_depth(selection);
     double axis[3], offset[3];
-    double length = -INFINITY;
     if (cone_has_range(&selection->cone)) {
         return selection->cone.range[1];
-    }
-    cone_axis(axis, &selection->cone);
-    for (size_t i = 0; i < conus_selection_count(selection); i++) {
-        const conus_result *result = conus_selection_result(selection, i);
-        if (result->object && result->pixels) {
-            vec3_sub(offset, result->contact, apex);
-            length = fmax(length, vec3_dot(offset, axis));
-        }
     }
     if (length > -INFINITY) {
         return length + 0.05 * picture->radius;
     }
-    vec3_sub(offset, picture->centre, apex);
+    cone_axis(axis, &selection->cone);
+    vec3_sub(offset, picture->centre, selection->cone.pose.world_from_device + 12);
     return fmax(vec3_dot(offset, axis), 0) + picture->radius;
 }
 
@@ -205,25 +197,25 @@ static void add_cone(struct picture *picture)
     }
 }
 
-/* `letters`: there are some at the edges. `room`: left free on the left and above. */
-static void set_frame(struct picture *picture, bool letters, const double room[2])
+/* `letters`: there are some at the edges. */
+static void set_frame(struct picture *picture, bool letters)
 {
     uint32_t width = picture->drawing[0];
     uint32_t height = picture->drawing[1];
     uint32_t least = letters ? (uint32_t)lrint(2 * picture->em) : 0;
     uint32_t across = width / 28 > least ? width / 28 : least;
     uint32_t upward = height / 24 > least ? height / 24 : least;
-    picture->frame = (struct camera_frame){.width = width, .height = height, .right = across, .bottom = upward};
-    picture->frame.left = across + (uint32_t)room[0];
-    picture->frame.top = upward + (uint32_t)room[1];
-    if (picture->frame.left + across >= width || picture->frame.top + upward >= height) { /* too small for margins */
-        picture->frame = (struct camera_frame){.width = width, .height = height};
+    picture->frame = (struct camera_frame){.width = width, .height = height};
+    if (2 * across < width && 2 * upward < height) { /* else it is too small for margins */
+        picture->frame.left = picture->frame.right = across;
+        picture->frame.top = picture->frame.bottom = upward;
     }
 }
 
 static const double forwards[][3] = {
     [CONUS_SIDE_LEFT] = {1, 0, 0}, [CONUS_SIDE_RIGHT] = {-1, 0, 0}, [CONUS_SIDE_FRONT] = {0, -1, 0},
-    [CONUS_SIDE_BACK] = {0, 1, 0}, [CONUS_SIDE_TOP] = {0, 0, -1},   [CONUS_SIDE_BOTTOM] = {0, 0, 1}};
+    [CONUS_SIDE_BACK] = {0, 1, 0}, [CONUS_SIDE_TOP] = {0, 0, -1},   [CONUS_SIDE_BOTTOM] = {0, 0, 1},
+    [CONUS_SIDE_BESIDE_CONE] = {0}};
 
 static double camera_distance(const struct picture *picture)
 {
@@ -232,9 +224,8 @@ static double camera_distance(const struct picture *picture)
 
 /* Points that a picture shows, and from where. */
 struct shown_points {
-    const double *xyz; /* [all * 3] */
-    size_t count;      /* The first ones, which lie in the frame. */
-    size_t all;        /* With those of the cone's walls, which may end beyond it. */
+    const double *xyz; /* [count * 3] */
+    size_t count;
     const double *forward;
 };
 
@@ -245,29 +236,24 @@ static void frame_all(struct picture *picture, const struct shown_points *points
 }
 
 /* Finds a place for the camera from which all points are in the frame and none under the scale and the directions.
- * These get room below, on the right or both, whatever leaves the points largest. `legend`: its size in the upper left
- * corner, where `room` is left for it; false if points lie there. */
-static bool frame_in_room(struct picture *picture, const struct shown_points *points, const double room[2],
-                          const double legend[2])
+ * These get room below, on the right or both, whatever leaves the points largest; none where no way leaves them any. */
+static void frame_points(struct picture *picture, const struct shown_points *points)
 {
     enum { BELOW = 1, RIGHT = 2, STEPS = 12 };
-    const struct draw_box corner = {0, 0, legend[0] + picture->em, legend[1] + picture->em};
     double key[2];
-    set_frame(picture, picture->font && picture_is_across(picture), room);
+    set_frame(picture, false);
+    frame_all(picture, points); /* which decides whether there are letters at the edges */
+    set_frame(picture, picture->font && picture_is_across(picture));
     frame_all(picture, points);
-    if (!picture->font) {
-        return true;
-    }
-    bool is_free = !legend[0] || picture_is_free(picture, &corner, points->xyz, points->all);
-    if (!is_free || picture_key_is_free(key, picture, points->xyz, points->count)) {
-        return is_free;
+    if (!picture->font || picture_key_is_free(key, picture, points->xyz, points->count)) {
+        return;
     }
     const struct camera_frame whole = picture->frame;
     const struct camera plain = picture->camera;
     struct camera_frame best = whole;
     double nearest = INFINITY;
     for (int way = BELOW; way <= (BELOW | RIGHT); way++) {
-        is_free = false;
+        bool is_free = false;
         for (int step = 1; step <= STEPS && !is_free; step++) {
             struct camera_frame *frame = &picture->frame;
             *frame = whole;
@@ -277,8 +263,7 @@ static bool frame_in_room(struct picture *picture, const struct shown_points *po
                 break;
             }
             frame_all(picture, points);
-            is_free = picture_key_is_free(key, picture, points->xyz, points->count) &&
-                      (!legend[0] || picture_is_free(picture, &corner, points->xyz, points->all));
+            is_free = picture_key_is_free(key, picture, points->xyz, points->count);
             if (is_free && camera_distance(picture) < nearest) {
                 nearest = camera_distance(picture);
                 best = *frame;
@@ -290,54 +275,109 @@ static bool frame_in_room(struct picture *picture, const struct shown_points *po
     if (nearest < INFINITY) {
         frame_all(picture, points);
     }
-    return nearest < INFINITY;
 }
 
-/* A legend inside gets all its width or height free, or less on the left, above or both where the points, which are
- * round, stay beside it all the same: whatever leaves them largest. */
-static void frame_points(struct picture *picture, const struct shown_points *points)
-{
-    enum { LEFT = 1, ABOVE = 2, STEPS = 12 };
-    static const double none[2] = {0};
-    double room[2];
-    double legend[2];
-    picture_legend_room(room, picture);
-    picture_legend_size(legend, picture);
-    set_frame(picture, false, room);
-    frame_all(picture, points); /* which decides whether there are letters at the edges */
-    frame_in_room(picture, points, room, none);
-    struct camera camera = picture->camera;
-    struct camera_frame frame = picture->frame;
-    for (int way = LEFT; way <= (LEFT | ABOVE) && legend[0] > 0; way++) {
-        bool is_free = false;
-        for (int step = 0; step < STEPS && !is_free; step++) {
-            room[0] = way & LEFT ? legend[0] * step / STEPS : 0;
-            room[1] = way & ABOVE ? legend[1] * step / STEPS : 0;
-            is_free = frame_in_room(picture, points, room, legend);
-            if (is_free &&
-                camera_distance(picture) < vec3_dot(camera.world_from_camera + 8, camera.world_from_camera + 12)) {
-                camera = picture->camera;
-                frame = picture->frame;
-            }
-        }
-    }
-    picture->camera = camera;
-    picture->frame = frame;
-}
-
-/* On the walls of the cone that is drawn. */
-static void add_walls(double points[WALL_POINTS][3], const struct colour_view *view)
+/* On the walls of the cone that is drawn, from so many mm on. */
+static void add_walls(double points[WALL_POINTS][3], const struct colour_view *view, double skip)
 {
     const double *m = view->world_from_cone;
+    const double start = fmax(view->cone_start, skip);
     for (int n = 0; n < WALL_POINTS; n++) {
-        const int circle = n / AROUND + 1;
-        double along = view->cone_start + (view->cone_length - view->cone_start) * circle * AROUND / WALL_POINTS;
+        double along = n < AROUND ? start : view->cone_length;
         double turn = radians_from_degrees(360.0 / AROUND * (n % AROUND));
         double away = view->cone_radius + along * view->cone_slope;
         vec3_add_scaled(points[n], m + 12, -along, m + 8);
         vec3_add_scaled(points[n], points[n], away * cos(turn), m);
         vec3_add_scaled(points[n], points[n], away * sin(turn), m + 4);
     }
+}
+
+/* The best first hit; NULL = nothing is hit. */
+static const conus_result *best_hit(const conus_selection *selection)
+{
+    const conus_result *best = NULL;
+    for (size_t i = 0; i < conus_selection_count(selection) && !best; i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        best = result->object && result->pixels ? result : NULL;
+    }
+    return best;
+}
+
+/* What part the cone's first hits, by their shares, have of what an eye sees around the contact that looks at it along
+ * `forward`. */
+static conus_status see_contact(double *out, const struct picture *picture, conus_selector *selector,
+                                const conus_result *hit, const double forward[3])
+{
+    static const double around = 0.4; /* the radius of all that shows */
+    const conus_selection *cone = picture->options.selection;
+    const double away = 4 * picture->radius;
+    conus_selection *seen = NULL;
+    conus_pose eye;
+    double from[3];
+    vec3_add_scaled(from, hit->contact, -away, forward);
+    conus_status status = conus_pose_toward(&eye, from, hit->contact, NULL);
+    status = status ? status : conus_select(&seen, selector, &eye, 2 * atan(around * picture->radius / away));
+    *out = 0;
+    for (size_t i = 0; i < conus_selection_count(seen); i++) {
+        const conus_result *result = conus_selection_result(seen, i);
+        for (size_t k = 0; k < conus_selection_count(cone); k++) {
+            const conus_result *other = conus_selection_result(cone, k);
+            bool is_hit = other->object && other->object == result->object && other->pixels;
+            *out += is_hit ? result->share * other->share : 0;
+        }
+    }
+    conus_selection_destroy(seen);
+    return status;
+}
+
+/* The direction 60 degrees off the cone's axis from which its best hit is seen best, where that is equal the most
+ * upright one: a little from above. */
+static conus_status look_from_beside(double out[3], const struct picture *picture)
+{
+    enum { TURNS = 24, RAYS_ACROSS = 24 };
+    static const double upright = 0.05; /* as much as that part of what is seen */
+    const conus_selection *selection = picture->options.selection;
+    const double *m = selection->cone.pose.world_from_device;
+    const conus_result *hit = best_hit(selection);
+    conus_selector_options rays = CONUS_SELECTOR_OPTIONS_INIT;
+    conus_selector *selector = NULL;
+    double best = -INFINITY;
+    rays.resolution = RAYS_ACROSS;
+    conus_status status = hit ? conus_selector_create(&selector, picture->atlas, &rays) : CONUS_OK;
+    for (int n = 0; n < TURNS && !status; n++) {
+        const double turn = radians_from_degrees(360.0 / TURNS * n);
+        double forward[3], across[3];
+        double seen = 0;
+        vec3_scale(across, m, cos(turn));
+        vec3_add_scaled(across, across, sin(turn), m + 4);
+        vec3_scale(forward, m + 8, -cos(radians_from_degrees(60)));
+        vec3_add_scaled(forward, forward, sin(radians_from_degrees(60)), across);
+        status = hit ? see_contact(&seen, picture, selector, hit, forward) : CONUS_OK;
+        const double score = seen + upright * cos(asin(fmin(fmax(-forward[2], -1), 1)) - radians_from_degrees(15));
+        if (score > best + 1e-6) {
+            best = score;
+            memcpy(out, forward, sizeof forward);
+        }
+    }
+    conus_selector_destroy(selector);
+    return status;
+}
+
+/* Finds from which side a camera looks that is not given. */
+static conus_status choose_side(struct picture *picture)
+{
+    const conus_view *options = &picture->options;
+    camera_default_forward(picture->forward);
+    if (options->side && options->side != CONUS_SIDE_BESIDE_CONE) {
+        memcpy(picture->forward, forwards[options->side], sizeof picture->forward);
+    } else if (options->selection && options->side) {
+        return look_from_beside(picture->forward, picture);
+    } else if (options->selection) {
+        double axis[3];
+        cone_axis(axis, &options->selection->cone);
+        camera_cone_forward(picture->forward, axis);
+    }
+    return CONUS_OK;
 }
 
 static conus_status place_camera(struct picture *picture, const struct colour_pass *pass)
@@ -351,20 +391,10 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
         } else if (!status) {
             camera_from_pose(&picture->camera, &pose, options->field_of_view, picture->drawing[0], picture->drawing[1]);
         }
-        double room[2];
-        picture_legend_room(room, picture);
-        set_frame(picture, false, room);
+        set_frame(picture, false);
         return status ? fail_in(status, "camera") : CONUS_OK;
     }
-    double forward[3];
-    camera_default_forward(forward);
-    if (options->side) {
-        memcpy(forward, forwards[options->side], 3 * sizeof *forward);
-    } else if (options->selection) {
-        double axis[3];
-        cone_axis(axis, &options->selection->cone);
-        camera_cone_forward(forward, axis);
-    }
+    const bool is_beside = options->selection && options->side == CONUS_SIDE_BESIDE_CONE;
     double(*points)[3] =
         memory_raw(pass->content_count + 2 * options->probe_count + BALL_POINTS + WALL_POINTS, sizeof *points);
     if (!points) {
@@ -383,21 +413,20 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
         cone_axis(axis, cone);
         memcpy(near, cone->pose.world_from_device + 12, 3 * sizeof *near);
         vec3_sub(offset, picture->centre, near);
-        double skip = vec3_dot(offset, axis) - 1.6 * picture->radius;
-        if (skip > 0 && skip < picture->view.cone_length) {
-            vec3_add_scaled(near, near, skip, axis);
-        }
+        double skip = vec3_dot(offset, axis) - (is_beside ? 3.2 : 1.6) * picture->radius;
+        skip = skip > 0 && skip < picture->view.cone_length ? skip : 0;
+        vec3_add_scaled(near, near, skip, axis);
         const double middle[3] = {near[0], near[1], near[2]};
         for (int n = 0; n < BALL_POINTS; n++) { /* with the ball that is drawn there */
             memcpy(points[count], middle, sizeof middle);
             points[count++][n / 2] += (n % 2 ? 1 : -1) * DEVICE * picture->radius;
         }
+        if (is_beside) {
+            add_walls(points + count, &picture->view, skip);
+            count += WALL_POINTS;
+        }
     }
-    size_t walls = options->selection ? WALL_POINTS : 0;
-    if (walls) {
-        add_walls(points + count, &picture->view);
-    }
-    frame_points(picture, &(struct shown_points){points[0], count, count + walls, forward});
+    frame_points(picture, &(struct shown_points){points[0], count, picture->forward});
     memory_free(points);
     return CONUS_OK;
 }
@@ -504,7 +533,7 @@ conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory,
     picture->em = options->dpi > 0
                       ? LOOK_FIGURE_POINTS / 72 * options->dpi
                       : fmax(LOOK_FIGURE_LEAST, fmin(options->width, options->height) / (double)LOOK_FIGURE_PART);
-    picture->line = options->dpi > 0 ? picture->em / 19 : 1;
+    picture->line = options->dpi > 0 ? 0.5 / 72 * options->dpi : 1;
     choose_ink(picture);
     conus_status status = find_font(picture, log, log_user);
     if (!status && picture->font && options->probe_count) {
@@ -578,6 +607,39 @@ static double pixel_mm(const struct picture *picture)
     return 2 * picture->camera.slope[0] * fmax(vec3_dot(m + 8, offset), 1) / picture->drawing[0];
 }
 
+/* Draws a line of the picture's thinnest width into the pixels along what is opaque, where nothing or little is beside
+ * it. */
+static conus_status draw_silhouette(struct picture *picture)
+{
+    static const uint8_t edge[3] = {LOOK_RGB(LOOK_GLASS_EDGE)};
+    const long size[2] = {(long)picture->drawing[0], (long)picture->drawing[1]};
+    const double reach = picture->line;
+    const long steps = (long)ceil(reach);
+    float *opacity = memory_raw((size_t)size[0] * (size_t)size[1], sizeof *opacity);
+    float ink[4];
+    draw_colour(ink, edge, 1);
+    for (size_t i = 0; opacity && i < (size_t)size[0] * (size_t)size[1]; i++) {
+        opacity[i] = picture->rgba[4 * i + 3];
+    }
+    for (long i = 0; opacity && i < size[0] * size[1]; i++) {
+        double nearest = reach + 1;
+        for (long k = 0; k < (2 * steps + 1) * (2 * steps + 1) && opacity[i] > 0.5F; k++) {
+            const long x = i % size[0] + k % (2 * steps + 1) - steps;
+            const long y = i / size[0] + k / (2 * steps + 1) - steps;
+            bool is_outside = x < 0 || y < 0 || x >= size[0] || y >= size[1] || opacity[size[0] * y + x] > 0.5F;
+            double distance = hypot((double)(x - i % size[0]), (double)(y - i / size[0]));
+            nearest = is_outside ? nearest : fmin(nearest, distance);
+        }
+        const float part = 0.85F * (float)fmin(fmax(reach + 0.5 - nearest, 0), 1) * opacity[i];
+        for (int c = 0; c < 3; c++) {
+            float *level = &picture->rgba[4 * i + c];
+            *level += part * (ink[c] - *level);
+        }
+    }
+    memory_free(opacity);
+    return opacity ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
 static conus_status draw(struct picture *picture, conus_renderer *renderer)
 {
     struct colour_view *view = &picture->view;
@@ -592,13 +654,15 @@ static conus_status draw(struct picture *picture, conus_renderer *renderer)
     view->opacity = picture->opacity;
     view->emphasis = picture->emphasis;
     view->rgb = (const uint8_t(*)[3])picture->rgb;
-    view->pale_rgb = picture->options.has_unselected ? picture->options.unselected_rgb
-                     : picture->rgb                  ? picture->rgb[0]
-                                                     : NULL;
+    view->pale_rgb = picture->options.has_unselected                ? picture->options.unselected_rgb
+                     : picture->rgb && !picture->atlas->has_palette ? picture->rgb[0]
+                                                                    : NULL;
     view->line_width = fmax(0.012 * picture->radius, view->draft);
     view->markers = picture->markers;
     picture->rgba = memory_raw((size_t)view->width * view->height, 4 * sizeof *picture->rgba);
-    return picture->rgba ? renderer_draw(picture->rgba, renderer, view, !picture->options.draft) : CONUS_ERROR_MEMORY;
+    conus_status status =
+        picture->rgba ? renderer_draw(picture->rgba, renderer, view, !picture->options.draft) : CONUS_ERROR_MEMORY;
+    return status || !picture->options.print ? status : draw_silhouette(picture);
 }
 
 static double opacity_of(const struct picture *picture, size_t number)
@@ -689,15 +753,15 @@ static conus_status find_opacities(struct picture *picture)
     return CONUS_OK;
 }
 
-/* Finds first hits of the selection that the camera does not see, by rays from it through the whole picture. Only if
- * all that is drawn is opaque, and nothing is left out. Needs no legend: one changes the camera's distance alone. */
-static conus_status find_hidden(struct picture *picture, const struct colour_pass *pass)
+/* Finds what the camera sees, by rays from it through the whole picture, for a legend. Only if all that is drawn is
+ * opaque, and nothing is left out. Needs no legend: one changes the camera's distance alone. */
+static conus_status find_seen(struct picture *picture, const struct colour_pass *pass)
 {
     enum { RAYS_ACROSS = 512 };
     const conus_view *options = &picture->options;
     const conus_atlas *atlas = picture->atlas;
-    if (!options->selection || options->no_legend || options->draft || picture->opacity || pathways_first(atlas) ||
-        pathways_shown(atlas) || has_frustum(options)) {
+    if (!(options->selection || picture_lists_all(picture)) || options->no_legend || options->draft ||
+        picture->opacity || pathways_first(atlas) || pathways_shown(atlas) || has_frustum(options)) {
         return CONUS_OK;
     }
     picture->drawing[0] = options->width;
@@ -710,16 +774,14 @@ static conus_status find_hidden(struct picture *picture, const struct colour_pas
     conus_selector *selector = NULL;
     conus_selection *seen = NULL;
     conus_pose eye;
-    picture->hidden = memory_zeroed(atlas->object_count + 1, sizeof *picture->hidden);
-    status = status || picture->hidden ? status : CONUS_ERROR_MEMORY;
+    picture->seen = memory_zeroed(atlas->object_count + 1, sizeof *picture->seen);
+    status = status || picture->seen ? status : CONUS_ERROR_MEMORY;
     status = status ? status : conus_pose_from_matrix(&eye, picture->camera.world_from_camera);
     status = status ? status : conus_selector_create(&selector, atlas, &rays);
     status = status ? status : conus_select(&seen, selector, &eye, 2 * atan(slope));
-    for (size_t n = 1; n <= atlas->object_count && !status; n++) {
-        picture->hidden[n] = true;
-    }
     for (size_t i = 0; i < conus_selection_count(seen); i++) {
-        picture->hidden[conus_selection_result(seen, i)->object] = false;
+        const conus_result *result = conus_selection_result(seen, i);
+        picture->seen[result->object] = result->share;
     }
     conus_selection_destroy(seen);
     conus_selector_destroy(selector);
@@ -757,7 +819,8 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     if (!status && picture.options.selection) {
         add_cone(&picture);
     }
-    status = status ? status : find_hidden(&picture, &renderer->colour);
+    status = status || picture.options.camera ? status : choose_side(&picture);
+    status = status ? status : find_seen(&picture, &renderer->colour);
     status = status ? status : picture_prepare_sheet(&picture, renderer->max_memory, renderer->log, renderer->log_user);
     status = status ? status : place_camera(&picture, &renderer->colour);
     status = status ? status : draw(&picture, renderer);
@@ -769,7 +832,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     picture_rank_finish(&picture);
     memory_free(picture.opacity);
     memory_free(picture.areas);
-    memory_free(picture.hidden);
+    memory_free(picture.seen);
     memory_free(picture.rgba);
     return status;
 }

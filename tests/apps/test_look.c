@@ -525,6 +525,12 @@ static void sheets_of_sessions_are_checked(void **state)
     undo_step(&window, -1);
     assert_near(window.sheet.dpi, 300, 0);
     assert_int_equal(window.sheet.legend, CONUS_LEGEND_BELOW);
+    char *text = session_text(&window);
+    char why[PROPERTY_REASON] = "";
+    memcpy(strstr(text, "\"legend\": \"below\""), "\"legend\":\"inside\"", strlen("\"legend\":\"inside\"")); /* once */
+    assert_true(session_parse(&window, text, strlen(text), why));
+    assert_int_equal(window.sheet.legend, CONUS_LEGEND_AUTO);
+    free(text);
     close_window(&window);
 }
 

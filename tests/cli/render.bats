@@ -200,6 +200,7 @@ END
     fails 2 '--dpi: 1 is out of range' render a.nii -o a.png --dpi 1
     fails 2 '--view: "above" is none of' render a.nii -o a.png --view above
     fails 2 '--legend: "top" is none of' render a.nii -o a.png --legend top
+    fails 2 '--legend: "inside" is none of its choices: auto, right, below, none' render a.nii -o a.png --legend inside
     fails 2 '--background: "green"; allowed are light, white, black, transparent and #RRGGBB' \
         render a.nii -o a.png --background green
     fails 2 '--background: "#12345"' render a.nii -o a.png --background '#12345'
@@ -239,7 +240,7 @@ END
 @test "AAL around its contacts, in a context" {
     need_aal
     gl render "$aal" --context "$TEMPLATES/ch2bet.nii.gz" -o aal.png $SMALL \
-        --origin=-90,20,20 --toward=0,-10,10 --angle 20
+        --origin=-90,20,20 --toward=0,-10,10 --angle 20 --legend right
     [ "$(png_size aal.png)" = 160x120 ]
 }
 

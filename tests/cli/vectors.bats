@@ -31,6 +31,46 @@ BOX='blocks.nii.gz --labels blocks.txt --cuts axial:0 --origin=-90,0,0 --toward=
     awk "BEGIN { exit !($(x R) < $(x L)) }"
 }
 
+@test "on paper every text has 6 to 8 points, of a column and of a page, in SVG, PDF and PNG" {
+    need_readers
+    conus phantom brain -o .
+    local cone='--origin=-90,0,0 --toward=0,0,0 --angle 30 --layers all --quiet --dpi 100'
+    for mm in 85 180; do
+        for ending in png svg pdf; do
+            # shellcheck disable=SC2086
+            gl render brain.atlas.json $cone --width-mm $mm -o space.$ending
+            # shellcheck disable=SC2086
+            gl render brain.atlas.json $cone --width-mm $mm --cuts 3d,axial,coronal,sagittal -o cuts.$ending
+            gl render brain.atlas.json --view left --legend right --width-mm $mm --dpi 100 -q -o areas.$ending
+        done
+        for name in space cuts areas; do
+            /usr/bin/python3 "$BATS_TEST_DIRNAME/vectors.py" sizes $name $mm
+        done
+        for letter in a b c d; do
+            grep -q "<text.*>$letter</text>" cuts.svg
+        done
+    done
+    not grep -q '<text.*>a</text>' space.svg
+}
+
+@test "what is said counts before a style, and a style before the screen's" {
+    sphere --size 16
+    white() { /usr/bin/python3 "$BATS_TEST_DIRNAME/vectors.py" white "$1"; }
+    for style in '--width-mm 30 --dpi 100' '--style print' '--style print --size 200x200'; do
+        # shellcheck disable=SC2086
+        answers render sphere.nii.gz --cuts axial -q $style -o print.png
+        white print.png
+    done
+    for style in '--width-mm 30 --dpi 100 --style screen' '--width-mm 30 --background light' '--size 200x200'; do
+        # shellcheck disable=SC2086
+        answers render sphere.nii.gz --cuts axial -q $style -o screen.png
+        not white screen.png
+    done
+    answers render sphere.nii.gz --cuts axial -q --style print -o print.png
+    file print.png | grep -q '2126 x' # 180 mm at 300 dpi
+    fails 2 '--style: "paper" is none of its choices: auto, screen, print' render sphere.nii.gz -o x.png --style paper
+}
+
 @test "the view in space has its text beside the pixels, too" {
     need_readers
     sphere --size 32

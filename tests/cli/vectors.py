@@ -51,7 +51,7 @@ def check_svg():
     assert float(texts["A"].get("y")) < float(texts["P"].get("y"))
     image, = root.iter(SVG + "image")
     # The outline of 40 x 60 mm gives the length of a mm; the bar is as long as its text says.
-    box, = [numbers(path.get("d")) for path in root.iter(SVG + "path") if path.get("stroke") == "#d2246c"]  # of what is hit
+    box, = [numbers(path.get("d")) for path in root.iter(SVG + "path") if path.get("stroke") == "#8a93a0"]  # one grey
     assert len(box) == 4, box
     # The outline is not in the pixels: a row near the box's edge, where no cone is, has one colour.
     with open("inside.png", "wb") as inside:
@@ -70,7 +70,9 @@ def check_svg():
                               if path.get("stroke") == "#ffb000"])
     middle = (box.min(axis=0) + box.max(axis=0)) / 2
     x, y = ((cone - middle) / pixels_per_mm).T
-    assert numpy.abs(numpy.abs(y) - (x + 90) * numpy.tan(numpy.radians(10))).max() < 0.3
+    assert abs(x.max() + 20) < 0.3, x.max()  # it ends at its deepest hit, the side of the box
+    wall = x < x.max() - 0.5
+    assert numpy.abs(numpy.abs(y) - (x + 90) * numpy.tan(numpy.radians(10)))[wall].max() < 0.3
     return length
 
 
@@ -84,6 +86,23 @@ def check_pdf(length):
     assert not missing, (missing, words)
     fonts = subprocess.run(("pdffonts", "fig.pdf"), check=True, capture_output=True, text=True).stdout
     assert all(row.split()[-5:-2] == ["yes"] * 3 for row in fonts.splitlines()[2:]) and fonts.count("\n") > 2, fonts
+
+
+def check_sizes(name, mm):
+    """Each text of the SVG and of the PDF has 6 to 8 points, and the PNG is as wide. Poppler's box of a word is as high
+    as Liberation Sans goes above and below the baseline: 0.905 + 0.212 of an em (its hhea table)."""
+    root = ElementTree.parse(f"{name}.svg").getroot()
+    wide, _, _ = root.get("width").partition("mm")
+    points = float(wide) / 25.4 * 72 / float(root.get("viewBox").split()[2])
+    sizes = [float(text.get("font-size")) * points for text in root.iter(SVG + "text")]
+    page = subprocess.run(("pdftotext", "-bbox", f"{name}.pdf", "-"), check=True, capture_output=True, text=True).stdout
+    words = [float(low) - float(high) for high, low in re.findall(r'<word .*yMin="([\d.]+)".*yMax="([\d.]+)"', page)]
+    assert len(sizes) > 8 and len(words) >= len(sizes), (len(sizes), len(words))
+    for size in sizes + [height / 1.117 for height in words]:
+        assert 6 - 0.01 <= size <= 8 + 0.01, (name, size)
+    png = oiio.ImageBuf(f"{name}.png").spec()
+    assert abs(float(wide) - float(mm)) < 0.1 and abs(25.4 * png.width / png["XResolution"] - float(mm)) < 0.1, \
+        (wide, png.width, png["XResolution"])
 
 
 def pixels(name, size):
@@ -107,6 +126,10 @@ def check_pictures():
 
 if sys.argv[1] == "write":
     write()
+elif sys.argv[1] == "white":
+    assert (oiio.ImageBuf(sys.argv[2]).get_pixels(oiio.UINT8)[-1, 0] == 255).all()
+elif sys.argv[1] == "sizes":
+    check_sizes(*sys.argv[2:])
 else:
     check_pdf(check_svg())
     check_pictures()

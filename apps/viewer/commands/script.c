@@ -720,7 +720,7 @@ static const struct script_command {
     {"preset", 0, 1, "[NAME]", .act = do_preset},
     {"streamline-colour", 1, 1, "bundle|direction|NAME", .act = do_streamline_colour},
     {"background", 1, 1, "theme|light|white|black|transparent", .sets = PROPERTY_BACKGROUND},
-    {"sheet", 2, 3, "pixels|mm WIDTH HEIGHT, dpi N, legend inside|right|below|none, text on|off", .act = do_sheet},
+    {"sheet", 2, 3, "pixels|mm WIDTH HEIGHT, dpi N, legend auto|right|below|none, text on|off", .act = do_sheet},
     {"figure", 1, 2, "FILE.png [3d|axial|coronal|sagittal]", .act = do_figure},
 };
 enum { COMMANDS = sizeof commands / sizeof commands[0] };

@@ -32,7 +32,7 @@ static void choose_dpi(struct sheet *sheet)
     if (ui_slider("Dots per inch", &dpi, SHEET_DPI_LEAST, 1200, format, true)) {
         sheet->dpi = dpi;
     }
-    ui_tip("pixels per inch, which the file says, with letters of 7.5 points; Ctrl and click to type it");
+    ui_tip("pixels per inch, which the file says, with letters of 7 points; Ctrl and click to type it");
     if (said && ui_small_button("Leave out", NULL)) {
         sheet->dpi = 0;
     }

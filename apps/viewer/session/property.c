@@ -21,7 +21,7 @@ static const char *const follow_names[] = {"nothing", "tip", "contact"};
 static const char *const order_names[] = {"rank", "depth"};
 static const char *const study_names[] = {"none", "sweep", "jitter"};
 static const char *const fold_names[] = {"as-at-first", "folded", "open"};
-static const char *const legend_names[] = {"inside", "right", "below", "none"};
+static const char *const legend_names[] = {"auto", "right", "below", "none"};
 
 static const char *const eye_says[] = {"the mouse's cone begins at the surface: of the context, or of the atlas",
                                        "the mouse's cone begins at your eye"};

@@ -7,6 +7,7 @@
 #include "viewer/session/session_atlases.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 struct numbers {
     uint32_t *now; /* [then + 1] 0 = it is gone */
@@ -161,6 +162,16 @@ static void fit_objects(json_t *root, const struct numbers *numbers, const struc
     }
 }
 
+/* Figures could have their legend inside the drawing. */
+static void fit_legend(json_t *root)
+{
+    json_t *figure = json_object_get(root, "figure");
+    const char *where = json_string_value(json_object_get(figure, "legend"));
+    if (where && strcmp(where, "inside") == 0) {
+        json_object_set_new(figure, "legend", json_string("auto"));
+    }
+}
+
 static bool is_context(const json_t *entry)
 {
     return word_value(json_text(entry, "option"), addition_names[ADD_CONTEXT]);
@@ -192,6 +203,7 @@ void session_fit(json_t *root, const struct window *window)
 {
     const json_t *then = added_of(json_object_get(root, "opened"));
     const json_t *now = added_of(window->files.opened);
+    fit_legend(root);
     if (!then || !now || json_equal(then, now)) {
         return;
     }

@@ -18,7 +18,8 @@ void figure_of_window(struct figure_settings *out, const struct window *window)
     const struct sheet *sheet = &window->sheet;
     const struct view_atlas *drawn = window->viewer->drawn;
     *out =
-        (struct figure_settings){.dpi = sheet->dpi,
+        (struct figure_settings){.side = CONUS_SIDE_OF_CONE + 1,
+                                 .dpi = sheet->dpi,
                                  .legend = (size_t)sheet->legend,
                                  .no_legend = sheet->no_text,
                                  .background = backdrop_of_figures(window->viewer->display.backdrop),
@@ -87,7 +88,7 @@ static conus_status draw_3d(conus_image **out, const char **refusal, const struc
     appearance_set(&view, &viewer->drawn->appearance);
     view.own_colours = viewer->display.own_colours;
     if (!set_camera(&view, &eye, settings->streamline_colour)) {
-        *refusal = "a tracked head's view has no room for a legend beside it: choose inside, below or none";
+        *refusal = "a tracked head's view has no room for a legend beside it: choose auto, below or none";
         return CONUS_OK;
     }
     conus_status status = make_renderer(&renderer, viewer, settings);

@@ -16,7 +16,8 @@ static struct draw_list *trace(const uint32_t *objects, const bool *skips)
 {
     struct draw_list *lines = NULL;
     assert_ok(draw_list_create(&lines, 1, 1));
-    assert_ok(cut_trace_areas(lines, objects, SIDE, SIDE, list, NULL, skips, (double[]){100, 200}));
+    const struct cut_lines to = {.out = lines, .list = list, .width = 1, .at = {100, 200}};
+    assert_ok(cut_trace_areas(&to, objects, SIDE, SIDE, skips));
     assert_false(lines->failed);
     return lines;
 }
@@ -118,7 +119,7 @@ static void the_line_of_a_cone_is_where_its_wall_is(void **state)
     struct cut_place place = {
         .centre = {0, 0, -20}, .right = {1, 0, 0}, .up = {0, 1, 0}, .mm_per_pixel = 0.1, .width = 160, .height = 160};
     struct draw_list *lines = trace((const uint32_t[SIDE *SIDE]){0}, NULL);
-    cut_trace_cone(lines, &place, &cone, (double[]){0, 0});
+    cut_trace_cone(&(struct cut_lines){.out = lines, .width = 1}, &place, &cone);
     assert_int_equal(lines->count, 1);
     assert_true(lines->items[0].count > 100);
     for (size_t k = 0; k < lines->items[0].count; k++) {

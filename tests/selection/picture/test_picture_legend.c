@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The legend inside a picture: its rows if there are too many, and its place beside the drawing. */
+/* The legend of a picture: its rows if there are too many, and its place beside or below the drawing. */
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
 #include "base/look.h"
@@ -18,8 +18,11 @@
 
 enum { WIDTH = 400, HEIGHT = 300, DPI = 100, SLABS = 60, TEXT = 96 };
 
-/* The smallest letters: six tenths of 7.5 points, which are a 72nd inch each. */
-static const double SMALLEST = 0.6 * 7.5 / 72 * DPI;
+/* Letters of 7 points, which are a 72nd inch each, and the smallest. */
+static const double LARGEST = 7.0 / 72 * DPI;
+static const double SMALLEST = 6.0 / 72 * DPI;
+
+enum place { RIGHT, BELOW };
 
 struct scene {
     conus_atlas *atlas;
@@ -92,7 +95,7 @@ static void finish_scene(struct scene *scene)
     conus_atlas_destroy(scene->atlas);
 }
 
-/* By place in the answer, of which `unassigned` is the last; from the seventh on a grey, with a number where it is hit
+/* By place in the answer; from the seventh on a grey, with a number where it is hit
  * first. */
 static const uint8_t ranks[][3] = {{LOOK_RGB(LOOK_RANK_1)},   {LOOK_RGB(LOOK_RANK_2)}, {LOOK_RGB(LOOK_RANK_3)},
                                    {LOOK_RGB(LOOK_RANK_4)},   {LOOK_RGB(LOOK_RANK_5)}, {LOOK_RGB(LOOK_RANK_6)},
@@ -104,17 +107,15 @@ static struct legend_row describe(char text[3][TEXT], const struct scene *scene,
 {
     const conus_result *result = conus_selection_result(scene->selection, index);
     const conus_object *object = conus_atlas_object(scene->atlas, result->object);
-    struct legend_row row = {.name = object ? object->name : "unassigned", .hollow = !object};
-    bool behind = object && result->pixels == 0;
+    struct legend_row row = {.name = object->name};
+    bool behind = result->pixels == 0;
     snprintf(text[0], TEXT, "%.1f %%", 100 * result->share);
     snprintf(text[1], TEXT, "%.1f mm", behind ? result->entry : result->distance);
     row.striped = behind;
     row.detail[0] = behind ? "behind" : text[0];
-    row.detail[1] = object ? text[1] : NULL;
-    if (object) {
-        memcpy(row.rgb, ranks[index < 6 ? index : 6], sizeof row.rgb);
-    }
-    if (object && !behind && index >= 6) {
+    row.detail[1] = text[1];
+    memcpy(row.rgb, ranks[index < 6 ? index : 6], sizeof row.rgb);
+    if (!behind && index >= 6) {
         snprintf(text[2], TEXT, "%zu  %s", index + 1, object->name);
         row.name = text[2];
     }
@@ -132,44 +133,52 @@ static conus_status draw(conus_image **out, const struct scene *scene)
     return conus_render(out, scene->renderer, &view);
 }
 
-/* Asserts that the picture has the expected legend and nothing under it, and a drawing elsewhere. @p width and @p
- * height are the least and the most that the legend takes, in tenths of the picture's. */
-static void check_legend(const struct scene *scene, const struct legend *legend, const double width[2],
-                         const double height[2])
+/* Asserts that the picture has the expected legend on the right, in at most half of the width, or below, where it adds
+ * at most half of the height and has columns of at least three rows; and a drawing elsewhere. */
+static void check_legend(const struct scene *scene, struct legend legend, enum place place)
 {
+    static const float ink[4] = {LOOK_PICTURE_INK_ON_LIGHT, LOOK_PICTURE_INK_ON_LIGHT, LOOK_PICTURE_INK_ON_LIGHT, 1};
+    const double limit[2] = {place == RIGHT ? 0.5 * WIDTH : WIDTH, place == RIGHT ? HEIGHT : 0.5 * HEIGHT};
     struct font *font = NULL;
     conus_image *image = NULL;
     conus_image *expected = NULL;
+    double size[2];
     assert_ok(font_create(&font));
-    assert_ok(image_create_listed(&expected, WIDTH, HEIGHT));
-    legend_draw(expected->list, font, legend);
+    legend.columns = place == RIGHT ? 1 : (legend.count + 2) / 3;
+    legend.ink = ink;
+    legend_fit(size, &legend, font, limit, LARGEST, SMALLEST);
+    if (size[0] > limit[0]) { /* a name is too long for that */
+        legend_fit(size, &legend, font, (double[]){limit[0], INFINITY}, legend.size, 1);
+    }
+    legend.at[place == RIGHT ? 0 : 1] = place == RIGHT ? WIDTH - ceil(size[0]) : HEIGHT;
+    const uint32_t height = HEIGHT + (place == RIGHT ? 0 : (uint32_t)fmin(ceil(size[1]), 0.5 * HEIGHT));
+    assert_ok(image_create_listed(&expected, WIDTH, height));
+    legend_draw(expected->list, font, &legend);
     assert_ok(image_paint(expected));
     assert_ok(draw(&image, scene));
+    assert_int_equal(image->width, WIDTH);
+    assert_int_equal(image->height, height);
     const struct image_rgba a = image_rgba(image);
     const struct image_rgba b = image_rgba(expected);
-    double reach[2] = {0, 0};
     size_t drawn = 0;
-    for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++) {
-        bool inside = b.plane[3][i] > 0;
+    double letters = 0;
+    for (size_t i = 0; i < (size_t)WIDTH * height; i++) {
+        bool inside = (double)(i % WIDTH) >= legend.at[0] && floor((double)i / WIDTH) >= legend.at[1];
         drawn += !inside && a.plane[3][i] > 0;
-        reach[0] = inside ? fmax(reach[0], (double)(i % WIDTH)) : reach[0];
-        size_t row = i / WIDTH;
-        reach[1] = inside ? fmax(reach[1], (double)row) : reach[1];
+        letters += inside ? (double)b.plane[3][i] : 0;
         for (int c = 0; inside && c < 4; c++) {
             assert_near((double)a.plane[c][i], (double)b.plane[c][i], 1e-6);
         }
     }
     assert_true(drawn > 9000);
-    assert_true(reach[0] > width[0] * WIDTH / 10 && reach[0] < width[1] * WIDTH / 10);
-    assert_true(reach[1] > height[0] * HEIGHT / 10 && reach[1] < height[1] * HEIGHT / 10);
+    assert_true(letters > 300);
     conus_image_destroy(image);
     conus_image_destroy(expected);
     font_destroy(font);
 }
 
 /* Checks the legend of a cone that has no further rows. */
-static void check_rows(const struct scene *scene, const struct legend_row *rows, size_t count, const double width[2],
-                       const double height[2])
+static void check_rows(const struct scene *scene, const struct legend_row *rows, size_t count, enum place place)
 {
     char subtitle[PICTURE_TEXT];
     picture_describe_cone(subtitle, &scene->selection->cone, NULL);
@@ -177,47 +186,45 @@ static void check_rows(const struct scene *scene, const struct legend_row *rows,
                                   .subtitle = subtitle,
                                   .header = {"share", "distance"},
                                   .rows = rows,
-                                  .count = count,
-                                  .widest = 1,
-                                  .size = SMALLEST};
-    check_legend(scene, &legend, width, height);
+                                  .count = count};
+    check_legend(scene, legend, place);
 }
 
-/* Checks a legend with the first `shown` results, or all if that is 0, a row about the others if there are any, and
- * `unassigned`, the last result. */
-static void check(struct scene *scene, size_t shown, const double width[2], const double height[2])
+/* Checks a legend with the first `shown` results, or all if that is 0, and a row about the others if there are any. All
+ * rays hit something, so `unassigned`, the last result, has no row. */
+static void check(struct scene *scene, size_t shown, enum place place)
 {
     char texts[SLABS + 1][3][TEXT];
     char more[40];
     struct legend_row rows[SLABS + 2];
-    size_t results = conus_selection_count(scene->selection);
+    const size_t results = conus_selection_count(scene->selection) - 1;
     size_t count = 0;
-    shown = shown ? shown : results - 1;
+    assert_int_equal(conus_selection_result(scene->selection, results)->object, 0);
+    shown = shown ? shown : results;
     for (size_t i = 0; i < shown; i++, count++) {
         rows[count] = describe(texts[i], scene, i);
     }
-    if (shown + 1 < results) {
-        snprintf(more, sizeof more, "\u2026 and %zu more", results - 1 - shown);
-        rows[count++] = (struct legend_row){.name = more, .hollow = true, .detail = {"behind"}};
+    if (shown < results) {
+        snprintf(more, sizeof more, "\u2026 and %zu more", results - shown);
+        rows[count++] = (struct legend_row){.name = more, .plain = true, .detail = {"behind"}};
     }
-    rows[count] = describe(texts[SLABS], scene, results - 1);
-    check_rows(scene, rows, count + 1, width, height);
+    check_rows(scene, rows, count, place);
     finish_scene(scene);
 }
 
-/* The head has 1.15 + 1 + 1 lines of 1.45 em, margins and padding 3.4 em; an em has 6.25 pixels. So 27.6 rows fit into
- * 300 pixels: the one that is hit, 24 behind it, one about the other 35, and `unassigned`. */
+/* The head has 1.1 + 1 + 1 lines of 1.45 em, the margins 2.4 em; an em has 8.33 pixels. So 20 rows fit into 300 pixels:
+ * the one that is hit, 18 behind it, and one about the others. */
 static void the_last_rows_behind_are_counted_in_one(void **state)
 {
     (void)state;
     struct scene scene = make_scene(slabs, "Slab", left, 20);
-    check(&scene, 25, (double[]){2, 5}, (double[]){9, 10});
+    check(&scene, 19, RIGHT);
 }
 
 /* At the face, 40 mm before the device, a cone of 34.4 degrees reaches 12.4 mm to either side: it hits 26 slabs first.
  * At the end of the slabs, 60 mm away, it reaches 18.6 mm, which is 12 slabs more, behind these; at 80 mm it is in six
- * of the others. So there are 45 rows with `unassigned`, 18 of them behind. 27 are left without those, and the row that
- * counts them is one too many. Therefore the rows that are hit are counted, too. */
+ * of the others. So there are 44 rows and `unassigned`, 18 of them behind. 26 are left without those, which are too
+ * many for 20 lines. Therefore the rows that are hit are counted, too. */
 static void rows_that_are_hit_are_counted_with_the_others(void **state)
 {
     (void)state;
@@ -229,24 +236,50 @@ static void rows_that_are_hit_are_counted_with_the_others(void **state)
     }
     assert_int_equal(conus_selection_count(scene.selection), 45);
     assert_int_equal(behind, 18);
-    check(&scene, 0, (double[]){2, 5}, (double[]){9, 10});
+    check(&scene, 0, RIGHT);
 }
 
-/* A name of 48 letters makes the panel wider than half of the picture. */
-static void the_drawing_is_right_of_a_high_legend(void **state)
+/* 82 letters are too long for half of the width, and below the drawing for letters of 6 points. Where the legend is
+ * asked for on the right it is there all the same, with its names whole. */
+static void long_names_have_the_place_below(void **state)
 {
     (void)state;
-    struct scene scene = make_scene(slabs, "One of sixty slabs, which are a millimetre thick", left, 20);
-    check(&scene, 25, (double[]){5, 6}, (double[]){9, 10});
+    for (enum place place = RIGHT; place <= BELOW; place++) {
+        struct scene scene = make_scene(
+            halves, "One of the two halves of the atlas, which is called by a name that is so very long", left, 20);
+        scene.view.legend = place == RIGHT ? CONUS_LEGEND_RIGHT : CONUS_LEGEND_AUTO;
+        check(&scene, 2, place);
+    }
 }
 
-/* A name of 82 letters leaves no room in the width, but three rows leave most of the height. */
-static void the_drawing_is_below_a_wide_legend(void **state)
+/* A picture that is not wider than high keeps its width. */
+static void a_high_picture_has_its_legend_below(void **state)
 {
     (void)state;
-    struct scene scene = make_scene(
-        halves, "One of the two halves of the atlas, which is called by a name that is so very long", left, 20);
-    check(&scene, 2, (double[]){7, 10}, (double[]){2, 3});
+    for (uint32_t height = 399; height <= 400; height++) {
+        struct scene scene = make_scene(halves, "Half", left, 20);
+        conus_image *image = NULL;
+        const conus_view view = {.width = 400, .height = height, .dpi = DPI, .selection = scene.selection};
+        assert_ok(conus_render(&image, scene.renderer, &view));
+        assert_int_equal(image->height > height, height == 400);
+        conus_image_destroy(image);
+        finish_scene(&scene);
+    }
+}
+
+/* A cone of 90 degrees 40 mm before a ball of 20 mm: most of its rays pass it. */
+static void rays_that_hit_nothing_have_a_row(void **state)
+{
+    (void)state;
+    char texts[2][3][TEXT];
+    struct scene scene = make_scene(picture_ball_of_20, "Ball", left, 90);
+    struct legend_row rows[2] = {describe(texts[0], &scene, 0)};
+    const conus_result *missed = conus_selection_result(scene.selection, 1);
+    assert_true(missed->object == 0 && missed->share > 0.5);
+    snprintf(texts[1][0], TEXT, "%.1f %%", 100 * missed->share);
+    rows[1] = (struct legend_row){.name = "unassigned", .plain = true, .detail = {texts[1][0]}};
+    check_rows(&scene, rows, 2, BELOW);
+    finish_scene(&scene);
 }
 
 /* A streamline of 40 mm along y, at x and about y. */
@@ -264,28 +297,28 @@ static void add_bundle(conus_atlas *atlas, const char *name, double x, double y)
 /* The cone of 8 degrees, 40 mm before its apex, goes through the first bundle, 15 mm before the brain. At the end of
  * the brain, 90 mm away, it reaches 6.3 mm to either side: neither to the area from 10 mm on, nor to the two other
  * bundles, which begin 20 mm beside its axis. In an atlas with bundles areas that the cone does not reach are not
- * drawn, and such bundles are pale. A name of more than 42 letters makes all letters the smallest. */
+ * drawn, and such bundles are pale. A name of more than 42 letters needs more than two fifths of the width. */
 static void bundles_that_are_not_hit_have_rows(void **state)
 {
     (void)state;
     static const char *const names[] = {"The bundle that is hit, which has a long name", "Beside", "Beside it"};
-    char texts[3][3][TEXT];
-    struct legend_row rows[6];
+    char texts[2][3][TEXT];
+    struct legend_row rows[5];
     conus_atlas *atlas = make_atlas(front_and_rest, "Area");
     for (int k = 0; k < 3; k++) {
         add_bundle(atlas, names[k], -45, 40 * k);
     }
     struct scene scene = see(atlas, left, 8);
     assert_int_equal(conus_selection_count(scene.selection), 3); /* with `unassigned` */
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 2; i++) {
         rows[i] = describe(texts[i], &scene, i);
     }
     for (size_t k = 1; k < 3; k++) {
-        rows[2 + k] = (struct legend_row){.name = names[k], .detail = {"not hit"}};
-        memcpy(rows[2 + k].rgb, not_hit, sizeof rows[2 + k].rgb);
+        rows[1 + k] = (struct legend_row){.name = names[k], .detail = {"not hit"}};
+        memcpy(rows[1 + k].rgb, not_hit, sizeof rows[1 + k].rgb);
     }
-    rows[5] = (struct legend_row){.name = "other areas", .hollow = true, .detail = {"not drawn"}};
-    check_rows(&scene, rows, 6, (double[]){5, 7}, (double[]){3, 5});
+    rows[4] = (struct legend_row){.name = "other areas", .plain = true, .detail = {"not drawn"}};
+    check_rows(&scene, rows, 5, BELOW);
     finish_scene(&scene);
 }
 
@@ -293,8 +326,8 @@ static void bundles_that_are_not_hit_have_rows(void **state)
 static void many_bundles_that_are_not_hit_are_counted(void **state)
 {
     (void)state;
-    char texts[2][3][TEXT];
-    struct legend_row rows[3];
+    char text[3][TEXT];
+    struct legend_row rows[2];
     conus_atlas *atlas = make_atlas(picture_ball_of_20, "A ball, which is called by a rather long name");
     for (int k = 0; k < 5; k++) {
         char name[] = "Bundle 0";
@@ -303,11 +336,9 @@ static void many_bundles_that_are_not_hit_are_counted(void **state)
     }
     struct scene scene = see(atlas, left, 8);
     assert_int_equal(conus_selection_count(scene.selection), 2);
-    for (size_t i = 0; i < 2; i++) {
-        rows[i] = describe(texts[i], &scene, i);
-    }
-    rows[2] = (struct legend_row){.name = "5 bundles", .hollow = true, .detail = {"not hit"}};
-    check_rows(&scene, rows, 3, (double[]){5, 7}, (double[]){2, 4});
+    rows[0] = describe(text, &scene, 0);
+    rows[1] = (struct legend_row){.name = "5 bundles", .plain = true, .detail = {"not hit"}};
+    check_rows(&scene, rows, 2, BELOW);
     finish_scene(&scene);
 }
 
@@ -316,21 +347,53 @@ static void an_area_that_is_given_an_opacity_has_a_row(void **state)
 {
     (void)state;
     const double opacity[] = {NAN, NAN, 1, NAN, NAN};
-    char texts[3][3][TEXT];
-    struct legend_row rows[4];
+    char texts[2][3][TEXT];
+    struct legend_row rows[3];
     conus_atlas *atlas = make_atlas(front_and_rest, "Area");
     add_bundle(atlas, "The bundle that is hit, which has a long name", -45, 0);
     struct scene scene = see(atlas, left, 8);
     scene.view.opacity = opacity;
     assert_int_equal(conus_selection_count(scene.selection), 3);
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 2; i++) {
         rows[i] = describe(texts[i], &scene, i);
     }
     assert_string_equal(rows[1].name, "Area"); /* the other one, 1 */
-    rows[3] = (struct legend_row){.name = "Area", .detail = {"not hit"}};
-    memcpy(rows[3].rgb, ranks[2], 3); /* behind the two that are hit */
-    check_rows(&scene, rows, 4, (double[]){5, 7}, (double[]){2, 5});
+    rows[2] = (struct legend_row){.name = "Area", .detail = {"not hit"}};
+    memcpy(rows[2].rgb, ranks[2], 3); /* behind the two that are hit */
+    check_rows(&scene, rows, 3, BELOW);
     finish_scene(&scene);
+}
+
+/* Every second of sixty slabs is hit, the last one best: while the palette has colours, what is hit has one that
+ * nothing better has, and all other slabs, the best one, too, keep theirs. */
+static void what_is_hit_differs_in_a_palette(void **state)
+{
+    (void)state;
+    static const uint8_t palette[4][3] = {{200, 0, 0}, {0, 150, 0}, {0, 0, 250}, {220, 200, 0}};
+    uint32_t places[SLABS + 1] = {0};
+    conus_atlas *atlas = make_atlas(slabs, "Slab");
+    assert_ok(conus_atlas_use_palette(atlas, palette[0], 4));
+    size_t colours = 0; /* that are in use: lighter and darker ones, too */
+    for (size_t n = 0; n < SLABS; n++) {
+        bool is_new = true;
+        for (size_t k = 0; k < n; k++) {
+            is_new = is_new && memcmp(atlas->objects[n].rgb, atlas->objects[k].rgb, 3) != 0;
+        }
+        colours += is_new;
+        places[n + 1] = n % 2 ? (uint32_t)(SLABS - n + 1) / 2 : 0;
+    }
+    assert_in_range(colours, 2, SLABS / 2 - 1);
+    uint8_t(*rgb)[3] = picture_rank_colours(places, atlas, 0);
+    assert_non_null(rgb);
+    for (size_t n = 1; n <= SLABS; n++) {
+        bool keeps = places[n] <= 1;
+        assert_true(!keeps || memcmp(rgb[n], atlas->objects[n - 1].rgb, 3) == 0);
+        for (size_t k = 1; k < n && places[n] && places[n] <= colours; k++) {
+            assert_true(!places[k] || places[k] > colours || memcmp(rgb[n], rgb[k], 3) != 0);
+        }
+    }
+    memory_free(rgb);
+    conus_atlas_destroy(atlas);
 }
 
 /* Mean saturation of the drawing in the right part of the picture: the largest less the least channel, over the
@@ -402,27 +465,22 @@ static void areas_that_are_not_hit_can_be_left_out(void **state)
 static void a_legend_without_a_cone_has_the_first_rows(void **state)
 {
     (void)state;
-    struct font *font = NULL;
-    double size[2];
     conus_atlas *atlas = make_atlas(slabs, "One of sixty slabs, which are a millimetre thick");
     struct legend_row rows[] = {{.name = atlas->objects[0].name},
                                 {.name = atlas->objects[1].name},
-                                {.name = "\u2026 and 58 more", .hollow = true}};
-    struct legend legend = {.title = "Areas", .rows = rows, .count = 3, .widest = 1};
+                                {.name = "\u2026 and 58 more", .plain = true}};
+    const struct legend legend = {.title = "Areas", .rows = rows, .count = 3};
     memcpy(rows[0].rgb, atlas->objects[0].rgb, 3);
     memcpy(rows[1].rgb, atlas->objects[1].rgb, 3);
     struct scene scene = see(atlas, left, 8);
     conus_selection_destroy(scene.selection);
     scene.selection = NULL;
     scene.view.legend_rows = 2;
-    assert_ok(font_create(&font));
-    legend.size = legend_fit(size, font, &legend, (double[]){0.42 * WIDTH, HEIGHT}, SMALLEST / 0.6, SMALLEST);
-    check_legend(&scene, &legend, (double[]){3, 5}, (double[]){1, 4});
-    font_destroy(font);
+    check_legend(&scene, legend, BELOW);
     finish_scene(&scene);
 }
 
-/* 60 rows do not fit: the picture stays as large as asked for, and below it becomes at most twice as high. */
+/* 60 rows do not fit: the picture stays as large as asked for, and below it becomes higher by at most half. */
 static void a_legend_outside_does_not_make_the_picture_endless(void **state)
 {
     (void)state;
@@ -433,7 +491,8 @@ static void a_legend_outside_does_not_make_the_picture_endless(void **state)
         scene.view.legend = right ? CONUS_LEGEND_RIGHT : CONUS_LEGEND_BELOW;
         assert_ok(draw(&image, &scene));
         assert_int_equal(conus_image_width(image), WIDTH);
-        assert_in_range(conus_image_height(image), right ? HEIGHT : HEIGHT + HEIGHT / 2, right ? HEIGHT : 2 * HEIGHT);
+        assert_in_range(conus_image_height(image), right ? HEIGHT : HEIGHT + HEIGHT / 3,
+                        right ? HEIGHT : HEIGHT + HEIGHT / 2);
         conus_image_destroy(image);
         if (n == 1) { /* and without a cone */
             conus_selection_destroy(scene.selection);
@@ -505,51 +564,63 @@ static void heat(uint8_t rgb[3], double part)
     }
 }
 
-/* Pathways with the probability 1 from a half on, both drawn as heat. The legend has a bar from 50 to 100 %, and for
- * each pathway a disc with its number, which is on the picture, too. The disc has the pathway's colour; it is one and a
- * half times as high as the letters, 86 pixels large, less the number and the rim. */
-static void haze_by_values_has_a_bar_and_numbers(void **state)
+/* A scene without a cone of halves and so many pathways with the probability 1 from a half on, drawn as heat. */
+static struct scene see_haze(size_t count)
 {
-    (void)state;
-    static const char *const words[] = {"100", "88", "75", "62", "50"};
-    static const char *const names[] = {"1  First", "2  Second"};
+    static const char *const names[] = {"First", "Second"};
     const conus_pathway_transfer transfer = {.transfer = "heat"};
-    uint8_t bars[5][LEGEND_BAR][3];
-    struct legend_row rows[8];
-    struct legend legend = {.title = "Pathways", .rows = rows, .count = 8, .tail = 6, .widest = 1};
-    struct font *font = NULL;
-    conus_image *image = NULL;
-    double size[2];
     conus_atlas *atlas = make_atlas(halves, "Half");
-    assert_ok(area_rows_add_pathway(atlas, "First"));
-    assert_ok(area_rows_add_pathway(atlas, "Second"));
+    for (size_t i = 0; i < count; i++) {
+        assert_ok(area_rows_add_pathway(atlas, names[i]));
+    }
     struct scene scene = see(atlas, left, 8);
     conus_selection_destroy(scene.selection);
     scene.selection = NULL;
     conus_renderer_destroy(scene.renderer);
     assert_ok(conus_renderer_create(&scene.renderer, atlas,
                                     &(conus_renderer_options){.pathways = &transfer, .pathway_count = 1}));
-    for (size_t i = 0; i < 2; i++) {
-        rows[i] = (struct legend_row){.name = names[i]};
-        memcpy(rows[i].rgb, atlas->objects[2 + i].rgb, 3);
-    }
-    rows[2] = (struct legend_row){.name = "Pathways by probability, %", .heading = true};
+    return scene;
+}
+
+/* The key of heat from 50 to 100 %: a heading and five marks. */
+static void describe_heat(struct legend_row rows[6], uint8_t bars[5][LEGEND_BAR][3])
+{
+    static const char *const words[] = {"100", "88", "75", "62", "50"};
+    rows[0] = (struct legend_row){.name = "Pathways by probability, %", .heading = true};
     for (size_t i = 0; i < 5; i++) {
         for (size_t k = 0; k < LEGEND_BAR && i; k++) {
             heat(bars[i][k], 1 - ((double)i - 1 + ((double)k + 0.5) / LEGEND_BAR) / 4);
         }
-        rows[3 + i] =
+        rows[1 + i] =
             (struct legend_row){.name = words[i], .mark = true, .bar = i ? (const uint8_t(*)[3])bars[i] : NULL};
     }
-    assert_ok(font_create(&font));
-    legend.size = legend_fit(size, font, &legend, (double[]){0.42 * WIDTH, HEIGHT}, SMALLEST / 0.6, SMALLEST);
-    check_legend(&scene, &legend, (double[]){3, 5}, (double[]){3, 6});
+}
+
+/* The legend has a bar from 50 to 100 %, and for each pathway a disc with its number, which is on the picture, too. The
+ * disc has the pathway's colour; it is one and a half times as high as the letters, 86 pixels large, less the number
+ * and the rim. */
+static void haze_by_values_has_a_bar_and_numbers(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"1  First", "2  Second"};
+    uint8_t bars[5][LEGEND_BAR][3];
+    struct legend_row rows[8];
+    const struct legend legend = {.title = "Pathways", .rows = rows, .count = 8, .tail = 6};
+    conus_image *image = NULL;
+    struct scene scene = see_haze(2);
+    const conus_atlas *atlas = scene.atlas;
+    for (size_t i = 0; i < 2; i++) {
+        rows[i] = (struct legend_row){.name = names[i]};
+        memcpy(rows[i].rgb, atlas->objects[2 + i].rgb, 3);
+    }
+    describe_heat(rows + 2, bars);
+    check_legend(&scene, legend, RIGHT);
+    scene.view.legend = CONUS_LEGEND_BELOW;
     assert_ok(draw(&image, &scene));
     for (size_t n = 2; n < 4; n++) {
         size_t found = 0;
         for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++) {
-            const size_t row = i / WIDTH;
-            double worst = i % WIDTH < size[0] && row < size[1]; /* not in the legend */
+            double worst = 0; /* the legend is below these rows */
             for (int c = 0; c < 3; c++) {
                 double level = atlas->objects[n].rgb[c] / 255.0;
                 double linear = level <= 0.04045 ? level / 12.92 : pow((level + 0.055) / 1.055, 2.4);
@@ -560,7 +631,24 @@ static void haze_by_values_has_a_bar_and_numbers(void **state)
         assert_in_range(found, 40, 200);
     }
     conus_image_destroy(image);
-    font_destroy(font);
+    finish_scene(&scene);
+}
+
+/* The chip of a single one has all colours of the bar, from the least on the left to the largest. */
+static void one_haze_has_its_bar_as_its_chip(void **state)
+{
+    (void)state;
+    uint8_t ramp[LEGEND_BAR][3];
+    uint8_t bars[5][LEGEND_BAR][3];
+    struct legend_row rows[7] = {{.name = "First", .ramp = (const uint8_t(*)[3])ramp}};
+    const struct legend legend = {.title = "Pathways", .rows = rows, .count = 7, .tail = 6};
+    struct scene scene = see_haze(1);
+    for (size_t k = 0; k < LEGEND_BAR; k++) {
+        heat(ramp[k], ((double)k + 0.5) / LEGEND_BAR);
+    }
+    heat(rows[0].rgb, 0.5);
+    describe_heat(rows + 1, bars);
+    check_legend(&scene, legend, RIGHT);
     finish_scene(&scene);
 }
 
@@ -571,27 +659,21 @@ static void colour_streamlines(struct scene *scene, const char *by)
         conus_renderer_create(&scene->renderer, scene->atlas, &(conus_renderer_options){.streamline_colour = by}));
 }
 
-/* A picture without a cone has the key, too: red, green and blue are the axes. The letters are as large as 0.42 of the
- * width allows. */
+/* A picture without a cone has the key, too: red, green and blue are the axes. */
 static void colours_of_directions_have_a_key(void **state)
 {
     (void)state;
     static const struct legend_row rows[] = {{.rgb = {255, 0, 0}, .name = "left to right"},
                                              {.rgb = {0, 255, 0}, .name = "back to front"},
                                              {.rgb = {0, 0, 255}, .name = "down to up"}};
-    struct legend legend = {.title = "Streamlines by direction", .rows = rows, .count = 3, .widest = 1};
-    struct font *font = NULL;
-    double size[2];
+    const struct legend legend = {.title = "Streamlines by direction", .rows = rows, .count = 3};
     conus_atlas *atlas = make_atlas(picture_ball_of_20, "Ball");
     add_bundle(atlas, "Bundle", -45, 0);
     struct scene scene = see(atlas, left, 8);
     colour_streamlines(&scene, "direction");
     conus_selection_destroy(scene.selection);
     scene.selection = NULL;
-    assert_ok(font_create(&font));
-    legend.size = legend_fit(size, font, &legend, (double[]){0.42 * WIDTH, HEIGHT}, SMALLEST / 0.6, SMALLEST);
-    check_legend(&scene, &legend, (double[]){3, 5}, (double[]){2, 4});
-    font_destroy(font);
+    check_legend(&scene, legend, RIGHT);
     finish_scene(&scene);
 }
 
@@ -604,8 +686,8 @@ static void colours_of_a_number_have_a_bar(void **state)
     static const char *const words[] = {"0.750", "0.625", "0.500", "0.375", "0.250"};
     static const double colours[][3] = {{250, 230, 80}, {138, 204, 84}, {40, 156, 128}, {36, 104, 142}, {34, 46, 110}};
     uint8_t bars[5][LEGEND_BAR][3];
-    char texts[3][3][TEXT];
-    struct legend_row rows[9];
+    char texts[2][3][TEXT];
+    struct legend_row rows[8];
     struct tract_builder builder;
     float values[] = {0.25F, 0.75F};
     conus_atlas *atlas = make_atlas(picture_ball_of_20, "A ball, which is called by a rather long name, too");
@@ -624,7 +706,7 @@ static void colours_of_a_number_have_a_bar(void **state)
     struct scene scene = see(atlas, left, 8);
     colour_streamlines(&scene, "FA");
     assert_int_equal(conus_selection_count(scene.selection), 3);
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 2; i++) {
         rows[i] = describe(texts[i], &scene, i);
     }
     for (size_t i = 0; i < 5; i++) {
@@ -634,11 +716,19 @@ static void colours_of_a_number_have_a_bar(void **state)
             double mixed = colours[i - 1][k % 3] + down * (colours[i][k % 3] - colours[i - 1][k % 3]);
             bars[i][k / 3][k % 3] = (uint8_t)(mixed + 0.5);
         }
-        rows[4 + i] =
+        rows[3 + i] =
             (struct legend_row){.name = words[i], .mark = true, .bar = i ? (const uint8_t(*)[3])bars[i] : NULL};
     }
-    rows[3] = (struct legend_row){.name = "Streamlines by FA", .heading = true};
-    check_rows(&scene, rows, 9, (double[]){5, 7}, (double[]){3, 6});
+    rows[2] = (struct legend_row){.name = "Streamlines by FA", .heading = true};
+    char subtitle[PICTURE_TEXT];
+    picture_describe_cone(subtitle, &scene.selection->cone, NULL);
+    const struct legend legend = {.title = "Hits of the cone",
+                                  .subtitle = subtitle,
+                                  .header = {"share", "distance"},
+                                  .rows = rows,
+                                  .count = 8,
+                                  .tail = 6};
+    check_legend(&scene, legend, BELOW);
     finish_scene(&scene);
 }
 
@@ -647,8 +737,9 @@ TEST_GROUP(picture_legend)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_last_rows_behind_are_counted_in_one),
         cmocka_unit_test(rows_that_are_hit_are_counted_with_the_others),
-        cmocka_unit_test(the_drawing_is_right_of_a_high_legend),
-        cmocka_unit_test(the_drawing_is_below_a_wide_legend),
+        cmocka_unit_test(long_names_have_the_place_below),
+        cmocka_unit_test(a_high_picture_has_its_legend_below),
+        cmocka_unit_test(rays_that_hit_nothing_have_a_row),
         cmocka_unit_test(bundles_that_are_not_hit_have_rows),
         cmocka_unit_test(an_area_that_is_given_an_opacity_has_a_row),
         cmocka_unit_test(areas_with_an_opacity_or_a_row_are_not_pale),
@@ -656,7 +747,9 @@ TEST_GROUP(picture_legend)
         cmocka_unit_test(a_legend_without_a_cone_has_the_first_rows),
         cmocka_unit_test(a_legend_outside_does_not_make_the_picture_endless),
         cmocka_unit_test(letters_have_contrast_on_any_background),
+        cmocka_unit_test(what_is_hit_differs_in_a_palette),
         cmocka_unit_test(haze_by_values_has_a_bar_and_numbers),
+        cmocka_unit_test(one_haze_has_its_bar_as_its_chip),
         cmocka_unit_test(many_bundles_that_are_not_hit_are_counted),
         cmocka_unit_test(colours_of_directions_have_a_key),
         cmocka_unit_test(colours_of_a_number_have_a_bar),
