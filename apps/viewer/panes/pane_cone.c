@@ -66,13 +66,14 @@ static void find_extent(struct window *window, enum tool_number number)
     struct cone_sight *sight = &window->pictures.cones[number];
     unsigned answer = viewer->tools[number].answer_number;
     if (sight->of == viewer->drawn && sight->answer_number == answer && sight->atlas_number == viewer->atlas_number &&
-        sight->scene_number == viewer->scene_number) {
+        sight->scene_number == viewer->scene_number && sight->plan_number == viewer->plan.number) {
         return;
     }
     sight->of = viewer->drawn;
     sight->answer_number = answer;
     sight->atlas_number = viewer->atlas_number;
     sight->scene_number = viewer->scene_number;
+    sight->plan_number = viewer->plan.number;
     sight->is_seen = false;
     extent_find(&sight->extent, viewer, number);
     if (window->frame.turns_cone == number) { /* about the place where it was taken */

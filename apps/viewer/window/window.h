@@ -69,7 +69,8 @@ struct cone_sight {
     const struct view_atlas *of; /**< The drawn atlas, */
     unsigned answer_number;      /**< and the tool's number and */
     unsigned atlas_number;       /**< the viewer's, */
-    unsigned scene_number;       /**< whose extent it is. */
+    unsigned scene_number;       /**< scene's */
+    unsigned plan_number;        /**< and plan's, whose extent it is. */
     struct extent extent;
     bool is_seen;   /**< What follows was found for it, */
     struct eye eye; /**< seen from here, */

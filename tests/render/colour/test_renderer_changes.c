@@ -230,6 +230,19 @@ static size_t count_green(const conus_image *image, uint32_t from, uint32_t to)
     return count;
 }
 
+/* Pixels of the cone's colour or darker: in linear light its green is 0.43 of its red, and it has no blue. */
+static size_t count_amber(const conus_image *image)
+{
+    const float *r = conus_image_floats(image, "R");
+    const float *g = conus_image_floats(image, "G");
+    const float *b = conus_image_floats(image, "B");
+    size_t count = 0;
+    for (uint32_t p = 0; p < PIXELS; p++) {
+        count += r[p] > 0.1F && g[p] > 0.3F * r[p] && g[p] < 0.6F * r[p] && b[p] < 0.2F * r[p];
+    }
+    return count;
+}
+
 /* A picture of an atlas with a pathway shows the pathway, and of the areas only those that a selection hits. Here this
  * is the box on the picture's right, which reaches beyond the pathway's grid of z from -5 to 5; the other box is not
  * hit. The box is 16 x 16 mm at a distance of about 142, which gives its number of pixels from the front. */
@@ -248,6 +261,7 @@ static void areas_that_are_hit_are_drawn_beside_pathways(void **state)
     assert_int_equal(conus_selection_result(selection, 0)->object, 1);
     conus_image *alone = render(renderer, (conus_view){0});
     conus_image *with = render(renderer, (conus_view){.selection = selection, .own_colours = true});
+    conus_image *no_cone = render(renderer, (conus_view){.selection = selection, .own_colours = true, .no_cone = true});
     conus_image *draft = render(renderer, (conus_view){.draft = true});
     conus_image *again = render(renderer, (conus_view){0});
     const double pixels_per_mm = HEIGHT / (2 * 142 * tan(0.35 / 2));
@@ -256,10 +270,14 @@ static void areas_that_are_hit_are_drawn_beside_pathways(void **state)
     assert_int_equal(count_green(with, 0, WIDTH / 2), 0);
     assert_true((double)count_green(with, WIDTH / 2, WIDTH) > 0.6 * box); /* the cone's marks cover some of it */
     assert_true((double)count_green(with, WIDTH / 2, WIDTH) < 1.1 * box);
+    assert_true(count_amber(with) > 20);
+    assert_int_equal(count_amber(no_cone), 0); /* and what it hits is there all the same */
+    assert_true(count_green(no_cone, WIDTH / 2, WIDTH) > count_green(with, WIDTH / 2, WIDTH));
     assert_true((double)count_green(draft, WIDTH / 2, WIDTH) > 0.9 * box); /* has those of the picture before */
     assert_near(difference(alone, again), 0, 0);
     conus_image_destroy(alone);
     conus_image_destroy(with);
+    conus_image_destroy(no_cone);
     conus_image_destroy(draft);
     conus_image_destroy(again);
     conus_selection_destroy(selection);

@@ -332,6 +332,16 @@ static void areas_have_the_colours_of_their_ranks(void **state)
     view.fill = 0;
     assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
     assert_memory_equal(pixel_at(&picture, 45, y[1]), black, 3);
+    static struct picture no_cone;
+    view.no_cone = true; /* then the amber, whose inside has more red, is gone */
+    assert_ok(conus_cut(no_cone.rgba, NULL, atlas, &view));
+    size_t changed = 0;
+    for (size_t pixel = 0; pixel < (size_t)SIDE * SIDE; pixel++) {
+        changed += no_cone.rgba[4 * pixel] < picture.rgba[4 * pixel];
+        assert_true(no_cone.rgba[4 * pixel] <= picture.rgba[4 * pixel]);
+    }
+    assert_true(changed > 100);
+    view.no_cone = false;
     view.fill = 1;
     conus_atlas_use_safe_colours(atlas);
     assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
