@@ -829,7 +829,7 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
     if (picture->probe_count && !settings->translucent.opacity.count) {
         view.pale = FAINT;
     }
-    if (!view.legend_rows &&
+    if (!view.legend_rows && view.legend != CONUS_LEGEND_NONE &&
         option_given(picture->arguments, "legend")) { /* a legend that was asked for is drawn without a cone, too */
         view.legend_rows = UINT32_MAX;
     }
