@@ -829,7 +829,7 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
     if (picture->probe_count && !settings->translucent.opacity.count) {
         view.pale = FAINT;
     }
-    if (!view.legend_rows &&
+    if (!view.legend_rows && view.legend != CONUS_LEGEND_NONE &&
         option_given(picture->arguments, "legend")) { /* a legend that was asked for is drawn without a cone, too */
         view.legend_rows = UINT32_MAX;
     }
@@ -838,13 +838,14 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
         print_error_line("note: --legend lists no areas in cuts but those that a cone hits (--origin or --pose), "
                          "unless 3d is beside them");
     }
-    if (settings->turn.frames && selection && !option_given(picture->arguments, "legend")) {
-        view.legend = CONUS_LEGEND_BELOW; /* all drawings are as large */
-    }
     view.shapes = path_ends_in(path, ".svg") || path_ends_in(path, ".pdf");
     if (settings->cuts.cuts && !option_given(picture->arguments, "size") &&
         !option_given(picture->arguments, "height-mm")) {
         view.height = 0;
+    }
+    bool is_sheet = settings->cuts.cuts && !view.height;
+    if ((settings->turn.frames || is_sheet) && selection && !option_given(picture->arguments, "legend")) {
+        view.legend = CONUS_LEGEND_BELOW; /* all frames are as large, and rows of cuts as wide as they can be */
     }
     int code = settings->cuts.cuts ? render_cuts_find(&planes, &count, &settings->cuts, picture->arguments,
                                                       picture->atlas, &picture->frame, selection, pose)

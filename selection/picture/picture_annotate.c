@@ -457,8 +457,10 @@ static void draw_measured(struct draw_list *list, const struct picture *picture)
 
 void picture_annotate(struct draw_list *list, const struct picture *picture)
 {
-    if (picture->legend) {
+    if (picture->legend || picture->options.legend_rows) {
         draw_tags(list, picture);
+    }
+    if (picture->legend) {
         picture_legend_draw(list, picture);
     }
     if (picture_is_across(picture)) {

@@ -450,6 +450,7 @@ static conus_status draw_space(struct sheet *sheet, const struct panel *panel)
     view.width = (uint32_t)panel->size[0];
     view.height = (uint32_t)panel->size[1];
     view.legend = CONUS_LEGEND_NONE;
+    view.legend_rows = sheet->picture.legend ? 1 : 0; /* the numbers of the one that is beside */
     view.shapes = true;
     view.dpi = sheet->picture.em * 72 / LOOK_FIGURE_POINTS;
     view.background = view.background == CONUS_BACKGROUND_LIGHT ? CONUS_BACKGROUND_TRANSPARENT : view.background;

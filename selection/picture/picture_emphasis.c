@@ -76,52 +76,49 @@ uint32_t *picture_ranks(const conus_selection *selection)
     return ranks;
 }
 
-/* Finds the first colour of the palette that is not taken; leaves what is there where all are. */
-static void find_free(uint8_t out[3], const conus_atlas *atlas, const uint8_t (*taken)[3], size_t count)
+static bool is_taken(const uint8_t rgb[3], const uint8_t (*taken)[3], size_t count)
 {
-    for (size_t n = 0; n < atlas->object_count; n++) {
-        bool is_free = true;
-        for (size_t i = 0; i < count && is_free; i++) {
-            is_free = memcmp(taken[i], atlas->objects[n].rgb, 3) != 0;
-        }
-        if (is_free) {
-            memcpy(out, atlas->objects[n].rgb, 3);
-            return;
-        }
+    bool found = false;
+    for (size_t i = 0; i < count && !found; i++) {
+        found = memcmp(taken[i], rgb, 3) == 0;
     }
+    return found;
 }
 
-/* Those of the atlas's palette: what has a rank has a colour that nothing with a better rank has, while there are some.
- */
+/* Those of the atlas's palette: what has a rank has a colour that nothing with a better rank has, its own or the first
+ * such one, while there are some. */
 static conus_status colour_by_palette(uint8_t (*rgb)[3], const uint32_t *ranks, const conus_atlas *atlas)
 {
-    uint8_t(*taken)[3] = memory_raw(atlas->object_count + 1, sizeof *taken);
+    const size_t objects = atlas->object_count;
+    uint8_t(*taken)[3] = memory_raw(objects + 1, sizeof *taken);
     size_t count = 0;
-    bool found = taken;
+    if (!taken) {
+        return CONUS_ERROR_MEMORY;
+    }
     memset(rgb[0], 0, sizeof *rgb);
-    for (size_t n = 1; n <= atlas->object_count; n++) {
+    for (size_t n = 1; n <= objects; n++) {
         memcpy(rgb[n], atlas->objects[n - 1].rgb, 3);
     }
-    for (uint32_t rank = 1; found; rank++) {
-        found = false;
-        for (size_t n = 1; n <= atlas->object_count; n++) {
-            if (ranks[n] == rank && !found) {
-                found = true;
-                bool is_taken = false;
-                for (size_t i = 0; i < count; i++) {
-                    is_taken = is_taken || memcmp(taken[i], rgb[n], 3) == 0;
+    for (uint32_t rank = 1; rank <= objects; rank++) {
+        size_t first = 0;
+        for (size_t n = 1; n <= objects; n++) {
+            if (ranks[n] == rank && first) {
+                memcpy(rgb[n], rgb[first], 3);
+            } else if (ranks[n] == rank) {
+                size_t free = 0;
+                while (free < objects && is_taken(rgb[n], (const uint8_t(*)[3])taken, count)) {
+                    memcpy(rgb[n], atlas->objects[free++].rgb, 3);
                 }
-                if (is_taken) {
-                    find_free(rgb[n], atlas, (const uint8_t(*)[3])taken, count);
+                if (is_taken(rgb[n], (const uint8_t(*)[3])taken, count)) {
+                    memcpy(rgb[n], atlas->objects[n - 1].rgb, 3);
                 }
                 memcpy(taken[count++], rgb[n], 3);
-            } else if (ranks[n] == rank) {
-                memcpy(rgb[n], taken[count - 1], 3);
+                first = n;
             }
         }
     }
     memory_free(taken);
-    return taken ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return CONUS_OK;
 }
 
 #define COLOUR(colour) colour,

@@ -94,7 +94,8 @@ bool picture_lists_all(const struct picture *picture)
 {
     const conus_view *options = &picture->options;
     bool has_place = options->legend == CONUS_LEGEND_RIGHT || options->legend == CONUS_LEGEND_BELOW;
-    return picture->hazy && (has_place || options->legend_rows) && !options->selection && !options->listed;
+    bool is_long = options->legend_rows && options->legend != CONUS_LEGEND_NONE;
+    return picture->hazy && (has_place || is_long) && !options->selection && !options->listed;
 }
 
 bool picture_stands_out(const struct picture *picture, size_t number)

@@ -214,8 +214,7 @@ static void set_frame(struct picture *picture, bool letters)
 
 static const double forwards[][3] = {
     [CONUS_SIDE_LEFT] = {1, 0, 0}, [CONUS_SIDE_RIGHT] = {-1, 0, 0}, [CONUS_SIDE_FRONT] = {0, -1, 0},
-    [CONUS_SIDE_BACK] = {0, 1, 0}, [CONUS_SIDE_TOP] = {0, 0, -1},   [CONUS_SIDE_BOTTOM] = {0, 0, 1},
-    [CONUS_SIDE_BESIDE_CONE] = {0}};
+    [CONUS_SIDE_BACK] = {0, 1, 0}, [CONUS_SIDE_TOP] = {0, 0, -1},   [CONUS_SIDE_BOTTOM] = {0, 0, 1}};
 
 static double camera_distance(const struct picture *picture)
 {
@@ -607,37 +606,60 @@ static double pixel_mm(const struct picture *picture)
     return 2 * picture->camera.slope[0] * fmax(vec3_dot(m + 8, offset), 1) / picture->drawing[0];
 }
 
-/* Draws a line of the picture's thinnest width into the pixels along what is opaque, where nothing or little is beside
- * it. */
+/* Whether the pixel is in the drawing, and more than half of it is drawn. */
+static bool is_drawn(const struct picture *picture, long x, long y)
+{
+    const long size[2] = {(long)picture->drawing[0], (long)picture->drawing[1]};
+    bool is_in = x >= 0 && y >= 0 && x < size[0] && y < size[1];
+    return is_in && picture->rgba[4 * (size[0] * y + x) + 3] > 0.5F;
+}
+
+/* Makes `nearest`, of each pixel, the distance to a pixel at x, y, if it is in reach. */
+static void reach_from(float *nearest, const struct picture *picture, long x, long y)
+{
+    const long steps = (long)ceil(picture->line);
+    for (long down = -steps; down <= steps; down++) {
+        for (long across = -steps; across <= steps; across++) {
+            if (is_drawn(picture, x + across, y + down)) {
+                float *to = &nearest[(long)picture->drawing[0] * (y + down) + x + across];
+                *to = fminf(*to, (float)hypot((double)across, (double)down));
+            }
+        }
+    }
+}
+
+/* Draws a line of the picture's thinnest width into the pixels that are drawn, along those that are not. */
 static conus_status draw_silhouette(struct picture *picture)
 {
     static const uint8_t edge[3] = {LOOK_RGB(LOOK_GLASS_EDGE)};
-    const long size[2] = {(long)picture->drawing[0], (long)picture->drawing[1]};
-    const double reach = picture->line;
-    const long steps = (long)ceil(reach);
-    float *opacity = memory_raw((size_t)size[0] * (size_t)size[1], sizeof *opacity);
+    const size_t pixels = (size_t)picture->drawing[0] * picture->drawing[1];
+    const float reach = (float)picture->line;
+    float *nearest = memory_raw(pixels, sizeof *nearest); /* pixel that is not drawn */
     float ink[4];
+    if (!nearest) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < pixels; i++) {
+        nearest[i] = reach + 1;
+    }
+    for (long y = 0; y < (long)picture->drawing[1]; y++) {
+        for (long x = 0; x < (long)picture->drawing[0]; x++) {
+            if (!is_drawn(picture, x, y) && (is_drawn(picture, x - 1, y) || is_drawn(picture, x + 1, y) ||
+                                             is_drawn(picture, x, y - 1) || is_drawn(picture, x, y + 1))) {
+                reach_from(nearest, picture, x, y);
+            }
+        }
+    }
     draw_colour(ink, edge, 1);
-    for (size_t i = 0; opacity && i < (size_t)size[0] * (size_t)size[1]; i++) {
-        opacity[i] = picture->rgba[4 * i + 3];
-    }
-    for (long i = 0; opacity && i < size[0] * size[1]; i++) {
-        double nearest = reach + 1;
-        for (long k = 0; k < (2 * steps + 1) * (2 * steps + 1) && opacity[i] > 0.5F; k++) {
-            const long x = i % size[0] + k % (2 * steps + 1) - steps;
-            const long y = i / size[0] + k / (2 * steps + 1) - steps;
-            bool is_outside = x < 0 || y < 0 || x >= size[0] || y >= size[1] || opacity[size[0] * y + x] > 0.5F;
-            double distance = hypot((double)(x - i % size[0]), (double)(y - i / size[0]));
-            nearest = is_outside ? nearest : fmin(nearest, distance);
-        }
-        const float part = 0.85F * (float)fmin(fmax(reach + 0.5 - nearest, 0), 1) * opacity[i];
+    for (size_t i = 0; i < pixels; i++) {
+        float *pixel = &picture->rgba[4 * i];
+        const float part = 0.85F * fminf(fmaxf(reach + 0.5F - nearest[i], 0), 1) * pixel[3];
         for (int c = 0; c < 3; c++) {
-            float *level = &picture->rgba[4 * i + c];
-            *level += part * (ink[c] - *level);
+            pixel[c] += part * (ink[c] - pixel[c]);
         }
     }
-    memory_free(opacity);
-    return opacity ? CONUS_OK : CONUS_ERROR_MEMORY;
+    memory_free(nearest);
+    return CONUS_OK;
 }
 
 static conus_status draw(struct picture *picture, conus_renderer *renderer)
@@ -779,7 +801,7 @@ static conus_status find_seen(struct picture *picture, const struct colour_pass 
     status = status ? status : conus_pose_from_matrix(&eye, picture->camera.world_from_camera);
     status = status ? status : conus_selector_create(&selector, atlas, &rays);
     status = status ? status : conus_select(&seen, selector, &eye, 2 * atan(slope));
-    for (size_t i = 0; i < conus_selection_count(seen); i++) {
+    for (size_t i = 0; !status && i < conus_selection_count(seen); i++) {
         const conus_result *result = conus_selection_result(seen, i);
         picture->seen[result->object] = result->share;
     }

@@ -239,6 +239,26 @@ static void rows_that_are_hit_are_counted_with_the_others(void **state)
     check(&scene, 0, RIGHT);
 }
 
+/* A picture without a legend has no numbers, but where one stands elsewhere, as on a sheet of cuts. */
+static void numbers_are_there_for_a_legend_elsewhere(void **state)
+{
+    (void)state;
+    struct scene scene = make_scene(slabs_and_more, "Slab", front, 34.4);
+    for (uint32_t rows = 0; rows < 2; rows++) {
+        conus_image *image = NULL;
+        size_t found = 0;
+        scene.view = (conus_view){.legend = CONUS_LEGEND_NONE, .legend_rows = rows, .shapes = true};
+        assert_ok(draw(&image, &scene));
+        for (size_t i = 0; i < image->list->count; i++) {
+            const struct draw_item *item = &image->list->items[i];
+            found += item->kind == DRAW_TEXT && (strcmp(item->text, "7") == 0 || strcmp(item->text, "26") == 0);
+        }
+        assert_int_equal(found, 2 * rows); /* the first six have colours, 26 are hit first */
+        conus_image_destroy(image);
+    }
+    finish_scene(&scene);
+}
+
 /* 82 letters are too long for half of the width, and below the drawing for letters of 6 points. Where the legend is
  * asked for on the right it is there all the same, with its names whole. */
 static void long_names_have_the_place_below(void **state)
@@ -737,6 +757,7 @@ TEST_GROUP(picture_legend)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_last_rows_behind_are_counted_in_one),
         cmocka_unit_test(rows_that_are_hit_are_counted_with_the_others),
+        cmocka_unit_test(numbers_are_there_for_a_legend_elsewhere),
         cmocka_unit_test(long_names_have_the_place_below),
         cmocka_unit_test(a_high_picture_has_its_legend_below),
         cmocka_unit_test(rays_that_hit_nothing_have_a_row),
