@@ -270,8 +270,8 @@ export class View {
   /** While the eye moves with a part of its detail. @param {boolean} moving */
   request(moving) {
     const eye = this.eye;
-    const isNear = moving && String(eye) !== String(this.drawn?.side === 384 && this.drawn.eye);
-    return { side: isNear ? 96 : 384, eye, toward: this.middle, angle: this.angle };
+    const isRough = moving && String(eye) !== String(this.drawn?.side === 384 && this.drawn.eye);
+    return { side: isRough ? 96 : 384, eye, toward: this.middle, angle: this.angle };
   }
 
   /** @param {{rgba: ArrayBuffer, objects: ArrayBuffer, distances: ArrayBuffer}} picture @param {any} request @param {number[]} hits */
