@@ -134,7 +134,8 @@ function sentence() {
   const [title, , , , side] = objects[hits[0] - 1];
   const percent = 100 * best.share;
   const share = best.pixels ? `${percent.toFixed(percent < 1 ? 1 : 0)}\u00a0% of the cone` : "behind others";
-  return `${title}${side === "L" ? ", left" : side === "R" ? ", right" : ""} — ${share}, ${nearestOf(best)?.toFixed(1)}\u00a0mm from the start`;
+  const nearest = nearestOf(best); // null of what lies between all rays
+  return `${title}${side === "L" ? ", left" : side === "R" ? ", right" : ""} — ${share}${typeof nearest === "number" ? `, ${nearest.toFixed(1)}\u00a0mm from the start` : ""}`;
 }
 
 let speaking = 0;
