@@ -90,6 +90,7 @@ static const char *end_text(FILE *out)
     return !out || fclose(out) ? "{\"error\": \"no memory\"}" : page.text;
 }
 
+/* And the quote that ends it. */
 static void write_rest_of_string(FILE *out, const char *text)
 {
     for (; *text; text++) {

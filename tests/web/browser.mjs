@@ -51,10 +51,8 @@ async function visit(file, t, options = {}) {
 const rows = async (page) => Promise.all((await page.locator("tbody tr").all()).map(async (row) => (await row.locator("td").allInnerTexts()).slice(0, 4)));
 const drawn = (page) => page.locator("body").getAttribute("data-drawn").then(Number);
 
-/** Does something, and waits until the page has drawn it and rests. */
-async function settle(page, step) {
-  const before = await drawn(page);
-  await step();
+/** Waits until the page has drawn more than so many times, and rests. */
+async function rest(page, before = 0) {
   let last = -1;
   const end = performance.now() + WAIT.timeout;
   for (let still = 0; still < 4;) {
@@ -64,6 +62,13 @@ async function settle(page, step) {
     still = now === last && now > before ? still + 1 : 0;
     last = now;
   }
+}
+
+/** Does something, and waits until the page has drawn it and rests. */
+async function settle(page, step) {
+  const before = await drawn(page);
+  await step();
+  await rest(page, before);
 }
 
 /** Colours of pixels of a PNG, as the browser reads it. */
@@ -260,7 +265,7 @@ test("a saved page has the atlas and the answer, and saves TSV, JSON and PNG", {
 // 3-D they are darker on a slope: the ratios of red, green and blue stay.
 test("3-D and the table's chips have one colour for one area", { skip }, async (t) => {
   const page = await visit(path.join(folder, "aal.html"), t);
-  await settle(page, () => page.locator("tbody tr").first().waitFor(WAIT));
+  await rest(page);
   const look = fs.readFileSync(path.resolve(import.meta.url.slice(7), "../../../base/look.h"), "utf8");
   const named = (name) => [0, 2, 4].map((at) => parseInt(new RegExp(` LOOK_${name} = 0x(\\w{6})`).exec(look)[1].slice(at, at + 2), 16));
   const lut = fs.readFileSync(files[2]);
@@ -293,7 +298,7 @@ test("3-D and the table's chips have one colour for one area", { skip }, async (
 
 test("what no ray hits first is behind, and from the seventh on areas have numbers", { skip }, async (t) => {
   const page = await visit(path.join(folder, "aal.html"), t);
-  await settle(page, () => page.locator("tbody tr").first().waitFor(WAIT));
+  await rest(page);
   const words = () => page.locator('[data-pane="0"] .over').evaluate((canvas) => canvas.toDataURL());
   await settle(page, () => page.locator("[name=layers]").selectOption("all"));
   const shares = (await rows(page)).map((row) => row[2]);
@@ -438,7 +443,7 @@ test("a narrow touch screen: tabs, and a tap that sets the target", { skip }, as
 for (const [what, options] of [["wide", {}], ["narrow", { viewport: { width: 390, height: 844 } }], ["dark", { colorScheme: "dark" }]]) {
   test(`one sheet of paper, from a ${what} screen: four pictures, the table with its chips, the methods`, { skip }, async (t) => {
     const page = await visit(path.join(folder, "aal.html"), t, options);
-    await settle(page, () => page.locator("tbody tr").first().waitFor(WAIT));
+    await rest(page);
     await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
     run("query", files[0], "--origin", "-90,20,20", "--toward", "0,-10,10", "--angle", "20", "-o", "printed.tsv", "--quiet", "--force");
     const cited = run("cite", "printed.tsv").replace(/\s+/g, " ");

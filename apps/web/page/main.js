@@ -134,7 +134,8 @@ function sentence() {
   const [title, , , , side] = objects[hits[0] - 1];
   const percent = 100 * best.share;
   const share = best.pixels ? `${percent.toFixed(percent < 1 ? 1 : 0)}\u00a0% of the cone` : "behind others";
-  return `${title}${side === "L" ? ", left" : side === "R" ? ", right" : ""} — ${share}, ${nearestOf(best)?.toFixed(1)}\u00a0mm from the start`;
+  const nearest = nearestOf(best); // null of what lies between all rays
+  return `${title}${side === "L" ? ", left" : side === "R" ? ", right" : ""} — ${share}${typeof nearest === "number" ? `, ${nearest.toFixed(1)}\u00a0mm from the start` : ""}`;
 }
 
 let speaking = 0;
@@ -227,7 +228,7 @@ function redraw(isMoving = false) {
 /** The content of a picture; a picture with the same content is not drawn again. @param {Cut | View} pane @param {boolean} isMoving */
 function wanted(pane, isMoving) {
   const request = pane instanceof Cut ? { ...pane.request(question, isMoving && detail, 0.55, atlas.window ?? [0, 0]) } : pane.request(isMoving);
-  return { pane, request, key: JSON.stringify([request, edition, chosen, pane instanceof Cut ? refused || { ...question, cut: 0 } : hits]) };
+  return { pane, request, key: JSON.stringify([request, edition, chosen, pane instanceof Cut ? refused || { ...question, cut: 0 } : [hits, rows.filter((row) => !row.pixels).length]]) };
 }
 
 const shows = (/** @type {Cut | View} */ pane) => pane.box.offsetParent !== null;
@@ -262,12 +263,12 @@ async function answer() {
     spare.push(...needed.filter(isCut).flatMap(({ pane, request }, i) => pane.show(drawn.cuts[i], request, marked)));
     if (solid) spare.push(...view.show(drawn.view, solid.request, marked));
     for (const { pane, key } of needed) pane.key = key;
-    again ||= isFirst || (shows(view) || !moving) && wanted(view, moving).key !== view.key; // which shows what is hit
     unanswered = why || (drawn.refused ?? "").replace(/^toward: is the origin/, "Target: is the start");
     view.hasCone = !unanswered;
     panes.forEach(mark);
     if (!moving) for (const pane of panes) pane.annotate(question, end, objects); // which says what it shows
     fillRows(drawn.rows);
+    again ||= isFirst || (shows(view) || !moving) && wanted(view, moving).key !== view.key; // which shows what is hit
     sayOfAnswer(unanswered, why ? wrong : form.elements.toward0);
     const took = performance.now() - began;
     if (moving) detail = Math.min(1, Math.max(0.4, detail * (took > BUSY ? 0.85 : 1.02)));

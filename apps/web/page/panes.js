@@ -143,7 +143,7 @@ export class Cut {
     axis(c, this.place(aim.origin), this.place(aim.toward), chosenEnd);
     c.font = "bold 13px sans-serif";
     c.textAlign = "center";
-    for (const [i, at] of [[10, side / 2], [side - 10, side / 2], [side / 2, 16], [side / 2, side - 8]].entries()) {
+    for (const [i, at] of [[10, side / 2], [side - 10, side / 2], [side / 2, side < 300 ? 34 : 16], [side / 2, side - 8]].entries()) {
       outlined(c, this.plane.letters[i], at[0], at[1]);
     }
     const mm = [1, 2, 5, 10, 20, 50, 100].filter((length) => length / this.mmPerPoint <= side / 3).pop() ?? 1;
@@ -212,10 +212,17 @@ export function axis(c, from, to, chosenEnd) {
     }
   }
   c.font = "12px sans-serif";
-  c.textAlign = from[0] < to[0] ? "right" : "left";
-  outlined(c, "start", from[0] + (from[0] < to[0] ? -10 : 10), from[1] - 10);
-  c.textAlign = from[0] < to[0] ? "left" : "right";
-  outlined(c, "target", to[0] + (from[0] < to[0] ? 12 : -12), to[1] - 12);
+  name(c, "start", from, from[0] < to[0]);
+  name(c, "target", to, from[0] >= to[0]);
+}
+
+/** Names an end of the axis, on its left or right, where that is in the pane. @param {CanvasRenderingContext2D} c @param {string} text
+ * @param {number[]} at @param {boolean} isLeft */
+function name(c, text, [x, y], isLeft) {
+  const room = 50;
+  const goesLeft = isLeft ? x > room : x > c.canvas.width / devicePixelRatio - room;
+  c.textAlign = goesLeft ? "right" : "left";
+  outlined(c, text, x + (goesLeft ? -12 : 12), y - 12);
 }
 
 /** Points of the world around the target where the cone passes it. @param {Aim} aim */
@@ -270,8 +277,8 @@ export class View {
   /** While the eye moves with a part of its detail. @param {boolean} moving */
   request(moving) {
     const eye = this.eye;
-    const isNear = moving && String(eye) !== String(this.drawn?.side === 384 && this.drawn.eye);
-    return { side: isNear ? 96 : 384, eye, toward: this.middle, angle: this.angle };
+    const isRough = moving && String(eye) !== String(this.drawn?.side === 384 && this.drawn.eye);
+    return { side: isRough ? 96 : 384, eye, toward: this.middle, angle: this.angle };
   }
 
   /** @param {{rgba: ArrayBuffer, objects: ArrayBuffer, distances: ArrayBuffer}} picture @param {any} request @param {number[]} hits */
