@@ -34,11 +34,16 @@ static void draw_answer(const struct window *window)
     const double percent = 100 * best->share;
     snprintf(share, sizeof share, percent < 1 ? "%.1f %% of the cone" : "%.0f %% of the cone", percent);
     ui_heading(view_atlas_title(title, view, best->object));
-    snprintf(text, sizeof text, "%s \u00b7 %.1f mm from the start%s",
+    const double distance = best->pixels ? best->distance : best->entry;
+    char begins[64] = ""; /* nothing where no ray goes through it */
+    if (isfinite(distance)) {
+        snprintf(begins, sizeof begins, " \u00b7 %.1f mm from the start", distance);
+    }
+    snprintf(text, sizeof text, "%s%s%s",
              window->viewer->cone.one_ray ? "on the axis"
              : best->pixels               ? share
                                           : "behind others",
-             best->pixels ? best->distance : best->entry,
+             begins,
              side == 'L'   ? " \u00b7 left"
              : side == 'R' ? " \u00b7 right"
                            : "");
