@@ -92,6 +92,7 @@ _SRGB = (np.arange(255) + 0.5) / 255
 _STEPS = np.where(_SRGB <= 0.04045, _SRGB / 12.92, ((_SRGB + 0.055) / 1.055) ** 2.4).astype(np.float32)
 _POINT = dtype_of("conus_transfer_point")
 _SIDES = ("cone", "left", "right", "front", "back", "top", "bottom", "beside")
+_STYLES = ("auto", "screen", "print")
 _LEGENDS = ("auto", "right", "below", "none")
 _PLANES = {"axial": ((1, 0, 0), (0, 1, 0)), "coronal": ((1, 0, 0), (0, 0, 1)), "sagittal": ((0, 1, 0), (0, 0, 1))}
 _FAINT = 0.12  # opacity of what no probe passes
@@ -284,8 +285,9 @@ class Renderer(Bound):
         legend: Union[bool, str] = True,
         skipping: bool = True,
         draft: bool = False,
-        view: str = "cone",
-        background: str = "light",
+        style: str = "auto",
+        view: Optional[str] = None,
+        background: Optional[str] = None,
         width_mm: Optional[float] = None,
         height_mm: Optional[float] = None,
         dpi: Optional[float] = None,
@@ -336,11 +338,16 @@ class Renderer(Bound):
             Skip empty space: the same picture, quicker.
         draft : bool
             Leave edges rough, and many streamlines out where there are many: quicker.
+        style : str
+            "print" for paper: white, seen from beside the cone, with thin lines around what is drawn and letters of
+            panels, 180 mm wide unless there is a size; what the others say counts. "screen" else; "auto" is print
+            with width_mm.
         view : str
             Without a camera, the side from which the atlas is seen: "cone", "left", "right", "front",
-            "back", "top", "bottom" or "beside": 60 degrees off the cone's axis, with all of it.
+            "back", "top", "bottom" or "beside": 60 degrees off the cone's axis, with all of it. If not given "cone",
+            in print "beside".
         background : str
-            "light", "white", "black", "transparent" or "#rrggbb".
+            "light", "white", "black", "transparent" or "#rrggbb"; "light" if not given, in print "white".
         width_mm, height_mm, dpi : float
             In place of size: the width and height on paper, mm (the height is three quarters of the
             width if not given), and pixels per inch (300 if not given). With dpi letters have 7
@@ -395,10 +402,13 @@ class Renderer(Bound):
         _check_cuts(cuts, {"at": at, "fill": fill, "radiological": radiological or None},
                     {"camera": camera, "camera_origin": camera_origin, "field_of_view": field_of_view,
                      "frustum": frustum, "opacity": opacity, "unselected": unselected,
-                     "view": None if view == "cone" else view,
+                     "view": view,
                      "fade": fade or None, "draft": draft or None, "skipping": None if skipping else skipping}, probes)
         if probes and (legend_rows is not None or legend_areas):
             raise ArgumentError("legend_rows, legend_areas: have no effect with probes, which have no legend")
+        options.print = [width_mm is not None, False, True][choice("style", style, _STYLES)]
+        if options.print and width_mm is None and size is None:
+            width_mm = 180
         _set_size(options, size, width_mm, height_mm, dpi)
         alive = _camera_of(camera, camera_origin, camera_toward, camera_up)
         options.camera = alive or ffi.NULL
@@ -413,10 +423,11 @@ class Renderer(Bound):
         options.chosen = 0 if chosen is None else self.atlas.find(chosen)
         options.fade, options.draft = real("fade", fade), flag("draft", draft)
         options.no_skipping = not flag("skipping", skipping)
-        options.side = choice("view", view, _SIDES)
+        beside = options.print and selection is not None and not alive
+        options.side = choice("view", view or ("beside" if beside else "cone"), _SIDES)
         options.no_legend = legend is False
         options.legend = choice("legend", legend, _LEGENDS) if isinstance(legend, str) else 0
-        _set_background(options, background)
+        _set_background(options, background or ("white" if options.print else "light"))
         if unselected is not None:
             options.has_unselected, options.unselected_rgb = True, rgb_of("unselected", unselected)
         options.own_colours = flag("own_colours", own_colours)

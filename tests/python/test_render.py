@@ -188,6 +188,19 @@ def test_figure_has_its_width_in_mm(atlas):
     assert np.array_equal(picture.array, pixels_of(picture._repr_png_()))
 
 
+def test_print_is_that_of_the_program(tmp_path):
+    """To the byte: by a width in mm, by its name, and not where the screen's is asked for."""
+    call_conus("phantom", "slabs", "-o", tmp_path, "--size", "16")
+    atlas = conus.load(tmp_path / "slabs.nii.gz")
+    hits = atlas.select((20, 60, 10), toward=(0, 0, 0), angle=20)
+    for option, given in ((["--width-mm=20"], {"width_mm": 20}), (["--style=print", "--size=60x40"], {"style": "print", "size": (60, 40)}),
+                          (["--width-mm=20", "--style=screen"], {"width_mm": 20, "style": "screen"})):
+        call_conus("render", tmp_path / "slabs.nii.gz", "--origin=20,60,10", "--toward=0,0,0", "--angle=20", *option, "-q",
+                   "-o", tmp_path / "a.png")
+        assert atlas.render(hits, **given)._repr_png_() == (tmp_path / "a.png").read_bytes(), given
+    assert atlas.render(hits, style="print", legend=False, dpi=50).size == (354, 266)  # 180 / 25.4 * 50, three quarters
+
+
 def test_opacity_and_haze_are_those_of_the_program(tmp_path):
     """To the byte, with an area, all others, and a pathway."""
     call_conus("phantom", "slabs", "-o", tmp_path, "--size", "16")
