@@ -424,10 +424,10 @@ class Renderer(Bound):
         options.fade, options.draft = real("fade", fade), flag("draft", draft)
         options.no_skipping = not flag("skipping", skipping)
         beside = options.print and selection is not None and not alive
-        options.side = choice("view", view or ("beside" if beside else "cone"), _SIDES)
+        options.side = choice("view", ("beside" if beside else "cone") if view is None else view, _SIDES)
         options.no_legend = legend is False
         options.legend = choice("legend", legend, _LEGENDS) if isinstance(legend, str) else 0
-        _set_background(options, background or ("white" if options.print else "light"))
+        _set_background(options, ("white" if options.print else "light") if background is None else background)
         if unselected is not None:
             options.has_unselected, options.unselected_rgb = True, rgb_of("unselected", unselected)
         options.own_colours = flag("own_colours", own_colours)
