@@ -208,7 +208,6 @@ typedef struct conus_view {
                              what has a number there has it in the picture. */
     bool no_pale;         /**< Objects that the selection does not hit, and without one all, are not drawn
                              unless @p opacity says otherwise. */
-    bool grey_cone;       /**< The cone is grey in place of orange: it is not, or no longer, where its device is. */
     bool shapes;          /**< Keep text, legend, scale bar and the outlines of cuts out of the pixels, as shapes for
                               conus_image_write() of .svg and .pdf, which need it. */
     const double *measured;  /**< [6] Two places, world mm: the line between them lies over all else, with its length;
@@ -278,7 +277,6 @@ typedef struct conus_cut_view {
     uint32_t height;     /**< Pixels, 1 to 16384. */
     double fill;         /**< Opacity of areas, 0 to 1; 0 leaves their outlines. */
     bool no_outlines;    /**< Leave out the outlines of areas. */
-    bool grey_cone;      /**< As of conus_view. */
     double window[2];    /**< Grey values of black and white; both 0 = conus_atlas_window(). */
     const conus_selection *selection; /**< NULL = none; else its cone is drawn, areas that it hits are full, those that
                                          it only pierces hatched, and others pale. */

@@ -86,7 +86,6 @@ struct colour_view {
     const double *world_from_cone;    /**< NULL = no cone; else its apex and frame, looking down -z.      */
     double cone_slope, cone_radius;   /**< Tangent of half its angle; mm about the apex, 0 unless a cylinder. */
     double cone_start, cone_length;   /**< Depths along its axis between which it is drawn, mm.           */
-    bool grey_cone;                   /**< In place of orange. */
     double fade;                      /**< How much the context is thinned, 0 to 1 (gone).                */
     double line_width;                /**< mm, of axis, rim and outline.                                  */
     const struct colour_marker *markers;

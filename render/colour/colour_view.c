@@ -70,7 +70,7 @@ static void set_colour(float out[4], const uint8_t rgb[3], double w)
 
 void colour_view_pack(struct colour_view_block *block, const struct colour_pass *pass, const struct colour_view *view)
 {
-    static const uint8_t amber[3] = {LOOK_RGB(LOOK_CONE)}, old[3] = {LOOK_RGB(LOOK_CONE_OLD)};
+    static const uint8_t amber[3] = {LOOK_RGB(LOOK_CONE)};
     const struct camera *camera = view->camera;
     double camera_from_world[16], light[3];
     mat4_invert_affine(camera_from_world, camera->world_from_camera);
@@ -103,7 +103,7 @@ void colour_view_pack(struct colour_view_block *block, const struct colour_pass 
         set4(block->apex, apex, view->cone_slope);
         set4(block->axis, axis, view->cone_length);
         set4(block->cone_shape, (double[]){view->cone_radius, view->cone_start, 0}, 1);
-        set_colour(block->cone_colour, view->grey_cone ? old : amber, 0.09);
+        set_colour(block->cone_colour, amber, 0.09);
     }
     size_t count = view->marker_count < COLOUR_MARKER_LIMIT ? view->marker_count : COLOUR_MARKER_LIMIT;
     for (size_t i = 0; i < count; i++) {

@@ -502,7 +502,7 @@ static void blend(uint8_t *pixel, const uint8_t rgb[3], double opacity)
 
 enum { TILE = 8 };
 
-static const uint8_t cone_rgb[2][3] = {{LOOK_RGB(LOOK_CONE)}, {LOOK_RGB(LOOK_CONE_OLD)}}; /* where it is grey */
+static const uint8_t cone_rgb[3] = {LOOK_RGB(LOOK_CONE)};
 static const double tint = 0.12;
 static const double half_line = 1.3; /* pixels from the wall to where its line has faded */
 
@@ -558,7 +558,7 @@ static void draw_tile(const struct cone_drawing *drawing, uint32_t left, uint32_
                     pixel[c] = drawing->tinted[pixel[c]][c];
                 }
             } else if (opacity > 0) {
-                blend(pixel, cone_rgb[drawing->cone->grey], opacity);
+                blend(pixel, cone_rgb, opacity);
             }
         }
     }
@@ -580,7 +580,7 @@ void cut_draw_cone(uint8_t *rgba, const struct cut_place *place, const struct cu
         .rgba = rgba, .place = place, .cone = cone, .secant = sqrt(1 + cone->slope * cone->slope)};
     for (int level = 0; level < 256; level++) {
         memset(drawing.tinted[level], level, 3);
-        blend(drawing.tinted[level], cone_rgb[cone->grey], tint);
+        blend(drawing.tinted[level], cone_rgb, tint);
     }
     mat4_identity(identity);
     walk_init(&drawing.walk, place, identity);

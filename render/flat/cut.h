@@ -18,7 +18,6 @@ struct cut_cone {
     double radius;                 /**< At the apex: 0 of a cone.                                                */
     double near, far;              /**< Depths along the axis between which it is drawn.                          */
     bool no_line;                  /**< Only its inside is tinted. */
-    bool grey;                     /**< In place of orange. */
 };
 
 /** Takes a line in which the plane cuts a surface, pixels from the upper left corner. @p object as in cut.contours. */

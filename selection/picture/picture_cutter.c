@@ -112,7 +112,6 @@ static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool 
     conus_status status = choose_window(what.window, cutter, view->window);
     if (!status && view->selection) {
         cutter_cone(&cone, view->selection);
-        cone.grey = view->grey_cone;
         what.cone = has_cone ? &cone : NULL;
         what.emphasis = emphasis = picture_emphasis(view->selection, has_ranks ? 0 : view->chosen);
         status = emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;

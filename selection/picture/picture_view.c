@@ -186,7 +186,6 @@ static void add_cone(struct picture *picture)
     view->cone_radius = selection->cone.radius;
     view->cone_start = selection->cone.range[0];
     view->cone_length = cone_length(picture, selection);
-    view->grey_cone = picture->options.grey_cone;
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (result->object && result->pixels) {

@@ -339,7 +339,8 @@ static void draw_notices(const struct window *window)
         ui_draw_heading(at, theme_shaded[THEME_ORANGE], "OLD ANSWER");
         at[1] -= 1.4F * ui_line();
     }
-    if (plans_is_on(viewer) && !notice.is_old) {
+    const bool panel_says_it = !window->screen.folded[1] && !screen_is_bare(&window->screen);
+    if (plans_is_on(viewer) && !notice.is_old && !panel_says_it) {
         char line[PLAN_LINE];
         plans_line(line, window->viewer, true);
         if (ui_text_width(line) > room) { /* the verdict first */
