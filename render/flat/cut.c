@@ -723,6 +723,9 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const d
             memcpy(pixel, colour_of(cut, view->line_rgb, contour), 3);
         } else if (object) {
             double opacity = opacity_at(cut, view, opacities, column, row);
+            if (opacity == 0 && !has_ground) { /* most of a brain: it is the grey already */
+                continue;
+            }
             if (object != of || opacity != by || cut->grey[at] != grey) {
                 memset(pixel, has_ground ? GROUND : cut->grey[at], 3);
                 blend(pixel, colour_of(cut, opacity == OUTLINE ? view->line_rgb : view->rgb, object), fmin(opacity, 1));

@@ -26,7 +26,7 @@ static const double tick_mm = 10;
 static const double beside = 2;     /* mm: a needle so near to a cut is in it */
 static const double touching = 1.5; /* mm: what lies no farther behind a surface lies on it */
 
-enum { PARTS = 6, ARC = 8 /* points of a ring that are looked at once */, STEPS = 4, HULL = 4 * SHELL_POINTS };
+enum { PARTS = 4, ARC = 8 /* points of a ring that are looked at once */, STEPS = 3, HULL = 4 * SHELL_POINTS };
 
 /* Whether the tool is the needle of a plan: its axis from where it begins to its tip. */
 static bool is_needle(const struct viewer *viewer, enum tool_number number)
