@@ -243,6 +243,11 @@ static void next_streamlines(struct window *window)
     viewer_say(viewer, "streamlines by %s", tract_colour_name(atlas, viewer->drawn->appearance.streamlines));
 }
 
+static void confirm(struct window *window)
+{
+    inputs_confirm(&window->inputs, window->viewer, FIRST_TOOL);
+}
+
 static void next_backdrop(struct window *window)
 {
     property_next(window, PROPERTY_BACKGROUND);
@@ -332,7 +337,7 @@ static void go_in_plan(struct window *window, const int by[3])
 static const struct key keys[] = {
     {"?", "this list; F1, too", .act = toggle_help, .is_anywhere = true, .group = "Window"},
     {"f1", NULL, .act = toggle_help, .is_anywhere = true},
-    {"enter", "confirm: pin the best result", .tool = tool_confirm, .group = "Pointing"},
+    {"enter", "confirm: pin the best result", .act = confirm, .group = "Pointing"},
     {"space", "hold the cone, or let it follow the mouse again, as a click does", .move = hold, .by = {FIRST_TOOL}},
     {"escape", "clear the cone, and choose no area", .act = clear},
     {"1", "one area, by a single ray, or all areas in the cone", .sets = PROPERTY_ONE_RAY},

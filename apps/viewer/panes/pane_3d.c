@@ -198,7 +198,8 @@ static void draw_names(struct window *window)
     }
     for (size_t i = 0; i < shown; i++) {
         char title[VIEW_ATLAS_TITLE];
-        pane_name(&window->frame.labels, &window->screen.panes[PANE_3D], places[i], false, light, results[i]->object,
+        pane_name(&window->frame.labels, &window->screen.panes[PANE_3D], places[i], false, light,
+                  panel_colour(window->viewer, results[i]->object), results[i]->object,
                   view_atlas_title(title, window->viewer->drawn, results[i]->object));
     }
 }
@@ -448,7 +449,7 @@ static bool use_mouse(struct window *window)
         orbit_zoom(&viewer->orbit, (double)mouse.wheel);
     }
     if (mouse.doubled) {
-        tool_confirm(viewer, FIRST_TOOL);
+        inputs_confirm(&window->inputs, viewer, FIRST_TOOL);
     }
     return moved || mouse.wheel != 0;
 }

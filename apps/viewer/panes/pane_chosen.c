@@ -130,25 +130,32 @@ void pane_chosen_names(struct window *window)
             if (!has_outline) {
                 ui_draw_circle(at, 4, colour, 1.5F);
             }
-            pane_name(&window->frame.labels, box, at, has_outline, colour, shadow->chosen,
+            pane_name(&window->frame.labels, box, at, has_outline, colour, (ui_colour){0}, shadow->chosen,
                       name ? name : view_atlas_title(title, window->viewer->drawn, shadow->chosen));
         }
     }
 }
 
 void pane_name(struct labels *labels, const struct ui_box *box, const float at[2], bool above, ui_colour colour,
-               uint32_t object, const char *name)
+               ui_colour chip, uint32_t object, const char *name)
 {
     char shown[PANE_NAME];
     struct ui_box place;
+    const float edge = chip.a ? 0.7F * ui_line() : 0;
+    const float before = chip.a ? edge + 4 : 0;
     /* the brain stays to be seen, but in narrow panes */
     ui_shorten_name(shown, sizeof shown, name, fminf(box->width - 14, fmaxf(0.4F * box->width, 12 * ui_line())));
-    const float size[2] = {ui_text_width(shown), ui_line()};
+    const float size[2] = {before + ui_text_width(shown), ui_line()};
     if (labels_place(&place, labels, box, at, size, above, object)) {
         const float end[2] = {fmaxf(fminf(at[0], place.x + place.width), place.x),
                               fmaxf(fminf(at[1], place.y + place.height), place.y)};
         ui_draw_line(at, end, colour, 1);
-        ui_draw_text((float[]){place.x, place.y}, colour, shown);
+        if (chip.a) {
+            ui_draw_box((struct ui_box){place.x - 3, place.y - 1, before + 3, ui_line()}, theme_surfaces[THEME_SHADE],
+                        0);
+            ui_draw_box((struct ui_box){place.x, place.y + (ui_line() - edge) / 2, edge, edge}, chip, 0);
+        }
+        ui_draw_text((float[]){place.x + before, place.y}, colour, shown);
     }
 }
 
@@ -194,6 +201,6 @@ void pane_measured(const struct viewer *viewer, struct labels *labels, const str
     if (viewer->measure.count == 2) {
         snprintf(text, sizeof text, "%.2f mm", viewer_distance(viewer));
         ui_draw_line(ends[0], ends[1], colour, 2);
-        pane_name(labels, box, middle, true, colour, 0, text);
+        pane_name(labels, box, middle, true, colour, (ui_colour){0}, 0, text);
     }
 }

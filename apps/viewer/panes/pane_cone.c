@@ -405,7 +405,7 @@ static void draw_best(struct window *window, ui_colour colour)
         ui_draw_circle(at, 4, colour, 1.5F);
         const struct ui_box *box = &window->screen.panes[PANE_3D];
         char title[VIEW_ATLAS_TITLE];
-        pane_name(&window->frame.labels, box, at, false, colour, best->object,
+        pane_name(&window->frame.labels, box, at, false, colour, (ui_colour){0}, best->object,
                   view_atlas_title(title, viewer->drawn, best->object));
     }
 }

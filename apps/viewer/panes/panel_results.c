@@ -109,12 +109,33 @@ static void draw_ways_out(struct window *window)
     ui_popup_end();
 }
 
-static void draw_buttons(struct window *window)
+/* Draws the main button, which says what it keeps where the large letters say something else: the first hit of a
+ * planned needle. */
+static void draw_keep(struct window *window, bool is_old)
 {
-    if (ui_main_button("Keep answer", "confirms the best hit: pins it in a list; or Enter, or a double click on the "
-                                      "brain")) {
-        tool_confirm(window->viewer, FIRST_TOOL);
+    struct viewer *viewer = window->viewer;
+    const conus_selection *selection = viewer_selection(viewer);
+    const conus_result *best = conus_selection_count(selection) ? conus_selection_result(selection, 0) : NULL;
+    char title[VIEW_ATLAS_TITLE];
+    char label[VIEW_ATLAS_TITLE + 16] = "Keep answer";
+    char unused[PLAN_LINE];
+    bool has_answer = best && best->object;
+    if (has_answer && plans_answer(unused, unused, viewer)) {
+        snprintf(label, sizeof label, "Keep %s", view_atlas_title(title, viewer->drawn, best->object));
     }
+    ui_disable(!has_answer || is_old);
+    bool pressed =
+        ui_main_button(label, "confirms the first hit: pins it in a list; or Enter, or a double click on the "
+                              "brain");
+    ui_disable_end();
+    if (pressed) {
+        inputs_confirm(&window->inputs, viewer, FIRST_TOOL);
+    }
+}
+
+static void draw_buttons(struct window *window, bool is_old)
+{
+    draw_keep(window, is_old);
     ui_flow("Save\u2026");
     draw_ways_out(window);
     ui_flow("Figure\u2026");
@@ -175,7 +196,7 @@ void panel_results(struct window *window)
                                           : fmaxf(fminf(14, 0.4F * room), room - 30);
     panel_lists(window, FIRST_TOOL, lines);
     ui_dim_end();
-    draw_buttons(window);
+    draw_buttons(window, notice.is_old);
     if (viewer->pin_count) {
         draw_pins(window);
     }

@@ -38,7 +38,7 @@ static void choose_settings(struct window *window)
     }
     ui_same_line();
     if (ui_button("Confirm its hit", "pins the best hit of the second cone")) {
-        tool_confirm(viewer, SECOND_TOOL);
+        inputs_confirm(&window->inputs, viewer, SECOND_TOOL);
     }
 }
 

@@ -13,9 +13,10 @@ void pane_3d(struct window *window);
 void pane_chosen(struct window *window);
 void pane_chosen_names(struct window *window); /**< And their names. */
 enum { PANE_NAME = 512 /**< Bytes of a name in a pane, in which it ends with "..." where it is too long. */ };
-/** A name in a pane where it lies on no other, with a line from there to it: beside the place, or above it. */
+/** A name in a pane where it lies on no other, with a line from there to it: beside the place, or above it. The chip
+ * (opacity 0 = none) before it has the colour of its area, on which the name need not lie. */
 void pane_name(struct labels *labels, const struct ui_box *box, const float at[2], bool above, ui_colour colour,
-               uint32_t object, const char *name);
+               ui_colour chip, uint32_t object, const char *name);
 /** The line between the two places that are measured, at these pixels, with its length. */
 void pane_measured(const struct viewer *viewer, struct labels *labels, const struct ui_box *box, float ends[2][2]);
 /** A flat pane: where it is, and where it looks. */

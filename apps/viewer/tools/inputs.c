@@ -336,6 +336,15 @@ bool inputs_is_old(const struct inputs *inputs, const struct viewer *viewer, enu
     return notice.is_old;
 }
 
+void inputs_confirm(const struct inputs *inputs, struct viewer *viewer, enum tool_number number)
+{
+    if (inputs_is_old(inputs, viewer, number)) {
+        viewer_say(viewer, "nothing is confirmed: the answer is old, its tool is not seen");
+        return;
+    }
+    tool_confirm(viewer, number);
+}
+
 static const double default_step_s = 0.1;
 
 double replay_time(const struct replay *replay, size_t index)

@@ -48,6 +48,8 @@ bool inputs_connect(struct inputs *inputs, void (*wake)(void));
 /** Ends the connection of the first tool's tracker, if there is one; a tracked head is not seen then. */
 void inputs_disconnect(struct inputs *inputs, struct viewer *viewer);
 /** Whether a tool's cone is one from before: its device does not say where it is. */
+/** Confirms the best hit of a tool, as tool_confirm(), but none of an answer that is old. */
+void inputs_confirm(const struct inputs *inputs, struct viewer *viewer, enum tool_number number);
 bool inputs_is_old(const struct inputs *inputs, const struct viewer *viewer, enum tool_number number);
 
 /** Asks the stations and every device that moves a tool what is new, moves the tools and the tracked head, and brings
