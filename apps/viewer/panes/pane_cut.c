@@ -102,7 +102,7 @@ static void draw_picture(struct window *window, const struct cut *cut)
         return;
     }
     const uint8_t *rgba = conus_cutter_rgba(pane->cutter);
-    const uint32_t *objects = conus_cutter_objects(pane->cutter);
+    const uint32_t *objects = conus_cutter_shown(pane->cutter);
     size_t bytes = (size_t)4 * view->width * view->height;
     uint8_t *outlined = NULL;
     for (enum outline which = 0; which < OUTLINE_COUNT; which++) {
