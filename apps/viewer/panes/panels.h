@@ -10,6 +10,8 @@ void panel_start(struct window *window);  /**< In place of all others. */
 void panel_dialog(struct window *window); /**< Likewise. */
 void panel_ask(struct window *window);    /**< Before all others: how files open that the user is asked about. */
 void panel_areas(struct window *window);
+/** How many areas are hidden, while some are, for the answer is without them. */
+void panel_hidden(struct window *window);
 /** A folded panel, left (0) or right (1). */
 void panel_rail(struct window *window, size_t side);
 /** Lists of the hits of a tool, one for each atlas, in the order in which they were given, so many lines high together.

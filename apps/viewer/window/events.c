@@ -217,6 +217,9 @@ bool events_take(struct window *window)
         const struct ui_event event = events->list[taken++];
         window->frame.frames_wanted = FRAMES_PER_EVENT;
         events->time = event.time;
+        if (event.kind == UI_BUTTON && event.action == GLFW_PRESS) {
+            window_forget_message(window);
+        }
         bool acts = event.kind == UI_KEY ? press_named(window, &event)
                                          : event.kind == UI_LETTER && press_letter(window, &event);
         events->rest = acts && will_type(window) ? FRAMES_PER_EVENT : 0;

@@ -155,8 +155,16 @@ void window_eye(const struct window *window, struct eye *out)
 
 enum { STATUS_HEIGHT = 24 };
 
+void window_forget_message(struct window *window)
+{
+    if (window->viewer) {
+        window->viewer->message[0] = '\0';
+    }
+}
+
 bool window_press(struct window *window, const char *key)
 {
+    window_forget_message(window);
     return window->press && window->press(window, key);
 }
 

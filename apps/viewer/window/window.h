@@ -315,6 +315,8 @@ void window_close(struct window *window);
 void window_zoom(struct window *window, int steps);
 /** Says how large the desktop wants texts on the screen that the window came to. */
 void window_rescale(struct window *window, float content);
+/** Ends the message of the status line: the user does the next thing, after which it may be true no more. */
+void window_forget_message(struct window *window);
 /** Presses a key: a character as typed ("?"), or "escape", "f1", "ctrl+shift+s", ... False if it means nothing. */
 bool window_press(struct window *window, const char *key);
 /** Lays everything out for the window's size now. */
