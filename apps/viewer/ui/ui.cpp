@@ -301,6 +301,16 @@ void ui_gap(float height)
     ImGui::Dummy(ImVec2(0, height));
 }
 
+void ui_group(void)
+{
+    ImGui::BeginGroup();
+}
+
+void ui_group_end(void)
+{
+    ImGui::EndGroup();
+}
+
 void ui_same_line(void)
 {
     ImGui::SameLine();
@@ -587,10 +597,10 @@ bool ui_can_write(const char *text)
     return true;
 }
 
-bool ui_row(const char *label, bool selected)
+bool ui_row(const char *label, bool selected, float height)
 {
     audit_within(label, ui_room());
-    return ImGui::Selectable(label, selected);
+    return ImGui::Selectable(label, selected, 0, ImVec2(0, height));
 }
 
 bool ui_section(const char *label, bool open)
@@ -652,6 +662,17 @@ void ui_draw_overlay(uint32_t texture, struct ui_box box)
 void ui_clip(struct ui_box box)
 {
     ImGui::GetWindowDrawList()->PushClipRect(ImVec2(box.x, box.y), ImVec2(box.x + box.width, box.y + box.height), true);
+}
+
+void ui_picture(uint32_t texture, float width, float height)
+{
+    ImVec2 at = ImGui::GetCursorScreenPos();
+    if (texture) {
+        ui_draw_overlay(texture, {at.x, at.y, width, height});
+    } else {
+        ui_draw_box({at.x, at.y, width, height}, theme_surfaces[THEME_FIELD], 0);
+    }
+    ImGui::Dummy(ImVec2(width, height));
 }
 
 void ui_clip_end(void)
