@@ -319,13 +319,15 @@ static void draw_waiting(const struct window *window)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     char error[256];
+    static const char drawing[] = "drawing\u2026";
     const float at[2] = {box->x + 20, box->y + box->height / 2};
+    const float middle[2] = {box->x + (box->width - ui_text_width(drawing)) / 2, at[1]};
     if (!window->viewer->painter) {
         ui_draw_text(at, theme_shaded[THEME_ORANGE], "not enough memory to draw");
     } else if (painter_error(window->viewer->painter, error, sizeof error)) {
         ui_draw_text(at, theme_shaded[THEME_ORANGE], error);
     } else if (!window->pictures.painted.name) {
-        ui_draw_text(at, light, "drawing ...");
+        ui_draw_text(middle, light, drawing);
     }
 }
 

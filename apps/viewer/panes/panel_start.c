@@ -249,7 +249,7 @@ static void draw_lists(struct window *window, float height)
 static void draw_keys(const struct window *window)
 {
     if (start_path(&window->start, 0)) {
-        panel_key(window, "1, 2 ...", "open what has this number");
+        panel_key(window, "1, 2 \u2026", "open what has this number");
     }
     panel_key(window, "A-Z, Tab", "search or type a path; the arrow keys choose, Enter opens");
     panel_key(window, "Ctrl+O", "choose a file");

@@ -123,7 +123,7 @@ bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high);
 bool ui_numbers(const char *label, double value[3], const char *format);
 /** The next widget takes the keyboard if @p wants says so, which is false then. */
 void ui_take_keys(bool *wants);
-/** A line that is typed; true when Enter was pressed in it. */
+/** A line that is typed, whose old text is selected when it takes the keyboard; true when Enter was pressed in it. */
 bool ui_type(const char *label, char *text, size_t size, const char *hint);
 /** Likewise of a path; where *is_set is true it takes over what @p text is, selected from byte @p selected on. A whole
  * path that is pasted behind @p folder (ends in '/'; "" = none) takes its place. */
@@ -133,7 +133,7 @@ bool ui_escaped(void);                          /**< Escape was pressed. */
 void ui_chip(const char *id, ui_colour colour); /**< A small square. */
 bool ui_can_write(const char *text);            /**< Whether the font has all its letters; others are shown as "?". */
 bool ui_row(const char *label, bool selected, float height); /**< A line that can be clicked; height 0 = a text's. */
-bool ui_section(const char *label, bool open);  /**< A heading that folds what is below. */
+bool ui_section(const char *label, bool open);               /**< A heading that folds what is below. */
 /** A node of a tree; true while it is open, to be ended by ui_tree_end(). */
 bool ui_tree(const char *label, enum ui_opening opening);
 void ui_tree_end(void);
