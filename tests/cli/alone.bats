@@ -106,7 +106,7 @@ save_figure() {
 }
 
 # quit: presses Ctrl+Q. On a busy machine the form of figures may have been requested twice and be open again: its field
-# takes all keys until Escape leaves it, and a second one leaves the form.
+# takes all keys but Escape, which closes the form.
 quit() {
     local looks
     while runs "$child"; do
@@ -115,11 +115,9 @@ quit() {
             runs "$child" || break 2
             sleep 0.02
         done
-        for looks in field form; do
-            xdotool keydown --window "$window" Escape || :
-            sleep 0.2
-            xdotool keyup --window "$window" Escape || :
-        done
+        xdotool keydown --window "$window" Escape || :
+        sleep 0.2
+        xdotool keyup --window "$window" Escape || :
     done
     wait "$child"
 }
@@ -168,6 +166,33 @@ seen() {
     look '.enlarged == "axial"'
     xdotool key --window "$window" z
     look '.enlarged == "none"'
+    leave
+}
+
+@test "what is searched next takes the place of what was, and Escape closes a form while its name is typed" {
+    conus phantom slabs -o .
+    live slabs.nii.gz --size 1000x640
+    tell 'choose "Slab posterior"'
+    look true
+    posterior=$(jq -c .crosshair "look$looks.json")
+    for word in anterior posterior; do
+        xdotool key --window "$window" slash
+        pass
+        xdotool type --window "$window" $word
+        pass
+        enter
+        pass
+        xdotool keyup --window "$window" Return
+        look true
+        [ $word = posterior ] || [ "$(jq -c .crosshair "look$looks.json")" != "$posterior" ]
+    done
+    [ "$(jq -c .crosshair "look$looks.json")" = "$posterior" ]
+    xdotool key --window "$window" ctrl+p
+    pass
+    xdotool key --window "$window" Escape
+    pass
+    xdotool key --window "$window" l # for the brain again
+    look '.layers == "all"'
     leave
 }
 
