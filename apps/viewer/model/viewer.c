@@ -119,6 +119,11 @@ double viewer_query(conus_selector_options *options, const struct viewer *viewer
     return options->radius > 0 ? 0 : angle * (M_PI / 180); /* as conus query has it, to the last bit */
 }
 
+const char *viewer_shape(const struct viewer *viewer)
+{
+    return viewer->cone.one_ray ? "axis" : viewer->cone.options.radius > 0 ? "cylinder" : "cone";
+}
+
 bool viewer_to_world(double world[3], struct viewer *viewer, const double given[3])
 {
     bool fine = conus_frame_to_world(world, &viewer->frame, given) == CONUS_OK;

@@ -143,6 +143,8 @@ size_t viewer_put_coordinate(char *out, size_t size, const struct viewer *viewer
 /** How atlas @p index is asked for a tool: the options and its full opening, radians, 0 of a cylinder; with one_ray
  * those of that ray. The level is borrowed from the viewer. */
 double viewer_query(conus_selector_options *options, const struct viewer *viewer, enum tool_number tool, size_t index);
+/** What the atlases are asked with: "cone", "cylinder", or "axis" of a single ray. */
+const char *viewer_shape(const struct viewer *viewer);
 /** Pins a result in atlas @p atlas that was confirmed before. @p name: of object 0; else NULL. */
 void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, const char *name, double share, double distance,
                 const double contact[3]);
