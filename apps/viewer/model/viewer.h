@@ -118,6 +118,7 @@ struct viewer {
     struct transfer_editor transfer_editor;
     void (*wake)(void);
     unsigned version; /**< Grows with every change that the panes show. */
+    unsigned moves;   /**< How many of these were moves of the first tool after which pictures have the same colours. */
     unsigned said;    /**< Grows with every message.                    */
 };
 
@@ -180,6 +181,8 @@ uint32_t viewer_full(const struct viewer *viewer);
 /** The place of an object in the answer, from 1, where pictures show it by a colour; 0 = it has its own, or is not hit.
  */
 size_t viewer_rank(const struct viewer *viewer, uint32_t object);
+/** sRGB of an object that has this place; 0 = none. */
+void viewer_rank_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object, size_t rank);
 /** sRGB of an object, as pictures have it. */
 void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object);
 
