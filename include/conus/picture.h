@@ -246,7 +246,7 @@ typedef struct conus_view {
  * they hide least, on a patch where they hide something. The legend lists what conus_selection_result() lists, in that
  * order. Its letters become smaller where names do not fit, down to 6/7 of their size, below that only for a name that
  * is wider than the place. Where rows do not fit, the last ones behind others are counted in one. Where all is opaque,
- * first hits that the camera does not see are "(behind)".
+ * first hits that the camera does not see are "(not seen)".
  * @param[out] out Channels R, G, B, A: float, linear light, premultiplied; A is 1 unless the background is transparent.
  * End it with conus_image_destroy().
  * @param renderer The renderer.

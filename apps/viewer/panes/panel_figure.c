@@ -93,6 +93,9 @@ void panel_figure(struct window *window)
     choose_size(&window->sheet);
     choose_dpi(&window->sheet);
     choose_text(window);
+    if (plans_is_on(window->viewer)) {
+        ui_text_wrapped(THEME_HINT, "without the plan's target, no-go areas and verdict: P saves the window with them");
+    }
     ui_separator();
     choose_name(window);
     ui_panel_end();

@@ -744,6 +744,11 @@ void ui_draw_text(const float at[2], ui_colour colour, const char *text)
     list->AddText(ImVec2(at[0], at[1]), packed(colour), text);
 }
 
+void ui_draw_label(const float at[2], ui_colour colour, const char *text)
+{
+    ImGui::GetWindowDrawList()->AddText(ImVec2(at[0], at[1]), packed(colour), text);
+}
+
 void ui_draw_heading(const float at[2], ui_colour colour, const char *text)
 {
     ImGui::PushFont(ImGui::GetIO().Fonts->Fonts[1]);

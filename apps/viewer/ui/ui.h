@@ -161,6 +161,8 @@ void ui_shorten_name(char *out, size_t size, const char *name, float width);
 void ui_draw_text(const float at[2], ui_colour colour, const char *text);
 /** Likewise, in large letters. */
 void ui_draw_heading(const float at[2], ui_colour colour, const char *text);
+/** Text there on a panel, without a shade. */
+void ui_draw_label(const float at[2], ui_colour colour, const char *text);
 
 struct ui_mouse {
     float x, y, moved_x, moved_y, wheel;

@@ -5,6 +5,7 @@
 #include "base/system/system.h"
 #include "options/messages.h"
 #include "options/output.h"
+#include "viewer/model/headline.h"
 #include "viewer/model/plans.h"
 #include "viewer/model/studies.h"
 
@@ -788,22 +789,31 @@ void window_copy(struct window *window, enum copied what)
     free(text);
 }
 
-/* The object in the title: the best hit, or else the chosen one; 0 = neither. */
-static uint32_t find_object(const char **how, const struct window *window)
+/* What the title names: what the needle of a plan does, the best hit, or else the chosen object; "" = nothing. */
+static void find_named(char out[HEADLINE_TEXT], const char **how, const struct window *window)
 {
-    const struct viewer *viewer = window->viewer;
+    struct viewer *viewer = window->viewer;
     const conus_selection *selection = viewer_selection(viewer);
     const conus_result *best = conus_selection_count(selection) ? conus_selection_result(selection, 0) : NULL;
     bool is_hit = best && best->object && best->pixels;
     bool is_old = inputs_is_old(&window->inputs, viewer, FIRST_TOOL);
-    *how = !is_hit ? "chosen" : is_old ? "old answer" : viewer->tools[FIRST_TOOL].held ? "held" : "hit";
-    return is_hit ? best->object : viewer->drawn->shown.chosen;
+    struct headline headline;
+    char title[VIEW_ATLAS_TITLE];
+    headline_find(&headline, viewer);
+    bool is_answer = is_hit || headline.is_of_plan;
+    uint32_t chosen = viewer->drawn->shown.chosen;
+    *how = !is_answer ? "chosen" : is_old ? "old answer" : viewer->tools[FIRST_TOOL].held ? "held" : "hit";
+    snprintf(out, HEADLINE_TEXT, "%s",
+             is_answer ? headline.what
+             : chosen  ? view_atlas_title(title, viewer->drawn, chosen)
+                       : "");
 }
 
 void title_write(char out[TITLE_SIZE], const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     const char *how;
+    char named[HEADLINE_TEXT];
     int used = snprintf(out, TITLE_SIZE, "conus");
     if (!viewer || window->start.on || window->dialog.on) {
         return;
@@ -812,11 +822,9 @@ void title_write(char out[TITLE_SIZE], const struct window *window)
     if (window->history.session_path) {
         used += snprintf(out + used, (size_t)(TITLE_SIZE - used), " [%.80s]", path_name(window->history.session_path));
     }
-    uint32_t object = find_object(&how, window);
-    if (object) {
-        char title[VIEW_ATLAS_TITLE];
-        snprintf(out + used, (size_t)(TITLE_SIZE - used), " - %.80s (%s)",
-                 view_atlas_title(title, viewer->drawn, object), how);
+    find_named(named, &how, window);
+    if (named[0]) {
+        snprintf(out + used, (size_t)(TITLE_SIZE - used), " - %.80s (%s)", named, how);
     }
     make_plain_line(out);
 }

@@ -31,7 +31,8 @@ struct cut_pane {
     struct texture texture;
     conus_cutter *cutter;  /**< NULL = none yet.                       */
     unsigned atlas_number; /**< The viewer's, when the cutter was made. */
-    unsigned version;      /**< The viewer's, when it was drawn. */
+    unsigned version;      /**< The viewer's less its moves, when it was drawn. */
+    bool is_old;           /**< The answer was, then. */
     double centre[3];
     struct outline_top top; /**< Top of the chosen area. */
 };
@@ -59,6 +60,8 @@ struct cone_line {
     bool dashed;
 };
 
+enum { HITS_NAMED = 3 /**< The best ones, in the 3-D pane. */ };
+
 /** A tool's cone as the 3-D pane shows it. */
 struct cone_sight {
     const struct view_atlas *of; /**< The drawn atlas, */
@@ -72,10 +75,11 @@ struct cone_sight {
     double fade;    /**< and with this fading of the context. */
     struct cone_line lines[CONE_LINES];
     size_t line_count;
-    struct extent turned; /**< The extent, with the reach of its ball as it is drawn. */
-    double clear;         /**< Depth up to which nothing hides the axis. */
-    double ball[3];       /**< The place of its ball. */
-    bool hides_ball;      /**< Something lies before that. */
+    struct extent turned;       /**< The extent, with the reach of its ball as it is drawn. */
+    double clear;               /**< Depth up to which nothing hides the axis. */
+    double ball[3];             /**< The place of its ball. */
+    bool hides_ball;            /**< Something lies before that, */
+    bool hides_hit[HITS_NAMED]; /**< or before the contact of the hit of that place in the answer. */
 };
 
 /** The object under the mouse. */
