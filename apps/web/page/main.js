@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page: joins files, fields, pictures and table; the worker owns conus.
 import { LIMITS, START, digits, fromFragment, readWithin, toCommand, toFragment, toMethods } from "./state.js";
-import { CUTS, Cut, View } from "./panes.js";
+import { CUTS, Cut, ENDLESS, View } from "./panes.js";
 import { candidates, chosen as chosenFiles, dropped, inside, read, unpacked } from "./files.js";
 
 /** @typedef {import("./state.js").Question} Question */
@@ -227,8 +227,13 @@ function redraw(isMoving = false) {
 
 /** The content of a picture; a picture with the same content is not drawn again. @param {Cut | View} pane @param {boolean} isMoving */
 function wanted(pane, isMoving) {
-  const request = pane instanceof Cut ? { ...pane.request(question, isMoving && detail, 0.55, atlas.window ?? [0, 0]) } : pane.request(isMoving);
+  const request = pane instanceof Cut ? { ...pane.request(question, isMoving && detail, 0.55, atlas.window) } : pane.request(isMoving);
   return { pane, request, key: JSON.stringify([request, edition, chosen, pane instanceof Cut ? refused || { ...question, cut: 0 } : [hits, rows.filter((row) => !row.pixels).length]]) };
+}
+
+/** Draws what lies over the pictures. */
+function annotate() {
+  if (atlas) for (const pane of panes) pane.annotate(question, end, objects);
 }
 
 const shows = (/** @type {Cut | View} */ pane) => pane.box.offsetParent !== null;
@@ -239,7 +244,7 @@ function draw() {
   if (busy) again = true;
   else if (atlas) answer();
   fillFields();
-  if (atlas) for (const pane of panes) pane.annotate(question, end, objects);
+  annotate();
 }
 
 async function answer() {
@@ -264,9 +269,9 @@ async function answer() {
     if (solid) spare.push(...view.show(drawn.view, solid.request, marked));
     for (const { pane, key } of needed) pane.key = key;
     unanswered = why || (drawn.refused ?? "").replace(/^toward: is the origin/, "Target: is the start");
-    view.hasCone = !unanswered;
+    for (const pane of panes) pane.depth = unanswered ? 0 : drawn.depth || ENDLESS;
     panes.forEach(mark);
-    if (!moving) for (const pane of panes) pane.annotate(question, end, objects); // which says what it shows
+    if (!moving) annotate(); // which says what it shows
     fillRows(drawn.rows);
     again ||= isFirst || (shows(view) || !moving) && wanted(view, moving).key !== view.key; // which shows what is hit
     sayOfAnswer(unanswered, why ? wrong : form.elements.toward0);
@@ -626,11 +631,13 @@ function wholePage() {
 
 /** The four pictures side by side with what is drawn over them. */
 function picture() {
-  const shown = panes.filter((pane) => pane.box.offsetParent !== null);
+  const shown = panes.filter(shows);
   const side = Math.max(...shown.map((pane) => pane.canvas.width));
   const columns = shown.length > 1 ? 2 : 1;
   const sheet = new OffscreenCanvas(columns * side, Math.ceil(shown.length / columns) * side);
   const c = /** @type {OffscreenCanvasRenderingContext2D} */ (sheet.getContext("2d"));
+  c.fillStyle = getComputedStyle(panes[0].box).backgroundColor;
+  c.fillRect(0, 0, sheet.width, sheet.height);
   shown.forEach((pane, i) => {
     for (const canvas of [pane.canvas, pane.over]) c.drawImage(canvas, i % columns * side, Math.floor(i / columns) * side, side, side);
   });
@@ -659,7 +666,15 @@ for (const button of document.querySelectorAll("[data-save]")) {
 
 // Paper
 
-addEventListener("beforeprint", () => { $("#methods").textContent = atlas && !unanswered ? toMethods(question, atlas) : ""; });
+const setPaper = (/** @type {boolean} */ isPaper) => { // on which panes are those of the light theme
+  document.documentElement.classList.toggle("paper", isPaper);
+  $("#methods").textContent = atlas && !unanswered ? toMethods(question, atlas) : "";
+  for (const pane of panes) pane.over.width = 0;
+  annotate();
+};
+addEventListener("beforeprint", () => setPaper(true));
+addEventListener("afterprint", () => setPaper(false));
+matchMedia("(prefers-color-scheme: dark)").onchange = annotate;
 $("#print").onclick = () => print();
 
 // Start
