@@ -394,7 +394,7 @@ panes.forEach((pane, number) => {
     if (touches.size === 2) {
       const [a, b] = [...touches.values()];
       const spread = Math.hypot(a[0] - b[0], a[1] - b[1]);
-      if (drag.spread) pane.zoom = Math.min(20, Math.max(0.3, pane.zoom * spread / drag.spread));
+      if (drag.spread) pane.zoomBy(spread / drag.spread);
       drag.spread = spread;
       drag.moved = true;
       return redraw(true);
@@ -410,8 +410,7 @@ panes.forEach((pane, number) => {
         drag.at = at;
       }
     } else {
-      pane.turn -= (at[0] - drag.at[0]) / 120;
-      pane.tilt = Math.min(1.5, Math.max(-1.5, pane.tilt + (at[1] - drag.at[1]) / 120));
+      pane.turnBy((at[0] - drag.at[0]) / 120, (at[1] - drag.at[1]) / 120);
       drag.at = at;
     }
     redraw(true);
@@ -441,7 +440,7 @@ panes.forEach((pane, number) => {
   over.addEventListener("wheel", (event) => {
     event.preventDefault();
     if (event.altKey) question.angle = Math.min(170, Math.max(0.5, question.angle - Math.sign(event.deltaY)));
-    else pane.zoom = Math.min(20, Math.max(0.3, pane.zoom * Math.exp(-event.deltaY / 500)));
+    else pane.zoomBy(Math.exp(-event.deltaY / 500));
     redraw(true);
   }, { passive: false });
   over.addEventListener("keydown", (event) => { if (key(event, pane, number)) event.preventDefault(); });
@@ -452,8 +451,7 @@ function key(event, pane, number) {
   const step = event.shiftKey ? 10 : event.altKey ? 0.1 : 1;
   const nudge = NUDGES[/** @type {"ArrowUp"} */ (event.key)];
   if (nudge && pane instanceof View && (event.ctrlKey || end === "cut")) {
-    pane.turn -= nudge[0] / 10;
-    pane.tilt = Math.min(1.5, Math.max(-1.5, pane.tilt - nudge[1] / 10));
+    pane.turnBy(nudge[0] / 10, -nudge[1] / 10);
   } else if (nudge) {
     const { right, up } = pane instanceof Cut ? pane.plane : CUTS[0];
     const moved = [...question[end]];
@@ -465,7 +463,7 @@ function key(event, pane, number) {
     cut[pane.plane.through] += event.key === "PageUp" ? step : -step;
     question.cut = /** @type {any} */ (cut);
   } else if (event.key === "[" || event.key === "]") question.angle = Math.min(170, Math.max(1, question.angle + (event.key === "]" ? 1 : -1)));
-  else if (event.key === "+" || event.key === "-") pane.zoom = Math.min(20, Math.max(0.3, pane.zoom * (event.key === "+" ? 1.25 : 0.8)));
+  else if (event.key === "+" || event.key === "-") pane.zoomBy(event.key === "+" ? 1.25 : 0.8);
   else if (event.key === "s") end = "origin";
   else if (event.key === "t") end = "toward";
   else if (event.key === "c" && !event.ctrlKey && !event.metaKey) save("link");

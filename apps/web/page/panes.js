@@ -14,13 +14,6 @@ export const CUTS = [
 export const ENDLESS = 1e4; // mm, in place of a cone's depth
 const HANDLE = 12; // pixels of the page around an end of the axis that take it
 
-/** Pixels of RGBA onto a canvas of their size. @param {HTMLCanvasElement} canvas @param {ArrayBuffer} rgba @param {number} width */
-export function paint(canvas, rgba, width) {
-  const height = rgba.byteLength / 4 / width;
-  if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
-  canvas.getContext("2d")?.putImageData(new ImageData(new Uint8ClampedArray(rgba), width, height), 0, 0);
-}
-
 /** Makes transparent what is empty in a cut: over an image only from the edges on, so that what is dark in a brain stays.
  * @param {ArrayBuffer} rgba @param {Uint32Array} objects @param {number} width @param {boolean} hasImage */
 function clearGround(rgba, objects, width, hasImage) {
@@ -77,28 +70,53 @@ function numbered(objects, width, hits) {
   return [...found.values()].filter((label) => label.count > objects.length / 4000);
 }
 
-/** Points of the page along a side of a pane; those of one that a narrow screen does not show are for paper. @param {HTMLElement} box */
-const sideOf = (box) => Math.min(box.clientWidth, box.clientHeight) || 300;
-
-/** A cut and what is drawn over it. */
-export class Cut {
-  /** @param {typeof CUTS[number]} plane @param {HTMLElement} box */
-  constructor(plane, box) {
-    this.plane = plane;
+/** A picture of the worker, and what is drawn over it. */
+class Pane {
+  /** @param {HTMLElement} box */
+  constructor(box) {
     this.box = box;
-    this.canvas = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas"));
-    this.over = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas.over"));
+    [this.canvas, this.over] = /** @type {HTMLCanvasElement[]} */ ([...box.querySelectorAll("canvas")]);
     this.zoom = 1;
-    this.middle = [0, 0];
-    this.fit = 1;
-    /** @type {Uint32Array} */
-    this.objects = new Uint32Array();
+    this.objects = new Uint32Array(); // of each pixel
     /** @type {{text: string, at: number[]}[]} */
     this.numbers = [];
     /** Where the pointer is. @type {number[] | null} */
     this.pointer = null;
     this.under = ""; // the name of what is under it
     this.depth = 0; // mm from the start to the deepest hit, where the cone ends; 0 = there is no cone
+  }
+
+  /** Points of the page along a side; those of one that a narrow screen does not show are for paper. */
+  get side() { return Math.min(this.box.clientWidth, this.box.clientHeight) || 300; }
+
+  /** Gives back what it no longer needs. @param {Record<string, ArrayBuffer>} picture @param {any} request @param {number[]} hits */
+  show(picture, { width }, hits) {
+    const free = [picture.rgba, this.objects.buffer];
+    if (this.canvas.width !== width) this.canvas.width = this.canvas.height = width;
+    this.canvas.getContext("2d")?.putImageData(new ImageData(new Uint8ClampedArray(picture.rgba), width), 0, 0);
+    this.objects = new Uint32Array(picture.objects);
+    this.numbers = numbered(this.objects, width, hits);
+    return free;
+  }
+
+  /** The picture's pixel under a point, -1 beside it. @param {number[]} at */
+  pixel(at) {
+    const n = this.canvas.width;
+    const [x, y] = at.map((v) => Math.floor(v / this.side * n));
+    return x >= 0 && y >= 0 && x < n && y < n ? y * n + x : -1;
+  }
+
+  /** @param {number} factor */
+  zoomBy(factor) { this.zoom = Math.min(20, Math.max(0.3, this.zoom * factor)); }
+}
+
+/** A cut. */
+export class Cut extends Pane {
+  /** @param {typeof CUTS[number]} plane @param {HTMLElement} box */
+  constructor(plane, box) {
+    super(box);
+    this.plane = plane;
+    this.middle = [0, 0];
   }
 
   /** Shows the whole of a box of the world, mm. @param {Point} low @param {Point} high */
@@ -110,7 +128,6 @@ export class Cut {
     this.zoom = 1;
   }
 
-  get side() { return sideOf(this.box); }
   get mmPerPoint() { return (this.extent ?? 200) / this.side / this.zoom; }
 
   /** The worker's next picture: at the screen's density, or while something moves with a part of its detail. @param {Aim} aim @param {number | false} detail */
@@ -137,11 +154,7 @@ export class Cut {
   }
 
   /** The object there, 0 if none. @param {number[]} at */
-  object(at) {
-    const n = this.canvas.width;
-    const [x, y] = at.map((v) => Math.floor(v / this.side * n));
-    return x >= 0 && y >= 0 && x < n && y < n ? this.objects[y * n + x] ?? 0 : 0;
-  }
+  object(at) { return this.objects[this.pixel(at)] ?? 0; }
 
   /** Which end of the axis is under a point: "origin", "toward" or null. @param {number[]} at @param {Aim} aim */
   end(at, aim) {
@@ -149,15 +162,10 @@ export class Cut {
     return near("toward") ? "toward" : near("origin") ? "origin" : null;
   }
 
-  /** Gives back what it no longer needs. @param {{rgba: ArrayBuffer, objects: ArrayBuffer}} picture @param {{width: number, hasImage: boolean}} request
-   * @param {number[]} hits */
-  show(picture, { width, hasImage }, hits) {
-    const free = [picture.rgba, this.objects.buffer];
-    this.objects = new Uint32Array(picture.objects);
-    clearGround(picture.rgba, this.objects, width, hasImage);
-    paint(this.canvas, picture.rgba, width);
-    this.numbers = numbered(this.objects, width, hits);
-    return free;
+  /** @param {Record<string, ArrayBuffer>} picture @param {any} request @param {number[]} hits */
+  show(picture, request, hits) {
+    clearGround(picture.rgba, new Uint32Array(picture.objects), request.width, request.hasImage);
+    return super.show(picture, request, hits);
   }
 
   /** The axis with its ends, the lines of the other cuts, letters, names and a scale.
@@ -238,7 +246,7 @@ function caption(c, title, under, side) {
 }
 
 /** The axis from its start, a ring, to its target, a cross. @param {CanvasRenderingContext2D} c @param {number[]} from @param {number[]} to */
-export function axis(c, from, to, chosenEnd) {
+function axis(c, from, to, chosenEnd) {
   for (const [colour, width] of /** @type {[string, number][]} */ ([[ground, 4], [ink, 1.5]])) {
     line(c, colour, width, [from, to]);
     line(c, colour, width + 1, [[to[0] - 7, to[1]], [to[0] + 7, to[1]]]);
@@ -296,21 +304,12 @@ function section({ tip, rim }, { right, up, through }, cut) {
 }
 
 /** The 3-D view: an eye on a sphere around the middle of the atlas. */
-export class View {
+export class View extends Pane {
   /** @param {HTMLElement} box */
   constructor(box) {
-    this.box = box;
-    this.canvas = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas"));
-    this.over = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas.over"));
+    super(box);
     this.angle = 30;
-    /** @type {number[] | null} */
-    this.pointer = null;
-    this.under = "";
-    this.depth = 0; // as of a cut
-    this.objects = new Uint32Array();
     this.distances = new Float32Array();
-    /** @type {{text: string, at: number[]}[]} */
-    this.numbers = [];
     this.frame([-70, -100, -50], [70, 70, 80]);
   }
 
@@ -323,8 +322,6 @@ export class View {
     this.zoom = 1;
   }
 
-  get side() { return sideOf(this.box); }
-
   get eye() {
     const far = 0.85 * this.radius / Math.sin(this.angle * Math.PI / 360) / this.zoom;
     const flat = Math.cos(this.tilt);
@@ -334,18 +331,15 @@ export class View {
   /** While the eye moves with a part of its detail. @param {boolean} moving */
   request(moving) {
     const eye = this.eye;
-    const isRough = moving && String(eye) !== String(this.drawn?.side === 384 && this.drawn.eye);
-    return { side: isRough ? 96 : 384, eye, toward: this.middle, angle: this.angle };
+    const isRough = moving && String(eye) !== String(this.drawn?.width === 384 && this.drawn.eye);
+    return { width: isRough ? 96 : 384, eye, toward: this.middle, angle: this.angle };
   }
 
-  /** @param {{rgba: ArrayBuffer, objects: ArrayBuffer, distances: ArrayBuffer}} picture @param {any} request @param {number[]} hits */
+  /** @param {Record<string, ArrayBuffer>} picture @param {any} request @param {number[]} hits */
   show(picture, request, hits) {
-    const free = [picture.rgba, this.objects.buffer, this.distances.buffer];
-    paint(this.canvas, picture.rgba, request.side);
-    this.objects = new Uint32Array(picture.objects);
+    const free = [...super.show(picture, request, hits), this.distances.buffer];
     this.distances = new Float32Array(picture.distances);
     this.drawn = request;
-    this.numbers = numbered(this.objects, request.side, hits);
     return free;
   }
 
@@ -363,13 +357,12 @@ export class View {
   /** @param {number[]} at @returns {{object: number, position: Point, inward: Point} | null} */
   pick(at) {
     if (!this.drawn) return null;
-    const n = this.drawn.side;
-    const [x, y] = at.map((v) => Math.floor(v / this.side * n));
-    const pixel = y * n + x;
-    if (!(x >= 0 && y >= 0 && x < n && y < n) || !this.objects[pixel]) return null;
+    const n = this.drawn.width;
+    const pixel = this.pixel(at);
+    if (!this.objects[pixel]) return null;
     const { right, up, ahead } = this.axes;
     const half = Math.tan(this.angle * Math.PI / 360);
-    const [u, v] = [(2 * (x + 0.5) / n - 1) * half, (1 - 2 * (y + 0.5) / n) * half];
+    const [u, v] = [(2 * (pixel % n + 0.5) / n - 1) * half, (1 - 2 * (Math.floor(pixel / n) + 0.5) / n) * half];
     const ray = ahead.map((value, a) => value + u * right[a] + v * up[a]);
     const length = Math.hypot(...ray);
     const inward = /** @type {Point} */ (ray.map((value) => value / length));
@@ -377,10 +370,12 @@ export class View {
   }
 
   /** Whether the brain, as it is drawn, is before a position. @param {number[]} p */
-  hides(p) {
-    const n = this.drawn?.side ?? 0;
-    const [x, y] = this.place(p).map((v) => Math.floor(v / this.side * n));
-    return x >= 0 && y >= 0 && x < n && y < n && this.distances[y * n + x] < Math.hypot(...p.map((v, a) => v - this.eye[a])) - 1;
+  hides(p) { return this.distances[this.pixel(this.place(p))] < Math.hypot(...p.map((v, a) => v - this.eye[a])) - 1; }
+
+  /** Turns it so many radians. @param {number} x @param {number} y */
+  turnBy(x, y) {
+    this.turn -= x;
+    this.tilt = Math.min(1.5, Math.max(-1.5, this.tilt + y));
   }
 
   /** @param {number[]} p */

@@ -67,8 +67,8 @@ const CALLS = {
       out.cuts.push({ rgba, objects: pixels(conus.cut_objects(), size) });
     }
     if (view) {
-      const size = 4 * view.side * view.side;
-      const rgba = pixels(conus.view(view.side, ...view.eye, ...view.toward, view.angle, chosen), size);
+      const size = 4 * view.width * view.width;
+      const rgba = pixels(conus.view(view.width, ...view.eye, ...view.toward, view.angle, chosen), size);
       out.view = { rgba, objects: pixels(conus.view_objects(), size), distances: pixels(conus.view_distances(), size) };
     }
     return out;
