@@ -46,7 +46,7 @@ enum look_colour {
     LOOK_MAIN_HOVERED = 0xFFC24D,
     LOOK_MAIN_HELD = 0xE09A00,
     LOOK_MAIN_TEXT = 0x1E1600,
-    LOOK_PANE_DARK = 0x14171B, /**< Behind the brain in the dark theme. */
+    LOOK_PANE_DARK = 0x14171B, /**< Behind the brain in the dark theme; on the page behind cuts, too. */
 
     /* The window, over pictures, which have no theme. */
     LOOK_CHOSEN = 0xFFFFFF, /**< The outline of what is chosen. */
@@ -60,11 +60,6 @@ enum look_colour {
     LOOK_PLOT_BARS = 0x787E8C,
     LOOK_LOADING = 0x4296FA, /**< The bar of what was read, and under it. */
     LOOK_LOADING_LEFT = 0x808080,
-
-    /* The page. */
-    LOOK_PAGE_DROP = 0x767676,
-    LOOK_PAGE_TAB = 0x2B3D5C,
-    LOOK_PAGE_FOCUS = 0x8AB4F8, /**< Around a pane. */
 };
 
 /** @name The themes

@@ -22,7 +22,7 @@ enum look_size {
     LOOK_FIGURE_LEAST = 11, /**< and have at least so many pixels. */
 
     /* The page, pixels of CSS. */
-    LOOK_PAGE_TITLE = 20,
+    LOOK_PAGE_TITLE = 22,
     LOOK_PAGE_TYPE = 15,
     LOOK_PAGE_TABLE = 14,
     LOOK_PAGE_SMALL = 13,

@@ -254,8 +254,25 @@ static conus_status prepare_selector(conus_selector **selector, uint32_t resolut
     return *selector ? CONUS_OK : conus_selector_create(selector, page.atlas, &options);
 }
 
-/* Asks what is in a cone. {} or {"error": ...}; web_rows() has the answer, and pictures the cone. Neither has those of
- * the question before where this one is refused. */
+/* mm along the cone's axis to the deepest hit; 0 where nothing is hit first. */
+static double find_depth(const conus_pose *pose)
+{
+    const conus_evidence evidence = conus_selection_evidence(page.selection);
+    double depth = 0;
+    for (size_t pixel = 0; pixel < (size_t)evidence.resolution * evidence.resolution; pixel++) {
+        double at[3];
+        double along = 0;
+        conus_selection_position(at, page.selection, pixel);
+        for (int a = 0; a < 3; a++) {
+            along -= (at[a] - pose->world_from_device[12 + a]) * pose->world_from_device[8 + a];
+        }
+        depth = evidence.in_cone[pixel] && along > depth ? along : depth; /* NaN where nothing is hit */
+    }
+    return depth;
+}
+
+/* Asks what is in a cone. {"depth": mm to the deepest hit}, 0 where the cone has no end, or {"error": ...}; web_rows()
+ * has the answer, and pictures what it hits. Neither has those of the question before where this one is refused. */
 EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double toward_x, double toward_y,
                                          double toward_z, double angle, uint32_t resolution, int all_layers)
 {
@@ -272,7 +289,12 @@ EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double to
                     : conus_pose_toward(&pose, (const double[]){x, y, z},
                                         (const double[]){toward_x, toward_y, toward_z}, NULL);
     status = status ? status : conus_select(&page.selection, page.selector, &pose, angle * RADIANS);
-    return status ? say_error() : "{}";
+    const double depth = status || all_layers ? 0 : find_depth(&pose);
+    FILE *out = status ? NULL : begin_text();
+    if (out) {
+        fprintf(out, "{\"depth\": %.9g}", depth);
+    }
+    return status ? say_error() : end_text(out);
 }
 
 static conus_status write_report(conus_format format)
@@ -334,7 +356,7 @@ static conus_status select_nothing(void)
     return status ? status : conus_select(&page.nothing, page.selector, &pose, RADIANS);
 }
 
-/* Draws a cut with the cone in it: right and up are unit vectors along axes of the world, each a digit of "xyz" as 0 to
+/* Draws a cut, without the cone: right and up are unit vectors along axes of the world, each a digit of "xyz" as 0 to
  * 2. The objects of its pixels are web_objects_drawn(). NULL after an error. */
 EMSCRIPTEN_KEEPALIVE const uint8_t *web_cut(int right, int up, double x, double y, double z, uint32_t width,
                                             uint32_t height, double mm_per_pixel, double fill, double black,
@@ -353,6 +375,7 @@ EMSCRIPTEN_KEEPALIVE const uint8_t *web_cut(int right, int up, double x, double 
     view.window[0] = black;
     view.window[1] = white;
     view.own_colours = page.colours != COLOURS_OF_ANSWER;
+    view.no_cone = true;
     conus_cutter **cutter = &page.cutters[3 - right - up];
     bool failed = (!page.selection && !view.own_colours && select_nothing()) || /* else all have their own */
                   (!*cutter && conus_cutter_create(cutter, page.atlas));

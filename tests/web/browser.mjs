@@ -391,6 +391,8 @@ for (const [what, options] of [["light", { colorScheme: "light" }], ["dark", { c
       const found = await page.evaluate(() => window.axe.run());
       assert.deepEqual(found.violations.map((violation) => [violation.id, violation.nodes.map((node) => node.html.slice(0, 120))]), []);
       assert.ok(found.passes.length > 10);
+      const pane = { light: "rgb(255, 255, 255)", dark: "rgb(20, 23, 27)" }[what]; // LOOK_WHITE, LOOK_PANE_DARK
+      if (pane) assert.equal(await page.locator(".pane").first().evaluate((part) => getComputedStyle(part).backgroundColor), pane);
     });
   }
 }
@@ -461,8 +463,15 @@ for (const [what, options] of [["wide", {}], ["narrow", { viewport: { width: 390
     const printed = await page.locator("tbody tr").evaluateAll((all) => all.filter((row) => row.getBoundingClientRect().height > 0).length);
     assert.equal(await page.locator("#more").innerText(), `and ${rowCount - printed} more, which have no room on this sheet`);
     assert.equal(await page.locator(".swatch").first().evaluate((chip) => getComputedStyle(chip).printColorAdjust), "exact");
-    const isDrawn = (/** @type {HTMLCanvasElement[]} */ all) => all.map((canvas) => canvas.width === canvas.height && new Set(canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data).size > 20);
-    assert.deepEqual(await page.locator(".pane canvas").evaluateAll(isDrawn), Array(8).fill(true));
+    const panes = await page.locator(".pane").evaluateAll((all) => all.map((pane) => {
+      const parts = [...pane.querySelectorAll("canvas")].map((canvas) => canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height));
+      const areDrawn = parts.map(({ width, height, data }) => width === height && new Set(data).size > 6);
+      const [picture, { data, width, height }] = parts;
+      const bar = 4 * (width * (height - 12) + 20); // of the scale
+      return [getComputedStyle(pane).backgroundColor, areDrawn, picture.data[3], [...data.slice(bar, bar + 4)]];
+    }));
+    const white = "rgb(255, 255, 255)"; // below what is drawn, whose corner is empty; the bar is black
+    panes.forEach(([paper, areDrawn, corner, bar], i) => assert.deepEqual([paper, areDrawn, corner, bar], [white, [true, true], 0, i < 3 ? [0, 0, 0, 255] : bar]));
   });
 }
 

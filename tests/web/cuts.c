@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * cuts ATLAS [CONTEXT]: a cut with a cone for each 16 doubles of its input: origin, toward, angle, right, up,
+ * cuts ATLAS [CONTEXT]: a cut of what a cone hits for each 16 doubles of its input: origin, toward, angle, right, up,
  * centre, width, height, mm_per_pixel, fill. Prints RGBA and objects of all pixels, as the machine has them.
  */
 #include <conus/conus.h>
@@ -28,6 +28,7 @@ int main(int argc, char **argv)
     if (argc > 2) {
         need(conus_atlas_set_context(atlas, argv[2], NULL));
     }
+    view.no_cone = true; /* the page draws it over them */
     options.resolution = 16;
     need(conus_selector_create(&selector, atlas, &options));
     while (fread(given, sizeof *given, 16, stdin) == 16) {

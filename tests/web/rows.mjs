@@ -74,7 +74,7 @@ async function compare(files, atlas, layers) {
   const asked = poses(info.low, info.high, 7, layers === "all" ? POSES_ALL_LAYERS : POSES);
   let ours = "";
   asked.forEach(({ origin, toward, angle }, i) => {
-    assert.equal(conus.ask(...origin, ...toward, angle, 16, layers === "all" ? 1 : 0), "{}");
+    assert.equal(JSON.parse(conus.ask(...origin, ...toward, angle, 16, layers === "all" ? 1 : 0)).error, undefined);
     ours += conus.rows(NDJSON).replaceAll('"query": "1"', `"query": "${i + 1}"`).replaceAll('"query":"1"', `"query":"${i + 1}"`);
   });
   fs.writeFileSync(path.join(folder, "poses.tsv"), ["x\ty\tz\ttx\tty\ttz\tangle",

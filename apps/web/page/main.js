@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page: joins files, fields, pictures and table; the worker owns conus.
 import { LIMITS, START, digits, fromFragment, readWithin, toCommand, toFragment, toMethods } from "./state.js";
-import { CUTS, Cut, View } from "./panes.js";
+import { CUTS, Cut, ENDLESS, View } from "./panes.js";
 import { candidates, chosen as chosenFiles, dropped, inside, read, unpacked } from "./files.js";
 
 /** @typedef {import("./state.js").Question} Question */
@@ -227,8 +227,13 @@ function redraw(isMoving = false) {
 
 /** The content of a picture; a picture with the same content is not drawn again. @param {Cut | View} pane @param {boolean} isMoving */
 function wanted(pane, isMoving) {
-  const request = pane instanceof Cut ? { ...pane.request(question, isMoving && detail, 0.55, atlas.window ?? [0, 0]) } : pane.request(isMoving);
+  const request = pane instanceof Cut ? { ...pane.request(question, isMoving && detail, 0.55, atlas.window) } : pane.request(isMoving);
   return { pane, request, key: JSON.stringify([request, edition, chosen, pane instanceof Cut ? refused || { ...question, cut: 0 } : [hits, rows.filter((row) => !row.pixels).length]]) };
+}
+
+/** Draws what lies over the pictures. */
+function annotate() {
+  if (atlas) for (const pane of panes) pane.annotate(question, end, objects);
 }
 
 const shows = (/** @type {Cut | View} */ pane) => pane.box.offsetParent !== null;
@@ -239,7 +244,7 @@ function draw() {
   if (busy) again = true;
   else if (atlas) answer();
   fillFields();
-  if (atlas) for (const pane of panes) pane.annotate(question, end, objects);
+  annotate();
 }
 
 async function answer() {
@@ -264,9 +269,9 @@ async function answer() {
     if (solid) spare.push(...view.show(drawn.view, solid.request, marked));
     for (const { pane, key } of needed) pane.key = key;
     unanswered = why || (drawn.refused ?? "").replace(/^toward: is the origin/, "Target: is the start");
-    view.hasCone = !unanswered;
+    for (const pane of panes) pane.depth = unanswered ? 0 : drawn.depth || ENDLESS;
     panes.forEach(mark);
-    if (!moving) for (const pane of panes) pane.annotate(question, end, objects); // which says what it shows
+    if (!moving) annotate(); // which says what it shows
     fillRows(drawn.rows);
     again ||= isFirst || (shows(view) || !moving) && wanted(view, moving).key !== view.key; // which shows what is hit
     sayOfAnswer(unanswered, why ? wrong : form.elements.toward0);
@@ -389,7 +394,7 @@ panes.forEach((pane, number) => {
     if (touches.size === 2) {
       const [a, b] = [...touches.values()];
       const spread = Math.hypot(a[0] - b[0], a[1] - b[1]);
-      if (drag.spread) pane.zoom = Math.min(20, Math.max(0.3, pane.zoom * spread / drag.spread));
+      if (drag.spread) pane.zoomBy(spread / drag.spread);
       drag.spread = spread;
       drag.moved = true;
       return redraw(true);
@@ -405,8 +410,7 @@ panes.forEach((pane, number) => {
         drag.at = at;
       }
     } else {
-      pane.turn -= (at[0] - drag.at[0]) / 120;
-      pane.tilt = Math.min(1.5, Math.max(-1.5, pane.tilt + (at[1] - drag.at[1]) / 120));
+      pane.turnBy((at[0] - drag.at[0]) / 120, (at[1] - drag.at[1]) / 120);
       drag.at = at;
     }
     redraw(true);
@@ -436,7 +440,7 @@ panes.forEach((pane, number) => {
   over.addEventListener("wheel", (event) => {
     event.preventDefault();
     if (event.altKey) question.angle = Math.min(170, Math.max(0.5, question.angle - Math.sign(event.deltaY)));
-    else pane.zoom = Math.min(20, Math.max(0.3, pane.zoom * Math.exp(-event.deltaY / 500)));
+    else pane.zoomBy(Math.exp(-event.deltaY / 500));
     redraw(true);
   }, { passive: false });
   over.addEventListener("keydown", (event) => { if (key(event, pane, number)) event.preventDefault(); });
@@ -447,8 +451,7 @@ function key(event, pane, number) {
   const step = event.shiftKey ? 10 : event.altKey ? 0.1 : 1;
   const nudge = NUDGES[/** @type {"ArrowUp"} */ (event.key)];
   if (nudge && pane instanceof View && (event.ctrlKey || end === "cut")) {
-    pane.turn -= nudge[0] / 10;
-    pane.tilt = Math.min(1.5, Math.max(-1.5, pane.tilt - nudge[1] / 10));
+    pane.turnBy(nudge[0] / 10, -nudge[1] / 10);
   } else if (nudge) {
     const { right, up } = pane instanceof Cut ? pane.plane : CUTS[0];
     const moved = [...question[end]];
@@ -460,7 +463,7 @@ function key(event, pane, number) {
     cut[pane.plane.through] += event.key === "PageUp" ? step : -step;
     question.cut = /** @type {any} */ (cut);
   } else if (event.key === "[" || event.key === "]") question.angle = Math.min(170, Math.max(1, question.angle + (event.key === "]" ? 1 : -1)));
-  else if (event.key === "+" || event.key === "-") pane.zoom = Math.min(20, Math.max(0.3, pane.zoom * (event.key === "+" ? 1.25 : 0.8)));
+  else if (event.key === "+" || event.key === "-") pane.zoomBy(event.key === "+" ? 1.25 : 0.8);
   else if (event.key === "s") end = "origin";
   else if (event.key === "t") end = "toward";
   else if (event.key === "c" && !event.ctrlKey && !event.metaKey) save("link");
@@ -626,11 +629,13 @@ function wholePage() {
 
 /** The four pictures side by side with what is drawn over them. */
 function picture() {
-  const shown = panes.filter((pane) => pane.box.offsetParent !== null);
+  const shown = panes.filter(shows);
   const side = Math.max(...shown.map((pane) => pane.canvas.width));
   const columns = shown.length > 1 ? 2 : 1;
   const sheet = new OffscreenCanvas(columns * side, Math.ceil(shown.length / columns) * side);
   const c = /** @type {OffscreenCanvasRenderingContext2D} */ (sheet.getContext("2d"));
+  c.fillStyle = getComputedStyle(panes[0].box).backgroundColor;
+  c.fillRect(0, 0, sheet.width, sheet.height);
   shown.forEach((pane, i) => {
     for (const canvas of [pane.canvas, pane.over]) c.drawImage(canvas, i % columns * side, Math.floor(i / columns) * side, side, side);
   });
@@ -659,7 +664,15 @@ for (const button of document.querySelectorAll("[data-save]")) {
 
 // Paper
 
-addEventListener("beforeprint", () => { $("#methods").textContent = atlas && !unanswered ? toMethods(question, atlas) : ""; });
+const setPaper = (/** @type {boolean} */ isPaper) => { // on which panes are those of the light theme
+  document.documentElement.classList.toggle("paper", isPaper);
+  $("#methods").textContent = atlas && !unanswered ? toMethods(question, atlas) : "";
+  for (const pane of panes) pane.over.width = 0;
+  annotate();
+};
+addEventListener("beforeprint", () => setPaper(true));
+addEventListener("afterprint", () => setPaper(false));
+matchMedia("(prefers-color-scheme: dark)").onchange = annotate;
 $("#print").onclick = () => print();
 
 // Start

@@ -11,22 +11,41 @@ export const CUTS = [
   { name: "Coronal", right: 0, up: 2, through: 1, letters: "LRSI" },
   { name: "Sagittal", right: 1, up: 2, through: 0, letters: "PASI" },
 ];
+export const ENDLESS = 1e4; // mm, in place of a cone's depth
 const HANDLE = 12; // pixels of the page around an end of the axis that take it
 
-/** Pixels of RGBA onto a canvas of their size. @param {HTMLCanvasElement} canvas @param {ArrayBuffer} rgba @param {number} width */
-export function paint(canvas, rgba, width) {
-  const height = rgba.byteLength / 4 / width;
-  if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
-  canvas.getContext("2d")?.putImageData(new ImageData(new Uint8ClampedArray(rgba), width, height), 0, 0);
+/** Makes transparent what is empty in a cut: over an image only from the edges on, so that what is dark in a brain stays.
+ * @param {ArrayBuffer} rgba @param {Uint32Array} objects @param {number} width @param {boolean} hasImage */
+function clearGround(rgba, objects, width, hasImage) {
+  const pixels = new Uint32Array(rgba);
+  const next = /** @type {number[]} */ ([]);
+  const around = (/** @type {number} */ i) => [i - 1, i + 1, i - width, i + width]; // beside a row's end, too, where the next one begins
+  const visit = (/** @type {number} */ i) => {
+    if (pixels[i] !== 0xff000000) return; // opaque black
+    pixels[i] = 0;
+    if (hasImage) next.push(i);
+  };
+  for (let i = 0; i < objects.length; i++) if (!hasImage || i < width || i >= objects.length - width || i % width === 0) visit(i);
+  while (next.length) {
+    for (const i of around(/** @type {number} */ (next.pop()))) {
+      visit(i);
+      if (objects[i]) around(i).forEach(visit); // the outline of an area outside of the image
+    }
+  }
 }
+
+let ink = ""; // of words and lines over pictures, by the page's theme, and what is around them
+let ground = "";
 
 /** Empties a canvas of so many points of the page, and returns its context. @param {HTMLCanvasElement} canvas @param {number} side */
 function cleared(canvas, side) {
   const pixels = Math.round(side * devicePixelRatio);
-  if (canvas.width !== pixels || canvas.height !== pixels) [canvas.width, canvas.height] = [pixels, pixels]; // a new one is slow
+  const isNew = canvas.width !== pixels || canvas.height !== pixels;
+  if (isNew) [canvas.width, canvas.height] = [pixels, pixels]; // slow
   const c = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
   c.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
-  c.clearRect(0, 0, side, side);
+  if (!isNew) c.clearRect(0, 0, side, side); // which on paper also clears what is below
+  ({ color: ink, backgroundColor: ground } = getComputedStyle(/** @type {Element} */ (canvas.parentElement)));
   return c;
 }
 
@@ -51,27 +70,53 @@ function numbered(objects, width, hits) {
   return [...found.values()].filter((label) => label.count > objects.length / 4000);
 }
 
-/** Points of the page along a side of a pane; those of one that a narrow screen does not show are for paper. @param {HTMLElement} box */
-const sideOf = (box) => Math.min(box.clientWidth, box.clientHeight) || 300;
-
-/** A cut and what is drawn over it. */
-export class Cut {
-  /** @param {typeof CUTS[number]} plane @param {HTMLElement} box */
-  constructor(plane, box) {
-    this.plane = plane;
+/** A picture of the worker, and what is drawn over it. */
+class Pane {
+  /** @param {HTMLElement} box */
+  constructor(box) {
     this.box = box;
-    this.canvas = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas"));
-    this.over = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas.over"));
+    [this.canvas, this.over] = /** @type {HTMLCanvasElement[]} */ ([...box.querySelectorAll("canvas")]);
     this.zoom = 1;
-    this.middle = [0, 0];
-    this.fit = 1;
-    /** @type {Uint32Array} */
-    this.objects = new Uint32Array();
+    this.objects = new Uint32Array(); // of each pixel
     /** @type {{text: string, at: number[]}[]} */
     this.numbers = [];
     /** Where the pointer is. @type {number[] | null} */
     this.pointer = null;
     this.under = ""; // the name of what is under it
+    this.depth = 0; // mm from the start to the deepest hit, where the cone ends; 0 = there is no cone
+  }
+
+  /** Points of the page along a side; those of one that a narrow screen does not show are for paper. */
+  get side() { return Math.min(this.box.clientWidth, this.box.clientHeight) || 300; }
+
+  /** Gives back what it no longer needs. @param {Record<string, ArrayBuffer>} picture @param {any} request @param {number[]} hits */
+  show(picture, { width }, hits) {
+    const free = [picture.rgba, this.objects.buffer];
+    if (this.canvas.width !== width) this.canvas.width = this.canvas.height = width;
+    this.canvas.getContext("2d")?.putImageData(new ImageData(new Uint8ClampedArray(picture.rgba), width), 0, 0);
+    this.objects = new Uint32Array(picture.objects);
+    this.numbers = numbered(this.objects, width, hits);
+    return free;
+  }
+
+  /** The picture's pixel under a point, -1 beside it. @param {number[]} at */
+  pixel(at) {
+    const n = this.canvas.width;
+    const [x, y] = at.map((v) => Math.floor(v / this.side * n));
+    return x >= 0 && y >= 0 && x < n && y < n ? y * n + x : -1;
+  }
+
+  /** @param {number} factor */
+  zoomBy(factor) { this.zoom = Math.min(20, Math.max(0.3, this.zoom * factor)); }
+}
+
+/** A cut. */
+export class Cut extends Pane {
+  /** @param {typeof CUTS[number]} plane @param {HTMLElement} box */
+  constructor(plane, box) {
+    super(box);
+    this.plane = plane;
+    this.middle = [0, 0];
   }
 
   /** Shows the whole of a box of the world, mm. @param {Point} low @param {Point} high */
@@ -83,7 +128,6 @@ export class Cut {
     this.zoom = 1;
   }
 
-  get side() { return sideOf(this.box); }
   get mmPerPoint() { return (this.extent ?? 200) / this.side / this.zoom; }
 
   /** The worker's next picture: at the screen's density, or while something moves with a part of its detail. @param {Aim} aim @param {number | false} detail */
@@ -92,7 +136,7 @@ export class Cut {
     const centre = [...aim.cut];
     centre[this.plane.right] = this.middle[0];
     centre[this.plane.up] = this.middle[1];
-    return { right: this.plane.right, up: this.plane.up, centre, width, height: width, mm: this.mmPerPoint * this.side / width, fill, window };
+    return { right: this.plane.right, up: this.plane.up, centre, width, height: width, mm: this.mmPerPoint * this.side / width, fill, window: window ?? [0, 0], hasImage: Boolean(window) };
   }
 
   /** Where a position is on the page, points from the box's corner. @param {number[]} p */
@@ -110,11 +154,7 @@ export class Cut {
   }
 
   /** The object there, 0 if none. @param {number[]} at */
-  object(at) {
-    const n = this.canvas.width;
-    const [x, y] = at.map((v) => Math.floor(v / this.side * n));
-    return x >= 0 && y >= 0 && x < n && y < n ? this.objects[y * n + x] ?? 0 : 0;
-  }
+  object(at) { return this.objects[this.pixel(at)] ?? 0; }
 
   /** Which end of the axis is under a point: "origin", "toward" or null. @param {number[]} at @param {Aim} aim */
   end(at, aim) {
@@ -122,14 +162,10 @@ export class Cut {
     return near("toward") ? "toward" : near("origin") ? "origin" : null;
   }
 
-  /** Gives back what it no longer needs. @param {{rgba: ArrayBuffer, objects: ArrayBuffer}} picture @param {{width: number}} request
-   * @param {number[]} hits */
-  show(picture, { width }, hits) {
-    const free = [picture.rgba, this.objects.buffer];
-    paint(this.canvas, picture.rgba, width);
-    this.objects = new Uint32Array(picture.objects);
-    this.numbers = numbered(this.objects, width, hits);
-    return free;
+  /** @param {Record<string, ArrayBuffer>} picture @param {any} request @param {number[]} hits */
+  show(picture, request, hits) {
+    clearGround(picture.rgba, new Uint32Array(picture.objects), request.width, request.hasImage);
+    return super.show(picture, request, hits);
   }
 
   /** The axis with its ends, the lines of the other cuts, letters, names and a scale.
@@ -138,8 +174,8 @@ export class Cut {
     const side = this.side;
     const c = cleared(this.over, side);
     const [x, y] = this.place(aim.cut);
-    line(c, "LOOK_WHITE59", 1, [[x, 0], [x, side]]);
-    line(c, "LOOK_WHITE59", 1, [[0, y], [side, y]]);
+    for (const [u, v] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) cased(c, ground, ink, 1, [[x + 16 * u, y + 16 * v], [x + 40 * u, y + 40 * v]]);
+    if (this.depth) drawCone(c, section(coneOf(aim, this.depth), this.plane, aim.cut).map((p) => this.place(p)));
     axis(c, this.place(aim.origin), this.place(aim.toward), chosenEnd);
     c.font = "bold 13px sans-serif";
     c.textAlign = "center";
@@ -147,7 +183,7 @@ export class Cut {
       outlined(c, this.plane.letters[i], at[0], at[1]);
     }
     const mm = [1, 2, 5, 10, 20, 50, 100].filter((length) => length / this.mmPerPoint <= side / 3).pop() ?? 1;
-    line(c, "LOOK_WHITE", 2, [[12, side - 12], [12 + mm / this.mmPerPoint, side - 12]]);
+    line(c, ink, 2, [[12, side - 12], [12 + mm / this.mmPerPoint, side - 12]]);
     c.textAlign = "left";
     outlined(c, `${mm} mm`, 12, side - 18);
     writeNumbers(c, this.numbers, side);
@@ -167,12 +203,28 @@ function line(c, colour, width, points) {
   c.stroke();
 }
 
+/** A line that is seen on anything. @param {CanvasRenderingContext2D} c @param {string} around @param {string} colour @param {number} width
+ * @param {number[][]} points */
+function cased(c, around, colour, width, points) {
+  line(c, around, width + 2, points);
+  line(c, colour, width, points);
+}
+
+/** Fills the area that a cone covers, and draws its edge. @param {CanvasRenderingContext2D} c @param {number[][]} edge */
+function drawCone(c, edge) {
+  c.beginPath();
+  for (const [x, y] of edge) c.lineTo(x, y);
+  c.fillStyle = "LOOK_CONE1f"; // thin: colours of the hits stay what they are in the table
+  c.fill();
+  if (edge.length) cased(c, "LOOK_BLACK", "LOOK_CONE", 2, [...edge, edge[0]]);
+}
+
 /** @param {CanvasRenderingContext2D} c @param {string} text @param {number} x @param {number} y */
 function outlined(c, text, x, y) {
-  c.strokeStyle = "LOOK_BLACK";
+  c.strokeStyle = ground;
   c.lineWidth = 3;
   c.strokeText(text, x, y);
-  c.fillStyle = "LOOK_WHITE";
+  c.fillStyle = ink;
   c.fillText(text, x, y);
 }
 
@@ -194,8 +246,8 @@ function caption(c, title, under, side) {
 }
 
 /** The axis from its start, a ring, to its target, a cross. @param {CanvasRenderingContext2D} c @param {number[]} from @param {number[]} to */
-export function axis(c, from, to, chosenEnd) {
-  for (const [colour, width] of /** @type {[string, number][]} */ ([["LOOK_BLACK", 4], ["LOOK_WHITE", 1.5]])) {
+function axis(c, from, to, chosenEnd) {
+  for (const [colour, width] of /** @type {[string, number][]} */ ([[ground, 4], [ink, 1.5]])) {
     line(c, colour, width, [from, to]);
     line(c, colour, width + 1, [[to[0] - 7, to[1]], [to[0] + 7, to[1]]]);
     line(c, colour, width + 1, [[to[0], to[1] - 7], [to[0], to[1] + 7]]);
@@ -203,7 +255,7 @@ export function axis(c, from, to, chosenEnd) {
     c.arc(from[0], from[1], 7, 0, 7);
     c.stroke();
     const end = chosenEnd === "origin" ? from : to;
-    if (colour === "LOOK_WHITE") {
+    if (colour === ink) {
       c.setLineDash([3, 3]);
       c.beginPath();
       c.arc(end[0], end[1], HANDLE, 0, 7);
@@ -225,8 +277,8 @@ function name(c, text, [x, y], isLeft) {
   outlined(c, text, x + (goesLeft ? -12 : 12), y - 12);
 }
 
-/** Points of the world around the target where the cone passes it. @param {Aim} aim */
-function circle({ origin, toward, angle }) {
+/** The cone's apex and points of its rim, so many mm along its axis; 0 is at the target. @param {Aim} aim @param {number} depth */
+function coneOf({ origin, toward, angle }, depth) {
   const axis = toward.map((v, a) => v - origin[a]);
   const length = Math.hypot(...axis) || 1;
   const least = axis.map(Math.abs).indexOf(Math.min(...axis.map(Math.abs)));
@@ -235,25 +287,29 @@ function circle({ origin, toward, angle }) {
   const scale = Math.hypot(...across) || 1;
   const up = cross(axis, across).map((v) => v / length);
   const radius = length * Math.tan(angle * Math.PI / 360) / scale;
-  return Array.from({ length: 24 }, (_, i) => toward.map((v, a) => v + radius * (Math.cos(i * Math.PI / 12) * across[a] + Math.sin(i * Math.PI / 12) * up[a])));
+  const far = (depth || length) / length;
+  const round = Array.from({ length: 48 }, (_, i) => i * Math.PI / 24);
+  return { tip: origin, rim: round.map((t) => origin.map((v, a) => v + far * (axis[a] + radius * (Math.cos(t) * across[a] + Math.sin(t) * up[a])))) };
+}
+
+/** The edge of a cone in a plane, which is convex. @param {{tip: number[], rim: number[][]}} cone @param {typeof CUTS[number]} plane @param {number[]} cut */
+function section({ tip, rim }, { right, up, through }, cut) {
+  const points = rim.flatMap((p, i) => [[tip, p], [p, rim[(i + 1) % rim.length]]]).flatMap(([p, q]) => {
+    const part = (cut[through] - p[through]) / (q[through] - p[through]);
+    return part >= 0 && part <= 1 ? [p.map((v, a) => v + part * (q[a] - v))] : [];
+  });
+  const [x, y] = [right, up].map((a) => points.reduce((sum, p) => sum + p[a], 0) / points.length);
+  const turn = (/** @type {number[]} */ p) => Math.atan2(p[up] - y, p[right] - x);
+  return points.sort((p, q) => turn(p) - turn(q));
 }
 
 /** The 3-D view: an eye on a sphere around the middle of the atlas. */
-export class View {
+export class View extends Pane {
   /** @param {HTMLElement} box */
   constructor(box) {
-    this.box = box;
-    this.canvas = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas"));
-    this.over = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas.over"));
+    super(box);
     this.angle = 30;
-    /** @type {number[] | null} */
-    this.pointer = null;
-    this.under = "";
-    this.hasCone = false; // of a question that has an answer
-    this.objects = new Uint32Array();
     this.distances = new Float32Array();
-    /** @type {{text: string, at: number[]}[]} */
-    this.numbers = [];
     this.frame([-70, -100, -50], [70, 70, 80]);
   }
 
@@ -266,8 +322,6 @@ export class View {
     this.zoom = 1;
   }
 
-  get side() { return sideOf(this.box); }
-
   get eye() {
     const far = 0.85 * this.radius / Math.sin(this.angle * Math.PI / 360) / this.zoom;
     const flat = Math.cos(this.tilt);
@@ -277,18 +331,15 @@ export class View {
   /** While the eye moves with a part of its detail. @param {boolean} moving */
   request(moving) {
     const eye = this.eye;
-    const isRough = moving && String(eye) !== String(this.drawn?.side === 384 && this.drawn.eye);
-    return { side: isRough ? 96 : 384, eye, toward: this.middle, angle: this.angle };
+    const isRough = moving && String(eye) !== String(this.drawn?.width === 384 && this.drawn.eye);
+    return { width: isRough ? 96 : 384, eye, toward: this.middle, angle: this.angle };
   }
 
-  /** @param {{rgba: ArrayBuffer, objects: ArrayBuffer, distances: ArrayBuffer}} picture @param {any} request @param {number[]} hits */
+  /** @param {Record<string, ArrayBuffer>} picture @param {any} request @param {number[]} hits */
   show(picture, request, hits) {
-    const free = [picture.rgba, this.objects.buffer, this.distances.buffer];
-    paint(this.canvas, picture.rgba, request.side);
-    this.objects = new Uint32Array(picture.objects);
+    const free = [...super.show(picture, request, hits), this.distances.buffer];
     this.distances = new Float32Array(picture.distances);
     this.drawn = request;
-    this.numbers = numbered(this.objects, request.side, hits);
     return free;
   }
 
@@ -306,13 +357,12 @@ export class View {
   /** @param {number[]} at @returns {{object: number, position: Point, inward: Point} | null} */
   pick(at) {
     if (!this.drawn) return null;
-    const n = this.drawn.side;
-    const [x, y] = at.map((v) => Math.floor(v / this.side * n));
-    const pixel = y * n + x;
-    if (!(x >= 0 && y >= 0 && x < n && y < n) || !this.objects[pixel]) return null;
+    const n = this.drawn.width;
+    const pixel = this.pixel(at);
+    if (!this.objects[pixel]) return null;
     const { right, up, ahead } = this.axes;
     const half = Math.tan(this.angle * Math.PI / 360);
-    const [u, v] = [(2 * (x + 0.5) / n - 1) * half, (1 - 2 * (y + 0.5) / n) * half];
+    const [u, v] = [(2 * (pixel % n + 0.5) / n - 1) * half, (1 - 2 * (Math.floor(pixel / n) + 0.5) / n) * half];
     const ray = ahead.map((value, a) => value + u * right[a] + v * up[a]);
     const length = Math.hypot(...ray);
     const inward = /** @type {Point} */ (ray.map((value) => value / length));
@@ -320,10 +370,12 @@ export class View {
   }
 
   /** Whether the brain, as it is drawn, is before a position. @param {number[]} p */
-  hides(p) {
-    const n = this.drawn?.side ?? 0;
-    const [x, y] = this.place(p).map((v) => Math.floor(v / this.side * n));
-    return x >= 0 && y >= 0 && x < n && y < n && this.distances[y * n + x] < Math.hypot(...p.map((v, a) => v - this.eye[a])) - 1;
+  hides(p) { return this.distances[this.pixel(this.place(p))] < Math.hypot(...p.map((v, a) => v - this.eye[a])) - 1; }
+
+  /** Turns it so many radians. @param {number} x @param {number} y */
+  turnBy(x, y) {
+    this.turn -= x;
+    this.tilt = Math.min(1.5, Math.max(-1.5, this.tilt + y));
   }
 
   /** @param {number[]} p */
@@ -338,8 +390,8 @@ export class View {
   /** @param {Aim} aim @param {string} chosenEnd */
   annotate(aim, chosenEnd) {
     const c = cleared(this.over, this.side);
-    if (this.hasCone && aim.angle < 120) {
-      const rim = circle(aim);
+    if (this.depth && aim.angle < 120) {
+      const { rim } = coneOf(aim, this.depth < ENDLESS ? this.depth : 0);
       const [tip, ...at] = [aim.origin, ...rim].map((p) => this.place(p));
       const ends = at.map((_, i) => (i + 1) % at.length);
       c.beginPath();
@@ -351,11 +403,13 @@ export class View {
       });
       c.fillStyle = "LOOK_CONE1f"; // thin: colours of the hits stay what they are in the table
       c.fill();
-      at.forEach((p, i) => {
-        c.setLineDash(this.hides(rim[i]) ? [3, 3] : []);
-        line(c, "LOOK_CONE", 2, [p, at[ends[i]]]);
-        if (i % 6 === 0) line(c, "LOOK_CONE99", 1, [tip, p]);
-      });
+      for (const [colour, width] of /** @type {[string, number][]} */ ([["LOOK_BLACK", 4], ["LOOK_CONE", 2]])) {
+        at.forEach((p, i) => {
+          c.setLineDash(this.hides(rim[i]) ? [3, 3] : []);
+          line(c, colour, width, [p, at[ends[i]]]);
+          if (i % 12 === 0) line(c, colour, width - 1, [tip, p]);
+        });
+      }
       c.setLineDash([]);
     }
     writeNumbers(c, this.numbers, this.side);

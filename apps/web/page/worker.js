@@ -59,16 +59,16 @@ const CALLS = {
   /** The answer to a question and all pictures of it; of one that is refused why, and pictures without a cone. */
   draw({ question: q, cuts, view, chosen, given }) {
     spare = given;
-    const { error: refused } = JSON.parse(conus.ask(...q.origin, ...q.toward, q.angle, q.resolution, q.layers === "all" ? 1 : 0));
-    const out = { refused, rows: refused ? "" : conus.rows(NDJSON), hits: JSON.parse(conus.hits()), cuts: [] };
+    const { error: refused, depth } = JSON.parse(conus.ask(...q.origin, ...q.toward, q.angle, q.resolution, q.layers === "all" ? 1 : 0));
+    const out = { refused, depth, rows: refused ? "" : conus.rows(NDJSON), hits: JSON.parse(conus.hits()), cuts: [] };
     for (const c of cuts) {
       const size = 4 * c.width * c.height;
       const rgba = pixels(conus.cut(c.right, c.up, ...c.centre, c.width, c.height, c.mm, c.fill, c.window[0], c.window[1]), size);
       out.cuts.push({ rgba, objects: pixels(conus.cut_objects(), size) });
     }
     if (view) {
-      const size = 4 * view.side * view.side;
-      const rgba = pixels(conus.view(view.side, ...view.eye, ...view.toward, view.angle, chosen), size);
+      const size = 4 * view.width * view.width;
+      const rgba = pixels(conus.view(view.width, ...view.eye, ...view.toward, view.angle, chosen), size);
       out.view = { rgba, objects: pixels(conus.view_objects(), size), distances: pixels(conus.view_distances(), size) };
     }
     return out;
