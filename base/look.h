@@ -59,8 +59,6 @@ enum look_colour {
     LOOK_PLOT = 0x18191E,   /**< Under curves; their bars, and one that is not hit. */
     LOOK_PLOT_BARS = 0x787E8C,
     LOOK_PLOT_NOTHING = 0x96969B,
-    LOOK_LOADING = 0x4296FA, /**< The bar of what was read, and under it. */
-    LOOK_LOADING_LEFT = 0x808080,
 
     /* The page. */
     LOOK_PAGE_DROP = 0x767676,
