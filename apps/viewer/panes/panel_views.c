@@ -15,8 +15,7 @@ static const struct {
                {"A", "ctrl+3", "looks at the front (Ctrl+3)"},
                {"P", "ctrl+4", "looks at the back (Ctrl+4)"},
                {"S", "ctrl+5", "looks from above (Ctrl+5)"},
-               {"I", "ctrl+6", "looks from below (Ctrl+6)"},
-               {"Measure", "ctrl+m", "two clicks give a distance, in 3-D or in a cut (Ctrl+M)"}};
+               {"I", "ctrl+6", "looks from below (Ctrl+6)"}};
 
 enum { BUTTONS = sizeof buttons / sizeof buttons[0] };
 
