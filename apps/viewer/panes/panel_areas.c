@@ -189,8 +189,7 @@ void panel_hidden(struct window *window)
     }
 }
 
-/* The icons for users who do not know the keys yet: lines through points, each two letters, a to q, of a square of 16.
- */
+/* For users who do not know the keys yet; strokes are those of ui_icon(). */
 static const struct icon {
     const char *id, *strokes, *key, *tip;
     int step; /* among the changes, which may be the last one there is */
@@ -217,8 +216,7 @@ static bool is_marked(const struct window *window, size_t icon)
                                   : icon == ICON_LIST && !window->screen.folded[0];
 }
 
-/* Draws them below each other with a line between what clicks are for and files, or, in the open panel, in two lines.
- */
+/* Draws them below each other on the rail, or in two lines above the open list. */
 static void draw_icons(struct window *window, bool in_lines)
 {
     const float wide = 36 * window->screen.scale;
