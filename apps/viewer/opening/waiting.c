@@ -4,7 +4,6 @@
 
 #include "options/messages.h"
 #include "options/output.h"
-#include "viewer/ui/ui_list.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>
@@ -21,6 +20,7 @@ static void draw_page(struct window *window, struct loader *loader, double secon
 {
     struct loader_progress progress;
     char text[160];
+    char shown[sizeof text + 4]; /* an ellipsis has three bytes */
     loader_ask(loader, &progress);
     window_lay_out(window);
     window_clear(window);
@@ -33,7 +33,8 @@ static void draw_page(struct window *window, struct loader *loader, double secon
              UI_PLAIN);
     snprintf(text, sizeof text, "reading %s   %.1f s",
              progress.file[0] ? progress.file : path_name(loader_path(loader)), seconds);
-    ui_name_cut(text, wide);
+    ui_shorten_name(shown, sizeof shown, text, wide);
+    ui_text("%s", shown);
     const struct ui_box bar = ui_area("bar", 0.4F * line);
     float read = (float)progress.part * bar.width;
     float piece = (bar.width - read) / 4;
