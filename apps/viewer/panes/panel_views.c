@@ -25,15 +25,16 @@ static const char as_glass[] = "Areas as glass", why[] = "They are left out: the
 /* Whether pictures have pathways or streamlines, and leave out the areas of voxels, which would hide them. */
 static bool leaves_areas_out(const struct view_atlas *view)
 {
-    bool has_areas = false;
     bool has_others = false;
-    for (size_t number = 1; number <= view->object_count; number++) {
-        const conus_object *object = conus_atlas_object(view->atlas, number);
-        bool is_area = object->kind == CONUS_KIND_AREA;
-        has_areas = has_areas || (is_area && object->voxels);
-        has_others = has_others || (!is_area && !view->shown.hidden[number]);
+    bool has_areas = false;
+    size_t number = view->object_count; /* pathways and bundles come last */
+    for (; number && conus_atlas_object(view->atlas, number)->kind != CONUS_KIND_AREA; number--) {
+        has_others = has_others || !view->shown.hidden[number];
     }
-    return has_areas && has_others && view->appearance.opacity[0] >= 1;
+    for (; number && has_others && !has_areas; number--) {
+        has_areas = conus_atlas_object(view->atlas, number)->voxels;
+    }
+    return has_areas && view->appearance.opacity[0] >= 1;
 }
 
 /* Draws areas that are not hit as glass, and pathways as before. */
