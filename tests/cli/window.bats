@@ -577,3 +577,34 @@ change = abs(chosen - unchosen).max(axis=2) > 0
 assert 0.001 < change.mean() < 0.1, change.mean() # an outline and a name, not the whole slab
 END
 }
+
+# From behind, the contact of a cone from the front is on the far side of the balls.
+@test "the name of a hit that the camera does not see is pale, and the second tool's hits are blue in list and picture" {
+    need_window
+    need_pixels
+    conus phantom nested -o .
+    view nested.nii.gz --size 1000x640 <<'END'
+aim 0 90 0 0 0 0
+orbit 20 10
+settle
+screenshot seen.png
+orbit 200 10
+settle
+screenshot hidden.png
+orbit 90 10
+second on
+second aim 90 0 0 0 0 0
+settle
+screenshot second.png
+END
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+pixels = lambda name, x, y, width, height: oiio.ImageBuf(name).get_pixels(oiio.UINT8)[y:y + height, x:x + width, :3]
+of = lambda part, colour: (part == colour).all(axis=2).sum()
+pane, the_list = (60, 60, 380, 400), (704, 200, 290, 320) # of 3-D what has no letters of directions
+light, blue = (0xEB, 0xEB, 0xF0), (0, 0xBE, 0xFF)
+assert of(pixels("seen.png", *pane), light) > 20 > 5 > of(pixels("hidden.png", *pane), light)
+assert of(pixels("hidden.png", *the_list), blue) == 0
+assert of(pixels("second.png", *the_list), blue) > 100 and of(pixels("second.png", *pane), blue) > 20
+END
+}
