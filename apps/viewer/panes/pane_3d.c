@@ -7,6 +7,7 @@
 #include "viewer/tools/inputs.h"
 #include "viewer/tools/point.h"
 #include "viewer/window/hover.h"
+#include "viewer/window/thumbnail.h"
 #include "viewer/window/window.h"
 
 #include <math.h>
@@ -131,6 +132,21 @@ static void ask_painter(struct window *window, bool moving)
     }
 }
 
+/* Keeps the first fine picture of the first atlas for the start page. */
+static void keep_picture(struct window *window, const struct painted *picture)
+{
+    const struct view_atlas *first = window->viewer->atlases;
+    uint32_t areas = 0;
+    if (!window->files.remembers || window->pictures.is_kept || window->viewer->drawn != first) {
+        return;
+    }
+    for (size_t number = 1; number <= first->object_count; number++) {
+        areas += conus_atlas_object(first->atlas, number)->kind == CONUS_KIND_AREA;
+    }
+    thumbnail_keep(first->path, areas, picture);
+    window->pictures.is_kept = true;
+}
+
 static void take_picture(struct window *window)
 {
     struct painted picture;
@@ -152,6 +168,9 @@ static void take_picture(struct window *window)
         window->pictures.around = (ui_colour){picture.rgba[0], picture.rgba[1], picture.rgba[2], 255};
         window->pictures.painted_ms = picture.milliseconds;
         window->pictures.painted_fine = picture.fine && painting_shows_same(&picture.what, &window->pictures.asked);
+        if (picture.fine && !viewer_selection(window->viewer)) {
+            keep_picture(window, &picture);
+        }
         free(picture.rgba);
     }
 }
@@ -322,13 +341,15 @@ static void draw_waiting(const struct window *window)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     char error[256];
+    static const char drawing[] = "drawing\u2026";
     const float at[2] = {box->x + 20, box->y + box->height / 2};
+    const float middle[2] = {box->x + (box->width - ui_text_width(drawing)) / 2, at[1]};
     if (!window->viewer->painter) {
         ui_draw_text(at, theme_shaded[THEME_ORANGE], "not enough memory to draw");
     } else if (painter_error(window->viewer->painter, error, sizeof error)) {
         ui_draw_text(at, theme_shaded[THEME_ORANGE], error);
     } else if (!window->pictures.painted.name) {
-        ui_draw_text(at, light, "drawing ...");
+        ui_draw_text(middle, light, drawing);
     }
 }
 

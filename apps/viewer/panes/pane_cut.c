@@ -104,7 +104,7 @@ static void draw_picture(struct window *window, const struct cut *cut)
         viewer_say(viewer, "%s", conus_message());
         return;
     }
-    const uint32_t *objects = conus_cutter_objects(pane->cutter);
+    const uint32_t *objects = conus_cutter_shown(pane->cutter);
     size_t pixels = (size_t)view->width * view->height;
     uint8_t *rgba = malloc(4 * pixels);
     if (!rgba) {

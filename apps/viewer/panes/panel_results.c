@@ -153,6 +153,7 @@ void panel_results(struct window *window)
     if (viewer->cone.level[0]) {
         ui_text_coloured(THEME_ACCENT, "level: %s", viewer->cone.level);
     }
+    panel_hidden(window);
     ui_dim(notice.is_old ? theme_pale : 1);
     draw_answer(&headline);
     panel_plan(window);

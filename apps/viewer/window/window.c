@@ -19,28 +19,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth)
-{
-    if (texture->width != width || texture->height != height) {
-        glDeleteTextures(1, &texture->name);
-        glCreateTextures(GL_TEXTURE_2D, 1, &texture->name);
-        glTextureStorage2D(texture->name, 1, GL_RGBA8, (GLsizei)width, (GLsizei)height);
-        glTextureParameteri(texture->name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-        glTextureParameteri(texture->name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-        texture->width = width;
-        texture->height = height;
-    }
-    glTextureParameteri(texture->name, GL_TEXTURE_MIN_FILTER, smooth ? GL_LINEAR : GL_NEAREST);
-    glTextureParameteri(texture->name, GL_TEXTURE_MAG_FILTER, smooth ? GL_LINEAR : GL_NEAREST);
-    glTextureSubImage2D(texture->name, 0, 0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
-}
-
-void texture_drop(struct texture *texture)
-{
-    glDeleteTextures(1, &texture->name);
-    *texture = (struct texture){0};
-}
-
 /* Finds the screen that a place is on, else the first one, and its area, or the free part of it. NULL: there is none.
  */
 static GLFWmonitor *find_screen(int area[4], const int middle[2], bool free)
@@ -156,8 +134,16 @@ void window_eye(const struct window *window, struct eye *out)
 
 enum { STATUS_HEIGHT = 24 };
 
+void window_forget_message(struct window *window)
+{
+    if (window->viewer) {
+        window->viewer->message[0] = '\0';
+    }
+}
+
 bool window_press(struct window *window, const char *key)
 {
+    window_forget_message(window);
     return window->press && window->press(window, key);
 }
 
@@ -319,14 +305,14 @@ bool window_open(struct window *out, const struct window_options *options)
 
 static void pictures_drop(struct pictures *pictures)
 {
-    glDeleteTextures(1, &pictures->painted.name);
-    glDeleteTextures(1, &pictures->device_view.name);
+    texture_drop(&pictures->painted);
+    texture_drop(&pictures->device_view);
     for (enum outline which = 0; which < OUTLINE_COUNT; which++) {
-        glDeleteTextures(1, &pictures->shadows[which].texture.name);
+        texture_drop(&pictures->shadows[which].texture);
         cells_finish(&pictures->shadows[which].cells);
     }
     for (int p = 0; p < PLANE_COUNT; p++) {
-        glDeleteTextures(1, &pictures->cuts[p].texture.name);
+        texture_drop(&pictures->cuts[p].texture);
         conus_cutter_destroy(pictures->cuts[p].cutter);
     }
 }

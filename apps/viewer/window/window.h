@@ -19,17 +19,12 @@
 #include "viewer/window/labels.h"
 #include "viewer/window/place.h"
 #include "viewer/window/start.h"
+#include "viewer/window/texture.h"
 
 /** Widgets need a few to answer: hovered, pressed, let go. */
 enum { FRAMES_PER_EVENT = 3 };
 
 enum { PANE_COUNT = 4, PANE_3D = 3 /**< After the planes. */, KEY_LIMIT = 32, TITLE_SIZE = 320 };
-
-/** A picture on the screen. */
-struct texture {
-    uint32_t name; /**< GL's name; 0 = none yet. */
-    uint32_t width, height;
-};
 
 /** A flat pane as it was drawn last. */
 struct cut_pane {
@@ -187,6 +182,7 @@ struct pictures {
     struct eye shown; /**< The eye of the pane as it is seen: of `painted`, for the pane's size. What lies over the
                            picture is drawn by it, and the mouse points by it. */
     double painted_ms;
+    bool is_kept;          /**< One was kept for the start page. */
     bool painted_fine;     /**< The picture is what was asked last, as fine as it gets. */
     unsigned noted_answer; /**< The newest answer that was looked at for moves of the cone. */
     unsigned noted_head;   /**< Likewise of the head's changes. */
@@ -319,6 +315,8 @@ void window_close(struct window *window);
 void window_zoom(struct window *window, int steps);
 /** Says how large the desktop wants texts on the screen that the window came to. */
 void window_rescale(struct window *window, float content);
+/** Ends the message of the status line: the user does the next thing, after which it may be true no more. */
+void window_forget_message(struct window *window);
 /** Presses a key: a character as typed ("?"), or "escape", "f1", "ctrl+shift+s", ... False if it means nothing. */
 bool window_press(struct window *window, const char *key);
 /** Lays everything out for the window's size now. */
@@ -352,11 +350,6 @@ conus_status window_write(const struct window *window, const char *path);
 enum copied { COPY_RESULTS = 0, COPY_PINS, COPY_STUDY };
 /** Puts a table on the clipboard. */
 void window_copy(struct window *window, enum copied what);
-
-/** Puts bytes of sRGB, top row first, on a texture; @p smooth: where it is enlarged, pixels run into each other. */
-void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth);
-/** Ends the picture on a texture. */
-void texture_drop(struct texture *texture);
 
 /** Lets the 3-D pane fill the screen that the window is on, without panels, or brings the window back. */
 void window_fill_screen(struct window *window, bool fill);
