@@ -53,6 +53,7 @@ struct conus_atlas {
     uint32_t half_step; /**< Labels of left halves are the area's label plus this, those of right ones plus twice this;
                              0 = no area is cut in halves. */
     bool has_palette;
+    bool has_safe_colours;     /**< That is the palette, whose hits of a cone are coloured by rank.             */
     bool is_moved;             /**< atlas_move() or atlas_warp() moved it.                             */
     double own_from_world[16]; /**< If so: from where the atlas is to where its files have it; with warps to their
                                     input. */

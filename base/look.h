@@ -56,9 +56,8 @@ enum look_colour {
     LOOK_UNDER_SECOND = 0x0A141E,
     LOOK_CROSS = 0x5ADC78,  /**< The crosshair. */
     LOOK_BORDER = 0x78AAE6, /**< A border of panes that is held. */
-    LOOK_PLOT = 0x18191E,   /**< Under curves; their bars, and one that is not hit. */
+    LOOK_PLOT = 0x18191E,   /**< Under a transfer function; its bars. */
     LOOK_PLOT_BARS = 0x787E8C,
-    LOOK_PLOT_NOTHING = 0x96969B,
     LOOK_LOADING = 0x4296FA, /**< The bar of what was read, and under it. */
     LOOK_LOADING_LEFT = 0x808080,
 };

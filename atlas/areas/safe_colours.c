@@ -319,6 +319,7 @@ static void use(conus_atlas *atlas, const struct palette *palette)
         colour_at(atlas->objects[i].rgb, palette, has_node ? colours[map.node[i + 1]] : i);
     }
     atlas->has_palette = true;
+    atlas->has_safe_colours = palette->hues == safe;
     memory_free(map.node);
     memory_free(map.touches);
     memory_free(colours);
@@ -343,5 +344,5 @@ void conus_atlas_use_own_colours(conus_atlas *atlas)
     for (size_t i = 0; i < atlas->object_count && atlas->has_palette; i++) {
         memcpy(atlas->objects[i].rgb, atlas->places[i].own_rgb, sizeof atlas->objects[i].rgb);
     }
-    atlas->has_palette = false;
+    atlas->has_palette = atlas->has_safe_colours = false;
 }

@@ -246,7 +246,7 @@ typedef struct conus_view {
  * they hide least, on a patch where they hide something. The legend lists what conus_selection_result() lists, in that
  * order. Its letters become smaller where names do not fit, down to 6/7 of their size, below that only for a name that
  * is wider than the place. Where rows do not fit, the last ones behind others are counted in one. Where all is opaque,
- * first hits that the camera does not see are "(behind)".
+ * first hits that the camera does not see are "(not seen)".
  * @param[out] out Channels R, G, B, A: float, linear light, premultiplied; A is 1 unless the background is transparent.
  * End it with conus_image_destroy().
  * @param renderer The renderer.
@@ -266,7 +266,7 @@ CONUS_CHECKED conus_status conus_render(conus_image **out, conus_renderer *rende
 
 /** A flat cut through an atlas: the context in grey, areas filled and outlined, surfaces as their contours, filled
  * where they are closed, pathways over them. Without a context areas lie on a grey. Labels are looked up, never
- * interpolated. */
+ * interpolated. In the picture borders are smooth: they move by at most half a voxel along each axis. */
 typedef struct conus_cut_view {
     size_t struct_size;  /**< Its size, as #CONUS_CUT_VIEW_INIT sets it; 0 = that of this version. */
     double centre[3];    /**< World position of the picture's middle, mm. */
@@ -400,6 +400,15 @@ CONUS_API const uint8_t *conus_cutter_rgba(const conus_cutter *cutter);
  * @since 0.1
  */
 CONUS_API const uint32_t *conus_cutter_objects(const conus_cutter *cutter);
+
+/**
+ * Gives the numbers of the objects that the pixels were drawn with: those of conus_cutter_objects() with smooth borders.
+ * @param cutter The cutter.
+ * @return [height width] As of conus_cutter_rgba().
+ * @threads One at a time for each @p cutter.
+ * @since 0.1
+ */
+CONUS_API const uint32_t *conus_cutter_shown(const conus_cutter *cutter);
 /** @} */
 
 #ifdef __cplusplus

@@ -123,7 +123,99 @@ static bool is_covered(const conus_atlas *atlas, const struct volume *volume, si
     return atlas_probability(atlas, object, world) >= volume_value(volume, voxel);
 }
 
-static void find_in_row(uint32_t *to, const struct cut *cut, const struct volume *volume, const struct stretch *stretch,
+static uint32_t object_of(const struct volume *volume, size_t voxel)
+{
+    uint32_t object = volume_object(volume, voxel);
+    return object == VOLUME_BLOCKER ? 0 : object;
+}
+
+/* Voxels wider than so many pixels have smooth borders. */
+static const double WIDE = 1.5;
+
+/* The voxels whose centres a place lies between, along the axes that change in the plane; along others the nearest one.
+ * Those beyond the grid's border are those at it. */
+struct cell {
+    int axes[3], count;  /* no axes: nothing is smooth */
+    ptrdiff_t low[3];    /* indices of the first one, from -1 on */
+    uint32_t objects[8]; /* number n is the upper one along axes[k] where bit k of n is set */
+    bool is_mixed;
+};
+
+/* floor() of what is above -1; to signed numbers is quicker. */
+static ptrdiff_t index_below(double at)
+{
+    return (ptrdiff_t)(at + 1) - 1;
+}
+
+static void cell_init(struct cell *out, const struct walk *walk, const double start[3])
+{
+    const bool is_smooth = fmin(vec3_length(walk->right), vec3_length(walk->down)) * WIDE < 1;
+    out->count = 0;
+    out->is_mixed = false;
+    for (int a = 0; a < 3; a++) {
+        if (is_smooth && (walk->right[a] != 0 || walk->down[a] != 0)) {
+            out->axes[out->count++] = a;
+        }
+        out->low[a] = walk->right[a] != 0 ? PTRDIFF_MAX : index_below(start[a]);
+    }
+}
+
+/* `nearest` is the nearest voxel, at p. */
+static void find_cell(struct cell *cell, const struct volume *volume, size_t nearest, const double p[3])
+{
+    const size_t *dim = volume->info.dim;
+    const size_t steps[3] = {1, dim[0], dim[0] * dim[1]};
+    size_t voxels[8] = {nearest};
+    cell->is_mixed = false;
+    for (int k = 0; k < cell->count; k++) {
+        const int a = cell->axes[k];
+        const size_t index = (size_t)(ptrdiff_t)(p[a] + 0.5);
+        const bool is_low = (ptrdiff_t)index == cell->low[a]; /* the nearest one is the lower one */
+        const size_t low = is_low || index == 0 ? 0 : steps[a];
+        const size_t high = is_low && index + 1 < dim[a] ? steps[a] : 0;
+        for (int n = 0; n < 1 << k; n++) {
+            voxels[n | 1 << k] = voxels[n] + high;
+            voxels[n] -= low;
+        }
+    }
+    for (int n = 0; n < 1 << cell->count; n++) {
+        cell->objects[n] = object_of(volume, voxels[n]);
+        cell->is_mixed = cell->is_mixed || cell->objects[n] != cell->objects[0];
+    }
+}
+
+/* The object with the largest sum of linear weights; of equal ones that of the nearest voxel. */
+static uint32_t heaviest_object(const struct cell *cell, const double p[3], uint32_t nearest)
+{
+    static const double tie = 1e-9;
+    const int count = 1 << cell->count;
+    double weights[8] = {1};
+    double most = 0;
+    for (int k = 0; k < cell->count; k++) {
+        const double part = p[cell->axes[k]] - (double)cell->low[cell->axes[k]];
+        for (int n = 0; n < 1 << k; n++) {
+            weights[n | 1 << k] = weights[n] * part;
+            weights[n] *= 1 - part;
+        }
+    }
+    for (int n = 0; n < count; n++) {
+        most += cell->objects[n] == nearest ? weights[n] : 0;
+    }
+    uint32_t heaviest = nearest;
+    for (int n = 0; n < count && most < 0.5; n++) { /* none is heavier than a half */
+        double sum = 0;
+        for (int m = 0; m < count; m++) {
+            sum += cell->objects[m] == cell->objects[n] ? weights[m] : 0;
+        }
+        if (sum > most + tie) {
+            most = sum;
+            heaviest = cell->objects[n];
+        }
+    }
+    return heaviest;
+}
+
+static void find_in_row(struct cut *cut, size_t at, const struct volume *volume, const struct stretch *stretch,
                         const struct walk *walk)
 {
     const size_t *dim = volume->info.dim;
@@ -140,19 +232,34 @@ static void find_in_row(uint32_t *to, const struct cut *cut, const struct volume
     }
     size_t last = SIZE_MAX;
     uint32_t object = 0;
+    double p[3];
+    struct cell cell;
+    memcpy(p, stretch->start, sizeof p);
+    cell_init(&cell, walk, p);
     for (uint32_t column = stretch->first; column < stretch->first + stretch->count; column++) {
         size_t voxel = row;
+        bool is_other = false;
         for (int n = 0; n < count; n++) {
             int a = changing[n];
-            voxel += steps[a] * (size_t)(ptrdiff_t)(stretch->start[a] + column * walk->right[a] + 0.5);
+            p[a] = stretch->start[a] + column * walk->right[a];
+            voxel += steps[a] * (size_t)(ptrdiff_t)(p[a] + 0.5);
+            const ptrdiff_t low = index_below(p[a]);
+            is_other = is_other || low != cell.low[a];
+            cell.low[a] = low;
         }
         if (voxel != last) {
-            object = volume_object(volume, voxel);
-            object = object == VOLUME_BLOCKER ? 0 : object;
+            object = object_of(volume, voxel);
             last = voxel;
         }
-        if (object && !is_covered(cut->atlas, volume, voxel, to[column], stretch, walk, column)) {
-            to[column] = object;
+        if (is_other && cell.count) {
+            find_cell(&cell, volume, voxel, p);
+        }
+        uint32_t *const to[2] = {cut->objects + at + column, cut->shown + at + column};
+        const uint32_t found[2] = {object, cell.is_mixed ? heaviest_object(&cell, p, object) : object};
+        for (int n = 0; n < 2; n++) {
+            if (found[n] && !is_covered(cut->atlas, volume, voxel, *to[n], stretch, walk, column)) {
+                *to[n] = found[n];
+            }
         }
     }
 }
@@ -165,7 +272,7 @@ static void find_in_volume(struct cut *cut, const struct cut_view *view, const s
         struct stretch stretch;
         find_stretch(&stretch, volume, &walk, row, view->place.width);
         if (stretch.count) {
-            find_in_row(cut->objects + (size_t)view->place.width * row, cut, volume, &stretch, &walk);
+            find_in_row(cut, (size_t)view->place.width * row, volume, &stretch, &walk);
         }
     }
 }
@@ -278,12 +385,14 @@ static void fill_rows(struct cut *cut, const struct turned *turned, uint32_t obj
     for (size_t row = turned->low[1]; row <= turned->high[1] && row < cut->of.height; row++) {
         int32_t *turns = cut->turns + cut->of.width * row;
         uint32_t *objects = cut->objects + cut->of.width * row;
+        uint32_t *shown = cut->shown + cut->of.width * row;
         int32_t winding = 0;
         for (size_t column = turned->low[0]; column < cut->of.width && (column <= turned->high[0] || winding);
              column++) {
             winding += turns[column];
             turns[column] = 0;
             objects[column] = winding ? object : objects[column];
+            shown[column] = winding ? object : shown[column];
         }
     }
 }
@@ -433,10 +542,11 @@ static void draw_segment(const struct frame *frame, const double a[3], const dou
     const uint32_t right = end_pixel(ends[1][0], cut->of.width);
     for (uint32_t row = first_pixel(ends[0][1]); row < bottom; row++) {
         for (uint32_t column = first_pixel(ends[0][0]); column < right; column++) {
-            uint32_t *pixel = &cut->objects[(size_t)cut->of.width * row + column];
+            const size_t at = (size_t)cut->of.width * row + column;
+            uint32_t *pixel = &cut->objects[at];
             bool is_free = !*pixel || object < *pixel || !cut->atlas->places[*pixel - 1].is_bundle;
             if (is_free && is_near_segment(a, step, column, row, radius)) {
-                *pixel = object;
+                *pixel = cut->shown[at] = object;
             }
         }
     }
@@ -483,7 +593,9 @@ static void find_streamlines(struct cut *cut, const struct cut_view *view)
 
 static void find_objects(struct cut *cut, const struct cut_view *view)
 {
-    memset(cut->objects, 0, (size_t)view->place.width * view->place.height * sizeof *cut->objects);
+    const size_t size = (size_t)view->place.width * view->place.height * sizeof *cut->objects;
+    memset(cut->objects, 0, size);
+    memset(cut->shown, 0, size);
     find_volumes(cut, view, CONUS_ROLE_PARCELLATION);
     if (cut->contours) {
         find_surfaces(cut, view);
@@ -642,12 +754,13 @@ static void free_pixels(struct cut *cut)
 {
     memory_free(cut->rgba);
     memory_free(cut->objects);
+    memory_free(cut->shown);
     memory_free(cut->grey);
     memory_free(cut->contours);
     memory_free(cut->turns);
     cut->rgba = cut->grey = NULL;
     cut->turns = NULL;
-    cut->objects = cut->contours = NULL;
+    cut->objects = cut->shown = cut->contours = NULL;
     cut->pixel_capacity = 0;
 }
 
@@ -672,10 +785,11 @@ static conus_status reserve_pixels(struct cut *cut, size_t pixels)
     cut->has_grey = cut->has_objects = false;
     cut->rgba = memory_raw(pixels, 4);
     cut->objects = memory_raw(pixels, sizeof *cut->objects);
+    cut->shown = memory_raw(pixels, sizeof *cut->shown);
     cut->grey = memory_raw(pixels, 1);
     cut->contours = contours ? memory_raw(pixels, sizeof *cut->contours) : NULL;
     cut->turns = contours ? memory_zeroed(pixels, sizeof *cut->turns) : NULL;
-    if (!cut->rgba || !cut->objects || !cut->grey || (contours && !(cut->contours && cut->turns))) {
+    if (!cut->rgba || !cut->objects || !cut->shown || !cut->grey || (contours && !(cut->contours && cut->turns))) {
         free_pixels(cut);
         return CONUS_ERROR_MEMORY;
     }
@@ -689,7 +803,7 @@ static double opacity_at(const struct cut *cut, const struct cut_view *view, con
                          uint32_t column, uint32_t row)
 {
     uint32_t width = cut->of.width;
-    const uint32_t *at = cut->objects + (size_t)width * row + column;
+    const uint32_t *at = cut->shown + (size_t)width * row + column;
     if (!view->no_outlines && ((column > 0 && at[-1] != *at) || (column + 1 < width && at[1] != *at) ||
                                (row > 0 && *(at - width) != *at) || (row + 1 < cut->of.height && at[width] != *at))) {
         return OUTLINE;
@@ -713,7 +827,7 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const d
     const bool has_ground = !atlas_context(cut->atlas) && view->fill > 0;
     for (uint32_t column = 0; column < cut->of.width; column++, at++) {
         uint8_t *pixel = cut->rgba + 4 * at;
-        uint32_t object = cut->objects[at];
+        uint32_t object = cut->shown[at];
         uint32_t contour = cut->contours && !view->line ? cut->contours[at] : 0;
         memset(pixel, cut->grey[at], 3);
         pixel[3] = 255;

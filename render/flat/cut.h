@@ -2,7 +2,11 @@
 /** @file
  * A flat cut through an atlas, drawn on the CPU: the context in grey, areas filled and outlined, meshes as their
  * contours and filled where they are closed, surfaces around them as contours, pathways over them, streamlines over
- * these, at least 1.5 pixels thick, and the cut through a cone. Labels are looked up, never interpolated.
+ * these, at least 1.5 pixels thick, and the cut through a cone. Labels are looked up, never interpolated. What is drawn
+ * has smooth borders where a voxel is wider than 1.5 pixels: of the voxels whose centres lie around a pixel in the
+ * plane, the object with the largest sum of linear weights. So a border moves by at most half a voxel along each axis,
+ * and stays where it is flat. In a plane along the voxels' axes 61 % of a voxel that is alone is left, in the middle. In
+ * others an end of it may not be seen.
  *
  * A cut keeps what it found: the next one looks at voxels and triangles again only where they lie elsewhere. */
 #ifndef CONUS_RENDER_FLAT_CUT_H
@@ -52,6 +56,8 @@ struct cut {
     const conus_atlas *atlas;
     uint8_t *rgba;     /**< [height width 4] sRGB and opacity 255, top row first.                               */
     uint32_t *objects; /**< [height width] The area, pathway or bundle that a pixel's centre is in; 0 = none.    */
+
+    uint32_t *shown;   /**< [height width] Likewise, with smooth borders: as drawn.                             */
 
     uint8_t *grey;      /**< [height width] Of the context.                                                      */
     uint32_t *contours; /**< [height width] The object whose surface the plane cuts there, or CUT_AROUND; NULL without

@@ -319,7 +319,7 @@ static void lay_pixel(const struct sheet *sheet, const struct image_rgba *to, lo
 
 static bool is_empty(const struct cut *cut, size_t pixel)
 {
-    return !cut->objects[pixel] && !(cut->contours && cut->contours[pixel]) && !cut->grey[pixel];
+    return !cut->shown[pixel] && !(cut->contours && cut->contours[pixel]) && !cut->grey[pixel];
 }
 
 /* Makes transparent what is empty: with a context from the panel's edges on, so that a dark ventricle stays; without
@@ -388,9 +388,8 @@ static conus_status trace(const struct sheet *sheet, const struct cut *cut, stru
     for (size_t i = 0; i < cut->surface_count; i++) {
         skips[cut->surfaces[i]] = true;
     }
-    conus_status status = sheet->look->no_outlines
-                              ? CONUS_OK
-                              : cut_trace_areas(lines, cut->objects, cut->of.width, cut->of.height, skips);
+    conus_status status =
+        sheet->look->no_outlines ? CONUS_OK : cut_trace_areas(lines, cut->shown, cut->of.width, cut->of.height, skips);
     memory_free(skips);
     cut_lines_finish(lines);
     if (!status && sheet->view.selection) {

@@ -178,6 +178,11 @@ const uint32_t *conus_cutter_objects(const conus_cutter *cutter)
     return cutter->cut.objects;
 }
 
+const uint32_t *conus_cutter_shown(const conus_cutter *cutter)
+{
+    return cutter->cut.shown;
+}
+
 conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const conus_atlas *atlas, const conus_cut_view *view)
 {
     conus_cutter *cutter = NULL;

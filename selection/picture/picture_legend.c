@@ -182,7 +182,7 @@ static const char *name_of(struct picture_legend *legend, const struct picture *
     if (tag) {
         buffer_format(whole, "%zu  ", tag);
     }
-    buffer_format(whole, "%s%s%s%s", word, word[0] ? " " : "", name, hidden ? " (behind)" : "");
+    buffer_format(whole, "%s%s%s%s", word, word[0] ? " " : "", name, hidden ? " (not seen)" : "");
     legend->name_count++;
     return whole->failed ? name : whole->data;
 }

@@ -289,6 +289,35 @@ static void without_an_atlas_a_key_means_nothing(void **state)
     assert_false(window_press(&window, "a"));
 }
 
+/* What was said is of the state before: the next key ends it, whatever it does. */
+static void a_message_stands_until_the_next_key(void **state)
+{
+    struct viewer viewer;
+    struct window window = {.viewer = &viewer, .press = keys_press};
+    (void)state;
+    load(&viewer);
+    assert_true(window_press(&window, "escape"));
+    assert_string_equal(viewer.message, "cleared");
+    assert_true(window_press(&window, "r"));
+    assert_string_equal(viewer.message, "");
+    viewer_finish(&viewer);
+}
+
+/* Of three balls: one, the others of one that is alone, none. */
+static void hidden_areas_are_counted(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    load(&viewer);
+    viewer_hide(&viewer, 2, true);
+    assert_int_equal(view_atlas_hidden(viewer.drawn), 1);
+    viewer_isolate(&viewer, 2);
+    assert_int_equal(view_atlas_hidden(viewer.drawn), 2);
+    viewer_show_all(&viewer);
+    assert_int_equal(view_atlas_hidden(viewer.drawn), 0);
+    viewer_finish(&viewer);
+}
+
 static void a_session_has_the_study(void **state)
 {
     struct viewer viewer;
@@ -345,6 +374,8 @@ TEST_GROUP(controls)
         cmocka_unit_test(the_atlas_does_not_wait_for_a_long_study),
         cmocka_unit_test(studies_have_limits),
         cmocka_unit_test(without_an_atlas_a_key_means_nothing),
+        cmocka_unit_test(a_message_stands_until_the_next_key),
+        cmocka_unit_test(hidden_areas_are_counted),
         cmocka_unit_test(a_session_has_the_study),
         cmocka_unit_test(no_key_does_two_things),
     };

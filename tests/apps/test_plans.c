@@ -4,6 +4,7 @@
  * The U of u-shape: an axis from x = 40 along -x at z = 5 passes through one arm at the depths 18 to 28 and through the
  * ball at 35 to 45 (tests/cli/plan.bats). So a needle of radius 1 mm that ends at depth F is in the U by F - 18, at
  * most 10 mm, and has 35 - F - 1 mm of clearance from the ball. */
+#include "viewer/model/headline.h"
 #include "viewer/model/plans.h"
 #include "viewer/opening/view_words.h"
 #include "viewer/session/undo.h"
@@ -88,6 +89,45 @@ static void the_tool_is_judged_where_it_is(void **state)
     assert_string_equal(line, "held, not tracked: holds, 4.0 mm to Ball");
     viewer.cone.options.radius = 2; /* a thicker needle, which another plan judges */
     says(&viewer, 30, "breaks: 3.0 of 3 mm to Ball", "");
+    viewer_finish(&viewer);
+}
+
+static void assert_headline(struct viewer *viewer, double depth, const char *what, const char *more)
+{
+    struct headline headline;
+    viewer->cone.options.range[1] = depth;
+    tool_reselect(viewer);
+    headline_find(&headline, viewer);
+    assert_string_equal(headline.what, what);
+    assert_string_equal(headline.more, more);
+}
+
+/* Whatever is done to depths, the sentence is about the target, as far as there is a needle. Without a limit there is a
+ * cylinder, which meets the U 18 mm from its start. */
+static void the_answer_is_whether_the_target_is_reached(void **state)
+{
+    static const char *const two[] = {"--reach=U", "--reach=Ball", "--radius=1", "--depth=30"};
+    static const char *const clear[] = {"--avoid=Ball,margin=3", "--radius=1", "--depth=30"};
+    struct viewer viewer;
+    struct window window = {.screen.enlarged = -1};
+    char title[TITLE_SIZE];
+    (void)state;
+    open_usual(&window, &viewer);
+    window.viewer = &viewer;
+    assert_headline(&viewer, 30, "Reaches U", "4.0 mm from Ball");
+    title_write(title, &window);
+    assert_non_null(strstr(title, " - Reaches U (hit)"));
+    assert_headline(&viewer, 31.02, "Reaches U", "2.9 mm from Ball"); /* and breaks the margin, as the verdict says */
+    assert_headline(&viewer, 36, "Reaches U", "touches Ball");
+    assert_headline(&viewer, 20, "Does not reach U", "14.0 mm from Ball"); /* 2 of 5 mm */
+    assert_headline(&viewer, 17, "Does not reach U", "17.0 mm from Ball");
+    assert_headline(&viewer, 0, "U", "100 % of the cylinder \u00b7 18.0 mm from the start");
+    assert_int_equal(open_plan(&viewer, two, 4), 0);
+    assert_headline(&viewer, 30, "Does not reach Ball", " ");
+    assert_headline(&viewer, 40, "Reaches U, Ball", " ");
+    assert_int_equal(open_plan(&viewer, clear, 3), 0);
+    assert_headline(&viewer, 30, "4.0 mm from Ball", " ");
+    assert_headline(&viewer, 36, "Touches Ball", " ");
     viewer_finish(&viewer);
 }
 
@@ -246,13 +286,6 @@ static void rows_move_the_tool_and_are_taken_back(void **state)
     assert_near(viewer.crosshair[0], 10, 1e-9); /* its tip */
     assert_true(viewer.tools[FIRST_TOOL].held);
     assert_string_equal(plans_verdict(&viewer)->text, "holds, 4.0 mm to Ball");
-    char lines[2][PLAN_LINE]; /* the list's own number, in place of what the needle meets first */
-    assert_true(plans_answer(lines[0], lines[1], &viewer));
-    assert_string_equal(lines[0], "Reaches U");
-    assert_string_equal(lines[1], "4.0 mm from Ball");
-    viewer.cone.options.range[1] = 29; /* at no row */
-    assert_false(plans_answer(lines[0], lines[1], &viewer));
-    viewer.cone.options.range[1] = 30;
     assert_false(plans_go(&viewer, 2));
     assert_false(plans_is_behind(&viewer)); /* its depth is not that of other candidates */
     undo_step(&window, -1);
@@ -281,8 +314,6 @@ static void without_a_feasible_pose_the_nearest_misses_are_listed(void **state)
     assert_near(list->rows[1].clearance, 8, 1e-9);
     assert_true(plans_go(&viewer, 1));
     assert_string_equal(plans_verdict(&viewer)->text, "breaks: 8.0 of 9 mm to Ball");
-    char lines[2][PLAN_LINE];
-    assert_false(plans_answer(lines[0], lines[1], &viewer));
     viewer_finish(&viewer);
 }
 
@@ -310,6 +341,7 @@ TEST_GROUP(plans)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_tool_is_judged_where_it_is),
+        cmocka_unit_test(the_answer_is_whether_the_target_is_reached),
         cmocka_unit_test(the_structures_of_a_plan_are_shown),
         cmocka_unit_test(what_is_not_there_is_not_judged),
         cmocka_unit_test(all_kinds_of_constraints_are_worded),

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The lists of hits: cells against the tables of the report writers, order, columns in sessions, exported files. */
 #include "viewer/model/columns.h"
+#include "viewer/model/headline.h"
 #include "viewer/session/session.h"
 
 #include "conus/phantom.h"
@@ -320,12 +321,58 @@ static void failing_exports_are_reported(void **state)
     viewer_finish(&viewer);
 }
 
+static void assert_headline(struct viewer *viewer, const char *what, const char *more)
+{
+    struct headline headline;
+    headline_find(&headline, viewer);
+    assert_string_equal(headline.what, what);
+    assert_string_equal(headline.more, more);
+}
+
+/* The ball of 20 mm in two halves: rays in the plane between them would be as many to the left as to the right, and
+ * the axis from y = 70 comes in after 50 mm. A needle beside the plane meets one half, behind which there is none. */
+static void the_answer_names_all_that_are_as_good(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    load(&viewer, "sphere", NULL, NULL);
+    assert_headline(&viewer, "No answer yet", " ");
+    tool_aim_along(&viewer, FIRST_TOOL, (const double[]){0, 70, 0}, (const double[]){0, -1, 0});
+    assert_headline(&viewer, "Sphere", "100 % of the cone \u00b7 50.0 mm from the start");
+    viewer.cone.options.radius = 1;
+    tool_reselect(&viewer);
+    assert_headline(&viewer, "Sphere", "100 % of the cylinder \u00b7 50.0 mm from the start");
+    viewer.cone.one_ray = true;
+    tool_reselect(&viewer);
+    assert_headline(&viewer, "Sphere", "on the axis \u00b7 50.0 mm from the start");
+    viewer.cone.one_ray = false;
+    tool_aim_along(&viewer, FIRST_TOOL, (const double[]){0, 70, 0}, (const double[]){0, 1, 0});
+    assert_headline(&viewer, "Nothing is hit", "no area lies in the cylinder");
+    viewer_finish(&viewer);
+    conus_atlas *atlas = NULL;
+    struct headline headline;
+    assert_ok(conus_atlas_load(&atlas, test_scratch("sphere/sphere.nii.gz"), NULL));
+    assert_ok(conus_atlas_set_hemispheres(atlas, CONUS_HEMISPHERES_SPLIT));
+    assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = "halves"}, 1, NULL, NULL, NULL));
+    tool_aim_along(&viewer, FIRST_TOOL, (const double[]){0, 70, 0}, (const double[]){0, -1, 0});
+    assert_headline(&viewer, "Sphere left and Sphere right", "50 % of the cone each \u00b7 50.0 mm from the start");
+    tool_aim_along(&viewer, FIRST_TOOL, (const double[]){-6, 70, 0}, (const double[]){0, -1, 0});
+    headline_find(&headline, &viewer);
+    assert_string_equal(headline.what, "Sphere left");
+    assert_non_null(strstr(headline.more, " mm from the start \u00b7 left"));
+    viewer_finish(&viewer);
+}
+
 TEST_GROUP(results)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cells_are_those_of_conus_query),  cmocka_unit_test(cells_of_bundles_are_those_of_conus_query),
-        cmocka_unit_test(rows_have_the_order_of_a_column), cmocka_unit_test(columns_are_chosen),
-        cmocka_unit_test(sessions_keep_the_list),          cmocka_unit_test(failing_exports_are_reported),
+        cmocka_unit_test(cells_are_those_of_conus_query),
+        cmocka_unit_test(cells_of_bundles_are_those_of_conus_query),
+        cmocka_unit_test(rows_have_the_order_of_a_column),
+        cmocka_unit_test(columns_are_chosen),
+        cmocka_unit_test(sessions_keep_the_list),
+        cmocka_unit_test(failing_exports_are_reported),
+        cmocka_unit_test(the_answer_names_all_that_are_as_good),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

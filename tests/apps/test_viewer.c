@@ -217,32 +217,61 @@ static void a_device_is_put_in_front(void **state)
     viewer_finish(&viewer);
 }
 
+static void assert_colour(const struct viewer *viewer, uint32_t object, const uint8_t wanted[3])
+{
+    uint8_t rgb[3];
+    viewer_colour(rgb, viewer, object);
+    assert_memory_equal(rgb, wanted, sizeof rgb);
+}
+
+/* Areas that are hit keep the colours of their ranks, which are for any colour vision, too. */
 static void colours_go_and_come_back(void **state)
 {
+    static const uint8_t first[3] = {LOOK_RGB(LOOK_RANK_1)};
     struct viewer viewer;
-    uint8_t own[3], safe[3], again[3];
+    uint8_t own[3], safe[3];
     (void)state;
     load(&viewer, "slabs", "slabs.nii.gz");
     unsigned scene = viewer.scene_number;
-    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     viewer_colour(own, &viewer, 1);
     viewer_use_safe_colours(&viewer, true);
     viewer_use_safe_colours(&viewer, true);
     viewer_colour(safe, &viewer, 1);
     assert_memory_not_equal(own, safe, sizeof own);
     assert_true(viewer.scene_number > scene);
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
+    const uint32_t hit = conus_selection_result(viewer_selection(&viewer), 0)->object;
+    assert_colour(&viewer, hit, first);
+    assert_colour(&viewer, 3 - hit, conus_atlas_object(viewer.drawn->atlas, 3 - hit)->rgb);
     assert_non_null(viewer_selection(&viewer));
     viewer_use_safe_colours(&viewer, false);
-    viewer_colour(again, &viewer, 1);
-    assert_memory_equal(own, again, sizeof own);
+    assert_colour(&viewer, hit, first);
+    tool_clear(&viewer);
+    assert_colour(&viewer, 1, own);
     viewer_finish(&viewer);
 }
 
-static void assert_colour(const struct viewer *viewer, uint32_t object, const uint8_t wanted[3])
+/* A move after which the same areas are hit first is none that cuts show, another one is. */
+static void moves_are_told_from_other_changes(void **state)
 {
-    uint8_t rgb[3];
-    viewer_colour(rgb, viewer, object);
-    assert_memory_equal(rgb, wanted, sizeof rgb);
+    struct viewer viewer;
+    (void)state;
+    load(&viewer, "slabs", "slabs.nii.gz");
+    unsigned shown = viewer.version - viewer.moves;
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back);
+    assert_int_not_equal(viewer.version - viewer.moves, shown); /* there is a hit */
+    shown = viewer.version - viewer.moves;
+    unsigned version = viewer.version;
+    tool_aim_along(&viewer, FIRST_TOOL, (const double[]){eye[0] + 0.1, eye[1], eye[2]}, back);
+    assert_int_not_equal(viewer.version, version);
+    assert_int_equal(viewer.version - viewer.moves, shown);
+    tool_aim_along(&viewer, FIRST_TOOL, (const double[]){eye[0], -eye[1], eye[2]},
+                   (const double[]){-back[0], -back[1], -back[2]}); /* the other slab */
+    assert_int_not_equal(viewer.version - viewer.moves, shown);
+    shown = viewer.version - viewer.moves;
+    viewer_hide(&viewer, 1, true);
+    assert_int_not_equal(viewer.version - viewer.moves, shown);
+    viewer_finish(&viewer);
 }
 
 /* As in pictures: the area that is hit first has the first rank's colour, the other one is grey, and behind that one
@@ -612,6 +641,7 @@ TEST_GROUP(viewer)
         cmocka_unit_test(files_are_watched),
         cmocka_unit_test(a_node_is_shown_whole_in_part_or_not),
         cmocka_unit_test(colours_go_and_come_back),
+        cmocka_unit_test(moves_are_told_from_other_changes),
         cmocka_unit_test(settings_of_the_atlas_are_all_set_or_none),
         cmocka_unit_test(edited_points_outlive_other_changes),
         cmocka_unit_test(a_device_is_put_in_front),

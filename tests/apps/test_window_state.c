@@ -5,6 +5,8 @@
 #include "viewer/ui/theme.h"
 #include "viewer/window/place.h"
 #include "viewer/window/start.h"
+#include "viewer/window/state_file.h"
+#include "viewer/window/thumbnail.h"
 
 #include "conus/file.h"
 #include "conus/phantom.h"
@@ -262,6 +264,55 @@ static void the_last_opened_comes_first(void **state)
     assert_int_equal(recent.count, 1);
 }
 
+/* The picture has 200 x 150 pixels, so each of the thumbnail's 96 x 72 is the mean of 2 x 2 of them, from 4, 3 on: with
+ * red = x and green = y its first pixel has (4 + 5) / 2 = 4 and (3 + 4) / 2 = 3, its last (194 + 195) / 2 and
+ * (145 + 146) / 2. */
+static void a_picture_of_an_atlas_is_kept_by_its_name_and_size(void **state)
+{
+    static uint8_t rgba[150][200][4];
+    static struct thumbnail kept;
+    const struct painted picture = {.width = 200, .height = 150, .rgba = rgba[0][0]};
+    char path[SYSTEM_PATH];
+    char atlas[SYSTEM_PATH];
+    size_t size;
+    (void)state;
+    for (size_t y = 0; y < 150; y++) {
+        for (size_t x = 0; x < 200; x++) {
+            memcpy(rgba[y][x], (const uint8_t[]){(uint8_t)x, (uint8_t)y, 7, 255}, 4);
+        }
+    }
+    find_state(path, "pictures/pair.nii");
+    snprintf(atlas, sizeof atlas, "%s", test_scratch("pair.nii"));
+    assert_ok(conus_write_file(atlas, "atlas", 5));
+    assert_false(thumbnail_load(&kept, atlas));
+    thumbnail_keep(atlas, 116, &picture);
+    assert_true(thumbnail_load(&kept, atlas));
+    assert_int_equal(kept.areas, 116);
+    assert_memory_equal(kept.rgba[0][0], ((const uint8_t[]){4, 3, 7, 255}), 4);
+    assert_memory_equal(kept.rgba[THUMBNAIL_HEIGHT - 1][THUMBNAIL_WIDTH - 1], ((const uint8_t[]){194, 145, 7, 255}), 4);
+    char *text = state_file_read(&size, "pictures/pair.nii", 1 << 16);
+    assert_non_null(text);
+    assert_int_equal(size, strlen("conus_picture 1 0000000000000005 00000074\n") + 4 * 96 * 72);
+    assert_memory_equal(text, "conus_picture 1 0000000000000005 00000074\n", 42); /* 0x74 = 116 */
+    for (size_t part = 0; part < size; part++) {
+        assert_false(thumbnail_parse(&kept, 5, text, part));
+    }
+    for (size_t at = 0; at < 42; at++) { /* nothing but what is written so, which areas are, too, in small letters */
+        char before = text[at];
+        text[at] = at >= 33 && at < 41 ? 'A' : '!';
+        assert_false(thumbnail_parse(&kept, 5, text, size));
+        text[at] = before;
+    }
+    assert_false(thumbnail_parse(&kept, 6, text, size));
+    assert_true(thumbnail_parse(&kept, 5, text, size));
+    free(text);
+    thumbnail_keep(atlas, 1, &(struct painted){.width = 95, .height = 150, .rgba = rgba[0][0]}); /* it is too small */
+    assert_true(thumbnail_load(&kept, atlas));
+    assert_int_equal(kept.areas, 116);
+    assert_ok(conus_write_file(atlas, "another", 7));
+    assert_false(thumbnail_load(&kept, atlas));
+}
+
 static void atlases_of_animals_say_so(void **state)
 {
     (void)state;
@@ -305,6 +356,7 @@ static void look_for_three(struct start *start)
     char here[512];
     char folder[1200];
     find_state(state, "recent.json");
+    remove(state);
     assert_non_null(getcwd(here, sizeof here));
     snprintf(folder, sizeof folder, "%s/%s", here, test_scratch("atlases"));
     for (size_t i = 0; i < 3; i++) {
@@ -371,6 +423,25 @@ static void an_atlas_in_two_places_is_offered_once(void **state)
         twins += is;
     }
     assert_int_equal(twins, 1);
+    start_finish(&start);
+}
+
+/* What was opened before is not offered once more below, unless something is typed. */
+static void an_installed_atlas_that_was_opened_is_listed_once(void **state)
+{
+    struct start start = {.on = true};
+    (void)state;
+    look_for_three(&start);
+    recent_add(conus_catalogue_atlas(start.catalogue, 1)->path);
+    start_look(&start);
+    assert_ptr_equal(start_installed(&start, start_path(&start, 0)), conus_catalogue_atlas(start.catalogue, 1));
+    assert_true(start_lists(&start, 0));
+    assert_false(start_lists(&start, 1));
+    start_move(&start, 1);
+    start_move(&start, 1);
+    assert_opens(&start, "", "sphere");
+    assert_opens(&start, "sla", "slabs");
+    assert_true(start_lists(&start, 1));
     start_finish(&start);
 }
 
@@ -509,10 +580,12 @@ TEST_GROUP(window_state)
         cmocka_unit_test(texts_are_as_large_as_the_screen_is_dense),
         cmocka_unit_test(only_a_whole_list_is_read),
         cmocka_unit_test(the_last_opened_comes_first),
+        cmocka_unit_test(a_picture_of_an_atlas_is_kept_by_its_name_and_size),
         cmocka_unit_test(atlases_of_animals_say_so),
         cmocka_unit_test(the_start_page_shows_no_escapes),
         cmocka_unit_test(typed_words_find_an_installed_atlas),
         cmocka_unit_test(an_atlas_in_two_places_is_offered_once),
+        cmocka_unit_test(an_installed_atlas_that_was_opened_is_listed_once),
         cmocka_unit_test(an_atlas_of_the_list_is_opened_and_no_file_of_its_name),
         cmocka_unit_test(a_link_to_an_atlas_is_opened_where_it_is),
         cmocka_unit_test(the_arrows_choose_on_an_empty_line),

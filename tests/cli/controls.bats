@@ -138,7 +138,7 @@ END
     done
 }
 
-@test "above the list it says which depths count, and at which level" {
+@test "above the list it says which depths count, at which level, and what is hidden" {
     need_window
     need_pixels
     nested
@@ -152,16 +152,26 @@ screenshot depths.png
 ask --level=1
 settle
 screenshot level.png
+ask
+choose Inner
+key h
+settle
+screenshot hidden.png
+key v
+settle
+screenshot shown.png
 END
     /usr/bin/python3 - <<'END'
 import OpenImageIO as oiio
 import numpy
-# texts of the accent's colour, 9cc7ff, right above the list, below the panel's title
-def accent(name):
-    top = oiio.ImageBuf(name).get_pixels(oiio.UINT8)[30:60, 700:, :3].astype(int)
-    return (numpy.abs(top - [156, 199, 255]).max(axis=2) < 40).sum()
-counts = [accent(name + ".png") for name in ("plain", "depths", "level")]
+# texts of the accent's colour, 9cc7ff, or of that of trouble, ffaf55, right above the list, below the panel's title
+def written(name, colour=[156, 199, 255]):
+    top = oiio.ImageBuf(name + ".png").get_pixels(oiio.UINT8)[30:60, 700:, :3].astype(int)
+    return (numpy.abs(top - colour).max(axis=2) < 40).sum()
+counts = [written(name) for name in ("plain", "depths", "level")]
 assert counts[0] == 0 and counts[1] > 20 and counts[2] > 5, counts
+counts = [written(name, [255, 175, 85]) for name in ("plain", "hidden", "shown")]
+assert counts[0] == counts[2] == 0 and counts[1] > 20, counts
 END
 }
 

@@ -99,10 +99,10 @@ def check(conus, atlas, plane, place, radiological):
     area = found > 0
     assert area.sum() > 20000, area.sum()
     differing = found != expected(x, y)
-    assert differing[area].mean() < 0.03, f"{plane} {place}: {differing[area].mean():.3f} of the pixels differ"
-    # The extents are known to a pixel: every differing pixel has a border that near.
+    assert differing[area].mean() < 0.08, f"{plane} {place}: {differing[area].mean():.3f} of the pixels differ"
+    # The extents are known to a pixel, and a border is smooth by half a voxel: every differing pixel has one that near.
     near = numpy.zeros(differing.sum(), bool)
-    for dx, dy in itertools.product((-1.5, -0.75, 0, 0.75, 1.5), repeat=2):
+    for dx, dy in itertools.product(numpy.linspace(-1, 1, 7) * (1.5 + 0.5 * max(SIZES) / scale), repeat=2):
         near |= found[differing] == expected(x[differing] + dx, y[differing] + dy)
     assert near.all(), f"{plane} {place}: {(~near).sum()} pixels have a label that is nowhere near"
     # The bar is the longest dark row below the cut.
@@ -111,7 +111,8 @@ def check(conus, atlas, plane, place, radiological):
     bar = max(sum(row) for row in dark if row.any() and numpy.ptp(numpy.flatnonzero(row)) < row.sum())
     lengths = [m * 10.0**n for n in range(3) for m in (1, 2, 5)]
     length = min(lengths, key=lambda mm: abs(bar * scale - mm))
-    assert abs(bar - length / scale) <= 3, f"a bar of {bar} pixels of {scale:.4f} mm"
+    short = max(SIZES) / (step * min(columns[1] - columns[0], rows[1] - rows[0]))  # half a voxel at each end
+    assert -3 <= bar - length / scale <= 3 + short * bar, f"a bar of {bar} pixels of {scale:.4f} mm"
     return set(found[area].tolist())
 
 

@@ -383,12 +383,12 @@ END
 }
 
 # Two slabs across y, 20 mm apart: from the front the anterior one hides the other, which the cone hits from behind.
-@test "the legend says of a first hit that the camera does not see that it is behind" {
+@test "the legend says of a first hit that the camera does not see that it is not seen" {
     conus phantom slabs -o .
     for side in front back left; do
         gl render slabs.nii.gz --origin=0,-60,0 --toward=0,0,0 --angle 20 --view "$side" --size 400x300 -o "$side.svg" -q
     done
-    grep -q '>Slab posterior (behind)</text>' front.svg
+    grep -q '>Slab posterior (not seen)</text>' front.svg
     grep -q '>Slab posterior</text>' back.svg
     grep -q '>Slab posterior</text>' left.svg
     gl render slabs.nii.gz --origin=0,-60,0 --toward=0,0,0 --angle 20 --view front --opacity 0.5 --size 400x300 -o glass.svg -q

@@ -346,7 +346,7 @@ static const struct key keys[] = {
     {"+", "a wider cone", .move = widen, .by = {FIRST_TOOL, 1}, .sets = PROPERTY_ANGLE},
     {"-", "a narrower cone", .move = widen, .by = {FIRST_TOOL, -1}, .sets = PROPERTY_ANGLE},
     {"l", "first hits, or all hits", .sets = PROPERTY_LAYERS, .group = "What is asked"},
-    {"m", "what moves the cone: the next of mouse, wand, ...", .tool = tool_choose_next},
+    {"m", "what moves the cone: the next of mouse, wand \u2026", .tool = tool_choose_next},
     {"2", "the second tool, with a cone and a list of its own, or none", .act = use_second,
      .group = "Second tool and devices"},
     {"3", "what moves the second tool: the next", .tool = tool_choose_next, .by = {SECOND_TOOL}},
@@ -450,9 +450,9 @@ static const struct key keys[] = {
     {"shift+right", NULL, .move = cross, .by = {1, 0, 0}},
     {"shift+up", NULL, .move = cross, .by = {0, 1, 0}},
     {"shift+down", NULL, .move = cross, .by = {0, -1, 0}},
-    {"shift+pageup", "the crosshair: 1 mm up, down", .move = cross, .by = {0, 0, 1}, .shown = "Shift+Page ..."},
+    {"shift+pageup", "the crosshair: 1 mm up, down", .move = cross, .by = {0, 0, 1}, .shown = "Shift+Page \u2026"},
     {"shift+pagedown", NULL, .move = cross, .by = {0, 0, -1}},
-    {"ctrl+pageup", "magnify the cuts, or less", .move = magnify, .by = {1}, .shown = "Ctrl+Page ..."},
+    {"ctrl+pageup", "magnify the cuts, or less", .move = magnify, .by = {1}, .shown = "Ctrl+Page \u2026"},
     {"ctrl+pagedown", NULL, .move = magnify, .by = {-1}},
     {"w", "the wand: forward, back, left, right", .move = steer, .by = {2, -1}, .shown = "W S A D", .is_of_wand = true},
     {"s", NULL, .move = steer, .by = {2, 1}, .is_of_wand = true},
@@ -549,10 +549,10 @@ static bool press_in_dialog(struct window *window, const char *key)
     return true;
 }
 
-/* Puts a letter into the line of the start page, which has the keys from then on. */
+/* Puts a letter into the line of the start page, which has the keys from then on, in place of what it had. */
 static bool type_at_start(struct start *start, const char *key)
 {
-    size_t length = strlen(start->typed);
+    size_t length = start->is_set ? strlen(start->typed) : 0;
     bool is_letter = key[0] && !key[1] && length + 1 < sizeof start->typed;
     if (is_letter) {
         memcpy(start->typed + length, key, 2);

@@ -35,8 +35,8 @@ static const struct column columns[RESULT_COLUMNS] = {
     [RESULT_LABEL] = {"index", "label", NULL,
                       "the atlas's own label of the area, or the ordinal of the pathway or bundle", LABEL,
                       .widest = "4294967295"},
-    [RESULT_SHARE] = {"share", "share", "% of the cone", "its part of the cone's solid angle, by what is hit first",
-                      PART, AT(share), 2, "100.00 %", .falls = true},
+    [RESULT_SHARE] = {"share", "share", NULL, "its part, by what is hit first, in % of the", PART, AT(share), 2,
+                      "100.00 %", .falls = true},
     [RESULT_SCORE] = {"score", "score", NULL, "value of the chosen score, higher is better", NUMBER, AT(score), 4,
                       "-9999.9999", .falls = true},
     [RESULT_PIXELS] = {"pixels", "pixels", "pixels", "pixels of the cone that hit it first", COUNT, AT(pixels), 0,
@@ -107,8 +107,13 @@ const char *result_heading(const struct viewer *viewer, size_t column)
 const char *result_meaning(char out[RESULT_TIP], const struct viewer *viewer, size_t column)
 {
     const char *unit = columns[column].kind == PLACE ? conus_space_unit(viewer->frame.space) : columns[column].unit;
-    snprintf(out, RESULT_TIP, "%s: %s%s%s", columns[column].key, columns[column].meaning, unit ? ", " : "",
-             unit ? unit : "");
+    snprintf(out, RESULT_TIP, "%s: %s%s%s", columns[column].key, columns[column].meaning,
+             column == RESULT_SHARE ? " "
+             : unit                 ? ", "
+                                    : "",
+             column == RESULT_SHARE ? viewer_shape(viewer)
+             : unit                 ? unit
+                                    : "");
     return out;
 }
 

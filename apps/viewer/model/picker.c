@@ -36,23 +36,6 @@ static double opacity_of(const struct context_ray *context_ray, double value)
     return low->rgba[3] + part * (high->rgba[3] - low->rgba[3]);
 }
 
-/* How far along the ray, in mm, only @p left of the light comes through; INFINITY beyond @p most. */
-static double depth_of_light(const struct context_ray *context_ray, const double origin[3], const double along[3],
-                             double most, double left)
-{
-    double light = 1;
-    for (unsigned step = 0; step < most; step++) {
-        double t = step;
-        const double place[3] = {origin[0] + t * along[0], origin[1] + t * along[1], origin[2] + t * along[2]};
-        double value = conus_atlas_value(context_ray->atlas, context_ray->volume, place);
-        light *= isfinite(value) ? pow(1 - fmin(opacity_of(context_ray, value), 1), context_ray->thinned) : 1;
-        if (light <= left) {
-            return t;
-        }
-    }
-    return INFINITY;
-}
-
 /* The depth of the context's surface, where half of the light is gone; INFINITY where a tenth or more comes through. */
 static double depth_of_surface(const struct viewer *viewer, const double origin[3], const double along[3], double most)
 {
@@ -63,8 +46,17 @@ static double depth_of_surface(const struct viewer *viewer, const double origin[
     if (context_ray.volume < conus_atlas_volume_count(viewer->drawn->atlas) && viewer->painter) {
         context_ray.count = painter_transfer(viewer->painter, context_ray.points, EDITOR_POINTS);
     }
-    bool hides = context_ray.count > 0 && depth_of_light(&context_ray, origin, along, most, dark) < most;
-    return hides ? depth_of_light(&context_ray, origin, along, most, half) : INFINITY;
+    double light = 1;
+    double surface = INFINITY;
+    for (unsigned step = 0; context_ray.count && step < most && light > dark; step++) { /* by 1 mm */
+        double t = step;
+        const double place[3] = {origin[0] + t * along[0], origin[1] + t * along[1], origin[2] + t * along[2]};
+        double value = conus_atlas_value(context_ray.atlas, context_ray.volume, place);
+        double opacity = isfinite(value) ? opacity_of(&context_ray, value) : 0;
+        light *= opacity > 0 ? pow(1 - fmin(opacity, 1), context_ray.thinned) : 1;
+        surface = light <= half ? fmin(surface, t) : surface;
+    }
+    return light > dark ? INFINITY : surface;
 }
 
 /* Pathways or bundles that are shown. */

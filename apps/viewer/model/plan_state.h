@@ -12,6 +12,8 @@ struct plan_verdict {
     enum { PLAN_UNKNOWN = 0, PLAN_HOLDS, PLAN_BREAKS, PLAN_FAILED } state;
     char text[PLAN_TEXT];       /**< "holds, 1.8 mm to Insula_L"; */
     char leeway[32];            /**< follows it: ", leeway */
+    char reaches[PLAN_TEXT];    /**< "Reaches U", "Does not reach U"; "" where nothing is to be reached. */
+    char clears[PLAN_TEXT];     /**< "4.0 mm from Ball", "touches Ball"; "" where nothing is to be clear of it. */
     char details[PLAN_DETAILS]; /**< A line for each constraint; "" where it is unknown. */
 };
 

@@ -207,14 +207,26 @@ bool *plans_structure(struct viewer *viewer, conus_constraint_kind kind)
     return is;
 }
 
-/* A number that is shown never looks better than it is: it is rounded down, or up where less is better. */
-static void put_number(FILE *out, double value, bool up)
+/* Less is better of `up`: then it is rounded up. */
+static const char *round_number(char out[PLAN_NUMBER], double value, bool up)
 {
     double scale = fabs(value) < 1 ? 100 : 10;
     double digits = value * scale;
     double nearest = round(digits); /* leeways are known to 1e-6 mm, from below */
     double shown = fabs(digits - nearest) < 1e-5 * scale ? nearest : up ? ceil(digits) : floor(digits);
-    fprintf(out, scale > 10 ? "%.2f" : "%.1f", shown / scale + 0.0);
+    snprintf(out, PLAN_NUMBER, scale > 10 ? "%.2f" : "%.1f", shown / scale + 0.0);
+    return out;
+}
+
+const char *plans_number(char out[PLAN_NUMBER], double value)
+{
+    return isfinite(value) ? round_number(out, value, false) : "-";
+}
+
+static void put_number(FILE *out, double value, bool up)
+{
+    char text[PLAN_NUMBER];
+    fputs(round_number(text, value, up), out);
 }
 
 /* "1.2 of 2 mm to ": the limit stands there where it is broken. */
@@ -294,16 +306,61 @@ static void take_text(char *out, size_t size, struct system_text *text)
     free(text->data);
 }
 
+/* All that is to be reached, or the first that is not. */
+static void put_reached(FILE *out, const struct viewer *viewer, const conus_planned *planned)
+{
+    const conus_plan *plan = viewer->plan.live;
+    const char *missed = NULL;
+    for (size_t i = 0; i < conus_plan_constraint_count(plan) && !missed; i++) {
+        bool is_reach = conus_plan_constraint(plan, i)->kind == CONUS_CONSTRAINT_REACH;
+        missed = is_reach && !planned->verdicts[i].holds ? conus_plan_name(plan, i) : NULL;
+    }
+    if (missed) {
+        fprintf(out, "Does not reach %s", missed);
+        return;
+    }
+    const char *name;
+    const char *before = "Reaches ";
+    for (size_t from = 0; (name = next_structure(&from, viewer, CONUS_CONSTRAINT_REACH));) {
+        fprintf(out, "%s%s", before, name);
+        before = ", ";
+    }
+}
+
+/* How far the needle is from what it is nearest to, of all that it is to be clear of. */
+static void put_cleared(FILE *out, const struct viewer *viewer, const conus_planned *planned)
+{
+    const conus_plan *plan = viewer->plan.live;
+    size_t count = conus_plan_constraint_count(plan);
+    size_t nearest = count;
+    for (size_t i = 0; i < count; i++) {
+        const conus_constraint *asked = conus_plan_constraint(plan, i);
+        bool is_nearer = nearest == count || planned->verdicts[i].value < planned->verdicts[nearest].value;
+        nearest = asked->kind == CONUS_CONSTRAINT_AVOID && !asked->measure && is_nearer ? i : nearest;
+    }
+    if (nearest == count) {
+        return;
+    }
+    double clearance = planned->verdicts[nearest].value - viewer->plan.made_with.radius;
+    if (clearance > 0) {
+        put_number(out, clearance, false);
+    }
+    fprintf(out, "%s%s", clearance > 0 ? " mm from " : "touches ",
+            plan_nearest(plan, viewer->atlases->atlas, planned, nearest));
+}
+
 /* "holds, 1.8 mm to Insula_L" and ", leeway 0.66 mm", or "breaks: 1.2 of 2 mm to Insula_L, and 1 more" */
 static void word(struct plan_verdict *out, const struct viewer *viewer, const conus_planned *planned)
 {
     size_t count = conus_plan_constraint_count(viewer->plan.live);
     size_t told = !planned->feasible ? planned->broken : planned->clearance_of < count ? planned->clearance_of : 0;
     size_t broken = 0;
-    struct system_text texts[3];
+    struct system_text texts[5];
     FILE *text = system_text_open(&texts[0]);
     FILE *details = system_text_open(&texts[1]);
     FILE *leeway = system_text_open(&texts[2]);
+    FILE *reached = system_text_open(&texts[3]);
+    FILE *cleared = system_text_open(&texts[4]);
     for (size_t i = 0; i < count && details; i++) {
         broken += !planned->verdicts[i].holds;
         fprintf(details, "%s%s: ", i ? "\n" : "", planned->verdicts[i].holds ? "holds" : "breaks");
@@ -320,9 +377,15 @@ static void word(struct plan_verdict *out, const struct viewer *viewer, const co
             fputs(" mm", leeway);
         }
     }
+    if (reached && cleared) {
+        put_reached(reached, viewer, planned);
+        put_cleared(cleared, viewer, planned);
+    }
     take_text(out->text, sizeof out->text, &texts[0]);
     take_text(out->details, sizeof out->details, &texts[1]);
     take_text(out->leeway, sizeof out->leeway, &texts[2]);
+    take_text(out->reaches, sizeof out->reaches, &texts[3]);
+    take_text(out->clears, sizeof out->clears, &texts[4]);
     out->state = planned->feasible ? PLAN_HOLDS : PLAN_BREAKS;
 }
 
@@ -425,26 +488,6 @@ size_t plans_at(const struct viewer *viewer)
         }
     }
     return SIZE_MAX;
-}
-
-bool plans_answer(char reaches[PLAN_LINE], char clears[PLAN_LINE], struct viewer *viewer)
-{
-    const char *why;
-    const struct plan_list *list = plans_list(viewer, &why);
-    const struct plan_row *row = list && plans_at(viewer) < list->count ? &list->rows[plans_at(viewer)] : NULL;
-    const char *target = plans_name(viewer, CONUS_CONSTRAINT_REACH);
-    struct system_text text;
-    if (!row || row->breaks || plans_is_behind(viewer) || !(target || row->nearest[0])) {
-        return false;
-    }
-    snprintf(reaches, PLAN_LINE, "%s%s", target ? "Reaches " : "", target ? target : "");
-    FILE *out = system_text_open(&text);
-    if (out && row->nearest[0]) {
-        put_number(out, row->clearance, false);
-        fprintf(out, " mm from %s", row->nearest);
-    }
-    take_text(clears, PLAN_LINE, &text);
-    return true;
 }
 
 bool plans_go(struct viewer *viewer, size_t index)

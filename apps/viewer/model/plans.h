@@ -32,9 +32,6 @@ bool plans_is_target(const struct viewer *viewer, uint32_t object);
 bool *plans_structure(struct viewer *viewer, conus_constraint_kind kind);
 /** How the first of these structures is called: "Thalamus_L, Putamen_L"; NULL without one. */
 const char *plans_name(struct viewer *viewer, conus_constraint_kind kind);
-/** What the first tool does at the row where it is, in two lines: "Reaches Hippocampus_L" and "13.6 mm from Insula_L";
- * a line is "" where there is no such constraint. False: it is at no row, or at one that breaks a constraint. */
-bool plans_answer(char reaches[PLAN_LINE], char clears[PLAN_LINE], struct viewer *viewer);
 
 /** Whether there is a plan. */
 bool plans_is_on(const struct viewer *viewer);
@@ -42,6 +39,11 @@ bool plans_is_on(const struct viewer *viewer);
 const struct plan_verdict *plans_verdict(struct viewer *viewer);
 /** That in one line. A tracked tool that is held is elsewhere than its device, which the line then says. */
 void plans_line(char out[PLAN_LINE], struct viewer *viewer, bool with_leeway);
+
+enum { PLAN_NUMBER = 32 };
+/** How lists and sentences print a leeway or clearance: never better than it is, so rounded down; "-" where there is
+ * none. */
+const char *plans_number(char out[PLAN_NUMBER], double value);
 
 /** Asks for the list, and takes it once it is there. To be called whenever something may have changed. */
 void plans_step(struct viewer *viewer);

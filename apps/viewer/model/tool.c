@@ -73,13 +73,32 @@ void tool_changed(struct viewer *viewer, enum tool_number number)
     }
 }
 
+/* A number for which objects the first tool's answer has, in which order, and which of them only behind others: what
+ * pictures show of it. */
+static uint64_t sum_answer(const struct viewer *viewer)
+{
+    const conus_selection *selection = viewer_selection(viewer);
+    uint64_t sum = 0xCBF29CE484222325; /* FNV-1a */
+    for (size_t i = 0; i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        unsigned how = result->pixels ? 2 : result->pierced ? 1 : 0;
+        sum = (sum ^ ((uint64_t)result->object << 2 | how)) * 0x100000001B3;
+    }
+    return selection ? sum : 0;
+}
+
 void tool_aim(struct viewer *viewer, enum tool_number number, const conus_pose *pose)
 {
     static const conus_frame world = {.space = CONUS_SPACE_RAS};
+    const unsigned version = viewer->version;
+    const uint64_t sum = number == FIRST_TOOL ? sum_answer(viewer) : 0;
     viewer->tools[number].pose = *pose;
     conus_frame_turn_pose(&viewer->tools[number].pose, &world, true); /* as the mouse turns it, and pictures show it */
     viewer->tools[number].has_pose = true;
     tool_changed(viewer, number);
+    if (number == FIRST_TOOL && sum_answer(viewer) == sum) {
+        viewer->moves += viewer->version - version;
+    }
 }
 
 void tool_aim_along(struct viewer *viewer, enum tool_number number, const double origin[3], const double direction[3])

@@ -144,6 +144,15 @@ bool view_atlas_shares_context(const struct view_atlas *a, const struct view_atl
     return one && other ? strcmp(one->path, other->path) == 0 && one->volume == other->volume : one == other;
 }
 
+size_t view_atlas_hidden(const struct view_atlas *view)
+{
+    size_t count = 0;
+    for (size_t number = 1; number <= view->object_count; number++) {
+        count += view->shown.hidden[number];
+    }
+    return count;
+}
+
 const conus_volume_info *view_atlas_pathway(const struct view_atlas *view, uint32_t object)
 {
     const conus_object *pathway = conus_atlas_object(view->atlas, object);

@@ -66,6 +66,8 @@ size_t view_atlas_context(const struct view_atlas *view);
 const double *view_atlas_grey(const struct view_atlas *view);
 /** Whether the same file is the context of both, or none is. */
 bool view_atlas_shares_context(const struct view_atlas *a, const struct view_atlas *b);
+/** How many of its objects are hidden. */
+size_t view_atlas_hidden(const struct view_atlas *view);
 enum { VIEW_ATLAS_TITLE = 256 };
 /** The name of object @p number in lists and pictures; its kind stands before the name where another kind has the same
  * name. */

@@ -119,6 +119,11 @@ double viewer_query(conus_selector_options *options, const struct viewer *viewer
     return options->radius > 0 ? 0 : angle * (M_PI / 180); /* as conus query has it, to the last bit */
 }
 
+const char *viewer_shape(const struct viewer *viewer)
+{
+    return viewer->cone.one_ray ? "axis" : viewer->cone.options.radius > 0 ? "cylinder" : "cone";
+}
+
 bool viewer_to_world(double world[3], struct viewer *viewer, const double given[3])
 {
     bool fine = conus_frame_to_world(world, &viewer->frame, given) == CONUS_OK;
@@ -352,7 +357,7 @@ uint32_t viewer_full(const struct viewer *viewer)
 /* As conus_view.own_colours says. */
 static bool colours_by_rank(const struct viewer *viewer, uint32_t object)
 {
-    return viewer_selection(viewer) && !viewer->display.own_colours && !viewer->display.safe_colours &&
+    return viewer_selection(viewer) && !viewer->display.own_colours &&
            viewer->drawn->appearance.haze[object] == HAZE_NONE;
 }
 
@@ -381,19 +386,24 @@ size_t viewer_rank(const struct viewer *viewer, uint32_t object)
 
 #define BYTES(colour) {LOOK_RGB(colour)},
 
-void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object)
+void viewer_rank_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object, size_t rank)
 {
     static const uint8_t ranks[][3] = {LOOK_RANKS(BYTES)};
     const conus_object *info = conus_atlas_object(viewer->drawn->atlas, object);
-    const size_t rank = viewer_rank(viewer, object);
-    const bool is_grey = info && !rank && colours_by_rank(viewer, object);
+    const bool by_rank = info && colours_by_rank(viewer, object);
     memcpy(rgb,
-           !info                                  ? (const uint8_t[]){LOOK_RGB(LOOK_NO_OBJECT)}
-           : is_grey                              ? (const uint8_t[]){LOOK_RGB(LOOK_NOT_HIT)}
-           : !rank                                ? info->rgb
-           : rank <= sizeof ranks / sizeof *ranks ? ranks[rank - 1]
-                                                  : (const uint8_t[]){LOOK_RGB(LOOK_RANK_MORE)},
+           !info                                 ? (const uint8_t[]){LOOK_RGB(LOOK_NO_OBJECT)}
+           : !by_rank                            ? info->rgb
+           : rank > sizeof ranks / sizeof *ranks ? (const uint8_t[]){LOOK_RGB(LOOK_RANK_MORE)}
+           : rank                                ? ranks[rank - 1]
+           : viewer->display.safe_colours        ? info->rgb
+                                                 : (const uint8_t[]){LOOK_RGB(LOOK_NOT_HIT)},
            3);
+}
+
+void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object)
+{
+    viewer_rank_colour(rgb, viewer, object, viewer_rank(viewer, object));
 }
 
 const char *viewer_find_score(const char *name)

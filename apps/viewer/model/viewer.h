@@ -118,6 +118,7 @@ struct viewer {
     struct transfer_editor transfer_editor;
     void (*wake)(void);
     unsigned version; /**< Grows with every change that the panes show. */
+    unsigned moves;   /**< How many of these were moves of the first tool after which pictures have the same colours. */
     unsigned said;    /**< Grows with every message.                    */
 };
 
@@ -143,6 +144,8 @@ size_t viewer_put_coordinate(char *out, size_t size, const struct viewer *viewer
 /** How atlas @p index is asked for a tool: the options and its full opening, radians, 0 of a cylinder; with one_ray
  * those of that ray. The level is borrowed from the viewer. */
 double viewer_query(conus_selector_options *options, const struct viewer *viewer, enum tool_number tool, size_t index);
+/** What the atlases are asked with: "cone", "cylinder", or "axis" of a single ray. */
+const char *viewer_shape(const struct viewer *viewer);
 /** Pins a result in atlas @p atlas that was confirmed before. @p name: of object 0; else NULL. */
 void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, const char *name, double share, double distance,
                 const double contact[3]);
@@ -178,6 +181,8 @@ uint32_t viewer_full(const struct viewer *viewer);
 /** The place of an object in the answer, from 1, where pictures show it by a colour; 0 = it has its own, or is not hit.
  */
 size_t viewer_rank(const struct viewer *viewer, uint32_t object);
+/** sRGB of an object that has this place; 0 = none. */
+void viewer_rank_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object, size_t rank);
 /** sRGB of an object, as pictures have it. */
 void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object);
 

@@ -7,6 +7,7 @@
 #include "viewer/tools/inputs.h"
 #include "viewer/tools/point.h"
 #include "viewer/window/hover.h"
+#include "viewer/window/thumbnail.h"
 #include "viewer/window/window.h"
 
 #include <math.h>
@@ -20,7 +21,7 @@ static const ui_colour compass_edge = {LOOK_RGB(LOOK_UNDER), 190};
 
 static const ui_colour light = {LOOK_RGB(LOOK_OVER), 255};
 static const ui_colour dark = {LOOK_RGB(LOOK_UNDER), 255};
-static const ui_colour cross = {LOOK_RGB(LOOK_CROSS), 160};
+static const ui_colour cross = {LOOK_RGB(LOOK_CROSS), 255};
 
 /* The view rests when the mouse, or else a tracker or a replay, has stood still for so long. */
 static const double view_rest_ms = 120, others_rest_ms = 300;
@@ -30,7 +31,7 @@ static const float click = 4;   /* pixels: a mouse that moves as far from where 
 
 static const char device_caption[] = "what the device sees";
 
-enum { NAMES_SHOWN = 3, INSET = 7 /* pixels on the screen per pixel of the device's view */ };
+enum { INSET = 7 /* pixels on the screen per pixel of the device's view */ };
 
 /* Half an axis of the cross of directions. */
 struct direction {
@@ -118,6 +119,7 @@ static void ask_painter(struct window *window, bool moving)
                             .own_colours = viewer->display.own_colours,
                             .chosen = viewer_full(viewer),
                             .answer = viewer->drawn->answers[FIRST_TOOL],
+                            .is_old = inputs_is_old(&window->inputs, viewer, FIRST_TOOL),
                             .answer_number = viewer->tools[FIRST_TOOL].answer_number,
                             .scene_number = viewer->scene_number,
                             .moving = moving};
@@ -128,6 +130,21 @@ static void ask_painter(struct window *window, bool moving)
         window->pictures.asked = what;
         window->pictures.painted_fine = window->pictures.painted_fine && same;
     }
+}
+
+/* Keeps the first fine picture of the first atlas for the start page. */
+static void keep_picture(struct window *window, const struct painted *picture)
+{
+    const struct view_atlas *first = window->viewer->atlases;
+    uint32_t areas = 0;
+    if (!window->files.remembers || window->pictures.is_kept || window->viewer->drawn != first) {
+        return;
+    }
+    for (size_t number = 1; number <= first->object_count; number++) {
+        areas += conus_atlas_object(first->atlas, number)->kind == CONUS_KIND_AREA;
+    }
+    thumbnail_keep(first->path, areas, picture);
+    window->pictures.is_kept = true;
 }
 
 static void take_picture(struct window *window)
@@ -151,6 +168,9 @@ static void take_picture(struct window *window)
         window->pictures.around = (ui_colour){picture.rgba[0], picture.rgba[1], picture.rgba[2], 255};
         window->pictures.painted_ms = picture.milliseconds;
         window->pictures.painted_fine = picture.fine && painting_shows_same(&picture.what, &window->pictures.asked);
+        if (picture.fine && !viewer_selection(window->viewer)) {
+            keep_picture(window, &picture);
+        }
         free(picture.rgba);
     }
 }
@@ -179,28 +199,46 @@ static void find_shown(struct ui_box *place, struct pictures *pictures, const st
     }
 }
 
-/* The names of the best results beside their contacts, which they do not cover. */
-static void draw_names(struct window *window)
+/* The names of a tool's best hits beside their contacts, which they do not cover. What the second one hits has no
+ * colour in the picture: its ring and name have that of its cone. */
+static void draw_names(struct window *window, enum tool_number number)
 {
-    const conus_selection *selection = viewer_selection(window->viewer);
-    size_t count = conus_selection_count(selection);
-    const conus_result *results[NAMES_SHOWN];
-    float places[NAMES_SHOWN][2];
-    size_t shown = 0;
-    for (size_t i = 0; i < count && shown < NAMES_SHOWN; i++) {
+    const struct viewer *viewer = window->viewer;
+    const conus_selection *selection = view_atlas_selection(viewer->drawn, number);
+    const bool is_second = number == SECOND_TOOL;
+    bool is_old = inputs_is_old(&window->inputs, viewer, number);
+    struct pen pen = {is_old      ? compass_far
+                      : is_second ? pane_cone_pen(window, number).colour
+                                  : light,
+                      1.5F, window->screen.scale};
+    float places[HITS_NAMED][2];
+    const conus_result *results[HITS_NAMED] = {NULL};
+    for (size_t i = 0; i < HITS_NAMED && i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
-        if (result->object && result->pixels && window_point(places[shown], window, result->contact)) {
-            const float *at = places[shown];
-            results[shown++] = result;
-            ui_draw_circle(at, 4, light, 1.5F);
-            labels_reserve(&window->frame.labels, (struct ui_box){at[0] - 4, at[1] - 4, 8, 8});
+        if (result->object && result->pixels && window_point(places[i], window, result->contact)) {
+            const float half = 4 * pen.scale;
+            results[i] = result;
+            stroke_circle(places[i], 4, pen);
+            labels_reserve(&window->frame.labels,
+                           (struct ui_box){places[i][0] - half, places[i][1] - half, 2 * half, 2 * half});
         }
     }
-    for (size_t i = 0; i < shown; i++) {
+    for (size_t i = 0; i < HITS_NAMED; i++) {
         char title[VIEW_ATLAS_TITLE];
-        pane_name(&window->frame.labels, &window->screen.panes[PANE_3D], places[i], false, light,
-                  panel_colour(window->viewer, results[i]->object), results[i]->object,
-                  view_atlas_title(title, window->viewer->drawn, results[i]->object));
+        if (results[i]) {
+            struct pane_name name = {.name = view_atlas_title(title, viewer->drawn, results[i]->object),
+                                     .object = results[i]->object,
+                                     .colour = pen.colour,
+                                     .is_hidden = window->pictures.cones[number].hides_hit[i],
+                                     .scale = pen.scale};
+            uint8_t rgba[4];
+            viewer_colour(rgba, viewer, results[i]->object);
+            if (is_old) {
+                answer_pale(rgba, 1);
+            }
+            name.chip = (ui_colour){rgba[0], rgba[1], rgba[2], is_second ? 0 : 255};
+            pane_name(&window->frame.labels, &window->screen.panes[PANE_3D], places[i], &name);
+        }
     }
 }
 
@@ -256,6 +294,9 @@ static void draw_device_view(struct window *window)
         }
         to[3] = 255;
     }
+    if (inputs_is_old(&window->inputs, window->viewer, FIRST_TOOL)) {
+        answer_pale(rgba, (size_t)n * n);
+    }
     texture_set(&window->pictures.device_view, rgba, n, n, false);
     struct ui_box inset = find_inset(window);
     ui_surface("inset", inset);
@@ -278,7 +319,7 @@ static void draw_crosshair(const struct window *window)
         from[a] -= arm * viewer->radius;
         to[a] += arm * viewer->radius;
         if (window_point(ends[0], window, from) && window_point(ends[1], window, to)) {
-            ui_draw_line(ends[0], ends[1], cross, 1);
+            stroke_line(ends[0], ends[1], (struct pen){cross, 1, window->screen.scale});
         }
     }
 }
@@ -292,7 +333,7 @@ static void draw_measured(struct window *window)
         seen = window_point(ends[i], window, viewer->measure.points + (size_t)3 * i) && seen;
     }
     if (seen) {
-        pane_measured(viewer, &window->frame.labels, &window->screen.panes[PANE_3D], ends);
+        pane_measured(window, &window->frame.labels, &window->screen.panes[PANE_3D], ends);
     }
 }
 
@@ -300,13 +341,15 @@ static void draw_waiting(const struct window *window)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     char error[256];
+    static const char drawing[] = "drawing\u2026";
     const float at[2] = {box->x + 20, box->y + box->height / 2};
+    const float middle[2] = {box->x + (box->width - ui_text_width(drawing)) / 2, at[1]};
     if (!window->viewer->painter) {
         ui_draw_text(at, theme_shaded[THEME_ORANGE], "not enough memory to draw");
     } else if (painter_error(window->viewer->painter, error, sizeof error)) {
         ui_draw_text(at, theme_shaded[THEME_ORANGE], error);
     } else if (!window->pictures.painted.name) {
-        ui_draw_text(at, light, "drawing ...");
+        ui_draw_text(middle, light, drawing);
     }
 }
 
@@ -535,7 +578,8 @@ void pane_3d(struct window *window)
     pane_cones(window);
     draw_crosshair(window);
     draw_measured(window);
-    draw_names(window);
+    draw_names(window, FIRST_TOOL);
+    draw_names(window, SECOND_TOOL);
     draw_waiting(window);
     draw_notices(window);
     draw_device_view(window);

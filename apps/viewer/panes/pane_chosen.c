@@ -127,35 +127,48 @@ void pane_chosen_names(struct window *window)
         if (has_outline || (shadow->has_middle && window_point(at, window, shadow->middle))) {
             char title[VIEW_ATLAS_TITLE];
             const char *name = outline_name(window->viewer, which);
+            float scale = window->screen.scale;
             if (!has_outline) {
-                ui_draw_circle(at, 4, colour, 1.5F);
+                stroke_circle(at, 4, (struct pen){colour, 1.5F, scale});
             }
-            pane_name(&window->frame.labels, box, at, has_outline, colour, (ui_colour){0}, shadow->chosen,
-                      name ? name : view_atlas_title(title, window->viewer->drawn, shadow->chosen));
+            pane_name(&window->frame.labels, box, at,
+                      &(struct pane_name){.name = name ? name
+                                                       : view_atlas_title(title, window->viewer->drawn, shadow->chosen),
+                                          .object = shadow->chosen,
+                                          .colour = colour,
+                                          .above = has_outline,
+                                          .scale = scale});
         }
     }
 }
 
-void pane_name(struct labels *labels, const struct ui_box *box, const float at[2], bool above, ui_colour colour,
-               ui_colour chip, uint32_t object, const char *name)
+void pane_name(struct labels *labels, const struct ui_box *box, const float at[2], const struct pane_name *what)
 {
     char shown[PANE_NAME];
     struct ui_box place;
-    const float edge = chip.a ? 0.7F * ui_line() : 0;
-    const float before = chip.a ? edge + 4 : 0;
+    float phase = 0;
+    const float edge = what->chip.a ? 0.7F * ui_line() : 0;
+    const float before = what->chip.a ? edge + 4 : 0;
+    const struct pen pen = {what->colour, 1, what->scale};
+    ui_colour letters = what->colour;
+    letters.a = what->is_hidden ? (uint8_t)(255 * theme_pale) : letters.a;
     /* the brain stays to be seen, but in narrow panes */
-    ui_shorten_name(shown, sizeof shown, name, fminf(box->width - 14, fmaxf(0.4F * box->width, 12 * ui_line())));
+    ui_shorten_name(shown, sizeof shown, what->name, fminf(box->width - 14, fmaxf(0.4F * box->width, 12 * ui_line())));
     const float size[2] = {before + ui_text_width(shown), ui_line()};
-    if (labels_place(&place, labels, box, at, size, above, object)) {
+    if (labels_place(&place, labels, box, at, size, what->above, what->object)) {
         const float end[2] = {fmaxf(fminf(at[0], place.x + place.width), place.x),
                               fmaxf(fminf(at[1], place.y + place.height), place.y)};
-        ui_draw_line(at, end, colour, 1);
-        if (chip.a) {
+        if (what->is_hidden) {
+            stroke_dashes(&phase, at, end, pen);
+        } else {
+            stroke_line(at, end, pen);
+        }
+        if (what->chip.a) {
             ui_draw_box((struct ui_box){place.x - 3, place.y - 1, before + 3, ui_line()}, theme_surfaces[THEME_SHADE],
                         0);
-            ui_draw_box((struct ui_box){place.x, place.y + (ui_line() - edge) / 2, edge, edge}, chip, 0);
+            ui_draw_box((struct ui_box){place.x, place.y + (ui_line() - edge) / 2, edge, edge}, what->chip, 0);
         }
-        ui_draw_text((float[]){place.x + before, place.y}, colour, shown);
+        ui_draw_text((float[]){place.x + before, place.y}, letters, shown);
     }
 }
 
@@ -190,17 +203,19 @@ void pane_point(float out[2], const struct pane_plane *plane, const double world
     out[1] = plane->box.y + plane->box.height / 2 - (float)(up / view->mm_per_pixel);
 }
 
-void pane_measured(const struct viewer *viewer, struct labels *labels, const struct ui_box *box, float ends[2][2])
+void pane_measured(const struct window *window, struct labels *labels, const struct ui_box *box, float ends[2][2])
 {
-    const ui_colour colour = theme_shaded[THEME_GREEN];
+    const struct viewer *viewer = window->viewer;
+    const struct pen pen = {theme_shaded[THEME_GREEN], 2, window->screen.scale};
     const float middle[2] = {(ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2};
     char text[48];
     for (uint32_t i = 0; i < viewer->measure.count; i++) {
-        ui_draw_circle(ends[i], 4, colour, 2);
+        stroke_circle(ends[i], 4, pen);
     }
     if (viewer->measure.count == 2) {
         snprintf(text, sizeof text, "%.2f mm", viewer_distance(viewer));
-        ui_draw_line(ends[0], ends[1], colour, 2);
-        pane_name(labels, box, middle, true, colour, (ui_colour){0}, 0, text);
+        stroke_line(ends[0], ends[1], pen);
+        pane_name(labels, box, middle,
+                  &(struct pane_name){.name = text, .colour = pen.colour, .above = true, .scale = pen.scale});
     }
 }

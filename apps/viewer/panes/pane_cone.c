@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The cones of both tools over the four panes, and the balls by which the mouse turns them. */
+/* The cones of both tools over the four panes. */
 #include "viewer/panes/panes.h"
 
 #include "base/look.h"
@@ -13,14 +13,12 @@
 
 static const ui_colour colours[TOOL_COUNT] = {{LOOK_RGB(LOOK_CONE), 255}, {LOOK_RGB(LOOK_SECOND), 255}};
 static const ui_colour old_colour = {LOOK_RGB(LOOK_CONE_OLD), 255}; /* where the tool is not seen */
-static const ui_colour shade = {LOOK_RGB(LOOK_UNDER),
-                                150}; /* under lines, so that they are seen on white as on black */
-static const uint8_t fill = 64;       /* opacity of the inside */
 
-/* Pixels. */
-static const float rim = 2, needle = 3, casing = 2, dash = 6, gap = 5, tick = 5;
-static const float ball = 8, grip = 4; /* its radius, and how far beside it the mouse takes it */
-static const float end_on = 20;        /* nearer to its entry it is not drawn: it would hide what the cone points at */
+/* Opacities of the inside: up to the first hit, and behind that, and where the cone is seen along its axis, so that the
+ * colours of hits stay what they are. */
+static const double fill = 0.25, fill_over_hits = 0.08;
+
+static const float rim = 2, needle = 3, tick = 5, apex_radius = 4; /* pixels at scale 1 */
 
 static const double tick_mm = 10;
 static const double beside = 2;     /* mm: a needle so near to a cut is in it */
@@ -34,22 +32,16 @@ static bool is_needle(const struct viewer *viewer, enum tool_number number)
     return number == FIRST_TOOL && plans_is_on(viewer) && viewer->cone.options.range[1] > 0;
 }
 
-static bool shows(const struct window *window, enum tool_number number)
+bool pane_cone_shows(const struct window *window, enum tool_number number)
 {
     const struct tool *tool = &window->viewer->tools[number];
     return tool->has_pose && (number == FIRST_TOOL || tool->on);
 }
 
-/* What a cone is drawn with. */
-struct pen {
-    ui_colour colour;
-    float scale;
-};
-
-static struct pen find_pen(const struct window *window, enum tool_number number)
+struct pen pane_cone_pen(const struct window *window, enum tool_number number)
 {
     ui_colour colour = inputs_is_old(&window->inputs, window->viewer, number) ? old_colour : colours[number];
-    return (struct pen){colour, window->screen.scale};
+    return (struct pen){colour, rim, window->screen.scale};
 }
 
 static void find_shell(struct shell *out, const struct viewer *viewer, enum tool_number number, double near, double far)
@@ -188,31 +180,15 @@ static void add_wall(struct window *window, enum tool_number number, double near
     }
 }
 
-/* Finds the place of the ball: as far out as it reaches, or as the pane shows it. */
-static void place_ball(struct window *window, enum tool_number number)
+/* Finds which of the named hits the camera does not see. */
+static void find_hidden_hits(struct window *window, enum tool_number number)
 {
-    const struct ui_box *box = &window->screen.panes[PANE_3D];
-    struct cone_sight *sight = &window->pictures.cones[number];
-    const conus_pose *pose = &window->viewer->tools[number].pose;
-    float margin = (ball + rim) * window->screen.scale;
-    double seen = 0;
-    double step = sight->extent.reach;
-    sight->turned = sight->extent;
-    for (int i = 0; i < 2 * STEPS; i++) { /* the whole way at once, or by halves */
-        float at[2];
-        sight->turned.reach = seen + step;
-        extent_ball(sight->ball, &sight->turned, pose);
-        bool is_seen = window_point(at, window, sight->ball) && at[0] > box->x + margin &&
-                       at[0] < box->x + box->width - margin && at[1] > box->y + margin &&
-                       at[1] < box->y + box->height - margin;
-        seen += is_seen ? step : 0;
-        if (is_seen && i == 0) {
-            return;
-        }
-        step /= 2;
+    const conus_selection *selection = view_atlas_selection(window->viewer->drawn, number);
+    for (size_t i = 0; i < HITS_NAMED && i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        window->pictures.cones[number].hides_hit[i] =
+            result->object && result->pixels && is_hidden(window, result->contact);
     }
-    sight->turned.reach = seen;
-    extent_ball(sight->ball, &sight->turned, pose);
 }
 
 /* Finds the lines of the cone as the eye sees it: its wall up to the deepest hit, behind that dashed, or the needle of
@@ -246,15 +222,10 @@ static void find_lines(struct window *window, enum tool_number number)
     if (extent->end > extent->solid && !is_needle(viewer, number)) {
         add_wall(window, number, extent->solid, extent->end, true);
     }
-    place_ball(window, number);
+    find_hidden_hits(window, number);
+    pane_ball_place(window, number);
     add_seen(sight, window, sight->ball, extent->entry);
     sight->hides_ball = is_hidden(window, sight->ball);
-}
-
-static void draw_line(const float from[2], const float to[2], struct pen pen, float width)
-{
-    ui_draw_line(from, to, shade, (width + casing) * pen.scale);
-    ui_draw_line(from, to, pen.colour, width * pen.scale);
 }
 
 /* Draws a mark across the needle at `at`, on its way from `from`. */
@@ -264,8 +235,9 @@ static void draw_tick(const float from[2], const float at[2], struct pen pen)
     if (size > 0) {
         float half = tick * pen.scale / size;
         const float across[2] = {half * (from[1] - at[1]), half * (at[0] - from[0])};
-        draw_line((float[]){at[0] - across[0], at[1] - across[1]}, (float[]){at[0] + across[0], at[1] + across[1]}, pen,
-                  rim);
+        pen.width = rim;
+        stroke_line((float[]){at[0] - across[0], at[1] - across[1]}, (float[]){at[0] + across[0], at[1] + across[1]},
+                    pen);
     }
 }
 
@@ -276,24 +248,6 @@ static bool find_tick(double out[3], const struct window *window, enum tool_numb
     double depth = extent->near + tick_mm * index;
     on_axis(out, window, number, depth);
     return depth <= extent->end;
-}
-
-/* Draws dashes; `phase`, 0 at first, goes on where several lines are one behind the other. */
-static void draw_dashes(float *phase, const float from[2], const float to[2], struct pen pen, float width)
-{
-    float length = hypotf(to[0] - from[0], to[1] - from[1]);
-    float period = (dash + gap) * pen.scale;
-    int dashes = (int)ceilf((*phase + length) / period);
-    for (int i = 0; i < dashes; i++) {
-        float at = (float)i * period - *phase;
-        float begin = fmaxf(at, 0) / length;
-        float end = fminf(at + dash * pen.scale, length) / length;
-        if (end > begin) {
-            draw_line((float[]){from[0] + begin * (to[0] - from[0]), from[1] + begin * (to[1] - from[1])},
-                      (float[]){from[0] + end * (to[0] - from[0]), from[1] + end * (to[1] - from[1])}, pen, width);
-        }
-    }
-    *phase = fmodf(*phase + length, period);
 }
 
 static int by_place(const void *a, const void *b)
@@ -329,103 +283,59 @@ static size_t find_hull(float (*points)[2], size_t count)
     return corners;
 }
 
-/* Fills the part that nothing hides. */
-static void draw_inside(const struct window *window, enum tool_number number, struct pen pen)
+/* Fills what is seen between two depths. */
+static void draw_part(const struct window *window, enum tool_number number, double near, double far, ui_colour colour)
 {
-    const struct cone_sight *sight = &window->pictures.cones[number];
     float points[HULL][2];
     struct shell shell;
-    bool seen = sight->clear > sight->extent.near;
+    bool seen = far > near;
     if (seen) {
-        find_shell(&shell, window->viewer, number, sight->extent.near, sight->clear);
+        find_shell(&shell, window->viewer, number, near, far);
     }
     for (size_t i = 0; i < SHELL_POINTS && seen; i++) {
         seen =
             window_point(points[2 * i], window, shell.near[i]) && window_point(points[2 * i + 1], window, shell.far[i]);
     }
     if (seen) {
-        pen.colour.a = fill;
-        ui_draw_fill(points, find_hull(points, (size_t)2 * SHELL_POINTS), pen.colour);
+        ui_draw_fill(points, find_hull(points, (size_t)2 * SHELL_POINTS), colour);
     }
 }
 
-/* Whether the mouse may turn the cone: nothing else moves it. */
-static bool is_free(const struct tool *tool)
+static ui_colour filled(ui_colour colour, double opacity)
 {
-    return tool->held || tool->pointer == POINT_BY_MOUSE || tool->pointer == POINT_BY_WAND ||
-           tool->pointer >= POINT_BY_SPACEMOUSE;
+    colour.a = (uint8_t)(255 * opacity + 0.5);
+    return colour;
 }
 
-/* Where the ball is drawn; false where it is not. */
-static bool find_ball(float out[2], const struct window *window, enum tool_number number)
+/* Fills the part that nothing hides. */
+static void draw_inside(const struct window *window, enum tool_number number, ui_colour colour)
 {
     const struct cone_sight *sight = &window->pictures.cones[number];
-    float entry[2];
-    return shows(window, number) && sight->is_seen && is_free(&window->viewer->tools[number]) &&
-           window_point(out, window, sight->ball) && window_point(entry, window, sight->extent.entry) &&
-           hypotf(out[0] - entry[0], out[1] - entry[1]) > end_on * window->screen.scale;
-}
-
-enum tool_number pane_cone_at(const struct window *window, const float at[2])
-{
-    enum tool_number number = FIRST_TOOL;
-    float place[2];
-    while (number < TOOL_COUNT && !(find_ball(place, window, number) && hypotf(at[0] - place[0], at[1] - place[1]) <=
-                                                                            (ball + grip) * window->screen.scale)) {
-        number++;
-    }
-    return number;
-}
-
-static void draw_ball(struct window *window, enum tool_number number, struct pen pen)
-{
-    float at[2];
-    float scale = pen.scale;
-    if (find_ball(at, window, number)) {
-        const struct ui_mouse mouse = ui_mouse_now();
-        bool is_taken =
-            window->frame.turns_cone == number || pane_cone_at(window, (float[]){mouse.x, mouse.y}) == number;
-        ui_colour inside = pen.colour;
-        inside.a = window->pictures.cones[number].hides_ball ? fill : pen.colour.a;
-        float half = (ball + grip) * scale;
-        labels_reserve(&window->frame.labels, (struct ui_box){at[0] - half, at[1] - half, 2 * half, 2 * half});
-        ui_draw_circle(at, ball * scale, inside, 0);
-        ui_draw_circle(at, ball * scale, shade, (rim + casing) * scale);
-        ui_draw_circle(at, ball * scale, is_taken ? (ui_colour){LOOK_RGB(LOOK_WHITE), 255} : pen.colour, rim * scale);
-    }
-}
-
-static void draw_best(struct window *window, ui_colour colour)
-{
-    const struct viewer *viewer = window->viewer;
-    const conus_selection *selection = view_atlas_selection(viewer->drawn, SECOND_TOOL);
-    const conus_result *best = conus_selection_result(selection, 0);
-    float at[2];
-    if (best && best->object && best->pixels && window_point(at, window, best->contact)) {
-        ui_draw_circle(at, 4, colour, 1.5F);
-        const struct ui_box *box = &window->screen.panes[PANE_3D];
-        char title[VIEW_ATLAS_TITLE];
-        pane_name(&window->frame.labels, box, at, false, colour, (ui_colour){0}, best->object,
-                  view_atlas_title(title, viewer->drawn, best->object));
-    }
+    const double *m = window->viewer->tools[number].pose.world_from_device;
+    const double *eye = window->pictures.shown.camera.world_from_device;
+    double along = m[8] * eye[8] + m[9] * eye[9] + m[10] * eye[10]; /* 1: seen along the axis */
+    double first = fmin(fmax(sight->extent.first, sight->extent.near), sight->clear);
+    double before = fill_over_hits + (1 - along * along) * (fill - fill_over_hits);
+    draw_part(window, number, sight->extent.near, first, filled(colour, before));
+    draw_part(window, number, first, sight->clear, filled(colour, fill_over_hits));
 }
 
 /* Draws the lines of a cone; ticks on a needle. */
 static void draw_lines(const struct window *window, enum tool_number number, struct pen pen)
 {
     const struct cone_sight *sight = &window->pictures.cones[number];
-    float width = is_needle(window->viewer, number) ? needle : rim;
     float phase = 0;
     float ends[2][2];
+    pen.width = is_needle(window->viewer, number) ? needle : rim;
     for (size_t i = 0; i < sight->line_count; i++) {
         const struct cone_line *line = &sight->lines[i];
         if (!window_point(ends[0], window, line->ends[0]) || !window_point(ends[1], window, line->ends[1])) {
             continue;
         }
         if (line->dashed) {
-            draw_dashes(&phase, ends[0], ends[1], pen, width);
+            stroke_dashes(&phase, ends[0], ends[1], pen);
         } else {
-            draw_line(ends[0], ends[1], pen, width);
+            stroke_line(ends[0], ends[1], pen);
         }
     }
     double place[3];
@@ -441,22 +351,20 @@ void pane_cones(struct window *window)
 {
     tool_update_second(window->viewer); /* a panel may have changed the atlas in this frame */
     for (enum tool_number number = FIRST_TOOL; number < TOOL_COUNT; number++) {
-        struct pen pen = find_pen(window, number);
+        struct pen pen = pane_cone_pen(window, number);
         float apex[2];
-        if (!shows(window, number)) {
+        if (!pane_cone_shows(window, number)) {
             continue;
         }
         find_extent(window, number);
         find_lines(window, number);
-        draw_inside(window, number, pen);
+        draw_inside(window, number, pen.colour);
         draw_lines(window, number, pen);
         if (window_point(apex, window, window->viewer->tools[number].pose.world_from_device + 12)) {
-            ui_draw_circle(apex, 4 * pen.scale, pen.colour, 0);
+            ui_draw_circle(apex, apex_radius * pen.scale, (ui_colour){LOOK_RGB(LOOK_APEX), 255}, 0);
+            stroke_circle(apex, apex_radius, pen);
         }
-        draw_ball(window, number, pen);
-        if (number == SECOND_TOOL) {
-            draw_best(window, pen.colour);
-        }
+        pane_ball_draw(window, number);
     }
 }
 
@@ -489,18 +397,21 @@ static size_t find_section(float (*out)[2], const struct viewer *viewer, enum to
 static void draw_section(struct window *window, enum tool_number number, const struct pane_plane *plane, struct pen pen)
 {
     const struct extent *extent = &window->pictures.cones[number].extent;
+    const double first = fmin(fmax(extent->first, extent->near), extent->solid);
+    const double depths[4] = {extent->near, first, extent->solid, extent->end};
     float corners[HULL][2];
     float phase = 0;
-    ui_colour inside = pen.colour;
-    size_t count = find_section(corners, window->viewer, number, (double[]){extent->solid, extent->end}, plane);
+    for (int part = 0; part < 2; part++) {
+        size_t count = find_section(corners, window->viewer, number, depths + part, plane);
+        ui_draw_fill(corners, count, filled(pen.colour, part ? fill_over_hits : fill));
+    }
+    size_t count = find_section(corners, window->viewer, number, depths + 2, plane);
     for (size_t i = 0; i < count; i++) {
-        draw_dashes(&phase, corners[i], corners[(i + 1) % count], pen, rim);
+        stroke_dashes(&phase, corners[i], corners[(i + 1) % count], pen);
     }
     count = find_section(corners, window->viewer, number, (double[]){extent->near, extent->solid}, plane);
-    inside.a = fill;
-    ui_draw_fill(corners, count, inside);
     for (size_t i = 0; i < count; i++) {
-        draw_line(corners[i], corners[(i + 1) % count], pen, rim);
+        stroke_line(corners[i], corners[(i + 1) % count], pen);
     }
 }
 
@@ -536,9 +447,10 @@ static void draw_needle(const struct window *window, enum tool_number number, co
             between[e][c] = ends[0][c] + (float)parts[e] * (ends[1][c] - ends[0][c]);
         }
     }
-    draw_dashes(&phase, ends[0], between[0], pen, rim);
-    draw_line(between[0], between[1], pen, needle);
-    draw_dashes(&phase, between[1], ends[1], pen, rim);
+    stroke_dashes(&phase, ends[0], between[0], pen);
+    stroke_dashes(&phase, between[1], ends[1], pen);
+    pen.width = needle;
+    stroke_line(between[0], between[1], pen);
     for (int i = 1; find_tick(places[1], window, number, i); i++) {
         pane_point(ends[1], plane, places[1]);
         draw_tick(ends[0], ends[1], pen);
@@ -549,8 +461,8 @@ void pane_cones_cut(struct window *window, const struct pane_plane *plane)
 {
     tool_update_second(window->viewer); /* a panel may have changed the atlas in this frame */
     for (enum tool_number number = FIRST_TOOL; number < TOOL_COUNT; number++) {
-        struct pen pen = find_pen(window, number);
-        if (!shows(window, number)) {
+        struct pen pen = pane_cone_pen(window, number);
+        if (!pane_cone_shows(window, number)) {
             continue;
         }
         find_extent(window, number);
@@ -560,29 +472,4 @@ void pane_cones_cut(struct window *window, const struct pane_plane *plane)
             draw_section(window, number, plane, pen);
         }
     }
-}
-
-bool pane_cone_turn(struct window *window)
-{
-    const struct ui_mouse mouse = ui_mouse_now();
-    const struct hover *hover = &window->frame.hover;
-    struct viewer *viewer = window->viewer;
-    struct frame_state *frame = &window->frame;
-    if (mouse.pressed[0] && ui_surface_held()) {
-        frame->turns_cone = pane_cone_at(window, (float[]){mouse.x, mouse.y});
-        if (frame->turns_cone < TOOL_COUNT) {
-            struct tool *tool = &viewer->tools[frame->turns_cone];
-            frame->turned_about = window->pictures.cones[frame->turns_cone].turned;
-            if (tool->pointer == POINT_BY_MOUSE && !tool->held) {
-                tool_hold(viewer, frame->turns_cone);
-            }
-        }
-    } else if (!mouse.down[0]) {
-        frame->turns_cone = TOOL_COUNT;
-    }
-    bool turns = frame->turns_cone < TOOL_COUNT;
-    if (turns && (mouse.moved_x != 0 || mouse.moved_y != 0)) {
-        extent_turn(viewer, frame->turns_cone, &frame->turned_about, hover->eye, hover->direction);
-    }
-    return turns;
 }

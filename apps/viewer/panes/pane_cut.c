@@ -15,8 +15,8 @@
 
 static const ui_colour light = {LOOK_RGB(LOOK_OVER), 255};
 static const ui_colour white = {LOOK_RGB(LOOK_CHOSEN), 255};
-static const float margin = 7;    /* pixels, of letters */
-static const double pixels = 300; /* that the mouse moves for a step of 1 of appearance_move_grey() */
+static const float margin = 7;         /* pixels, of letters */
+static const double step_pixels = 300; /* that the mouse moves for a step of 1 of appearance_move_grey() */
 
 /* Lets the mouse on a cut change the context's grey values; true while it does. */
 static bool drag_grey(struct window *window, const struct ui_mouse *mouse)
@@ -30,7 +30,7 @@ static bool drag_grey(struct window *window, const struct ui_mouse *mouse)
     if (mouse->doubled_middle || (mouse->doubled && mouse->control)) {
         viewer_set_grey(viewer, 0, 0);
     } else if (mouse->moved_x != 0 || mouse->moved_y != 0) {
-        viewer_move_grey(viewer, (double)mouse->moved_x / pixels, -(double)mouse->moved_y / pixels);
+        viewer_move_grey(viewer, (double)mouse->moved_x / step_pixels, -(double)mouse->moved_y / step_pixels);
     }
     return true;
 }
@@ -58,7 +58,7 @@ static void draw_corner(const struct window *window, const struct ui_box *box, b
     }
 }
 
-static const ui_colour cross = {LOOK_RGB(LOOK_CROSS), 160};
+static const ui_colour cross = {LOOK_RGB(LOOK_CROSS), 255};
 
 static double dot(const double a[3], const double b[3])
 {
@@ -81,15 +81,18 @@ static void draw_picture(struct window *window, const struct cut *cut)
     struct cut_pane *pane = cut->pane;
     const conus_cut_view *view = &cut->plane.view;
     conus_status status = CONUS_OK;
-    bool same =
-        pane->version == viewer->version && pane->texture.width == view->width && pane->texture.height == view->height;
+    bool is_old = inputs_is_old(&window->inputs, viewer, FIRST_TOOL);
+    const unsigned version = viewer->version - viewer->moves; /* the cone is drawn over the picture */
+    bool same = pane->version == version && pane->is_old == is_old && pane->texture.width == view->width &&
+                pane->texture.height == view->height;
     for (int a = 0; a < 3; a++) {
         same = same && pane->centre[a] == view->centre[a];
     }
     if (same) {
         return;
     }
-    pane->version = viewer->version; /* what cannot be drawn is said once */
+    pane->is_old = is_old;
+    pane->version = version; /* what cannot be drawn is said once */
     memcpy(pane->centre, view->centre, sizeof pane->centre);
     if (!pane->cutter || pane->atlas_number != viewer->atlas_number) { /* it holds as long as the atlas */
         conus_cutter_destroy(pane->cutter);
@@ -101,23 +104,26 @@ static void draw_picture(struct window *window, const struct cut *cut)
         viewer_say(viewer, "%s", conus_message());
         return;
     }
-    const uint8_t *rgba = conus_cutter_rgba(pane->cutter);
-    const uint32_t *objects = conus_cutter_objects(pane->cutter);
-    size_t bytes = (size_t)4 * view->width * view->height;
-    uint8_t *outlined = NULL;
+    const uint32_t *objects = conus_cutter_shown(pane->cutter);
+    size_t pixels = (size_t)view->width * view->height;
+    uint8_t *rgba = malloc(4 * pixels);
+    if (!rgba) {
+        return;
+    }
+    memcpy(rgba, conus_cutter_rgba(pane->cutter), 4 * pixels);
+    if (is_old) {
+        answer_pale(rgba, pixels);
+    }
     for (enum outline which = 0; which < OUTLINE_COUNT; which++) {
         bool *wanted = outline_wanted(viewer, which);
         pane->top = (struct outline_top){0};
-        if (wanted && !outlined && (outlined = malloc(bytes))) {
-            memcpy(outlined, rgba, bytes);
-        }
-        if (wanted && outlined) {
-            outline_cut(outlined, &pane->top, objects, view->width, view->height, wanted, &outline_looks[which]);
+        if (wanted) {
+            outline_cut(rgba, &pane->top, objects, view->width, view->height, wanted, &outline_looks[which]);
         }
         free(wanted);
     }
-    texture_set(&pane->texture, outlined ? outlined : rgba, view->width, view->height, false);
-    free(outlined);
+    texture_set(&pane->texture, rgba, view->width, view->height, false);
+    free(rgba);
 }
 
 static void world_at(double out[3], const struct cut *cut, float x, float y)
@@ -177,21 +183,22 @@ static void draw_measured(const struct window *window, struct cut *cut)
     for (uint32_t i = 0; i < window->viewer->measure.count; i++) {
         pane_point(ends[i], &cut->plane, window->viewer->measure.points + (size_t)3 * i);
     }
-    pane_measured(window->viewer, &cut->labels, &cut->plane.box, ends);
+    pane_measured(window, &cut->labels, &cut->plane.box, ends);
 }
 
 /* Draws its arms beside the place, which they leave free. */
 static void draw_crosshair(const struct window *window, const struct cut *cut)
 {
     static const float inner = 6, outer = 20;
-    float scale = window->screen.scale;
+    const struct pen pen = {cross, 1, window->screen.scale};
     float at[2];
     pane_point(at, &cut->plane, window->viewer->crosshair);
-    for (int side = -1; side <= 1; side += 2) {
-        float from = (float)side * inner * scale;
-        float to = (float)side * outer * scale;
-        ui_draw_line((float[]){at[0] + from, at[1]}, (float[]){at[0] + to, at[1]}, cross, 1);
-        ui_draw_line((float[]){at[0], at[1] + from}, (float[]){at[0], at[1] + to}, cross, 1);
+    for (int arm = 0; arm < 4; arm++) { /* on whole pixels: between them they would be pale */
+        float ends[2][2] = {{roundf(at[0]), roundf(at[1])}, {roundf(at[0]), roundf(at[1])}};
+        float side = arm % 2 ? pen.scale : -pen.scale;
+        ends[0][arm / 2] += side * inner;
+        ends[1][arm / 2] += side * outer;
+        stroke_line(ends[0], ends[1], pen);
     }
 }
 

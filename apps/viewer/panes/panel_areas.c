@@ -168,6 +168,27 @@ static void choose_atlas(struct window *window)
     }
 }
 
+void panel_hidden(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        const struct view_atlas *view = &viewer->atlases[i];
+        const size_t count = view_atlas_hidden(view);
+        if (!count) {
+            continue;
+        }
+        ui_text_coloured(THEME_ORANGE, "%zu area%s hidden%s%s", count, count == 1 ? "" : "s",
+                         view->name[0] ? " in " : "", view->name);
+        if (view == viewer->drawn) {
+            ui_same_line();
+            if (ui_small_button("Show all", "what is hidden is not hit and blocks nothing: the answer is another one "
+                                            "with it; V, too")) {
+                window_press(window, "v");
+            }
+        }
+    }
+}
+
 /* Draws buttons for users who do not know the keys yet: in a line, or on the rail one below the other. */
 static void draw_key_buttons(struct window *window, bool in_line)
 {

@@ -292,7 +292,7 @@ static void search_area(struct window *window)
     for (size_t i = 0; i < count && i < FOUND_SHOWN; i++) {
         char title[VIEW_ATLAS_TITLE];
         ui_id(found[i]);
-        if (ui_row(view_atlas_title(title, viewer->drawn, found[i]), viewer->drawn->shown.chosen == found[i])) {
+        if (ui_row(view_atlas_title(title, viewer->drawn, found[i]), viewer->drawn->shown.chosen == found[i], 0)) {
             viewer_choose(viewer, found[i]);
         }
         ui_id_end();

@@ -43,7 +43,7 @@ static void draw_places(struct window *window)
         char plain[SYSTEM_PATH];
         snprintf(plain, sizeof plain, "%s", dialog->places[i]);
         conus_plain_text(plain);
-        bool chosen = panel_row(window, i, false, plain);
+        bool chosen = panel_row(window, i, false, plain, 0);
         panel_path(plain);
         if (chosen) {
             char text[SYSTEM_PATH + 1];
@@ -62,7 +62,7 @@ static bool draw_entry(struct window *window, size_t index)
     char plain[SYSTEM_NAME + 1];
     snprintf(plain, sizeof plain, "%s", entry->name);
     conus_plain_text(plain);
-    bool clicked = panel_row(window, index, index == dialog->marked, NULL);
+    bool clicked = panel_row(window, index, index == dialog->marked, NULL, 0);
     if (dialog->scrolls && index == dialog->marked) {
         ui_scroll_here();
         dialog->scrolls = false;
@@ -90,7 +90,7 @@ static void draw_folder(struct window *window)
     ui_text_coloured(THEME_HINT, "%s", here);
     ui_separator();
     ui_scroll("entries", 0);
-    if (ui_row("..  (the folder around it)", false)) {
+    if (ui_row("..  (the folder around it)", false, 0)) {
         dialog_leave(dialog);
     }
     for (size_t i = 0; i < dialog->folder.count && goes_on; i++) {

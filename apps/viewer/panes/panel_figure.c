@@ -4,6 +4,8 @@
 
 #include "viewer/window/figure_form.h"
 
+#include <string.h>
+
 static void choose_size(struct sheet *sheet)
 {
     static const char *const units[] = {"pixels", "mm on paper"};
@@ -44,7 +46,9 @@ static void choose_text(struct window *window)
     size_t legend = (size_t)sheet->legend;
     size_t backdrop = (size_t)window->viewer->display.backdrop;
     bool text = !sheet->no_text;
-    if (ui_choose("Background", &backdrop, backdrop_names, BACKDROP_COUNT)) {
+    const char *names[BACKDROP_COUNT] = {"light; in 3-D the theme's"}; /* figures have no theme */
+    memcpy(names + 1, backdrop_names + 1, sizeof names - sizeof names[0]);
+    if (ui_choose("Background", &backdrop, names, BACKDROP_COUNT)) {
         window->viewer->display.backdrop = (enum backdrop)backdrop;
     }
     ui_tip("of the 3-D pane, too, which shows a transparent one white");
@@ -89,6 +93,9 @@ void panel_figure(struct window *window)
     choose_size(&window->sheet);
     choose_dpi(&window->sheet);
     choose_text(window);
+    if (plans_is_on(window->viewer)) {
+        ui_text_wrapped(THEME_HINT, "without the plan's target, no-go areas and verdict: P saves the window with them");
+    }
     ui_separator();
     choose_name(window);
     ui_panel_end();

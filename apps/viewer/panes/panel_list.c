@@ -2,6 +2,7 @@
 /* The list of what the cone hits in one atlas, and the choice of its columns. */
 #include "viewer/panes/panels.h"
 
+#include "base/look.h"
 #include "viewer/model/columns.h"
 #include "viewer/ui/ui_list.h"
 
@@ -9,10 +10,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Colours are those of the pictures: an atlas that is not in them has none. */
-static ui_colour colour_of(const struct viewer *viewer, const struct view_atlas *view, uint32_t object)
+/* Colours are those of the pictures: an atlas that is not in them has none. What the second tool hits is marked there
+ * in the colour of its cone. */
+static ui_colour colour_of(const struct viewer *viewer, const struct view_atlas *view, enum tool_number tool,
+                           uint32_t object)
 {
-    return panel_colour(viewer, view == viewer->drawn ? object : 0);
+    bool is_seconds = tool == SECOND_TOOL && object && view == viewer->drawn;
+    return is_seconds ? (ui_colour){LOOK_RGB(LOOK_SECOND), 255}
+                      : panel_colour(viewer, view == viewer->drawn ? object : 0);
 }
 
 static void draw_heading(struct viewer *viewer, size_t column)
@@ -49,7 +54,8 @@ static float width_of(const struct window *window, size_t column)
     return fmaxf(ui_text_width(heading), ui_text_width(result_widest(viewer, column)));
 }
 
-static void draw_name(struct viewer *viewer, const struct view_atlas *view, const conus_result *result)
+static void draw_name(struct viewer *viewer, const struct view_atlas *view, enum tool_number tool,
+                      const conus_result *result)
 {
     char tip[256] = "";
     char title[VIEW_ATLAS_TITLE];
@@ -65,7 +71,7 @@ static void draw_name(struct viewer *viewer, const struct view_atlas *view, cons
                  viewer_place_text(place, viewer, result->contact), result->pixels);
     }
     if (view == viewer->drawn) {
-        ui_chip("colour", colour_of(viewer, view, result->object));
+        ui_chip("colour", colour_of(viewer, view, tool, result->object));
         ui_same_line();
     }
     if (ui_row_cut(view_atlas_title(title, view, result->object),
@@ -80,7 +86,7 @@ static void draw_name(struct viewer *viewer, const struct view_atlas *view, cons
     }
 }
 
-static void draw_cell(const struct viewer *viewer, const struct view_atlas *view, size_t column,
+static void draw_cell(const struct viewer *viewer, const struct view_atlas *view, enum tool_number tool, size_t column,
                       const conus_result *result)
 {
     char cell[RESULT_TEXT];
@@ -89,7 +95,7 @@ static void draw_cell(const struct viewer *viewer, const struct view_atlas *view
     char tip[RESULT_TIP + RESULT_TEXT];
     ui_cell();
     if (column == RESULT_SHARE) {
-        ui_underline(result->share, colour_of(viewer, view, result->object));
+        ui_underline(result->share, colour_of(viewer, view, tool, result->object));
     }
     const char *text = result_cell(cell, viewer, view, column, result);
     if (result_is_text(column)) {
@@ -104,9 +110,10 @@ static void draw_cell(const struct viewer *viewer, const struct view_atlas *view
     }
 }
 
-static void draw_rows(struct viewer *viewer, const struct view_atlas *view, const conus_selection *selection,
-                      const size_t *shown, size_t columns)
+static void draw_rows(struct viewer *viewer, const struct view_atlas *view, enum tool_number tool, const size_t *shown,
+                      size_t columns)
 {
+    const conus_selection *selection = view_atlas_selection(view, tool);
     size_t count = conus_selection_count(selection);
     size_t *order = result_order(viewer, view, selection);
     for (size_t i = 0; i < count; i++) {
@@ -114,9 +121,9 @@ static void draw_rows(struct viewer *viewer, const struct view_atlas *view, cons
         bool is_empty = !result->object && !result->pixels; /* no ray went past all areas */
         if (!is_empty && ui_list_row()) {
             ui_id(result->object);
-            draw_name(viewer, view, result);
+            draw_name(viewer, view, tool, result);
             for (size_t c = 1; c < columns; c++) {
-                draw_cell(viewer, view, shown[c], result);
+                draw_cell(viewer, view, tool, shown[c], result);
             }
             ui_id_end();
         }
@@ -124,8 +131,7 @@ static void draw_rows(struct viewer *viewer, const struct view_atlas *view, cons
     free(order);
 }
 
-static void draw_list(struct window *window, const struct view_atlas *view, const conus_selection *selection,
-                      float lines)
+static void draw_list(struct window *window, const struct view_atlas *view, enum tool_number tool, float lines)
 {
     size_t shown[RESULT_COLUMNS];
     float widths[RESULT_COLUMNS];
@@ -147,7 +153,7 @@ static void draw_list(struct window *window, const struct view_atlas *view, cons
         for (size_t i = 0; i < columns; i++) {
             draw_heading(viewer, shown[i]);
         }
-        draw_rows(viewer, view, selection, shown, columns);
+        draw_rows(viewer, view, tool, shown, columns);
         ui_list_end();
     }
 }
@@ -171,8 +177,7 @@ void panel_lists(struct window *window, enum tool_number tool, float lines)
                 viewer_draw(viewer, i);
             }
         }
-        draw_list(window, view, view_atlas_selection(view, tool),
-                  several ? fmaxf(lines / (float)viewer->atlas_count, 5) : lines);
+        draw_list(window, view, tool, several ? fmaxf(lines / (float)viewer->atlas_count, 5) : lines);
         ui_id_end();
     }
 }

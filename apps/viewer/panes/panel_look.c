@@ -141,17 +141,15 @@ void panel_look_area(struct viewer *viewer, uint32_t object)
         conus_atlas_object(viewer->drawn->atlas, object)->kind == CONUS_KIND_BUNDLE) {
         return; /* neither haze nor tubes have an opacity */
     }
-    ui_width(fminf(0.5F * ui_room(), 9 * ui_line()));
-    if (ui_slider("##opacity", &opacity, 0, 1, is_set ? "%.2f opaque" : "opacity", false)) {
+    bool is_known =
+        is_set || appearance->opacity[0] >= 1; /* else that of the others, which what is hit does not have */
+    if (ui_slider("Opacity", &opacity, 0, 1, is_known ? "%.2f" : "as others", false)) {
         viewer_set_opacity(viewer, object, opacity);
     }
     ui_tip("opacity in 3-D, 0 to 1, with all below it in the tree; , and . change it. It is of the picture only: what\n"
            "is not hidden is hit");
-    if (is_set) {
-        ui_same_line();
-        if (ui_small_button("As others", NULL)) {
-            viewer_set_opacity(viewer, object, NAN);
-        }
+    if (is_set && ui_small_button("As others", NULL)) {
+        viewer_set_opacity(viewer, object, NAN);
     }
 }
 

@@ -92,10 +92,10 @@ void panel_number(const char *format, double value)
     ui_text_right(text);
 }
 
-bool panel_row(const struct window *window, size_t index, bool marked, const char *tip)
+bool panel_row(const struct window *window, size_t index, bool marked, const char *tip, float height)
 {
     ui_id((uint32_t)index);
-    bool chosen = ui_row("##row", marked);
+    bool chosen = ui_row("##row", marked, height);
     ui_id_end();
     if (tip) {
         ui_tip(tip);

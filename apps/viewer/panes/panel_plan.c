@@ -22,6 +22,7 @@ static const struct {
 static void draw_row(struct viewer *viewer, const struct plan_row *row, size_t index, size_t shown, bool is_here)
 {
     char place[VIEWER_PLACE_TEXT];
+    char number[PLAN_NUMBER];
     char title[PLAN_ID + 32];
     char tip[PLAN_ID + VIEWER_PLACE_TEXT + 64];
     const double *m = row->pose.world_from_device;
@@ -36,7 +37,7 @@ static void draw_row(struct viewer *viewer, const struct plan_row *row, size_t i
     for (size_t i = 1; i < shown; i++) {
         ui_cell();
         if (i < COLUMNS - 1) {
-            panel_number("%.2f", i == 1 ? row->leeway : row->clearance);
+            ui_text_right(plans_number(number, i == 1 ? row->leeway : row->clearance));
         } else {
             ui_name_cut(row->nearest, ui_room());
         }

@@ -4,50 +4,17 @@
 #include "viewer/panes/panels.h"
 
 #include "viewer/model/columns.h"
+#include "viewer/model/headline.h"
 #include "viewer/ui/ui_list.h"
 
 #include <math.h>
 #include <stdio.h>
 
-/* Says what is hit best, as a sentence of two lines, which are there without a hit, too: nothing moves then. */
-static void draw_answer(const struct window *window)
+/* Two lines, which are there without a hit, too: nothing moves then. */
+static void draw_answer(const struct headline *headline)
 {
-    const struct view_atlas *view = window->viewer->drawn;
-    const conus_selection *selection = viewer_selection(window->viewer);
-    const conus_result *best = conus_selection_count(selection) ? conus_selection_result(selection, 0) : NULL;
-    char title[VIEW_ATLAS_TITLE];
-    char share[32];
-    char text[128];
-    char reaches[PLAN_LINE];
-    char clears[PLAN_LINE];
-    if (plans_answer(reaches, clears, window->viewer)) {
-        ui_heading(reaches[0] ? reaches : clears);
-        ui_text_wrapped(THEME_HINT, reaches[0] && clears[0] ? clears : " ");
-        return;
-    }
-    if (!best || !best->object) {
-        ui_heading(best ? "Nothing is hit" : "No answer yet");
-        ui_text_wrapped(THEME_HINT, best ? "no area lies in the cone" : " ");
-        return;
-    }
-    const char side = view->sides[best->object];
-    const double percent = 100 * best->share;
-    snprintf(share, sizeof share, percent < 1 ? "%.1f %% of the cone" : "%.0f %% of the cone", percent);
-    ui_heading(view_atlas_title(title, view, best->object));
-    const double distance = best->pixels ? best->distance : best->entry;
-    char begins[64] = ""; /* nothing where no ray goes through it */
-    if (isfinite(distance)) {
-        snprintf(begins, sizeof begins, " \u00b7 %.1f mm from the start", distance);
-    }
-    snprintf(text, sizeof text, "%s%s%s",
-             window->viewer->cone.one_ray ? "on the axis"
-             : best->pixels               ? share
-                                          : "behind others",
-             begins,
-             side == 'L'   ? " \u00b7 left"
-             : side == 'R' ? " \u00b7 right"
-                           : "");
-    ui_text_wrapped(THEME_HINT, text);
+    ui_heading(headline->what);
+    ui_text_wrapped(THEME_HINT, headline->more);
 }
 
 static void draw_pins(struct window *window)
@@ -111,31 +78,29 @@ static void draw_ways_out(struct window *window)
 
 /* Draws the main button, which says what it keeps where the large letters say something else: the first hit of a
  * planned needle. */
-static void draw_keep(struct window *window, bool is_old)
+static void draw_keep(struct window *window, const struct headline *headline, bool is_old)
 {
     struct viewer *viewer = window->viewer;
     const conus_selection *selection = viewer_selection(viewer);
     const conus_result *best = conus_selection_count(selection) ? conus_selection_result(selection, 0) : NULL;
     char title[VIEW_ATLAS_TITLE];
     char label[VIEW_ATLAS_TITLE + 16] = "Keep answer";
-    char unused[PLAN_LINE];
-    bool has_answer = best && best->object;
-    if (has_answer && plans_answer(unused, unused, viewer)) {
+    bool can = best && best->object && !is_old;
+    bool (*button)(const char *label, const char *tip) = can ? ui_main_button : ui_button; /* without one it is grey */
+    if (best && best->object && headline->is_of_plan) {
         snprintf(label, sizeof label, "Keep %s", view_atlas_title(title, viewer->drawn, best->object));
     }
-    ui_disable(!has_answer || is_old);
-    bool pressed =
-        ui_main_button(label, "confirms the first hit: pins it in a list; or Enter, or a double click on the "
-                              "brain");
+    ui_disable(!can);
+    bool pressed = button(label, "confirms the first hit: pins it in a list; or Enter, or a double click on the brain");
     ui_disable_end();
     if (pressed) {
         inputs_confirm(&window->inputs, viewer, FIRST_TOOL);
     }
 }
 
-static void draw_buttons(struct window *window, bool is_old)
+static void draw_buttons(struct window *window, const struct headline *headline, bool is_old)
 {
-    draw_keep(window, is_old);
+    draw_keep(window, headline, is_old);
     ui_flow("Save\u2026");
     draw_ways_out(window);
     ui_flow("Figure\u2026");
@@ -146,9 +111,10 @@ static void draw_buttons(struct window *window, bool is_old)
 static void draw_title(struct window *window)
 {
     float start = ui_room() - ui_button_width("Columns") - ui_button_width("\u00bb");
-    ui_text_coloured(THEME_HINT, "%s",
-                     window->viewer->cone.options.layers == CONUS_LAYERS_ALL ? "What lies in the cone"
-                                                                             : "What the cone reaches first");
+    bool all = window->viewer->cone.options.layers == CONUS_LAYERS_ALL && !window->viewer->cone.one_ray;
+    char title[64];
+    snprintf(title, sizeof title, "%s of the %s", all ? "All depths" : "First hits", viewer_shape(window->viewer));
+    ui_text_coloured(THEME_HINT, "%s", title);
     ui_same_line_at(start + (LOOK_PADDING_X + LOOK_GAP_X) * window->screen.scale);
     panel_columns(window);
     ui_same_line();
@@ -163,11 +129,13 @@ void panel_results(struct window *window)
     const double *range = viewer->cone.options.range;
     char depths[80];
     struct notice notice;
+    struct headline headline;
     if (window->screen.folded[1]) {
         panel_rail(window, 1);
         return;
     }
     inputs_notice(&notice, &window->inputs, viewer, FIRST_TOOL);
+    headline_find(&headline, viewer);
     ui_panel("Hits of the cone", window->screen.right, UI_UNTITLED);
     draw_title(window);
     if (notice.is_old) {
@@ -185,8 +153,9 @@ void panel_results(struct window *window)
     if (viewer->cone.level[0]) {
         ui_text_coloured(THEME_ACCENT, "level: %s", viewer->cone.level);
     }
+    panel_hidden(window);
     ui_dim(notice.is_old ? theme_pale : 1);
-    draw_answer(window);
+    draw_answer(&headline);
     panel_plan(window);
     bool two = viewer->tools[SECOND_TOOL].on; /* then its list stands below the first one's */
     bool shares_room = two || viewer->study.settings.kind || plans_is_on(viewer);
@@ -196,7 +165,7 @@ void panel_results(struct window *window)
                                           : fmaxf(fminf(14, 0.4F * room), room - 30);
     panel_lists(window, FIRST_TOOL, lines);
     ui_dim_end();
-    draw_buttons(window, notice.is_old);
+    draw_buttons(window, &headline, notice.is_old);
     if (viewer->pin_count) {
         draw_pins(window);
     }

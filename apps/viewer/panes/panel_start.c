@@ -4,10 +4,13 @@
 #include "options/output.h"
 #include "viewer/panes/panels.h"
 #include "viewer/ui/ui_list.h"
+#include "viewer/window/thumbnail.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+enum { ABOUT = 512 };
 
 static const float number_width = 26;
 static const float least_wide = 700, gap = 24; /* from here on the lists stand side by side, so far apart */
@@ -45,39 +48,97 @@ static void draw_field(struct window *window)
     }
 }
 
-/* Shows its name; the folder, too, where another one has that name. */
-static void show_name(const struct start *start, size_t index)
+/** A row of a list. */
+struct offer {
+    size_t id;
+    const char *key; /**< That opens it; NULL = none. */
+    const char *name, *tip;
+    struct known_atlas known;
+    bool is_picked;
+};
+
+/* Draws it with a picture, and what is said about it below its name; returns whether it was clicked. */
+static bool draw_offer(const struct window *window, const struct offer *offer, const char *about)
 {
-    char words[SYSTEM_PATH];
-    const char *name = start_words(words, start, index);
-    const char *about = installed_about(name);
-    bool is_alone = true;
-    for (size_t i = 0; start_path(start, i); i++) {
-        is_alone = is_alone &&
-                   (i == index || strcmp(path_name(start_path(start, i)), path_name(start_path(start, index))) != 0);
+    const float scale = window->screen.scale;
+    const float high = ceilf(2 * ui_line());
+    bool clicked = panel_row(window, offer->id, offer->is_picked, offer->tip, high);
+    if (offer->key) {
+        ui_text_coloured(THEME_ACCENT, "%s", offer->key);
+        ui_same_line_at(number_width * scale);
     }
-    if (!is_alone) {
-        panel_path(words);
-        return;
-    }
-    ui_text("%s", name);
-    if (about) {
-        ui_same_line();
-        ui_text_coloured(THEME_HINT, "%s", about);
+    ui_picture(offer->known.picture.name, high / THUMBNAIL_HEIGHT * THUMBNAIL_WIDTH, high);
+    ui_same_line();
+    ui_group();
+    ui_name_cut(offer->name, ui_room());
+    ui_tint(THEME_HINT);
+    ui_text_cut(about, ui_room());
+    ui_tint_end();
+    ui_group_end();
+    return clicked;
+}
+
+/* ", 1 mm", ", 1 x 1 x 2 mm"; "" of surfaces. */
+static void write_spacing(char out[64], const double mm[3])
+{
+    bool is_cube = fabs(mm[1] - mm[0]) < 1e-4 && fabs(mm[2] - mm[0]) < 1e-4;
+    out[0] = '\0';
+    if (mm[0] > 0 && is_cube) {
+        snprintf(out, 64, ", %.4g mm", mm[0]);
+    } else if (mm[0] > 0) {
+        snprintf(out, 64, ", %.4g x %.4g x %.4g mm", mm[0], mm[1], mm[2]);
     }
 }
 
-/* Draws a line with its number, which is a key; its path is in the tip. */
+/* "Automated Anatomical Labeling, human, 116 areas, 1 mm, mricron": as much of it as is known. */
+static void write_about(char out[ABOUT], const char *name, const conus_installed *atlas, uint32_t areas)
+{
+    const char *about = installed_about(name);
+    char count[32] = "";
+    char spacing[64] = "";
+    if (areas) {
+        snprintf(count, sizeof count, ", %u area%s", areas, areas == 1 ? "" : "s");
+    }
+    if (atlas) {
+        write_spacing(spacing, atlas->spacing);
+    }
+    int used = snprintf(out, ABOUT, "%s%s%s%s%s",
+                        about   ? about
+                        : atlas ? atlas->kind
+                                : "",
+                        count, spacing, atlas ? ", " : "", atlas ? atlas->source : "");
+    if (out[0] == ',') { /* nothing stands before it */
+        memmove(out, out + 2, (size_t)used - 1);
+    }
+}
+
+/* Whether no other path of the lists has its name. */
+static bool is_alone(const struct start *start, size_t index)
+{
+    bool is = true;
+    for (size_t i = 0; start_path(start, i); i++) {
+        is = is && (i == index || strcmp(path_name(start_path(start, i)), path_name(start_path(start, index))) != 0);
+    }
+    return is;
+}
+
+/* Draws a line with its number, which is a key; its path is in the tip, and below its name where another has that. */
 static void draw_entry(struct window *window, size_t index)
 {
+    struct start *start = &window->start;
     char words[SYSTEM_PATH];
-    start_words(words, &window->start, index);
-    bool chosen = panel_row(window, index, false, words);
-    ui_text_coloured(THEME_ACCENT, "%zu", index + 1);
-    ui_same_line_at(number_width * window->screen.scale);
-    show_name(&window->start, index);
-    if (chosen) {
-        window_request_file(window, start_path(&window->start, index));
+    char about[ABOUT];
+    const char key[2] = {(char)('1' + index), '\0'};
+    const char *name = start_words(words, start, index);
+    const struct offer offer = {
+        .id = index, .key = key, .name = name, .tip = words, .known = start_known(start, index, false)};
+    if (is_alone(start, index)) {
+        write_about(about, name, start_installed(start, start_path(start, index)), offer.known.areas);
+    } else {
+        snprintf(about, sizeof about, "%.*s", (int)(name - words), words);
+    }
+    if (draw_offer(window, &offer, about)) {
+        window_request_file(window, start_path(start, index));
     }
 }
 
@@ -101,15 +162,13 @@ static void draw_list(struct window *window, const char *title, size_t first, si
 
 static void draw_phantom(struct window *window)
 {
+    static const struct offer phantom = {.id = RECENT_LIMIT + 1,
+                                         .key = "S",
+                                         .name = "brain phantom",
+                                         .tip =
+                                             "eleven areas, a pathway and a context, made by conus; not a real brain"};
     draw_list_title("To begin with");
-    bool chosen = panel_row(window, RECENT_LIMIT + 1, false,
-                            "eleven areas, a pathway and a context, made by conus; not a real brain");
-    ui_text_coloured(THEME_ACCENT, "S");
-    ui_same_line_at(number_width * window->screen.scale);
-    ui_text("brain phantom");
-    ui_same_line();
-    ui_text_coloured(THEME_HINT, "made by conus, to try it");
-    if (chosen) {
+    if (draw_offer(window, &phantom, "made by conus, to try it")) {
         window_request_sample(window);
     }
 }
@@ -125,39 +184,23 @@ static void draw_known(struct window *window)
     }
 }
 
-/* "1 mm", "1 x 1 x 2 mm"; "" of surfaces. */
-static void write_spacing(char out[64], const double mm[3])
-{
-    bool is_cube = fabs(mm[1] - mm[0]) < 1e-4 && fabs(mm[2] - mm[0]) < 1e-4;
-    out[0] = '\0';
-    if (mm[0] > 0 && is_cube) {
-        snprintf(out, 64, ", %.4g mm", mm[0]);
-    } else if (mm[0] > 0) {
-        snprintf(out, 64, ", %.4g x %.4g x %.4g mm", mm[0], mm[1], mm[2]);
-    }
-}
-
 static void draw_installed(struct window *window, size_t index, bool picked)
 {
-    const conus_installed *atlas = conus_catalogue_atlas(window->start.catalogue, index);
+    struct start *start = &window->start;
+    const conus_installed *atlas = conus_catalogue_atlas(start->catalogue, index);
     char words[SYSTEM_PATH];
-    char spacing[64];
-    const char *about = installed_about(atlas->name);
-    write_spacing(spacing, atlas->spacing);
+    char about[ABOUT];
+    const struct offer offer = {
+        .id = index, .name = atlas->name, .tip = words, .known = start_known(start, index, true), .is_picked = picked};
     snprintf(words, sizeof words, "%s", atlas->path);
     conus_plain_text(words);
-    bool chosen = panel_row(window, index, picked, words);
-    if (picked && window->start.scrolls) {
+    write_about(about, atlas->name, atlas, offer.known.areas);
+    bool chosen = draw_offer(window, &offer, about);
+    if (picked && start->scrolls) {
         ui_scroll_here();
-        window->start.scrolls = false;
+        start->scrolls = false;
     }
-    ui_text("%s", atlas->name);
-    ui_same_line();
-    snprintf(words, sizeof words, "%s%s, %s", about ? about : atlas->kind, spacing, atlas->source);
-    ui_tint(THEME_HINT);
-    ui_text_cut(words, ui_room());
-    ui_tint_end();
-    if (chosen && installed_words(words, window->start.catalogue, atlas)) {
+    if (chosen && installed_words(words, start->catalogue, atlas)) {
         window_request_file(window, words);
     }
 }
@@ -166,22 +209,20 @@ static void draw_installed(struct window *window, size_t index, bool picked)
 static void draw_catalogue(struct window *window, float height)
 {
     struct start *start = &window->start;
-    const char *words = start_words_typed(start);
     size_t picked = start_picked(start);
     size_t fitting = 0;
     draw_list_title("Installed on this computer");
     ui_scroll("installed", fmaxf(height - 1.5F * ui_line(), 0));
     for (size_t i = 0; i < conus_catalogue_count(start->catalogue); i++) {
-        bool is_named = i == picked; /* as "mricron:aal" */
-        bool fits = installed_fits(conus_catalogue_atlas(start->catalogue, i), words);
-        if (fits && (is_named || !installed_is_twin(start->catalogue, i))) {
+        if (start_lists(start, i)) {
             draw_installed(window, i, i == picked);
             fitting++;
         }
     }
     if (!fitting) {
         ui_text_wrapped(THEME_HINT, conus_catalogue_count(start->catalogue)
-                                        ? "No installed atlas has such a name."
+                                        ? (start_words_typed(start)[0] ? "No installed atlas has such a name."
+                                                                       : "All are listed already.")
                                         : "None was found. \"conus atlases\" lists where conus looks.");
     }
     ui_scroll_end();
@@ -208,7 +249,7 @@ static void draw_lists(struct window *window, float height)
 static void draw_keys(const struct window *window)
 {
     if (start_path(&window->start, 0)) {
-        panel_key(window, "1, 2 ...", "open what has this number");
+        panel_key(window, "1, 2 \u2026", "open what has this number");
     }
     panel_key(window, "A-Z, Tab", "search or type a path; the arrow keys choose, Enter opens");
     panel_key(window, "Ctrl+O", "choose a file");

@@ -11,10 +11,6 @@
 
 enum { PLOT_HEIGHT = 120, LINES = 6, TIP_ROWS = 10, SAMPLE_CHOICES = 17 };
 
-static const ui_colour ground = {LOOK_RGB(LOOK_PLOT), 255};
-static const ui_colour grid = {LOOK_RGB(LOOK_WHITE), 40};
-static const ui_colour nothing = {LOOK_RGB(LOOK_PLOT_NOTHING), 255};
-
 void panel_study_kind(struct viewer *viewer)
 {
     static const char *const kinds[STUDY_COUNT] = {"none", "sweep of the angle", "jitter of the pose"};
@@ -49,13 +45,31 @@ static void choose_errors(struct viewer *viewer)
     }
 }
 
-/* Curves are of more than the cone hits as it is now: these have the atlas's colours, so that they differ. */
-static ui_colour colour_of(const struct viewer *viewer, uint32_t object)
+/* The place of an area among colours: that in the answer, or behind all of these, in the order of the study. */
+static size_t rank_of(const struct viewer *viewer, const struct study_table *table, uint32_t object)
 {
-    const conus_object *info = conus_atlas_object(viewer->drawn->atlas, object);
-    return !info                         ? nothing
-           : viewer_rank(viewer, object) ? panel_colour(viewer, object)
-                                         : (ui_colour){info->rgb[0], info->rgb[1], info->rgb[2], 255};
+    size_t rank = viewer_rank(viewer, object);
+    bool is_found = rank;
+    for (size_t i = 0; i < conus_selection_count(viewer_selection(viewer)) && !is_found; i++) {
+        rank += conus_selection_result(viewer_selection(viewer), i)->object > 0;
+    }
+    for (size_t i = 0; i < table->curve_count + table->chance_count && !is_found; i++) {
+        uint32_t other = table->curve_count ? table->curves[i].object : table->chances[i].object;
+        rank += other && !viewer_rank(viewer, other);
+        is_found = other == object;
+    }
+    return rank;
+}
+
+/* Curves are of more than the cone hits as it is now. */
+static ui_colour colour_of(const struct viewer *viewer, const struct study_table *table, uint32_t object)
+{
+    uint8_t rgb[3];
+    if (!object) {
+        return theme_texts[THEME_HINT];
+    }
+    viewer_rank_colour(rgb, viewer, object, rank_of(viewer, table, object));
+    return (ui_colour){rgb[0], rgb[1], rgb[2], 255};
 }
 
 static const char *name_of(const struct viewer *viewer, uint32_t object)
@@ -107,14 +121,14 @@ static void draw_numbers(const struct study_answer *answer, struct ui_box box)
     snprintf(low, sizeof low, "%.4g\u00b0", answer->angles[0]);
     snprintf(high, sizeof high, "%.4g\u00b0", answer->angles[answer->angle_count - 1]);
     float below = box.y + box.height + 3;
-    ui_draw_text((float[]){box.x - ui_text_width("100 %") - 7, box.y - ui_line() / 2}, theme_shaded[THEME_HINT],
-                 "100 %");
-    ui_draw_text((float[]){box.x - ui_text_width("0 %") - 7, box.y + box.height - ui_line() / 2},
-                 theme_shaded[THEME_HINT], "0 %");
-    ui_draw_text((float[]){box.x, below}, theme_shaded[THEME_HINT], low);
-    ui_draw_text((float[]){box.x + box.width / 2 - ui_text_width("full opening") / 2, below}, theme_shaded[THEME_HINT],
-                 "full opening");
-    ui_draw_text((float[]){box.x + box.width - ui_text_width(high), below}, theme_shaded[THEME_HINT], high);
+    ui_draw_label((float[]){box.x - ui_text_width("100 %") - 7, box.y - ui_line() / 2}, theme_texts[THEME_HINT],
+                  "100 %");
+    ui_draw_label((float[]){box.x - ui_text_width("0 %") - 7, box.y + box.height - ui_line() / 2},
+                  theme_texts[THEME_HINT], "0 %");
+    ui_draw_label((float[]){box.x, below}, theme_texts[THEME_HINT], low);
+    ui_draw_label((float[]){box.x + box.width / 2 - ui_text_width("full opening") / 2, below}, theme_texts[THEME_HINT],
+                  "full opening");
+    ui_draw_label((float[]){box.x + box.width - ui_text_width(high), below}, theme_texts[THEME_HINT], high);
 }
 
 /* Lists the areas at an angle, in the order of the list below. */
@@ -152,17 +166,17 @@ static size_t draw_plot(const struct window *window, const struct study_answer *
     if (hovered) {
         tip_of_angle(viewer, answer, table, angle);
     }
-    ui_draw_box(box, ground, 0);
+    ui_draw_box(box, theme_surfaces[THEME_POPUP], 0);
     for (int quarter = 0; quarter <= 4; quarter++) {
         float y = box.y + box.height * (float)quarter / 4;
-        ui_draw_line((float[]){box.x, y}, (float[]){box.x + box.width, y}, grid, 1);
+        ui_draw_line((float[]){box.x, y}, (float[]){box.x + box.width, y}, theme_line(), 1);
     }
     float x = box.x + box.width * across(answer, angle);
-    ui_draw_line((float[]){x, box.y}, (float[]){x, box.y + box.height}, theme_shaded[THEME_HINT], 1);
+    ui_draw_line((float[]){x, box.y}, (float[]){x, box.y + box.height}, theme_texts[THEME_HINT], 1);
     for (size_t i = table->curve_count; i > 0; i--) { /* the largest in front */
         const struct study_curve *curve = &table->curves[i - 1];
         bool chosen = curve->object && curve->object == viewer->drawn->shown.chosen;
-        ui_colour colour = colour_of(viewer, curve->object);
+        ui_colour colour = colour_of(viewer, table, curve->object);
         colour.a = is_old ? 80 : 255;
         float width = chosen ? 3.5F : 1.5F; /* and a light edge, since areas may be as dark as the ground */
         draw_line(answer, curve, box, (ui_colour){LOOK_RGB(LOOK_WHITE), (uint8_t)(colour.a / 2)}, width + 1.5F);
@@ -172,10 +186,10 @@ static size_t draw_plot(const struct window *window, const struct study_answer *
     return angle;
 }
 
-static void draw_name(struct viewer *viewer, uint32_t object, const char *tip)
+static void draw_name(struct viewer *viewer, const struct study_table *table, uint32_t object, const char *tip)
 {
     ui_cell();
-    ui_chip("colour", colour_of(viewer, object));
+    ui_chip("colour", colour_of(viewer, table, object));
     ui_same_line();
     if (!object) {
         ui_name_cut("(nothing hit)", ui_room());
@@ -199,9 +213,9 @@ static void draw_shares(struct window *window, const struct study_answer *answer
         for (size_t i = 0; i < table->curve_count; i++) {
             const struct study_curve *curve = &table->curves[i];
             ui_id(curve->object);
-            draw_name(viewer, curve->object, "click: choose it");
+            draw_name(viewer, table, curve->object, "click: choose it");
             ui_cell();
-            ui_underline(curve->shares[angle], colour_of(viewer, curve->object));
+            ui_underline(curve->shares[angle], colour_of(viewer, table, curve->object));
             panel_number("%.2f %%", 100 * curve->shares[angle]);
             if (shown == 3) {
                 ui_cell();
@@ -240,9 +254,9 @@ static void draw_chances(struct window *window, const struct study_table *table)
             char tip[CHANCE_TIP];
             tip_of_chance(tip, chance);
             ui_id(chance->object);
-            draw_name(viewer, chance->object, tip);
+            draw_name(viewer, table, chance->object, tip);
             ui_cell();
-            ui_underline(chance->hit, colour_of(viewer, chance->object));
+            ui_underline(chance->hit, colour_of(viewer, table, chance->object));
             panel_number("%.2f", 100 * chance->hit);
             for (size_t c = 2; c < shown; c++) {
                 ui_cell();

@@ -10,6 +10,8 @@ void panel_start(struct window *window);  /**< In place of all others. */
 void panel_dialog(struct window *window); /**< Likewise. */
 void panel_ask(struct window *window);    /**< Before all others: how files open that the user is asked about. */
 void panel_areas(struct window *window);
+/** How many areas are hidden, while some are, for the answer is without them. */
+void panel_hidden(struct window *window);
 /** A folded panel, left (0) or right (1). */
 void panel_rail(struct window *window, size_t side);
 /** Lists of the hits of a tool, one for each atlas, in the order in which they were given, so many lines high together.
@@ -56,8 +58,8 @@ enum { PANEL_NAME = 118 /**< Pixels at scale 1: most names of human atlases. */ 
 /** The widths of a table, the first of which is that of names; they hold in the first frame already. */
 void panel_widths(float *out, const struct window *window, const char *const *headings, const char *const *widest,
                   size_t count);
-/** A row of a page that can be clicked, and what follows stands in it. @p tip: NULL = none. */
-bool panel_row(const struct window *window, size_t index, bool marked, const char *tip);
+/** A row of a page that can be clicked, and what follows stands in it. @p tip: NULL = none; height 0: a line's. */
+bool panel_row(const struct window *window, size_t index, bool marked, const char *tip, float height);
 /** The name of a plain path, and paler its folder. */
 void panel_path(const char *path);
 /** Begins a page in the middle of the window, and returns its width. */

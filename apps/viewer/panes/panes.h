@@ -3,6 +3,7 @@
 #ifndef CONUS_VIEWER_PANES_PANES_H
 #define CONUS_VIEWER_PANES_PANES_H
 
+#include "viewer/panes/strokes.h"
 #include "viewer/window/window.h"
 
 void pane_cut(struct window *window, enum plane plane);
@@ -13,12 +14,20 @@ void pane_3d(struct window *window);
 void pane_chosen(struct window *window);
 void pane_chosen_names(struct window *window); /**< And their names. */
 enum { PANE_NAME = 512 /**< Bytes of a name in a pane, in which it ends with "..." where it is too long. */ };
-/** A name in a pane where it lies on no other, with a line from there to it: beside the place, or above it. The chip
- * (opacity 0 = none) before it has the colour of its area, on which the name need not lie. */
-void pane_name(struct labels *labels, const struct ui_box *box, const float at[2], bool above, ui_colour colour,
-               ui_colour chip, uint32_t object, const char *name);
+/** A name in a pane. */
+struct pane_name {
+    const char *name;
+    uint32_t object; /**< Whose name it is; 0 = of none. */
+    ui_colour colour;
+    ui_colour chip; /**< The colour of its area, before it, since it need not lie on that; opacity 0 = none. */
+    bool above;     /**< Above the place, not beside it. */
+    bool is_hidden; /**< The camera does not see the place: the line is dashed, and the name pale. */
+    float scale;    /**< The window's. */
+};
+/** Draws it where it lies on no other, with a line from there to the place. */
+void pane_name(struct labels *labels, const struct ui_box *box, const float at[2], const struct pane_name *what);
 /** The line between the two places that are measured, at these pixels, with its length. */
-void pane_measured(const struct viewer *viewer, struct labels *labels, const struct ui_box *box, float ends[2][2]);
+void pane_measured(const struct window *window, struct labels *labels, const struct ui_box *box, float ends[2][2]);
 /** A flat pane: where it is, and where it looks. */
 struct pane_plane {
     struct ui_box box;
@@ -29,6 +38,12 @@ void pane_point(float out[2], const struct pane_plane *plane, const double world
 /** The cones of both tools, over a cut and over the 3-D pane. */
 void pane_cones_cut(struct window *window, const struct pane_plane *plane);
 void pane_cones(struct window *window);
+/** Whether a tool has a cone that is drawn, and with what. */
+bool pane_cone_shows(const struct window *window, enum tool_number number);
+struct pen pane_cone_pen(const struct window *window, enum tool_number number);
+/** Finds the place of a tool's ball: as far out as it reaches, or as the pane shows it. */
+void pane_ball_place(struct window *window, enum tool_number number);
+void pane_ball_draw(struct window *window, enum tool_number number);
 /** The tool whose ball is at this pixel of the 3-D pane; TOOL_COUNT = none. */
 enum tool_number pane_cone_at(const struct window *window, const float at[2]);
 /** Lets the mouse, which is on the 3-D pane's surface, turn the cone whose ball it took. Returns whether it has one. */

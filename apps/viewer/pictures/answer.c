@@ -40,3 +40,14 @@ const conus_selection *answer_selection(const struct answer *answer)
 {
     return answer ? answer->selection : NULL;
 }
+
+void answer_pale(uint8_t *rgba, size_t count)
+{
+    enum { KEPT = 3, OF = 10 }; /* of the colour */
+    for (uint8_t *pixel = rgba; pixel < rgba + 4 * count; pixel += 4) {
+        int grey = (3 * pixel[0] + 6 * pixel[1] + pixel[2]) / 10;
+        for (int c = 0; c < 3; c++) {
+            pixel[c] = (uint8_t)(grey + (pixel[c] - grey) * KEPT / OF);
+        }
+    }
+}

@@ -65,7 +65,7 @@ struct painter {
 bool painting_shows_same(const struct painting *a, const struct painting *b)
 {
     return a->width == b->width && a->height == b->height && a->fade == b->fade && a->own_colours == b->own_colours &&
-           a->backdrop == b->backdrop && a->is_dark == b->is_dark && a->chosen == b->chosen &&
+           a->is_old == b->is_old && a->backdrop == b->backdrop && a->is_dark == b->is_dark && a->chosen == b->chosen &&
            a->answer_number == b->answer_number && a->scene_number == b->scene_number && eye_is_same(&a->eye, &b->eye);
 }
 
@@ -168,6 +168,9 @@ static enum stage paint(struct painter *painter, conus_renderer *renderer, const
     bool is_full = view.width == what->width && view.height == what->height;
     if (picture.rgba && !is_full) { /* the window enlarges it */
         edges_smooth(picture.rgba, view.width, view.height);
+    }
+    if (picture.rgba && what->is_old) {
+        answer_pale(picture.rgba, (size_t)view.width * view.height);
     }
     picture.what.answer = NULL;
     picture.milliseconds = clock_ms() - begun;

@@ -22,6 +22,7 @@ struct painting {
     bool own_colours;       /**< As of conus_view. */
     uint32_t chosen;        /**< Object that is never pale; 0 = none. */
     struct answer *answer;  /**< What it hits stands out; its cone is not drawn. NULL = none. */
+    bool is_old;            /**< The answer: what it hits is pale. */
     unsigned answer_number; /**< Two paintings of the same number have the same answer. */
     unsigned scene_number;  /**< Changes with hidden objects, the transfer function, opacities and the atlas. */
     bool moving;            /**< Another one will follow soon: be quick. */

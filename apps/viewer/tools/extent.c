@@ -26,26 +26,32 @@ static double between(double out[3], const double from[3], const double to[3])
     return sqrt(dot(out, out));
 }
 
-/* The depth along the axis of the first hit that is farthest from the apex; negative without one. */
-static double deepest_hit(const conus_selection *selection, const double apex[3], const double axis[3])
+static double depth_of(const conus_selection *selection, size_t pixel, const double apex[3], const double axis[3])
+{
+    double at[3];
+    double offset[3];
+    conus_selection_position(at, selection, pixel);
+    between(offset, apex, at);
+    return fmax(dot(offset, axis), 0);
+}
+
+/* The depths along the axis of the first hits that are nearest to the apex and farthest from it; negative without one.
+ */
+static void find_hits(double out[2], const conus_selection *selection, const double apex[3], const double axis[3])
 {
     conus_evidence evidence = conus_selection_evidence(selection);
     size_t pixels = (size_t)evidence.resolution * evidence.resolution;
-    size_t deepest = pixels;
-    double at[3];
-    double offset[3];
+    size_t ends[2] = {pixels, pixels};
     for (size_t p = 0; p < pixels; p++) {
-        if (evidence.in_cone[p] && evidence.object[p] &&
-            (deepest == pixels || evidence.distance[p] > evidence.distance[deepest])) {
-            deepest = p;
+        if (evidence.in_cone[p] && evidence.object[p]) {
+            bool is_first = ends[0] == pixels;
+            ends[0] = is_first || evidence.distance[p] < evidence.distance[ends[0]] ? p : ends[0];
+            ends[1] = is_first || evidence.distance[p] > evidence.distance[ends[1]] ? p : ends[1];
         }
     }
-    if (deepest == pixels) {
-        return -1;
+    for (int e = 0; e < 2; e++) {
+        out[e] = ends[e] < pixels ? depth_of(selection, ends[e], apex, axis) : -1;
     }
-    conus_selection_position(at, selection, deepest);
-    between(offset, apex, at);
-    return fmax(dot(offset, axis), 0);
 }
 
 void extent_find(struct extent *out, struct viewer *viewer, enum tool_number number)
@@ -70,7 +76,12 @@ void extent_find(struct extent *out, struct viewer *viewer, enum tool_number num
     out->reach = fmin(ball_mm, viewer->radius / 2) + (meets ? 0 : viewer->radius);
     out->near = options.range[1] > 0 ? options.range[0] : 0;
     out->end = options.range[1] > 0 ? options.range[1] : leaves > 0 ? leaves : whole;
-    out->solid = selection && options.layers != CONUS_LAYERS_ALL ? deepest_hit(selection, apex, axis) : -1;
+    double hits[2] = {-1, -1};
+    if (selection) {
+        find_hits(hits, selection, apex, axis);
+    }
+    out->first = hits[0] < 0 ? out->end : hits[0];
+    out->solid = options.layers != CONUS_LAYERS_ALL ? hits[1] : -1;
     out->solid = out->solid < 0 ? out->end : fmin(fmax(out->solid, out->near), out->end);
 }
 

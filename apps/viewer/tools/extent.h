@@ -12,6 +12,7 @@ struct extent {
     double reach;    /**< Its ball is so far before the entry, or nearer where that is not seen: 40, or half the radius
                           of a small atlas; beside what is shown outside of all. */
     double near;     /**< Depths along the axis from the apex: the cone begins, */
+    double first;    /**< has its nearest hit, else it ends there, */
     double solid;    /**< has its deepest hit, where only first hits count, else it ends there, */
     double end;      /**< and ends: its range does, or else it leaves what is shown. */
 };

@@ -301,6 +301,16 @@ void ui_gap(float height)
     ImGui::Dummy(ImVec2(0, height));
 }
 
+void ui_group(void)
+{
+    ImGui::BeginGroup();
+}
+
+void ui_group_end(void)
+{
+    ImGui::EndGroup();
+}
+
 void ui_same_line(void)
 {
     ImGui::SameLine();
@@ -456,27 +466,46 @@ bool ui_choose(const char *label, size_t *index, const char *const *choices, siz
     return changed;
 }
 
-bool ui_slider(const char *label, double *value, double low, double high, const char *format, bool logarithmic)
+/* A slider with its number at its right, where the grab never is. Together they are the widget before. */
+static bool slide(const char *label, ImGuiDataType type, void *value, const void *low, const void *high,
+                  const char *format, ImGuiSliderFlags flags)
 {
-    ImGuiSliderFlags flags = ImGuiSliderFlags_AlwaysClamp | (logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+    const auto write = [type, format](char(&out)[64], const void *number) {
+        ImGui::DataTypeFormatString(out, sizeof out, type, number, format);
+        return ImGui::CalcTextSize(out).x;
+    };
     char shown[64];
-    snprintf(shown, sizeof shown, format, *value);
-    begin_field(label, ImGui::CalcTextSize(shown).x);
-    audit_within(shown, ImGui::CalcItemWidth());
-    bool changed = ImGui::SliderScalar("##field", ImGuiDataType_Double, value, &low, &high, format, flags);
+    float widest = std::max({write(shown, low), write(shown, high), write(shown, value)}); // the last one stays
+    begin_field(label, 2 * widest);
+    float whole = ImGui::CalcItemWidth();
+    float bar = std::max(whole - widest - ImGui::GetStyle().ItemInnerSpacing.x, 1.0F);
+    bool types = ImGui::TempInputIsActive(ImGui::GetID("##field"));
+    ImGui::BeginGroup();
+    ImGui::SetNextItemWidth(bar);
+    ImGui::PushStyleColor(ImGuiCol_Text, types ? ImGui::GetColorU32(ImGuiCol_Text) : IM_COL32_BLACK_TRANS);
+    bool changed = ImGui::SliderScalar("##field", type, value, low, high, format, flags | ImGuiSliderFlags_AlwaysClamp);
+    ImGui::PopStyleColor();
     audit_widget(label);
+    write(shown, value);
+    ImGui::SameLine(0, 0);
+    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + whole - bar - ImGui::CalcTextSize(shown).x);
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted(shown);
+    audit_item(shown);
+    ImGui::EndGroup();
     end_field();
     return changed;
 }
 
+bool ui_slider(const char *label, double *value, double low, double high, const char *format, bool logarithmic)
+{
+    return slide(label, ImGuiDataType_Double, value, &low, &high, format,
+                 logarithmic ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None);
+}
+
 bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high)
 {
-    begin_field(label, 0);
-    bool changed =
-        ImGui::SliderScalar("##field", ImGuiDataType_U32, value, &low, &high, "%u", ImGuiSliderFlags_AlwaysClamp);
-    audit_widget(label);
-    end_field();
-    return changed;
+    return slide(label, ImGuiDataType_U32, value, &low, &high, "%u", ImGuiSliderFlags_None);
 }
 
 bool ui_numbers(const char *label, double value[3], const char *format)
@@ -511,7 +540,7 @@ bool ui_type(const char *label, char *text, size_t size, const char *hint)
 {
     begin_field(label, 0);
     audit_within(hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
-    ImGui::InputTextWithHint("##field", hint, text, size);
+    ImGui::InputTextWithHint("##field", hint, text, size, ImGuiInputTextFlags_AutoSelectAll);
     audit_widget(label);
     end_field();
     return is_entered();
@@ -559,7 +588,8 @@ bool ui_type_path(const char *label, char *text, size_t size, const char *hint, 
     wanted[sizeof wanted - 1] = 0;
     path_line line = {wanted, folder, selected, is_set};
     audit_within(hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
-    ImGui::InputTextWithHint(label, hint, text, size, ImGuiInputTextFlags_CallbackAlways, take_text, &line);
+    int selects = folder[0] ? 0 : ImGuiInputTextFlags_AutoSelectAll; // else what is typed goes behind the folder
+    ImGui::InputTextWithHint(label, hint, text, size, ImGuiInputTextFlags_CallbackAlways | selects, take_text, &line);
     return is_entered();
 }
 
@@ -587,10 +617,10 @@ bool ui_can_write(const char *text)
     return true;
 }
 
-bool ui_row(const char *label, bool selected)
+bool ui_row(const char *label, bool selected, float height)
 {
     audit_within(label, ui_room());
-    return ImGui::Selectable(label, selected);
+    return ImGui::Selectable(label, selected, 0, ImVec2(0, height));
 }
 
 bool ui_section(const char *label, bool open)
@@ -632,6 +662,17 @@ static void stop_blending(const ImDrawList *, const ImDrawCmd *)
 static void blend_again(const ImDrawList *, const ImDrawCmd *)
 {
     glEnable(GL_BLEND);
+}
+
+void ui_picture(uint32_t texture, float width, float height)
+{
+    ImVec2 at = ImGui::GetCursorScreenPos();
+    if (texture) {
+        ui_draw_overlay(texture, {at.x, at.y, width, height});
+    } else {
+        ui_draw_box({at.x, at.y, width, height}, theme_surfaces[THEME_FIELD], 0);
+    }
+    ImGui::Dummy(ImVec2(width, height));
 }
 
 void ui_draw_image(uint32_t texture, struct ui_box box)
@@ -701,6 +742,11 @@ void ui_draw_text(const float at[2], ui_colour colour, const char *text)
     list->AddRectFilled(ImVec2(at[0] - 3, at[1] - 1), ImVec2(at[0] + size.x + 3, at[1] + size.y + 1),
                         packed(theme_surfaces[THEME_SHADE]), 3);
     list->AddText(ImVec2(at[0], at[1]), packed(colour), text);
+}
+
+void ui_draw_label(const float at[2], ui_colour colour, const char *text)
+{
+    ImGui::GetWindowDrawList()->AddText(ImVec2(at[0], at[1]), packed(colour), text);
 }
 
 void ui_draw_heading(const float at[2], ui_colour colour, const char *text)

@@ -87,6 +87,9 @@ void ui_disable_end(void);
 void ui_tint(enum theme_text colour); /**< Colours the texts up to ui_tint_end(). */
 void ui_tint_end(void);
 void ui_gap(float height); /**< Nothing, so high. */
+/** What comes up to ui_group_end() is one widget to what follows in the same line. */
+void ui_group(void);
+void ui_group_end(void);
 void ui_same_line(void);
 void ui_same_line_at(float x); /**< The next widget x from the panel's, or column's, left edge. */
 void ui_separator(void);
@@ -120,7 +123,7 @@ bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high);
 bool ui_numbers(const char *label, double value[3], const char *format);
 /** The next widget takes the keyboard if @p wants says so, which is false then. */
 void ui_take_keys(bool *wants);
-/** A line that is typed; true when Enter was pressed in it. */
+/** A line that is typed, whose old text is selected when it takes the keyboard; true when Enter was pressed in it. */
 bool ui_type(const char *label, char *text, size_t size, const char *hint);
 /** Likewise of a path; where *is_set is true it takes over what @p text is, selected from byte @p selected on. A whole
  * path that is pasted behind @p folder (ends in '/'; "" = none) takes its place. */
@@ -129,14 +132,16 @@ bool ui_type_path(const char *label, char *text, size_t size, const char *hint, 
 bool ui_escaped(void);                          /**< Escape was pressed. */
 void ui_chip(const char *id, ui_colour colour); /**< A small square. */
 bool ui_can_write(const char *text);            /**< Whether the font has all its letters; others are shown as "?". */
-bool ui_row(const char *label, bool selected);  /**< A line that can be clicked. */
-bool ui_section(const char *label, bool open);  /**< A heading that folds what is below. */
+bool ui_row(const char *label, bool selected, float height); /**< A line that can be clicked; height 0 = a text's. */
+bool ui_section(const char *label, bool open);               /**< A heading that folds what is below. */
 /** A node of a tree; true while it is open, to be ended by ui_tree_end(). */
 bool ui_tree(const char *label, enum ui_opening opening);
 void ui_tree_end(void);
 
 void ui_cell(void); /**< The next cell of a list. */
 
+/** A picture of that size where the next widget would be; texture 0: a plain field in its place. */
+void ui_picture(uint32_t texture, float width, float height);
 /** A picture, @p texture of GL, opaque. */
 void ui_draw_image(uint32_t texture, struct ui_box box);
 /** Likewise, but its opacity counts. */
@@ -156,6 +161,8 @@ void ui_shorten_name(char *out, size_t size, const char *name, float width);
 void ui_draw_text(const float at[2], ui_colour colour, const char *text);
 /** Likewise, in large letters. */
 void ui_draw_heading(const float at[2], ui_colour colour, const char *text);
+/** Text there on a panel, without a shade. */
+void ui_draw_label(const float at[2], ui_colour colour, const char *text);
 
 struct ui_mouse {
     float x, y, moved_x, moved_y, wheel;

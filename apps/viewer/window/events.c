@@ -73,6 +73,14 @@ static bool is_for_widgets(int key)
     return (ui_navigates() && (presses || moves(key))) || (key == GLFW_KEY_ESCAPE && ui_navigates_deep());
 }
 
+/* A form over the panes is closed at once, also while its line has the keyboard, unless a list is open in it. */
+static bool is_for_form(const struct window *window, int key)
+{
+    const struct forms *forms = &window->forms;
+    return key == GLFW_KEY_ESCAPE && !ui_lists() && !window->start.on && !window->files.asked.count &&
+           (window->dialog.on || forms->show_help || forms->figure.open || forms->added.open);
+}
+
 /* Returns whether it did something. */
 static bool press_named(struct window *window, const struct ui_event *event)
 {
@@ -93,7 +101,8 @@ static bool press_named(struct window *window, const struct ui_event *event)
     /* Held down these do nothing more: Escape leaves a page, and shall not clear the cone behind it, too. */
     bool acts_once = is_enter || key == GLFW_KEY_ESCAPE || key == GLFW_KEY_SPACE;
     bool counts = event->action == GLFW_PRESS || (event->action == GLFW_REPEAT && !acts_once);
-    return name[0] && counts && !ui_wants_keys() && !is_for_widgets(key) && window_press(window, name);
+    bool is_ours = is_for_form(window, key) || (!ui_wants_keys() && !is_for_widgets(key));
+    return name[0] && counts && is_ours && window_press(window, name);
 }
 
 /* Likewise. */
@@ -217,6 +226,9 @@ bool events_take(struct window *window)
         const struct ui_event event = events->list[taken++];
         window->frame.frames_wanted = FRAMES_PER_EVENT;
         events->time = event.time;
+        if (event.kind == UI_BUTTON && event.action == GLFW_PRESS) {
+            window_forget_message(window);
+        }
         bool acts = event.kind == UI_KEY ? press_named(window, &event)
                                          : event.kind == UI_LETTER && press_letter(window, &event);
         events->rest = acts && will_type(window) ? FRAMES_PER_EVENT : 0;

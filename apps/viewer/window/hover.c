@@ -88,7 +88,10 @@ void hover_text(char out[HOVER_TEXT], const struct window *window, const char *b
 
 void hover_tip(const struct window *window)
 {
+    const struct forms *forms = &window->forms;
     char tip[HOVER_TEXT];
-    hover_text(tip, window, "\n");
-    ui_tip(tip);
+    if (!forms->figure.open && !forms->added.open && !forms->show_help) { /* over which it would lie */
+        hover_text(tip, window, "\n");
+        ui_tip(tip);
+    }
 }

@@ -7,11 +7,15 @@
 #include "options/messages.h"
 #include "options/output.h"
 #include "viewer/window/state_file.h"
+#include "viewer/window/thumbnail.h"
 
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+
+enum { PATH_LIMIT = RECENT_LIMIT + 1 /* and the sample */ };
 
 static const char gaps[] = "-_.+ :";
 
@@ -104,20 +108,6 @@ static size_t installed_best(const conus_catalogue *catalogue, const char *text)
     return best;
 }
 
-/* The next one that fits and is no twin, from `index` up (1) or down (-1) the list; else `index`. */
-static size_t installed_next(const conus_catalogue *catalogue, const char *text, size_t index, int by)
-{
-    size_t count = conus_catalogue_count(catalogue);
-    const size_t step =
-        by > 0 ? 1 : SIZE_MAX; /* adding SIZE_MAX goes one back, and from 0 to SIZE_MAX, which ends the loop */
-    for (size_t i = index + step; i < count; i += step) {
-        if (installed_fits(conus_catalogue_atlas(catalogue, i), text) && !installed_is_twin(catalogue, i)) {
-            return i;
-        }
-    }
-    return index;
-}
-
 bool installed_words(char out[SYSTEM_PATH], const conus_catalogue *catalogue, const conus_installed *atlas)
 {
     int size = snprintf(out, SYSTEM_PATH, "%s", atlas->name);
@@ -130,10 +120,12 @@ bool installed_words(char out[SYSTEM_PATH], const conus_catalogue *catalogue, co
     return size < SYSTEM_PATH;
 }
 
-static bool is_recent(const struct start *start, const char *path)
+/* Whether the paths of the lists have it. */
+static bool is_offered(const struct start *start, const char *path)
 {
-    for (size_t i = 0; i < start->recent.count; i++) {
-        if (installed_is_same_file(start->recent.paths[i], path)) {
+    const char *offered;
+    for (size_t i = 0; (offered = start_path(start, i)); i++) {
+        if (installed_is_same_file(offered, path)) {
             return true;
         }
     }
@@ -154,13 +146,19 @@ void start_look(struct start *start)
                     strlen(aal->path) < SYSTEM_PATH;
     start->has_no_sample = !is_there;
     start->found[0] = '\0';
-    if (is_there && !is_recent(start, aal->path)) {
+    if (is_there && !is_offered(start, aal->path)) {
         memcpy(start->found, aal->path, strlen(aal->path) + 1);
     }
+    start->known = calloc(PATH_LIMIT + conus_catalogue_count(start->catalogue), sizeof *start->known);
 }
 
 void start_finish(struct start *start)
 {
+    for (size_t i = 0; start->known && i < PATH_LIMIT + conus_catalogue_count(start->catalogue); i++) {
+        texture_drop(&start->known[i].picture);
+    }
+    free(start->known);
+    start->known = NULL;
     conus_catalogue_destroy(start->catalogue);
     start->catalogue = NULL;
 }
@@ -171,6 +169,55 @@ const char *start_path(const struct start *start, size_t index)
         return start->recent.paths[index];
     }
     return index == start->recent.count && start->found[0] ? start->found : NULL;
+}
+
+struct known_atlas start_known(struct start *start, size_t index, bool is_installed)
+{
+    const char *path = is_installed ? conus_catalogue_atlas(start->catalogue, index)->path : start_path(start, index);
+    struct known_atlas *known = start->known ? start->known + (is_installed ? PATH_LIMIT : 0) + index : NULL;
+    struct thumbnail thumbnail;
+    if (known && !known->is_looked_for && thumbnail_load(&thumbnail, path)) {
+        known->areas = thumbnail.areas;
+        texture_set(&known->picture, thumbnail.rgba[0][0], THUMBNAIL_WIDTH, THUMBNAIL_HEIGHT, true);
+    }
+    if (known) {
+        known->is_looked_for = true;
+    }
+    return known ? *known : (struct known_atlas){0};
+}
+
+const conus_installed *start_installed(const struct start *start, const char *path)
+{
+    const conus_installed *atlas;
+    for (size_t i = 0; (atlas = conus_catalogue_atlas(start->catalogue, i)); i++) {
+        if (installed_is_same_file(atlas->path, path)) {
+            return atlas;
+        }
+    }
+    return NULL;
+}
+
+bool start_lists(struct start *start, size_t index)
+{
+    const conus_installed *atlas = conus_catalogue_atlas(start->catalogue, index);
+    const char *words = start_words_typed(start);
+    bool is_named = index == start_picked(start); /* as "mricron:aal" */
+    bool is_twin = installed_is_twin(start->catalogue, index) || (!words[0] && is_offered(start, atlas->path));
+    return installed_fits(atlas, words) && (is_named || !is_twin);
+}
+
+/* The next one of the list, from `index` up (1) or down (-1); else `index`. */
+static size_t find_next(struct start *start, size_t index, int by)
+{
+    size_t count = conus_catalogue_count(start->catalogue);
+    const size_t step =
+        by > 0 ? 1 : SIZE_MAX; /* adding SIZE_MAX goes one back, and from 0 to SIZE_MAX, which ends the loop */
+    for (size_t i = index + step; i < count; i += step) {
+        if (start_lists(start, i)) {
+            return i;
+        }
+    }
+    return index;
 }
 
 const char *start_words(char words[SYSTEM_PATH], const struct start *start, size_t index)
@@ -198,15 +245,13 @@ size_t start_picked(struct start *start)
 
 void start_move(struct start *start, int by)
 {
-    const char *words = start_words_typed(start);
     size_t count = conus_catalogue_count(start->catalogue);
     size_t picked = start_picked(start);
     start->scrolls = true;
     if (picked < count) {
-        start->picked = installed_next(start->catalogue, words, picked, by);
+        start->picked = find_next(start, picked, by);
     } else if (count) { /* from below the list to its first, or from above to its last */
-        start->picked = by > 0 ? installed_next(start->catalogue, words, SIZE_MAX, 1)
-                               : installed_next(start->catalogue, words, count, -1);
+        start->picked = find_next(start, by > 0 ? SIZE_MAX : count, by);
     }
 }
 

@@ -7,6 +7,7 @@
 #include "base/system/system.h"
 #include "conus/catalogue.h"
 #include "viewer/window/recent.h"
+#include "viewer/window/texture.h"
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -23,6 +24,13 @@ bool installed_words(char out[SYSTEM_PATH], const conus_catalogue *catalogue, co
 
 enum { START_WHY = 512 };
 
+/** What is known of an atlas that was open before. */
+struct known_atlas {
+    bool is_looked_for;
+    uint32_t areas;         /**< 0 = not known. */
+    struct texture picture; /**< Name 0 = there is none. */
+};
+
 struct start {
     bool on;         /**< The window shows the page: always, while there is no atlas. */
     bool takes_keys; /**< From the next frame on what is typed goes into the path. */
@@ -34,6 +42,7 @@ struct start {
         found[SYSTEM_PATH]; /**< The sample, Debian's AAL atlas, if it is there and not among the recent ones; or "". */
     bool has_no_sample;     /**< That atlas is not installed: a phantom is the sample. */
     conus_catalogue *catalogue;  /**< The installed atlases; NULL = not looked for. */
+    struct known_atlas *known;   /**< What start_known() found, first that of the paths; NULL = no memory. */
     size_t picked;               /**< Index of the installed atlas that Enter opens; past the last = none. */
     bool scrolls;                /**< The list is to scroll to it. */
     char picked_by[SYSTEM_PATH]; /**< The text when it was picked. */
@@ -44,6 +53,13 @@ void start_look(struct start *start);
 void start_finish(struct start *start);
 /** Path @p index of the lists, the recent ones first; NULL past the last. */
 const char *start_path(const struct start *start, size_t index);
+/** What is known of path @p index of the lists, or of the installed atlas with this index; all 0 = nothing. */
+struct known_atlas start_known(struct start *start, size_t index, bool is_installed);
+/** The installed atlas that is the file @p path; NULL = none. */
+const conus_installed *start_installed(const struct start *start, const char *path);
+/** Whether the list of installed atlases has this one: what is typed fits, or nothing is typed and it stands in no
+ * other list. */
+bool start_lists(struct start *start, size_t index);
 /** Path @p index without what may not be shown, and where its last name begins in it. */
 const char *start_words(char words[SYSTEM_PATH], const struct start *start, size_t index);
 /** The search among installed atlases: the typed text, or "" if that is a path. */

@@ -5,6 +5,7 @@
 #include "base/system/system.h"
 #include "options/messages.h"
 #include "options/output.h"
+#include "viewer/model/headline.h"
 #include "viewer/model/plans.h"
 #include "viewer/model/studies.h"
 
@@ -17,28 +18,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth)
-{
-    if (texture->width != width || texture->height != height) {
-        glDeleteTextures(1, &texture->name);
-        glCreateTextures(GL_TEXTURE_2D, 1, &texture->name);
-        glTextureStorage2D(texture->name, 1, GL_RGBA8, (GLsizei)width, (GLsizei)height);
-        glTextureParameteri(texture->name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-        glTextureParameteri(texture->name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-        texture->width = width;
-        texture->height = height;
-    }
-    glTextureParameteri(texture->name, GL_TEXTURE_MIN_FILTER, smooth ? GL_LINEAR : GL_NEAREST);
-    glTextureParameteri(texture->name, GL_TEXTURE_MAG_FILTER, smooth ? GL_LINEAR : GL_NEAREST);
-    glTextureSubImage2D(texture->name, 0, 0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
-}
-
-void texture_drop(struct texture *texture)
-{
-    glDeleteTextures(1, &texture->name);
-    *texture = (struct texture){0};
-}
 
 /* Finds the screen that a place is on, else the first one, and its area, or the free part of it. NULL: there is none.
  */
@@ -155,8 +134,16 @@ void window_eye(const struct window *window, struct eye *out)
 
 enum { STATUS_HEIGHT = 24 };
 
+void window_forget_message(struct window *window)
+{
+    if (window->viewer) {
+        window->viewer->message[0] = '\0';
+    }
+}
+
 bool window_press(struct window *window, const char *key)
 {
+    window_forget_message(window);
     return window->press && window->press(window, key);
 }
 
@@ -318,14 +305,14 @@ bool window_open(struct window *out, const struct window_options *options)
 
 static void pictures_drop(struct pictures *pictures)
 {
-    glDeleteTextures(1, &pictures->painted.name);
-    glDeleteTextures(1, &pictures->device_view.name);
+    texture_drop(&pictures->painted);
+    texture_drop(&pictures->device_view);
     for (enum outline which = 0; which < OUTLINE_COUNT; which++) {
-        glDeleteTextures(1, &pictures->shadows[which].texture.name);
+        texture_drop(&pictures->shadows[which].texture);
         cells_finish(&pictures->shadows[which].cells);
     }
     for (int p = 0; p < PLANE_COUNT; p++) {
-        glDeleteTextures(1, &pictures->cuts[p].texture.name);
+        texture_drop(&pictures->cuts[p].texture);
         conus_cutter_destroy(pictures->cuts[p].cutter);
     }
 }
@@ -802,22 +789,31 @@ void window_copy(struct window *window, enum copied what)
     free(text);
 }
 
-/* The object in the title: the best hit, or else the chosen one; 0 = neither. */
-static uint32_t find_object(const char **how, const struct window *window)
+/* What the title names: what the needle of a plan does, the best hit, or else the chosen object; "" = nothing. */
+static void find_named(char out[HEADLINE_TEXT], const char **how, const struct window *window)
 {
-    const struct viewer *viewer = window->viewer;
+    struct viewer *viewer = window->viewer;
     const conus_selection *selection = viewer_selection(viewer);
     const conus_result *best = conus_selection_count(selection) ? conus_selection_result(selection, 0) : NULL;
     bool is_hit = best && best->object && best->pixels;
     bool is_old = inputs_is_old(&window->inputs, viewer, FIRST_TOOL);
-    *how = !is_hit ? "chosen" : is_old ? "old answer" : viewer->tools[FIRST_TOOL].held ? "held" : "hit";
-    return is_hit ? best->object : viewer->drawn->shown.chosen;
+    struct headline headline;
+    char title[VIEW_ATLAS_TITLE];
+    headline_find(&headline, viewer);
+    bool is_answer = is_hit || headline.is_of_plan;
+    uint32_t chosen = viewer->drawn->shown.chosen;
+    *how = !is_answer ? "chosen" : is_old ? "old answer" : viewer->tools[FIRST_TOOL].held ? "held" : "hit";
+    snprintf(out, HEADLINE_TEXT, "%s",
+             is_answer ? headline.what
+             : chosen  ? view_atlas_title(title, viewer->drawn, chosen)
+                       : "");
 }
 
 void title_write(char out[TITLE_SIZE], const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     const char *how;
+    char named[HEADLINE_TEXT];
     int used = snprintf(out, TITLE_SIZE, "conus");
     if (!viewer || window->start.on || window->dialog.on) {
         return;
@@ -826,11 +822,9 @@ void title_write(char out[TITLE_SIZE], const struct window *window)
     if (window->history.session_path) {
         used += snprintf(out + used, (size_t)(TITLE_SIZE - used), " [%.80s]", path_name(window->history.session_path));
     }
-    uint32_t object = find_object(&how, window);
-    if (object) {
-        char title[VIEW_ATLAS_TITLE];
-        snprintf(out + used, (size_t)(TITLE_SIZE - used), " - %.80s (%s)",
-                 view_atlas_title(title, viewer->drawn, object), how);
+    find_named(named, &how, window);
+    if (named[0]) {
+        snprintf(out + used, (size_t)(TITLE_SIZE - used), " - %.80s (%s)", named, how);
     }
     make_plain_line(out);
 }

@@ -19,24 +19,20 @@
 #include "viewer/window/labels.h"
 #include "viewer/window/place.h"
 #include "viewer/window/start.h"
+#include "viewer/window/texture.h"
 
 /** Widgets need a few to answer: hovered, pressed, let go. */
 enum { FRAMES_PER_EVENT = 3 };
 
 enum { PANE_COUNT = 4, PANE_3D = 3 /**< After the planes. */, KEY_LIMIT = 32, TITLE_SIZE = 320 };
 
-/** A picture on the screen. */
-struct texture {
-    uint32_t name; /**< GL's name; 0 = none yet. */
-    uint32_t width, height;
-};
-
 /** A flat pane as it was drawn last. */
 struct cut_pane {
     struct texture texture;
     conus_cutter *cutter;  /**< NULL = none yet.                       */
     unsigned atlas_number; /**< The viewer's, when the cutter was made. */
-    unsigned version;      /**< The viewer's, when it was drawn. */
+    unsigned version;      /**< The viewer's less its moves, when it was drawn. */
+    bool is_old;           /**< The answer was, then. */
     double centre[3];
     struct outline_top top; /**< Top of the chosen area. */
 };
@@ -64,6 +60,8 @@ struct cone_line {
     bool dashed;
 };
 
+enum { HITS_NAMED = 3 /**< The best ones, in the 3-D pane. */ };
+
 /** A tool's cone as the 3-D pane shows it. */
 struct cone_sight {
     const struct view_atlas *of; /**< The drawn atlas, */
@@ -77,10 +75,11 @@ struct cone_sight {
     double fade;    /**< and with this fading of the context. */
     struct cone_line lines[CONE_LINES];
     size_t line_count;
-    struct extent turned; /**< The extent, with the reach of its ball as it is drawn. */
-    double clear;         /**< Depth up to which nothing hides the axis. */
-    double ball[3];       /**< The place of its ball. */
-    bool hides_ball;      /**< Something lies before that. */
+    struct extent turned;       /**< The extent, with the reach of its ball as it is drawn. */
+    double clear;               /**< Depth up to which nothing hides the axis. */
+    double ball[3];             /**< The place of its ball. */
+    bool hides_ball;            /**< Something lies before that, */
+    bool hides_hit[HITS_NAMED]; /**< or before the contact of the hit of that place in the answer. */
 };
 
 /** The object under the mouse. */
@@ -183,6 +182,7 @@ struct pictures {
     struct eye shown; /**< The eye of the pane as it is seen: of `painted`, for the pane's size. What lies over the
                            picture is drawn by it, and the mouse points by it. */
     double painted_ms;
+    bool is_kept;          /**< One was kept for the start page. */
     bool painted_fine;     /**< The picture is what was asked last, as fine as it gets. */
     unsigned noted_answer; /**< The newest answer that was looked at for moves of the cone. */
     unsigned noted_head;   /**< Likewise of the head's changes. */
@@ -315,6 +315,8 @@ void window_close(struct window *window);
 void window_zoom(struct window *window, int steps);
 /** Says how large the desktop wants texts on the screen that the window came to. */
 void window_rescale(struct window *window, float content);
+/** Ends the message of the status line: the user does the next thing, after which it may be true no more. */
+void window_forget_message(struct window *window);
 /** Presses a key: a character as typed ("?"), or "escape", "f1", "ctrl+shift+s", ... False if it means nothing. */
 bool window_press(struct window *window, const char *key);
 /** Lays everything out for the window's size now. */
@@ -348,11 +350,6 @@ conus_status window_write(const struct window *window, const char *path);
 enum copied { COPY_RESULTS = 0, COPY_PINS, COPY_STUDY };
 /** Puts a table on the clipboard. */
 void window_copy(struct window *window, enum copied what);
-
-/** Puts bytes of sRGB, top row first, on a texture; @p smooth: where it is enlarged, pixels run into each other. */
-void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth);
-/** Ends the picture on a texture. */
-void texture_drop(struct texture *texture);
 
 /** Lets the 3-D pane fill the screen that the window is on, without panels, or brings the window back. */
 void window_fill_screen(struct window *window, bool fill);

@@ -57,6 +57,111 @@ static void pixels_are_where_their_centres_are(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* A stair: 1 where the indices' sum is at most 0 (1 mm voxels whose centres are at halves). */
+static double label_of_stair(const double world[3])
+{
+    return world[0] + world[1] < 0.5;
+}
+
+/* The voxel around (0.5, 0.5, 0.5) alone. */
+static double label_of_voxel(const double world[3])
+{
+    return fabs(world[0] - 0.5) < 0.5 && fabs(world[1] - 0.5) < 0.5 && fabs(world[2] - 0.5) < 0.5;
+}
+
+/* In a cut through voxels' centres a corner weighs xy of its cell, 1/2 on the border: a hyperbola from edge's middle to
+ * edge's middle, whose vertex is (1.5 - sqrt 2) / sqrt 2 = 0.061 beside the chord. So a stair becomes straight but for
+ * that. A voxel alone keeps 4 (1/2 - ln(2) / 2) = 0.614 of its square. What the pixels are in stays the voxel. */
+static void borders_are_smooth_in_the_picture_only(void **state)
+{
+    (void)state;
+    enum { FINE = 20 }; /* pixels per mm */
+    const conus_volume_info grid = picture_grid((size_t[]){8, 8, 8}, (double[]){1, 1, 1}, picture_identity);
+    const conus_cut_view view = {
+        .width = 6 * FINE, .height = 6 * FINE, .centre = {0, 0, 0.5}, .mm_per_pixel = 1.0 / FINE, .fill = 1};
+    for (int is_alone = 0; is_alone < 2; is_alone++) {
+        conus_atlas *atlas = picture_atlas(&grid, is_alone ? label_of_voxel : label_of_stair, NULL, NULL);
+        conus_cutter *cutter = NULL;
+        unsigned shown = 0;
+        assert_ok(conus_cutter_create(&cutter, atlas));
+        assert_ok(conus_cutter_draw(cutter, &view));
+        for (size_t i = 0; i < (size_t)view.width * view.height; i++) {
+            const double x = ((double)(i % view.width) + 0.5) / FINE - 3;
+            const size_t row = i / view.width;
+            const double y = 3 - ((double)row + 0.5) / FINE;
+            const double centre[3] = {floor(x) + 0.5, floor(y) + 0.5, 0.5};
+            const uint32_t drawn = conus_cutter_shown(cutter)[i];
+            const double wanted = is_alone ? label_of_voxel(centre) : label_of_stair(centre);
+            assert_int_equal(conus_cutter_objects(cutter)[i], (uint32_t)wanted);
+            if (!is_alone && fabs(x + y - 0.5) > 0.061 * sqrt(2) + 1e-9) {
+                assert_int_equal(drawn, x + y < 0.5);
+            }
+            const uint8_t *rgb = drawn ? conus_atlas_object(atlas, 1)->rgb : (const uint8_t[]){0, 0, 0};
+            assert_memory_equal(conus_cutter_rgba(cutter) + 4 * i, rgb, 3);
+            shown += drawn;
+        }
+        if (is_alone) {
+            assert_near(shown / (double)(FINE * FINE), 0.614, 0.02);
+        }
+        conus_cutter_destroy(cutter);
+        conus_atlas_destroy(atlas);
+    }
+}
+
+/* Whether a voxel with that object is at most half a voxel away along each axis of the volume. */
+static bool is_within_half_a_voxel(const struct volume *volume, const double world[3], uint32_t object)
+{
+    for (int n = 0; n < 27; n++) {
+        const int steps[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
+        const double step[3] = {steps[0], steps[1], steps[2]};
+        double p[3], at[3];
+        size_t voxel;
+        mat4_point(p, volume->voxel_from_world, world);
+        vec3_add_scaled(p, p, 0.5 + 1e-9, step);
+        mat4_point(at, volume->info.world_from_voxel, p);
+        const bool inside = volume_find_voxel(&voxel, volume, at);
+        if ((inside ? volume_object(volume, voxel) : 0) == object) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static unsigned count_moved(const conus_atlas *atlas, const conus_cut_view *view)
+{
+    conus_cutter *cutter = NULL;
+    unsigned moved = 0;
+    assert_ok(conus_cutter_create(&cutter, atlas));
+    assert_ok(conus_cutter_draw(cutter, view));
+    for (size_t i = 0; i < (size_t)SIDE * SIDE; i++) {
+        const uint32_t drawn = conus_cutter_shown(cutter)[i];
+        const size_t row = i / SIDE;
+        double at[3];
+        vec3_add_scaled(at, view->centre, view->mm_per_pixel * ((double)(i % SIDE) - 30), view->right);
+        vec3_add_scaled(at, at, view->mm_per_pixel * (30 - (double)row), view->up);
+        moved += drawn != conus_cutter_objects(cutter)[i];
+        assert_true(is_within_half_a_voxel(atlas_parcellation(atlas), at, drawn));
+    }
+    conus_cutter_destroy(cutter);
+    return moved;
+}
+
+static void borders_move_by_half_a_voxel(void **state)
+{
+    (void)state;
+    uint64_t random = 7;
+    unsigned moved = 0;
+    for (size_t i = 0; i < test_trials(20); i++) {
+        conus_atlas *atlas = scene_atlas(&random, 24, 0);
+        conus_cut_view view = {
+            .width = SIDE, .height = SIDE, .right = {0.8, 0.6, 0}, .up = {0, 0, 1}, .mm_per_pixel = 0.2};
+        scene_voxel(view.centre, atlas_parcellation(atlas), atlas_parcellation(atlas)->voxel_count / 2);
+        moved += count_moved(atlas, &view);
+        conus_atlas_destroy(atlas);
+    }
+    assert_true(moved > 100);
+}
+
 /* Neurological: the world's +x is right in the default, axial, cut; +y is up. */
 static void the_default_is_axial_and_neurological(void **state)
 {
@@ -562,6 +667,8 @@ TEST_GROUP(cut)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pixels_are_where_their_centres_are),
+        cmocka_unit_test(borders_are_smooth_in_the_picture_only),
+        cmocka_unit_test(borders_move_by_half_a_voxel),
         cmocka_unit_test(the_default_is_axial_and_neurological),
         cmocka_unit_test(hidden_objects_are_left_out),
         cmocka_unit_test(fill_and_outline),
