@@ -271,8 +271,9 @@ static double find_depth(const conus_pose *pose)
     return depth;
 }
 
-/* Asks what is in a cone. {"depth": mm to the deepest hit}, 0 where the cone has no end, or {"error": ...}; web_rows()
- * has the answer, and pictures what it hits. Neither has those of the question before where this one is refused. */
+/* Asks what is in a cone. {"depth": mm to the deepest hit, 0 where the cone has no end, "hits": numbers of the objects in
+ * the answer's order}, or {"error": ...}; web_rows() has the answer, and pictures what it hits. Neither has those of the
+ * question before where this one is refused. */
 EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double toward_x, double toward_y,
                                          double toward_z, double angle, uint32_t resolution, int all_layers)
 {
@@ -289,10 +290,18 @@ EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double to
                     : conus_pose_toward(&pose, (const double[]){x, y, z},
                                         (const double[]){toward_x, toward_y, toward_z}, NULL);
     status = status ? status : conus_select(&page.selection, page.selector, &pose, angle * RADIANS);
-    const double depth = status || all_layers ? 0 : find_depth(&pose);
     FILE *out = status ? NULL : begin_text();
     if (out) {
-        fprintf(out, "{\"depth\": %.9g}", depth);
+        fprintf(out, "{\"depth\": %.9g, \"hits\": [", all_layers ? 0 : find_depth(&pose));
+        const char *before = "";
+        for (size_t i = 0; i < conus_selection_count(page.selection); i++) {
+            const uint32_t object = conus_selection_result(page.selection, i)->object;
+            if (object) {
+                fprintf(out, "%s%u", before, object);
+                before = ", ";
+            }
+        }
+        fputs("]}", out);
     }
     return status ? say_error() : end_text(out);
 }
@@ -313,24 +322,6 @@ EMSCRIPTEN_KEEPALIVE const char *web_rows(int format)
     size_t size = 0;
     bool failed = !page.selection || write_report((conus_format)format) || conus_report_text(&text, &size, page.report);
     return failed ? say_error() : text;
-}
-
-/* [number, ...] of the objects that the answer has, in its order. */
-EMSCRIPTEN_KEEPALIVE const char *web_hits(void)
-{
-    FILE *out = begin_text();
-    const char *before = "[";
-    for (size_t i = 0; out && page.selection && i < conus_selection_count(page.selection); i++) {
-        const uint32_t object = conus_selection_result(page.selection, i)->object;
-        if (object) {
-            fprintf(out, "%s%u", before, object);
-            before = ", ";
-        }
-    }
-    if (out) {
-        fputs(*before == '[' ? "[]" : "]", out);
-    }
-    return end_text(out);
 }
 
 /* The sidecar of the answer: columns, units, files with their SHA-256, settings, version. */
