@@ -271,9 +271,9 @@ static double find_depth(const conus_pose *pose)
     return depth;
 }
 
-/* Asks what is in a cone. {"depth": mm to the deepest hit, 0 where the cone has no end, "hits": numbers of the objects in
- * the answer's order}, or {"error": ...}; web_rows() has the answer, and pictures what it hits. Neither has those of the
- * question before where this one is refused. */
+/* Asks what is in a cone. {"depth": mm to the deepest hit, 0 where the cone has no end, "hits": numbers of the objects
+ * in the answer's order}, or {"error": ...}; web_rows() has the answer, and pictures what it hits. Neither has those of
+ * the question before where this one is refused. */
 EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double toward_x, double toward_y,
                                          double toward_z, double angle, uint32_t resolution, int all_layers)
 {
