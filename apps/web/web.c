@@ -365,7 +365,7 @@ EMSCRIPTEN_KEEPALIVE const uint8_t *web_cut(int right, int up, double x, double 
     view.fill = fill;
     view.window[0] = black;
     view.window[1] = white;
-    view.own_colours = page.colours != COLOURS_OF_ANSWER;
+    view.own_colours = page.colours == COLOURS_OF_FILE;
     view.no_cone = true;
     conus_cutter **cutter = &page.cutters[3 - right - up];
     bool failed = (!page.selection && !view.own_colours && select_nothing()) || /* else all have their own */
@@ -451,21 +451,21 @@ struct paint {
     bool is_behind; /* stripes */
 };
 
-/* sRGB of each object by number, to be freed: of what is hit by its place in the answer or its own, of all else a
- * neutral grey or its own with much of that. NULL without memory. */
+/* sRGB of each object by number, to be freed: of what is hit by its place in the answer, or of the file; of all else a
+ * neutral grey, or its own with much of that. NULL without memory. */
 static struct paint *choose_paints(void)
 {
     static const uint8_t ranks[][3] = {LOOK_RANKS(BYTES)};
     static const uint8_t more[3] = {LOOK_RGB(LOOK_RANK_MORE)};
-    const bool by_rank = page.colours == COLOURS_OF_ANSWER;
+    const bool by_rank = page.colours != COLOURS_OF_FILE;
     const size_t count = page.selection ? conus_selection_count(page.selection) : 0;
     struct paint *paints = calloc(conus_atlas_object_count(page.atlas) + 1, sizeof *paints);
     for (size_t i = 1; paints && i <= conus_atlas_object_count(page.atlas); i++) {
         const uint8_t *own = conus_atlas_object(page.atlas, i)->rgb;
         for (int c = 0; c < 3; c++) {
-            paints[i].rgb[c] = by_rank          ? neutral[c]
-                               : page.selection ? (uint8_t)((own[c] + 3 * neutral[c]) / 4)
-                                                : own[c];
+            paints[i].rgb[c] = page.colours == COLOURS_OF_ANSWER ? neutral[c]
+                               : page.selection                  ? (uint8_t)((own[c] + 3 * neutral[c]) / 4)
+                                                                 : own[c];
         }
     }
     for (size_t i = 0, rank = 0; paints && i < count; i++) {
