@@ -271,8 +271,9 @@ static double find_depth(const conus_pose *pose)
     return depth;
 }
 
-/* Asks what is in a cone. {"depth": mm to the deepest hit}, 0 where the cone has no end, or {"error": ...}; web_rows()
- * has the answer, and pictures what it hits. Neither has those of the question before where this one is refused. */
+/* Asks what is in a cone. {"depth": mm to the deepest hit, 0 where the cone has no end, "hits": numbers of the objects
+ * in the answer's order}, or {"error": ...}; web_rows() has the answer, and pictures what it hits. Neither has those of
+ * the question before where this one is refused. */
 EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double toward_x, double toward_y,
                                          double toward_z, double angle, uint32_t resolution, int all_layers)
 {
@@ -289,10 +290,18 @@ EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double to
                     : conus_pose_toward(&pose, (const double[]){x, y, z},
                                         (const double[]){toward_x, toward_y, toward_z}, NULL);
     status = status ? status : conus_select(&page.selection, page.selector, &pose, angle * RADIANS);
-    const double depth = status || all_layers ? 0 : find_depth(&pose);
     FILE *out = status ? NULL : begin_text();
     if (out) {
-        fprintf(out, "{\"depth\": %.9g}", depth);
+        fprintf(out, "{\"depth\": %.9g, \"hits\": [", all_layers ? 0 : find_depth(&pose));
+        const char *before = "";
+        for (size_t i = 0; i < conus_selection_count(page.selection); i++) {
+            const uint32_t object = conus_selection_result(page.selection, i)->object;
+            if (object) {
+                fprintf(out, "%s%u", before, object);
+                before = ", ";
+            }
+        }
+        fputs("]}", out);
     }
     return status ? say_error() : end_text(out);
 }
@@ -313,24 +322,6 @@ EMSCRIPTEN_KEEPALIVE const char *web_rows(int format)
     size_t size = 0;
     bool failed = !page.selection || write_report((conus_format)format) || conus_report_text(&text, &size, page.report);
     return failed ? say_error() : text;
-}
-
-/* [number, ...] of the objects that the answer has, in its order. */
-EMSCRIPTEN_KEEPALIVE const char *web_hits(void)
-{
-    FILE *out = begin_text();
-    const char *before = "[";
-    for (size_t i = 0; out && page.selection && i < conus_selection_count(page.selection); i++) {
-        const uint32_t object = conus_selection_result(page.selection, i)->object;
-        if (object) {
-            fprintf(out, "%s%u", before, object);
-            before = ", ";
-        }
-    }
-    if (out) {
-        fputs(*before == '[' ? "[]" : "]", out);
-    }
-    return end_text(out);
 }
 
 /* The sidecar of the answer: columns, units, files with their SHA-256, settings, version. */
@@ -374,7 +365,7 @@ EMSCRIPTEN_KEEPALIVE const uint8_t *web_cut(int right, int up, double x, double 
     view.fill = fill;
     view.window[0] = black;
     view.window[1] = white;
-    view.own_colours = page.colours != COLOURS_OF_ANSWER;
+    view.own_colours = page.colours == COLOURS_OF_FILE;
     view.no_cone = true;
     conus_cutter **cutter = &page.cutters[3 - right - up];
     bool failed = (!page.selection && !view.own_colours && select_nothing()) || /* else all have their own */
@@ -460,21 +451,21 @@ struct paint {
     bool is_behind; /* stripes */
 };
 
-/* sRGB of each object by number, to be freed: of what is hit by its place in the answer or its own, of all else a
- * neutral grey or its own with much of that. NULL without memory. */
+/* sRGB of each object by number, to be freed: of what is hit by its place in the answer, or of the file; of all else a
+ * neutral grey, or its own with much of that. NULL without memory. */
 static struct paint *choose_paints(void)
 {
     static const uint8_t ranks[][3] = {LOOK_RANKS(BYTES)};
     static const uint8_t more[3] = {LOOK_RGB(LOOK_RANK_MORE)};
-    const bool by_rank = page.colours == COLOURS_OF_ANSWER;
+    const bool by_rank = page.colours != COLOURS_OF_FILE;
     const size_t count = page.selection ? conus_selection_count(page.selection) : 0;
     struct paint *paints = calloc(conus_atlas_object_count(page.atlas) + 1, sizeof *paints);
     for (size_t i = 1; paints && i <= conus_atlas_object_count(page.atlas); i++) {
         const uint8_t *own = conus_atlas_object(page.atlas, i)->rgb;
         for (int c = 0; c < 3; c++) {
-            paints[i].rgb[c] = by_rank          ? neutral[c]
-                               : page.selection ? (uint8_t)((own[c] + 3 * neutral[c]) / 4)
-                                                : own[c];
+            paints[i].rgb[c] = page.colours == COLOURS_OF_ANSWER ? neutral[c]
+                               : page.selection                  ? (uint8_t)((own[c] + 3 * neutral[c]) / 4)
+                                                                 : own[c];
         }
     }
     for (size_t i = 0, rank = 0; paints && i < count; i++) {

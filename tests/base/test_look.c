@@ -225,6 +225,19 @@ static void ranks_are_seen_on_dark_and_white(void **state)
     }
 }
 
+/* Between areas, which are grey without a scan, and around them. */
+static void outlines_are_seen(void **state)
+{
+    (void)state;
+    static const uint8_t outline[3] = {LOOK_RGB(LOOK_OUTLINE)};
+    static const uint8_t grounds[][3] = {BYTES(LOOK_NOT_HIT) BYTES(LOOK_WHITE) BYTES(LOOK_PANE_DARK) BYTES(LOOK_BLACK)};
+    const double line = luminance_of(outline) + 0.05;
+    for (size_t i = 0; i < sizeof grounds / sizeof *grounds; i++) {
+        double ground = luminance_of(grounds[i]) + 0.05;
+        assert_true(fmax(line / ground, ground / line) >= 3);
+    }
+}
+
 /* In cuts they fill 45 % over what a scan shows there: still 10 apart on black, grey and white. */
 static void fills_are_told_apart(void **state)
 {
@@ -253,6 +266,7 @@ TEST_GROUP(look)
         cmocka_unit_test(ranks_are_told_apart),
         cmocka_unit_test(ranks_are_no_state),
         cmocka_unit_test(ranks_are_seen_on_dark_and_white),
+        cmocka_unit_test(outlines_are_seen),
         cmocka_unit_test(fills_are_told_apart),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

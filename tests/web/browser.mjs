@@ -310,6 +310,8 @@ test("what no ray hits first is behind, and from the seventh on areas have numbe
   const numbers = await words();
   await settle(page, () => page.locator("#colours").selectOption("of the file"));
   assert.notEqual(await words(), numbers); // which has none
+  await settle(page, () => page.locator("#colours").selectOption("safe")); // which tell apart what touches, but not all hits
+  assert.equal(await words(), numbers);
 });
 
 test("names are text, whatever they look like", async (t) => {

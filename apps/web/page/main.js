@@ -123,7 +123,7 @@ function describeAtlas() {
   GREYS.forEach((id, i) => { $(id).value = atlas.window ? digits(atlas.window[i]) : ""; });
 }
 
-const byRank = () => $("#colours").value === "0";
+const byRank = () => $("#colours").value !== "1";
 /** mm from the start, of what no ray hits first to where the first enters it. @param {any} row */
 const nearestOf = (row) => row.distance_mm ?? row.entry_mm;
 
@@ -506,7 +506,7 @@ new ResizeObserver(() => { layOut(); redraw(true); }).observe($("#panes"));
 async function open(name) {
   const isFirst = !atlas;
   ({ atlas, objects } = await ask("open", { name }));
-  if (!byRank()) await setColours();
+  if ($("#colours").value !== "0") await setColours();
   files = offered;
   if (!isFirst) given = null; // which is of the atlas before
   atlasFile = name;

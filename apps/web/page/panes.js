@@ -232,7 +232,9 @@ function outlined(c, text, x, y) {
 function writeNumbers(c, numbers, side) {
   c.font = "12px sans-serif";
   c.textAlign = "center";
-  for (const { text, at } of numbers) outlined(c, text, at[0] * side, at[1] * side + 4);
+  const far = (/** @type {{at: number[]}} */ { at: [x, y] }, /** @type {{at: number[]}} */ { at: [u, v] }) => Math.abs(x - u) * side > 18 || Math.abs(y - v) * side > 13;
+  const apart = numbers.filter((number, i) => numbers.slice(0, i).every((other) => far(number, other))); // one over another cannot be read
+  for (const { text, at } of apart) outlined(c, text, at[0] * side, at[1] * side + 4);
 }
 
 /** A pane's title, and what is under the pointer. @param {CanvasRenderingContext2D} c @param {string} title @param {string} under @param {number} side */

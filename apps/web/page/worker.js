@@ -6,7 +6,7 @@ const FOLDER = "/atlas/";
 /** Numbers of web.c's functions; those of text have "string". */
 const SIGNATURES = {
   open: ["string", ["string"]], add_context: ["string", ["string"]], objects: ["string", []], use_colours: [null, ["number"]],
-  ask: ["string", Array(9).fill("number")], rows: ["string", ["number"]], hits: ["string", []], sidecar: ["string", []], error: ["string", []],
+  ask: ["string", Array(9).fill("number")], rows: ["string", ["number"]], sidecar: ["string", []], error: ["string", []],
   cut: ["number", Array(11).fill("number")], cut_objects: ["number", []],
   view: ["number", Array(9).fill("number")], view_objects: ["number", []], view_distances: ["number", []],
 };
@@ -59,8 +59,8 @@ const CALLS = {
   /** The answer to a question and all pictures of it; of one that is refused why, and pictures without a cone. */
   draw({ question: q, cuts, view, chosen, given }) {
     spare = given;
-    const { error: refused, depth } = JSON.parse(conus.ask(...q.origin, ...q.toward, q.angle, q.resolution, q.layers === "all" ? 1 : 0));
-    const out = { refused, depth, rows: refused ? "" : conus.rows(NDJSON), hits: JSON.parse(conus.hits()), cuts: [] };
+    const { error: refused, depth, hits = [] } = JSON.parse(conus.ask(...q.origin, ...q.toward, q.angle, q.resolution, q.layers === "all" ? 1 : 0));
+    const out = { refused, depth, rows: refused ? "" : conus.rows(NDJSON), hits, cuts: [] };
     for (const c of cuts) {
       const size = 4 * c.width * c.height;
       const rgba = pixels(conus.cut(c.right, c.up, ...c.centre, c.width, c.height, c.mm, c.fill, c.window[0], c.window[1]), size);
