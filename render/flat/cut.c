@@ -431,7 +431,10 @@ static void find_surfaces(struct cut *cut, const struct cut_view *view)
     vec3_cross(pane.forward, view->place.right, view->place.up);
     memset(cut->contours, 0, (size_t)pane.width * pane.height * sizeof *cut->contours);
     for (size_t i = 0; i < cut->atlas->context_surface_count; i++) {
-        find_surface(cut, view, &pane, &cut->atlas->context_surfaces[i].mesh, CUT_AROUND);
+        const struct context_surface *surface = &cut->atlas->context_surfaces[i];
+        if (!surface->is_shell) { /* areas and context tell more in a cut */
+            find_surface(cut, view, &pane, &surface->mesh, CUT_AROUND);
+        }
     }
     for (size_t i = 0; i < cut->surface_count; i++) {
         find_surface(cut, view, &pane, atlas_object_mesh(cut->atlas, cut->surfaces[i]), cut->surfaces[i]);

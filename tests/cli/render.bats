@@ -252,7 +252,7 @@ END
     while read -r preset; do
         gl render slabs.nii.gz -o a.png $SMALL --context sphere.nii.gz --transfer "$preset"
     done <presets
-    fails 2 'none' render slabs.nii.gz -o b.png --context sphere.nii.gz --transfer none
+    fails 2 'nothing' render slabs.nii.gz -o b.png --context sphere.nii.gz --transfer nothing
     [ ! -e b.png ]
 }
 

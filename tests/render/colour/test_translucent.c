@@ -419,7 +419,7 @@ static void functions_that_fit_no_pathway_are_refused(void **state)
     (void)state;
     conus_volume_info grid = picture_grid(around, (double[]){1, 1, 1}, picture_identity);
     conus_atlas *atlas = picture_atlas(&grid, picture_ball_of_20, NULL, NULL);
-    const conus_pathway_transfer transfers[] = {{0, "heat"}, {1, "heat"}, {3, "heat"}, {2, "none"}};
+    const conus_pathway_transfer transfers[] = {{0, "heat"}, {1, "heat"}, {3, "heat"}, {2, "nothing"}};
     struct haze_choice choice = {0};
     conus_renderer_options options = {.pathways = transfers, .pathway_count = 1, .engine = picture_engine()};
     assert_fails(haze_choose(&choice, atlas, &options), CONUS_ERROR_ARGUMENT); /* there is no pathway */

@@ -4,6 +4,7 @@
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
+#include "conus/atlas.h"
 #include "conus/picture.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"
@@ -235,6 +236,9 @@ static void a_surface_around_is_an_outline(void **state)
     struct context_surface surface = {
         .opacity = 0.25, .mesh = mesh_scene_box((const double[]){-12, -12, -12}, (const double[]){12, 12, 12})};
     assert_ok(conus_cut(plain.rgba, plain.objects, atlas, &view));
+    assert_ok(conus_atlas_add_shell(atlas, 0)); /* which is in space only */
+    assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
+    assert_memory_equal(picture.rgba, plain.rgba, sizeof plain.rgba);
     assert_ok(mesh_check(&surface.mesh, NULL));
     assert_ok(atlas_add_context_surface(atlas, &surface));
     assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
