@@ -5,8 +5,8 @@
  * these, at least 1.5 pixels thick, and the cut through a cone. Labels are looked up, never interpolated. What is drawn
  * has smooth borders where a voxel is wider than 1.5 pixels: of the voxels whose centres lie around a pixel in the
  * plane, the object with the largest sum of linear weights. So a border moves by at most half a voxel along each axis,
- * and stays where it is flat. In a plane along the voxels' axes 61 % of a voxel that is alone is left, in the middle. In
- * others an end of it may not be seen.
+ * and stays where it is flat. In a plane along the voxels' axes 61 % of a voxel that is alone is left, in the middle.
+ * In others an end of it may not be seen.
  *
  * A cut keeps what it found: the next one looks at voxels and triangles again only where they lie elsewhere. */
 #ifndef CONUS_RENDER_FLAT_CUT_H
@@ -59,7 +59,7 @@ struct cut {
     uint8_t seen_on[256]; /**< By the grey of the context: the grey of outlines of what is not hit. */
     uint32_t *objects;    /**< [height width] The area, pathway or bundle that a pixel's centre is in; 0 = none.    */
 
-    uint32_t *shown;   /**< [height width] Likewise, with smooth borders: as drawn.                             */
+    uint32_t *shown; /**< [height width] Likewise, with smooth borders: as drawn.                             */
 
     uint8_t *grey;      /**< [height width] Of the context.                                                      */
     uint32_t *contours; /**< [height width] The object whose surface the plane cuts there, or CUT_AROUND; NULL without

@@ -595,7 +595,7 @@ aim 0 90 0 0 0 0
 settle
 screenshot fresh.png
 pointer tracker
-wait 4
+settle
 screenshot old.png
 END
     /usr/bin/python3 - <<'END'

@@ -384,6 +384,11 @@ size_t viewer_rank(const struct viewer *viewer, uint32_t object)
     return 0;
 }
 
+unsigned viewer_cut_version(const struct viewer *viewer)
+{
+    return viewer->version - viewer->moves;
+}
+
 #define BYTES(colour) {LOOK_RGB(colour)},
 
 void viewer_rank_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object, size_t rank)

@@ -149,9 +149,9 @@ void pane_name(struct labels *labels, const struct ui_box *box, const float at[2
     float phase = 0;
     const float edge = what->chip.a ? 0.7F * ui_line() : 0;
     const float before = what->chip.a ? edge + 4 : 0;
-    const struct pen pen = {what->colour, 1, what->scale};
-    ui_colour letters = what->colour;
-    letters.a = what->is_hidden ? (uint8_t)(255 * theme_pale) : letters.a;
+    ui_colour colour = what->colour;
+    colour.a = what->is_hidden ? (uint8_t)(255 * theme_pale) : colour.a;
+    const struct pen pen = {colour, 1, what->scale};
     /* the brain stays to be seen, but in narrow panes */
     ui_shorten_name(shown, sizeof shown, what->name, fminf(box->width - 14, fmaxf(0.4F * box->width, 12 * ui_line())));
     const float size[2] = {before + ui_text_width(shown), ui_line()};
@@ -168,7 +168,7 @@ void pane_name(struct labels *labels, const struct ui_box *box, const float at[2
                         0);
             ui_draw_box((struct ui_box){place.x, place.y + (ui_line() - edge) / 2, edge, edge}, what->chip, 0);
         }
-        ui_draw_text((float[]){place.x + before, place.y}, letters, shown);
+        ui_draw_text((float[]){place.x + before, place.y}, colour, shown);
     }
 }
 

@@ -82,7 +82,7 @@ static void draw_picture(struct window *window, const struct cut *cut)
     const conus_cut_view *view = &cut->plane.view;
     conus_status status = CONUS_OK;
     bool is_old = inputs_is_old(&window->inputs, viewer, FIRST_TOOL);
-    const unsigned version = viewer->version - viewer->moves; /* the cone is drawn over the picture */
+    const unsigned version = viewer_cut_version(viewer); /* the cone is drawn over the picture */
     bool same = pane->version == version && pane->is_old == is_old && pane->texture.width == view->width &&
                 pane->texture.height == view->height;
     for (int a = 0; a < 3; a++) {

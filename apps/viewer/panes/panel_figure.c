@@ -87,7 +87,7 @@ void panel_figure(struct window *window)
     static const char *const panes[] = {"axial cut", "coronal cut", "sagittal cut", "3-D"};
     struct sheet before = window->sheet;
     enum backdrop backdrop = window->viewer->display.backdrop;
-    window_panel(window, "Save a figure (Ctrl+P; Escape closes this)", 520, 330);
+    window_panel(window, "Save a figure (Ctrl+P; Escape closes this)", 520, plans_is_on(window->viewer) ? 360 : 330);
     ui_choose("Of", &window->forms.figure.pane, panes, PANE_COUNT);
     ui_tip("drawn anew at this size: the place, the cone and the look that the pane has now");
     choose_size(&window->sheet);

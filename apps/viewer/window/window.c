@@ -502,7 +502,8 @@ bool window_is_settled(const struct window *window)
     bool settled = pictures->painted_fine || !screen_shows_pane(&window->screen, PANE_3D);
     settled = settled && !(studies_is_on(viewer) && studies_is_old(viewer)) && !plans_is_behind(viewer);
     for (int p = 0; p < PLANE_COUNT; p++) {
-        settled = settled && (pictures->cuts[p].version == viewer->version || !screen_shows_pane(&window->screen, p));
+        settled = settled &&
+                  (pictures->cuts[p].version == viewer_cut_version(viewer) || !screen_shows_pane(&window->screen, p));
     }
     return settled;
 }

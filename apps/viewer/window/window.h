@@ -31,7 +31,7 @@ struct cut_pane {
     struct texture texture;
     conus_cutter *cutter;  /**< NULL = none yet.                       */
     unsigned atlas_number; /**< The viewer's, when the cutter was made. */
-    unsigned version;      /**< The viewer's less its moves, when it was drawn. */
+    unsigned version;      /**< viewer_cut_version(), when it was drawn. */
     bool is_old;           /**< The answer was, then. */
     double centre[3];
     struct outline_top top; /**< Top of the chosen area. */
