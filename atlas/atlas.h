@@ -28,6 +28,7 @@ struct object_place {
 struct context_surface {
     struct mesh mesh; /**< Checked and measured. */
     double opacity;   /**< Above 0 to 1. */
+    bool is_shell;    /**< Made around the atlas, so that it tells nothing of a head. */
     char hemisphere;  /**< 'L', 'R', 'B' where the file says so, else 0. */
     float *values;    /**< [vertices] Of its map, NaN = none; NULL without a map. Owned. */
     char *map_name;   /**< Name of the map's array; owned. */

@@ -58,8 +58,6 @@ enum look_colour {
     LOOK_BORDER = 0x78AAE6, /**< A border of panes that is held. */
     LOOK_PLOT = 0x18191E,   /**< Under a transfer function; its bars. */
     LOOK_PLOT_BARS = 0x787E8C,
-    LOOK_LOADING = 0x4296FA, /**< The bar of what was read, and under it. */
-    LOOK_LOADING_LEFT = 0x808080,
 };
 
 /** @name The themes

@@ -396,6 +396,7 @@ struct render_settings {
     double frustum[4];
     struct context_choice context;
     const char *transfer;
+    bool has_shell;
     bool no_skipping;
     struct cut_settings cuts;
     struct turn_settings turn;
@@ -459,6 +460,11 @@ static const struct option picture_options[] = {
      .value = "NAME|FILE",
      .help = "colours and opacities of the context by its values: a preset or a file (docs/formats.md)",
      .needs = "context"},
+    {.name = "shell",
+     OPTION_AT(struct render_settings, has_shell),
+     .help = "a glass shell around all areas and the head in the context volume, in place of this volume and of areas "
+             "that are not hit, unless --transfer and --opacity say otherwise",
+     .words = "glass brain, hull, outline, transparent"},
     {.name = "engine",
      OPTION_AT(struct render_settings, engine.engine),
      .value = "NAME",
@@ -728,7 +734,13 @@ static int load_atlas(struct picture *picture)
     const struct render_settings *settings = picture->settings;
     int code = atlas_input_load(&picture->atlas, picture->arguments->operands[0], &settings->atlas);
     code = code ? code : context_choice_load(picture->atlas, &settings->context, &settings->atlas);
-    return code ? code : translucent_find(&picture->translucent, picture->atlas, &settings->translucent);
+    code = code ? code : translucent_find(&picture->translucent, picture->atlas, &settings->translucent);
+    if (!code && settings->has_shell) {
+        struct translucent *translucent = &picture->translucent;
+        translucent->no_pale = translucent->no_pale || translucent->pale == 0;
+        code = print_status(conus_atlas_add_shell(picture->atlas, 0));
+    }
+    return code;
 }
 
 static conus_status make_selector(struct picture *picture)
@@ -748,7 +760,8 @@ static conus_status make_renderer(struct picture *picture)
     if (!render_cuts_need_space(&settings->cuts)) {
         return CONUS_OK;
     }
-    const conus_renderer_options options = {.transfer = settings->transfer,
+    const bool hides_volume = settings->has_shell && !settings->transfer;
+    const conus_renderer_options options = {.transfer = hides_volume ? "none" : settings->transfer,
                                             .max_memory = settings->atlas.max_memory,
                                             .pathways = picture->translucent.pathways,
                                             .pathway_count = picture->translucent.pathway_count,

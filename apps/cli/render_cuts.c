@@ -183,7 +183,7 @@ bool render_cuts_check(const struct cut_settings *settings, const struct argumen
     static const char *const of_space[] = {"view",    "camera",          "camera-origin", "field-of-view",
                                            "frustum", "transfer",        "no-skipping",   "pathway-transfer",
                                            "opacity", "context-opacity", "map",           "streamline-colour",
-                                           "frames",  "unselected"};
+                                           "frames",  "unselected",      "shell"};
     if (!settings->cuts) {
         return true;
     }

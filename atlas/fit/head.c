@@ -138,6 +138,11 @@ bool head_grid_has(bool *in_head, const struct head *head, const double point[3]
     return true;
 }
 
+static bool is_around_head(const struct context_surface *surface)
+{
+    return surface->mesh.shape.closed && !surface->is_shell;
+}
+
 /* False where no surface is closed. */
 static bool find_box(double low[3], double high[3], const conus_atlas *atlas)
 {
@@ -148,11 +153,12 @@ static bool find_box(double low[3], double high[3], const conus_atlas *atlas)
     }
     for (size_t i = 0; i < atlas->context_surface_count; i++) {
         const struct mesh_shape *shape = &atlas->context_surfaces[i].mesh.shape;
-        for (int a = 0; shape->closed && a < 3; a++) {
+        const bool is_head = is_around_head(&atlas->context_surfaces[i]);
+        for (int a = 0; is_head && a < 3; a++) {
             low[a] = fmin(low[a], shape->low[a]);
             high[a] = fmax(high[a], shape->high[a]);
         }
-        found = found || shape->closed;
+        found = found || is_head;
     }
     return found;
 }
@@ -205,8 +211,8 @@ conus_status surface_head_make(struct volume *out, const conus_atlas *atlas)
     volume.values = status ? NULL : memory_zeroed(volume.voxel_count, sizeof *volume.values);
     status = status || volume.values ? status : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < atlas->context_surface_count; i++) {
-        const struct mesh *mesh = &atlas->context_surfaces[i].mesh;
-        status = mesh->shape.closed ? fill_surface(&volume, mesh) : CONUS_OK;
+        const struct context_surface *surface = &atlas->context_surfaces[i];
+        status = is_around_head(surface) ? fill_surface(&volume, &surface->mesh) : CONUS_OK;
     }
     if (status) {
         volume_finish(&volume);

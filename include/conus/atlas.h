@@ -171,6 +171,20 @@ CONUS_CHECKED conus_status conus_atlas_set_context(conus_atlas *atlas, const cha
                                                    const conus_context_options *options);
 
 /**
+ * Adds a surface around the areas, as conus_atlas_set_context() does with one of a file: around all areas of voxels,
+ * and with a context volume around the head in it, too (a brain, where the skull was taken away). Gaps that are
+ * enclosed along two of the axes are inside. It is smooth, and lies 0.84 of a 96th of the longest edge of their box
+ * outside.
+ * @param atlas The atlas; unchanged on failure.
+ * @param opacity Above 0 to 1; 0 = 0.12.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where there are no voxels of areas or of a head, and for an opacity that is
+ * not allowed.
+ * @threads One at a time, while no other thread uses the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_add_shell(conus_atlas *atlas, double opacity);
+
+/**
  * Tells as what conus_atlas_set_context() reads a file.
  * @param path The file.
  * @return True where it is a surface; false for everything else, also for a file that is not there.

@@ -237,6 +237,7 @@ def load(
     context: Any = None,
     context_blocks: float = 0,
     context_opacity: float = 0,
+    shell: bool = False,
     hemispheres: str = "as-is",
     only: Optional[str] = None,
     hide: Optional[str] = None,
@@ -275,6 +276,9 @@ def load(
         The context drawn around the areas: a path or nibabel image of a volume, the path of a surface, or a
         list of these with at most one volume. Its voxels with values from ``context_blocks`` on block
         rays (0 = none); surfaces have ``context_opacity``, above 0 to 1 (0 = 0.25), and block nothing.
+    shell
+        Draws a glass shell around all areas of voxels and the head in the context volume. A picture with
+        ``transfer="none"`` leaves out that volume, and ``opacity`` the areas.
     hemispheres
         "as-is", "split" (areas of both sides are cut at x = 0) or "merged".
     only, hide
@@ -348,6 +352,8 @@ def load(
     _set_contexts(raw, context, context_blocks, context_opacity, max_memory, flag("cache", cache))
     if only is not None or hide is not None:
         check(lib.conus_atlas_show(raw, optional(utf8, "only", only), optional(utf8, "hide", hide)))
+    if flag("shell", shell):
+        check(lib.conus_atlas_add_shell(raw, 0))
     if flag("safe_colours", safe_colours):
         lib.conus_atlas_use_safe_colours(raw)
     palette = palette.replace(",", " ").split() if isinstance(palette, str) else palette

@@ -50,6 +50,8 @@ static const struct transfer_preset presets[] = {
      4},
     /* only the brightest tissue: white matter in T1, vessels in angiography, bone in CT */
     {"bright", {{0.78, {0.90, 0.86, 0.78, 0}}, {0.90, {0.95, 0.92, 0.85, 0.35}}, {1.00, {1, 0.99, 0.96, 0.9}}}, 3},
+    /* nothing: the volume is seen in cuts only */
+    {"none", {{0, {0, 0, 0, 0}}, {1, {0, 0, 0, 0}}}, 2},
 };
 
 enum { PRESETS = sizeof presets / sizeof *presets };
@@ -192,7 +194,7 @@ conus_status transfer_load(struct transfer *out, const char *name)
         status = status ? fail_in(status, name) : status;
     } else if (path_is_name(name) && !strchr(name, '.')) {
         status = fail(CONUS_ERROR_ARGUMENT,
-                      "transfer function \"%s\" is neither a file nor brain, surface, grey, heat, bright", name);
+                      "transfer function \"%s\" is neither a file nor brain, surface, grey, heat, bright, none", name);
     }
     bytes_finish(&bytes);
     return status;

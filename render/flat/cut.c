@@ -8,6 +8,7 @@
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
+#include "render/draw/srgb.h"
 
 #include <string.h>
 
@@ -718,12 +719,25 @@ static double size_of(const conus_atlas *atlas, uint32_t number)
     return fabs(atlas_object_mesh(atlas, number)->shape.volume_mm3);
 }
 
+/* A line on any grey has a contrast (WCAG 2.2) of 3, and some more for what bytes round: it is darker, or lighter where
+ * black would not do. */
+static void find_seen(uint8_t levels[256])
+{
+    static const double contrast = 3.2, glare = 0.05;
+    for (int grey = 0; grey < 256; grey++) {
+        double under = linear_from_srgb(grey / 255.0) + glare;
+        double level = (under / contrast >= glare ? under / contrast : under * contrast) - glare;
+        levels[grey] = (uint8_t)lrint(255 * srgb_from_linear(level));
+    }
+}
+
 conus_status cut_init(struct cut *out, const conus_atlas *atlas)
 {
     struct cut cut = {.atlas = atlas,
                       .surfaces = memory_zeroed(atlas->object_count + 1, sizeof *cut.surfaces),
                       .streamlines = memory_zeroed(atlas->tractogram_count, sizeof *cut.streamlines)};
     bool is_whole = cut.surfaces && cut.streamlines;
+    find_seen(cut.seen_on);
     for (size_t i = 0; i < atlas->tractogram_count && is_whole; i++) {
         const struct tractogram *tractogram = &atlas->tractograms[i];
         cut.streamlines[i] = memory_zeroed(tractogram->streamline_count, sizeof **cut.streamlines);
@@ -825,6 +839,7 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const d
     uint32_t of = 0;
     double by = 0;
     const bool has_ground = !atlas_context(cut->atlas) && view->fill > 0;
+    const bool has_bare = view->rgb && view->emphasis && !cut->atlas->has_palette && atlas_context(cut->atlas);
     for (uint32_t column = 0; column < cut->of.width; column++, at++) {
         uint8_t *pixel = cut->rgba + 4 * at;
         uint32_t object = cut->shown[at];
@@ -842,7 +857,12 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const d
             }
             if (object != of || opacity != by || cut->grey[at] != grey) {
                 memset(pixel, has_ground ? GROUND : cut->grey[at], 3);
-                blend(pixel, colour_of(cut, opacity == OUTLINE ? view->line_rgb : view->rgb, object), fmin(opacity, 1));
+                if (has_bare && opacity == OUTLINE && view->emphasis[object] == EMPHASIS_PALE) {
+                    memset(pixel, cut->seen_on[cut->grey[at]], 3);
+                } else {
+                    blend(pixel, colour_of(cut, opacity == OUTLINE ? view->line_rgb : view->rgb, object),
+                          fmin(opacity, 1));
+                }
                 memcpy(blended, pixel, sizeof blended);
                 of = object;
                 by = opacity;

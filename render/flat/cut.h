@@ -40,7 +40,8 @@ struct cut_view {
     const uint8_t *emphasis;      /**< [object_count + 1] of enum emphasis; NULL = all full.                 */
     const uint8_t (*rgb)[3];      /**< [object_count + 1] sRGB of areas, by number: then pale ones are not filled over a
                                      context, and opaque without one. NULL = the atlas's. */
-    const uint8_t (*line_rgb)[3]; /**< Likewise of outlines. */
+    const uint8_t (*line_rgb)[3]; /**< Likewise of outlines; those of pale ones over a context are a grey that is seen
+                                     there. */
     double fill;                  /**< Opacity of areas, 0 to 1; outlines are drawn over it.                          */
     bool no_outlines;
     double window[2];            /**< Grey values shown as black and white.                                         */
@@ -54,8 +55,9 @@ struct cut_view {
 
 struct cut {
     const conus_atlas *atlas;
-    uint8_t *rgba;     /**< [height width 4] sRGB and opacity 255, top row first.                               */
-    uint32_t *objects; /**< [height width] The area, pathway or bundle that a pixel's centre is in; 0 = none.    */
+    uint8_t *rgba;        /**< [height width 4] sRGB and opacity 255, top row first.                               */
+    uint8_t seen_on[256]; /**< By the grey of the context: the grey of outlines of what is not hit. */
+    uint32_t *objects;    /**< [height width] The area, pathway or bundle that a pixel's centre is in; 0 = none.    */
 
     uint32_t *shown;   /**< [height width] Likewise, with smooth borders: as drawn.                             */
 

@@ -11,7 +11,9 @@
 enum { CELL = 2 }; /* pixels between the places where a cone's wall is looked for */
 
 static const uint8_t cone_rgb[3] = {LOOK_RGB(LOOK_CONE)};
+static const uint8_t cone_edge[3] = {LOOK_RGB(LOOK_APEX)};
 static const double CONE_LINE = 1.6;
+static const double CONE_EDGE = 3; /* under it: the line is seen on white, on the cone's inside and on areas */
 
 /* Lines of surfaces around the areas. */
 static const uint8_t around_rgb[3] = {LOOK_RGB(LOOK_AROUND)};
@@ -158,7 +160,13 @@ static void flush(struct cut_lines *lines)
                          : !lines->object            ? cone_rgb
                          : lines->rgb                ? lines->rgb[lines->object]
                                                      : lines->list[lines->object - 1].rgb;
-    draw_colour(item.rgba, rgb, lines->object ? 1 : 0.9F);
+    if (lines->count && !lines->object) {
+        struct draw_item edge = item;
+        edge.width = lines->width * CONE_EDGE;
+        draw_colour(edge.rgba, cone_edge, 1);
+        draw_item(lines->out, &edge);
+    }
+    draw_colour(item.rgba, rgb, 1);
     if (lines->count) {
         draw_item(lines->out, &item);
     }

@@ -148,9 +148,9 @@ void picture_probes_finish(struct picture *picture);
 conus_status picture_probes_draw(struct draw_list *list, const struct picture *picture);
 
 enum { PICTURE_TEXT = 160, PICTURE_NUMBER = 24 };
-/** A coordinate: all its digits where it was given with up to six after the point, else to a thousandth, which is less
- * than a pixel. */
-void picture_put_place(char out[PICTURE_NUMBER], double value);
+/** A coordinate: all its digits where it was given with up to six after the point, else @p most, which show less than
+ * a pixel. */
+void picture_put_place(char out[PICTURE_NUMBER], double value, int most);
 
 /** The legend's words about where a cone begins, in the space of @p frame; NULL = RAS mm. */
 void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, const conus_frame *frame);

@@ -216,7 +216,8 @@ static void place_panels(struct sheet *sheet)
     }
 }
 
-/* The coordinate of the sheet's space that does not change in the plane; "" of an oblique one. */
+/* The coordinate of the sheet's space that does not change in the plane; "" of an oblique one. A
+ * computed one has one digit where a pixel is 0.1 mm or more. */
 static void put_title(char out[TITLE_SIZE], const struct sheet *sheet, const struct panel *panel, enum title title)
 {
     static const conus_frame world = {.space = CONUS_SPACE_RAS,
@@ -235,7 +236,7 @@ static void put_title(char out[TITLE_SIZE], const struct sheet *sheet, const str
             const char *axis = conus_space_axis(frame->space, a);
             char digits[PICTURE_NUMBER];
             char number[PICTURE_NUMBER + 3];
-            picture_put_place(digits, at[a]);
+            picture_put_place(digits, at[a], !is_fine && sheet->pixels_per_mm <= 10 ? 1 : 3);
             snprintf(number, sizeof number, "%s%s", *digits == '-' ? "\u2212" : "", digits + (*digits == '-'));
             if (title == TITLE_WHOLE) {
                 snprintf(out, TITLE_SIZE, "%s = %s %s", axis, number, is_fine ? "\u00b5m" : "mm");
@@ -317,9 +318,17 @@ static void lay_pixel(const struct sheet *sheet, const struct image_rgba *to, lo
     }
 }
 
-static bool is_empty(const struct cut *cut, size_t pixel)
+static bool is_black(const struct sheet *sheet, size_t pixel)
 {
-    return !cut->shown[pixel] && !(cut->contours && cut->contours[pixel]) && !cut->grey[pixel];
+    const uint8_t *rgb = sheet->rgba + 4 * pixel;
+    return !rgb[0] && !rgb[1] && !rgb[2];
+}
+
+/* Over a context areas count where they have a colour: beyond the end of an image without a skull they have none. */
+static bool is_empty(const struct sheet *sheet, const struct cut *cut, size_t pixel)
+{
+    const bool is_nothing = atlas_context(sheet->picture.atlas) ? is_black(sheet, pixel) : !cut->shown[pixel];
+    return is_nothing && !(cut->contours && cut->contours[pixel]) && !cut->grey[pixel];
 }
 
 /* Makes transparent what is empty: with a context from the panel's edges on, so that a dark ventricle stays; without
@@ -329,15 +338,14 @@ static void clear_outside(struct sheet *sheet, const struct cut *cut, size_t wid
     const bool has_context = atlas_context(sheet->picture.atlas);
     size_t top = 0;
     for (size_t i = 0; i < width * height && !has_context; i++) {
-        const uint8_t *rgb = sheet->rgba + 4 * i;
-        bool is_unfilled = sheet->look->fill == 0 && !rgb[0] && !rgb[1] && !rgb[2];
-        sheet->rgba[4 * i + 3] = is_empty(cut, i) || is_unfilled ? 0 : 255;
+        bool is_unfilled = sheet->look->fill == 0 && is_black(sheet, i);
+        sheet->rgba[4 * i + 3] = is_empty(sheet, cut, i) || is_unfilled ? 0 : 255;
     }
     for (size_t i = 0; i < width * height && has_context; i++) {
         size_t column = i % width;
         size_t row = i / width;
         bool is_edge = column == 0 || row == 0 || column + 1 == width || row + 1 == height;
-        if (is_edge && is_empty(cut, i) && sheet->rgba[4 * i + 3]) {
+        if (is_edge && is_empty(sheet, cut, i) && sheet->rgba[4 * i + 3]) {
             sheet->rgba[4 * i + 3] = 0;
             sheet->stack[top++] = (uint32_t)i;
         }
@@ -348,7 +356,7 @@ static void clear_outside(struct sheet *sheet, const struct cut *cut, size_t wid
         const size_t next[4] = {column > 0 ? at - 1 : at, column + 1 < width ? at + 1 : at,
                                 at >= width ? at - width : at, at + width < width * height ? at + width : at};
         for (int n = 0; n < 4; n++) {
-            if (sheet->rgba[4 * next[n] + 3] && is_empty(cut, next[n])) {
+            if (sheet->rgba[4 * next[n] + 3] && is_empty(sheet, cut, next[n])) {
                 sheet->rgba[4 * next[n] + 3] = 0;
                 sheet->stack[top++] = (uint32_t)next[n];
             }

@@ -434,6 +434,7 @@ static size_t add_haze(struct legend_row rows[COLOUR_ROWS], char words[COLOUR_RO
     const char *unit = NULL;
     double span[2] = {0, 1};
     bool is_same = true;
+    bool is_probability = true;
     for (uint32_t number = 1; number <= picture->atlas->object_count; number++) {
         if (!is_by_value(picture, number)) {
             continue;
@@ -447,6 +448,7 @@ static size_t add_haze(struct legend_row rows[COLOUR_ROWS], char words[COLOUR_RO
         const double ends[2] = {factor * transfer->points[0].value,
                                 factor * transfer->points[transfer->count - 1].value};
         const char *own_unit = scale.is_probability ? "probability, %" : "value";
+        is_probability = is_probability && scale.is_probability;
         if (first) {
             is_same = is_same && unit == own_unit && fabs(ends[0] - span[0]) + fabs(ends[1] - span[1]) < 1e-6;
         } else {
@@ -458,7 +460,10 @@ static size_t add_haze(struct legend_row rows[COLOUR_ROWS], char words[COLOUR_RO
     if (!first) {
         return 0;
     }
-    snprintf(words[0], TEXT_SIZE, "Pathways by %s", is_same ? unit : "value, % of range");
+    snprintf(words[0], TEXT_SIZE, "Pathways by %s",
+             is_same          ? unit
+             : is_probability ? "probability, % of range"
+                              : "value, % of range");
     rows[0] = (struct legend_row){.name = words[0], .heading = true};
     return 1 + add_bar(rows + 1, words + 1, out, is_same ? span[0] : 0, is_same ? span[1] : 100, first);
 }
@@ -483,9 +488,10 @@ static int digits_of(double value)
     return -1;
 }
 
-void picture_put_place(char out[PICTURE_NUMBER], double value)
+void picture_put_place(char out[PICTURE_NUMBER], double value, int most)
 {
-    double place = digits_of(value) >= 0 ? value : rint(value * 1e3) / 1e3;
+    const double parts = pow(10, most);
+    double place = digits_of(value) >= 0 ? value : rint(value * parts) / parts;
     int digits = digits_of(place);
     double shown = rint(place * pow(10, digits)) / pow(10, digits);
     snprintf(out, PICTURE_NUMBER, "%.*f", digits, shown == 0 ? 0 : shown); /* no -0 */
@@ -506,7 +512,7 @@ void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, cons
     for (size_t a = 0; a < 3; a++) {
         const char *axis = space < CONUS_SPACE_CCF ? "" : conus_space_axis(space, a);
         char number[PICTURE_NUMBER];
-        picture_put_place(number, at[a]);
+        picture_put_place(number, at[a], 3);
         size += snprintf(out + size, PICTURE_TEXT - (size_t)size, "%s %s%s%s", a ? "," : "", axis, *axis ? " " : "",
                          number);
     }

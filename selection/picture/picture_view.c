@@ -329,10 +329,12 @@ static conus_status see_contact(double *out, const struct picture *picture, conu
 }
 
 /* The direction 60 degrees off the cone's axis from which its best hit is seen best, where that is equal the most
- * upright one: a little from above. */
+ * upright one: a little from above; 45 or 35 degrees off it where that shows clearly more. */
 static conus_status look_from_beside(double out[3], const struct picture *picture)
 {
-    enum { TURNS = 24, RAYS_ACROSS = 24 };
+    enum { TURNS = 24, RAYS_ACROSS = 24, ANGLES = 3 };
+    static const double degrees[ANGLES] = {60, 45, 35};
+    static const double clearly = 1.15;
     static const double upright = 0.05; /* as much as that part of what is seen */
     const conus_selection *selection = picture->options.selection;
     const double *m = selection->cone.pose.world_from_device;
@@ -340,19 +342,23 @@ static conus_status look_from_beside(double out[3], const struct picture *pictur
     conus_selector_options rays = CONUS_SELECTOR_OPTIONS_INIT;
     conus_selector *selector = NULL;
     double best = -INFINITY;
+    double least = -INFINITY;
     rays.resolution = RAYS_ACROSS;
     conus_status status = hit ? conus_selector_create(&selector, picture->atlas, &rays) : CONUS_OK;
-    for (int n = 0; n < TURNS && !status; n++) {
-        const double turn = radians_from_degrees(360.0 / TURNS * n);
+    for (int n = 0; n < ANGLES * TURNS && !status; n++) {
+        const double off = radians_from_degrees(degrees[n / TURNS]);
+        const double turn = radians_from_degrees(360.0 / TURNS * (n % TURNS));
+        const bool is_first = n % TURNS == 0; /* of this angle */
         double forward[3], across[3];
         double seen = 0;
         vec3_scale(across, m, cos(turn));
         vec3_add_scaled(across, across, sin(turn), m + 4);
-        vec3_scale(forward, m + 8, -cos(radians_from_degrees(60)));
-        vec3_add_scaled(forward, forward, sin(radians_from_degrees(60)), across);
+        vec3_scale(forward, m + 8, -cos(off));
+        vec3_add_scaled(forward, forward, sin(off), across);
         status = hit ? see_contact(&seen, picture, selector, hit, forward) : CONUS_OK;
         const double score = seen + upright * cos(asin(fmin(fmax(-forward[2], -1), 1)) - radians_from_degrees(15));
-        if (score > best + 1e-6) {
+        least = is_first && n ? clearly * best : least;
+        if (score > fmax(best, least) + 1e-6) {
             best = score;
             memcpy(out, forward, sizeof forward);
         }

@@ -196,6 +196,17 @@ seen() {
     leave
 }
 
+@test "areas that pathways leave out are brought back as glass, by a button over the brain" {
+    conus phantom slabs -o .
+    conus phantom tubes -o .
+    live slabs.nii.gz --pathway tubes.nii.gz,threshold=3 --size 1000x640
+    click_at 110 39
+    look '.look.opacity_of_the_rest == 0.15 and .look.opacities == [[3, 1]]' # the pathway is the third, after two areas
+    xdotool key --window "$window" ctrl+z
+    look '.look.opacity_of_the_rest == 1 and .look.opacities == []'
+    leave
+}
+
 @test "start, open by name, search, save the session, isolate, point, hold, read the name, save a figure, close, start again: all is back" {
     need_window
     command -v xdotool >/dev/null || skip "no xdotool"

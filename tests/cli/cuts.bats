@@ -152,7 +152,7 @@ END
 0.0625 0.0625
 -1e-13 0
 12.345678 12.345678
-12.34567891 12.346
+12.34567891 12.3
 0.50000001 0.5
 END
     answers render sphere.nii.gz --cuts axial --origin=-90.125,0.0625,-12 --toward 0,0,0 -q -o title.svg

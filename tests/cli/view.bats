@@ -611,6 +611,11 @@ assert count("fresh.png", *the_list, *white) > 100
 assert count("old.png", *the_list, *white) == 0
 for place in the_list, pane:
     assert count("fresh.png", *place, *orange) == 0 < 50 < count("old.png", *place, *orange), place
+# what is hit, in the colour of the first rank, 0xD2246C, is pale in 3-D and in the axial cut
+for place in (60, 60, 459, 460), (525, 30, 170, 170):
+    reds = [(oiio.ImageBuf(name).get_pixels(oiio.UINT8).astype(int) @ ((1, -1, 0, 0)))[place[1]:place[1] + place[3],
+            place[0]:place[0] + place[2]] > 70 for name in ("fresh.png", "old.png")]
+    assert reds[0].sum() > 100 and not reds[1].any(), [red.sum() for red in reds]
 # the text is that of headings, where a capital has 22 * 0.71 = 16 pixels, and 11 in lists
 high = lambda name, x, y, wide: sum(count(name, x, row, wide, 1, *orange) > 8 for row in range(y, y + 40))
 assert high("old.png", 704, 24, 290) >= 14 and high("old.png", 60, 535, 300) >= 14

@@ -399,11 +399,11 @@ END
     [[ $stderr == *'none/hits.tsv: '* ]]
 }
 
-@test "at 1500x940 all buttons over 3-D are there" {
+@test "at 1500x940 the icons stand above the list of areas" {
     conus phantom slabs -o .
     live slabs.nii.gz --size 1500x940
     look '.measure.on | not'
-    click_at 494 17 # Measure, the last one
+    click_at 72 41 # the second icon: measure
     look '.measure.on'
     leave
 }
@@ -575,5 +575,36 @@ seen = numpy.unique(numpy.degrees(numpy.arctan2(y[below], x[below])).astype(int)
 assert 40 < seen < 150, seen # dashes: of a whole line there are 180
 change = abs(chosen - unchosen).max(axis=2) > 0
 assert 0.001 < change.mean() < 0.1, change.mean() # an outline and a name, not the whole slab
+END
+}
+
+# From behind, the contact of a cone from the front is on the far side of the balls.
+@test "the name of a hit that the camera does not see is pale, and the second tool's hits are blue in list and picture" {
+    need_window
+    need_pixels
+    conus phantom nested -o .
+    view nested.nii.gz --size 1000x640 <<'END'
+aim 0 90 0 0 0 0
+orbit 20 10
+settle
+screenshot seen.png
+orbit 200 10
+settle
+screenshot hidden.png
+orbit 90 10
+second on
+second aim 90 0 0 0 0 0
+settle
+screenshot second.png
+END
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+pixels = lambda name, x, y, width, height: oiio.ImageBuf(name).get_pixels(oiio.UINT8)[y:y + height, x:x + width, :3]
+pane, the_list = (60, 60, 340, 400), (704, 200, 290, 320) # of 3-D what has no letters of directions
+white = lambda name: (pixels(name, *pane).min(axis=2) > 200).sum() # letters and ring: the ball is red
+blue = lambda name, place: (pixels(name, *place) == (0, 0xBE, 0xFF)).all(axis=2).sum()
+assert white("seen.png") > 20 and white("hidden.png") == 0, (white("seen.png"), white("hidden.png"))
+assert blue("hidden.png", the_list) == 0
+assert blue("second.png", the_list) > 100 and blue("second.png", pane) > 20
 END
 }

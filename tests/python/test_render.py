@@ -218,6 +218,16 @@ def test_opacity_and_haze_are_those_of_the_program(tmp_path):
         assert not np.array_equal(other.array, plain.array)
 
 
+def test_shell_is_that_of_the_program(tmp_path):
+    """To the byte; it is no head in which the areas could lie."""
+    call_conus("phantom", "slabs", "-o", tmp_path, "--size", "16")
+    slabs = tmp_path / "slabs.nii.gz"
+    call_conus("render", slabs, "--shell", "--size=60x40", "-q", "-o", tmp_path / "a.png")
+    atlas = conus.load(slabs, shell=True)
+    assert atlas.render(size=(60, 40), opacity=0)._repr_png_() == (tmp_path / "a.png").read_bytes()
+    assert atlas.placement().in_head is None
+
+
 def test_streamlines_have_the_colours_of_the_program(tmp_path):
     call_conus("phantom", "slabs", "-o", tmp_path, "--size", "16")
     slabs, lines = tmp_path / "slabs.nii.gz", tmp_path / "lines.tck"

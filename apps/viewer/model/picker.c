@@ -48,7 +48,11 @@ static double depth_of_surface(const struct viewer *viewer, const double origin[
     }
     double light = 1;
     double surface = INFINITY;
-    for (unsigned step = 0; context_ray.count && step < most && light > dark; step++) { /* by 1 mm */
+    double before = -2 * viewer->radius; /* there is nothing farther from the middle */
+    for (int a = 0; a < 3; a++) {
+        before += (viewer->centre[a] - origin[a]) * along[a];
+    }
+    for (unsigned step = (unsigned)fmax(before, 0); context_ray.count && step < most && light > dark; step++) { /* mm */
         double t = step;
         const double place[3] = {origin[0] + t * along[0], origin[1] + t * along[1], origin[2] + t * along[2]};
         double value = conus_atlas_value(context_ray.atlas, context_ray.volume, place);

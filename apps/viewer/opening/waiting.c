@@ -2,41 +2,48 @@
 /* Draws the page, and waits for the loader's thread. */
 #include "viewer/opening/waiting.h"
 
-#include "base/look.h"
 #include "options/messages.h"
+#include "options/output.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static const double progress_s = 0.1; /* between two looks at how far it is */
+static const double progress_s = 0.05; /* between two looks at how far it is */
 /* Files that load within this time need no page in place of the open atlas. */
 static const double patience_s = 0.2, first_patience_s = 0.05;
 
-/* Shows the name of the file that is read, and a bar of the files that were. */
+/* Shows the name of the file that is read, and a bar of the files that were; in the rest of it a piece goes to and fro,
+ * for one file may take a minute. */
 static void draw_page(struct window *window, struct loader *loader, double seconds)
 {
-    static const ui_colour light = {LOOK_RGB(LOOK_OVER), 255};
-    static const ui_colour dim = {LOOK_RGB(LOOK_LOADING_LEFT), 60};
-    static const ui_colour full = {LOOK_RGB(LOOK_LOADING), 255};
     struct loader_progress progress;
     char text[160];
+    char shown[sizeof text + 4]; /* an ellipsis has three bytes */
     loader_ask(loader, &progress);
     window_lay_out(window);
     window_clear(window);
     ui_begin(glfwGetTime());
-    ui_panel("loading", (struct ui_box){0, 0, (float)window->screen.width, (float)window->screen.height}, UI_PLAIN);
     float line = ui_line();
     float wide = fminf(420 * window->screen.scale, 0.8F * (float)window->screen.width);
-    struct ui_box bar = {((float)window->screen.width - wide) / 2, (float)window->screen.height / 2, wide, 0.4F * line};
-    snprintf(text, sizeof text, "reading %s   %.1f s", progress.file, seconds);
-    ui_draw_text((float[]){bar.x + 3, bar.y - 1.5F * line}, light, text);
-    ui_draw_text((float[]){bar.x + 3, bar.y + line}, light,
-                 window->files.stops ? "Escape: this file is the last one that is read" : "Escape ends that");
-    ui_draw_box(bar, dim, 0);
-    bar.width *= (float)progress.part;
-    ui_draw_box(bar, full, 0);
+    ui_panel("loading",
+             (struct ui_box){((float)window->screen.width - wide) / 2, (float)window->screen.height / 2 - 2 * line,
+                             wide, 4 * line},
+             UI_PLAIN);
+    snprintf(text, sizeof text, "reading %s   %.1f s",
+             progress.file[0] ? progress.file : path_name(loader_path(loader)), seconds);
+    ui_shorten_name(shown, sizeof shown, text, wide);
+    ui_text("%s", shown);
+    const struct ui_box bar = ui_area("bar", 0.4F * line);
+    float read = (float)progress.part * bar.width;
+    float piece = (bar.width - read) / 4;
+    float at = fabsf(fmodf((float)seconds, 2) - 1); /* from 1 to 0 and back */
+    ui_draw_box(bar, theme_line(), 0);
+    ui_draw_box((struct ui_box){bar.x, bar.y, read, bar.height}, theme_mark(), 0);
+    ui_draw_box((struct ui_box){bar.x + read + 3 * piece * (1 - at), bar.y, piece, bar.height}, theme_mark(), 0);
+    ui_text_coloured(THEME_HINT, "%s",
+                     window->files.stops ? "Escape: this file is the last one that is read" : "Escape ends that");
     ui_panel_end();
     ui_end();
     glfwSwapBuffers(window->handle);

@@ -208,7 +208,7 @@ static void draw_names(struct window *window, enum tool_number number)
     const bool is_second = number == SECOND_TOOL;
     bool is_old = inputs_is_old(&window->inputs, viewer, number);
     struct pen pen = {is_old      ? compass_far
-                      : is_second ? pane_cone_pen(window, number).colour
+                      : is_second ? pane_tool_pen(window, number).colour
                                   : light,
                       1.5F, window->screen.scale};
     float places[HITS_NAMED][2];
@@ -217,8 +217,10 @@ static void draw_names(struct window *window, enum tool_number number)
         const conus_result *result = conus_selection_result(selection, i);
         if (result->object && result->pixels && window_point(places[i], window, result->contact)) {
             const float half = 4 * pen.scale;
+            struct pen ring = pen;
             results[i] = result;
-            stroke_circle(places[i], 4, pen);
+            ring.colour.a = window->pictures.cones[number].hides_hit[i] ? (uint8_t)(255 * theme_pale) : 255;
+            stroke_circle(places[i], 4, ring);
             labels_reserve(&window->frame.labels,
                            (struct ui_box){places[i][0] - half, places[i][1] - half, 2 * half, 2 * half});
         }

@@ -1,23 +1,39 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The balls by which the mouse turns the cones of both tools. */
+/* What a tool is drawn with, and the ball by which the mouse turns its cone. */
 #include "viewer/panes/panes.h"
 
 #include "base/look.h"
 
 #include <math.h>
 
+static const ui_colour colours[TOOL_COUNT] = {{LOOK_RGB(LOOK_CONE), 255}, {LOOK_RGB(LOOK_SECOND), 255}};
+static const ui_colour old_colour = {LOOK_RGB(LOOK_CONE_OLD), 255}; /* where the tool is not seen */
+
 /* Pixels at scale 1. */
+static const float width = 2;
 static const float ball = 8, grip = 4; /* its radius, and how far beside it the mouse takes it */
 static const float end_on = 20;        /* nearer to its entry it is not drawn: it would hide what the cone points at */
 
 enum { HALVINGS = 6 };
+
+bool pane_tool_shows(const struct window *window, enum tool_number number)
+{
+    const struct tool *tool = &window->viewer->tools[number];
+    return tool->has_pose && (number == FIRST_TOOL || tool->on);
+}
+
+struct pen pane_tool_pen(const struct window *window, enum tool_number number)
+{
+    ui_colour colour = inputs_is_old(&window->inputs, window->viewer, number) ? old_colour : colours[number];
+    return (struct pen){colour, width, window->screen.scale};
+}
 
 void pane_ball_place(struct window *window, enum tool_number number)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     struct cone_sight *sight = &window->pictures.cones[number];
     const conus_pose *pose = &window->viewer->tools[number].pose;
-    float margin = (ball + pane_cone_pen(window, number).width) * window->screen.scale;
+    float margin = (ball + width) * window->screen.scale;
     double seen = 0;
     double step = sight->extent.reach;
     sight->turned = sight->extent;
@@ -50,7 +66,7 @@ static bool find_ball(float out[2], const struct window *window, enum tool_numbe
 {
     const struct cone_sight *sight = &window->pictures.cones[number];
     float entry[2];
-    return pane_cone_shows(window, number) && sight->is_seen && is_free(&window->viewer->tools[number]) &&
+    return pane_tool_shows(window, number) && sight->is_seen && is_free(&window->viewer->tools[number]) &&
            window_point(out, window, sight->ball) && window_point(entry, window, sight->extent.entry) &&
            hypotf(out[0] - entry[0], out[1] - entry[1]) > end_on * window->screen.scale;
 }
@@ -69,7 +85,7 @@ enum tool_number pane_cone_at(const struct window *window, const float at[2])
 void pane_ball_draw(struct window *window, enum tool_number number)
 {
     float at[2];
-    struct pen pen = pane_cone_pen(window, number);
+    struct pen pen = pane_tool_pen(window, number);
     if (find_ball(at, window, number)) {
         const struct ui_mouse mouse = ui_mouse_now();
         bool is_taken =

@@ -11,14 +11,11 @@
 #include <math.h>
 #include <string.h>
 
-static const ui_colour colours[TOOL_COUNT] = {{LOOK_RGB(LOOK_CONE), 255}, {LOOK_RGB(LOOK_SECOND), 255}};
-static const ui_colour old_colour = {LOOK_RGB(LOOK_CONE_OLD), 255}; /* where the tool is not seen */
-
 /* Opacities of the inside: up to the first hit, and behind that, and where the cone is seen along its axis, so that the
  * colours of hits stay what they are. */
 static const double fill = 0.25, fill_over_hits = 0.08;
 
-static const float rim = 2, needle = 3, tick = 5, apex_radius = 4; /* pixels at scale 1 */
+static const float needle = 3, tick = 5, apex_radius = 4; /* pixels at scale 1 */
 
 static const double tick_mm = 10;
 static const double beside = 2;     /* mm: a needle so near to a cut is in it */
@@ -30,18 +27,6 @@ enum { PARTS = 4, ARC = 8 /* points of a ring that are looked at once */, STEPS 
 static bool is_needle(const struct viewer *viewer, enum tool_number number)
 {
     return number == FIRST_TOOL && plans_is_on(viewer) && viewer->cone.options.range[1] > 0;
-}
-
-bool pane_cone_shows(const struct window *window, enum tool_number number)
-{
-    const struct tool *tool = &window->viewer->tools[number];
-    return tool->has_pose && (number == FIRST_TOOL || tool->on);
-}
-
-struct pen pane_cone_pen(const struct window *window, enum tool_number number)
-{
-    ui_colour colour = inputs_is_old(&window->inputs, window->viewer, number) ? old_colour : colours[number];
-    return (struct pen){colour, rim, window->screen.scale};
 }
 
 static void find_shell(struct shell *out, const struct viewer *viewer, enum tool_number number, double near, double far)
@@ -235,7 +220,6 @@ static void draw_tick(const float from[2], const float at[2], struct pen pen)
     if (size > 0) {
         float half = tick * pen.scale / size;
         const float across[2] = {half * (from[1] - at[1]), half * (at[0] - from[0])};
-        pen.width = rim;
         stroke_line((float[]){at[0] - across[0], at[1] - across[1]}, (float[]){at[0] + across[0], at[1] + across[1]},
                     pen);
     }
@@ -326,16 +310,17 @@ static void draw_lines(const struct window *window, enum tool_number number, str
     const struct cone_sight *sight = &window->pictures.cones[number];
     float phase = 0;
     float ends[2][2];
-    pen.width = is_needle(window->viewer, number) ? needle : rim;
+    struct pen line_pen = pen;
+    line_pen.width = is_needle(window->viewer, number) ? needle : pen.width;
     for (size_t i = 0; i < sight->line_count; i++) {
         const struct cone_line *line = &sight->lines[i];
         if (!window_point(ends[0], window, line->ends[0]) || !window_point(ends[1], window, line->ends[1])) {
             continue;
         }
         if (line->dashed) {
-            stroke_dashes(&phase, ends[0], ends[1], pen);
+            stroke_dashes(&phase, ends[0], ends[1], line_pen);
         } else {
-            stroke_line(ends[0], ends[1], pen);
+            stroke_line(ends[0], ends[1], line_pen);
         }
     }
     double place[3];
@@ -351,9 +336,9 @@ void pane_cones(struct window *window)
 {
     tool_update_second(window->viewer); /* a panel may have changed the atlas in this frame */
     for (enum tool_number number = FIRST_TOOL; number < TOOL_COUNT; number++) {
-        struct pen pen = pane_cone_pen(window, number);
+        struct pen pen = pane_tool_pen(window, number);
         float apex[2];
-        if (!pane_cone_shows(window, number)) {
+        if (!pane_tool_shows(window, number)) {
             continue;
         }
         find_extent(window, number);
@@ -449,8 +434,7 @@ static void draw_needle(const struct window *window, enum tool_number number, co
     }
     stroke_dashes(&phase, ends[0], between[0], pen);
     stroke_dashes(&phase, between[1], ends[1], pen);
-    pen.width = needle;
-    stroke_line(between[0], between[1], pen);
+    stroke_line(between[0], between[1], (struct pen){pen.colour, needle, pen.scale});
     for (int i = 1; find_tick(places[1], window, number, i); i++) {
         pane_point(ends[1], plane, places[1]);
         draw_tick(ends[0], ends[1], pen);
@@ -461,8 +445,8 @@ void pane_cones_cut(struct window *window, const struct pane_plane *plane)
 {
     tool_update_second(window->viewer); /* a panel may have changed the atlas in this frame */
     for (enum tool_number number = FIRST_TOOL; number < TOOL_COUNT; number++) {
-        struct pen pen = pane_cone_pen(window, number);
-        if (!pane_cone_shows(window, number)) {
+        struct pen pen = pane_tool_pen(window, number);
+        if (!pane_tool_shows(window, number)) {
             continue;
         }
         find_extent(window, number);

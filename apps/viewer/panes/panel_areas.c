@@ -189,40 +189,67 @@ void panel_hidden(struct window *window)
     }
 }
 
-/* Draws buttons for users who do not know the keys yet: in a line, or on the rail one below the other. */
-static void draw_key_buttons(struct window *window, bool in_line)
+/* For users who do not know the keys yet; strokes are those of ui_icon(). */
+static const struct icon {
+    const char *id, *strokes, *key, *tip;
+    int step; /* among the changes, which may be the last one there is */
+} icons[] = {
+    {"##point", "nimllminfmeldieffeidlemfni iaid iniq aidi niqi hiji", NULL,
+     "Point: a click holds the cone, and does not measure any more (Ctrl+M)", 0},
+    {"##measure", "bipi efbiel mfpiml", NULL, "Measure: two clicks give a distance, in 3-D or in a cut (Ctrl+M)", 0},
+    {"##search", "mhlkklhmeldkchdeedhckdlemh llpp", "/", "Search: an area by its name or label (/)", 0},
+    {"##list", "feoe fioi fmom cede cidi cmdm", NULL, "Areas: opens or folds the list: search, hide, hemispheres (F6)",
+     0},
+    {"##open", "bnbdgdifpfpnbn", "ctrl+o", "Open: an atlas or a session (Ctrl+O)", 0},
+    {"##save", "icik ehilmh clcooool", "ctrl+s", "Save: the session (Ctrl+S)", 0},
+    {"##undo", "gddggj dgkgninlkngn", "ctrl+z", "Undo: takes back the last change (Ctrl+Z)", -1},
+    {"##redo", "kdngkj ngggdidlgnkn", "ctrl+y", "Redo: does it again (Ctrl+Y)", 1},
+    {"##keys", "ffgdickdlfkhijil inio", "?", "Help: all keys, and what the mouse does (? or F1)", 0}};
+
+enum { ICON_POINT = 0, ICON_MEASURE, ICON_SEARCH, ICON_LIST, ICONS = sizeof icons / sizeof icons[0] };
+
+static bool is_marked(const struct window *window, size_t icon)
 {
-    static const struct {
-        const char *label, *key, *tip;
-        int step; /* among the changes, which may be the last one there is */
-    } buttons[] = {{"Open", "ctrl+o", "an atlas or a session (Ctrl+O)", 0},
-                   {"Save", "ctrl+s", "saves the session (Ctrl+S)", 0},
-                   {"Undo", "ctrl+z", "takes back the last change (Ctrl+Z)", -1},
-                   {"Redo", "ctrl+y", "does it again (Ctrl+Y)", 1},
-                   {" ? ", "?", "all keys, and what the mouse does (? or F1)", 0}};
-    for (size_t i = 0; i < sizeof buttons / sizeof buttons[0]; i++) {
-        if (i && in_line) {
+    bool measures = window->viewer->measure.on;
+    return icon == ICON_POINT     ? !measures
+           : icon == ICON_MEASURE ? measures
+                                  : icon == ICON_LIST && !window->screen.folded[0];
+}
+
+/* Draws them below each other on the rail, or in two lines above the open list. */
+static void draw_icons(struct window *window, bool in_lines)
+{
+    const float wide = 36 * window->screen.scale;
+    const float high = (in_lines ? 24 : 30) * window->screen.scale;
+    for (size_t i = 0; i < ICONS; i++) {
+        const struct icon *icon = &icons[i];
+        bool marked = is_marked(window, i);
+        bool begins = i == ICON_LIST + 1;
+        if (in_lines && i && !begins) {
             ui_same_line();
+        } else if (!in_lines && begins) {
+            ui_separator();
         }
-        ui_disable(buttons[i].step && !changes_reach(&window->history.changes, buttons[i].step));
-        panel_key_button(window, buttons[i].label, buttons[i].key, buttons[i].tip);
+        ui_disable(icon->step && !changes_reach(&window->history.changes, icon->step));
+        bool pressed = ui_icon(icon->id, icon->strokes, wide, high, marked, icon->tip);
         ui_disable_end();
+        if (pressed && i == ICON_LIST) {
+            layout_fold(&window->screen.layout, 0, marked);
+        } else if (pressed && icon->key) {
+            window_press(window, icon->key);
+        } else if (pressed && !marked) { /* one of the two that clicks are for */
+            window_press(window, "ctrl+m");
+        }
     }
 }
 
 void panel_rail(struct window *window, size_t side)
 {
-    static const char *const titles[] = {"##areas", "##hits"};
-    static const char *const labels[] = {"Areas", "Hits"};
-    static const char *const tips[] = {"opens the list of areas: search, hide, hemispheres (F6)",
-                                       "opens the hits of the cone and the settings (F6)"};
-    ui_panel(titles[side], side ? window->screen.right : window->screen.left, UI_UNTITLED);
-    if (ui_button(labels[side], tips[side])) {
-        layout_fold(&window->screen.layout, side, false);
-    }
+    ui_panel(side ? "##hits" : "##areas", side ? window->screen.right : window->screen.left, UI_UNTITLED);
     if (side == 0) {
-        ui_separator();
-        draw_key_buttons(window, false);
+        draw_icons(window, false);
+    } else if (ui_button("Hits", "opens the hits of the cone and the settings (F6)")) {
+        layout_fold(&window->screen.layout, 1, false);
     }
     ui_panel_end();
 }
@@ -235,7 +262,7 @@ void panel_areas(struct window *window)
         return;
     }
     ui_panel("Areas", window->screen.left, 0);
-    draw_key_buttons(window, true);
+    draw_icons(window, true);
     ui_separator();
     choose_atlas(window);
     ui_id((uint32_t)(viewer->drawn - viewer->atlases)); /* each has a list of its own, scrolled and opened */
@@ -256,10 +283,6 @@ void panel_areas(struct window *window)
     ui_same_line();
     panel_key_button(window, "Files", "ctrl+l",
                      "streamlines, pathways and context: add one, change it, take it out; Ctrl+L, too");
-    ui_flow("\u00ab");
-    if (ui_button("\u00ab", "folds this panel to its rail")) {
-        layout_fold(&window->screen.layout, 0, true);
-    }
     ui_text_coloured(THEME_HINT, "left and right");
     choose_hemispheres(window);
     choose_side(window);

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Buttons over the 3-D pane: the brain alone, and where it is looked at from. */
 #include "viewer/panes/panels.h"
+#include "viewer/ui/ui_list.h"
+
+#include <math.h>
 
 static const float inset = 8; /* pixels at scale 1, from the pane's corner */
 
@@ -12,10 +15,39 @@ static const struct {
                {"A", "ctrl+3", "looks at the front (Ctrl+3)"},
                {"P", "ctrl+4", "looks at the back (Ctrl+4)"},
                {"S", "ctrl+5", "looks from above (Ctrl+5)"},
-               {"I", "ctrl+6", "looks from below (Ctrl+6)"},
-               {"Measure", "ctrl+m", "two clicks give a distance, in 3-D or in a cut (Ctrl+M)"}};
+               {"I", "ctrl+6", "looks from below (Ctrl+6)"}};
 
 enum { BUTTONS = sizeof buttons / sizeof buttons[0] };
+
+static const double glass = 0.15; /* opacity */
+static const char as_glass[] = "Areas as glass", why[] = "They are left out: they would hide pathways";
+
+/* Whether pictures have pathways or streamlines, and leave out the areas of voxels, which would hide them. */
+static bool leaves_areas_out(const struct view_atlas *view)
+{
+    bool has_others = false;
+    bool has_areas = false;
+    size_t number = view->object_count; /* pathways and bundles come last */
+    for (; number && conus_atlas_object(view->atlas, number)->kind != CONUS_KIND_AREA; number--) {
+        has_others = has_others || !view->shown.hidden[number];
+    }
+    for (; number && has_others && !has_areas; number--) {
+        has_areas = conus_atlas_object(view->atlas, number)->voxels;
+    }
+    return has_areas && view->appearance.opacity[0] >= 1;
+}
+
+/* Draws areas that are not hit as glass, and pathways as before. */
+static void draw_areas_as_glass(struct viewer *viewer)
+{
+    for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
+        bool is_area = conus_atlas_object(viewer->drawn->atlas, number)->kind == CONUS_KIND_AREA;
+        if (!is_area && isnan(viewer->drawn->appearance.opacity[number])) {
+            viewer_set_opacity(viewer, number, 1);
+        }
+    }
+    viewer_set_opacity(viewer, 0, glass);
+}
 
 /* Which buttons begin a row, and the widest row. */
 static size_t find_rows(bool begins[BUTTONS], float *widest, float room)
@@ -38,9 +70,14 @@ static size_t place_rows(bool begins[BUTTONS], struct ui_box *out, const struct 
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     float margin = inset * window->screen.scale;
     float part = window->viewer->display.device_view ? 0.7F : 1;
-    size_t rows = find_rows(begins, &out->width, part * box->width - 2 * margin);
+    float room = part * box->width - 2 * margin;
+    size_t rows = find_rows(begins, &out->width, room);
     out->x = box->x + margin;
     out->y = box->y + margin;
+    if (leaves_areas_out(window->viewer->drawn)) {
+        out->width = fminf(fmaxf(out->width, ui_button_width(as_glass) + ui_text_width(why)), room);
+        rows++;
+    }
     out->height = (1.2F + 1.5F * (float)(rows - 1)) * ui_line();
     return rows;
 }
@@ -69,6 +106,15 @@ void panel_views(struct window *window)
         if (ui_small_button(buttons[i].label, buttons[i].tip)) {
             window_press(window, buttons[i].key);
         }
+    }
+    if (leaves_areas_out(window->viewer->drawn)) {
+        if (ui_small_button(as_glass,
+                            "draws areas that are not hit, too: pathways and streamlines are seen through them;\n"
+                            "Ctrl+Z, or Not hit under View, takes it back")) {
+            draw_areas_as_glass(window->viewer);
+        }
+        ui_same_line();
+        ui_text_cut(why, ui_room());
     }
     ui_panel_end();
 }

@@ -38,9 +38,9 @@ void pane_point(float out[2], const struct pane_plane *plane, const double world
 /** The cones of both tools, over a cut and over the 3-D pane. */
 void pane_cones_cut(struct window *window, const struct pane_plane *plane);
 void pane_cones(struct window *window);
-/** Whether a tool has a cone that is drawn, and with what. */
-bool pane_cone_shows(const struct window *window, enum tool_number number);
-struct pen pane_cone_pen(const struct window *window, enum tool_number number);
+/** Whether a tool has a cone that is drawn, and the pen of its lines. */
+bool pane_tool_shows(const struct window *window, enum tool_number number);
+struct pen pane_tool_pen(const struct window *window, enum tool_number number);
 /** Finds the place of a tool's ball: as far out as it reaches, or as the pane shows it. */
 void pane_ball_place(struct window *window, enum tool_number number);
 void pane_ball_draw(struct window *window, enum tool_number number);

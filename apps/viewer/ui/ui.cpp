@@ -428,6 +428,25 @@ bool ui_main_button(const char *label, const char *tip)
     return end_labelled(used, label, tip);
 }
 
+bool ui_icon(const char *id, const char *strokes, float width, float height, bool marked, const char *tip)
+{
+    ImGui::PushStyleColor(ImGuiCol_Button, packed(theme_surfaces[marked ? THEME_BUTTON_HELD : THEME_PANEL]));
+    bool used = ImGui::Button(id, ImVec2(width, height));
+    ImGui::PopStyleColor();
+    ImDrawList *list = ImGui::GetWindowDrawList();
+    ImVec2 low = ImGui::GetItemRectMin();
+    float unit = ImGui::GetTextLineHeight() / 16;
+    ImVec2 corner(low.x + width / 2 - 8 * unit, low.y + height / 2 - 8 * unit);
+    for (const char *at = strokes; *at; at += *at == ' ') {
+        for (; *at && *at != ' '; at += 2) {
+            list->PathLineTo(ImVec2(corner.x + unit * static_cast<float>(at[0] - 'a'),
+                                    corner.y + unit * static_cast<float>(at[1] - 'a')));
+        }
+        list->PathStroke(ImGui::GetColorU32(ImGuiCol_Text), 0, 1.5F * unit);
+    }
+    return end_labelled(used, id, tip);
+}
+
 bool ui_small_button(const char *label, const char *tip)
 {
     return end_labelled(ImGui::SmallButton(label), label, tip);

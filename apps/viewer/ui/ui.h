@@ -115,6 +115,9 @@ bool ui_hovered(void); /**< Whether the mouse is on the widget before. */
 /* Tips (NULL = none) work as in ui_tip(). */
 bool ui_button(const char *label, const char *tip);
 bool ui_main_button(const char *label, const char *tip); /**< The one of a panel that matters most. */
+/** A button that has a drawing instead of a name: polylines with a space between them, their points two letters, a to
+ * q, each, which are places in a square, from its left and from its top. @p marked: what it does is on. */
+bool ui_icon(const char *id, const char *strokes, float width, float height, bool marked, const char *tip);
 bool ui_small_button(const char *label, const char *tip);
 bool ui_check(const char *label, bool *value, const char *tip);
 bool ui_choose(const char *label, size_t *index, const char *const *choices, size_t count);

@@ -290,9 +290,11 @@ bool window_open(struct window *out, const struct window_options *options)
     }
     glfwMakeContextCurrent(window.handle);
     glfwSwapInterval(1);
+    theme_use(options->theme);
+    window_clear(&window); /* or it is black until its fonts are ready */
+    glfwSwapBuffers(window.handle);
     put_on_screen(&window, options);
     find_scale(&window, options);
-    theme_use(options->theme);
     if (!ui_create(window.handle, window.screen.scale)) {
         print_error_line("window: no font for its texts");
         window_close(&window);

@@ -2,6 +2,7 @@
 /* Pictures of meshes, alone and among voxels. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/atlas.h"
 #include "golden_picture.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"
@@ -67,6 +68,30 @@ static void a_mesh_ball_has_its_silhouette(void **state)
         assert_true(middle(rgba)[0] > 4 * middle(rgba)[2]); /* red */
         memory_free(rgba);
     }
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
+/* The shell of a ball of 20 in a box of 40 lies 0.84 / 96 of that outside it; its front and back let light through, and
+ * its edge is dark, as glass. */
+static void a_shell_has_its_silhouette(void **state)
+{
+    (void)state;
+    const conus_volume_info grid = picture_grid((size_t[]){64, 64, 64}, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, picture_ball_of_20, NULL, NULL);
+    assert_ok(conus_atlas_add_shell(atlas, 0.25));
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
+    const float gone[] = {1, 0}; /* of the ball itself */
+    struct camera camera = picture_camera((double[]){-0.4, -0.8, -0.7}, 120, FIELD_OF_VIEW);
+    float *rgba = picture_draw(renderer, &camera, &(struct colour_view){.opacity = gone}, false);
+    const double radius = tan(asin((20 + 0.84 * 40 / 96) / 120)) / camera.slope[1] * HEIGHT / 2;
+    double area = 0;
+    for (ptrdiff_t i = 0; i < PIXELS; i++) {
+        area += rgba[4 * i + 3] > 0 ? 1 : 0;
+    }
+    assert_near(area, MATH3_PI * radius * radius, 0.03 * area);
+    assert_true(middle(rgba)[3] > 0.2F && middle(rgba)[3] < 0.6F); /* two layers of a quarter are 0.44 */
+    memory_free(rgba);
     conus_renderer_destroy(renderer);
     conus_atlas_destroy(atlas);
 }
@@ -292,15 +317,11 @@ static void rings_look_as_they_did(void **state)
 TEST_GROUP(mesh_picture)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_mesh_ball_has_its_silhouette),
-        cmocka_unit_test(level_edges_are_smooth),
-        cmocka_unit_test(both_faces_are_lit),
-        cmocka_unit_test(meshes_not_hit_are_pale),
-        cmocka_unit_test(meshes_and_voxels_hide_each_other),
-        cmocka_unit_test(a_pathway_shows_among_meshes),
-        cmocka_unit_test(haze_before_a_mesh_obeys_its_closed_form),
-        cmocka_unit_test(cone_and_markers_among_meshes),
-        cmocka_unit_test(allocations_may_fail),
+        cmocka_unit_test(a_mesh_ball_has_its_silhouette), cmocka_unit_test(a_shell_has_its_silhouette),
+        cmocka_unit_test(level_edges_are_smooth),         cmocka_unit_test(both_faces_are_lit),
+        cmocka_unit_test(meshes_not_hit_are_pale),        cmocka_unit_test(meshes_and_voxels_hide_each_other),
+        cmocka_unit_test(a_pathway_shows_among_meshes),   cmocka_unit_test(haze_before_a_mesh_obeys_its_closed_form),
+        cmocka_unit_test(cone_and_markers_among_meshes),  cmocka_unit_test(allocations_may_fail),
         cmocka_unit_test(rings_look_as_they_did),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

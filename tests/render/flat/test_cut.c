@@ -271,6 +271,54 @@ static void the_context_is_linear_between_black_and_white(void **state)
     conus_atlas_destroy(atlas);
 }
 
+static double stripe_at(const double world[3])
+{
+    return fabs(world[1]) < 8;
+}
+
+/* Of a byte of sRGB, as WCAG 2.2 defines relative luminance. */
+static double luminance_of(uint8_t level)
+{
+    return level <= 10 ? level / 255.0 / 12.92 : pow((level / 255.0 + 0.055) / 1.055, 2.4);
+}
+
+/* An outline crosses all greys, which it equals nowhere: its contrast is that of lines that mean something (1.4.11). */
+static void outlines_of_what_is_not_hit_are_seen_on_any_grey(void **state)
+{
+    (void)state;
+    static struct picture picture;
+    conus_selector *selector = NULL;
+    conus_selection *nothing = NULL;
+    conus_pose away;
+    unsigned seen = 0;
+    const conus_volume_info grid = picture_grid((size_t[]){40, 40, 40}, (double[]){2, 2, 2}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, stripe_at, NULL, grey_of);
+    assert_ok(conus_pose_along(&away, (double[]){0, 0, 90}, (double[]){0, 0, 1}, NULL));
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    assert_ok(conus_select(&nothing, selector, &away, 0.1));
+    conus_cut_view view = whole;
+    view.window[0] = -300;
+    view.window[1] = 300;
+    view.fill = 0.45;
+    view.selection = nothing;
+    view.no_cone = true;
+    assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
+    for (int y = 1; y < SIDE; y++) {
+        for (int x = 0; x < SIDE; x++) {
+            if (picture.objects[y * SIDE + x] && !picture.objects[(y - 1) * SIDE + x]) {
+                double line = luminance_of(pixel_at(&picture, x, y)[0]) + 0.05;
+                double under = luminance_of(pixel_at(&picture, x, y - 1)[0]) + 0.05; /* greys change along x alone */
+                assert_true(fmax(line, under) / fmin(line, under) >= 3);
+                seen++;
+            }
+        }
+    }
+    assert_int_equal(seen, SIDE);
+    conus_selection_destroy(nothing);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
 static void values_are_linear_between_voxels(void **state)
 {
     (void)state;
@@ -410,7 +458,7 @@ static void the_chosen_area_is_never_pale(void **state)
 }
 
 /* One area is hit, one is not. Without an image this one is grey with a darker outline, and that one has the first
- * rank's colour; where the atlas has a palette both have this one's. */
+ * rank's colour, also beside safe colours; where the atlas has another palette both have this one's. */
 static void areas_have_the_colours_of_their_ranks(void **state)
 {
     (void)state;
@@ -449,6 +497,9 @@ static void areas_have_the_colours_of_their_ranks(void **state)
     view.no_cone = false;
     view.fill = 1;
     conus_atlas_use_safe_colours(atlas);
+    assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
+    assert_memory_equal(pixel_at(&picture, 45, y[0]), first, 3);
+    assert_ok(conus_atlas_use_palette(atlas, (const uint8_t[]){1, 2, 3, 40, 50, 60}, 2));
     assert_ok(conus_cut(picture.rgba, NULL, atlas, &view));
     assert_memory_equal(pixel_at(&picture, 45, y[0]), atlas->objects[hit - 1].rgb, 3);
     conus_selection_destroy(selection);
@@ -674,6 +725,7 @@ TEST_GROUP(cut)
         cmocka_unit_test(fill_and_outline),
         cmocka_unit_test(a_surface_around_is_an_outline),
         cmocka_unit_test(the_context_is_linear_between_black_and_white),
+        cmocka_unit_test(outlines_of_what_is_not_hit_are_seen_on_any_grey),
         cmocka_unit_test(values_are_linear_between_voxels),
         cmocka_unit_test(a_cone_is_drawn_to_scale),
         cmocka_unit_test(cylinders_and_ranges_are_drawn_to_scale),

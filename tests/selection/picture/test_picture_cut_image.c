@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cuts as figures: the cut's own pixels, letters, the scale, the legend, the sheet. */
+#include "base/geometry/math3.h"
+#include "picture_scene.h"
 #include "render/image/image.h"
 #include "render/image/image_srgb.h"
 
@@ -313,6 +315,33 @@ static conus_status draw_sheet(void *user)
     return status;
 }
 
+static double grey_in_ball(const double world[3])
+{
+    return vec3_length(world) < 10 ? 100 : 0;
+}
+
+/* An area reaches beyond the image, whose background is 0: unfilled it is white there, as the sheet; the image is not.
+ */
+static void areas_beyond_the_image_are_background(void **state)
+{
+    (void)state;
+    const conus_volume_info grid = picture_grid((size_t[]){40, 40, 40}, (double[]){1, 1, 1}, picture_identity);
+    const conus_view sheet = {.width = 101,
+                              .height = 101,
+                              .no_legend = true,
+                              .background = CONUS_BACKGROUND_COLOUR,
+                              .background_rgb = {255, 255, 255}};
+    const conus_cut_view look = {.fill = 0, .window = {0, 200}};
+    conus_atlas *atlas = picture_atlas(&grid, picture_ten, NULL, grey_in_ball);
+    conus_image *image = NULL;
+    assert_ok(conus_cuts_image(&image, atlas, planes, 1, &look, NULL, &sheet));
+    const float *red = image_rgba(image).plane[0];
+    assert_near(red[101 * 50 + 15], 1, 1e-6);                            /* beside the ball, in the area */
+    assert_true(red[101 * 50 + 50] > 0.1F && red[101 * 50 + 50] < 0.5F); /* half of white */
+    conus_image_destroy(image);
+    conus_atlas_destroy(atlas);
+}
+
 static void every_failing_allocation_of_a_sheet_is_reported(void **state)
 {
     (void)state;
@@ -374,6 +403,7 @@ TEST_GROUP(picture_cut_image)
         cmocka_unit_test(a_measured_distance_is_drawn),
         cmocka_unit_test(what_cannot_be_is_refused),
         cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(areas_beyond_the_image_are_background),
         cmocka_unit_test(every_failing_allocation_of_a_sheet_is_reported),
         cmocka_unit_test(a_sheet_says_what_is_wrong),
         cmocka_unit_test(shapes_are_for_svg_and_pdf_only),
