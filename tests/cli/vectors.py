@@ -51,7 +51,7 @@ def check_svg():
     assert float(texts["A"].get("y")) < float(texts["P"].get("y"))
     image, = root.iter(SVG + "image")
     # The outline of 40 x 60 mm gives the length of a mm; the bar is as long as its text says.
-    box, = [numbers(path.get("d")) for path in root.iter(SVG + "path") if path.get("stroke") == "#8a93a0"]  # one grey
+    box, = [numbers(path.get("d")) for path in root.iter(SVG + "path") if path.get("stroke") == "#69737d"]  # one grey
     # Its corners are round within half a voxel of 1 mm.
     half = 0.5 * numpy.ptp(box[:, 0]) / 40 + 1
     beside = numpy.minimum(box - box.min(axis=0), box.max(axis=0) - box)
