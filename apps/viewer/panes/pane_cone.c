@@ -59,16 +59,21 @@ static void find_extent(struct window *window, enum tool_number number)
     }
 }
 
-/* Whether the picture of the 3-D pane shows something before a place. */
-static bool is_hidden(const struct window *window, const double at[3])
+/* Whether the picture of the 3-D pane shows something before a place, but for the object `own`. */
+static bool is_hidden_by_others(const struct window *window, const double at[3], uint32_t own)
 {
     const double *eye = window->pictures.shown.camera.world_from_device + 12;
     const double offset[3] = {at[0] - eye[0], at[1] - eye[1], at[2] - eye[2]};
     double place[3];
     uint32_t object;
     double far = hypot(hypot(offset[0], offset[1]), offset[2]);
-    return viewer_pick(&object, place, window->viewer, eye, offset) &&
+    return viewer_pick(&object, place, window->viewer, eye, offset) && (!own || object != own) &&
            hypot(hypot(place[0] - eye[0], place[1] - eye[1]), place[2] - eye[2]) < far - touching;
+}
+
+static bool is_hidden(const struct window *window, const double at[3])
+{
+    return is_hidden_by_others(window, at, 0);
 }
 
 static void add_line(struct cone_sight *sight, const double from[3], const double to[3], bool dashed)
@@ -165,14 +170,14 @@ static void add_wall(struct window *window, enum tool_number number, double near
     }
 }
 
-/* Finds which of the named hits the camera does not see. */
+/* Finds which of the named hits the camera does not see, or sees another area before. */
 static void find_hidden_hits(struct window *window, enum tool_number number)
 {
     const conus_selection *selection = view_atlas_selection(window->viewer->drawn, number);
     for (size_t i = 0; i < HITS_NAMED && i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         window->pictures.cones[number].hides_hit[i] =
-            result->object && result->pixels && is_hidden(window, result->contact);
+            result->object && result->pixels && is_hidden_by_others(window, result->contact, result->object);
     }
 }
 
