@@ -758,7 +758,7 @@ READERS = {
 }
 # Corpora that no command reads as a file: of the window, which needs a display; streams of conus-hdf5, conus-mesh and
 # the network; what conus keeps; pieces of files.
-UNREAD = ("place", "recent", "script", "session", "hdf5_stream", "minc", "nwb", "simnibs", "transform_chain",
+UNREAD = ("place", "recent", "script", "session", "thumbnail", "hdf5_stream", "minc", "nwb", "simnibs", "transform_chain",
           "mesh_request", "mesh_stream", "igtl", "atlas_pack", "batch_journal", "cache_entry", "gzip_index",
           "mesh_cache", "plan_known", "gzip", "text")
 # Files beside that which is asked about.
