@@ -604,6 +604,8 @@ static void leave_out(struct picture_legend *out, size_t kept, bool only_behind)
 /* Fills the rows: the hits of the cone, then what else the picture shows. CONUS_ERROR_MEMORY. */
 static conus_status fill_rows(struct picture_legend *out, const struct picture *picture)
 {
+    static const char *const titles[][2] = {{"First hits of the cone", "Hits of the cone"},
+                                            {"First hits of the cylinder", "Hits of the cylinder"}};
     const conus_selection *selection = picture->options.selection;
     size_t count = 0;
     bool *done = memory_zeroed(picture->atlas->object_count + 1, sizeof *done);
@@ -625,7 +627,7 @@ static conus_status fill_rows(struct picture_legend *out, const struct picture *
     out->legend = (struct legend){.rows = out->rows, .count = count + tail, .tail = tail};
     if (selection) {
         picture_describe_cone(out->subtitle, &selection->cone, picture->options.frame);
-        out->legend.title = selection->has_layers ? "Hits of the cone" : "First hits of the cone";
+        out->legend.title = titles[selection->cone.radius > 0][selection->has_layers];
         out->legend.subtitle = out->subtitle;
         out->legend.header[0] = "share";
         out->legend.header[1] = "distance";

@@ -157,6 +157,9 @@ END
 END
     answers render sphere.nii.gz --cuts axial --origin=-90.125,0.0625,-12 --toward 0,0,0 -q -o title.svg
     grep -qF ' from -90.125, 0.0625, -12, RAS mm<' title.svg
+    grep -qF '>First hits of the cone<' title.svg
+    answers render sphere.nii.gz --cuts axial --origin=-90,0,0 --toward 0,0,0 --radius 2 --layers all -q -o title.svg
+    grep -qF '>Hits of the cylinder<' title.svg
 }
 
 # A ball with a hollow of 12 mm: the hollow, and what is around the ball, is the background, whatever that is. A cone
