@@ -349,7 +349,7 @@ static void notices_explain_a_missing_cone(void **state)
         {POINT_BY_TRACKER, true, false, false, 0, "there is no tracker", true, true},
         {POINT_BY_TRACKER, false, false, true, STATION_WAITING, "no tracker", true, false},
         {POINT_BY_TRACKER, false, false, true, STATION_LOST, "does not see", true, false},
-        {POINT_BY_TRACKER, true, false, true, STATION_WAITING, "the tracker is gone", true, true},
+        {POINT_BY_TRACKER, true, false, true, STATION_WAITING, "no tracker is connected", true, true},
         {POINT_BY_TRACKER, true, false, true, STATION_SILENT, "no pose of the tool", true, true},
         {POINT_BY_TRACKER, true, false, true, STATION_LOST, "the tool is lost", true, true},
         {POINT_BY_TRACKER, true, false, true, STATION_STALE, "the tool is silent", true, true},

@@ -295,7 +295,7 @@ static void the_second_tool_has_a_tracker_of_its_own(void **state)
     close(peer);
     step_until(&window, STATION_WAITING);
     inputs_notice(&notice, &window.inputs, window.viewer, SECOND_TOOL);
-    assert_non_null(strstr(notice.text, "the tracker is gone"));
+    assert_non_null(strstr(notice.text, "no tracker is connected"));
     station_stop(window.inputs.second_station);
     close_window(&window);
 }

@@ -257,7 +257,8 @@ static void reserve_places(struct window *window)
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     struct ui_box inset = find_inset(window);
     float line = ui_line();
-    float reach = 6 * line;
+    float across = 5 * line; /* of the directions */
+    float up = 7.2F * line;
     float buttons[2];
     window->frame.labels.count = 0;
     panel_views_size(buttons, window);
@@ -269,8 +270,7 @@ static void reserve_places(struct window *window)
         labels_reserve(&window->frame.labels, inset);
     }
     labels_reserve(&window->frame.labels,
-                   (struct ui_box){box->x + box->width - reach, box->y + box->height - 1.2F * reach, reach,
-                                   1.2F * reach}); /* directions */
+                   (struct ui_box){box->x + box->width - across, box->y + box->height - up, across, up});
     labels_reserve(&window->frame.labels,
                    (struct ui_box){box->x, box->y + box->height - 3 * line, box->width, 3 * line}); /* notices */
 }
@@ -576,9 +576,9 @@ void pane_3d(struct window *window)
     ui_clip(*box);
     pane_chosen(window);
     draw_compass(window);
-    pane_chosen_names(window);
     pane_cones(window);
     draw_crosshair(window);
+    pane_chosen_names(window);
     draw_measured(window);
     draw_names(window, FIRST_TOOL);
     draw_names(window, SECOND_TOOL);

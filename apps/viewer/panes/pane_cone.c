@@ -309,8 +309,8 @@ static void draw_inside(const struct window *window, enum tool_number number, ui
     draw_part(window, number, first, sight->clear, filled(colour, fill_over_hits));
 }
 
-/* Draws the lines of a cone; ticks on a needle. */
-static void draw_lines(const struct window *window, enum tool_number number, struct pen pen)
+/* Draws the lines of a cone; ticks on a needle, over which no name shall lie: it would seem to name the tip. */
+static void draw_lines(struct window *window, enum tool_number number, struct pen pen)
 {
     const struct cone_sight *sight = &window->pictures.cones[number];
     float phase = 0;
@@ -331,8 +331,12 @@ static void draw_lines(const struct window *window, enum tool_number number, str
     double place[3];
     for (int i = 0; is_needle(window->viewer, number) && find_tick(place, window, number, i); i++) {
         bool seen = window_point(ends[i % 2], window, place);
+        const float *from = ends[(i + 1) % 2];
+        const float *at = ends[i % 2];
         if (seen && i) {
-            draw_tick(ends[(i + 1) % 2], ends[i % 2], pen);
+            draw_tick(from, at, pen);
+            labels_reserve(&window->frame.labels, (struct ui_box){fminf(from[0], at[0]), fminf(from[1], at[1]),
+                                                                  fabsf(at[0] - from[0]), fabsf(at[1] - from[1])});
         }
     }
 }

@@ -114,7 +114,9 @@ static void draw_title(struct window *window)
     bool all = window->viewer->cone.options.layers == CONUS_LAYERS_ALL && !window->viewer->cone.one_ray;
     char title[64];
     snprintf(title, sizeof title, "%s of the %s", all ? "All depths" : "First hits", viewer_shape(window->viewer));
-    ui_text_coloured(THEME_HINT, "%s", title);
+    ui_tint(THEME_HINT);
+    ui_text_cut(title, start);
+    ui_tint_end();
     ui_same_line_at(start + (LOOK_PADDING_X + LOOK_GAP_X) * window->screen.scale);
     panel_columns(window);
     ui_same_line();

@@ -20,7 +20,7 @@ static const struct {
 enum { BUTTONS = sizeof buttons / sizeof buttons[0] };
 
 static const double glass = 0.15; /* opacity */
-static const char as_glass[] = "Areas as glass", why[] = "They are left out: they would hide pathways";
+static const char as_glass[] = "Areas as glass", why[] = "Areas are left out: they would hide fibres";
 
 /* Whether pictures have pathways or streamlines, and leave out the areas of voxels, which would hide them. */
 static bool leaves_areas_out(const struct view_atlas *view)

@@ -253,7 +253,7 @@ static struct notice notice_of_tracker(bool has_pose, bool has_station, enum sta
     static const char *const none[] = {"no tracker is connected yet", "no pose of the tool yet",
                                        "the tracker does not see the tool", "no pose of the tool for half a second",
                                        "tracking"};
-    static const char *const old[] = {"the tracker is gone", "no pose of the tool", "the tool is lost",
+    static const char *const old[] = {"no tracker is connected", "no pose of the tool", "the tool is lost",
                                       "the tool is silent", NULL};
     if (!has_station) {
         return (struct notice){has_pose ? "there is no tracker" : "no tracker: connect one below Point with", true,

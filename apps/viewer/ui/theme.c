@@ -26,7 +26,7 @@ static const ui_colour marks[THEME_COUNT] = {{LOOK_RGB(LOOK_DARK_MARK), 255}, {L
 static const ui_colour lines[THEME_COUNT] = {{LOOK_RGB(LOOK_DARK_LINE), 255}, {LOOK_RGB(LOOK_LIGHT_LINE), 255}};
 const ui_colour *theme_texts = theme_shaded;
 const ui_colour *theme_surfaces = surfaces[THEME_DARK];
-const float theme_pale = 0.7F;
+const float theme_pale = 0.8F;
 
 void theme_use(enum theme theme)
 {

@@ -368,7 +368,7 @@ void window_go_to_start(struct window *window)
     size_t pins = window->viewer ? window->viewer->pin_count : 0;
     start_look(start);
     window->dialog.on = false;
-    start->why[0] = '\0';
+    start->why[0] = start->typed[0] = '\0';
     if (pins) {
         snprintf(
             start->why, sizeof start->why,
