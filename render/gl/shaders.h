@@ -13,8 +13,6 @@ extern const char shader_mesh_id_frag[];
 extern const char shader_mesh_id_vert[];
 extern const char shader_mesh_vert[];
 extern const char shader_screen_vert[];
-extern const char shader_tract_id_frag[];
-extern const char shader_tract_id_vert[];
 extern const char shader_tube_frag[];
 extern const char shader_tube_vert[];
 

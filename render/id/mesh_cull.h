@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Culling: the clusters of triangles, or of streamlines' runs (tract_pass.c), that an n x n buffer can show,
- * nearest first, in batches. Left out are meshes outside the buffer's pyramid (the square one around the cone; a
- * cylinder's prism), clusters that touch no pixel's centre, and whatever lies behind what earlier batches have shown.
- * Conservative: what is left out cannot be seen. */
+/** @file Culling: the clusters of triangles that an n x n buffer can show, nearest first, in batches. Left out are
+ * meshes outside the buffer's pyramid (the square one around the cone; a cylinder's prism), clusters that touch no
+ * pixel's centre, and whatever lies behind what earlier batches have shown. Conservative: what is left out cannot be
+ * seen. */
 #ifndef CONUS_RENDER_ID_MESH_CULL_H
 #define CONUS_RENDER_ID_MESH_CULL_H
 

@@ -44,10 +44,6 @@ struct engine_options {
 conus_status engine_rays_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options);
 conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options);
 
-/** How many runs of streamlines the driver has proposed so far to a gl engine, for pixels one by one; 0 where it draws
- * none. For tests. */
-uint64_t engine_gl_proposals(const struct engine *engine);
-
 /** NULL is fine. */
 static inline void engine_destroy(struct engine *engine)
 {

@@ -9,7 +9,6 @@
 #include "render/id/id_pass.h"
 #include "render/id/mesh_pass.h"
 #include "selection/engine/engine_rays.h"
-#include "selection/engine/tract_draw.h"
 #include "selection/engine/triangles/mesh_intervals.h"
 #include "selection/engine/voxels/traverse.h"
 
@@ -26,13 +25,11 @@ struct gl_engine {
     struct id_pass *pass;        /* NULL where there are no volumes to select from */
     struct mesh_pass *mesh_pass; /* NULL where there are no meshes                 */
     struct engine *wide;         /* what finds meshes in wide cones; NULL before the first one */
-    struct engine *bundles;      /* what finds streamlines in wide cones; NULL where there are none */
-    struct tract_draw *draw;     /* and in others; NULL where the driver does not take them    */
+    struct engine *bundles;      /* what finds streamlines; NULL where there are none */
     double (*origins)[3];        /* [pixel_capacity] of all pixels of all cones in view */
     double (*directions)[3];
-    uint32_t *traced;               /* [ray_count] pixels whose rays are traced through volumes, neighbours together */
-    struct mesh_query *queries;     /* [cone_capacity] */
-    struct tract_picture *pictures; /* likewise */
+    uint32_t *traced;           /* [ray_count] pixels whose rays are traced through volumes, neighbours together */
+    struct mesh_query *queries; /* [cone_capacity] */
     size_t pixel_capacity, cone_capacity;
     uint32_t ray_count;
     struct mesh_intervals intervals;
@@ -50,7 +47,6 @@ static void destroy(struct engine *engine)
     if (gl->context && !gl_context_use(gl->context, &previous)) {
         id_pass_destroy(gl->pass);
         mesh_pass_destroy(gl->mesh_pass);
-        tract_draw_destroy(gl->draw);
         gl_current_restore(&previous);
     }
     gl_context_destroy(gl->context);
@@ -61,7 +57,6 @@ static void destroy(struct engine *engine)
     memory_free(gl->directions);
     memory_free(gl->traced);
     memory_free(gl->queries);
-    memory_free(gl->pictures);
     memory_free(gl->volumes);
     memory_free(gl);
 }
@@ -89,14 +84,12 @@ static conus_status reserve(struct gl_engine *gl, const struct view *view)
     memory_free(gl->directions);
     memory_free(gl->traced);
     memory_free(gl->queries);
-    memory_free(gl->pictures);
     gl->pixel_capacity = gl->cone_capacity = 0;
     gl->origins = memory_raw(pixels, sizeof *gl->origins);
     gl->directions = memory_raw(pixels, sizeof *gl->directions);
     gl->traced = memory_raw(pixels, sizeof *gl->traced);
     gl->queries = memory_raw(view->count, sizeof *gl->queries);
-    gl->pictures = memory_raw(view->count, sizeof *gl->pictures);
-    if (!gl->origins || !gl->directions || !gl->traced || !gl->queries || !gl->pictures) {
+    if (!gl->origins || !gl->directions || !gl->traced || !gl->queries) {
         return CONUS_ERROR_MEMORY;
     }
     gl->pixel_capacity = pixels;
@@ -267,32 +260,12 @@ static conus_status trace_meshes(struct gl_engine *gl, const struct view *view)
     return status;
 }
 
-static struct tract_query tract_query_of(const struct gl_engine *gl, const struct cone *cone, size_t first)
-{
-    return (struct tract_query){.view = mesh_view_of(cone),
-                                .origins = (const double(*)[3])gl->origins + first,
-                                .directions = (const double(*)[3])gl->directions + first,
-                                .wanted = cone->tracing.wanted};
-}
-
 /* Called after both: a hit in a volume or mesh limits how far streamlines are looked for. */
 static conus_status trace_tracts(struct gl_engine *gl, const struct view *view)
 {
     conus_status status = CONUS_OK;
-    size_t count = 0;
     for (size_t c = 0; c < view->count && !status; c++) {
-        struct evidence *out = view->out[c];
-        if (!gl->draw || cone_is_wide(view->cones[c])) {
-            status = engine_rays_trace_on(gl->bundles, out, view->cones[c]);
-        } else {
-            gl->pictures[count] = (struct tract_picture){tract_query_of(gl, view->cones[c], c * view->pixels), out};
-            gl->pictures[count++].query.distances = out->distance;
-            set_distances(out, view->cones[c], 0);
-        }
-    }
-    status = !status && count ? tract_draw_trace(gl->draw, gl->pictures, count) : status;
-    for (size_t c = 0; c < view->count; c++) {
-        set_distances(view->out[c], view->cones[c], INFINITY);
+        status = engine_rays_trace_on(gl->bundles, view->out[c], view->cones[c]);
     }
     return status;
 }
@@ -388,11 +361,7 @@ static conus_status pierce(struct engine *engine, struct layers *out, const stru
     status = aim(gl, &view);
     status = !status && gl->pass ? pierce_volumes(gl, out, &view) : status;
     status = !status && gl->mesh_pass ? pierce_meshes(gl, out, cone) : status;
-    if (!status && gl->bundles) {
-        const struct tract_picture picture = {tract_query_of(gl, cone, 0), NULL};
-        status = gl->draw && !cone_is_wide(cone) ? tract_draw_pierce(gl->draw, out, &picture)
-                                                 : gl->bundles->functions->pierce(gl->bundles, out, cone);
-    }
+    status = !status && gl->bundles ? gl->bundles->functions->pierce(gl->bundles, out, cone) : status;
     gl_current_restore(&previous);
     return status;
 }
@@ -497,10 +466,7 @@ static conus_status fill_engine(struct gl_engine *gl, const struct engine_option
         }
     }
     status = !status && atlas_has_meshes(gl->atlas) ? upload_meshes(gl, &memory_left) : status;
-    if (!status && atlas_has_bundles(gl->atlas)) {
-        status = engine_rays_create_for_bundles(&gl->bundles, gl->atlas);
-        status = status ? status : tract_draw_create(&gl->draw, engine_rays_tracts(gl->bundles), &memory_left);
-    }
+    status = !status && atlas_has_bundles(gl->atlas) ? engine_rays_create_for_bundles(&gl->bundles, gl->atlas) : status;
     gl_current_restore(&previous);
     return status;
 }
@@ -526,10 +492,4 @@ conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, con
     }
     *out = &gl->base;
     return CONUS_OK;
-}
-
-uint64_t engine_gl_proposals(const struct engine *engine)
-{
-    const struct gl_engine *gl = (const struct gl_engine *)engine;
-    return gl->draw ? tract_draw_proposals(gl->draw) : 0;
 }

@@ -575,8 +575,3 @@ conus_status engine_rays_create_for_bundles(struct engine **out, const conus_atl
 {
     return create_for(out, atlas, add_bundles);
 }
-
-const struct tract_rays *engine_rays_tracts(const struct engine *engine)
-{
-    return ((const struct rays_engine *)engine)->tracts;
-}

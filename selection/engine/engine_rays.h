@@ -5,7 +5,6 @@
 #define CONUS_SELECTION_ENGINE_ENGINE_RAYS_H
 
 #include "selection/engine/engine.h"
-#include "selection/engine/tracts/tract_rays.h"
 #include "selection/engine/voxels/traverse.h"
 
 /** engine_rays_create() with @p kernel, which this machine must support. */
@@ -17,9 +16,6 @@ conus_status engine_rays_create_for_meshes(struct engine **out, const conus_atla
 
 /** One that knows only the bundles. */
 conus_status engine_rays_create_for_bundles(struct engine **out, const conus_atlas *atlas);
-
-/** The tracer of a rays engine's bundles; NULL if the atlas has none. */
-const struct tract_rays *engine_rays_tracts(const struct engine *engine);
 
 /** trace() of a rays engine that adds to @p out: hits that @p out already has stay where they are nearer. */
 conus_status engine_rays_trace_on(struct engine *engine, struct evidence *out, const struct cone *cone);

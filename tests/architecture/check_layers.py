@@ -105,7 +105,7 @@ LIBRARY = {
     "loaders/catalogue": "base base/system base/files base/formats base/job loaders/brainglobe loaders/volumes loaders/labels",
     "loaders/arrays": "base atlas atlas/areas loaders/maps loaders/volumes loaders/scene",
     "render/gl": "base base/geometry base/system",
-    "render/id": "base base/geometry atlas/surface atlas/tracts atlas render/gl",
+    "render/id": "base base/geometry atlas/surface atlas render/gl",
     "render/draw": "base base/formats",
     "render/image": "base base/files render/draw",
     "render/colour": "base base/files base/geometry base/system atlas render/gl render/id render/image",

@@ -77,7 +77,7 @@ load helpers
     for group in gl_context gl_list gl_pass colour tubes shading context_blocks renderer_changes; do
         check_refused "$tests/render/test_render" "$group"
     done
-    for group in gl_batch gl_id gl_layers gl_tracts bands contact_value contact sampling share segments picture_view; do
+    for group in gl_batch gl_id gl_layers bands contact_value contact sampling share segments picture_view; do
         check_refused "$tests/selection/test_selection" "$group"
     done
 }

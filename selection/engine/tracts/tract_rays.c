@@ -162,7 +162,14 @@ static bool settle(double interval[2], const struct ray *ray, const struct tract
     return true;
 }
 
-static void offer(const struct tract_hit *hit, double t, uint32_t object, uint64_t point)
+/* What a ray has hit first so far. */
+struct hit {
+    uint32_t *object;
+    double *t;
+    uint64_t *point;
+};
+
+static void offer(const struct hit *hit, double t, uint32_t object, uint64_t point)
 {
     bool is_lower = object < *hit->object || (object == *hit->object && point < *hit->point);
     if (t < *hit->t || (t == *hit->t && is_lower)) {
@@ -173,7 +180,7 @@ static void offer(const struct tract_hit *hit, double t, uint32_t object, uint64
 }
 
 /* Offers those segments of a run that may be hit. */
-static void offer_run(const struct tract_hit *hit, const struct ray *ray, const struct tract_found *run)
+static void offer_run(const struct hit *hit, const struct ray *ray, const struct tract_found *run)
 {
     size_t count;
     const uint32_t *objects = objects_of(&count, ray->scene, run->point);
@@ -189,7 +196,7 @@ static void offer_run(const struct tract_hit *hit, const struct ray *ray, const 
 static void trace_ray(const struct tract_rays *rays, const struct scene *scene, struct tract_bundle *bundle,
                       size_t index)
 {
-    const struct tract_hit hit = {&bundle->object[index], &bundle->t[index], &bundle->point[index]};
+    const struct hit hit = {&bundle->object[index], &bundle->t[index], &bundle->point[index]};
     struct ray ray = ray_of(scene, bundle, index);
     struct tract_search search;
     tract_search_init(&search, scene->tractogram, ray.origin, ray.direction);
@@ -224,7 +231,8 @@ static int compare(const void *a, const void *b)
     return one->voxel < other->voxel ? -1 : one->voxel > other->voxel;
 }
 
-void tract_rays_join(struct layers *layers, size_t first)
+/* From the first on, intervals of a pixel and an object that overlap or touch become one. */
+static void join(struct layers *layers, size_t first)
 {
     size_t kept = first;
     if (layers->count > first) {
@@ -282,53 +290,7 @@ conus_status tract_rays_pierce(const struct tract_rays *rays, const struct tract
             struct ray ray = ray_of(&rays->scenes[i], bundle, index);
             status = pierce_ray(rays, &ray, out, pixel[index]);
         }
-        tract_rays_join(out, first);
+        join(out, first);
     }
     return status;
-}
-
-size_t tract_rays_scenes(const struct tract_rays *rays)
-{
-    return rays->scene_count;
-}
-
-const struct tractogram *tract_rays_tractogram(const struct tract_rays *rays, size_t scene)
-{
-    return rays->scenes[scene].tractogram;
-}
-
-bool tract_rays_has(const struct tract_rays *rays, size_t scene, uint32_t streamline)
-{
-    const struct scene *from = &rays->scenes[scene];
-    return from->of_all || from->first[streamline] < from->first[streamline + 1];
-}
-
-/* All segments of a run may be hit. */
-static struct tract_found whole_run(const struct tractogram *tractogram, size_t number)
-{
-    const struct tract_leaf *leaf = &tractogram->tree.leaves[number / TRACT_LEAF];
-    uint32_t segments = tract_leaf_segments(leaf, number % TRACT_LEAF);
-    return (struct tract_found){leaf->point[number % TRACT_LEAF], segments, (1U << (segments ? segments : 1)) - 1};
-}
-
-static struct ray ray_from(const struct tract_rays *rays, size_t scene, const double origin[3],
-                           const double direction[3])
-{
-    return (struct ray){&rays->scenes[scene], origin, {direction[0], direction[1], direction[2]}};
-}
-
-void tract_rays_offer(const struct tract_rays *rays, const struct tract_hit *hit, size_t scene, size_t run,
-                      const double origin[3], const double direction[3])
-{
-    struct ray ray = ray_from(rays, scene, origin, direction);
-    struct tract_found found = whole_run(ray.scene->tractogram, run);
-    offer_run(hit, &ray, &found);
-}
-
-conus_status tract_rays_add(const struct tract_rays *rays, struct layers *out, size_t pixel, size_t scene, size_t run,
-                            const double origin[3], const double direction[3])
-{
-    struct ray ray = ray_from(rays, scene, origin, direction);
-    struct tract_found found = whole_run(ray.scene->tractogram, run);
-    return add_run(out, &ray, &found, pixel);
 }

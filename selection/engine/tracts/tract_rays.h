@@ -29,13 +29,6 @@ struct tract_bundle {
                                            if tract_rays_trace() found it.           */
 };
 
-/** Where the first hit of one ray is kept; likewise. */
-struct tract_hit {
-    uint32_t *object;
-    double *t;
-    uint64_t *point;
-};
-
 struct tract_rays;
 
 /** Makes @p count objects ready, by ascending numbers. CONUS_ERROR_MEMORY. */
@@ -57,24 +50,5 @@ void tract_rays_trace(const struct tract_rays *rays, struct tract_bundle *bundle
  * CONUS_ERROR_MEMORY. */
 conus_status tract_rays_pierce(const struct tract_rays *rays, const struct tract_bundle *bundle, struct layers *out,
                                const size_t *pixel);
-
-/** From @p first on, intervals of a pixel and an object that overlap or touch become one; so many may be joined again
- * with others. */
-void tract_rays_join(struct layers *layers, size_t first);
-
-/** Tractograms of the objects; each is a scene. */
-size_t tract_rays_scenes(const struct tract_rays *rays);
-const struct tractogram *tract_rays_tractogram(const struct tract_rays *rays, size_t scene);
-
-/** Whether the streamline belongs to an object. */
-bool tract_rays_has(const struct tract_rays *rays, size_t scene, uint32_t streamline);
-
-/** Settles what a ray hits of a run that somebody has found: as tract_rays_trace() does. */
-void tract_rays_offer(const struct tract_rays *rays, const struct tract_hit *hit, size_t scene, size_t run,
-                      const double origin[3], const double direction[3]);
-
-/** As tract_rays_pierce() does, without joining (tract_rays_join()). CONUS_ERROR_MEMORY. */
-conus_status tract_rays_add(const struct tract_rays *rays, struct layers *out, size_t pixel, size_t scene, size_t run,
-                            const double origin[3], const double direction[3]);
 
 #endif
