@@ -4,6 +4,9 @@
 
 #include "base/memory.h"
 
+/* Pixels along an edge up to which weights are not rounded: such a cone is added up in one piece, pixel after pixel. */
+enum { EXACT_WEIGHTS = 16 };
+
 void aperture_finish(struct aperture *aperture)
 {
     memory_free(aperture->in_cone);
@@ -80,6 +83,12 @@ static conus_status make_pixels(struct aperture *aperture, const struct cone *co
     return CONUS_OK;
 }
 
+/* In units of 2^-32: sums of up to 2^20 weights, which are at most 1, are exact then, in any order. */
+static double round_weight(double weight)
+{
+    return floor(weight * 0x1p32 + 0.5) * 0x1p-32;
+}
+
 /* Sets what depends on the angle, too. */
 static void make_weights(struct aperture *aperture, const struct cone *cone)
 {
@@ -89,7 +98,8 @@ static void make_weights(struct aperture *aperture, const struct cone *cone)
     for (uint32_t j = 0; j < n; j++) {
         for (uint32_t i = 0; i < n; i++) {
             size_t pixel = (size_t)j * n + i;
-            aperture->weight[pixel] = cone_weight(cone, i, j);
+            aperture->weight[pixel] =
+                n > EXACT_WEIGHTS ? round_weight(cone_weight(cone, i, j)) : cone_weight(cone, i, j);
             aperture->per_depth[pixel] = cone_per_depth(cone, i, j);
             aperture->total_weight += aperture->in_cone[pixel] ? aperture->weight[pixel] : 0;
         }

@@ -108,7 +108,7 @@ struct oracle_hit oracle_ray(const struct volume *volume, const double origin[3]
         walk.dim[a] = (long)volume->info.dim[a];
         walk.cell[a] = cell_holding(origin[a]);
         walk.inverse[a] = 1 / direction[a];
-        walk.step[a] = isinf(walk.inverse[a]) ? 0 : direction[a] > 0 ? 1 : -1;
+        walk.step[a] = fabs(direction[a]) < 0x1p-900 ? 0 : direction[a] > 0 ? 1 : -1; /* Eq. 5 */
     }
     if (!start_walk(&walk)) {
         return nothing;

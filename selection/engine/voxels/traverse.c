@@ -21,14 +21,16 @@ double traverse_cell(double x)
     return cell + 0.5 <= x ? cell + 1 : cell;
 }
 
+/* Voxels per mm below which an axis stands still: there is no grid in which it could move by a voxel. */
+static const double SLOWEST = 0x1p-900;
+
 void traverse_ray_init(struct traverse_ray *out, const double origin[3], const double direction[3])
 {
     for (int a = 0; a < 3; a++) {
-        double inverse = 1 / direction[a];
-        bool moves = isfinite(inverse);
+        bool moves = fabs(direction[a]) >= SLOWEST;
         out->origin[a] = moves ? origin[a] : traverse_cell(origin[a]);
         out->direction[a] = moves ? direction[a] : 0;
-        out->inverse[a] = moves ? inverse : INFINITY;
+        out->inverse[a] = moves ? 1 / direction[a] : INFINITY;
         out->sign[a] = moves && direction[a] < 0 ? -1 : 1;
     }
 }
