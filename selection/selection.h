@@ -17,9 +17,11 @@ struct conus_selection {
     struct cone cone;
     struct region region;     /**< Where voxels are counted: the cone, or a ball. Of a ball, the cone is nothing but
                                    its centre and has no pixels. */
-    struct evidence evidence; /**< Objects as they are reported. */
-    uint32_t *own;            /**< [n*n] The objects hit, before --level; NULL where each is reported as itself. */
-    uint32_t *group;          /**< [object_count + 1] The object as which each one is reported; NULL likewise. */
+    struct evidence evidence; /**< Objects as they are reported. None where `is_counted`. */
+    struct hit_counts counts; /**< In its place. */
+    bool is_counted;
+    uint32_t *own;   /**< [n*n] The objects hit, before --level; NULL where each is reported as itself. */
+    uint32_t *group; /**< [object_count + 1] The object as which each one is reported; NULL likewise. */
     bool has_layers;
     struct layers layers; /**< Sorted, if has_layers; objects as they are reported. */
     bool *in_cone;        /**< [n*n] */

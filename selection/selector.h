@@ -39,6 +39,7 @@ struct conus_selector {
     struct solids solids;                    /**< Volumes of surfaces in the cone. */
     double *whole;                           /**< [object_count + 1] Volumes of what is reported, mm^3. */
     bool inside_only;                        /**< Only the pixels in the cone will be traced in its selections. */
+    bool rows_only;                          /**< And nobody asks its selections for pixels, if there is a choice. */
     bool is_shared;                          /**< Engine, level and volumes are another selector's. */
 };
 

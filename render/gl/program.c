@@ -64,7 +64,7 @@ static conus_status compile(GLuint *out, GLenum stage, const struct program_sour
     }
     buffer_format(&text, "#line %d\n%s\n#line %d\n%s", PART_COMMON * PART_LINES + 1, shader_common,
                   PART_PASS * PART_LINES + 1, shader->text);
-    if (shader == &source->fragment && source->more.text) {
+    if (shader != &source->vertex && source->more.text) {
         buffer_format(&text, "#line %d\n%s", PART_MORE * PART_LINES + 1, source->more.text);
     }
     conus_status status = buffer_status(&text);

@@ -25,7 +25,7 @@ struct program_shader {
 struct program_source {
     struct program_shader vertex, fragment; /**< Zeroed in a compute program. */
     struct program_shader compute;          /**< Zeroed in any other program. */
-    struct program_shader more;             /**< A second file behind the fragment shader's; may be zeroed. */
+    struct program_shader more; /**< A second file behind the fragment or compute shader's; may be zeroed. */
     const struct program_define *defines;
     size_t define_count;
 };

@@ -12,7 +12,7 @@
 #include <assert.h>
 #include <string.h>
 
-enum { OBJECTS_UNIT, DISTANCE_UNIT, IDENTIFIER_UNIT, RAY_UNIT };
+enum { RAY_UNIT = ID_IDENTIFIER_UNIT + 1 };
 enum { OUT_BUFFER };
 enum { GROUP = 64, FIRST_INTERVALS = 1024, RAY_TEXELS = sizeof(struct id_ray) / 16 };
 
@@ -57,10 +57,11 @@ static conus_status need_program(struct id_pass *pass, enum id_kind kind)
     const struct program_define defines[] = {
         {"SLICES", sampling == CONUS_SAMPLING_SLICES},
         {"PIERCE", kind == PIERCE},
+        {"CONES", 0},
         {"GROUP", GROUP},
-        {"OBJECTS_UNIT", OBJECTS_UNIT},
-        {"DISTANCE_UNIT", DISTANCE_UNIT},
-        {"IDENTIFIER_UNIT", IDENTIFIER_UNIT},
+        {"OBJECTS_UNIT", ID_OBJECTS_UNIT},
+        {"DISTANCE_UNIT", ID_DISTANCE_UNIT},
+        {"IDENTIFIER_UNIT", ID_IDENTIFIER_UNIT},
         {"RAY_UNIT", RAY_UNIT},
         {"OUT_BUFFER", OUT_BUFFER},
     };
@@ -210,18 +211,24 @@ static void upload_rays(const struct id_pass *pass)
     glNamedBufferSubData(pass->ray_buffer, 0, (GLsizeiptr)(pass->ray_count * sizeof *pass->rays), pass->rays);
 }
 
+void id_pass_bind(const struct id_pass *pass, size_t volume, GLint first_cell, GLint last_cell)
+{
+    const struct id_volume *bound = &pass->volumes[volume];
+    assert(volume < pass->volume_count);
+    glBindTextureUnit(ID_OBJECTS_UNIT, bound->objects);
+    glBindTextureUnit(ID_DISTANCE_UNIT, bound->distances);
+    glBindTextureUnit(ID_IDENTIFIER_UNIT, pass->identifiers);
+    glUniform3iv(first_cell, 1, bound->first);
+    glUniform3iv(last_cell, 1, bound->last);
+}
+
 /* Walks rays number `first` to `end` - 1 through a volume. */
-static void dispatch(const struct id_pass *pass, enum id_kind kind, const struct id_volume *volume, uint32_t first,
-                     uint32_t end)
+static void dispatch(const struct id_pass *pass, enum id_kind kind, size_t volume, uint32_t first, uint32_t end)
 {
     const struct id_program *program = &pass->programs[kind];
-    glBindTextureUnit(OBJECTS_UNIT, volume->objects);
-    glBindTextureUnit(DISTANCE_UNIT, volume->distances);
-    glBindTextureUnit(IDENTIFIER_UNIT, pass->identifiers);
-    glBindTextureUnit(RAY_UNIT, pass->ray_texels);
     glUseProgram(program->program);
-    glUniform3iv(program->first_cell, 1, volume->first);
-    glUniform3iv(program->last_cell, 1, volume->last);
+    id_pass_bind(pass, volume, program->first_cell, program->last_cell);
+    glBindTextureUnit(RAY_UNIT, pass->ray_texels);
     glUniform2i(program->range, (GLint)first, (GLint)end);
     glUniform1i(program->has_hits, pass->volumes_traced > 0);
     glDispatchCompute((end - first + GROUP - 1) / GROUP, 1, 1);
@@ -235,7 +242,7 @@ conus_status id_pass_trace(struct id_pass *pass, size_t volume)
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); /* earlier hits are read now */
     }
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, OUT_BUFFER, pass->hit_buffer);
-    dispatch(pass, FIRST, &pass->volumes[volume], 0, pass->ray_count);
+    dispatch(pass, FIRST, volume, 0, pass->ray_count);
     pass->volumes_traced++;
     return gl_check("ID pass");
 }
@@ -262,7 +269,7 @@ struct piercing {
 static conus_status append_intervals(void *user, uint32_t first, uint32_t end)
 {
     const struct piercing *piercing = user;
-    dispatch(piercing->pass, PIERCE, &piercing->pass->volumes[piercing->volume], first, end);
+    dispatch(piercing->pass, PIERCE, piercing->volume, first, end);
     return gl_check("ID pass of all layers");
 }
 

@@ -9,6 +9,7 @@
 
 #include "atlas/volume.h"
 #include "conus/selection.h"
+#include "render/gl/functions.h"
 #include "render/id/slices.h"
 
 struct id_pass;
@@ -54,6 +55,13 @@ struct id_distances {
                               it by at most r in every index does.                                        */
     int first[3], last[3]; /**< The box of the voxels with objects; last below first where there are none. */
 };
+
+/** Binds the textures of volume number @p volume and the table of identifiers for a program that begins with
+ * id.comp.glsl, and sets its uniforms first_cell and last_cell, which are at those places. */
+void id_pass_bind(const struct id_pass *pass, size_t volume, GLint first_cell, GLint last_cell);
+
+/** The units of id_pass_bind()'s textures. */
+enum { ID_OBJECTS_UNIT, ID_DISTANCE_UNIT, ID_IDENTIFIER_UNIT };
 
 /** Uploads the objects of @p volume, which is number 0, 1, ... by the order of these calls; takes the textures' size
  * off @p memory_left. */

@@ -4,14 +4,18 @@
 // (has_hits) only overwrites what is farther. PIERCE appends every interval of the ray inside an object to a list instead
 // (Eq. 10).
 //
-// Defines: SLICES, PIERCE (0 or 1), GROUP, and the bindings *_UNIT (textures) and *_BUFFER.
+// With CONES it has no main(): cones.comp.glsl follows, which makes the rays itself.
+//
+// Defines: SLICES, PIERCE, CONES (0 or 1), GROUP, and the bindings *_UNIT (textures) and *_BUFFER.
 
 layout(local_size_x = GROUP) in;
 
 layout(binding = OBJECTS_UNIT) uniform usampler3D objects;
 layout(binding = IDENTIFIER_UNIT) uniform usamplerBuffer identifiers;
+#if !CONES
 layout(binding = RAY_UNIT) uniform usamplerBuffer rays; // struct id_ray, two doubles per texel
 uniform ivec2 range;                                    // of rays: the first, and the first not to trace
+#endif
 
 #if !SLICES
 layout(binding = DISTANCE_UNIT) uniform usampler3D distances; // codes: 0 = an object; else 1 + voxels to skip each way
@@ -30,7 +34,7 @@ layout(std430, binding = OUT_BUFFER) restrict buffer Intervals // see shader_lis
     uint interval_count, unused;
     Interval intervals[];
 };
-#else
+#elif !CONES
 struct Found { // struct id_hit
     double t;
     uint id, cell[3];
@@ -68,6 +72,7 @@ struct Hit {
     Place place;
 };
 
+#if !CONES
 dvec2 load_pair(int at)
 {
     uvec4 words = texelFetch(rays, at);
@@ -86,6 +91,7 @@ Ray load_ray(int number)
     return Ray(origin, direction, inverses, signs, all(lessThan(abs(origin), dvec3(FAR))) ? 0.5 - NEAR : -1.0);
 #endif
 }
+#endif
 
 uint identify(dvec3 cell)
 {
@@ -313,6 +319,7 @@ Hit walk(Ray ray, double limit)
 #endif
 #endif
 
+#if !CONES
 void main()
 {
     int number = range.x + int(gl_GlobalInvocationID.x);
@@ -332,3 +339,4 @@ void main()
     hits[number] = Found(hit.place.t, hit.id, uint[](cell.x, cell.y, cell.z));
 #endif
 }
+#endif

@@ -46,6 +46,7 @@ conus_status batch_worker_init(struct batch_worker *out, conus_selector *selecto
         return status ? status : CONUS_ERROR_MEMORY;
     }
     out->selector->inside_only = true;
+    out->selector->rows_only = true;
     aims_init(&out->aims, out->selector);
     return CONUS_OK;
 }

@@ -132,6 +132,14 @@ void cone_origin(double out[3], const struct cone *cone, uint32_t i, uint32_t j)
     }
 }
 
+void cone_point(double out[3], const struct cone *cone, uint32_t i, uint32_t j, double distance)
+{
+    double ray[3];
+    cone_ray(ray, cone, i, j);
+    cone_origin(out, cone, i, j);
+    vec3_add_scaled(out, out, distance, ray);
+}
+
 double cone_per_depth(const struct cone *cone, uint32_t i, uint32_t j)
 {
     if (cone->tracing.per_depth) {

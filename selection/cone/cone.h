@@ -74,6 +74,9 @@ void cone_ray(double out[3], const struct cone *cone, uint32_t i, uint32_t j);
 /** Where that ray starts: the apex, or (u, v) radii beside it for a cylinder (Eq. 3). */
 void cone_origin(double out[3], const struct cone *cone, uint32_t i, uint32_t j);
 
+/** The point @p distance mm along that ray. */
+void cone_point(double out[3], const struct cone *cone, uint32_t i, uint32_t j, double distance);
+
 /** mm along that ray per mm of depth along the axis. */
 double cone_per_depth(const struct cone *cone, uint32_t i, uint32_t j);
 

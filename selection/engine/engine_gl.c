@@ -9,6 +9,7 @@
 #include "render/id/id_pass.h"
 #include "render/id/mesh_pass.h"
 #include "selection/engine/engine_rays.h"
+#include "selection/engine/hit_counter.h"
 #include "selection/engine/triangles/mesh_intervals.h"
 #include "selection/engine/voxels/traverse.h"
 
@@ -38,6 +39,10 @@ struct gl_engine {
     double slice_fraction;
     size_t *volumes; /* [volume_count] of the atlas, in the order in which the pass has them */
     size_t volume_count;
+    struct hit_counter *counter; /* NULL before the first count, and where the driver */
+    bool cannot_count;           /* does not round as it must                         */
+    conus_log log;               /* may be NULL */
+    void *log_user;
 };
 
 static void destroy(struct engine *engine)
@@ -45,6 +50,7 @@ static void destroy(struct engine *engine)
     struct gl_engine *gl = (struct gl_engine *)engine;
     struct gl_current previous = {0};
     if (gl->context && !gl_context_use(gl->context, &previous)) {
+        hit_counter_destroy(gl->counter);
         id_pass_destroy(gl->pass);
         mesh_pass_destroy(gl->mesh_pass);
         gl_current_restore(&previous);
@@ -296,6 +302,35 @@ static conus_status trace(struct engine *engine, struct evidence *out, const str
     return trace_many(engine, &out, &cone, 1);
 }
 
+static conus_status count_many(struct engine *engine, bool *is_counted, struct hit_counts *const *out,
+                               const struct cone *const *cones, size_t count, const struct aperture *aperture,
+                               const uint32_t *group)
+{
+    struct gl_engine *gl = (struct gl_engine *)engine;
+    struct gl_current previous = {0};
+    conus_status status = gl->cannot_count ? CONUS_OK : gl_context_use(gl->context, &previous);
+    *is_counted = false;
+    if (status || gl->cannot_count) {
+        return status;
+    }
+    if (!gl->counter) {
+        status = hit_counter_create(&gl->counter, gl->atlas, gl->pass, gl->volumes, gl->volume_count, group);
+        gl->cannot_count = !status && !gl->counter;
+    }
+    if (!status && gl->counter) {
+        status = hit_counter_count(gl->counter, out, cones, count, aperture);
+        *is_counted = true;
+    }
+    gl_current_restore(&previous);
+    if (gl->cannot_count && gl->log) {
+        const conus_note note = {.severity = CONUS_SEVERITY_WARNING,
+                                 .line = "OpenGL: this driver does not round double numbers as GLSL says; conus makes "
+                                         "rays and adds hits up without it"};
+        gl->log(gl->log_user, &note);
+    }
+    return status;
+}
+
 struct piercing {
     struct gl_engine *gl;
     struct layers *out;
@@ -471,10 +506,23 @@ static conus_status fill_engine(struct gl_engine *gl, const struct engine_option
     return status;
 }
 
+/* Whether the device can count hits: none of its rays needs the CPU, and a voxel's number has 32 bits. */
+static bool has_volumes_only(const struct gl_engine *gl)
+{
+    bool fits = true;
+    for (size_t i = 0; i < gl->volume_count; i++) {
+        const size_t *dim = gl->atlas->volumes[gl->volumes[i]].info.dim;
+        fits = fits && dim[0] * dim[1] * (uint64_t)dim[2] < UINT32_MAX;
+    }
+    return fits && gl->pass && !gl->mesh_pass && !gl->bundles && gl->sampling == CONUS_SAMPLING_EXACT;
+}
+
 conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options)
 {
     static const struct engine_functions functions = {
         .trace = trace, .trace_many = trace_many, .pierce = pierce, .destroy = destroy};
+    static const struct engine_functions of_volumes = {
+        .trace = trace, .trace_many = trace_many, .count_many = count_many, .pierce = pierce, .destroy = destroy};
     struct gl_engine *gl = memory_zeroed(1, sizeof *gl);
     if (!gl) {
         return CONUS_ERROR_MEMORY;
@@ -484,12 +532,15 @@ conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, con
     gl->sampling = options->sampling;
     gl->slices = options->slices;
     gl->slice_fraction = options->slice_fraction;
+    gl->log = options->log;
+    gl->log_user = options->log_user;
     mesh_intervals_init(&gl->intervals, atlas);
     conus_status status = fill_engine(gl, options);
     if (status) {
         destroy(&gl->base);
         return status;
     }
+    gl->base.functions = has_volumes_only(gl) ? &of_volumes : &functions;
     *out = &gl->base;
     return CONUS_OK;
 }

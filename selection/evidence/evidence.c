@@ -2,7 +2,6 @@
 /* Makes, clears and ends the evidence. */
 #include "selection/evidence/evidence.h"
 
-#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -63,13 +62,10 @@ void evidence_drop_blocked(struct evidence *evidence)
 
 void evidence_position(double out[3], const struct evidence *evidence, const struct cone *cone, uint32_t i, uint32_t j)
 {
-    double ray[3];
     size_t pixel = (size_t)j * evidence->resolution + i;
-    if (!evidence->object[pixel]) {
+    if (evidence->object[pixel]) {
+        cone_point(out, cone, i, j, evidence->distance[pixel]);
+    } else {
         out[0] = out[1] = out[2] = NAN;
-        return;
     }
-    cone_ray(ray, cone, i, j);
-    cone_origin(out, cone, i, j);
-    vec3_add_scaled(out, out, evidence->distance[pixel], ray);
 }

@@ -17,6 +17,8 @@ struct tallied {
     bool touched;
     uint32_t pixels;
     uint32_t pixel; /* of its contact so far */
+    uint32_t own;   /* the object that this one hit, whatever it is reported as, */
+    uint64_t voxel; /* and where */
     double weight;
     uint32_t square;         /* cone_square() of that pixel */
     double contact_distance; /* and its distance */
@@ -135,10 +137,36 @@ static void add_pixels(struct tally *tally, const struct gathering *gathering)
 {
     const struct evidence *evidence = gathering->evidence;
     const struct aperture *aperture = gathering->aperture;
-    touch(tally, 0);
     for (size_t k = 0; k < aperture->rays.count;) {
         uint32_t hit = evidence->object[aperture->inside[k]];
         k = add_run(touch(tally, group_of(gathering, hit)), aperture, evidence, k);
+    }
+    for (size_t i = 0; i < tally->touched_count; i++) {
+        struct tallied *object = &tally->objects[tally->touched[i]];
+        object->own = evidence->object[object->pixel];
+        object->voxel = evidence->voxel[object->pixel];
+    }
+}
+
+/* The same where pixels are added up already, some by some. */
+static void add_counts(struct tally *tally, const struct gathering *gathering)
+{
+    for (size_t i = 0; i < gathering->counts->count; i++) {
+        const struct hit_count *count = &gathering->counts->rows[i];
+        struct tallied *object = touch(tally, count->object);
+        uint32_t square = gathering->aperture->square[count->pixel];
+        bool is_as_near = square == object->square && count->contact == object->contact_distance;
+        if (square < object->square || (square == object->square && count->contact < object->contact_distance) ||
+            (is_as_near && count->pixel < object->pixel)) {
+            object->pixel = count->pixel;
+            object->own = count->own;
+            object->voxel = count->voxel;
+            object->square = square;
+            object->contact_distance = count->contact;
+        }
+        object->nearest = count->nearest < object->nearest ? count->nearest : object->nearest;
+        object->weight += count->weight;
+        object->pixels += count->pixels;
     }
 }
 
@@ -314,9 +342,8 @@ conus_result statistics_empty_result(uint32_t number)
  * voxels, so its position does not say which. */
 static double value_at_contact(const struct tallied *object, const struct gathering *gathering)
 {
-    const struct evidence *evidence = gathering->evidence;
-    const struct volume *volume = atlas_object_volume(gathering->atlas, evidence->object[object->pixel]);
-    return volume && volume_has_values(volume) ? (double)volume_value(volume, evidence->voxel[object->pixel]) : NAN;
+    const struct volume *volume = atlas_object_volume(gathering->atlas, object->own);
+    return volume && volume_has_values(volume) ? (double)volume_value(volume, object->voxel) : NAN;
 }
 
 static conus_result describe(uint32_t number, const struct tallied *object, const struct gathering *gathering,
@@ -332,8 +359,8 @@ static conus_result describe(uint32_t number, const struct tallied *object, cons
         result.centre_px = sqrt(object->square) / 2;
         result.offset = cone_off_axis(cone, cone_radius_of(object->square, cone->resolution));
         result.distance = object->nearest;
-        evidence_position(result.contact, gathering->evidence, cone, object->pixel % cone->resolution,
-                          object->pixel / cone->resolution);
+        cone_point(result.contact, cone, object->pixel % cone->resolution, object->pixel / cone->resolution,
+                   object->contact_distance);
         result.contact_value = has_values ? value_at_contact(object, gathering) : NAN;
     }
     if (number && gathering->near) {
@@ -381,7 +408,8 @@ conus_status statistics_gather(struct statistics *out, const struct gathering *g
 {
     struct totals totals = {.weight = gathering->aperture ? gathering->aperture->total_weight : 0};
     if (gathering->aperture) {
-        add_pixels(tally, gathering);
+        touch(tally, 0);
+        gathering->counts ? add_counts(tally, gathering) : add_pixels(tally, gathering);
     }
     if (gathering->aperture && gathering->layers) {
         add_intervals(tally, gathering);

@@ -111,7 +111,7 @@ LIBRARY = {
     "render/colour": "base base/files base/geometry base/system atlas render/gl render/id render/image",
     "render/flat": "base base/geometry atlas render/draw render/colour",
     "selection/cone": "base base/geometry poses/rows",
-    "selection/evidence": "base base/geometry atlas selection/cone",
+    "selection/evidence": "base atlas selection/cone",
     "selection/engine/voxels": "base base/simd base/geometry atlas selection/evidence",
     "selection/engine/triangles": "base base/geometry atlas/surface selection/evidence",
     "selection/engine/tracts": "base base/simd base/geometry atlas/tracts selection/evidence",

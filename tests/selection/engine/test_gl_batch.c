@@ -29,8 +29,8 @@ static conus_selector *gl_selector(const conus_atlas *atlas, conus_selector_opti
     return selector;
 }
 
-/* Every seventh row is no pose, every eleventh has an invalid angle, and angles change from row to row. So do ranges,
- * if there are some: every third row has its own. */
+/* Every seventh row is no pose, every eleventh has an invalid angle. With ranges every third row has its own, and
+ * angles change from row to row; without, all cones have one shape. */
 static const char *write_poses(uint64_t seed, const conus_atlas *atlas, bool cylinders, bool ranges)
 {
     const char *path = test_scratch("poses.tsv");
@@ -46,7 +46,7 @@ static const char *write_poses(uint64_t seed, const conus_atlas *atlas, bool cyl
             buffer_format(&text, "\t%.17g", k == 5 && i % 7 == 3 ? NAN : pose.world_from_device[4 * (k % 4) + k / 4]);
         }
         if (!cylinders) {
-            buffer_format(&text, "\t%d", i % 11 == 4 ? 500 : 2 + i % 3 * 13);
+            buffer_format(&text, "\t%d", i % 11 == 4 ? 500 : ranges ? 2 + i % 3 * 13 : 15);
         }
         if (ranges) {
             buffer_text(&text, i % 3 ? "\tn/a\tn/a" : i % 2 ? "\t0\t40" : "\t12\t60");

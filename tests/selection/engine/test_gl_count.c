@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* First hits that the device counts: bit by bit the results of the rays engine, whose pixels the CPU adds up. */
+#include "base/geometry/math3.h"
+#include "base/memory.h"
+#include "gl_pair.h"
+#include "scene.h"
+#include "selection/measure/statistics.h"
+#include "test.h"
+#include "test_gl.h"
+
+#include <math.h>
+
+static const struct shape {
+    const char *name;
+    uint32_t resolution;
+    double degrees; /* 0: cylinders */
+    conus_aperture aperture;
+} shapes[] = {
+    {"the paper's", 16, 20, CONUS_APERTURE_CIRCLE},
+    {"narrow", 16, 1, CONUS_APERTURE_CIRCLE},
+    {"a square", 16, 90, CONUS_APERTURE_SQUARE},
+    {"wide (Eq. 15)", 16, 150, CONUS_APERTURE_CIRCLE},
+    {"a wide square", 12, 130, CONUS_APERTURE_SQUARE},
+    {"a cylinder", 16, 0, CONUS_APERTURE_CIRCLE},
+    {"one ray", 1, 10, CONUS_APERTURE_CIRCLE},
+    {"rays along the axes", 15, 20, CONUS_APERTURE_CIRCLE},
+    {"cylinders along them", 15, 0, CONUS_APERTURE_SQUARE},
+    {"just two parts", 17, 30, CONUS_APERTURE_SQUARE},
+    {"thirteen parts", 64, 40, CONUS_APERTURE_CIRCLE},
+};
+
+/* Counts with cones of several shapes, and as whatever objects are reported. */
+struct counting {
+    const conus_atlas *atlas;
+    const uint32_t *group; /* NULL = each as itself */
+    struct gl_pair pair;
+    struct aperture aperture;
+    struct tally tally;
+    size_t results, merged; /* in all; with another object's pixels, too */
+};
+
+static struct statistics gather(struct counting *counting, const struct cone *cone, const struct evidence *evidence,
+                                const struct hit_counts *counts)
+{
+    struct statistics statistics = {0};
+    const struct gathering gathering = {.atlas = counting->atlas,
+                                        .cone = cone,
+                                        .aperture = &counting->aperture,
+                                        .evidence = evidence,
+                                        .counts = counts,
+                                        .group = counting->group};
+    assert_ok(statistics_gather(&statistics, &gathering, &counting->tally));
+    return statistics;
+}
+
+/* Numbers are equal in every bit, or both none. */
+static void assert_same_number(double a, double b)
+{
+    assert_true((isnan(a) && isnan(b)) || (a == b && signbit(a) == signbit(b)));
+}
+
+static void compare_results(const struct statistics *got, const struct statistics *wanted)
+{
+    assert_int_equal(got->count, wanted->count);
+    for (size_t i = 0; i < got->count; i++) {
+        const conus_result *a = &got->results[i];
+        const conus_result *b = &wanted->results[i];
+        assert_int_equal(a->object, b->object);
+        assert_int_equal(a->pixels, b->pixels);
+        const double numbers[][2] = {{a->share, b->share},           {a->distance, b->distance},
+                                     {a->offset, b->offset},         {a->centre_px, b->centre_px},
+                                     {a->contact[0], b->contact[0]}, {a->contact[1], b->contact[1]},
+                                     {a->contact[2], b->contact[2]}, {a->contact_value, b->contact_value}};
+        for (size_t k = 0; k < sizeof numbers / sizeof numbers[0]; k++) {
+            assert_same_number(numbers[k][0], numbers[k][1]);
+        }
+    }
+}
+
+static struct cone make_cone(uint64_t *random, const conus_atlas *atlas, const struct shape *shape)
+{
+    struct cone cone = {.pose = scene_pose(random, atlas),
+                        .angle = radians_from_degrees(shape->degrees),
+                        .resolution = shape->resolution,
+                        .aperture = shape->aperture};
+    cone.radius = shape->degrees > 0 ? 0 : test_random(random, 0.5, 8);
+    return cone;
+}
+
+static void compare_shape(struct counting *counting, uint64_t *random, const struct shape *shape)
+{
+    enum { CONES = 24 };
+    struct cone cones[CONES];
+    struct hit_counts counts[CONES] = {{0}};
+    const struct cone *in[CONES];
+    struct hit_counts *out[CONES];
+    bool is_counted = false;
+    for (size_t c = 0; c < CONES; c++) {
+        cones[c] = make_cone(random, counting->atlas, shape);
+        in[c] = &cones[c];
+        out[c] = &counts[c];
+    }
+    assert_ok(aperture_prepare(&counting->aperture, &cones[0]));
+    assert_ok(counting->pair.gl->functions->count_many(counting->pair.gl, &is_counted, out, in, CONES,
+                                                       &counting->aperture, counting->group));
+    assert_true(is_counted);
+    for (size_t c = 0; c < CONES; c++) {
+        struct evidence evidence = gl_pair_trace(counting->pair.rays, &cones[c]);
+        evidence_drop_blocked(&evidence);
+        struct statistics wanted = gather(counting, &cones[c], &evidence, NULL);
+        struct statistics got = gather(counting, &cones[c], NULL, &counts[c]);
+        compare_results(&got, &wanted);
+        counting->results += got.count - 1; /* what hit nothing is always there */
+        for (size_t i = 0; i < counts[c].count; i++) {
+            const struct hit_count *row = &counts[c].rows[i];
+            assert_int_equal(row->own, evidence.object[row->pixel]);
+            assert_true(row->voxel == evidence.voxel[row->pixel] || !row->own);
+            counting->merged += row->own != row->object;
+        }
+        statistics_finish(&wanted);
+        statistics_finish(&got);
+        evidence_finish(&evidence);
+        memory_free(counts[c].rows);
+    }
+}
+
+static struct counting begin(const conus_atlas *atlas, const uint32_t *group)
+{
+    struct counting counting = {.atlas = atlas, .group = group, .pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT)};
+    assert_ok(tally_prepare(&counting.tally, atlas->object_count));
+    return counting;
+}
+
+static void end(struct counting *counting)
+{
+    gl_pair_destroy(&counting->pair);
+    aperture_finish(&counting->aperture);
+    tally_finish(&counting->tally);
+}
+
+/* Areas, pathways and what blocks, on grids that are oblique, flipped, sheared and never the same. */
+static void all_shapes_have_the_bits_of_the_rays(void **state)
+{
+    (void)state;
+    uint64_t random = 41;
+    for (int round = 0; round < 6; round++) {
+        conus_atlas *atlas = scene_atlas(&random, 24, round % 3);
+        if (round % 2) {
+            scene_add_blockers(atlas, &random, (size_t[]){9, 9, 9}, 0.05);
+        }
+        struct counting counting = begin(atlas, NULL);
+        for (size_t i = 0; i < sizeof shapes / sizeof shapes[0]; i++) {
+            compare_shape(&counting, &random, &shapes[i]);
+        }
+        print_message("%zu results\n", counting.results);
+        assert_true(counting.results > 100 && counting.merged == 0);
+        end(&counting);
+        conus_atlas_destroy(atlas);
+    }
+}
+
+/* Each voxel of a cube is an object of its own. */
+static conus_atlas *make_cube(void)
+{
+    enum { EDGE = 40 };
+    static uint32_t labels[EDGE * EDGE * EDGE];
+    const conus_volume_info grid = scene_plain_grid((size_t[]){EDGE, EDGE, EDGE}, NULL);
+    for (uint32_t i = 0; i < EDGE * EDGE * EDGE; i++) {
+        labels[i] = i + 1;
+    }
+    return scene_parcellation(&grid, labels);
+}
+
+/* A hundred objects are reported as the last of them. */
+static void objects_are_counted_as_they_are_reported(void **state)
+{
+    (void)state;
+    uint64_t random = 42;
+    conus_atlas *atlas = make_cube();
+    uint32_t *group = memory_raw(atlas->object_count + 1, sizeof *group);
+    assert_non_null(group);
+    for (size_t i = 0; i <= atlas->object_count; i++) {
+        size_t last = (i + 99) / 100 * 100;
+        group[i] = (uint32_t)(last < atlas->object_count ? last : atlas->object_count);
+    }
+    group[0] = 0;
+    struct counting counting = begin(atlas, group);
+    for (size_t i = 0; i < sizeof shapes / sizeof shapes[0]; i++) {
+        compare_shape(&counting, &random, &shapes[i]);
+    }
+    assert_true(counting.merged > counting.results / 2);
+    end(&counting);
+    memory_free(group);
+    conus_atlas_destroy(atlas);
+}
+
+/* Far more rows than there is room for at first, and as many objects in a part as it has rays. */
+static void a_full_list_of_rows_grows(void **state)
+{
+    (void)state;
+    uint64_t random = 43;
+    conus_atlas *atlas = make_cube();
+    struct counting counting = begin(atlas, NULL);
+    compare_shape(&counting, &random, &shapes[2]);
+    compare_shape(&counting, &random, &shapes[10]);
+    assert_true(counting.results > 24 * 8 * 2); /* 8 rows of a part are reserved */
+    end(&counting);
+    conus_atlas_destroy(atlas);
+}
+
+static PFNGLGETNAMEDBUFFERSUBDATAPROC driver_read;
+
+/* A driver that rounds the inverse of one number the other way. */
+static void GLAPIENTRY read_with_an_error(GLuint buffer, GLintptr offset, GLsizeiptr size, void *data)
+{
+    double *values = data;
+    driver_read(buffer, offset, size, data);
+    if (size == 4096 * sizeof *values) {
+        values[1234] = nextafter(values[1234], 0);
+    }
+}
+
+static void a_driver_that_rounds_otherwise_counts_nothing(void **state)
+{
+    (void)state;
+    uint64_t random = 44;
+    conus_atlas *atlas = scene_atlas(&random, 12, 0);
+    struct counting counting = begin(atlas, NULL);
+    struct cone cone = make_cone(&random, atlas, &shapes[0]);
+    struct hit_counts counts = {0};
+    bool is_counted = true;
+    assert_ok(aperture_prepare(&counting.aperture, &cone));
+    driver_read = glGetNamedBufferSubData;
+    glGetNamedBufferSubData = read_with_an_error;
+    for (int again = 0; again < 2; again++) {
+        conus_status status =
+            counting.pair.gl->functions->count_many(counting.pair.gl, &is_counted, (struct hit_counts *[]){&counts},
+                                                    (const struct cone *[]){&cone}, 1, &counting.aperture, NULL);
+        assert_ok(status);
+        assert_false(is_counted);
+        assert_int_equal(counts.count, 0);
+    }
+    glGetNamedBufferSubData = driver_read;
+    end(&counting);
+    conus_atlas_destroy(atlas);
+}
+
+static conus_status create_count_destroy(void *user)
+{
+    const conus_atlas *atlas = user;
+    uint64_t random = 45;
+    struct engine *engine = NULL;
+    struct aperture aperture = {0};
+    struct hit_counts counts = {0};
+    struct cone cone = make_cone(&random, atlas, &shapes[10]);
+    bool is_counted = false;
+    conus_status status = engine_gl_create(&engine, atlas, &(struct engine_options){0});
+    status = status ? status : aperture_prepare(&aperture, &cone);
+    status = status ? status
+                    : engine->functions->count_many(engine, &is_counted, (struct hit_counts *[]){&counts},
+                                                    (const struct cone *[]){&cone}, 1, &aperture, NULL);
+    engine_destroy(engine);
+    aperture_finish(&aperture);
+    memory_free(counts.rows);
+    return status;
+}
+
+static void every_failing_allocation_is_clean(void **state)
+{
+    (void)state;
+    uint64_t random = 46;
+    conus_atlas *atlas = scene_atlas(&random, 12, 1);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT); /* or skips */
+    gl_pair_destroy(&pair);
+    test_every_allocation(create_count_destroy, atlas);
+    conus_atlas_destroy(atlas);
+}
+
+TEST_GROUP(gl_count)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(all_shapes_have_the_bits_of_the_rays),
+        cmocka_unit_test(objects_are_counted_as_they_are_reported),
+        cmocka_unit_test(a_full_list_of_rows_grows),
+        cmocka_unit_test(every_failing_allocation_is_clean),
+        cmocka_unit_test(the_driver_was_silent),
+        cmocka_unit_test(a_driver_that_rounds_otherwise_counts_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
