@@ -264,14 +264,16 @@ static void set_chip(struct legend_row *row, struct picture_legend *out, const s
     row->striped = picture->emphasis && picture->emphasis[number] == EMPHASIS_HATCHED;
 }
 
+/* With all layers, from the apex to where the cone enters it, whether or not it is hit first. */
 static void fill_row(struct picture_legend *out, size_t index, const struct picture *picture,
                      const conus_result *result)
 {
+    const bool is_entry = picture->options.selection->has_layers;
     struct legend_row *row = &out->rows[index];
     struct cells *cells = &out->cells[index];
     bool is_behind = result->object && !result->pixels;
     snprintf(cells->share, sizeof cells->share, "%.1f %%", 100 * result->share);
-    snprintf(cells->distance, sizeof cells->distance, "%.1f mm", is_behind ? result->entry : result->distance);
+    snprintf(cells->distance, sizeof cells->distance, "%.1f mm", is_entry ? result->entry : result->distance);
     row->detail[0] = is_behind ? BEHIND : cells->share;
     row->plain = !result->object;
     row->name = "unassigned";
@@ -630,7 +632,7 @@ static conus_status fill_rows(struct picture_legend *out, const struct picture *
         out->legend.title = titles[selection->cone.radius > 0][selection->has_layers];
         out->legend.subtitle = out->subtitle;
         out->legend.header[0] = "share";
-        out->legend.header[1] = "distance";
+        out->legend.header[1] = selection->has_layers ? "entry" : "distance";
     } else if (count) {
         out->legend.title = title_of(picture);
     } else if (tail) { /* without a cone, the heading of the colours is the title */

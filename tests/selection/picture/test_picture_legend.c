@@ -102,7 +102,7 @@ static const uint8_t ranks[][3] = {{LOOK_RGB(LOOK_RANK_1)},   {LOOK_RGB(LOOK_RAN
                                    {LOOK_RGB(LOOK_RANK_MORE)}};
 static const uint8_t not_hit[3] = {LOOK_RGB(LOOK_NOT_HIT_ON_WHITE)};
 
-/* The legend's row of a result. */
+/* The legend's row of a result, with all layers: all have their entries. */
 static struct legend_row describe(char text[3][TEXT], const struct scene *scene, size_t index)
 {
     const conus_result *result = conus_selection_result(scene->selection, index);
@@ -110,7 +110,7 @@ static struct legend_row describe(char text[3][TEXT], const struct scene *scene,
     struct legend_row row = {.name = object->name};
     bool behind = result->pixels == 0;
     snprintf(text[0], TEXT, "%.1f %%", 100 * result->share);
-    snprintf(text[1], TEXT, "%.1f mm", behind ? result->entry : result->distance);
+    snprintf(text[1], TEXT, "%.1f mm", result->entry);
     row.striped = behind;
     row.detail[0] = behind ? "behind" : text[0];
     row.detail[1] = text[1];
@@ -184,7 +184,7 @@ static void check_rows(const struct scene *scene, const struct legend_row *rows,
     picture_describe_cone(subtitle, &scene->selection->cone, NULL);
     const struct legend legend = {.title = "Hits of the cone",
                                   .subtitle = subtitle,
-                                  .header = {"share", "distance"},
+                                  .header = {"share", "entry"},
                                   .rows = rows,
                                   .count = count};
     check_legend(scene, legend, place);
@@ -744,7 +744,7 @@ static void colours_of_a_number_have_a_bar(void **state)
     picture_describe_cone(subtitle, &scene.selection->cone, NULL);
     const struct legend legend = {.title = "Hits of the cone",
                                   .subtitle = subtitle,
-                                  .header = {"share", "distance"},
+                                  .header = {"share", "entry"},
                                   .rows = rows,
                                   .count = 8,
                                   .tail = 6};
