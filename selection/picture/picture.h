@@ -119,6 +119,9 @@ bool picture_stands_out(const struct picture *picture, size_t number);
  * values, and what has a rank behind the colours; 0 where it has none. */
 size_t picture_tag(const struct picture *picture, uint32_t number);
 
+/** Whether the camera sees neither it nor anything below it in the area tree, as far as that is known. */
+bool picture_is_hidden(const struct picture *picture, uint32_t number);
+
 /** Whether a legend without a cone names all that is in the picture. */
 bool picture_lists_all(const struct picture *picture);
 

@@ -158,8 +158,7 @@ size_t picture_tag(const struct picture *picture, uint32_t number)
     return is_by_value(picture, number) && count_by_value(picture) > 1 ? tag : 0;
 }
 
-/* Whether the camera sees neither it nor anything below it in the area tree. */
-static bool is_hidden(const struct picture *picture, uint32_t number)
+bool picture_is_hidden(const struct picture *picture, uint32_t number)
 {
     bool hidden = picture->seen;
     for (uint32_t n = 1; hidden && n <= picture->atlas->object_count; n++) {
@@ -278,7 +277,7 @@ static void fill_row(struct picture_legend *out, size_t index, const struct pict
     row->plain = !result->object;
     row->name = "unassigned";
     if (result->object) {
-        row->name = name_of(out, picture, result->object, result->pixels && is_hidden(picture, result->object));
+        row->name = name_of(out, picture, result->object, result->pixels && picture_is_hidden(picture, result->object));
         set_chip(row, out, picture, result->object);
         row->detail[1] = cells->distance;
     }
@@ -546,7 +545,7 @@ static size_t add_listed(struct picture_legend *out, struct legend_row *rows, co
         bool was_done = done[shown];
         done[shown] = done[shown] || !selection || is_listed(picture, number);
         if (!was_done && is_listed(picture, number)) {
-            rows[count] = (struct legend_row){.name = name_of(out, picture, shown, is_hidden(picture, shown))};
+            rows[count] = (struct legend_row){.name = name_of(out, picture, shown, picture_is_hidden(picture, shown))};
             rows[count].detail[0] = selection ? "not hit" : NULL;
             set_chip(&rows[count++], out, picture, shown);
         }
