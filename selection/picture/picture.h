@@ -46,7 +46,8 @@ struct picture {
     uint8_t (*rgb)[3]; /**< [objects + 1] sRGB by rank, and of outlines in cuts; with `ranks`. */
     uint8_t (*line_rgb)[3];
     double *seen; /**< [objects + 1] The part of the camera's rays that meets each first; NULL = not known. */
-    float *rgba;  /**< [height * width * 4], bottom row first. */
+    bool *entered; /**< [objects + 1] Bundles with streamlines that come into the cone; NULL = not known. */
+    float *rgba;   /**< [height * width * 4], bottom row first. */
 };
 
 /** Appends the legend of the areas hit, a scale bar and the directions (R L A P S I); with a font. */

@@ -15,7 +15,8 @@
 enum {
     TEXT_SIZE = PICTURE_TEXT,
     CELL_SIZE = 24,
-    PATHWAY_ROWS = 5,
+    PATHWAY_ROWS = 4, /* that are not hit */
+    OTHER_ROWS = 2 * PATHWAY_ROWS + 1,
     COLOURS = 3,
     MARKS = 5,
     COLOUR_ROWS = MARKS + 2,
@@ -51,7 +52,7 @@ struct picture_legend {
     const char **prefixes; /* of conus_atlas_prefixes() */
     struct buffer *names;  /* [name_count] names with a prefix, of objects that share theirs */
     size_t name_count;
-    char subtitle[TEXT_SIZE], words[TEXT_SIZE], more[TEXT_SIZE], colours[KEYS * COLOUR_ROWS][TEXT_SIZE];
+    char subtitle[TEXT_SIZE], words[2][TEXT_SIZE], more[TEXT_SIZE], colours[KEYS * COLOUR_ROWS][TEXT_SIZE];
     uint8_t bars[2][MARKS - 1][LEGEND_BAR][3]; /* of the ramp of numbers, and of haze */
     uint8_t ramp[LEGEND_BAR][3];               /* the chip of the only haze that is coloured by its values */
     double size[2];                            /* pixels of the image */
@@ -294,34 +295,49 @@ static bool leaves_out(const struct picture *picture)
     return false;
 }
 
-/* Adds rows for pathways and bundles that are shown but not hit, while they are few, and a row that says that other
- * areas are left out. */
-static size_t add_pathways(struct picture_legend *out, struct legend_row rows[PATHWAY_ROWS],
-                           const struct picture *picture)
+/* Whether streamlines of a bundle that is not hit first are in full colours in the cone: those of its own are pale. */
+static bool is_entered(const struct picture *picture, size_t number)
+{
+    return colours_streamlines(picture) && picture->entered && picture->entered[number];
+}
+
+/* Adds rows for pathways and bundles that are shown but not hit, while they are few: those of which streamlines are
+ * coloured in the cone, or the others. */
+static size_t add_not_hit(struct picture_legend *out, struct legend_row *rows, const struct picture *picture,
+                          bool entered)
 {
     const conus_atlas *atlas = picture->atlas;
+    const char *detail = entered ? "inside" : "not hit";
     size_t count = 0;
-    size_t others = 0;
     size_t bundles = 0;
     for (size_t number = atlas->area_count + 1; number <= atlas->object_count; number++) {
         if (is_drawn(picture, (uint32_t)number) && !is_listed(picture, (uint32_t)number) &&
-            picture->emphasis[number] == EMPHASIS_PALE) {
+            picture->emphasis[number] == EMPHASIS_PALE && is_entered(picture, number) == entered) {
             bundles += atlas->objects[number - 1].kind == CONUS_KIND_BUNDLE;
-            if (others++ < PATHWAY_ROWS - 1) {
-                rows[count++] =
-                    (struct legend_row){.name = name_of(out, picture, (uint32_t)number, false), .detail = {"not hit"}};
-                set_chip(&rows[count - 1], out, picture, (uint32_t)number);
+            if (count++ < PATHWAY_ROWS) {
+                struct legend_row *row = &rows[count - 1];
+                *row = (struct legend_row){.name = name_of(out, picture, (uint32_t)number, false), .detail = {detail}};
+                set_chip(row, out, picture, (uint32_t)number);
             }
         }
     }
-    if (others > count) {
-        snprintf(out->words, TEXT_SIZE, "%zu %s", others,
-                 !bundles            ? "pathways"
-                 : bundles == others ? "bundles"
-                                     : "pathways and bundles");
-        rows[0] = (struct legend_row){.name = out->words, .plain = true, .detail = {"not hit"}};
+    if (count > PATHWAY_ROWS) {
+        snprintf(out->words[entered], TEXT_SIZE, "%zu %s", count,
+                 !bundles           ? "pathways"
+                 : bundles == count ? "bundles"
+                                    : "pathways and bundles");
+        rows[0] = (struct legend_row){.name = out->words[entered], .plain = true, .detail = {detail}};
         count = 1;
     }
+    return count;
+}
+
+/* Adds rows for what is shown but not hit, and one that says that other areas are left out. */
+static size_t add_pathways(struct picture_legend *out, struct legend_row *rows, const struct picture *picture)
+{
+    const conus_atlas *atlas = picture->atlas;
+    size_t count = add_not_hit(out, rows, picture, true);
+    count += add_not_hit(out, rows + count, picture, false);
     if ((pathways_first(atlas) || pathways_shown(atlas)) && atlas_parcellation_count(atlas) && leaves_out(picture)) {
         rows[count++] = (struct legend_row){.name = "other areas", .plain = true, .detail = {"not drawn"}};
     }
@@ -739,7 +755,7 @@ void picture_legend_finish(struct picture *picture)
 conus_status picture_legend_init(struct picture *picture)
 {
     size_t results = conus_selection_count(picture->options.selection);
-    size_t most = results + picture->atlas->object_count + PATHWAY_ROWS;
+    size_t most = results + picture->atlas->object_count + OTHER_ROWS;
     struct picture_legend *legend = memory_zeroed(1, sizeof *legend);
     if (legend) {
         legend->rows = memory_zeroed(most + KEYS * COLOUR_ROWS, sizeof *legend->rows);
