@@ -486,6 +486,15 @@ static void write_centred(const struct sheet *sheet, double x, double baseline, 
     draw_text(sheet->image->list, picture->font, at, size, picture->ink, text);
 }
 
+/* Whether the panel before it is seen from the same side: one of them has letters. */
+static bool continues(const struct sheet *sheet, const struct panel *panel)
+{
+    const conus_cut_plane *before = panel > sheet->panels ? panel[-1].plane : NULL;
+    const size_t size = sizeof before->right;
+    return before && memcmp(before->right, panel->plane->right, size) == 0 &&
+           memcmp(before->up, panel->plane->up, size) == 0;
+}
+
 /* Letters in the bands around the cut, where they lie on nothing, and the title below. */
 static void annotate(const struct sheet *sheet, const struct panel *panel)
 {
@@ -494,7 +503,7 @@ static void annotate(const struct sheet *sheet, const struct panel *panel)
     const double middle[2] = {(double)panel->at[0] + (double)panel->size[0] / 2,
                               (double)panel->at[1] + (double)panel->size[1] / 2};
     const double bottom = (double)(panel->at[1] + panel->size[1]);
-    const bool has_letters = sheet->above > GAP * em;
+    const int letters = continues(sheet, panel) ? 0 : sheet->above > GAP * em ? 4 : 2;
     const double places[4][2] = {{(double)panel->at[0] - LETTER * em, middle[1] + 0.36 * size},
                                  {(double)(panel->at[0] + panel->size[0]) + LETTER * em, middle[1] + 0.36 * size},
                                  {middle[0], bottom + 0.5 * sheet->above + 0.36 * size},
@@ -506,7 +515,7 @@ static void annotate(const struct sheet *sheet, const struct panel *panel)
         vec3_scale(axis, n < 2 ? panel->plane->right : panel->plane->up, n % 2 ? 1 : -1);
         words[n] = picture_letter_of(axis);
     }
-    for (int n = 0; n < (has_letters ? 4 : 2) && words[0] && words[2]; n++) {
+    for (int n = 0; n < letters && words[0] && words[2]; n++) {
         write_centred(sheet, places[n][0], places[n][1], size, words[n]);
     }
     put_title(title, sheet, panel, sheet->title);
