@@ -293,8 +293,8 @@ static int add_place(struct cut_finder *finder, int plane, double place)
     return EXIT_DONE;
 }
 
-/* In equal steps about the atlas's middle, which are as many layers of it; of a whole number, at whole ones, where these
- * cover nine tenths of it and stay in it. */
+/* In equal steps about the atlas's middle, which are as many layers of it; of a whole number, at whole ones, where
+ * these cover nine tenths of it and stay in it. */
 static int add_mosaic(struct cut_finder *finder, int plane, size_t count)
 {
     double range[2];

@@ -106,8 +106,8 @@ conus_status turn_camera(conus_pose *out, const struct turn_settings *settings, 
     return conus_pose_from_matrix(out, turned);
 }
 
-/* The farthest pixel in which there is something, from the middle, as a part of the way to the picture's edge: across of
- * a width that is narrower by `room`, and upward. */
+/* The farthest pixel in which there is something, from the middle, as a part of the way to the picture's edge: across
+ * of a width that is narrower by `room`, and upward. */
 static double reach_of(const conus_image *image, double room)
 {
     const uint32_t width = conus_image_width(image);

@@ -45,7 +45,7 @@ struct picture {
     uint32_t *ranks; /**< [objects + 1] of picture_ranks(), and of what is listed; NULL = all have their own colours. */
     uint8_t (*rgb)[3]; /**< [objects + 1] sRGB by rank, and of outlines in cuts; with `ranks`. */
     uint8_t (*line_rgb)[3];
-    double *seen; /**< [objects + 1] The part of the camera's rays that meets each first; NULL = not known. */
+    double *seen;  /**< [objects + 1] The part of the camera's rays that meets each first; NULL = not known. */
     bool *entered; /**< [objects + 1] Bundles with streamlines that come into the cone; NULL = not known. */
     float *rgba;   /**< [height * width * 4], bottom row first. */
 };
@@ -95,6 +95,9 @@ void picture_cut_finish(struct picture *picture);
 
 /** Linear light, premultiplied, and opacity of the background, @p part of the way down. */
 void picture_background(float out[4], const conus_view *options, float part);
+
+/** Lays it over the whole image. */
+void picture_lay_background(conus_image *image, const conus_view *options);
 
 /** Whether light letters are seen better on the background than dark ones; what is transparent is taken for paper. */
 bool picture_is_dark(const conus_view *options);

@@ -293,20 +293,6 @@ static conus_status lay_out(struct sheet *sheet)
     return CONUS_OK;
 }
 
-static void lay_background(struct sheet *sheet)
-{
-    const struct image_rgba to = image_rgba(sheet->image);
-    for (uint32_t row = 0; row < sheet->image->height; row++) {
-        float under[4];
-        picture_background(under, &sheet->picture.options, (float)row / (float)sheet->image->height);
-        for (uint32_t column = 0; column < sheet->image->width; column++) {
-            for (int c = 0; c < 4; c++) {
-                to.plane[c][(size_t)sheet->image->width * row + column] = under[c];
-            }
-        }
-    }
-}
-
 /* Lays `over`, linear and premultiplied, over a pixel of the sheet, whose planes are `to`. */
 static void lay_pixel(const struct sheet *sheet, const struct image_rgba *to, long x, long y, const float over[4])
 {
@@ -490,9 +476,9 @@ static void write_centred(const struct sheet *sheet, double x, double baseline, 
 static bool continues(const struct sheet *sheet, const struct panel *panel)
 {
     const conus_cut_plane *before = panel > sheet->panels ? panel[-1].plane : NULL;
-    const size_t size = sizeof before->right;
-    return before && memcmp(before->right, panel->plane->right, size) == 0 &&
-           memcmp(before->up, panel->plane->up, size) == 0;
+    const double alike = 1 - 1e-9;
+    return before && vec3_dot(before->right, panel->plane->right) > alike &&
+           vec3_dot(before->up, panel->plane->up) > alike;
 }
 
 /* Letters in the bands around the cut, where they lie on nothing, and the title below. */
@@ -559,7 +545,7 @@ static conus_status draw_sheet(struct sheet *sheet)
         return status;
     }
     sheet->image->dpi = picture->options.dpi;
-    lay_background(sheet);
+    picture_lay_background(sheet->image, &picture->options);
     for (size_t i = 0; i < sheet->count && !status; i++) {
         status = draw_panel(sheet, i);
     }

@@ -450,24 +450,33 @@ void picture_background(float out[4], const conus_view *options, float part)
     out[3] = transparent ? 0 : 1;
 }
 
+void picture_lay_background(conus_image *image, const conus_view *options)
+{
+    const struct image_rgba to = image_rgba(image);
+    for (uint32_t row = 0; row < image->height; row++) {
+        float under[4];
+        picture_background(under, options, (float)row / (float)image->height);
+        for (uint32_t column = 0; column < image->width; column++) {
+            for (int c = 0; c < 4; c++) {
+                to.plane[c][(size_t)image->width * row + column] = under[c];
+            }
+        }
+    }
+}
+
 /* Lays the drawing over the background, top row first. */
 static void lay_over_background(conus_image *image, const struct picture *picture)
 {
-    static const float nothing[4] = {0};
-    struct image_rgba to = image_rgba(image);
+    const struct image_rgba to = image_rgba(image);
     const uint32_t *drawing = picture->drawing;
-    for (uint32_t row = 0; row < image->height; row++) {
-        bool drawn = row < drawing[1];
-        const float *from = picture->rgba + (drawn ? (size_t)4 * drawing[0] * (drawing[1] - 1 - row) : 0);
-        float under[4];
-        picture_background(under, &picture->options, (float)row / (float)image->height);
-        for (uint32_t column = 0; column < image->width; column++) {
-            size_t at = (size_t)image->width * row + column;
-            const float *pixel = drawn && column < drawing[0] ? from + (size_t)4 * column : nothing;
-            for (int c = 0; c < 3; c++) {
-                to.plane[c][at] = pixel[c] + (1 - pixel[3]) * under[c];
+    const float *pixel = picture->rgba;
+    picture_lay_background(image, &picture->options);
+    for (uint32_t row = drawing[1]; row-- > 0;) {
+        for (uint32_t column = 0; column < drawing[0]; column++, pixel += 4) {
+            for (int c = 0; c < 4; c++) {
+                float *level = &to.plane[c][(size_t)image->width * row + column];
+                *level = pixel[c] + (1 - pixel[3]) * *level;
             }
-            to.plane[3][at] = pixel[3] + (1 - pixel[3]) * under[3];
         }
     }
 }

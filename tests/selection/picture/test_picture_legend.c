@@ -188,11 +188,8 @@ static void check_rows(const struct scene *scene, const struct legend_row *rows,
 {
     char subtitle[PICTURE_TEXT];
     picture_describe_cone(subtitle, &scene->selection->cone, NULL);
-    const struct legend legend = {.title = "Hits of the cone",
-                                  .subtitle = subtitle,
-                                  .header = {"share", "entry"},
-                                  .rows = rows,
-                                  .count = count};
+    const struct legend legend = {
+        .title = "Hits of the cone", .subtitle = subtitle, .header = {"share", "entry"}, .rows = rows, .count = count};
     check_legend(scene, legend, place);
 }
 
