@@ -114,10 +114,12 @@ static double reach_of(const conus_image *image, double room)
     const uint32_t height = conus_image_height(image);
     const float *opacity = conus_image_floats(image, "A");
     double reach = 0;
-    for (uint32_t i = 0; i < width * height; i++) {
-        const double across = (fabs(i % width + 0.5 - width / 2.0) + 0.5) / (room * width / 2.0);
-        const double upward = (fabs(i / width + 0.5 - height / 2.0) + 0.5) / (height / 2.0);
-        reach = opacity[i] > 0 ? fmax(reach, fmax(across, upward)) : reach;
+    for (uint32_t y = 0; y < height; y++) {
+        for (uint32_t x = 0; x < width; x++, opacity++) {
+            const double across = (fabs(2.0 * x + 1 - width) + 1) / (room * width);
+            const double upward = (fabs(2.0 * y + 1 - height) + 1) / height;
+            reach = *opacity > 0 ? fmax(reach, fmax(across, upward)) : reach;
+        }
     }
     return reach;
 }

@@ -45,9 +45,8 @@ struct picture {
     uint32_t *ranks; /**< [objects + 1] of picture_ranks(), and of what is listed; NULL = all have their own colours. */
     uint8_t (*rgb)[3]; /**< [objects + 1] sRGB by rank, and of outlines in cuts; with `ranks`. */
     uint8_t (*line_rgb)[3];
-    double *seen;  /**< [objects + 1] The part of the camera's rays that meets each first; NULL = not known. */
-    bool *entered; /**< [objects + 1] Bundles with streamlines that come into the cone; NULL = not known. */
-    float *rgba;   /**< [height * width * 4], bottom row first. */
+    double *seen; /**< [objects + 1] The part of the camera's rays that meets each first; NULL = not known. */
+    float *rgba;  /**< [height * width * 4], bottom row first. */
 };
 
 /** Appends the legend of the areas hit, a scale bar and the directions (R L A P S I); with a font. */

@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "render/colour/pathways.h"
 #include "render/draw/legend.h"
+#include "selection/measure/tract_census.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -295,10 +296,17 @@ static bool leaves_out(const struct picture *picture)
     return false;
 }
 
-/* Whether streamlines of a bundle that is not hit first are in full colours in the cone: those of its own are pale. */
-static bool is_entered(const struct picture *picture, size_t number)
+/* Whether streamlines of a bundle that is not hit first are in full colours in the cone, as those of its own are not.
+ * Without memory none is. */
+static bool is_entered(const struct picture *picture, uint32_t number)
 {
-    return colours_streamlines(picture) && picture->entered && picture->entered[number];
+    const conus_atlas *atlas = picture->atlas;
+    uint32_t *streamlines = NULL;
+    size_t count = 0;
+    bool found = colours_streamlines(picture) && atlas->objects[number - 1].kind == CONUS_KIND_BUNDLE &&
+                 !tract_census_list(&streamlines, &count, atlas, number, &picture->options.selection->region);
+    memory_free(streamlines);
+    return found && count > 0;
 }
 
 /* Adds rows for pathways and bundles that are shown but not hit, while they are few: those of which streamlines are
@@ -312,7 +320,7 @@ static size_t add_not_hit(struct picture_legend *out, struct legend_row *rows, c
     size_t bundles = 0;
     for (size_t number = atlas->area_count + 1; number <= atlas->object_count; number++) {
         if (is_drawn(picture, (uint32_t)number) && !is_listed(picture, (uint32_t)number) &&
-            picture->emphasis[number] == EMPHASIS_PALE && is_entered(picture, number) == entered) {
+            picture->emphasis[number] == EMPHASIS_PALE && is_entered(picture, (uint32_t)number) == entered) {
             bundles += atlas->objects[number - 1].kind == CONUS_KIND_BUNDLE;
             if (count++ < PATHWAY_ROWS) {
                 struct legend_row *row = &rows[count - 1];

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_render(): the picture of the atlas from a camera, with the cone in it. */
-#include "atlas/bundles.h"
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/look_sizes.h"
@@ -751,31 +750,11 @@ static conus_status find_pale(bool **block, const bool **is_pale, const conus_at
     return CONUS_OK;
 }
 
-/* Marks the bundles with streamlines that come into the cone. */
-static conus_status find_entered(bool *entered, const conus_atlas *atlas, const bool *const *is_pale)
-{
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; i < atlas->tractogram_count && !status; i++) {
-        const struct tractogram *tractogram = &atlas->tractograms[i];
-        uint32_t *objects = memory_zeroed(tractogram->streamline_count, sizeof *objects);
-        status = objects ? CONUS_OK : CONUS_ERROR_MEMORY;
-        if (objects) {
-            bundles_find_objects(objects, atlas, tractogram);
-        }
-        for (size_t k = 0; k < tractogram->streamline_count && objects; k++) {
-            entered[objects[k]] = entered[objects[k]] || !is_pale[i][k];
-        }
-        memory_free(objects);
-    }
-    return status;
-}
-
-/* Lets the renderer draw palely the streamlines that do not come into the cone of the selection (Eq. 19), if there is
- * one. */
-static conus_status mark_streamlines(struct picture *picture, conus_renderer *renderer)
+/* Lets the renderer draw palely the streamlines that do not come into the cone of the selection (Eq. 19); NULL = none.
+ */
+static conus_status mark_streamlines(conus_renderer *renderer, const conus_selection *selection)
 {
     const conus_atlas *atlas = renderer->atlas;
-    const conus_selection *selection = picture->options.selection;
     if (!atlas->tractogram_count) {
         return CONUS_OK;
     }
@@ -783,9 +762,7 @@ static conus_status mark_streamlines(struct picture *picture, conus_renderer *re
     const bool **is_pale = memory_zeroed(atlas->tractogram_count, sizeof(void *));
     conus_status status = is_pale ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status && selection) {
-        picture->entered = memory_zeroed(atlas->object_count + 1, sizeof *picture->entered);
-        status = picture->entered ? find_pale(&block, is_pale, atlas, &selection->region) : CONUS_ERROR_MEMORY;
-        status = status ? status : find_entered(picture->entered, atlas, is_pale);
+        status = find_pale(&block, is_pale, atlas, &selection->region);
     }
     status = status ? status : renderer_paint_streamlines(renderer, is_pale);
     memory_free(is_pale);
@@ -894,7 +871,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     if (!status && !picture.options.draft) {
         status = renderer_include(renderer, picture.areas);
     }
-    status = status ? status : mark_streamlines(&picture, renderer);
+    status = status ? status : mark_streamlines(renderer, picture.options.selection);
     if (!status) {
         find_ball(&picture, &renderer->colour);
     }
@@ -916,7 +893,6 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     memory_free(picture.opacity);
     memory_free(picture.areas);
     memory_free(picture.seen);
-    memory_free(picture.entered);
     memory_free(picture.rgba);
     return status;
 }
