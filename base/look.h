@@ -36,7 +36,7 @@ enum look_colour {
     LOOK_GLASS_EDGE = 0x555559,   /**< Their outline: it shows on white and on black. */
     LOOK_MARKER_EDGE = 0x191919,  /**< Of balls. */
     LOOK_OUTLINE = 0x69737D,      /**< Outlines in cuts of what is not hit: seen on that, and around it. */
-    LOOK_CUT_GROUND = 0x909090,   /**< Under areas in cuts where there is no image. */
+    LOOK_CUT_GROUND = 0x909090,   /**< Under areas in cuts where there is no image, or it is black. */
     LOOK_NO_OBJECT = 0x82848A,    /**< The chip and curve of what is no object. */
     LOOK_SEEN_NOTHING = 0x34353A, /**< Pixels of the device that see no object, and what is around them. */
     LOOK_SEEN_AROUND = 0x18191C,

@@ -787,12 +787,24 @@ static conus_status draw_view(conus_image **out, const struct picture *picture, 
     return conus_cuts_image(out, picture->atlas, planes, count, &look, picture->renderer, view);
 }
 
+/* What part of the width a legend, or strips, leave at least. */
+static double room_of(const struct picture *picture, const conus_view *view)
+{
+    const bool has_colours = picture->settings->figure.streamline_colour || picture->translucent.pathway_count;
+    const bool is_auto = view->legend == CONUS_LEGEND_AUTO && (has_colours || view->legend_rows);
+    return view->legend == CONUS_LEGEND_RIGHT || is_auto || view->probe_count ? 0.5 : 1;
+}
+
 /* Draws the frames of a turntable, or the one picture that there is without. */
 static int draw_frames(const struct picture *picture, const conus_view *view, const conus_cut_plane *planes,
                        size_t count, const char *path)
 {
     const struct turn_settings *turn = &picture->settings->turn;
+    double field_of_view = view->field_of_view;
     int code = EXIT_DONE;
+    if (turn->frames && !picture->has_camera && field_of_view == 0) {
+        code = print_status(turn_fit(&field_of_view, picture->atlas, picture->renderer, view, room_of(picture, view)));
+    }
     for (uint32_t frame = 0; (frame == 0 || frame < turn->frames) && !code; frame++) {
         conus_image *image = NULL;
         conus_pose camera;
@@ -807,6 +819,7 @@ static int draw_frames(const struct picture *picture, const conus_view *view, co
                 turn_camera(&camera, turn, frame, picture->has_camera ? &picture->camera : NULL, picture->atlas, view);
             of_frame.camera = &camera;
             of_frame.side = CONUS_SIDE_OF_CONE;
+            of_frame.field_of_view = field_of_view;
         }
         status = status ? status : draw_view(&image, picture, &of_frame, planes, count);
         status = status ? status : conus_image_write(image, name);

@@ -293,16 +293,22 @@ static int add_place(struct cut_finder *finder, int plane, double place)
     return EXIT_DONE;
 }
 
-/* In the middles of as many layers of the atlas, at whole numbers where they are two or more apart. */
+/* In equal steps about the atlas's middle, which are as many layers of it; of a whole number, at whole ones, where
+ * these cover nine tenths of it and stay in it. */
 static int add_mosaic(struct cut_finder *finder, int plane, size_t count)
 {
     double range[2];
     range_of(range, finder, plane);
-    double step = (range[1] - range[0]) / (double)count;
+    const double size = range[1] - range[0];
+    const double layer = size / (double)count;
+    const double steps = (double)count - 1;
+    const double whole = steps * rint(layer) <= size - 1 ? rint(layer) : floor(layer);
+    const bool is_whole = layer >= 2 && whole * (double)count >= 0.9 * size;
+    const double step = is_whole ? whole : layer;
+    const double first = (range[0] + range[1] - steps * step) / 2;
     int code = EXIT_DONE;
     for (size_t i = 0; i < count && !code; i++) {
-        double place = range[0] + ((double)i + 0.5) * step;
-        code = add_place(finder, plane, step >= 2 ? rint(place) : place);
+        code = add_place(finder, plane, (is_whole ? rint(first) : first) + (double)i * step);
     }
     return code;
 }

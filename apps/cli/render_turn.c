@@ -20,6 +20,10 @@ static const double FULL_TURN = 360;
 static const double ABOVE = 15;
 static const double ROOM = 1.1;
 
+/* Half the field of view that is the default, and how much of the picture is filled where it is fitted. */
+static const double UPWARD_DEGREES = 15;
+static const double FILLED = 0.92;
+
 #define FIELD(member) OPTION_AT(struct turn_settings, member)
 
 const struct option turn_options[] = {
@@ -58,7 +62,7 @@ bool turn_check(const struct turn_settings *settings, const char *output, const 
 static conus_status find_start(conus_pose *out, const double centre[3], double radius, const conus_view *view)
 {
     static const double up[3] = {0, 0, 1};
-    double upward = view->field_of_view > 0 ? view->field_of_view / 2 : 15 * RADIANS;
+    double upward = view->field_of_view > 0 ? view->field_of_view / 2 : UPWARD_DEGREES * RADIANS;
     double aspect = view->width && view->height ? (double)view->width / view->height : 1;
     double across = atan(tan(upward) * aspect);
     double distance = ROOM * radius / sin(fmin(upward, across));
@@ -100,6 +104,55 @@ conus_status turn_camera(conus_pose *out, const struct turn_settings *settings, 
         turned[4 * column + 3] = m[3];
     }
     return conus_pose_from_matrix(out, turned);
+}
+
+/* The farthest pixel in which there is something, from the middle, as a part of the way to the picture's edge: across
+ * of a width that is narrower by `room`, and upward. */
+static double reach_of(const conus_image *image, double room)
+{
+    const uint32_t width = conus_image_width(image);
+    const uint32_t height = conus_image_height(image);
+    const float *opacity = conus_image_floats(image, "A");
+    double reach = 0;
+    for (uint32_t y = 0; y < height; y++) {
+        for (uint32_t x = 0; x < width; x++, opacity++) {
+            const double across = (fabs(2.0 * x + 1 - width) + 1) / (room * width);
+            const double upward = (fabs(2.0 * y + 1 - height) + 1) / height;
+            reach = *opacity > 0 ? fmax(reach, fmax(across, upward)) : reach;
+        }
+    }
+    return reach;
+}
+
+conus_status turn_fit(double *field_of_view, const conus_atlas *atlas, conus_renderer *renderer, const conus_view *view,
+                      double room)
+{
+    enum { SIDES = 16, ACROSS = 160, UPWARD = 120 };
+    static const struct turn_settings around = {.frames = SIDES};
+    const double width = view->width ? view->width : ACROSS;
+    const double height = view->height ? view->height : UPWARD;
+    const double scale = ACROSS / fmax(width, height);
+    double reach = 0;
+    conus_status status = CONUS_OK;
+    conus_view rough = *view;
+    rough.width = (uint32_t)fmax(rint(scale * width), 1);
+    rough.height = (uint32_t)fmax(rint(scale * height), 1);
+    rough.dpi = 0;
+    rough.no_legend = rough.draft = true;
+    rough.print = rough.shapes = false;
+    rough.background = CONUS_BACKGROUND_TRANSPARENT;
+    rough.side = CONUS_SIDE_OF_CONE;
+    for (uint32_t frame = 0; frame < SIDES && !status; frame++) {
+        conus_image *image = NULL;
+        conus_pose camera;
+        status = turn_camera(&camera, &around, frame, NULL, atlas, view);
+        rough.camera = &camera;
+        status = status ? status : conus_render(&image, renderer, &rough);
+        reach = status ? reach : fmax(reach, reach_of(image, room));
+        conus_image_destroy(image);
+    }
+    *field_of_view = reach > 0 ? 2 * atan(tan(UPWARD_DEGREES * RADIANS) * reach / FILLED) : 0;
+    return status;
 }
 
 char *turn_path(const char *pattern, const struct turn_settings *settings, uint32_t frame)

@@ -197,7 +197,8 @@ typedef struct conus_view {
                                  as @p pale says. An area that is given one is drawn beside pathways, too. NULL = all
                                  NaN. Not of pathways that are haze. */
     double pale;              /**< Opacity of what the selection does not hit, of all without a selection; 0 = 1, as of
-                                 what it hits. */
+                                 what it hits; with neither @p opacity, @p camera nor @p own_colours 0.1 where something
+                                 hit would not be seen. */
     const conus_frame *frame; /**< In which the legend says where the cone begins; NULL = RAS mm. */
     const bool *listed;   /**< [object count + 1] What stands out and has a row in the legend beside what the selection
                              hits, as far as it is drawn, by number. NULL = with a selection what @p opacity names,

@@ -711,7 +711,7 @@ enum {
     HATCH = 6,
     PALE = 40,
     OUTLINE = 2,                   /* in place of an opacity: opaque */
-    GROUND = LOOK_CUT_GROUND % 256 /* a grey: pale ones are seen on black, too */
+    GROUND = LOOK_CUT_GROUND % 256 /* a grey, where no image is: on it colours are as on their chips */
 };
 
 /* Lines of surfaces around the areas: a grey that is visible on the context's black and white. */
@@ -841,7 +841,6 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const d
     uint8_t grey = 0;
     uint32_t of = 0;
     double by = 0;
-    const bool has_ground = !atlas_context(cut->atlas) && view->fill > 0;
     const bool has_bare = view->rgb && view->emphasis && !cut->atlas->has_palette && atlas_context(cut->atlas);
     for (uint32_t column = 0; column < cut->of.width; column++, at++) {
         uint8_t *pixel = cut->rgba + 4 * at;
@@ -855,11 +854,11 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const d
             memcpy(pixel, colour_of(cut, view->line_rgb, contour), 3);
         } else if (object) {
             double opacity = opacity_at(cut, view, opacities, column, row);
-            if (opacity == 0 && !has_ground) { /* most of a brain: it is the grey already */
+            if (opacity == 0) { /* most of a brain: it is the grey already */
                 continue;
             }
             if (object != of || opacity != by || cut->grey[at] != grey) {
-                memset(pixel, has_ground ? GROUND : cut->grey[at], 3);
+                memset(pixel, cut->grey[at] == 0 && view->fill > 0 ? GROUND : cut->grey[at], 3);
                 if (has_bare && opacity == OUTLINE && view->emphasis[object] == EMPHASIS_PALE) {
                     memset(pixel, cut->seen_on[cut->grey[at]], 3);
                 } else {

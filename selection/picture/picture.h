@@ -95,6 +95,9 @@ void picture_cut_finish(struct picture *picture);
 /** Linear light, premultiplied, and opacity of the background, @p part of the way down. */
 void picture_background(float out[4], const conus_view *options, float part);
 
+/** Lays it over the whole image. */
+void picture_lay_background(conus_image *image, const conus_view *options);
+
 /** Whether light letters are seen better on the background than dark ones; what is transparent is taken for paper. */
 bool picture_is_dark(const conus_view *options);
 
@@ -118,6 +121,9 @@ bool picture_stands_out(const struct picture *picture, size_t number);
 /** The number that the picture and its legend give to what may look like another one: a pathway drawn as haze by
  * values, and what has a rank behind the colours; 0 where it has none. */
 size_t picture_tag(const struct picture *picture, uint32_t number);
+
+/** Whether the camera sees neither it nor anything below it in the area tree, as far as that is known. */
+bool picture_is_hidden(const struct picture *picture, uint32_t number);
 
 /** Whether a legend without a cone names all that is in the picture. */
 bool picture_lists_all(const struct picture *picture);

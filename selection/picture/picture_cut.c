@@ -12,8 +12,6 @@
 
 #include <string.h>
 
-enum { DPI_LIMIT = 100000 };
-
 conus_status picture_cut_init(struct picture *picture, const conus_cut_view *view, const conus_view *sheet)
 {
     size_t count = picture->atlas->object_count + 1;
@@ -58,16 +56,12 @@ void picture_cut_finish(struct picture *picture)
 
 static void lay_out(conus_image *image, const struct picture *picture, const uint8_t *rgba)
 {
-    struct image_rgba to = image_rgba(image);
-    for (uint32_t row = 0; row < image->height; row++) {
-        float under[4];
-        picture_background(under, &picture->options, (float)row / (float)image->height);
-        for (uint32_t column = 0; column < image->width; column++) {
-            bool drawn = row < picture->drawing[1] && column < picture->drawing[0];
-            const uint8_t *from = drawn ? rgba + 4 * ((size_t)picture->drawing[0] * row + column) : NULL;
+    const struct image_rgba to = image_rgba(image);
+    picture_lay_background(image, &picture->options);
+    for (uint32_t row = 0; row < picture->drawing[1]; row++) {
+        for (uint32_t column = 0; column < picture->drawing[0]; column++, rgba += 4) {
             for (int c = 0; c < 4; c++) {
-                float level = !drawn ? under[c] : c < 3 ? (float)linear_from_srgb(from[c] / 255.0) : 1;
-                to.plane[c][(size_t)image->width * row + column] = level;
+                to.plane[c][(size_t)image->width * row + column] = c < 3 ? (float)linear_from_srgb(rgba[c] / 255.0) : 1;
             }
         }
     }
@@ -123,15 +117,10 @@ conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const 
     struct picture picture = {.atlas = atlas};
     conus_cutter *cutter = NULL;
     conus_status status = cut_view_check_size(&what);
+    on.side = CONUS_SIDE_OF_CONE; /* which is of space */
+    status = status ? status : picture_check_sheet(&on);
     if (status) {
         return status;
-    }
-    if (on.legend > CONUS_LEGEND_NONE || on.background > CONUS_BACKGROUND_TRANSPARENT) {
-        return fail(CONUS_ERROR_ARGUMENT, "legend %d, background %d; allowed are at most %d, %d", (int)on.legend,
-                    (int)on.background, CONUS_LEGEND_NONE, CONUS_BACKGROUND_TRANSPARENT);
-    }
-    if (!(on.dpi >= 0 && on.dpi <= DPI_LIMIT)) {
-        return fail(CONUS_ERROR_ARGUMENT, "%g dpi; allowed is 0 to %d", on.dpi, DPI_LIMIT);
     }
     status = conus_cutter_create(&cutter, atlas);
     status = status ? status : picture_cut_init(&picture, &what, &on);

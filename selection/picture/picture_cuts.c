@@ -293,20 +293,6 @@ static conus_status lay_out(struct sheet *sheet)
     return CONUS_OK;
 }
 
-static void lay_background(struct sheet *sheet)
-{
-    const struct image_rgba to = image_rgba(sheet->image);
-    for (uint32_t row = 0; row < sheet->image->height; row++) {
-        float under[4];
-        picture_background(under, &sheet->picture.options, (float)row / (float)sheet->image->height);
-        for (uint32_t column = 0; column < sheet->image->width; column++) {
-            for (int c = 0; c < 4; c++) {
-                to.plane[c][(size_t)sheet->image->width * row + column] = under[c];
-            }
-        }
-    }
-}
-
 /* Lays `over`, linear and premultiplied, over a pixel of the sheet, whose planes are `to`. */
 static void lay_pixel(const struct sheet *sheet, const struct image_rgba *to, long x, long y, const float over[4])
 {
@@ -486,6 +472,15 @@ static void write_centred(const struct sheet *sheet, double x, double baseline, 
     draw_text(sheet->image->list, picture->font, at, size, picture->ink, text);
 }
 
+/* Whether the panel before it is seen from the same side: one of them has letters. */
+static bool continues(const struct sheet *sheet, const struct panel *panel)
+{
+    const conus_cut_plane *before = panel > sheet->panels ? panel[-1].plane : NULL;
+    const double alike = 1 - 1e-9;
+    return before && vec3_dot(before->right, panel->plane->right) > alike &&
+           vec3_dot(before->up, panel->plane->up) > alike;
+}
+
 /* Letters in the bands around the cut, where they lie on nothing, and the title below. */
 static void annotate(const struct sheet *sheet, const struct panel *panel)
 {
@@ -494,7 +489,7 @@ static void annotate(const struct sheet *sheet, const struct panel *panel)
     const double middle[2] = {(double)panel->at[0] + (double)panel->size[0] / 2,
                               (double)panel->at[1] + (double)panel->size[1] / 2};
     const double bottom = (double)(panel->at[1] + panel->size[1]);
-    const bool has_letters = sheet->above > GAP * em;
+    const int letters = continues(sheet, panel) ? 0 : sheet->above > GAP * em ? 4 : 2;
     const double places[4][2] = {{(double)panel->at[0] - LETTER * em, middle[1] + 0.36 * size},
                                  {(double)(panel->at[0] + panel->size[0]) + LETTER * em, middle[1] + 0.36 * size},
                                  {middle[0], bottom + 0.5 * sheet->above + 0.36 * size},
@@ -506,7 +501,7 @@ static void annotate(const struct sheet *sheet, const struct panel *panel)
         vec3_scale(axis, n < 2 ? panel->plane->right : panel->plane->up, n % 2 ? 1 : -1);
         words[n] = picture_letter_of(axis);
     }
-    for (int n = 0; n < (has_letters ? 4 : 2) && words[0] && words[2]; n++) {
+    for (int n = 0; n < letters && words[0] && words[2]; n++) {
         write_centred(sheet, places[n][0], places[n][1], size, words[n]);
     }
     put_title(title, sheet, panel, sheet->title);
@@ -550,7 +545,7 @@ static conus_status draw_sheet(struct sheet *sheet)
         return status;
     }
     sheet->image->dpi = picture->options.dpi;
-    lay_background(sheet);
+    picture_lay_background(sheet->image, &picture->options);
     for (size_t i = 0; i < sheet->count && !status; i++) {
         status = draw_panel(sheet, i);
     }

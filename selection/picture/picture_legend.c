@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "render/colour/pathways.h"
 #include "render/draw/legend.h"
+#include "selection/measure/tract_census.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -15,7 +16,8 @@
 enum {
     TEXT_SIZE = PICTURE_TEXT,
     CELL_SIZE = 24,
-    PATHWAY_ROWS = 5,
+    PATHWAY_ROWS = 4, /* that are not hit */
+    OTHER_ROWS = 2 * PATHWAY_ROWS + 1,
     COLOURS = 3,
     MARKS = 5,
     COLOUR_ROWS = MARKS + 2,
@@ -51,7 +53,7 @@ struct picture_legend {
     const char **prefixes; /* of conus_atlas_prefixes() */
     struct buffer *names;  /* [name_count] names with a prefix, of objects that share theirs */
     size_t name_count;
-    char subtitle[TEXT_SIZE], words[TEXT_SIZE], more[TEXT_SIZE], colours[KEYS * COLOUR_ROWS][TEXT_SIZE];
+    char subtitle[TEXT_SIZE], words[2][TEXT_SIZE], more[TEXT_SIZE], colours[KEYS * COLOUR_ROWS][TEXT_SIZE];
     uint8_t bars[2][MARKS - 1][LEGEND_BAR][3]; /* of the ramp of numbers, and of haze */
     uint8_t ramp[LEGEND_BAR][3];               /* the chip of the only haze that is coloured by its values */
     double size[2];                            /* pixels of the image */
@@ -158,8 +160,7 @@ size_t picture_tag(const struct picture *picture, uint32_t number)
     return is_by_value(picture, number) && count_by_value(picture) > 1 ? tag : 0;
 }
 
-/* Whether the camera sees neither it nor anything below it in the area tree. */
-static bool is_hidden(const struct picture *picture, uint32_t number)
+bool picture_is_hidden(const struct picture *picture, uint32_t number)
 {
     bool hidden = picture->seen;
     for (uint32_t n = 1; hidden && n <= picture->atlas->object_count; n++) {
@@ -264,19 +265,21 @@ static void set_chip(struct legend_row *row, struct picture_legend *out, const s
     row->striped = picture->emphasis && picture->emphasis[number] == EMPHASIS_HATCHED;
 }
 
+/* With all layers, from the apex to where the cone enters it, whether or not it is hit first. */
 static void fill_row(struct picture_legend *out, size_t index, const struct picture *picture,
                      const conus_result *result)
 {
+    const bool is_entry = picture->options.selection->has_layers;
     struct legend_row *row = &out->rows[index];
     struct cells *cells = &out->cells[index];
     bool is_behind = result->object && !result->pixels;
     snprintf(cells->share, sizeof cells->share, "%.1f %%", 100 * result->share);
-    snprintf(cells->distance, sizeof cells->distance, "%.1f mm", is_behind ? result->entry : result->distance);
+    snprintf(cells->distance, sizeof cells->distance, "%.1f mm", is_entry ? result->entry : result->distance);
     row->detail[0] = is_behind ? BEHIND : cells->share;
     row->plain = !result->object;
     row->name = "unassigned";
     if (result->object) {
-        row->name = name_of(out, picture, result->object, result->pixels && is_hidden(picture, result->object));
+        row->name = name_of(out, picture, result->object, result->pixels && picture_is_hidden(picture, result->object));
         set_chip(row, out, picture, result->object);
         row->detail[1] = cells->distance;
     }
@@ -293,34 +296,56 @@ static bool leaves_out(const struct picture *picture)
     return false;
 }
 
-/* Adds rows for pathways and bundles that are shown but not hit, while they are few, and a row that says that other
- * areas are left out. */
-static size_t add_pathways(struct picture_legend *out, struct legend_row rows[PATHWAY_ROWS],
-                           const struct picture *picture)
+/* Whether streamlines of a bundle that is not hit first are in full colours in the cone, as those of its own are not.
+ * Without memory none is. */
+static bool is_entered(const struct picture *picture, uint32_t number)
 {
     const conus_atlas *atlas = picture->atlas;
+    uint32_t *streamlines = NULL;
     size_t count = 0;
-    size_t others = 0;
+    bool found = colours_streamlines(picture) && atlas->objects[number - 1].kind == CONUS_KIND_BUNDLE &&
+                 !tract_census_list(&streamlines, &count, atlas, number, &picture->options.selection->region);
+    memory_free(streamlines);
+    return found && count > 0;
+}
+
+/* Adds rows for pathways and bundles that are shown but not hit, while they are few: those of which streamlines are
+ * coloured in the cone, or the others. */
+static size_t add_not_hit(struct picture_legend *out, struct legend_row *rows, const struct picture *picture,
+                          bool entered)
+{
+    const conus_atlas *atlas = picture->atlas;
+    const char *detail = entered ? "inside" : "not hit";
+    size_t count = 0;
     size_t bundles = 0;
     for (size_t number = atlas->area_count + 1; number <= atlas->object_count; number++) {
         if (is_drawn(picture, (uint32_t)number) && !is_listed(picture, (uint32_t)number) &&
-            picture->emphasis[number] == EMPHASIS_PALE) {
+            picture->emphasis[number] == EMPHASIS_PALE && is_entered(picture, (uint32_t)number) == entered) {
             bundles += atlas->objects[number - 1].kind == CONUS_KIND_BUNDLE;
-            if (others++ < PATHWAY_ROWS - 1) {
-                rows[count++] =
-                    (struct legend_row){.name = name_of(out, picture, (uint32_t)number, false), .detail = {"not hit"}};
-                set_chip(&rows[count - 1], out, picture, (uint32_t)number);
+            if (count++ < PATHWAY_ROWS) {
+                struct legend_row *row = &rows[count - 1];
+                *row = (struct legend_row){.name = name_of(out, picture, (uint32_t)number, false), .detail = {detail}};
+                set_chip(row, out, picture, (uint32_t)number);
             }
         }
     }
-    if (others > count) {
-        snprintf(out->words, TEXT_SIZE, "%zu %s", others,
-                 !bundles            ? "pathways"
-                 : bundles == others ? "bundles"
-                                     : "pathways and bundles");
-        rows[0] = (struct legend_row){.name = out->words, .plain = true, .detail = {"not hit"}};
+    if (count > PATHWAY_ROWS) {
+        snprintf(out->words[entered], TEXT_SIZE, "%zu %s", count,
+                 !bundles           ? "pathways"
+                 : bundles == count ? "bundles"
+                                    : "pathways and bundles");
+        rows[0] = (struct legend_row){.name = out->words[entered], .plain = true, .detail = {detail}};
         count = 1;
     }
+    return count;
+}
+
+/* Adds rows for what is shown but not hit, and one that says that other areas are left out. */
+static size_t add_pathways(struct picture_legend *out, struct legend_row *rows, const struct picture *picture)
+{
+    const conus_atlas *atlas = picture->atlas;
+    size_t count = add_not_hit(out, rows, picture, true);
+    count += add_not_hit(out, rows + count, picture, false);
     if ((pathways_first(atlas) || pathways_shown(atlas)) && atlas_parcellation_count(atlas) && leaves_out(picture)) {
         rows[count++] = (struct legend_row){.name = "other areas", .plain = true, .detail = {"not drawn"}};
     }
@@ -544,7 +569,7 @@ static size_t add_listed(struct picture_legend *out, struct legend_row *rows, co
         bool was_done = done[shown];
         done[shown] = done[shown] || !selection || is_listed(picture, number);
         if (!was_done && is_listed(picture, number)) {
-            rows[count] = (struct legend_row){.name = name_of(out, picture, shown, is_hidden(picture, shown))};
+            rows[count] = (struct legend_row){.name = name_of(out, picture, shown, picture_is_hidden(picture, shown))};
             rows[count].detail[0] = selection ? "not hit" : NULL;
             set_chip(&rows[count++], out, picture, shown);
         }
@@ -630,7 +655,7 @@ static conus_status fill_rows(struct picture_legend *out, const struct picture *
         out->legend.title = titles[selection->cone.radius > 0][selection->has_layers];
         out->legend.subtitle = out->subtitle;
         out->legend.header[0] = "share";
-        out->legend.header[1] = "distance";
+        out->legend.header[1] = selection->has_layers ? "entry" : "distance";
     } else if (count) {
         out->legend.title = title_of(picture);
     } else if (tail) { /* without a cone, the heading of the colours is the title */
@@ -738,7 +763,7 @@ void picture_legend_finish(struct picture *picture)
 conus_status picture_legend_init(struct picture *picture)
 {
     size_t results = conus_selection_count(picture->options.selection);
-    size_t most = results + picture->atlas->object_count + PATHWAY_ROWS;
+    size_t most = results + picture->atlas->object_count + OTHER_ROWS;
     struct picture_legend *legend = memory_zeroed(1, sizeof *legend);
     if (legend) {
         legend->rows = memory_zeroed(most + KEYS * COLOUR_ROWS, sizeof *legend->rows);

@@ -27,6 +27,9 @@ enum {
     WALL_POINTS = 2 * AROUND
 };
 
+/* Opacity of what is not hit, where it would hide a hit. */
+static const double GLASS = 0.1;
+
 /* Radius of the ball at the apex, as a part of the atlas's. */
 static const double DEVICE = 0.022;
 
@@ -446,24 +449,33 @@ void picture_background(float out[4], const conus_view *options, float part)
     out[3] = transparent ? 0 : 1;
 }
 
+void picture_lay_background(conus_image *image, const conus_view *options)
+{
+    const struct image_rgba to = image_rgba(image);
+    for (uint32_t row = 0; row < image->height; row++) {
+        float under[4];
+        picture_background(under, options, (float)row / (float)image->height);
+        for (uint32_t column = 0; column < image->width; column++) {
+            for (int c = 0; c < 4; c++) {
+                to.plane[c][(size_t)image->width * row + column] = under[c];
+            }
+        }
+    }
+}
+
 /* Lays the drawing over the background, top row first. */
 static void lay_over_background(conus_image *image, const struct picture *picture)
 {
-    static const float nothing[4] = {0};
-    struct image_rgba to = image_rgba(image);
+    const struct image_rgba to = image_rgba(image);
     const uint32_t *drawing = picture->drawing;
-    for (uint32_t row = 0; row < image->height; row++) {
-        bool drawn = row < drawing[1];
-        const float *from = picture->rgba + (drawn ? (size_t)4 * drawing[0] * (drawing[1] - 1 - row) : 0);
-        float under[4];
-        picture_background(under, &picture->options, (float)row / (float)image->height);
-        for (uint32_t column = 0; column < image->width; column++) {
-            size_t at = (size_t)image->width * row + column;
-            const float *pixel = drawn && column < drawing[0] ? from + (size_t)4 * column : nothing;
-            for (int c = 0; c < 3; c++) {
-                to.plane[c][at] = pixel[c] + (1 - pixel[3]) * under[c];
+    const float *pixel = picture->rgba;
+    picture_lay_background(image, &picture->options);
+    for (uint32_t row = drawing[1]; row-- > 0;) {
+        for (uint32_t column = 0; column < drawing[0]; column++, pixel += 4) {
+            for (int c = 0; c < 4; c++) {
+                float *level = &to.plane[c][(size_t)image->width * row + column];
+                *level = pixel[c] + (1 - pixel[3]) * *level;
             }
-            to.plane[3][at] = pixel[3] + (1 - pixel[3]) * under[3];
         }
     }
 }
@@ -762,6 +774,7 @@ static conus_status find_opacities(struct picture *picture)
 {
     size_t count = picture->atlas->object_count;
     bool translucent = false;
+    memory_free(picture->areas);
     picture->opacity = memory_raw(count + 1, sizeof *picture->opacity);
     picture->areas = memory_zeroed(count + 1, sizeof *picture->areas);
     if (!picture->opacity || !picture->areas) {
@@ -780,15 +793,15 @@ static conus_status find_opacities(struct picture *picture)
     return CONUS_OK;
 }
 
-/* Finds what the camera sees, by rays from it through the whole picture, for a legend. Only if all that is drawn is
- * opaque, and nothing is left out. Needs no legend: one changes the camera's distance alone. */
+/* Finds what the camera sees, by rays from it through the whole picture. Only if all that is drawn is opaque, and
+ * nothing is left out. Needs no legend: one changes the camera's distance alone. */
 static conus_status find_seen(struct picture *picture, const struct colour_pass *pass)
 {
     enum { RAYS_ACROSS = 512 };
     const conus_view *options = &picture->options;
     const conus_atlas *atlas = picture->atlas;
-    if (!(options->selection || picture_lists_all(picture)) || options->no_legend || options->draft ||
-        picture->opacity || pathways_first(atlas) || pathways_shown(atlas) || has_frustum(options)) {
+    if (!(options->selection || picture_lists_all(picture)) || options->draft || picture->opacity ||
+        pathways_first(atlas) || pathways_shown(atlas) || has_frustum(options)) {
         return CONUS_OK;
     }
     picture->drawing[0] = options->width;
@@ -813,6 +826,25 @@ static conus_status find_seen(struct picture *picture, const struct colour_pass 
     conus_selection_destroy(seen);
     conus_selector_destroy(selector);
     return status;
+}
+
+/* Makes what is not hit glass where the camera sees nothing of a hit, unless somebody chose the camera, opacities, or
+ * colours that tell less of what is hit. */
+static conus_status reveal_hits(struct picture *picture)
+{
+    const conus_view *options = &picture->options;
+    bool is_hidden = false;
+    for (size_t i = 0; i < conus_selection_count(options->selection) && !is_hidden; i++) {
+        const conus_result *result = conus_selection_result(options->selection, i);
+        is_hidden = result->object && (result->pixels || result->pierced) && picture_is_hidden(picture, result->object);
+    }
+    if (!is_hidden || !picture->ranks || options->camera || options->opacity || options->pale > 0) {
+        return CONUS_OK;
+    }
+    picture->options.pale = GLASS;
+    memory_free(picture->seen);
+    picture->seen = NULL;
+    return find_opacities(picture);
 }
 
 conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view)
@@ -848,6 +880,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     }
     status = status || picture.options.camera ? status : choose_side(&picture);
     status = status ? status : find_seen(&picture, &renderer->colour);
+    status = status ? status : reveal_hits(&picture);
     status = status ? status : picture_prepare_sheet(&picture, renderer->max_memory, renderer->log, renderer->log_user);
     status = status ? status : place_camera(&picture, &renderer->colour);
     status = status ? status : draw(&picture, renderer);

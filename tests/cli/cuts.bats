@@ -104,6 +104,30 @@ mosaic:100 800x600
 END
 }
 
+# A box 60 mm high: N cuts in equal steps about the middle, to half a mm, so that from the first to the last
+# there are N - 1; in whole numbers where there are some that cover nine tenths. 30 layers of 60 / 30 = 2 mm are whole; 25
+# of 2.4 mm would be 2 mm, 83 %, and are not. Letters stand beside one cut of those that are seen from one side.
+@test "a mosaic has equal steps, and its letters once" {
+    PYTHONPATH=$BATS_TEST_DIRNAME /usr/bin/python3 -B - <<'END'
+import nifti
+nifti.write("box.nii", (20, 20, 60), "B", lambda i, j, k: 1)
+END
+    for count in 6 7 25 30; do
+        answers render box.nii --cuts "mosaic:$count,coronal,coronal" --size 1800x1200 -q -o "$count.svg"
+    done
+    /usr/bin/python3 - <<'END'
+import re
+for count, wanted in (6, 10), (7, 9), (25, 2.4), (30, 2):
+    texts = re.findall("<text[^>]*>([^<]*)<", open(f"{count}.svg").read().replace("\u2212", "-"))
+    z = [float(text.split()[-2 if text.endswith("mm") else -1]) for text in texts if re.match("z|-?[0-9.]+$", text)]
+    assert len(z) == count, (count, texts)
+    steps = [b - a for a, b in zip(z, z[1:])]
+    assert all(abs(step - wanted) < 0.11 for step in steps), (count, z)
+    assert abs(z[0] + z[-1]) <= 1, (count, z)
+    assert texts.count("R") == 2 and texts.count("L") == 2, (count, texts)
+END
+}
+
 # colours FILE: number of pixels of the five most frequent colours that are no grey.
 colours() {
     /usr/bin/python3 - "$1" <<'END'

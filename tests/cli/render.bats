@@ -385,17 +385,30 @@ END
     fails 2 '--unselected has no effect on cuts' render u-shape.nii.gz -o x.png "${cone[@]}" --cuts axial --unselected white
 }
 
-# Two slabs across y, 20 mm apart: from the front the anterior one hides the other, which the cone hits from behind.
-@test "the legend says of a first hit that the camera does not see that it is not seen" {
+# Two slabs across y, 20 mm apart: from the front the anterior one hides the other, which the cone hits from behind. So
+# it is glass: 0.1 of it and 0.9 of the red one behind it, and from elsewhere and with a choice of opacity it is not.
+@test "what hides a hit is glass, and the legend says what the camera does not see where somebody chose otherwise" {
     conus phantom slabs -o .
+    local cone=(--origin=0,-60,0 --toward=0,0,0 --angle 20 --size 400x300 -q)
     for side in front back left; do
-        gl render slabs.nii.gz --origin=0,-60,0 --toward=0,0,0 --angle 20 --view "$side" --size 400x300 -o "$side.svg" -q
+        gl render slabs.nii.gz "${cone[@]}" --view "$side" -o "$side.svg"
+        grep -q '>Slab posterior</text>' "$side.svg"
     done
-    grep -q '>Slab posterior (not seen)</text>' front.svg
-    grep -q '>Slab posterior</text>' back.svg
-    grep -q '>Slab posterior</text>' left.svg
-    gl render slabs.nii.gz --origin=0,-60,0 --toward=0,0,0 --angle 20 --view front --opacity 0.5 --size 400x300 -o glass.svg -q
-    grep -q '>Slab posterior</text>' glass.svg
+    for opacity in 1 0.1; do
+        gl render slabs.nii.gz "${cone[@]}" --view front --opacity "$opacity" -o "$opacity.png"
+        gl render slabs.nii.gz "${cone[@]}" --view left --opacity "$opacity" -o "left$opacity.png"
+    done
+    gl render slabs.nii.gz "${cone[@]}" --view front -o front.png
+    gl render slabs.nii.gz "${cone[@]}" --view left -o left.png
+    cmp front.png 0.1.png
+    cmp left.png left1.png
+    run ! cmp left.png left0.1.png
+    gl render slabs.nii.gz "${cone[@]}" --view front --opacity 1 -o opaque.svg
+    grep -q '>Slab posterior (not seen)</text>' opaque.svg
+    gl render slabs.nii.gz "${cone[@]}" --camera-origin 0,300,0 --camera-toward 0,0,0 -o camera.svg
+    grep -q '>Slab posterior (not seen)</text>' camera.svg
+    gl render slabs.nii.gz "${cone[@]}" --view front --opacity 0.5 -o half.svg
+    grep -q '>Slab posterior</text>' half.svg
 }
 
 # texts FILE.svg: each text of the file with the place where it begins, one a line: x, a tab, the text.

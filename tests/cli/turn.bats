@@ -35,6 +35,34 @@ SMALL='--size 120x100 --slices 60 --legend none -q'
     awk "BEGIN { exit !($(x 1 R) < $(x 1 L) && $(x 2 A) < $(x 2 P) && $(x 3 L) < $(x 3 R) && $(x 4 P) < $(x 4 A)) }"
 }
 
+# A box whose corners turn: from one of the sides what is farthest from the middle is at 92 % of the way to the edge, or
+# up to a pixel of 160 nearer, which is 2 / 120 of the height's half. A field of view that is given stays.
+@test "a turntable fills the picture, and cuts nothing off" {
+    PYTHONPATH=$BATS_TEST_DIRNAME /usr/bin/python3 -B - <<'END'
+import nifti
+nifti.write("box.nii", (20, 30, 16), "B", lambda i, j, k: int(2 < i < 17 and 2 < j < 27 and 2 < k < 13))
+END
+    for size in 400x300 200x400; do
+        for view in '' '--field-of-view 30'; do
+            # shellcheck disable=SC2086
+            gl render box.nii -o "$size${view:+w}-{frame}.png" --frames 16 --size $size --no-legend -q $view \
+                --background transparent
+        done
+    done
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+import numpy
+def reach(name):
+    alpha = oiio.ImageBuf(name).get_pixels(oiio.FLOAT)[..., 3]
+    rows, columns = numpy.nonzero(alpha > 0.5)
+    return max(abs(2 * n.astype(float) + 1 - size).max() / size for n, size in zip((rows, columns), alpha.shape))
+for size in "400x300", "200x400":
+    fitted, wide = (max(reach(f"{size}{kind}-{n:02}.png") for n in range(1, 17)) for kind in ("", "w"))
+    assert 0.88 < fitted <= 0.925, (size, fitted)
+    assert wide < fitted - 0.05, (size, wide, fitted)
+END
+}
+
 @test "a turntable needs {frame}, and {frame} a turntable" {
     sphere --size 16
     fails 2 '--output: {frame} is missing' render sphere.nii.gz -o x.png --frames 3

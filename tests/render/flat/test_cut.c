@@ -286,7 +286,8 @@ static double luminance_of(uint8_t level)
     return level <= 10 ? level / 255.0 / 12.92 : pow((level / 255.0 + 0.055) / 1.055, 2.4);
 }
 
-/* An outline crosses all greys, which it equals nowhere: its contrast is that of lines that mean something (1.4.11). */
+/* An outline crosses all greys, which it equals nowhere: its contrast is that of lines that mean something (1.4.11),
+ * 3, and hardly more, so that it does not outshine what is hit. */
 static void outlines_of_what_is_not_hit_are_seen_on_any_grey(void **state)
 {
     (void)state;
@@ -312,7 +313,8 @@ static void outlines_of_what_is_not_hit_are_seen_on_any_grey(void **state)
             if (picture.objects[y * SIDE + x] && !picture.objects[(y - 1) * SIDE + x]) {
                 double line = luminance_of(pixel_at(&picture, x, y)[0]) + 0.05;
                 double under = luminance_of(pixel_at(&picture, x, y - 1)[0]) + 0.05; /* greys change along x alone */
-                assert_true(fmax(line, under) / fmin(line, under) >= 3);
+                double contrast = fmax(line, under) / fmin(line, under);
+                assert_true(contrast >= 3 && contrast < 3.5);
                 seen++;
             }
         }
@@ -433,6 +435,41 @@ static void hidden_areas_in_the_cone_are_hatched(void **state)
     assert_true(back_varies);
     conus_selection_destroy(selection);
     conus_atlas_destroy(atlas);
+}
+
+static double left_half(const double world[3])
+{
+    return world[0] < 0 ? 100 : 0;
+}
+
+/* A hit is mixed with what is under it: an image of 100, or LOOK_CUT_GROUND, 144, where there is none or it is 0. So
+ * it looks everywhere as on its chip, not darker. Half of the first rank's colour, to the nearest byte. */
+static void a_hit_is_laid_over_the_image_or_over_ground(void **state)
+{
+    (void)state;
+    static const uint8_t rank[3] = {LOOK_RGB(LOOK_RANK_1)};
+    static struct picture picture;
+    const conus_volume_info grid = picture_grid((size_t[]){40, 40, 40}, (double[]){2, 2, 2}, picture_identity);
+    for (int has_image = 0; has_image < 2; has_image++) {
+        conus_atlas *atlas = picture_atlas(&grid, picture_ball_of_20, NULL, has_image ? left_half : NULL);
+        conus_selection *selection = select_in(atlas, NULL, 10);
+        const conus_cut_view view = {.width = SIDE,
+                                     .height = SIDE,
+                                     .fill = 0.5,
+                                     .no_outlines = true,
+                                     .no_cone = true,
+                                     .window = {0, 255},
+                                     .selection = selection};
+        assert_ok(conus_cut(picture.rgba, picture.objects, atlas, &view));
+        for (int x = 30 - 15; x <= 30 + 15; x++) {
+            const int under = has_image && x < 30 - 1 ? 100 : 144;
+            for (int c = 0; c < 3 && abs(x - 30) > 2; c++) { /* the image is linear between 0 and 100 there */
+                assert_int_equal(pixel_at(&picture, x, 30)[c], (rank[c] + under + 1) / 2);
+            }
+        }
+        conus_selection_destroy(selection);
+        conus_atlas_destroy(atlas);
+    }
 }
 
 /* One area is in the cone, one is chosen, one neither: only the last is pale. */
@@ -737,6 +774,7 @@ TEST_GROUP(cut)
         cmocka_unit_test(closed_surfaces_are_filled),
         cmocka_unit_test(what_overlaps_is_filled_once),
         cmocka_unit_test(a_cutter_draws_the_same_pictures),
+        cmocka_unit_test(a_hit_is_laid_over_the_image_or_over_ground),
         cmocka_unit_test(the_chosen_area_is_never_pale),
         cmocka_unit_test(areas_have_the_colours_of_their_ranks),
         cmocka_unit_test(what_cannot_be_drawn_is_refused),

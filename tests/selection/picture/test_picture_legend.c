@@ -69,17 +69,23 @@ static conus_atlas *make_atlas(picture_function labels, const char *name)
     return atlas;
 }
 
-/* Selects with all layers. From the left the first label is hit, each other one is behind it. Takes the atlas over. */
-static struct scene see(conus_atlas *atlas, const double from[3], double degrees)
+/* Takes the atlas over. */
+static struct scene see_layers(conus_atlas *atlas, const double from[3], double degrees, conus_layers layers)
 {
-    const conus_selector_options all = {.layers = CONUS_LAYERS_ALL, .resolution = 64};
+    const conus_selector_options options = {.layers = layers, .resolution = 64};
     struct scene scene = {.atlas = atlas};
     conus_pose pose;
     scene.renderer = picture_renderer(scene.atlas, NULL);
-    assert_ok(conus_selector_create(&scene.selector, scene.atlas, &all));
+    assert_ok(conus_selector_create(&scene.selector, scene.atlas, &options));
     assert_ok(conus_pose_toward(&pose, from, (double[]){0, 0, 0}, NULL));
     assert_ok(conus_select(&scene.selection, scene.selector, &pose, radians_from_degrees(degrees)));
     return scene;
+}
+
+/* With all layers: from the left the first label is hit, each other one is behind it. */
+static struct scene see(conus_atlas *atlas, const double from[3], double degrees)
+{
+    return see_layers(atlas, from, degrees, CONUS_LAYERS_ALL);
 }
 
 static struct scene make_scene(picture_function labels, const char *name, const double from[3], double degrees)
@@ -102,7 +108,7 @@ static const uint8_t ranks[][3] = {{LOOK_RGB(LOOK_RANK_1)},   {LOOK_RGB(LOOK_RAN
                                    {LOOK_RGB(LOOK_RANK_MORE)}};
 static const uint8_t not_hit[3] = {LOOK_RGB(LOOK_NOT_HIT_ON_WHITE)};
 
-/* The legend's row of a result. */
+/* The legend's row of a result, with all layers: all have their entries. */
 static struct legend_row describe(char text[3][TEXT], const struct scene *scene, size_t index)
 {
     const conus_result *result = conus_selection_result(scene->selection, index);
@@ -110,7 +116,7 @@ static struct legend_row describe(char text[3][TEXT], const struct scene *scene,
     struct legend_row row = {.name = object->name};
     bool behind = result->pixels == 0;
     snprintf(text[0], TEXT, "%.1f %%", 100 * result->share);
-    snprintf(text[1], TEXT, "%.1f mm", behind ? result->entry : result->distance);
+    snprintf(text[1], TEXT, "%.1f mm", result->entry);
     row.striped = behind;
     row.detail[0] = behind ? "behind" : text[0];
     row.detail[1] = text[1];
@@ -182,11 +188,8 @@ static void check_rows(const struct scene *scene, const struct legend_row *rows,
 {
     char subtitle[PICTURE_TEXT];
     picture_describe_cone(subtitle, &scene->selection->cone, NULL);
-    const struct legend legend = {.title = "Hits of the cone",
-                                  .subtitle = subtitle,
-                                  .header = {"share", "distance"},
-                                  .rows = rows,
-                                  .count = count};
+    const struct legend legend = {
+        .title = "Hits of the cone", .subtitle = subtitle, .header = {"share", "entry"}, .rows = rows, .count = count};
     check_legend(scene, legend, place);
 }
 
@@ -239,22 +242,29 @@ static void rows_that_are_hit_are_counted_with_the_others(void **state)
     check(&scene, 0, RIGHT);
 }
 
+/* Of the picture's letters, which its view leaves as shapes. */
+static size_t count_texts(const struct scene *scene, const char *text)
+{
+    conus_image *image = NULL;
+    size_t found = 0;
+    assert_ok(draw(&image, scene));
+    for (size_t i = 0; i < image->list->count; i++) {
+        const struct draw_item *item = &image->list->items[i];
+        found += item->kind == DRAW_TEXT && strcmp(item->text, text) == 0;
+    }
+    conus_image_destroy(image);
+    return found;
+}
+
 /* A picture without a legend has no numbers, but where one stands elsewhere, as on a sheet of cuts. */
 static void numbers_are_there_for_a_legend_elsewhere(void **state)
 {
     (void)state;
     struct scene scene = make_scene(slabs_and_more, "Slab", front, 34.4);
     for (uint32_t rows = 0; rows < 2; rows++) {
-        conus_image *image = NULL;
-        size_t found = 0;
         scene.view = (conus_view){.legend = CONUS_LEGEND_NONE, .legend_rows = rows, .shapes = true};
-        assert_ok(draw(&image, &scene));
-        for (size_t i = 0; i < image->list->count; i++) {
-            const struct draw_item *item = &image->list->items[i];
-            found += item->kind == DRAW_TEXT && (strcmp(item->text, "7") == 0 || strcmp(item->text, "26") == 0);
-        }
+        const size_t found = count_texts(&scene, "7") + count_texts(&scene, "26");
         assert_int_equal(found, 2 * rows); /* the first six have colours, 26 are hit first */
-        conus_image_destroy(image);
     }
     finish_scene(&scene);
 }
@@ -444,7 +454,7 @@ static void areas_with_an_opacity_or_a_row_are_not_pale(void **state)
     const double opacity[] = {NAN, NAN, 1};
     const bool listed[] = {false, false, true};
     struct scene scene = make_scene(front_and_rest, "Part", left, 8);
-    scene.view = (conus_view){.side = CONUS_SIDE_FRONT, .no_legend = true};
+    scene.view = (conus_view){.side = CONUS_SIDE_FRONT, .no_legend = true, .pale = 1};
     double pale = chroma(&scene);
     scene.view.opacity = opacity;
     double given = chroma(&scene);
@@ -697,6 +707,32 @@ static void colours_of_directions_have_a_key(void **state)
     finish_scene(&scene);
 }
 
+/* Behind the ball, which alone is hit, one bundle crosses the axis, and five begin 20 mm beside it, where the cone has
+ * a radius of 7 mm. By its direction that one's streamline has its full colour in the cone; as a bundle it is pale. */
+static void coloured_bundles_in_the_cone_are_not_said_to_be_outside(void **state)
+{
+    (void)state;
+    for (int is_coloured = 0; is_coloured < 2; is_coloured++) {
+        conus_atlas *atlas = make_atlas(picture_ball_of_20, "Ball");
+        for (int k = 0; k < 6; k++) {
+            char name[] = "Bundle 0";
+            name[7] = (char)('0' + k);
+            add_bundle(atlas, name, 30, k ? 35 + 5 * k : 0);
+        }
+        struct scene scene = see_layers(atlas, left, 8, CONUS_LAYERS_VISIBLE);
+        if (is_coloured) {
+            colour_streamlines(&scene, "direction");
+        }
+        scene.view.shapes = true;
+        assert_int_equal(conus_selection_count(scene.selection), 2);
+        assert_int_equal(count_texts(&scene, "Bundle 0"), is_coloured);
+        assert_int_equal(count_texts(&scene, "inside"), is_coloured);
+        assert_int_equal(count_texts(&scene, is_coloured ? "5 bundles" : "6 bundles"), 1);
+        assert_int_equal(count_texts(&scene, "not hit"), 1);
+        finish_scene(&scene);
+    }
+}
+
 /* The bar of a number, from its largest to its least value, comes below a heading behind the rows that are hit: here
  * those of two streamlines, 0.25 and 0.75. Between two marks it has LEGEND_BAR steps, each with the colour of its
  * middle, which lies between two of the five known ones. */
@@ -744,7 +780,7 @@ static void colours_of_a_number_have_a_bar(void **state)
     picture_describe_cone(subtitle, &scene.selection->cone, NULL);
     const struct legend legend = {.title = "Hits of the cone",
                                   .subtitle = subtitle,
-                                  .header = {"share", "distance"},
+                                  .header = {"share", "entry"},
                                   .rows = rows,
                                   .count = 8,
                                   .tail = 6};
@@ -773,6 +809,7 @@ TEST_GROUP(picture_legend)
         cmocka_unit_test(one_haze_has_its_bar_as_its_chip),
         cmocka_unit_test(many_bundles_that_are_not_hit_are_counted),
         cmocka_unit_test(colours_of_directions_have_a_key),
+        cmocka_unit_test(coloured_bundles_in_the_cone_are_not_said_to_be_outside),
         cmocka_unit_test(colours_of_a_number_have_a_bar),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
