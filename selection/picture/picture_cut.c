@@ -14,6 +14,23 @@
 
 enum { DPI_LIMIT = 100000 };
 
+/* On paper outlines are of one grey, but not those of surfaces that are not closed: these have nothing else to show
+ * their colour. */
+static conus_status grey_outlines(struct picture *picture)
+{
+    const conus_atlas *atlas = picture->atlas;
+    uint8_t(*own)[3] = picture->line_rgb;
+    picture->line_rgb = picture_rank_colours(NULL, atlas, LOOK_OUTLINE);
+    for (uint32_t n = 1; picture->line_rgb && n <= atlas->object_count; n++) {
+        const struct mesh *mesh = atlas_object_mesh(atlas, n);
+        if (mesh && !mesh->shape.closed) {
+            memcpy(picture->line_rgb[n], own ? own[n] : atlas->objects[n - 1].rgb, sizeof *own);
+        }
+    }
+    memory_free(own);
+    return picture->line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
 conus_status picture_cut_init(struct picture *picture, const conus_cut_view *view, const conus_view *sheet)
 {
     size_t count = picture->atlas->object_count + 1;
@@ -38,11 +55,7 @@ conus_status picture_cut_init(struct picture *picture, const conus_cut_view *vie
     }
     memset(picture->areas, PATHWAYS_AREA_OVER, count * sizeof *picture->areas);
     conus_status status = picture_rank(picture, picture_is_dark(&picture->options));
-    if (!status && sheet->dpi > 0) { /* on paper outlines are of one grey */
-        memory_free(picture->line_rgb);
-        picture->line_rgb = picture_rank_colours(NULL, picture->atlas, LOOK_OUTLINE);
-        status = picture->line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;
-    }
+    status = status || sheet->dpi <= 0 ? status : grey_outlines(picture);
     return status ? status : picture_prepare_sheet(picture, memory_limit(0), NULL, NULL);
 }
 
