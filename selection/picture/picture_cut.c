@@ -45,6 +45,7 @@ conus_status picture_cut_init(struct picture *picture, const conus_cut_view *vie
                                     .shapes = sheet->shapes,
                                     .print = sheet->print,
                                     .measured = sheet->measured,
+                                    .listed = sheet->listed,
                                     .own_colours = view->own_colours || sheet->own_colours};
     memcpy(picture->options.background_rgb, sheet->background_rgb, sizeof sheet->background_rgb);
     picture->areas = memory_raw(count, sizeof *picture->areas);
@@ -54,6 +55,7 @@ conus_status picture_cut_init(struct picture *picture, const conus_cut_view *vie
         return CONUS_ERROR_MEMORY;
     }
     memset(picture->areas, PATHWAYS_AREA_OVER, count * sizeof *picture->areas);
+    picture_keep_listed(picture);
     conus_status status = picture_rank(picture, picture_is_dark(&picture->options));
     status = status || sheet->dpi <= 0 ? status : grey_outlines(picture);
     return status ? status : picture_prepare_sheet(picture, memory_limit(0), NULL, NULL);

@@ -105,6 +105,14 @@ bool picture_stands_out(const struct picture *picture, size_t number)
     return options->listed ? options->listed[number] : options->selection && is_given;
 }
 
+void picture_keep_listed(struct picture *picture)
+{
+    for (size_t n = 1; picture->emphasis && n <= picture->atlas->object_count; n++) {
+        bool keeps = picture->emphasis[n] == EMPHASIS_PALE && picture_stands_out(picture, n);
+        picture->emphasis[n] = keeps ? EMPHASIS_FULL : picture->emphasis[n];
+    }
+}
+
 /* Whether there is something of the object in the picture. */
 static bool is_drawn(const struct picture *picture, uint32_t number)
 {
@@ -147,10 +155,12 @@ static bool shares_colour(const struct picture *picture, uint32_t number)
 size_t picture_tag(const struct picture *picture, uint32_t number)
 {
     size_t tag = 1;
-    if (picture->ranks && picture->ranks[number]) { /* not where it lies behind others: then it is not seen there */
+    if (picture->ranks && picture->ranks[number]) { /* not of areas behind others: they are not seen there */
+        const bool *listed = picture->options.listed;
+        bool is_asked_for = number > picture->atlas->area_count || (listed && listed[number]);
         bool is_alike =
             picture->atlas->has_palette ? shares_colour(picture, number) : picture->ranks[number] > PICTURE_RANKS;
-        return is_alike && picture->emphasis[number] == EMPHASIS_FULL ? picture->ranks[number] : 0;
+        return is_alike && (is_asked_for || picture->emphasis[number] == EMPHASIS_FULL) ? picture->ranks[number] : 0;
     }
     for (size_t before = 1; before < number; before++) {
         tag += is_by_value(picture, before);
@@ -213,7 +223,7 @@ conus_status picture_rank(struct picture *picture, bool on_dark)
     if (!picture->options.selection || picture->options.own_colours) {
         return CONUS_OK;
     }
-    picture->ranks = picture_ranks(picture->options.selection);
+    picture->ranks = picture_ranks(picture->options.selection, picture->options.listed);
     if (picture->ranks) {
         rank_listed(picture);
         picture->rgb =

@@ -845,10 +845,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
                                : picture_probe_emphasis(&picture);
         status = picture.emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
-    for (size_t n = 1; picture.emphasis && n <= picture.atlas->object_count; n++) {
-        bool keeps = picture.emphasis[n] == EMPHASIS_PALE && picture_stands_out(&picture, n);
-        picture.emphasis[n] = keeps ? EMPHASIS_FULL : picture.emphasis[n];
-    }
+    picture_keep_listed(&picture);
     status = status ? status : find_opacities(&picture);
     status = status ? status : picture_rank(&picture, picture_is_dark(&picture.options));
     if (!status && !picture.options.draft) {
