@@ -39,6 +39,9 @@ static const double NO_SHARE = 0.0005;
 
 static const char BEHIND[] = "behind";
 
+/* Of an atlas with the note of swapped_sides_note(). */
+static const char EXCHANGED[] = "left and right are exchanged";
+
 /* The words of one row, which legend_row points to. */
 struct cells {
     char share[CELL_SIZE], distance[CELL_SIZE];
@@ -487,6 +490,17 @@ static size_t add_colours(struct legend_row rows[KEYS * COLOUR_ROWS], struct pic
     return count + add_streamlines(rows + count, out->colours + COLOUR_ROWS, out, picture);
 }
 
+/* Adds a row for whoever reads sides off the names, where these and the places contradict each other. */
+static size_t add_exchanged(struct legend_row *row, const conus_atlas *atlas)
+{
+    bool found = false;
+    for (size_t i = 0; i < conus_atlas_note_count(atlas) && !found; i++) {
+        found = strstr(conus_atlas_note(atlas, i), "have left and right exchanged");
+    }
+    *row = (struct legend_row){.name = EXCHANGED, .plain = true};
+    return found;
+}
+
 /* Digits after the point with which a number was given; -1 = more than six: it was computed. */
 static int digits_of(double value)
 {
@@ -633,7 +647,8 @@ static conus_status fill_rows(struct picture_legend *out, const struct picture *
     count += add_listed(out, out->rows + count, picture, done);
     memory_free(done);
     count += selection ? add_pathways(out, out->rows + count, picture) : 0;
-    size_t tail = add_colours(out->rows + count, out, picture);
+    size_t tail = count ? add_exchanged(out->rows + count, picture->atlas) : 0;
+    tail += add_colours(out->rows + count + tail, out, picture);
     out->legend = (struct legend){.rows = out->rows, .count = count + tail, .tail = tail};
     if (selection) {
         picture_describe_cone(out->subtitle, &selection->cone, picture->options.frame);
@@ -751,7 +766,7 @@ conus_status picture_legend_init(struct picture *picture)
     size_t most = results + picture->atlas->object_count + PATHWAY_ROWS;
     struct picture_legend *legend = memory_zeroed(1, sizeof *legend);
     if (legend) {
-        legend->rows = memory_zeroed(most + KEYS * COLOUR_ROWS, sizeof *legend->rows);
+        legend->rows = memory_zeroed(most + 1 + KEYS * COLOUR_ROWS, sizeof *legend->rows);
         legend->cells = memory_zeroed(results + 1, sizeof *legend->cells);
         legend->names = memory_zeroed(most, sizeof *legend->names);
         legend->prefixes = memory_zeroed(picture->atlas->object_count + 1, sizeof *legend->prefixes);
