@@ -86,6 +86,7 @@ struct colour_view {
     const double *world_from_cone;    /**< NULL = no cone; else its apex and frame, looking down -z.      */
     double cone_slope, cone_radius;   /**< Tangent of half its angle; mm about the apex, 0 unless a cylinder. */
     double cone_start, cone_length;   /**< Depths along its axis between which it is drawn, mm.           */
+    double cone_reach; /**< Depth to which its wall leaves a line on what it passes, mm; 0 = through everything. */
     double fade;                      /**< How much the context is thinned, 0 to 1 (gone).                */
     double line_width;                /**< mm, of axis, rim and outline.                                  */
     const struct colour_marker *markers;

@@ -587,7 +587,7 @@ struct ray {
     size_t layer_count;
 };
 
-/* Distance of the point from the cone's wall, mm, negative inside; NEVER before the apex. */
+/* Distance of the point from the cone's wall, mm, negative inside; NEVER before the apex and beyond its reach. */
 static float distance_to_cone(const struct colour_view_block *view, const float p[3])
 {
     float q[3];
@@ -595,7 +595,7 @@ static float distance_to_cone(const struct colour_view_block *view, const float 
         q[a] = p[a] - view->apex[a];
     }
     const float h = dot(q, view->axis);
-    if (view->cone_shape[3] == 0 || h <= view->cone_shape[1]) {
+    if (view->cone_shape[3] == 0 || h <= view->cone_shape[1] || h > view->cone_shape[2]) {
         return NEVER;
     }
     for (int a = 0; a < 3; a++) {

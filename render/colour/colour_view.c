@@ -102,7 +102,8 @@ void colour_view_pack(struct colour_view_block *block, const struct colour_pass 
         mat4_direction(axis, camera_from_world, forward);
         set4(block->apex, apex, view->cone_slope);
         set4(block->axis, axis, view->cone_length);
-        set4(block->cone_shape, (double[]){view->cone_radius, view->cone_start, 0}, 1);
+        const double reach = view->cone_reach > 0 ? view->cone_reach : 1e9;
+        set4(block->cone_shape, (double[]){view->cone_radius, view->cone_start, reach}, 1);
         set_colour(block->cone_colour, amber, 0.09);
     }
     size_t count = view->marker_count < COLOUR_MARKER_LIMIT ? view->marker_count : COLOUR_MARKER_LIMIT;

@@ -18,7 +18,7 @@ layout(std140, binding = 0) uniform View
     vec4 light;             // xyz: towards the light, in world axes; w: how much of the context's extinction is left
     vec4 apex;              // xyz: the cone's; w: tangent of half its angle
     vec4 axis;              // xyz: along it, unit length; w: its length, mm
-    vec4 cone_shape;        // x: its radius at the apex, mm; y: depth at which it begins; w: 0 = no cone
+    vec4 cone_shape;        // x: its radius at the apex, mm; y: depth at which it begins; z: its reach; w: 0 = no cone
     vec4 cone_colour;       // of walls and axis; w: a wall's opacity
     vec4 line;              // x: radius of the axis, y: half the width of the rim and the footprint's outline, mm;
                             // zw: shift of the rays from the pixels' centres, pixels
@@ -205,12 +205,12 @@ uint object_at(vec3 place)
     return best;
 }
 
-// Distance of the point from the cone's wall, mm, negative inside; NEVER before the apex.
+// Distance of the point from the cone's wall, mm, negative inside; NEVER before the apex and beyond its reach.
 float distance_to_cone(vec3 p)
 {
     vec3 q = p - apex.xyz;
     float h = dot(q, axis.xyz);
-    if (cone_shape.w == 0.0 || h <= cone_shape.y) {
+    if (cone_shape.w == 0.0 || h <= cone_shape.y || h > cone_shape.z) {
         return NEVER;
     }
     return (length(q - h * axis.xyz) - cone_shape.x - h * apex.w) * inversesqrt(1.0 + apex.w * apex.w);

@@ -118,8 +118,12 @@ void picture_colour(uint8_t out[3], const struct picture *picture, size_t number
  * listed, or else that is given an opacity. */
 bool picture_stands_out(const struct picture *picture, size_t number);
 
+/** Lets what stands out keep its colour in `emphasis`, where that is not NULL. */
+void picture_keep_listed(struct picture *picture);
+
 /** The number that the picture and its legend give to what may look like another one: a pathway drawn as haze by
- * values, and what has a rank behind the colours; 0 where it has none. */
+ * values, and what has a rank behind the colours and is hit first, or is a pathway, a bundle or listed; 0 where it has
+ * none. */
 size_t picture_tag(const struct picture *picture, uint32_t number);
 
 /** Whether the camera sees neither it nor anything below it in the area tree, as far as that is known. */

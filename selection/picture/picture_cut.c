@@ -12,6 +12,23 @@
 
 #include <string.h>
 
+/* On paper outlines are of one grey, but not those of surfaces that are not closed: these have nothing else to show
+ * their colour. */
+static conus_status grey_outlines(struct picture *picture)
+{
+    const conus_atlas *atlas = picture->atlas;
+    uint8_t(*own)[3] = picture->line_rgb;
+    picture->line_rgb = picture_rank_colours(NULL, atlas, LOOK_OUTLINE);
+    for (uint32_t n = 1; picture->line_rgb && n <= atlas->object_count; n++) {
+        const struct mesh *mesh = atlas_object_mesh(atlas, n);
+        if (mesh && !mesh->shape.closed) {
+            memcpy(picture->line_rgb[n], own ? own[n] : atlas->objects[n - 1].rgb, sizeof *own);
+        }
+    }
+    memory_free(own);
+    return picture->line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
 conus_status picture_cut_init(struct picture *picture, const conus_cut_view *view, const conus_view *sheet)
 {
     size_t count = picture->atlas->object_count + 1;
@@ -26,6 +43,7 @@ conus_status picture_cut_init(struct picture *picture, const conus_cut_view *vie
                                     .shapes = sheet->shapes,
                                     .print = sheet->print,
                                     .measured = sheet->measured,
+                                    .listed = sheet->listed,
                                     .own_colours = view->own_colours || sheet->own_colours};
     memcpy(picture->options.background_rgb, sheet->background_rgb, sizeof sheet->background_rgb);
     picture->areas = memory_raw(count, sizeof *picture->areas);
@@ -35,12 +53,9 @@ conus_status picture_cut_init(struct picture *picture, const conus_cut_view *vie
         return CONUS_ERROR_MEMORY;
     }
     memset(picture->areas, PATHWAYS_AREA_OVER, count * sizeof *picture->areas);
+    picture_keep_listed(picture);
     conus_status status = picture_rank(picture, picture_is_dark(&picture->options));
-    if (!status && sheet->dpi > 0) { /* on paper outlines are of one grey */
-        memory_free(picture->line_rgb);
-        picture->line_rgb = picture_rank_colours(NULL, picture->atlas, LOOK_OUTLINE);
-        status = picture->line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;
-    }
+    status = status || sheet->dpi <= 0 ? status : grey_outlines(picture);
     return status ? status : picture_prepare_sheet(picture, memory_limit(0), NULL, NULL);
 }
 

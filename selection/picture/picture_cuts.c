@@ -413,7 +413,11 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
                               .at = {(double)panel->at[0], (double)panel->at[1]},
                               .limit = {(double)panel->size[0], (double)panel->size[1]}};
     view.no_outlines = true;
-    conus_status status = cutter_draw_bare(&cut, sheet->cutter, &view, cut_lines_add, &lines);
+    const struct cutter_figure figure = {.line = cut_lines_add,
+                                         .line_user = &lines,
+                                         .ranks = sheet->picture.ranks,
+                                         .emphasis = sheet->picture.emphasis};
+    conus_status status = cutter_draw_bare(&cut, sheet->cutter, &view, &figure);
     size_t pixels = (size_t)view.width * view.height;
     sheet->rgba = status ? NULL : memory_copy(cut->rgba, pixels, 4);
     sheet->stack = sheet->rgba ? memory_raw(pixels, sizeof *sheet->stack) : NULL;

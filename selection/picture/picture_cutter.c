@@ -92,7 +92,8 @@ void cutter_cone(struct cut_cone *out, const conus_selection *selection)
                                                         : INFINITY};
 }
 
-static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool has_cone, cut_line *line, void *user)
+static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool has_cone,
+                         const struct cutter_figure *figure)
 {
     struct cut_cone cone;
     uint8_t *emphasis = NULL;
@@ -105,21 +106,23 @@ static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool 
                                       .mm_per_pixel = view->mm_per_pixel > 0 ? view->mm_per_pixel : 1},
                             .fill = view->fill,
                             .no_outlines = view->no_outlines,
-                            .line = line,
-                            .line_user = user};
+                            .line = figure->line,
+                            .line_user = figure->line_user};
     memcpy(what.place.centre, view->centre, sizeof what.place.centre);
     cut_view_axes(what.place.right, what.place.up, view);
     conus_status status = choose_window(what.window, cutter, view->window);
     if (!status && view->selection) {
         cutter_cone(&cone, view->selection);
         what.cone = has_cone ? &cone : NULL;
-        what.emphasis = emphasis = picture_emphasis(view->selection, has_ranks ? 0 : view->chosen);
-        status = emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
+        emphasis = figure->emphasis ? NULL : picture_emphasis(view->selection, has_ranks ? 0 : view->chosen);
+        what.emphasis = emphasis ? emphasis : figure->emphasis;
+        status = what.emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
     if (!status && view->selection && !view->own_colours) {
-        ranks = picture_ranks(view->selection);
-        rgb = ranks ? picture_rank_colours(ranks, cutter->cut.atlas, LOOK_NOT_HIT) : NULL;
-        line_rgb = ranks ? picture_rank_colours(ranks, cutter->cut.atlas, LOOK_OUTLINE) : NULL;
+        ranks = figure->ranks ? NULL : picture_ranks(view->selection, NULL);
+        const uint32_t *by = ranks ? ranks : figure->ranks;
+        rgb = by ? picture_rank_colours(by, cutter->cut.atlas, LOOK_NOT_HIT) : NULL;
+        line_rgb = by ? picture_rank_colours(by, cutter->cut.atlas, LOOK_OUTLINE) : NULL;
         what.rgb = (const uint8_t(*)[3])rgb;
         what.line_rgb = (const uint8_t(*)[3])line_rgb;
         status = rgb && line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;
@@ -156,14 +159,14 @@ conus_status conus_cutter_draw(conus_cutter *cutter, const conus_cut_view *view)
 {
     view = options_of(conus_cut_view, view);
     conus_status status = check_view(view);
-    return status ? status : draw(cutter, view, !view->no_cone, NULL, NULL);
+    return status ? status : draw(cutter, view, !view->no_cone, &(struct cutter_figure){0});
 }
 
-conus_status cutter_draw_bare(const struct cut **out, conus_cutter *cutter, const conus_cut_view *view, cut_line *line,
-                              void *user)
+conus_status cutter_draw_bare(const struct cut **out, conus_cutter *cutter, const conus_cut_view *view,
+                              const struct cutter_figure *figure)
 {
     conus_status status = check_view(view);
-    status = status ? status : draw(cutter, view, false, line, user);
+    status = status ? status : draw(cutter, view, false, figure);
     *out = &cutter->cut;
     return status;
 }

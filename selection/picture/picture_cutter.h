@@ -16,9 +16,16 @@ void cut_view_axes(double right[3], double up[3], const conus_cut_view *view);
 /** The cone or cylinder of a selection, which must outlive @p out. */
 void cutter_cone(struct cut_cone *out, const conus_selection *selection);
 
-/** Draws what conus_cutter_draw() does, without the cone, and gives the lines of surfaces to @p line with @p user; NULL
- * = they are drawn. @p out is the cutter's. */
-conus_status cutter_draw_bare(const struct cut **out, conus_cutter *cutter, const conus_cut_view *view, cut_line *line,
-                              void *user);
+/** What the figure around a cut says about the answer. */
+struct cutter_figure {
+    cut_line *line; /**< Gets the lines of surfaces, which are then not drawn. */
+    void *line_user;
+    const uint32_t *ranks;   /**< [objects + 1] NULL = picture_ranks() without what is listed.   */
+    const uint8_t *emphasis; /**< [objects + 1] NULL = picture_emphasis(). */
+};
+
+/** Draws what conus_cutter_draw() does, without the cone, as the figure says. @p out is the cutter's. */
+conus_status cutter_draw_bare(const struct cut **out, conus_cutter *cutter, const conus_cut_view *view,
+                              const struct cutter_figure *figure);
 
 #endif

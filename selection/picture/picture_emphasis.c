@@ -61,14 +61,21 @@ bool picture_has_ranks(const conus_selection *selection, bool own_colours)
     return selection && !own_colours && !selection->atlas->has_palette;
 }
 
-uint32_t *picture_ranks(const conus_selection *selection)
+uint32_t *picture_ranks(const conus_selection *selection, const bool *listed)
 {
+    enum { HIT, ASKED_FOR, OTHER, PLACES };
     size_t count = selection->atlas->object_count + 1;
     uint32_t *ranks = memory_zeroed(count, sizeof *ranks);
     uint32_t rank = 0;
-    for (size_t i = 0; ranks && i < conus_selection_count(selection); i++) {
-        uint32_t object = conus_selection_result(selection, i)->object;
-        ranks[object] = object ? ++rank : 0;
+    for (int place = HIT; place < PLACES; place++) {
+        for (size_t i = 0; ranks && i < conus_selection_count(selection); i++) {
+            const conus_result *result = conus_selection_result(selection, i);
+            const uint32_t object = result->object;
+            const bool is_asked_for = object > selection->atlas->area_count || (listed && listed[object]);
+            if (object && place == (result->pixels ? HIT : is_asked_for ? ASKED_FOR : OTHER)) {
+                ranks[object] = ++rank;
+            }
+        }
     }
     for (uint32_t object = 1; ranks && object < count; object++) {
         ranks[object] = ranks[group_of(selection, object)];

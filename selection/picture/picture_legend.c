@@ -41,6 +41,9 @@ static const double NO_SHARE = 0.0005;
 
 static const char BEHIND[] = "behind";
 
+/* Of an atlas with the note of swapped_sides_note(). */
+static const char EXCHANGED[] = "left and right are exchanged";
+
 /* The words of one row, which legend_row points to. */
 struct cells {
     char share[CELL_SIZE], distance[CELL_SIZE];
@@ -107,6 +110,14 @@ bool picture_stands_out(const struct picture *picture, size_t number)
     return options->listed ? options->listed[number] : options->selection && is_given;
 }
 
+void picture_keep_listed(struct picture *picture)
+{
+    for (size_t n = 1; picture->emphasis && n <= picture->atlas->object_count; n++) {
+        bool keeps = picture->emphasis[n] == EMPHASIS_PALE && picture_stands_out(picture, n);
+        picture->emphasis[n] = keeps ? EMPHASIS_FULL : picture->emphasis[n];
+    }
+}
+
 /* Whether there is something of the object in the picture. */
 static bool is_drawn(const struct picture *picture, uint32_t number)
 {
@@ -149,10 +160,12 @@ static bool shares_colour(const struct picture *picture, uint32_t number)
 size_t picture_tag(const struct picture *picture, uint32_t number)
 {
     size_t tag = 1;
-    if (picture->ranks && picture->ranks[number]) { /* not where it lies behind others: then it is not seen there */
+    if (picture->ranks && picture->ranks[number]) { /* not of areas behind others: they are not seen there */
+        const bool *listed = picture->options.listed;
+        bool is_asked_for = number > picture->atlas->area_count || (listed && listed[number]);
         bool is_alike =
             picture->atlas->has_palette ? shares_colour(picture, number) : picture->ranks[number] > PICTURE_RANKS;
-        return is_alike && picture->emphasis[number] == EMPHASIS_FULL ? picture->ranks[number] : 0;
+        return is_alike && (is_asked_for || picture->emphasis[number] == EMPHASIS_FULL) ? picture->ranks[number] : 0;
     }
     for (size_t before = 1; before < number; before++) {
         tag += is_by_value(picture, before);
@@ -214,7 +227,7 @@ conus_status picture_rank(struct picture *picture, bool on_dark)
     if (!picture->options.selection || picture->options.own_colours) {
         return CONUS_OK;
     }
-    picture->ranks = picture_ranks(picture->options.selection);
+    picture->ranks = picture_ranks(picture->options.selection, picture->options.listed);
     if (picture->ranks) {
         rank_listed(picture);
         picture->rgb =
@@ -502,6 +515,17 @@ static size_t add_colours(struct legend_row rows[KEYS * COLOUR_ROWS], struct pic
     return count + add_streamlines(rows + count, out->colours + COLOUR_ROWS, out, picture);
 }
 
+/* Adds a row for whoever reads sides off the names, where these and the places contradict each other. */
+static size_t add_exchanged(struct legend_row *row, const conus_atlas *atlas)
+{
+    bool found = false;
+    for (size_t i = 0; i < conus_atlas_note_count(atlas) && !found; i++) {
+        found = strstr(conus_atlas_note(atlas, i), "have left and right exchanged");
+    }
+    *row = (struct legend_row){.name = EXCHANGED, .plain = true};
+    return found;
+}
+
 /* Digits after the point with which a number was given; -1 = more than six: it was computed. */
 static int digits_of(double value)
 {
@@ -648,7 +672,8 @@ static conus_status fill_rows(struct picture_legend *out, const struct picture *
     count += add_listed(out, out->rows + count, picture, done);
     memory_free(done);
     count += selection ? add_pathways(out, out->rows + count, picture) : 0;
-    size_t tail = add_colours(out->rows + count, out, picture);
+    size_t tail = count ? add_exchanged(out->rows + count, picture->atlas) : 0;
+    tail += add_colours(out->rows + count + tail, out, picture);
     out->legend = (struct legend){.rows = out->rows, .count = count + tail, .tail = tail};
     if (selection) {
         picture_describe_cone(out->subtitle, &selection->cone, picture->options.frame);
@@ -766,7 +791,7 @@ conus_status picture_legend_init(struct picture *picture)
     size_t most = results + picture->atlas->object_count + OTHER_ROWS;
     struct picture_legend *legend = memory_zeroed(1, sizeof *legend);
     if (legend) {
-        legend->rows = memory_zeroed(most + KEYS * COLOUR_ROWS, sizeof *legend->rows);
+        legend->rows = memory_zeroed(most + 1 + KEYS * COLOUR_ROWS, sizeof *legend->rows);
         legend->cells = memory_zeroed(results + 1, sizeof *legend->cells);
         legend->names = memory_zeroed(most, sizeof *legend->names);
         legend->prefixes = memory_zeroed(picture->atlas->object_count + 1, sizeof *legend->prefixes);

@@ -165,6 +165,20 @@ static double cone_length(const struct picture *picture, const conus_selection *
     return fmax(vec3_dot(offset, axis), 0) + picture->radius;
 }
 
+/* To just behind the deepest first hit of all rays, which on an oblique surface lies behind the contact. */
+static double cone_reach(const struct picture *picture, const conus_selection *selection)
+{
+    const uint32_t n = selection->cone.resolution;
+    double deepest = -INFINITY;
+    for (size_t p = 0; p < (size_t)n * n; p++) {
+        if (selection->in_cone[p] && selection->evidence.object[p]) {
+            const double per_depth = cone_per_depth(&selection->cone, (uint32_t)(p % n), (uint32_t)(p / n));
+            deepest = fmax(deepest, selection->evidence.distance[p] / per_depth);
+        }
+    }
+    return deepest > -INFINITY ? deepest + 0.05 * picture->radius : picture->view.cone_length;
+}
+
 static void add_marker(struct picture *picture, const double centre[3], double radius, const uint8_t rgb[3])
 {
     if (picture->view.marker_count < COLOUR_MARKER_LIMIT) {
@@ -189,6 +203,7 @@ static void add_cone(struct picture *picture)
     view->cone_radius = selection->cone.radius;
     view->cone_start = selection->cone.range[0];
     view->cone_length = cone_length(picture, selection);
+    view->cone_reach = cone_reach(picture, selection);
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (result->object && result->pixels) {
@@ -862,10 +877,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
                                : picture_probe_emphasis(&picture);
         status = picture.emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
-    for (size_t n = 1; picture.emphasis && n <= picture.atlas->object_count; n++) {
-        bool keeps = picture.emphasis[n] == EMPHASIS_PALE && picture_stands_out(&picture, n);
-        picture.emphasis[n] = keeps ? EMPHASIS_FULL : picture.emphasis[n];
-    }
+    picture_keep_listed(&picture);
     status = status ? status : find_opacities(&picture);
     status = status ? status : picture_rank(&picture, picture_is_dark(&picture.options));
     if (!status && !picture.options.draft) {

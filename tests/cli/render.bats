@@ -190,6 +190,21 @@ assert 1.05 / (light[first + 25] + 0.05) < 2 # and the rest is clear
 END
 }
 
+# Six voxels along x, each an area: the three on the left are named right, or, with the names of the table, left.
+@test "a legend says that left and right are exchanged" {
+    PYTHONPATH="$BATS_TEST_DIRNAME" python3 -B -c 'import nifti; nifti.write("six.nii", (6, 6, 6), "B",
+        lambda i, j, k: i + 1, edge=2)'
+    printf '%s\n' 'index	name' '1	A_R' '2	B_R' '3	C_R' '4	A_L' '5	B_L' '6	C_L' >wrong.tsv
+    tr LR RL <wrong.tsv >right.tsv
+    for names in wrong right; do
+        "$CONUS" render six.nii --labels $names.tsv --cuts axial --origin=-30,0,0 --toward 0,0,0 --angle 9 --layers all \
+            --legend below -q -o $names.svg
+        grep -q '>B_R<' $names.svg
+    done
+    grep -q '>left and right are exchanged<' wrong.svg
+    ! grep -q 'exchanged' right.svg
+}
+
 @test "figures that cannot be are refused before anything is loaded" {
     fails 2 '--size and --width-mm exclude each other' render a.nii -o a.png --size 10x10 --width-mm 85
     fails 2 '--height-mm has no effect without --width-mm' render a.nii -o a.png --height-mm 85

@@ -84,6 +84,17 @@ labels() {
     done
 }
 
+# The plane y = 0 cuts the surface along x, the east of which begins at 10: a cone at 15 hits it first.
+@test "on paper, too, cuts of a surface have the colour of what is hit" {
+    { square; labels 6; } | gifti >both.gii
+    "$CONUS" render both.gii --cuts coronal:0 --origin 15,0,30 --toward 15,0,0 --angle 5 --width-mm 85 -q -o hit.svg
+    [ "$(grep -ci 'stroke="#d2246c"' hit.svg)" = 1 ] # LOOK_RANK_1
+    [ "$(grep -ci 'stroke="#69737d"' hit.svg)" = 1 ] # LOOK_OUTLINE, of the west
+    "$CONUS" render both.gii --cuts coronal:0 --width-mm 85 -q -o all.svg
+    [ "$(grep -ci 'stroke="#ff0000"' all.svg)" = 1 ] # the east's own, as the table says
+    [ "$(grep -ci 'stroke="#69737d"' all.svg)" = 0 ]
+}
+
 @test "its answer and its picture go into files" {
     square | gifti >s.gii
     local aim="s.gii --origin 5,5,30 --toward 5,5,0"

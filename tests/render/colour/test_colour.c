@@ -272,6 +272,43 @@ static void depth_decides_what_is_seen(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* The cone of slope 0.1 comes from 60 mm before the middle of the ball of 20: its wall is 4.04 mm off the axis and 40.41
+ * deep where it meets the ball, and the line there 0.5 mm wide. So a reach of 41 changes nothing, one of 40 takes the
+ * line away, and nothing else: no more than a square of 11 mm. */
+static void a_cone_leaves_a_line_within_its_reach(void **state)
+{
+    (void)state;
+    static const double reaches[3] = {0, 41, 40};
+    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, picture_ball_of_20, NULL, NULL);
+    conus_renderer *renderer = picture_renderer(atlas, NULL);
+    struct camera camera = picture_camera((double[]){0, 1, 0}, 120, radians_from_degrees(25));
+    float *pictures[3];
+    size_t changed[3] = {0};
+    conus_pose pose;
+    assert_ok(conus_pose_toward(&pose, (double[]){0, -60, 0}, (double[]){0, 0, 0}, NULL));
+    for (int n = 0; n < 3; n++) {
+        const struct colour_view cone = {.world_from_cone = pose.world_from_device,
+                                         .cone_slope = 0.1,
+                                         .cone_length = 100,
+                                         .cone_reach = reaches[n],
+                                         .line_width = 0.5};
+        pictures[n] = picture_draw(renderer, &camera, &cone, false);
+        for (size_t p = 0; p < PICTURE_PIXELS; p++) {
+            changed[n] += memcmp(pictures[n] + 4 * p, pictures[0] + 4 * p, 4 * sizeof(float)) != 0;
+        }
+    }
+    const double mm = 2 * 100 * tan(radians_from_degrees(25) / 2) / HEIGHT; /* of a pixel, at the ball's front */
+    assert_int_equal(changed[1], 0);
+    assert_true(changed[2] > 10);
+    assert_true((double)changed[2] * mm * mm < 11 * 11);
+    for (int n = 0; n < 3; n++) {
+        memory_free(pictures[n]);
+    }
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
 static void areas_not_hit_are_pale(void **state)
 {
     (void)state;
@@ -387,6 +424,7 @@ TEST_GROUP(colour)
         cmocka_unit_test(moving_everything_changes_little),
         cmocka_unit_test(left_is_left),
         cmocka_unit_test(depth_decides_what_is_seen),
+        cmocka_unit_test(a_cone_leaves_a_line_within_its_reach),
         cmocka_unit_test(areas_not_hit_are_pale),
         cmocka_unit_test(pathways_are_drawn_in_place_of_areas),
         cmocka_unit_test(allocations_may_fail),

@@ -394,6 +394,33 @@ static void an_area_that_is_given_an_opacity_has_a_row(void **state)
     finish_scene(&scene);
 }
 
+/* From the left the first slab is hit and all others lie behind it, the bundle behind these. It was asked for, so that
+ * it has the second colour, and a slab that is listed the third: the answer's fortieth, which is grey else. */
+static void what_was_asked_for_has_colours_before_what_is_behind(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = make_atlas(slabs, "Slab");
+    add_bundle(atlas, "Bundle", 35, 0);
+    struct scene scene = see(atlas, left, 8);
+    bool *listed = memory_zeroed(atlas->object_count + 1, sizeof *listed);
+    assert_non_null(listed);
+    const uint32_t bundle = (uint32_t)atlas->object_count;
+    const uint32_t far = conus_selection_result(scene.selection, 39)->object;
+    assert_int_equal(atlas->objects[bundle - 1].kind, CONUS_KIND_BUNDLE);
+    for (int n = 0; n < 2; n++) {
+        listed[far] = n == 1;
+        uint32_t *places = picture_ranks(scene.selection, listed);
+        assert_non_null(places);
+        assert_int_equal(places[conus_selection_result(scene.selection, 0)->object], 1);
+        assert_int_equal(n ? places[bundle] + places[far] : places[bundle], n ? 2 + 3 : 2);
+        assert_int_equal(places[conus_selection_result(scene.selection, 1)->object], 3 + n);
+        assert_true(n == 1 || places[far] > PICTURE_RANKS);
+        memory_free(places);
+    }
+    memory_free(listed);
+    finish_scene(&scene);
+}
+
 /* Every second of sixty slabs is hit, the last one best: while the palette has colours, what is hit has one that
  * nothing better has, and all other slabs, the best one, too, keep theirs. */
 static void what_is_hit_differs_in_a_palette(void **state)
@@ -804,6 +831,7 @@ TEST_GROUP(picture_legend)
         cmocka_unit_test(a_legend_without_a_cone_has_the_first_rows),
         cmocka_unit_test(a_legend_outside_does_not_make_the_picture_endless),
         cmocka_unit_test(letters_have_contrast_on_any_background),
+        cmocka_unit_test(what_was_asked_for_has_colours_before_what_is_behind),
         cmocka_unit_test(what_is_hit_differs_in_a_palette),
         cmocka_unit_test(haze_by_values_has_a_bar_and_numbers),
         cmocka_unit_test(one_haze_has_its_bar_as_its_chip),
