@@ -363,6 +363,30 @@ static void the_answer_names_all_that_are_as_good(void **state)
     viewer_finish(&viewer);
 }
 
+/* The ball without its table of labels is called by its number, 1; in the file it stays that. */
+static void a_number_has_its_atlas_before_it(void **state)
+{
+    struct viewer viewer;
+    conus_atlas *atlas = NULL;
+    char text[RESULT_TEXT];
+    (void)state;
+    assert_ok(conus_phantom_write("sphere", test_scratch("numbers"), NULL));
+    assert_int_equal(remove(test_scratch("numbers/sphere.tsv")), 0);
+    for (int split = 0; split < 2; split++) {
+        assert_ok(conus_atlas_load(&atlas, test_scratch("numbers/sphere.nii.gz"), NULL));
+        assert_ok(conus_atlas_set_hemispheres(atlas, split ? CONUS_HEMISPHERES_SPLIT : CONUS_HEMISPHERES_AS_IS));
+        const struct view_source source = {.atlas = atlas, .path = "maps/brodmann.nii.gz"};
+        assert_ok(viewer_create(&viewer, &source, 1, NULL, NULL, NULL));
+        tool_aim_along(&viewer, FIRST_TOOL, (const double[]){0, 70, 0}, (const double[]){0, -1, 0});
+        assert_headline(&viewer, split ? "Brodmann 1 left and Brodmann 1 right" : "Brodmann 1",
+                        split ? "50 % of the cone each \u00b7 50.0 mm from the start"
+                              : "100 % of the cone \u00b7 50.0 mm from the start");
+        const conus_result *best = conus_selection_result(viewer_selection(&viewer), 0);
+        assert_string_equal(result_cell(text, &viewer, viewer.drawn, RESULT_NAME, best), split ? "1 left" : "1");
+        viewer_finish(&viewer);
+    }
+}
+
 TEST_GROUP(results)
 {
     const struct CMUnitTest tests[] = {
@@ -373,6 +397,7 @@ TEST_GROUP(results)
         cmocka_unit_test(sessions_keep_the_list),
         cmocka_unit_test(failing_exports_are_reported),
         cmocka_unit_test(the_answer_names_all_that_are_as_good),
+        cmocka_unit_test(a_number_has_its_atlas_before_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -274,6 +274,40 @@ static void moves_are_told_from_other_changes(void **state)
     viewer_finish(&viewer);
 }
 
+/* Of the slabs, y from 6 to 12 and from -12 to -6, both to x = 20, rays from (50, 50, 0) at an angle t to the y axis
+ * meet the anterior one first from tan t = 30 / 44 on (34.3 degrees), below that, down to 30 / 62, the posterior one
+ * alone. A cone of 10 degrees around 36.5 has some of these; around 41.5 it has the posterior one only behind the
+ * other. The list has the same areas in the same order, but cuts show them otherwise. */
+static void an_area_that_comes_to_lie_behind_is_a_change(void **state)
+{
+    static const double apex[3] = {50, 50, 0};
+    struct viewer viewer;
+    unsigned shown[2];
+    uint32_t objects[2][2];
+    uint32_t pixels[2];
+    (void)state;
+    load(&viewer, "slabs", "slabs.nii.gz");
+    viewer.cone.options.layers = CONUS_LAYERS_ALL;
+    viewer.tools[FIRST_TOOL].angle = 10;
+    for (int k = 0; k < 2; k++) {
+        const double turn = (k ? 41.5 : 36.5) * M_PI / 180;
+        tool_aim_along(&viewer, FIRST_TOOL, apex, (const double[]){-sin(turn), -cos(turn), 0});
+        shown[k] = viewer_cut_version(&viewer);
+        for (size_t i = 0; i < 2; i++) {
+            const conus_result *result = conus_selection_result(viewer_selection(&viewer), i);
+            objects[k][i] = result->object;
+            pixels[k] = result->pixels; /* of the posterior one, at last */
+            assert_true(result->pierced > 0);
+        }
+    }
+    assert_memory_equal(objects[0], objects[1], sizeof objects[0]);
+    assert_int_equal(conus_atlas_object(viewer.drawn->atlas, objects[0][1])->label, 300);
+    assert_true(pixels[0] > 0);
+    assert_int_equal(pixels[1], 0);
+    assert_int_not_equal(shown[0], shown[1]);
+    viewer_finish(&viewer);
+}
+
 /* As in pictures: the area that is hit first has the first rank's colour, the other one is grey, and behind that one
  * it has the second. Without a cone, and where that was chosen, both have the atlas's. */
 static void areas_have_the_colours_of_their_ranks(void **state)
@@ -642,6 +676,7 @@ TEST_GROUP(viewer)
         cmocka_unit_test(a_node_is_shown_whole_in_part_or_not),
         cmocka_unit_test(colours_go_and_come_back),
         cmocka_unit_test(moves_are_told_from_other_changes),
+        cmocka_unit_test(an_area_that_comes_to_lie_behind_is_a_change),
         cmocka_unit_test(settings_of_the_atlas_are_all_set_or_none),
         cmocka_unit_test(edited_points_outlive_other_changes),
         cmocka_unit_test(a_device_is_put_in_front),

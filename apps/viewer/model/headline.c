@@ -2,6 +2,7 @@
 /* Words the answer. */
 #include "viewer/model/headline.h"
 
+#include "base/path.h"
 #include "viewer/model/plans.h"
 
 #include <ctype.h>
@@ -47,6 +48,28 @@ static size_t count_best(const struct viewer *viewer, const conus_selection *sel
     return count;
 }
 
+/* Whether a title is a number, perhaps of a side. */
+static bool is_number(const char *title)
+{
+    const size_t digits = strspn(title, "0123456789");
+    const char *rest = title + digits;
+    return digits && (!*rest || strcmp(rest, " left") == 0 || strcmp(rest, " right") == 0);
+}
+
+/* The title of an object. A number alone, as in Brodmann's map, would say nothing: before it stands the atlas's name,
+ * that of its file without folder and endings, "Brodmann 9". */
+static const char *title_of(char out[VIEW_ATLAS_TITLE], const struct view_atlas *view, uint32_t object)
+{
+    const char *title = view_atlas_title(out, view, object);
+    const char *atlas = view->name[0] ? view->name : path_base(view->path);
+    if (!is_number(title)) {
+        return title;
+    }
+    snprintf(out, VIEW_ATLAS_TITLE, "%.*s %s", (int)strcspn(atlas, "."), atlas, title); /* a number has no prefix */
+    out[0] = (char)toupper((unsigned char)out[0]);
+    return out;
+}
+
 /* "A", "A and B", "A, B and C", "A, B, C and 2 more" */
 static void name_best(char out[HEADLINE_TEXT], const struct viewer *viewer, const conus_selection *selection,
                       size_t count)
@@ -56,7 +79,7 @@ static void name_best(char out[HEADLINE_TEXT], const struct viewer *viewer, cons
         char title[VIEW_ATLAS_TITLE];
         const char *before = !i ? "" : i + 1 == count ? " and " : ", ";
         used += (size_t)snprintf(out + used, HEADLINE_TEXT - used, "%s%s", before,
-                                 view_atlas_title(title, viewer->drawn, conus_selection_result(selection, i)->object));
+                                 title_of(title, viewer->drawn, conus_selection_result(selection, i)->object));
     }
     if (count > NAMED && used < HEADLINE_TEXT) {
         snprintf(out + used, HEADLINE_TEXT - used, " and %zu more", count - NAMED);

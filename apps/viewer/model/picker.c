@@ -7,10 +7,11 @@
 
 static const double ray_angle = 1e-3; /* the one pixel's ray is the axis, whatever it is */
 
-static conus_status make_picker(struct view_atlas *view)
+static conus_status make_picker(struct view_atlas *view, conus_layers layers)
 {
-    const conus_selector_options options = {.resolution = 1, .layers = CONUS_LAYERS_ALL};
-    return view->picker ? CONUS_OK : conus_selector_create(&view->picker, view->atlas, &options);
+    const conus_selector_options options = {.resolution = 1, .layers = layers};
+    conus_selector **picker = &view->pickers[layers];
+    return *picker ? CONUS_OK : conus_selector_create(picker, view->atlas, &options);
 }
 
 /* A ray through the context, and how the picture shows it there. */
@@ -89,22 +90,45 @@ static bool is_hit(const struct view_atlas *view, uint32_t number)
     return false;
 }
 
-/* The distance to the first object that is drawn; INFINITY and 0 where there is none. */
+/* The distance to the first object that counts; INFINITY and 0 where there is none. */
 static double find_first(uint32_t *object, struct view_atlas *view, const conus_pose *pose)
+{
+    conus_selection *selection = NULL;
+    double depth = INFINITY;
+    *object = 0;
+    if (make_picker(view, CONUS_LAYERS_VISIBLE) ||
+        conus_select(&selection, view->pickers[CONUS_LAYERS_VISIBLE], pose, ray_angle)) {
+        return INFINITY;
+    }
+    const conus_evidence evidence = conus_selection_evidence(selection);
+    if (evidence.object[0]) {
+        *object = evidence.object[0];
+        depth = evidence.distance[0];
+    }
+    conus_selection_destroy(selection);
+    return depth;
+}
+
+/* The same among what is drawn: areas of voxels would hide pathways and bundles, so where these are shown, the picture
+ * has the areas that are hit. */
+static double find_first_drawn(uint32_t *object, struct view_atlas *view, const conus_pose *pose)
 {
     conus_selection *selection = NULL;
     size_t count = 0;
     double depth = INFINITY;
     *object = 0;
-    if (make_picker(view) || conus_select(&selection, view->picker, pose, ray_angle)) {
+    if (!shows_pathways(view)) {
+        return find_first(object, view, pose);
+    }
+    if (make_picker(view, CONUS_LAYERS_ALL) ||
+        conus_select(&selection, view->pickers[CONUS_LAYERS_ALL], pose, ray_angle)) {
         return INFINITY;
     }
     const conus_interval *intervals = conus_selection_intervals(&count, selection);
-    for (size_t i = 0; i < count && !*object; i++) {
-        /* Areas of voxels would hide pathways and bundles: where these are, the picture has the areas that are hit. */
+    for (size_t i = 0; i < count && !*object; i++) { /* those of a pixel are sorted by entry */
         uint32_t number = intervals[i].object;
         const conus_object *info = conus_atlas_object(view->atlas, number);
-        if (info->kind != CONUS_KIND_AREA || info->triangles > 0 || !shows_pathways(view) || is_hit(view, number)) {
+        if (info->kind != CONUS_KIND_AREA || info->triangles > 0 || is_hit(view, number)) {
             *object = number;
             depth = intervals[i].entry;
         }
@@ -117,23 +141,15 @@ uint32_t view_atlas_pick(double *depth, struct view_atlas *view, const double or
 {
     conus_pose pose;
     uint32_t object = 0;
-    *depth = conus_pose_along(&pose, origin, direction, NULL) ? INFINITY : find_first(&object, view, &pose);
+    *depth = conus_pose_along(&pose, origin, direction, NULL) ? INFINITY : find_first_drawn(&object, view, &pose);
     return object;
 }
 
 double view_atlas_depth(struct view_atlas *view, const double origin[3], const double direction[3])
 {
-    conus_selection *selection = NULL;
     conus_pose pose;
-    size_t count = 0;
-    if (conus_pose_along(&pose, origin, direction, NULL) || make_picker(view) ||
-        conus_select(&selection, view->picker, &pose, ray_angle)) {
-        return INFINITY;
-    }
-    const conus_interval *intervals = conus_selection_intervals(&count, selection);
-    double depth = count ? intervals[0].entry : INFINITY; /* the intervals of a pixel are sorted by entry */
-    conus_selection_destroy(selection);
-    return depth;
+    uint32_t object;
+    return conus_pose_along(&pose, origin, direction, NULL) ? INFINITY : find_first(&object, view, &pose);
 }
 
 uint32_t view_atlas_at(struct view_atlas *view, const double place[3])
@@ -160,7 +176,7 @@ bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, con
     for (int a = 0; a < 3; a++) {
         across = hypot(across, origin[a] - viewer->centre[a]);
     }
-    double depth = find_first(object, viewer->drawn, &pose);
+    double depth = find_first_drawn(object, viewer->drawn, &pose);
     double surface = depth_of_surface(viewer, origin, along, fmin(depth, across + 2 * viewer->radius));
     if (surface < depth) {
         *object = 0;
@@ -177,13 +193,13 @@ double view_atlas_value(struct view_atlas *view, uint32_t object, const double p
     const conus_object *info = conus_atlas_object(view->atlas, object);
     conus_selection *selection = NULL;
     double value = NAN;
-    if (!info || info->kind != CONUS_KIND_PATHWAY || make_picker(view)) {
+    if (!info || info->kind != CONUS_KIND_PATHWAY || make_picker(view, CONUS_LAYERS_ALL)) {
         return NAN;
     }
     /* Half the diagonal of a voxel: a ball of it has the centre of a voxel in it, wherever it is. */
     const double *s = conus_atlas_volume(view->atlas, info->volume)->spacing;
     double radius = 0.51 * sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
-    if (conus_select_ball(&selection, view->picker, place, radius)) {
+    if (conus_select_ball(&selection, view->pickers[CONUS_LAYERS_ALL], place, radius)) {
         return NAN;
     }
     for (size_t i = 0; i < conus_selection_count(selection); i++) {

@@ -89,9 +89,12 @@ conus_status view_atlas_select(struct view_atlas *view, enum tool_number tool, c
 void view_atlas_invalidate(struct view_atlas *view)
 {
     conus_selector_destroy(view->selector);
-    conus_selector_destroy(view->picker);
+    for (int layers = CONUS_LAYERS_VISIBLE; layers <= CONUS_LAYERS_ALL; layers++) {
+        conus_selector_destroy(view->pickers[layers]);
+        view->pickers[layers] = NULL;
+    }
     conus_cutter_destroy(view->probe);
-    view->selector = view->picker = NULL;
+    view->selector = NULL;
     view->probe = NULL;
 }
 

@@ -33,7 +33,7 @@ struct view_atlas {
     conus_selector_options made_with;   /**< The selector. */
     char *made_level;                   /**< Its level; NULL = none. */
     struct answer *answers[TOOL_COUNT]; /**< To the newest question, for each tool; NULL = none. */
-    conus_selector *picker;             /**< For picker.c; made when needed. */
+    conus_selector *pickers[2];         /**< For picker.c, by conus_layers; made when needed. */
     conus_cutter *probe;                /**< Likewise. */
 };
 

@@ -20,13 +20,19 @@ static ui_colour colour_of(const struct viewer *viewer, const struct view_atlas 
                       : panel_colour(viewer, view == viewer->drawn ? object : 0);
 }
 
+/* Beside the entry the coordinates say whose they are: both may be different places. */
+static const char *whose(const struct viewer *viewer, size_t column)
+{
+    return column == RESULT_X && result_is_offered(viewer, RESULT_ENTRY) ? "contact " : "";
+}
+
 static void draw_heading(struct viewer *viewer, size_t column)
 {
     char text[RESULT_TEXT];
     char meaning[RESULT_TIP];
     char tip[RESULT_TIP + 64];
     bool orders = viewer->list.order == column && (column != RESULT_RANK || viewer->list.reversed);
-    snprintf(text, sizeof text, "%s%s", result_heading(viewer, column),
+    snprintf(text, sizeof text, "%s%s%s", whose(viewer, column), result_heading(viewer, column),
              !orders                 ? ""
              : viewer->list.reversed ? " \u2191"
                                      : " \u2193");
@@ -50,7 +56,8 @@ static float width_of(const struct window *window, size_t column)
     }
     char heading[RESULT_TEXT];
     bool orders = viewer->list.order == column;
-    snprintf(heading, sizeof heading, "%s%s", result_heading(viewer, column), orders ? " \u2193" : "");
+    snprintf(heading, sizeof heading, "%s%s%s", whose(viewer, column), result_heading(viewer, column),
+             orders ? " \u2193" : "");
     return fmaxf(ui_text_width(heading), ui_text_width(result_widest(viewer, column)));
 }
 
