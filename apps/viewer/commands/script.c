@@ -485,7 +485,7 @@ static bool do_hemispheres(struct call *call)
 static bool do_side(struct call *call)
 {
     size_t side = find_name(call->arguments[0], side_names, SIDE_COUNT);
-    bool fine = side < SIDE_COUNT && side_is_known(call->viewer);
+    bool fine = side < SIDE_COUNT && side_known(call->viewer) == SIDE_BOTH;
     if (fine) {
         side_show(call->viewer, (enum side)side);
     }
