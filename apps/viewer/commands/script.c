@@ -557,6 +557,16 @@ static bool do_picture(struct call *call)
     return read_size(settings.size, call, 1) && write_figure(call, PANE_3D, &settings);
 }
 
+static bool do_angle(struct call *call)
+{
+    bool fine = property_set_words(call->window, PROPERTY_ANGLE, call->arguments, call->count);
+    double radius = call->viewer->cone.options.radius;
+    if (fine && radius > 0) {
+        viewer_say(call->viewer, "the tool is a cylinder of %.4g mm radius: its opening does not count", radius);
+    }
+    return fine;
+}
+
 static bool do_figure(struct call *call)
 {
     struct figure_settings settings;
@@ -675,7 +685,7 @@ static const struct script_command {
     {"point", 2, 2, "RIGHT DOWN, parts of the 3-D pane", .act = do_point, .numbers = 2},
     {"screen", 8, 8, "X Y Z TX TY TZ WIDTH HEIGHT", .act = do_screen, .numbers = 8},
     {"head", 1, 3, "X Y Z, after screen, or lost", .act = do_head},
-    {"angle", 1, 1, "DEGREES", .sets = PROPERTY_ANGLE},
+    {"angle", 1, 1, "DEGREES", .act = do_angle},
     {"ask", 0, SCRIPT_WORDS - 1, "OPTION..., those of conus query that say how the cone asks", .act = do_ask},
     {"sweep", 1, 3, "LOW HIGH STEP, degrees, or off", .act = do_sweep},
     {"jitter", 1, 3, "DEGREES MM [SAMPLES], or off", .act = do_jitter},
