@@ -204,7 +204,7 @@ static void one_side_is_shown(void **state)
     struct viewer viewer;
     (void)state;
     open_viewer(&viewer, CONUS_HEMISPHERES_SPLIT); /* Top is cut as well */
-    assert_true(side_is_known(&viewer));
+    assert_int_equal(side_known(&viewer), SIDE_BOTH);
     viewer_hide(&viewer, number_of(&viewer, "A_L"), true);
     viewer_hide(&viewer, number_of(&viewer, "Tract"), true);
     assert_int_equal(side_shown(&viewer), SIDE_BOTH);
@@ -245,10 +245,27 @@ static void areas_without_sides_stay(void **state)
     assert_ok(area_rows_atlas(&atlas, dim, labels, plain));
     const struct view_source source = {atlas, "plain.nii", NULL};
     assert_ok(viewer_create(&viewer, &source, 1, NULL, NULL, NULL));
-    assert_false(side_is_known(&viewer));
+    assert_int_equal(side_known(&viewer), SIDE_COUNT);
     side_show_next(&viewer);
     assert_string_equal(hidden(&viewer), "");
-    assert_string_equal(viewer.message, "no areas are known to be left and right ones; F8 splits them");
+    assert_string_equal(viewer.message, "no left or right areas are known; F8 splits areas");
+    viewer_finish(&viewer);
+}
+
+/* As an atlas of a surface of one hemisphere has them. */
+static void one_side_may_be_all_there_is(void **state)
+{
+    static const struct area_row lefts[] = {{1, "Left One", 0, NULL, 0}, {2, "Left Two", 0, NULL, 0}, {0}};
+    struct viewer viewer;
+    conus_atlas *atlas = NULL;
+    (void)state;
+    assert_ok(area_rows_atlas(&atlas, dim, labels, lefts));
+    const struct view_source source = {atlas, "left.nii", NULL};
+    assert_ok(viewer_create(&viewer, &source, 1, NULL, NULL, NULL));
+    assert_int_equal(side_known(&viewer), SIDE_LEFT);
+    side_show_next(&viewer);
+    assert_string_equal(hidden(&viewer), "");
+    assert_string_equal(viewer.message, "no right areas are known; F8 splits areas");
     viewer_finish(&viewer);
 }
 
@@ -282,6 +299,7 @@ TEST_GROUP(replace)
         cmocka_unit_test(one_side_is_shown),
         cmocka_unit_test(hidden_sides_are_shown_again),
         cmocka_unit_test(areas_without_sides_stay),
+        cmocka_unit_test(one_side_may_be_all_there_is),
         cmocka_unit_test(words_say_how),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

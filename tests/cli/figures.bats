@@ -72,6 +72,27 @@ END
     done
 }
 
+# In mm a figure is in print style, unless a background was chosen. The window fills areas by 0.45 at first.
+@test "a figure of a cut is what conus render --cuts draws, with its place" {
+    need_pixels
+    conus phantom nested -o . --size 32
+    view nested.nii.gz <<'END'
+size 900 500
+aim 60 10 6 0 0 0
+angle 20
+crosshair 3 4 5
+sheet mm 40 30
+figure cut.svg axial
+background light
+figure light.svg axial
+END
+    conus render nested.nii.gz --cuts axial:5 --fill 0.45 --origin=60,10,6 --toward=0,0,0 --angle 20 --width-mm 40 \
+        --height-mm 30 -o wanted.svg --quiet
+    cmp cut.svg wanted.svg
+    grep -q '>z = 5 mm<' cut.svg
+    ! cmp -s cut.svg light.svg
+}
+
 @test "Ctrl+P asks for a name, Enter saves, and a file that is there is not replaced at once" {
     conus phantom nested -o . --size 32
     live nested.nii.gz

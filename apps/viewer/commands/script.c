@@ -485,7 +485,7 @@ static bool do_hemispheres(struct call *call)
 static bool do_side(struct call *call)
 {
     size_t side = find_name(call->arguments[0], side_names, SIDE_COUNT);
-    bool fine = side < SIDE_COUNT && side_is_known(call->viewer);
+    bool fine = side < SIDE_COUNT && side_known(call->viewer) == SIDE_BOTH;
     if (fine) {
         side_show(call->viewer, (enum side)side);
     }
@@ -555,6 +555,16 @@ static bool do_picture(struct call *call)
                                        .streamline_colour =
                                            appearance_streamline_colour(&drawn->appearance, drawn->atlas)};
     return read_size(settings.size, call, 1) && write_figure(call, PANE_3D, &settings);
+}
+
+static bool do_angle(struct call *call)
+{
+    bool fine = property_set_words(call->window, PROPERTY_ANGLE, call->arguments, call->count);
+    double radius = call->viewer->cone.options.radius;
+    if (fine && radius > 0) {
+        viewer_say(call->viewer, "the tool is a cylinder of %.4g mm radius: its opening does not count", radius);
+    }
+    return fine;
 }
 
 static bool do_figure(struct call *call)
@@ -675,7 +685,7 @@ static const struct script_command {
     {"point", 2, 2, "RIGHT DOWN, parts of the 3-D pane", .act = do_point, .numbers = 2},
     {"screen", 8, 8, "X Y Z TX TY TZ WIDTH HEIGHT", .act = do_screen, .numbers = 8},
     {"head", 1, 3, "X Y Z, after screen, or lost", .act = do_head},
-    {"angle", 1, 1, "DEGREES", .sets = PROPERTY_ANGLE},
+    {"angle", 1, 1, "DEGREES", .act = do_angle},
     {"ask", 0, SCRIPT_WORDS - 1, "OPTION..., those of conus query that say how the cone asks", .act = do_ask},
     {"sweep", 1, 3, "LOW HIGH STEP, degrees, or off", .act = do_sweep},
     {"jitter", 1, 3, "DEGREES MM [SAMPLES], or off", .act = do_jitter},

@@ -107,12 +107,12 @@ static void put_distance(char *out, size_t size, const conus_selection *selectio
     }
 }
 
-/* The side that all are on. */
+/* The side that all are on, unless names and places say different ones. */
 static const char *side_of(const struct view_atlas *view, const conus_selection *selection, size_t count)
 {
-    char side = view->sides[conus_selection_result(selection, 0)->object];
+    char side = view_atlas_side(view, conus_selection_result(selection, 0)->object);
     for (size_t i = 1; i < count; i++) {
-        side = view->sides[conus_selection_result(selection, i)->object] == side ? side : ' ';
+        side = view_atlas_side(view, conus_selection_result(selection, i)->object) == side ? side : ' ';
     }
     return side == 'L' ? " \u00b7 left" : side == 'R' ? " \u00b7 right" : "";
 }

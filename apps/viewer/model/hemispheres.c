@@ -22,23 +22,31 @@ static size_t count(const struct view_atlas *view, enum side side, bool shown_on
     return found;
 }
 
-bool side_is_known(const struct viewer *viewer)
+static enum side find_sides(const struct view_atlas *view, bool shown_only)
 {
-    return count(viewer->drawn, SIDE_LEFT, false) && count(viewer->drawn, SIDE_RIGHT, false);
+    bool left = count(view, SIDE_LEFT, shown_only);
+    bool right = count(view, SIDE_RIGHT, shown_only);
+    return left && right ? SIDE_BOTH : left ? SIDE_LEFT : right ? SIDE_RIGHT : SIDE_COUNT;
+}
+
+enum side side_known(const struct viewer *viewer)
+{
+    return find_sides(viewer->drawn, false);
 }
 
 enum side side_shown(const struct viewer *viewer)
 {
-    bool left = count(viewer->drawn, SIDE_LEFT, true);
-    bool right = count(viewer->drawn, SIDE_RIGHT, true);
-    return left && right ? SIDE_BOTH : left ? SIDE_LEFT : right ? SIDE_RIGHT : SIDE_COUNT;
+    return find_sides(viewer->drawn, true);
 }
+
+const char *const side_missing[SIDE_COUNT + 1] = {
+    [SIDE_LEFT] = "no right areas", [SIDE_RIGHT] = "no left areas", [SIDE_COUNT] = "no left or right areas"};
 
 void side_show(struct viewer *viewer, enum side side)
 {
     struct view_atlas *view = viewer->drawn;
-    if (!side_is_known(viewer)) {
-        viewer_say(viewer, "no areas are known to be left and right ones; F8 splits them");
+    if (side_known(viewer) != SIDE_BOTH) {
+        viewer_say(viewer, "%s are known; F8 splits areas", side_missing[side_known(viewer)]);
         return;
     }
     bool *hidden = malloc((view->object_count + 1) * sizeof *hidden);

@@ -11,8 +11,10 @@ enum side { SIDE_BOTH = 0, SIDE_LEFT, SIDE_RIGHT, SIDE_COUNT };
 /** "both", "left", "right", for scripts. */
 extern const char *const side_names[SIDE_COUNT];
 
-/** Whether some areas are left and some right ones. */
-bool side_is_known(const struct viewer *viewer);
+/** The sides that areas have, hidden ones, too: both, one of them, or SIDE_COUNT, none. */
+enum side side_known(const struct viewer *viewer);
+/** "no right areas", where there is one side at most. */
+extern const char *const side_missing[SIDE_COUNT + 1];
 /** The side whose areas are shown, if all of the other are hidden; SIDE_COUNT where those of both are. */
 enum side side_shown(const struct viewer *viewer);
 /** Hides the other side's areas; a side that is to be seen and was hidden whole is shown again. Others stay. */

@@ -31,9 +31,9 @@ static void choose_side(struct window *window)
     static const char *const sides[SIDE_COUNT] = {"both sides", "left only", "right only"};
     struct viewer *viewer = window->viewer;
     size_t side = side_shown(viewer);
-    if (!side_is_known(viewer)) {
-        ui_text("no left or right areas");
-        ui_tip("no areas are known to be left and right ones, by the label table, by their names, or by a split");
+    if (side_known(viewer) != SIDE_BOTH) {
+        ui_text("%s", side_missing[side_known(viewer)]);
+        ui_tip("areas are known to be left or right ones by the label table, by their names, or by a split");
         return;
     }
     use_width(window);
@@ -185,6 +185,21 @@ void panel_hidden(struct window *window)
                                             "with it; V, too")) {
                 window_press(window, "v");
             }
+        }
+    }
+}
+
+const char exchanged_text[] = "Names or places have left and right exchanged";
+
+void panel_exchanged(const struct viewer *viewer)
+{
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        const struct view_atlas *view = &viewer->atlases[i];
+        char text[VIEW_ATLAS_TITLE];
+        if (view_atlas_exchanged(view)) {
+            snprintf(text, sizeof text, "%s%s%s", exchanged_text, view->name[0] ? " in " : "", view->name);
+            ui_text_wrapped(THEME_ORANGE, text);
+            ui_tip(view_atlas_exchanged(view));
         }
     }
 }

@@ -38,7 +38,7 @@ static void write_tree(char out[TREE_TEXT], const conus_atlas *atlas, uint32_t n
 /* The side that the table or the name gives; "" = none. */
 static const char *find_side(const struct view_atlas *view, uint32_t number)
 {
-    char side = view->sides[number];
+    char side = view_atlas_side(view, number);
     return side == 'L' ? "left" : side == 'R' ? "right" : side == 'B' ? "both" : "";
 }
 

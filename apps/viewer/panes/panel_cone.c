@@ -161,18 +161,27 @@ static bool choose_score(struct viewer *viewer)
 
 static bool choose_shape(struct viewer *viewer)
 {
-    bool changed = false;
     bool cylinder = viewer->cone.options.radius > 0;
-    if (ui_check("A cylinder in place of the cone", &cylinder,
-                 "in place of the cone a tube around its axis, such as a needle or a probe")) {
+    bool changed = ui_check("A cylinder in place of the cone", &cylinder,
+                            "in place of the cone a tube around its axis, such as a needle or a probe");
+    if (changed) {
         viewer->cone.options.radius = cylinder ? 2 : 0;
-        changed = true;
-    }
-    if (cylinder) {
-        changed = ui_slider("Radius", &viewer->cone.options.radius, 0.1, 50, "%.4g mm", true) || changed;
-        ui_tip("radius of the cylinder, mm");
     }
     return changed;
+}
+
+/* Chooses how wide the tool is: a cylinder has no opening. */
+static void choose_width(struct window *window)
+{
+    double *radius = &window->viewer->cone.options.radius;
+    if (*radius <= 0) {
+        panel_property(window, PROPERTY_ANGLE);
+        return;
+    }
+    if (ui_slider("Radius", radius, 0.1, 50, "%.4g mm", true)) {
+        tool_reselect(window->viewer);
+    }
+    ui_tip("radius of the cylinder, mm; Expert makes it a cone again");
 }
 
 /* Exact sampling has no slices, and no fraction of them. */
@@ -307,7 +316,7 @@ void panel_question(struct window *window)
         return;
     }
     choose_pointer(window);
-    panel_property(window, PROPERTY_ANGLE);
+    choose_width(window);
     choose_layers(viewer);
     search_area(window);
 }

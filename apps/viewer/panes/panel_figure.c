@@ -46,7 +46,7 @@ static void choose_text(struct window *window)
     size_t legend = (size_t)sheet->legend;
     size_t backdrop = (size_t)window->viewer->display.backdrop;
     bool text = !sheet->no_text;
-    const char *names[BACKDROP_COUNT] = {"light; in 3-D the theme's"}; /* figures have no theme */
+    const char *names[BACKDROP_COUNT] = {"white on paper, else light"}; /* figures have no theme */
     memcpy(names + 1, backdrop_names + 1, sizeof names - sizeof names[0]);
     if (ui_choose("Background", &backdrop, names, BACKDROP_COUNT)) {
         window->viewer->display.backdrop = (enum backdrop)backdrop;

@@ -22,7 +22,9 @@ void figure_of_window(struct figure_settings *out, const struct window *window)
                                  .dpi = sheet->dpi,
                                  .legend = (size_t)sheet->legend,
                                  .no_legend = sheet->no_text,
-                                 .background = backdrop_of_figures(window->viewer->display.backdrop),
+                                 .background = window->viewer->display.backdrop == BACKDROP_THEME
+                                                   ? NULL /* as figures have it: white on paper */
+                                                   : backdrop_of_figures(window->viewer->display.backdrop),
                                  .streamline_colour = appearance_streamline_colour(&drawn->appearance, drawn->atlas)};
     if (sheet->in_mm) {
         out->width_mm = sheet->mm[0];
@@ -103,8 +105,19 @@ static conus_status draw_cut(conus_image **out, const struct window *window, enu
     conus_view sheet = {.shapes = shapes, .measured = measured(window->viewer)};
     conus_cut_view view;
     figure_view(&sheet, settings);
-    cut_view(&view, window->viewer, plane, (double[]){sheet.width, sheet.height});
-    return conus_cut_image(out, window->viewer->drawn->atlas, &view, &sheet);
+    const struct viewer *viewer = window->viewer;
+    cut_view(&view, viewer, plane, (double[]){sheet.width, sheet.height});
+    if (sheet.measured || viewer->magnification != 1) { /* which sheets do not show */
+        return conus_cut_image(out, viewer->drawn->atlas, &view, &sheet);
+    }
+    conus_cut_plane whole;
+    memcpy(whole.at, view.centre, sizeof whole.at);
+    memcpy(whole.right, view.right, sizeof whole.right);
+    memcpy(whole.up, view.up, sizeof whole.up);
+    sheet.selection = view.selection;
+    sheet.own_colours = view.own_colours;
+    sheet.frame = &viewer->frame;
+    return conus_cuts_image(out, viewer->drawn->atlas, &whole, 1, &view, NULL, &sheet);
 }
 
 bool figure_write(const struct window *window, size_t pane, const struct figure_settings *settings, const char *path,
