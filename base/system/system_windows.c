@@ -1048,10 +1048,21 @@ static void take_words(int *count, char ***words)
     }
 }
 
+/* The word that shells of other systems have for a program that crashes; then the system does what it does. */
+static LONG WINAPI say_crash(EXCEPTION_POINTERS *why)
+{
+    char text[64];
+    DWORD n;
+    int size = snprintf(text, sizeof text, "conus: ended by exception %lx\n", why->ExceptionRecord->ExceptionCode);
+    WriteFile(GetStdHandle(STD_ERROR_HANDLE), text, (DWORD)size, &n, NULL);
+    return EXCEPTION_CONTINUE_SEARCH;
+}
+
 void system_begin(int *count, char ***words, bool pipes)
 {
     (void)pipes; /* a broken one is an error of writing */
     take_words(count, words);
+    SetUnhandledExceptionFilter(say_crash);
     for (int file = 0; file <= 2; file++) {
         _setmode(file, _O_BINARY);
         DWORD mode;

@@ -127,6 +127,7 @@ int main(int count, char **words)
     CHECK(answer.begun && answer.reading == PROCESS_LATE);
     answer = ask((char *[]){self, "crash", NULL}, NULL, SYSTEM_NO_FILE, INFINITY);
     CHECK(answer.end.kind == PROCESS_CRASHED && strcmp(answer.end.how, "exception c0000005") == 0);
+    CHECK(strncmp(answer.text[1], "conus: ended by exception c0000005\n", 35) == 0); /* then wine's own words */
     CHECK(!process_begin(&process, &(struct process_start){.path = "none.exe", .words = none, .given = -1}) &&
           errno == ENOENT);
     printf("%d failures\n", failures);
