@@ -202,7 +202,7 @@ END
         grep -q '>B_R<' $names.svg
     done
     grep -q '>left and right are exchanged<' wrong.svg
-    ! grep -q 'exchanged' right.svg
+    run ! grep -q 'exchanged' right.svg
 }
 
 @test "figures that cannot be are refused before anything is loaded" {
