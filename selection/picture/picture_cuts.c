@@ -27,13 +27,13 @@ static const double BRIGHT = 0.15;
 /* Lengths in em: beside a panel and above it for letters, from it to the middle of those beside it, which are nearer to
  * it than to the next panel's; below it for its title, the strip of the scale bar, and the least height of a panel that
  * has letters above and below. */
-static const double BESIDE = 1.8;
+static const double BESIDE = 2.4;
 static const double ABOVE = 1.6;
 static const double LETTER = 0.55;
 static const double GAP = 0.4;
 static const double TITLE = 1.7;
 static const double STRIP = 3;
-static const double TALL = 14;
+static const double TALL = 8;
 
 /* A panel shows so many mm; its picture is in the pixels `at` to `at` + `size` of the sheet. */
 struct panel {
@@ -427,10 +427,8 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
                               .at = {(double)panel->at[0], (double)panel->at[1]},
                               .limit = {(double)panel->size[0], (double)panel->size[1]}};
     view.no_outlines = true;
-    const struct cutter_figure figure = {.line = cut_lines_add,
-                                         .line_user = &lines,
-                                         .ranks = sheet->picture.ranks,
-                                         .emphasis = sheet->picture.emphasis};
+    const struct cutter_figure figure = {
+        .line = cut_lines_add, .line_user = &lines, .ranks = sheet->picture.ranks, .emphasis = sheet->picture.emphasis};
     conus_status status = cutter_draw_bare(&cut, sheet->cutter, &view, &figure);
     size_t pixels = (size_t)view.width * view.height;
     sheet->rgba = status ? NULL : memory_copy(cut->rgba, pixels, 4);

@@ -162,6 +162,24 @@ END
     grep -qF '>Hits of the cylinder<' title.svg
 }
 
+# 85 mm are 1004 pixels. A letter is 1.1 em high; an R on the right of a cut and the L on the left of the next one are
+# farther apart than three em, so that they are no word.
+@test "cuts of a narrow figure have all letters, each near its own" {
+    answers phantom sphere -o .
+    answers render sphere.nii.gz --cuts axial,coronal,sagittal --width-mm 85 -q -o narrow.svg
+    /usr/bin/python3 - narrow.svg <<'END'
+import re, sys
+texts = [(float(x), float(size), word) for x, size, word in
+         re.findall(r'<text x="([-\d.]+)"[^>]*font-size="([\d.]+)"[^>]*>([^<]*)<', open(sys.argv[1]).read())]
+words = [word for *_, word in texts]
+assert all(words.count(letter) == 2 for letter in "LRAPSI"), words
+right = min(x for x, _, word in texts if word == "R")
+left = max(x for x, _, word in texts if word == "L")
+size = next(size for _, size, word in texts if word == "L")
+assert left - right > 3 * size / 1.1, (left, right, size)
+END
+}
+
 # A ball with a hollow of 12 mm: the hollow, and what is around the ball, is the background, whatever that is. A cone
 # beside it leaves it pale: 0.6 x 40 % of its colour over a grey of 144, in each channel at least 40 from black and white.
 @test "without a context a cut has one background, and pale areas are seen on it" {
