@@ -364,22 +364,19 @@ static void clear_outside(struct sheet *sheet, const struct cut *cut, size_t wid
     }
 }
 
-/* Transparent pixels were black, so that the cone over them has left its own colour times its opacity there: the
- * largest byte of the cone's colour is 255. */
 static void lay_cut(const struct sheet *sheet, const struct panel *panel)
 {
     const struct image_rgba to = image_rgba(sheet->image);
     for (long y = 0; y < panel->size[1]; y++) {
         for (long x = 0; x < panel->size[0]; x++) {
             const uint8_t *from = sheet->rgba + 4 * ((size_t)panel->size[0] * (size_t)y + (size_t)x);
-            float over[4];
-            double opacity = from[3] ? 1 : from[0] / 255.0;
+            float over[4] = {0, 0, 0, 1};
             for (int c = 0; c < 3; c++) {
-                double level = opacity > 0 ? fmin(from[c] / 255.0 / opacity, 1) : 0;
-                over[c] = (float)(linear_from_srgb(level) * opacity);
+                over[c] = (float)linear_from_srgb(from[c] / 255.0);
             }
-            over[3] = (float)opacity;
-            lay_pixel(sheet, &to, panel->at[0] + x, panel->at[1] + y, over);
+            if (from[3]) {
+                lay_pixel(sheet, &to, panel->at[0] + x, panel->at[1] + y, over);
+            }
         }
     }
 }
@@ -440,6 +437,7 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
             struct cut_cone cone;
             cutter_cone(&cone, view.selection);
             cone.no_line = true;
+            cone.areas = cut->shown;
             cut_draw_cone(sheet->rgba, &cut->of, &cone);
         }
         lay_cut(sheet, panel);

@@ -180,6 +180,26 @@ assert left - right > 3 * size / 1.1, (left, right, size)
 END
 }
 
+# The cone of 20 degrees comes from 100 mm to the left and is 35 mm wide where it passes the middle of the ball: it
+# leaves what is hit, and the hollow in it, as they are above and below it.
+@test "a cone changes neither the colour of an area in a cut nor the background" {
+    PYTHONPATH=$BATS_TEST_DIRNAME /usr/bin/python3 -B - <<'END'
+import nifti
+at = lambda i, j, k: (i - 24.5) ** 2 + (j - 24.5) ** 2 + (k - 24.5) ** 2
+nifti.write("hollow.nii", (50, 50, 50), "B", lambda i, j, k: int(12 ** 2 < at(i, j, k) < 22 ** 2))
+END
+    answers render hollow.nii --cuts axial --no-legend --background white --size 200x200 --layers all \
+        --origin=-100,0,0 --toward 0,0,0 --angle 20 -q -o cone.png
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+rgb = oiio.ImageBuf("cone.png").get_pixels(oiio.UINT8).astype(int)[..., :3]
+cone = (abs(rgb - [255, 176, 0]).max(-1) < 40).any(0)
+assert cone[:20].any() and cone[-20:].any() # its lines go through the picture
+assert (rgb[100, 100] == 255).all(), rgb[100, 100]
+assert (rgb[100, 30] == rgb[30, 100]).all() and (rgb[100, 30] != 255).any(), (rgb[100, 30], rgb[30, 100])
+END
+}
+
 # A ball with a hollow of 12 mm: the hollow, and what is around the ball, is the background, whatever that is. A cone
 # beside it leaves it pale: 0.6 x 40 % of its colour over a grey of 144, in each channel at least 40 from black and white.
 @test "without a context a cut has one background, and pale areas are seen on it" {
