@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cuts side by side on one sheet, at one scale, perhaps with the view in space before them. */
 #include "base/geometry/math3.h"
+#include "base/look.h"
 #include "base/look_sizes.h"
 #include "base/memory.h"
 #include "base/options.h"
@@ -381,6 +382,20 @@ static void lay_cut(const struct sheet *sheet, const struct panel *panel)
     }
 }
 
+/* Light edges of the outlines over an image, where a grey line would be lost on its greys: below all of these. */
+static conus_status trace_edges(const struct sheet *sheet, const struct cut *cut, const struct cut_lines *lines,
+                                const bool *skips)
+{
+    struct cut_lines edges = *lines;
+    uint8_t(*white)[3] = picture_rank_colours(NULL, sheet->picture.atlas, LOOK_WHITE);
+    edges.rgb = (const uint8_t(*)[3])white;
+    edges.width *= 2;
+    conus_status status =
+        white ? cut_trace_areas(&edges, cut->shown, cut->of.width, cut->of.height, skips) : CONUS_ERROR_MEMORY;
+    memory_free(white);
+    return status;
+}
+
 /* Appends the outlines of areas that are no surfaces, then of surfaces, and of the cone over them. */
 static conus_status trace(const struct sheet *sheet, const struct cut *cut, struct cut_lines *lines)
 {
@@ -393,8 +408,11 @@ static conus_status trace(const struct sheet *sheet, const struct cut *cut, stru
     for (size_t i = 0; i < cut->surface_count; i++) {
         skips[cut->surfaces[i]] = true;
     }
-    conus_status status =
-        sheet->look->no_outlines ? CONUS_OK : cut_trace_areas(lines, cut->shown, cut->of.width, cut->of.height, skips);
+    const bool has_outlines = !sheet->look->no_outlines;
+    conus_status status = has_outlines && atlas_context(atlas) ? trace_edges(sheet, cut, lines, skips) : CONUS_OK;
+    if (!status && has_outlines) {
+        status = cut_trace_areas(lines, cut->shown, cut->of.width, cut->of.height, skips);
+    }
     memory_free(skips);
     cut_lines_finish(lines);
     if (!status && sheet->view.selection) {
