@@ -53,8 +53,8 @@ struct conus_atlas {
     conus_hemispheres hemispheres; /**< As conus_atlas_set_hemispheres() left them.                   */
     uint32_t half_step; /**< Labels of left halves are the area's label plus this, those of right ones plus twice this;
                              0 = no area is cut in halves. */
-    bool has_palette;
-    bool has_safe_colours;     /**< That is the palette, whose hits of a cone are coloured by rank.             */
+    bool has_other_colours;    /**< Of a palette or the safe ones; places[].own_rgb are those that objects had. */
+    bool has_palette;          /**< Not of the safe ones, beside which a cone's answer is coloured by rank.     */
     bool is_moved;             /**< atlas_move() or atlas_warp() moved it.                             */
     double own_from_world[16]; /**< If so: from where the atlas is to where its files have it; with warps to their
                                     input. */

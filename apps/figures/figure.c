@@ -106,7 +106,8 @@ const struct option figure_options[] = {
     {.name = "safe-colours",
      .type = OPTION_FLAG,
      .offset = FIELD(safe_colours),
-     .help = "colours of areas, pathways and bundles that people with any colour vision can tell apart",
+     .help = "colours of areas, pathways and bundles that people with any colour vision can tell apart, in pictures "
+             "without a cone: those by rank are such",
      .words = "colour-blind"},
     {.name = "palette",
      .type = OPTION_TEXT,

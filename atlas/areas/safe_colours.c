@@ -313,13 +313,13 @@ static void use(conus_atlas *atlas, const struct palette *palette)
     status = status ? status : colour_nodes(colours, &map, palette);
     for (size_t i = 0; i < atlas->object_count; i++) {
         bool has_node = !status && i < atlas->area_count;
-        if (!atlas->has_palette) {
+        if (!atlas->has_other_colours) {
             memcpy(atlas->places[i].own_rgb, atlas->objects[i].rgb, sizeof atlas->objects[i].rgb);
         }
         colour_at(atlas->objects[i].rgb, palette, has_node ? colours[map.node[i + 1]] : i);
     }
-    atlas->has_palette = true;
-    atlas->has_safe_colours = palette->hues == safe;
+    atlas->has_other_colours = true;
+    atlas->has_palette = palette->hues != safe;
     memory_free(map.node);
     memory_free(map.touches);
     memory_free(colours);
@@ -341,8 +341,8 @@ conus_status conus_atlas_use_palette(conus_atlas *atlas, const uint8_t *rgb, siz
 
 void conus_atlas_use_own_colours(conus_atlas *atlas)
 {
-    for (size_t i = 0; i < atlas->object_count && atlas->has_palette; i++) {
+    for (size_t i = 0; i < atlas->object_count && atlas->has_other_colours; i++) {
         memcpy(atlas->objects[i].rgb, atlas->places[i].own_rgb, sizeof atlas->objects[i].rgb);
     }
-    atlas->has_palette = atlas->has_safe_colours = false;
+    atlas->has_palette = atlas->has_other_colours = false;
 }

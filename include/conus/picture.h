@@ -226,10 +226,11 @@ typedef struct conus_view {
     uint8_t
         unselected_rgb[3]; /**< It, sRGB; else they are a neutral grey with a selection, or have their own, paler. */
     bool own_colours;      /**< With a selection: objects have their own colours. Else, unless the atlas has a palette
-                              (conus_atlas_use_palette(); beside safe colours, too), what is hit has one of six colours
-                              by its place in the answer, behind these what else stands out, and from the seventh on a
-                              grey, with a number in picture and legend where it is hit first; all else is a neutral
-                              grey. Pathways that are haze have their own. */
+                              (conus_atlas_use_palette(), not the safe colours), what is hit has one of six colours by
+                              its place in the answer: what is hit first, then pathways, bundles and what is listed,
+                              areas behind others, and what else stands out. From the seventh on it is grey, with a
+                              number in picture and legend but for areas that are only behind others; all else is a
+                              neutral grey. Pathways that are haze have their own. */
     bool no_cone;          /**< With a selection: only its contacts are drawn, not its cone. */
     bool print;            /**< As for paper: what is drawn in space has a thin dark line around it, and of several
                               panels each has a letter: a, b, c. */

@@ -668,7 +668,12 @@ static void draw_tile(const struct cone_drawing *drawing, uint32_t left, uint32_
                 double line = drawing->cone->no_line ? 0 : 0.9 * fmin(fmax(half_line - fabs(outside), 0), 1);
                 opacity = fmax(line, outside < 0 ? tint : 0);
             }
-            uint8_t *pixel = drawing->rgba + 4 * ((size_t)drawing->place->width * row + column);
+            const size_t at = (size_t)drawing->place->width * row + column;
+            uint8_t *pixel = drawing->rgba + 4 * at;
+            const uint32_t *areas = drawing->cone->areas;
+            if (opacity == tint && areas && (areas[at] || !pixel[3])) {
+                continue;
+            }
             if (opacity == tint) {
                 for (int c = 0; c < 3; c++) {
                     pixel[c] = drawing->tinted[pixel[c]][c];

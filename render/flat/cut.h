@@ -22,6 +22,8 @@ struct cut_cone {
     double radius;                 /**< At the apex: 0 of a cone.                                                */
     double near, far;              /**< Depths along the axis between which it is drawn.                          */
     bool no_line;                  /**< Only its inside is tinted. */
+    const uint32_t *areas; /**< [height width] Objects: they keep their colours, and what is transparent stays so; NULL
+                              = all is tinted. */
 };
 
 /** Takes a line in which the plane cuts a surface, pixels from the upper left corner. @p object as in cut.contours. */

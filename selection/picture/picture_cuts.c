@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cuts side by side on one sheet, at one scale, perhaps with the view in space before them. */
 #include "base/geometry/math3.h"
+#include "base/look.h"
 #include "base/look_sizes.h"
 #include "base/memory.h"
 #include "base/options.h"
@@ -27,13 +28,13 @@ static const double BRIGHT = 0.15;
 /* Lengths in em: beside a panel and above it for letters, from it to the middle of those beside it, which are nearer to
  * it than to the next panel's; below it for its title, the strip of the scale bar, and the least height of a panel that
  * has letters above and below. */
-static const double BESIDE = 1.8;
+static const double BESIDE = 2.4;
 static const double ABOVE = 1.6;
 static const double LETTER = 0.55;
 static const double GAP = 0.4;
 static const double TITLE = 1.7;
 static const double STRIP = 3;
-static const double TALL = 14;
+static const double TALL = 8;
 
 /* A panel shows so many mm; its picture is in the pixels `at` to `at` + `size` of the sheet. */
 struct panel {
@@ -350,24 +351,35 @@ static void clear_outside(struct sheet *sheet, const struct cut *cut, size_t wid
     }
 }
 
-/* Transparent pixels were black, so that the cone over them has left its own colour times its opacity there: the
- * largest byte of the cone's colour is 255. */
 static void lay_cut(const struct sheet *sheet, const struct panel *panel)
 {
     const struct image_rgba to = image_rgba(sheet->image);
     for (long y = 0; y < panel->size[1]; y++) {
         for (long x = 0; x < panel->size[0]; x++) {
             const uint8_t *from = sheet->rgba + 4 * ((size_t)panel->size[0] * (size_t)y + (size_t)x);
-            float over[4];
-            double opacity = from[3] ? 1 : from[0] / 255.0;
+            float over[4] = {0, 0, 0, 1};
             for (int c = 0; c < 3; c++) {
-                double level = opacity > 0 ? fmin(from[c] / 255.0 / opacity, 1) : 0;
-                over[c] = (float)(linear_from_srgb(level) * opacity);
+                over[c] = (float)linear_from_srgb(from[c] / 255.0);
             }
-            over[3] = (float)opacity;
-            lay_pixel(sheet, &to, panel->at[0] + x, panel->at[1] + y, over);
+            if (from[3]) {
+                lay_pixel(sheet, &to, panel->at[0] + x, panel->at[1] + y, over);
+            }
         }
     }
+}
+
+/* Light edges of the outlines over an image, where a grey line would be lost on its greys: below all of these. */
+static conus_status trace_edges(const struct sheet *sheet, const struct cut *cut, const struct cut_lines *lines,
+                                const bool *skips)
+{
+    struct cut_lines edges = *lines;
+    uint8_t(*white)[3] = picture_rank_colours(NULL, sheet->picture.atlas, LOOK_WHITE);
+    edges.rgb = (const uint8_t(*)[3])white;
+    edges.width *= 2;
+    conus_status status =
+        white ? cut_trace_areas(&edges, cut->shown, cut->of.width, cut->of.height, skips) : CONUS_ERROR_MEMORY;
+    memory_free(white);
+    return status;
 }
 
 /* Appends the outlines of areas that are no surfaces, then of surfaces, and of the cone over them. */
@@ -382,8 +394,11 @@ static conus_status trace(const struct sheet *sheet, const struct cut *cut, stru
     for (size_t i = 0; i < cut->surface_count; i++) {
         skips[cut->surfaces[i]] = true;
     }
-    conus_status status =
-        sheet->look->no_outlines ? CONUS_OK : cut_trace_areas(lines, cut->shown, cut->of.width, cut->of.height, skips);
+    const bool has_outlines = !sheet->look->no_outlines;
+    conus_status status = has_outlines && atlas_context(atlas) ? trace_edges(sheet, cut, lines, skips) : CONUS_OK;
+    if (!status && has_outlines) {
+        status = cut_trace_areas(lines, cut->shown, cut->of.width, cut->of.height, skips);
+    }
     memory_free(skips);
     cut_lines_finish(lines);
     if (!status && sheet->view.selection) {
@@ -413,10 +428,8 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
                               .at = {(double)panel->at[0], (double)panel->at[1]},
                               .limit = {(double)panel->size[0], (double)panel->size[1]}};
     view.no_outlines = true;
-    const struct cutter_figure figure = {.line = cut_lines_add,
-                                         .line_user = &lines,
-                                         .ranks = sheet->picture.ranks,
-                                         .emphasis = sheet->picture.emphasis};
+    const struct cutter_figure figure = {
+        .line = cut_lines_add, .line_user = &lines, .ranks = sheet->picture.ranks, .emphasis = sheet->picture.emphasis};
     conus_status status = cutter_draw_bare(&cut, sheet->cutter, &view, &figure);
     size_t pixels = (size_t)view.width * view.height;
     sheet->rgba = status ? NULL : memory_copy(cut->rgba, pixels, 4);
@@ -428,6 +441,7 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
             struct cut_cone cone;
             cutter_cone(&cone, view.selection);
             cone.no_line = true;
+            cone.areas = cut->shown;
             cut_draw_cone(sheet->rgba, &cut->of, &cone);
         }
         lay_cut(sheet, panel);

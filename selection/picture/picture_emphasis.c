@@ -134,8 +134,7 @@ uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, 
 {
     static const unsigned colours[PICTURE_RANKS] = {LOOK_RANKS(COLOUR)};
     uint8_t(*rgb)[3] = memory_raw(atlas->object_count + 1, sizeof *rgb);
-    const bool is_safe = ranks && atlas->has_safe_colours; /* as those by rank are: these tell hits apart */
-    if (rgb && ranks && atlas->has_palette && !is_safe) {
+    if (rgb && ranks && atlas->has_palette) {
         if (colour_by_palette(rgb, ranks, atlas)) {
             memory_free(rgb);
             return NULL;
@@ -144,10 +143,6 @@ uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, 
     }
     for (size_t object = 0; rgb && object <= atlas->object_count; object++) {
         const uint32_t rank = ranks ? ranks[object] : 0;
-        if (is_safe && object && !rank) {
-            memcpy(rgb[object], atlas->objects[object - 1].rgb, sizeof *rgb);
-            continue;
-        }
         const unsigned colour = !rank ? not_hit : rank <= PICTURE_RANKS ? colours[rank - 1] : LOOK_RANK_MORE;
         memcpy(rgb[object], (const uint8_t[]){(uint8_t)(colour >> 16), (uint8_t)(colour >> 8), (uint8_t)colour}, 3);
     }

@@ -24,8 +24,8 @@ uint32_t *picture_ranks(const conus_selection *selection, const bool *listed);
 
 enum { PICTURE_RANKS = 6 };
 /** sRGB of each object by its rank, to be freed; where the atlas has a palette its colours, but what has a rank has
- * none that a better one has, while there are some, and beside safe colours that of its rank: of [object count + 1] @p
- * ranks; 0, and all where that is NULL, = @p not_hit, 0xRRGGBB. NULL without memory. */
+ * none that a better one has, while there are some: of [object count + 1] @p ranks; 0, and all where that is NULL,
+ * = @p not_hit, 0xRRGGBB. NULL without memory. */
 uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, unsigned not_hit))[3];
 
 #endif

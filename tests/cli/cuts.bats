@@ -186,6 +186,66 @@ END
     grep -qF '>Hits of the cylinder<' title.svg
 }
 
+# The cone of 20 degrees comes from 100 mm to the left and is 35 mm wide where it passes the middle of the ball: it
+# leaves what is hit, and the hollow in it, as they are above and below it.
+@test "a cone changes neither the colour of an area in a cut nor the background" {
+    PYTHONPATH=$BATS_TEST_DIRNAME /usr/bin/python3 -B - <<'END'
+import nifti
+at = lambda i, j, k: (i - 24.5) ** 2 + (j - 24.5) ** 2 + (k - 24.5) ** 2
+nifti.write("hollow.nii", (50, 50, 50), "B", lambda i, j, k: int(12 ** 2 < at(i, j, k) < 22 ** 2))
+END
+    answers render hollow.nii --cuts axial --no-legend --background white --size 200x200 --layers all \
+        --origin=-100,0,0 --toward 0,0,0 --angle 20 -q -o cone.png
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+rgb = oiio.ImageBuf("cone.png").get_pixels(oiio.UINT8).astype(int)[..., :3]
+cone = (abs(rgb - [255, 176, 0]).max(-1) < 40).any(0)
+assert cone[:20].any() and cone[-20:].any() # its lines go through the picture
+assert (rgb[100, 100] == 255).all(), rgb[100, 100]
+assert (rgb[100, 30] == rgb[30, 100]).all() and (rgb[100, 30] != 255).any(), (rgb[100, 30], rgb[30, 100])
+END
+}
+
+# 85 mm are 1004 pixels. A letter is 1.1 em high; an R on the right of a cut and the L on the left of the next one are
+# farther apart than three em, so that they are no word.
+@test "cuts of a narrow figure have all letters, each near its own" {
+    answers phantom sphere -o .
+    answers render sphere.nii.gz --cuts axial,coronal,sagittal --width-mm 85 -q -o narrow.svg
+    /usr/bin/python3 - narrow.svg <<'END'
+import re, sys
+texts = [(float(x), float(size), word) for x, size, word in
+         re.findall(r'<text x="([-\d.]+)"[^>]*font-size="([\d.]+)"[^>]*>([^<]*)<', open(sys.argv[1]).read())]
+words = [word for *_, word in texts]
+assert all(words.count(letter) == 2 for letter in "LRAPSI"), words
+right = min(x for x, _, word in texts if word == "R")
+left = max(x for x, _, word in texts if word == "L")
+size = next(size for _, size, word in texts if word == "L")
+assert left - right > 3 * size / 1.1, (left, right, size)
+END
+}
+
+# Half a point has 2.08 pixels at 300 dpi.
+@test "outlines over an image have light edges" {
+    answers phantom sphere -o .
+    PYTHONPATH=$BATS_TEST_DIRNAME /usr/bin/python3 -B -c 'import nifti
+nifti.write("ramp.nii", (50, 50, 50), "B", lambda i, j, k: 5 * i)'
+    for context in "" "--context ramp.nii"; do
+        # shellcheck disable=SC2086 # words
+        answers render sphere.nii.gz $context --cuts axial --width-mm 85 --legend none -q -o edges.svg
+        /usr/bin/python3 - edges.svg "$context" <<'END'
+import re, sys
+text = open(sys.argv[1]).read()
+lines = [(colour.lower(), float(width)) for colour, width in
+         re.findall(r'stroke="(#[0-9a-fA-F]{6})"[^>]*stroke-width="([\d.]+)"', text)]
+grey = [width for colour, width in lines if colour == "#69737d"]
+white = [width for colour, width in lines if colour == "#ffffff"]
+assert grey and bool(white) == bool(sys.argv[2]), lines
+assert all(width > 1.5 * grey[0] for width in white), lines
+assert not white or lines.index(("#ffffff", white[0])) < lines.index(("#69737d", grey[0])), lines
+END
+    done
+}
+
 # A ball with a hollow of 12 mm: the hollow, and what is around the ball, is the background, whatever that is. A cone
 # beside it leaves it pale: 0.6 x 40 % of its colour over a grey of 144, in each channel at least 40 from black and white.
 @test "without a context a cut has one background, and pale areas are seen on it" {

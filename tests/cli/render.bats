@@ -202,7 +202,7 @@ END
         grep -q '>B_R<' $names.svg
     done
     grep -q '>left and right are exchanged<' wrong.svg
-    ! grep -q 'exchanged' right.svg
+    run ! grep -q 'exchanged' right.svg
 }
 
 @test "figures that cannot be are refused before anything is loaded" {
@@ -372,9 +372,8 @@ END
         read -r first second < <(counts other.png D2246C C9CDD3)
         [ "$first" -eq 0 ] && [ "$second" -eq 0 ]
     done
-    answers render nested.nii.gz -o other.png "${cut[@]}" "${cone[@]}" --safe-colours # for which ranks are, too
-    read -r first second < <(counts other.png D2246C C9CDD3)
-    [ "$first" -gt 100 ] && [ "$second" -eq 0 ]
+    answers render nested.nii.gz -o other.png "${cut[@]}" "${cone[@]}" --safe-colours # which those by rank are, too
+    cmp rank.png other.png
     fails 3 'cannot open' render nested.nii.gz -o x.png "${cut[@]}" --palette tab11
     fails 3 'no #RRGGBB in it' render nested.nii.gz -o x.png "${cut[@]}" --palette none.txt
     fails 2 '#12345: no #RRGGBB in it' render nested.nii.gz -o x.png "${cut[@]}" --palette '#12345'
