@@ -24,7 +24,7 @@ static const ui_colour dark = {LOOK_RGB(LOOK_UNDER), 255};
 /* The view rests when the mouse, or else a tracker or a replay, has stood still for so long. */
 static const double view_rest_ms = 120, others_rest_ms = 300;
 
-static const float click = 4;   /* pixels: a mouse that moves as far from where it was pressed turns the view */
+static const float click = 4; /* pixels: a mouse that moves as far from where it was pressed turns the view */
 
 static const char device_caption[] = "what the device sees";
 
@@ -287,13 +287,13 @@ static uint32_t find_seen(struct window *window, float x, float y)
 static bool allows_name(void *user, const struct ui_box *box, uint32_t object)
 {
     struct window *window = user;
+    const int columns = (int)ceilf(box->width / SEEN_CELL) + 1;
     bool does = true;
-    for (int row = 0; row < 2; row++) {
-        float y = box->y + (row ? 0.9F : 0.1F) * box->height;
-        for (float x = box->x; object && does && x < box->x + box->width + SEEN_CELL; x += SEEN_CELL) {
-            uint32_t other = find_seen(window, fminf(x, box->x + box->width), y);
-            does = !other || other == object || !viewer_rank(window->viewer, other);
-        }
+    for (int i = 0; object && does && i < 2 * columns; i++) {
+        float x = box->x + fminf((float)(i / 2 * SEEN_CELL), box->width);
+        float y = box->y + (i % 2 ? 0.9F : 0.1F) * box->height;
+        uint32_t other = find_seen(window, x, y);
+        does = !other || other == object || !viewer_rank(window->viewer, other);
     }
     return does;
 }

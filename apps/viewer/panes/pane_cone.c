@@ -20,7 +20,7 @@ static const float needle = 3, tick = 5, apex_radius = 4; /* pixels at scale 1 *
 static const double tick_mm = 10;
 static const double arm[2] = {0.03, 0.12}; /* of the crosshair, in radii of the atlas: it is free within */
 static const double faded = 25;            /* mm: a needle so far from a cut is not drawn in it */
-static const double touching = 1.5; /* mm: what lies no farther behind a surface lies on it */
+static const double touching = 1.5;        /* mm: what lies no farther behind a surface lies on it */
 
 enum { PARTS = 4, ARC = 8 /* points of a ring that are looked at once */, STEPS = 3, HULL = 4 * SHELL_POINTS };
 
