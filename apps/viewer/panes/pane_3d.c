@@ -290,7 +290,8 @@ static bool allows_name(void *user, const struct ui_box *box, uint32_t object)
     const int columns = (int)ceilf(box->width / SEEN_CELL) + 1;
     bool does = true;
     for (int i = 0; object && does && i < 2 * columns; i++) {
-        float x = box->x + fminf((float)(i / 2 * SEEN_CELL), box->width);
+        int column = i / 2;
+        float x = box->x + fminf((float)(column * SEEN_CELL), box->width);
         float y = box->y + (i % 2 ? 0.9F : 0.1F) * box->height;
         uint32_t other = find_seen(window, x, y);
         does = !other || other == object || !viewer_rank(window->viewer, other);
