@@ -54,7 +54,7 @@ enum look_colour {
     LOOK_OVER_FAR = 0xAFAFB5,
     LOOK_UNDER = 0x141418,
     LOOK_UNDER_SECOND = 0x0A141E,
-    LOOK_CROSS = 0x5ADC78,  /**< The crosshair. */
+    LOOK_CROSS = 0xF2F28A,  /**< The crosshair. */
     LOOK_BORDER = 0x78AAE6, /**< A border of panes that is held. */
     LOOK_PLOT = 0x18191E,   /**< Under a transfer function; its bars. */
     LOOK_PLOT_BARS = 0x787E8C,

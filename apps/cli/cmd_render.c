@@ -1072,7 +1072,7 @@ const struct command cmd_render = {
     .operands = {"ATLAS"},
     .form = "-o FILE",
     .description = "Draws areas, pathways and bundles, the context around them, and a cone with its axis, contacts\n"
-                   "and a legend of its first hits. Needs OpenGL 4.5, in hardware or software.",
+                   "and a legend of its first hits, by OpenGL 4.5 or, without it, by rays on the processor.",
     .examples = "  conus render aal.nii.gz -o aal.png --context ch2bet.nii.gz\n"
                 "  conus render aal.nii.gz -o cone.png --origin -90,20,20 --toward 0,-10,10 --angle 20\n"
                 "  conus render aal.nii.gz --poses session.tsv -o 'fig-{query}.png'\n"

@@ -183,6 +183,27 @@ static void studies_answer_as_the_library_does(void **state)
     viewer_finish(&viewer);
 }
 
+/* Without all layers nothing is known of what lies behind; what is no object cannot lie there. */
+static void areas_that_nothing_ever_hits_are_not_listed(void **state)
+{
+    static const struct {
+        conus_chance chance;
+        bool is_listed, is_behind;
+    } rows[] = {{{.object = 1, .hit = 0.5, .seen = 0.75, .in_cone = 1}, true, false},
+                {{.object = 1, .seen = 0.25, .in_cone = 0.5}, true, false},
+                {{.object = 1, .in_cone = 0.25}, true, true},
+                {{.object = 1, .in_cone = 0}, false, false},
+                {{.object = 1, .in_cone = NAN}, false, false},
+                {{.object = 1, .seen = 0.25, .in_cone = NAN}, true, false},
+                {{.object = 0, .hit = 0.25, .in_cone = NAN}, true, false},
+                {{.object = 0, .in_cone = 1}, false, false}};
+    (void)state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        assert_int_equal(chance_is_listed(&rows[i].chance), rows[i].is_listed);
+        assert_int_equal(chance_is_behind(&rows[i].chance), rows[i].is_behind);
+    }
+}
+
 /* A change of the pose, the range or the hidden objects makes the answer old. */
 static void a_change_of_the_query_makes_a_study_old(void **state)
 {
@@ -370,6 +391,7 @@ TEST_GROUP(controls)
         cmocka_unit_test(levels_go_round),
         cmocka_unit_test(invalid_queries_change_nothing),
         cmocka_unit_test(studies_answer_as_the_library_does),
+        cmocka_unit_test(areas_that_nothing_ever_hits_are_not_listed),
         cmocka_unit_test(a_change_of_the_query_makes_a_study_old),
         cmocka_unit_test(the_atlas_does_not_wait_for_a_long_study),
         cmocka_unit_test(studies_have_limits),

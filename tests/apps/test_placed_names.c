@@ -41,6 +41,33 @@ static void names_never_overlap(void **state)
     assert_true(placed > TRIALS * NAMES * 9 / 10); /* there is room for nearly all */
 }
 
+/* Another area lies from x = 200 on; of object 3 all is another one's. */
+static bool is_left(void *user, const struct ui_box *box, uint32_t object)
+{
+    (*(size_t *)user)++;
+    return object != 3 && box->x + box->width <= 200;
+}
+
+/* The first place would be to the right of the point, which is taken where nothing is said against it. */
+static void names_lie_where_they_may(void **state)
+{
+    const struct ui_box pane = {0, 0, 400, 300};
+    const float at[2] = {190, 100};
+    const float size[2] = {80, 18};
+    size_t asked = 0;
+    struct labels labels = {.allows = is_left, .user = &asked};
+    struct ui_box box;
+    (void)state;
+    assert_true(labels_place(&box, &labels, &pane, at, size, false, 7));
+    assert_true(box.x + box.width < at[0]);
+    assert_true(asked > 1);
+    assert_false(labels_place(&box, &labels, &pane, at, size, false, 3));
+    assert_false(labels_has(&labels, 3));
+    labels = (struct labels){.count = 0};
+    assert_true(labels_place(&box, &labels, &pane, at, size, false, 7));
+    assert_true(box.x > at[0]);
+}
+
 static void an_object_has_one_name(void **state)
 {
     const struct ui_box pane = {0, 0, 400, 300};
@@ -64,6 +91,7 @@ TEST_GROUP(placed_names)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(names_never_overlap),
+        cmocka_unit_test(names_lie_where_they_may),
         cmocka_unit_test(an_object_has_one_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -171,6 +171,7 @@ static void thresholds_colours_and_answers_are_kept(void **state)
     uint8_t rgb[3];
     conus_atlas *other = make(rows, CONUS_HEMISPHERES_SPLIT);
     conus_atlas_use_safe_colours(other);
+    viewer.display.own_colours = true; /* else with a cone all that is not hit is grey */
     viewer_colour(rgb, &viewer, 1);
     assert_memory_equal(rgb, conus_atlas_object(other, 1)->rgb, 3);
     conus_atlas_destroy(other);

@@ -394,8 +394,12 @@ static void a_number_has_its_atlas_before_it(void **state)
  * belong. */
 static void no_side_is_told_where_names_and_places_differ(void **state)
 {
-    static const struct area_row rows[] = {{1, "A_L", 0, NULL, 0}, {2, "A_R", 0, NULL, 0}, {3, "B_L", 0, NULL, 0},
-                                           {4, "B_R", 0, NULL, 0}, {5, "C_L", 0, NULL, 0}, {6, "C_R", 0, NULL, 0},
+    static const struct area_row rows[] = {{1, "A_L", 0, NULL, 0},
+                                           {2, "A_R", 0, NULL, 0},
+                                           {3, "B_L", 0, NULL, 0},
+                                           {4, "B_R", 0, NULL, 0},
+                                           {5, "C_L", 0, NULL, 0},
+                                           {6, "C_R", 0, NULL, 0},
                                            {0}};
     static const uint32_t labels[2][9] = {{2, 0, 1, 4, 0, 3, 6, 0, 5}, {1, 0, 2, 3, 0, 4, 5, 0, 6}};
     static const double x[2] = {1, -1};

@@ -60,6 +60,41 @@ END
     diff <(jq -c "del(.atlas, .opened.folder)" ../row.json) <(jq -c "del(.atlas, .opened.folder)" again.json)
 }
 
+# The needle lies along x at z = 5, from x = 40 to 10. The axial cut is as high as the window, whose middle is x = 0: in
+# the columns that are looked at, where the needle ends, it lies over black, and nothing else has its colour.
+@test "a needle is drawn firmly in the cut that it lies in, thin beside it, and not far from it" {
+    need_pixels
+    needles
+    view u-shape.nii.gz --reach U --radius 1 --depth 30 <<'END'
+size 900 500
+key tab
+aim 40 0 5 0 0 5
+crosshair 0 0 5
+settle
+screenshot in.png
+crosshair 0 0 -5
+settle
+screenshot beside.png
+crosshair 0 0 -25
+settle
+screenshot far.png
+END
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+
+def amber(name):
+    rgb = oiio.ImageBuf(name).get_pixels(oiio.UINT8).astype(int)[:, 455:487]
+    red, green, blue = rgb[..., 0], rgb[..., 1], rgb[..., 2]
+    found = (red > 1.2 * green) & (green > 2 * blue) & (red > 60)
+    return found.sum(), red[found].max(initial=0)
+
+firm, thin, none = (amber(f"{name}.png") for name in ("in", "beside", "far"))
+assert firm[0] > 2 * thin[0] and firm[1] == 255, (firm, thin)
+assert 15 < thin[0] < 40 and thin[1] < 200, thin
+assert none[0] == 0, none
+END
+}
+
 @test "the card's target is what the plan's needle has to reach, kept in sessions, and taken back" {
     need_window
     needles

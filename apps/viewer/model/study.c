@@ -258,6 +258,16 @@ struct study_answer *study_answer_create(const struct study_question *question, 
     return answer;
 }
 
+bool chance_is_behind(const conus_chance *chance)
+{
+    return chance->object && chance->seen <= 0 && chance->in_cone > 0; /* NaN without all layers */
+}
+
+bool chance_is_listed(const conus_chance *chance)
+{
+    return chance->hit > 0 || chance->seen > 0 || chance_is_behind(chance);
+}
+
 void study_answer_destroy(struct study_answer *answer)
 {
     for (size_t i = 0; answer && i < answer->atlas_count; i++) {

@@ -84,6 +84,10 @@ struct study_answer *study_answer_create(const struct study_question *question, 
                                          void *user);
 /** An answer that only says why there is none. NULL without memory. */
 struct study_answer *study_answer_refuse(const struct study_question *question, const char *why);
+/** Whether it lies in the cone of some pose, but no pixel of any hits it first: known with all layers. */
+bool chance_is_behind(const conus_chance *chance);
+/** Whether it is hit, seen or behind under any pose. */
+bool chance_is_listed(const conus_chance *chance);
 /** NULL is allowed. */
 void study_answer_destroy(struct study_answer *answer);
 

@@ -401,7 +401,6 @@ void viewer_rank_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t ob
            : !by_rank                            ? info->rgb
            : rank > sizeof ranks / sizeof *ranks ? (const uint8_t[]){LOOK_RGB(LOOK_RANK_MORE)}
            : rank                                ? ranks[rank - 1]
-           : viewer->display.safe_colours        ? info->rgb
                                                  : (const uint8_t[]){LOOK_RGB(LOOK_NOT_HIT)},
            3);
 }

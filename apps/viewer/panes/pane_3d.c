@@ -21,13 +21,10 @@ static const ui_colour compass_edge = {LOOK_RGB(LOOK_UNDER), 190};
 
 static const ui_colour light = {LOOK_RGB(LOOK_OVER), 255};
 static const ui_colour dark = {LOOK_RGB(LOOK_UNDER), 255};
-static const ui_colour cross = {LOOK_RGB(LOOK_CROSS), 255};
-
 /* The view rests when the mouse, or else a tracker or a replay, has stood still for so long. */
 static const double view_rest_ms = 120, others_rest_ms = 300;
 
-static const double arm = 0.12; /* of the crosshair, in radii of the atlas */
-static const float click = 4;   /* pixels: a mouse that moves as far from where it was pressed turns the view */
+static const float click = 4; /* pixels: a mouse that moves as far from where it was pressed turns the view */
 
 static const char device_caption[] = "what the device sees";
 
@@ -251,6 +248,57 @@ static struct ui_box find_inset(const struct window *window)
     return (struct ui_box){box->x + box->width - edge - 10, box->y + 10, edge, edge};
 }
 
+enum { SEEN_CELL = 12 /* pixels: what is seen is asked once in a square of these */ };
+
+/* The object that the picture shows at a pixel of the pane; 0 = none. */
+static uint32_t find_seen(struct window *window, float x, float y)
+{
+    struct seen_places *seen = &window->pictures.seen;
+    const struct viewer *viewer = window->viewer;
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
+    const struct eye *eye = &window->pictures.shown;
+    bool same = seen->of == viewer->drawn && seen->atlas_number == viewer->atlas_number &&
+                seen->scene_number == viewer->scene_number && seen->fade == viewer->display.fade &&
+                eye_is_same(&seen->eye, eye);
+    if (!same) {
+        *seen = (struct seen_places){.of = viewer->drawn,
+                                     .atlas_number = viewer->atlas_number,
+                                     .scene_number = viewer->scene_number,
+                                     .eye = *eye,
+                                     .fade = viewer->display.fade};
+    }
+    const int cell[2] = {(int)(x - box->x) / SEEN_CELL, (int)(y - box->y) / SEEN_CELL};
+    struct seen_place *place = &seen->places[((unsigned)cell[1] * 97 + (unsigned)cell[0]) % SEEN_PLACES];
+    if (!place->is_known || place->cell[0] != cell[0] || place->cell[1] != cell[1]) {
+        double direction[3];
+        double at[3];
+        const double size[2] = {(double)box->width, (double)box->height};
+        const double middle[2] = {(cell[0] + 0.5) * SEEN_CELL, (cell[1] + 0.5) * SEEN_CELL};
+        eye_ray(direction, eye, size, middle);
+        *place = (struct seen_place){.is_known = true, .cell = {cell[0], cell[1]}};
+        if (!viewer_pick(&place->object, at, window->viewer, eye->camera.world_from_device + 12, direction)) {
+            place->object = 0;
+        }
+    }
+    return place->object;
+}
+
+/* A name on another area that is hit, and so has a colour, would seem to be that area's. */
+static bool allows_name(void *user, const struct ui_box *box, uint32_t object)
+{
+    struct window *window = user;
+    const int columns = (int)ceilf(box->width / SEEN_CELL) + 1;
+    bool does = true;
+    for (int i = 0; object && does && i < 2 * columns; i++) {
+        int column = i / 2;
+        float x = box->x + fminf((float)(column * SEEN_CELL), box->width);
+        float y = box->y + (i % 2 ? 0.9F : 0.1F) * box->height;
+        uint32_t other = find_seen(window, x, y);
+        does = !other || other == object || !viewer_rank(window->viewer, other);
+    }
+    return does;
+}
+
 /* Keeps names off what else lies over the picture. */
 static void reserve_places(struct window *window)
 {
@@ -260,7 +308,7 @@ static void reserve_places(struct window *window)
     float across = 5 * line; /* of the directions */
     float up = 7.2F * line;
     float buttons[2];
-    window->frame.labels.count = 0;
+    window->frame.labels = (struct labels){.allows = allows_name, .user = window};
     panel_views_size(buttons, window);
     labels_reserve(&window->frame.labels, (struct ui_box){box->x, box->y, buttons[0], buttons[1]});
     if (window->viewer->display.device_view) {
@@ -306,24 +354,6 @@ static void draw_device_view(struct window *window)
     ui_draw_box(inset, light, 1);
     ui_draw_text((float[]){inset.x + inset.width - ui_text_width(device_caption), inset.y + inset.height + 4}, light,
                  device_caption);
-}
-
-/* Draws the crosshair's arms along the axes. */
-static void draw_crosshair(const struct window *window)
-{
-    const struct viewer *viewer = window->viewer;
-    for (int a = 0; a < 3; a++) {
-        double from[3];
-        double to[3];
-        float ends[2][2];
-        memcpy(from, viewer->crosshair, sizeof from);
-        memcpy(to, viewer->crosshair, sizeof to);
-        from[a] -= arm * viewer->radius;
-        to[a] += arm * viewer->radius;
-        if (window_point(ends[0], window, from) && window_point(ends[1], window, to)) {
-            stroke_line(ends[0], ends[1], (struct pen){cross, 1, window->screen.scale});
-        }
-    }
 }
 
 static void draw_measured(struct window *window)
@@ -582,7 +612,7 @@ void pane_3d(struct window *window)
     pane_chosen(window);
     draw_compass(window);
     pane_cones(window);
-    draw_crosshair(window);
+    pane_cross(window);
     pane_chosen_names(window);
     draw_measured(window);
     draw_names(window, FIRST_TOOL);

@@ -18,8 +18,9 @@ static const double fill = 0.25, fill_over_hits = 0.08;
 static const float needle = 3, tick = 5, apex_radius = 4; /* pixels at scale 1 */
 
 static const double tick_mm = 10;
-static const double beside = 2;     /* mm: a needle so near to a cut is in it */
-static const double touching = 1.5; /* mm: what lies no farther behind a surface lies on it */
+static const double arm[2] = {0.03, 0.12}; /* of the crosshair, in radii of the atlas: it is free within */
+static const double faded = 25;            /* mm: a needle so far from a cut is not drawn in it */
+static const double touching = 1.5;        /* mm: what lies no farther behind a surface lies on it */
 
 enum { PARTS = 4, ARC = 8 /* points of a ring that are looked at once */, STEPS = 3, HULL = 4 * SHELL_POINTS };
 
@@ -309,25 +310,30 @@ static void draw_inside(const struct window *window, enum tool_number number, ui
     draw_part(window, number, first, sight->clear, filled(colour, fill_over_hits));
 }
 
-/* Draws the lines of a cone; ticks on a needle, over which no name shall lie: it would seem to name the tip. */
-static void draw_lines(struct window *window, enum tool_number number, struct pen pen)
+/* Draws lines, those that are hidden in dashes. */
+static void draw_sight(const struct window *window, const struct cone_sight *sight, struct pen pen)
 {
-    const struct cone_sight *sight = &window->pictures.cones[number];
     float phase = 0;
     float ends[2][2];
-    struct pen line_pen = pen;
-    line_pen.width = is_needle(window->viewer, number) ? needle : pen.width;
     for (size_t i = 0; i < sight->line_count; i++) {
         const struct cone_line *line = &sight->lines[i];
         if (!window_point(ends[0], window, line->ends[0]) || !window_point(ends[1], window, line->ends[1])) {
             continue;
         }
         if (line->dashed) {
-            stroke_dashes(&phase, ends[0], ends[1], line_pen);
+            stroke_dashes(&phase, ends[0], ends[1], pen);
         } else {
-            stroke_line(ends[0], ends[1], line_pen);
+            stroke_line(ends[0], ends[1], pen);
         }
     }
+}
+
+/* Draws the lines of a cone; ticks on a needle, over which no name shall lie: it would seem to name the tip. */
+static void draw_lines(struct window *window, enum tool_number number, struct pen pen)
+{
+    float ends[2][2];
+    float width = is_needle(window->viewer, number) ? needle : pen.width;
+    draw_sight(window, &window->pictures.cones[number], (struct pen){pen.colour, width, pen.scale});
     double place[3];
     for (int i = 0; is_needle(window->viewer, number) && find_tick(place, window, number, i); i++) {
         bool seen = window_point(ends[i % 2], window, place);
@@ -360,6 +366,43 @@ void pane_cones(struct window *window)
         }
         pane_ball_draw(window, number);
     }
+}
+
+/* Finds the crosshair's arms along the axes, from beside its place on. */
+static void find_cross(struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    struct cone_sight *sight = &window->pictures.cross;
+    const struct eye *eye = &window->pictures.shown;
+    const double *at = viewer->crosshair;
+    double *was = window->pictures.crossed;
+    if (sight->is_seen && sight->of == viewer->drawn && sight->atlas_number == viewer->atlas_number &&
+        sight->scene_number == viewer->scene_number && sight->fade == viewer->display.fade &&
+        eye_is_same(&sight->eye, eye) && was[0] == at[0] && was[1] == at[1] && was[2] == at[2]) {
+        return;
+    }
+    *sight = (struct cone_sight){.is_seen = true,
+                                 .of = viewer->drawn,
+                                 .atlas_number = viewer->atlas_number,
+                                 .scene_number = viewer->scene_number,
+                                 .fade = viewer->display.fade,
+                                 .eye = *eye};
+    memcpy(was, at, sizeof window->pictures.crossed);
+    for (int half = 0; half < 6; half++) {
+        double ends[2][3];
+        for (int e = 0; e < 2; e++) {
+            memcpy(ends[e], at, sizeof ends[e]);
+            ends[e][half % 3] += (half < 3 ? arm[e] : -arm[e]) * viewer->radius;
+        }
+        add_seen(sight, window, ends[0], ends[1]);
+    }
+}
+
+void pane_cross(struct window *window)
+{
+    find_cross(window);
+    draw_sight(window, &window->pictures.cross,
+               (struct pen){(ui_colour){LOOK_RGB(LOOK_CROSS), 255}, 1, window->screen.scale});
 }
 
 static void find_normal(double out[3], const struct pane_plane *plane)
@@ -409,44 +452,57 @@ static void draw_section(struct window *window, enum tool_number number, const s
     }
 }
 
-/* Draws the needle as it is seen from before the cut, in dashes where it is not in it. */
+/* Half of the longest edge of the first volume's voxels, mm; of an atlas without one, half a mm. */
+static double half_slice(const conus_atlas *atlas)
+{
+    const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
+    return volume ? fmax(fmax(volume->spacing[0], volume->spacing[1]), volume->spacing[2]) / 2 : 0.5;
+}
+
+/* How far a place of the needle is from a cut, with a sign. */
+static double from_cut(const double place[3], const struct pane_plane *plane)
+{
+    double normal[3];
+    double away = 0;
+    find_normal(normal, plane);
+    for (int a = 0; a < 3; a++) {
+        away += (place[a] - plane->view.centre[a]) * normal[a];
+    }
+    return away;
+}
+
+/* Draws the needle as it is seen from before the cut: with its marks where it is in it, else as a thin line, the
+ * fainter the farther away. */
 static void draw_needle(const struct window *window, enum tool_number number, const struct pane_plane *plane,
                         struct pen pen)
 {
+    enum { PIECES_PER_MARK = 10 };
     const struct extent *extent = &window->pictures.cones[number].extent;
+    const double in_cut = fmax(window->viewer->cone.options.radius, half_slice(window->viewer->drawn->atlas));
     double places[2][3];
-    double away[2] = {0};
     float ends[2][2];
-    float phase = 0;
-    double normal[3];
-    find_normal(normal, plane);
-    for (int e = 0; e < 2; e++) {
-        on_axis(places[e], window, number, e ? extent->end : extent->near);
-        pane_point(ends[e], plane, places[e]);
-        for (int a = 0; a < 3; a++) {
-            away[e] += (places[e][a] - plane->view.centre[a]) * normal[a];
+    float from[2];
+    double step = tick_mm / PIECES_PER_MARK;
+    int count = (int)ceil((extent->end - extent->near) / step);
+    on_axis(places[0], window, number, extent->near);
+    pane_point(from, plane, places[0]);
+    for (int i = 0; i < count; i++) {
+        for (int e = 0; e < 2; e++) {
+            on_axis(places[e], window, number, fmin(extent->near + step * (i + e), extent->end));
+            pane_point(ends[e], plane, places[e]);
+        }
+        double away = fabs(from_cut(places[0], plane) + from_cut(places[1], plane)) / 2;
+        if (away <= in_cut) {
+            stroke_line(ends[0], ends[1], (struct pen){pen.colour, needle, pen.scale});
+        } else if (away < faded) {
+            ui_draw_line(ends[0], ends[1], filled(pen.colour, 0.8 * (1 - away / faded)), pen.scale);
         }
     }
-    double slope = away[1] - away[0];
-    double parts[2] = {fabs(away[0]) <= beside ? 0 : 1, 1}; /* of one beside the cut */
-    if (fabs(slope) > 1e-9) {
-        double one = (-beside - away[0]) / slope;
-        double other = (beside - away[0]) / slope;
-        parts[0] = fmin(fmax(fmin(one, other), 0), 1);
-        parts[1] = fmin(fmax(fmax(one, other), 0), 1);
-    }
-    float between[2][2];
-    for (int e = 0; e < 2; e++) {
-        for (int c = 0; c < 2; c++) {
-            between[e][c] = ends[0][c] + (float)parts[e] * (ends[1][c] - ends[0][c]);
-        }
-    }
-    stroke_dashes(&phase, ends[0], between[0], pen);
-    stroke_dashes(&phase, between[1], ends[1], pen);
-    stroke_line(between[0], between[1], (struct pen){pen.colour, needle, pen.scale});
     for (int i = 1; find_tick(places[1], window, number, i); i++) {
         pane_point(ends[1], plane, places[1]);
-        draw_tick(ends[0], ends[1], pen);
+        if (fabs(from_cut(places[1], plane)) <= in_cut) {
+            draw_tick(from, ends[1], pen);
+        }
     }
 }
 

@@ -47,7 +47,9 @@ static void draw_corner(const struct window *window, const struct ui_box *box, b
     char text[PANE_NAME];
     if (shows_chosen && conus_atlas_object(view->atlas, view->shown.chosen)) {
         const char *name = view_atlas_title(title, view, view->shown.chosen);
-        ui_shorten_name(text, sizeof text, name, box->width / 2 - ui_line() - 8);
+        bool is_beside = ui_text_width(name) <= box->width / 2 - ui_line() - 8; /* else above the letter */
+        at[1] -= is_beside ? 0 : 1.2F * ui_line();
+        ui_shorten_name(text, sizeof text, name, box->width - 16);
         ui_draw_text(at, white, text);
         at[1] -= 1.2F * ui_line();
     }
@@ -202,15 +204,6 @@ static void draw_crosshair(const struct window *window, const struct cut *cut)
     }
 }
 
-/* As everywhere, or with up to three digits after the point where that is the place: "-36.1" of a click, "-100.26". */
-static size_t put_place(char *out, size_t size, const struct viewer *viewer, double value)
-{
-    size_t used = viewer_put_coordinate(out, size, viewer, value);
-    double given = rint(value * 1e3) / 1e3;
-    bool is_other = fabs(strtod(out, NULL) - value) > 1e-6 && fabs(given - value) < 1e-6;
-    return is_other ? (size_t)snprintf(out, size, "%.12g", given) : used;
-}
-
 /* Writes the coordinate that a plane's points share: "z = 1.0 mm", "DV = 332 um". */
 static void put_depth(char *out, size_t size, const struct viewer *viewer, enum plane plane)
 {
@@ -224,7 +217,7 @@ static void put_depth(char *out, size_t size, const struct viewer *viewer, enum 
         axis++;
     }
     size_t used = (size_t)snprintf(out, size, "%s = ", name);
-    used += put_place(out + used, size - used, viewer, at[axis]);
+    used += viewer_put_coordinate(out + used, size - used, viewer, at[axis]);
     snprintf(out + used, size - used, " %s", conus_space_unit(space));
 }
 

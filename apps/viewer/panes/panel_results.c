@@ -177,10 +177,10 @@ void panel_results(struct window *window)
         panel_second(window);
     }
     panel_question(window);
-    panel_card(window);
     panel_expert(window);
     if (!two) {
         panel_second(window);
     }
+    panel_card(window); /* below what is pressed: it comes and goes */
     ui_panel_end();
 }

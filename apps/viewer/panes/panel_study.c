@@ -246,21 +246,30 @@ static void draw_chances(struct window *window, const struct study_table *table)
     static const char *const columns[] = {"area", "hit %", "\u00b1 %", "seen %"};
     struct viewer *viewer = window->viewer;
     float widths[4];
-    panel_widths(widths, window, columns, (const char *const[]){"", "100.00", "100.00", "100.00"}, 4);
+    panel_widths(widths, window, columns, (const char *const[]){"", "behind", "100.00", "100.00"}, 4);
     size_t shown = ui_list_fit(widths, 4, 2); /* the tip has all */
     if (ui_table("chances", columns, widths, shown, (LINES + 2) * ui_list_line())) {
         for (size_t i = 0; i < table->chance_count; i++) {
             const conus_chance *chance = &table->chances[i];
             char tip[CHANCE_TIP];
+            if (!chance_is_listed(chance)) {
+                continue;
+            }
             tip_of_chance(tip, chance);
             ui_id(chance->object);
             draw_name(viewer, table, chance->object, tip);
             ui_cell();
-            ui_underline(chance->hit, colour_of(viewer, table, chance->object));
-            panel_number("%.2f", 100 * chance->hit);
+            if (chance_is_behind(chance)) {
+                ui_text_right("behind");
+            } else {
+                ui_underline(chance->hit, colour_of(viewer, table, chance->object));
+                panel_number("%.2f", 100 * chance->hit);
+            }
             for (size_t c = 2; c < shown; c++) {
                 ui_cell();
-                panel_number("%.2f", 100 * (c == 2 ? chance->hit_error : chance->seen));
+                if (!chance_is_behind(chance)) {
+                    panel_number("%.2f", 100 * (c == 2 ? chance->hit_error : chance->seen));
+                }
             }
             ui_id_end();
         }

@@ -38,6 +38,8 @@ void pane_point(float out[2], const struct pane_plane *plane, const double world
 /** The cones of both tools, over a cut and over the 3-D pane. */
 void pane_cones_cut(struct window *window, const struct pane_plane *plane);
 void pane_cones(struct window *window);
+/** The crosshair over the 3-D pane. */
+void pane_cross(struct window *window);
 /** Whether a tool has a cone that is drawn, and the pen of its lines. */
 bool pane_tool_shows(const struct window *window, enum tool_number number);
 struct pen pane_tool_pen(const struct window *window, enum tool_number number);

@@ -74,7 +74,8 @@ bool labels_place(struct ui_box *out, struct labels *labels, const struct ui_box
             struct ui_box box = {x, y, size[0], size[1]};
             bool covers = at[0] > x - margin && at[0] < x + size[0] + margin && at[1] > y - margin &&
                           at[1] < y + size[1] + margin;
-            if (!covers && is_free(labels, pane, &box) && add(labels, box, object)) {
+            if (!covers && is_free(labels, pane, &box) &&
+                (!labels->allows || labels->allows(labels->user, &box, object)) && add(labels, box, object)) {
                 *out = box;
                 return true;
             }

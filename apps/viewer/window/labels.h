@@ -18,6 +18,9 @@ struct labels {
         uint32_t object; /**< 0 = it is reserved for something else. */
     } items[LABELS_LIMIT];
     size_t count;
+    bool (*allows)(void *user, const struct ui_box *box, uint32_t object); /**< Whether an object's name may lie there,
+                                                                               besides; NULL = anywhere. */
+    void *user;                                                            /**< Its first argument. */
 };
 
 /** No name may lie there. */

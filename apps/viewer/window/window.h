@@ -60,6 +60,21 @@ struct cone_line {
     bool dashed;
 };
 
+enum { SEEN_PLACES = 1024 };
+
+/** What the 3-D pane shows at places of it, as far as it was asked for. */
+struct seen_places {
+    const struct view_atlas *of; /**< As of struct cone_sight. */
+    unsigned atlas_number, scene_number;
+    struct eye eye;
+    double fade;
+    struct seen_place {
+        bool is_known;
+        int cell[2];
+        uint32_t object; /**< 0 = none. */
+    } places[SEEN_PLACES];
+};
+
 enum { HITS_NAMED = 3 /**< The best ones, in the 3-D pane. */ };
 
 /** A tool's cone as the 3-D pane shows it. */
@@ -174,6 +189,9 @@ struct pictures {
     struct texture painted, device_view;
     struct shadow shadows[OUTLINE_COUNT];
     struct cone_sight cones[TOOL_COUNT];
+    struct cone_sight cross; /**< Of the crosshair only its lines, */
+    double crossed[3];       /**< for this place. */
+    struct seen_places seen;
     const struct view_atlas *painted_of; /**< The atlas that painted shows. */
     struct eye eye;                      /**< The eye of the 3-D pane that the next picture shall have. */
     struct painting asked;               /**< The last request to the painter. */
