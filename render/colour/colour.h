@@ -87,8 +87,8 @@ struct colour_view {
     double cone_slope, cone_radius;   /**< Tangent of half its angle; mm about the apex, 0 unless a cylinder. */
     double cone_start, cone_length;   /**< Depths along its axis between which it is drawn, mm.           */
     double cone_reach; /**< Depth to which its wall leaves a line on what it passes, mm; 0 = through everything. */
-    double fade;                      /**< How much the context is thinned, 0 to 1 (gone).                */
-    double line_width;                /**< mm, of axis, rim and outline.                                  */
+    double fade;       /**< How much the context is thinned, 0 to 1 (gone).                */
+    double line_width; /**< mm, of axis, rim and outline.                                  */
     const struct colour_marker *markers;
     size_t marker_count;     /**< Markers from COLOUR_MARKER_LIMIT on are not drawn.             */
     const uint8_t *emphasis; /**< [object_count + 1] of enum emphasis, by number; NULL = all full. */
