@@ -368,7 +368,8 @@ static void lay_cut(const struct sheet *sheet, const struct panel *panel)
     }
 }
 
-/* Light edges of the outlines over an image, where a grey line would be lost on its greys: below all of these. */
+/* Light edges of the outlines on paper over an image, where a grey line would be lost on its greys: below all of
+ * these. On a screen, where a line is a pixel wide, they would hide the image. */
 static conus_status trace_edges(const struct sheet *sheet, const struct cut *cut, const struct cut_lines *lines,
                                 const bool *skips)
 {
@@ -395,7 +396,8 @@ static conus_status trace(const struct sheet *sheet, const struct cut *cut, stru
         skips[cut->surfaces[i]] = true;
     }
     const bool has_outlines = !sheet->look->no_outlines;
-    conus_status status = has_outlines && atlas_context(atlas) ? trace_edges(sheet, cut, lines, skips) : CONUS_OK;
+    const bool has_edges = has_outlines && atlas_context(atlas) && sheet->picture.options.dpi > 0;
+    conus_status status = has_edges ? trace_edges(sheet, cut, lines, skips) : CONUS_OK;
     if (!status && has_outlines) {
         status = cut_trace_areas(lines, cut->shown, cut->of.width, cut->of.height, skips);
     }
