@@ -255,12 +255,17 @@ static void find_in_row(struct cut *cut, size_t at, const struct volume *volume,
         if (is_other && cell.count) {
             find_cell(&cell, volume, voxel, p);
         }
-        uint32_t *const to[2] = {cut->objects + at + column, cut->shown + at + column};
-        const uint32_t found[2] = {object, cell.is_mixed ? heaviest_object(&cell, p, object) : object};
-        for (int n = 0; n < 2; n++) {
-            if (found[n] && !is_covered(cut->atlas, volume, voxel, *to[n], stretch, walk, column)) {
-                *to[n] = found[n];
-            }
+        const uint32_t seen = cell.is_mixed ? heaviest_object(&cell, p, object) : object;
+        uint32_t *const to = cut->objects + at + column;
+        uint32_t *const shown = cut->shown + at + column;
+        const bool is_alike = seen == object && *shown == *to; /* as it mostly is */
+        if (object && !is_covered(cut->atlas, volume, voxel, *to, stretch, walk, column)) {
+            *to = object;
+        }
+        if (is_alike) {
+            *shown = *to;
+        } else if (seen && !is_covered(cut->atlas, volume, voxel, *shown, stretch, walk, column)) {
+            *shown = seen;
         }
     }
 }

@@ -144,15 +144,14 @@ static void draw_directions(struct draw_list *list, const struct picture *pictur
     order_sort(directions, 6, sizeof *directions, compare_flat);
     for (size_t n = 0; n < 6; n++) {
         const struct direction *direction = &directions[n];
-        const float *ink = picture->ink;
-        const float line[4] = {ink[0], ink[1], ink[2], direction->is_behind ? 0.45F : 1}; /* no text */
-        const float letter[4] = {ink[0], ink[1], ink[2], direction->is_behind ? picture->dim : 1};
+        const float ink[4] = {picture->ink[0], picture->ink[1], picture->ink[2],
+                              direction->is_behind ? picture->dim : 1};
         const double end[2] = {centre[0] + length * direction->x, centre[1] + length * direction->y};
-        draw_line(list, centre, end, (direction->is_behind ? 1.2 : 2.2) * picture->line, line);
+        draw_line(list, centre, end, (direction->is_behind ? 1.2 : 2.2) * picture->line, ink);
         if (direction->flat > 0.15) {
             boxes[n] = place_letter(picture, direction, centre, boxes, n);
             const double corner[2] = {boxes[n].left, boxes[n].top + 0.76 * picture->em};
-            draw_text(list, picture->font, corner, picture->em, letter, direction->letter);
+            draw_text(list, picture->font, corner, picture->em, ink, direction->letter);
         }
     }
 }
