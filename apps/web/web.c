@@ -222,10 +222,11 @@ EMSCRIPTEN_KEEPALIVE void web_use_colours(enum colours colours)
 }
 
 /* [[name, red, green, blue, side], ...] of the objects from 1 on: the name with the word that tells it from others of
- * the same name, L or R, or "" where that is not known. */
+ * the same name, L or R, or "" where that is not known or contradicts the place. */
 EMSCRIPTEN_KEEPALIVE const char *web_objects(void)
 {
     const size_t count = conus_atlas_object_count(page.atlas);
+    const bool exchanged = conus_atlas_exchanged(page.atlas);
     char *sides = malloc(count + 1);
     const char **prefixes = malloc((count + 1) * sizeof *prefixes);
     FILE *out =
@@ -236,7 +237,8 @@ EMSCRIPTEN_KEEPALIVE const char *web_objects(void)
         const conus_object *object = conus_atlas_object(page.atlas, i);
         fprintf(out, "%s[\"%s%s", i > 1 ? ", " : "[", prefixes[i], prefixes[i][0] ? " " : "");
         write_rest_of_string(out, object->name);
-        fprintf(out, ", %d, %d, %d, \"%.1s\"]", object->rgb[0], object->rgb[1], object->rgb[2], sides + i);
+        fprintf(out, ", %d, %d, %d, \"%.1s\"]", object->rgb[0], object->rgb[1], object->rgb[2],
+                exchanged ? "" : sides + i);
     }
     if (out) {
         fputs(count ? "]" : "[]", out);

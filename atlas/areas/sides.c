@@ -409,6 +409,7 @@ static conus_status compare(conus_atlas *atlas, const struct mean_x *means, cons
     if (pair_count < LEAST_PAIRS || 4 * swapped < 3 * pair_count) {
         return CONUS_OK;
     }
+    atlas->exchanged = atlas->notes.count + 1;
     return notes_warn(
         &atlas->notes,
         "%zu of %zu pairs of a left and a right area lie the other way round, %s (x %.1f mm) to the right "
@@ -448,4 +449,9 @@ conus_status swapped_sides_note(conus_atlas *atlas)
     memory_free(means);
     memory_free(right_of);
     return status;
+}
+
+const char *conus_atlas_exchanged(const conus_atlas *atlas)
+{
+    return atlas->exchanged ? conus_atlas_note(atlas, atlas->exchanged - 1) : NULL;
 }

@@ -366,6 +366,17 @@ CONUS_API size_t conus_atlas_note_count(const conus_atlas *atlas);
  */
 CONUS_API const char *conus_atlas_note(const conus_atlas *atlas, size_t index);
 
+/**
+ * Gives the note that left and right are exchanged, of the names or of the places. Tell nobody a side of such an atlas:
+ * names say one, places the other.
+ * @param atlas The atlas.
+ * @return The note: at least three pairs of a left and a right area, and three quarters of all, lie the other way
+ * round. NULL where they do not. Borrowed until the atlas is changed or ends.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API const char *conus_atlas_exchanged(const conus_atlas *atlas);
+
 #ifdef __cplusplus
 }
 #endif

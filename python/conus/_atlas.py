@@ -1268,6 +1268,12 @@ class Atlas:
         return [python_words(text(lib.conus_atlas_note(self._p, i))) for i in range(lib.conus_atlas_note_count(self._p))]
 
     @property
+    def exchanged(self) -> Optional[str]:
+        """The note that left and right are exchanged, of the names or of the places; None where they are not."""
+        note = lib.conus_atlas_exchanged(self._p)
+        return python_words(text(note)) if note else None
+
+    @property
     def tractograms(self) -> list[Tractogram]:
         """The tractograms whose streamlines are bundles of the atlas, as they were added."""
         return tractograms_of(self._p)

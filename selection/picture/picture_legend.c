@@ -41,9 +41,6 @@ static const double NO_SHARE = 0.0005;
 
 static const char BEHIND[] = "behind";
 
-/* Of an atlas with the note of swapped_sides_note(). */
-static const char EXCHANGED[] = "left and right are exchanged";
-
 /* The words of one row, which legend_row points to. */
 struct cells {
     char share[CELL_SIZE], distance[CELL_SIZE];
@@ -518,12 +515,8 @@ static size_t add_colours(struct legend_row rows[KEYS * COLOUR_ROWS], struct pic
 /* Adds a row for whoever reads sides off the names, where these and the places contradict each other. */
 static size_t add_exchanged(struct legend_row *row, const conus_atlas *atlas)
 {
-    bool found = false;
-    for (size_t i = 0; i < conus_atlas_note_count(atlas) && !found; i++) {
-        found = strstr(conus_atlas_note(atlas, i), "have left and right exchanged");
-    }
-    *row = (struct legend_row){.name = EXCHANGED, .plain = true};
-    return found;
+    *row = (struct legend_row){.name = "left and right are exchanged", .plain = true};
+    return conus_atlas_exchanged(atlas) != NULL;
 }
 
 /* Digits after the point with which a number was given; -1 = more than six: it was computed. */

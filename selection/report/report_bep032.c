@@ -111,6 +111,9 @@ uint32_t report_area(const conus_report *report, size_t query)
 const char *report_side(const conus_report *report, size_t query)
 {
     const struct report_bep032 *known = report->bep032;
+    if (conus_atlas_exchanged(report->atlas)) {
+        return NULL;
+    }
     double at[3];
     memcpy(at, report->queries[query].cone.pose.world_from_device + 12, sizeof at);
     char side = known->sides[report_area(report, query)];

@@ -417,7 +417,7 @@ static void no_side_is_told_where_names_and_places_differ(void **state)
         headline_find(&headline, &viewer);
         assert_string_equal(headline.what, "A_L");
         assert_int_equal(strstr(headline.more, " \u00b7 left") != NULL, i);
-        assert_int_equal(view_atlas_exchanged(viewer.drawn) != NULL, !i);
+        assert_int_equal(conus_atlas_exchanged(atlas) != NULL, !i);
         assert_int_equal(view_atlas_side(viewer.drawn, 1), i ? 'L' : ' ');
         viewer_finish(&viewer);
     }

@@ -48,6 +48,8 @@ static const char *said(conus_atlas *atlas)
     size_t before = atlas->notes.count;
     assert_ok(swapped_sides_note(atlas));
     snprintf(text, sizeof text, "%s", atlas->notes.count > before ? atlas->notes.lines[before] : "");
+    const char *note = conus_atlas_exchanged(atlas);
+    assert_string_equal(note ? note : "", text);
     conus_atlas_destroy(atlas);
     return text;
 }

@@ -74,6 +74,21 @@ AIM=(--origin 0,14.6,0 --direction 0,1,0)
     run -1 conus verify sub-1_electrodes.tsv
 }
 
+# Six slabs of 10 mm from left to right; the three on the left are named right, or, with the names of the table, left.
+@test "BEP032: no hemisphere where left and right are exchanged" {
+    probe
+    PYTHONPATH="$BATS_TEST_DIRNAME" python3 -B -c 'import nifti; nifti.write("six.nii", (6, 6, 6), "B",
+        lambda i, j, k: i + 1, edge=10)'
+    printf '%s\n' 'index	name' '1	A_R' '2	B_R' '3	C_R' '4	A_L' '5	B_L' '6	C_L' >wrong.tsv
+    tr LR RL <wrong.tsv >right.tsv
+    side() {
+        conus query six.nii --labels "$1.tsv" --probe np.json --origin=-15,14.6,0 --direction 0,1,0 --format bep032 -q |
+            sed -n 10p | cut -f 6,8
+    }
+    [ "$(side right)" = $'L\tB_L' ]
+    [ "$(side wrong)" = $'n/a\tB_R' ]
+}
+
 @test "BEP032: positions in a space, with the file that describes it" {
     probe
     conus query slabs.nii.gz --probe np.json --origin 0,-14.6,0 --direction 0,-1,0 --space lps --format bep032 -q \

@@ -62,6 +62,14 @@ def test_notes_go_to_the_logger(caplog, tmp_path):
     assert heard(caplog) == [("conus", logging.INFO, f"{tmp_path / 'p.nii'}: {words}")]
 
 
+def test_exchanged_sides_have_a_note():
+    labels = np.arange(1, 7, dtype=np.uint8).reshape(6, 1, 1)  # x grows to the right
+    for sides, said in (("LLLRRR", None), ("RRRLLL", "3 of 3 pairs of a left and a right area lie the other way round")):
+        names = {i + 1: f"{'ABCABC'[i]}_{side}" for i, side in enumerate(sides)}
+        note = conus.load(labels, AFFINE, labels=names).exchanged
+        assert note is None if said is None else note.startswith(said)
+
+
 def test_notes_of_a_load_that_fails_go_to_the_logger(caplog, tmp_path):
     image = nibabel.Nifti1Image(plates(), None)
     image.header["sform_code"] = image.header["qform_code"] = 0

@@ -57,6 +57,19 @@ test("sizes whose product is beyond 32 and 64 bits are refused", () => {
   isStillRight();
 });
 
+test("no side is told of an atlas in which left and right are exchanged", () => {
+  const labels = [1, 2, 3, 4, 5, 6]; // along x
+  const names = labels.map((label) => `${label}\t${"ABC"[(label - 1) % 3]}_${label < 4 ? "L" : "R"}`);
+  const bytes = Uint8Array.of(...nifti([6, 1, 1]).slice(0, 352), ...labels);
+  for (const [exchanged, rows] of [[false, names], [true, names.map((row) => row.replace(/[LR]$/, (side) => ({ L: "R", R: "L" })[side]))]]) {
+    conus.module.FS.writeFile("/atlas/six.tsv", ["index\tname", ...rows, ""].join("\n"));
+    assert.equal(open("six.nii", bytes), "");
+    const sides = JSON.parse(conus.objects()).map((object) => object[4]).join("");
+    assert.equal(sides, exchanged ? "" : "LLLRRR");
+  }
+  conus.module.FS.unlink("/atlas/six.tsv");
+});
+
 test("every prefix of a packed volume is refused", () => {
   for (let size = 0; size < good.length; size += Math.max(1, good.length >> 8)) assert.notEqual(open("a.nii.gz", good.subarray(0, size)), "", `${size}`);
   isStillRight();

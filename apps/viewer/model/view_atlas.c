@@ -156,19 +156,9 @@ size_t view_atlas_hidden(const struct view_atlas *view)
     return count;
 }
 
-const char *view_atlas_exchanged(const struct view_atlas *view)
-{
-    const char *found = NULL;
-    for (size_t i = 0; i < conus_atlas_note_count(view->atlas) && !found; i++) {
-        const char *note = conus_atlas_note(view->atlas, i);
-        found = strstr(note, "have left and right exchanged") ? note : NULL;
-    }
-    return found;
-}
-
 char view_atlas_side(const struct view_atlas *view, size_t number)
 {
-    return (char)(view_atlas_exchanged(view) ? ' ' : view->sides[number]);
+    return (char)(conus_atlas_exchanged(view->atlas) ? ' ' : view->sides[number]);
 }
 
 const conus_volume_info *view_atlas_pathway(const struct view_atlas *view, uint32_t object)

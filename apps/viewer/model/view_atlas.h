@@ -75,8 +75,6 @@ const char *view_atlas_title(char out[VIEW_ATLAS_TITLE], const struct view_atlas
 /** The title of object @p number under a @p name that it had before. */
 const char *view_atlas_title_of(char out[VIEW_ATLAS_TITLE], const struct view_atlas *view, size_t number,
                                 const char *name);
-/** The atlas's note that left and right are exchanged in it, of names or of places; NULL = they are not. */
-const char *view_atlas_exchanged(const struct view_atlas *view);
 /** The side of object @p number as view_atlas.sides has it, but none where left and right are exchanged: 'L', 'R', 'B'
  * or a space. */
 char view_atlas_side(const struct view_atlas *view, size_t number);

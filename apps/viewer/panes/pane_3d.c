@@ -416,7 +416,7 @@ static void draw_notices(const struct window *window)
         at[1] -= 1.4F * ui_line();
     }
     const bool panel_says_it = !window->screen.folded[1] && !screen_is_bare(&window->screen);
-    if (view_atlas_exchanged(viewer->drawn) && !panel_says_it) {
+    if (conus_atlas_exchanged(viewer->drawn->atlas) && !panel_says_it) {
         ui_shorten(shown, sizeof shown, exchanged_text, room);
         ui_draw_text(at, theme_shaded[THEME_ORANGE], shown);
         at[1] -= 1.4F * ui_line();

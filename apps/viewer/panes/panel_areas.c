@@ -196,10 +196,10 @@ void panel_exchanged(const struct viewer *viewer)
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         const struct view_atlas *view = &viewer->atlases[i];
         char text[VIEW_ATLAS_TITLE];
-        if (view_atlas_exchanged(view)) {
+        if (conus_atlas_exchanged(view->atlas)) {
             snprintf(text, sizeof text, "%s%s%s", exchanged_text, view->name[0] ? " in " : "", view->name);
             ui_text_wrapped(THEME_ORANGE, text);
-            ui_tip(view_atlas_exchanged(view));
+            ui_tip(conus_atlas_exchanged(view->atlas));
         }
     }
 }

@@ -57,6 +57,7 @@ static conus_atlas *mixed_atlas(uint64_t *random, int pathways)
     }
     conus_atlas_destroy(others);
     assert_ok(notes_add(&atlas->notes, "a note"));
+    atlas->exchanged = 1;
     assert_ok(atlas_add_file(atlas, "mesh.gii", &(const struct bytes){(uint8_t *)"abc", 3}));
     return atlas;
 }
@@ -127,6 +128,7 @@ static void assert_same(const conus_atlas *a, const conus_atlas *b)
     for (size_t i = 0; i < a->notes.count; i++) {
         assert_string_equal(a->notes.lines[i], b->notes.lines[i]);
     }
+    assert_int_equal(a->exchanged, b->exchanged);
 }
 
 static void what_is_attached_is_what_was_packed(void **state)

@@ -208,6 +208,41 @@ static void a_full_list_of_rows_grows(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Two pixels hit an object equally near, and equally far from the axis: |(26.5, 30.5) - (32, 32)| is that of
+ * (36.5, 28.5), squared 32.5. They lie in two parts of the cone, and the later part has the lower pixel, which is the
+ * contact. Pixel (i, j) sees voxel (i, j), whose face is at z = 0.5. */
+static void of_pixels_that_are_as_near_the_lowest_is_the_contact(void **state)
+{
+    enum { EDGE = 64, FIRST = 30 * EDGE + 26, SECOND = 28 * EDGE + 36 };
+    static uint32_t labels[EDGE * EDGE];
+    (void)state;
+    for (size_t i = 0; i < EDGE * EDGE; i++) {
+        labels[i] = i == FIRST || i == SECOND ? 2 : 1;
+    }
+    const conus_volume_info grid = scene_plain_grid((size_t[]){EDGE, EDGE, 1}, NULL);
+    conus_atlas *atlas = scene_parcellation(&grid, labels);
+    struct counting counting = begin(atlas, NULL);
+    struct cone cone = {.resolution = EDGE, .radius = EDGE / 2.0};
+    mat4_identity(cone.pose.world_from_device);
+    cone.pose.world_from_device[12] = cone.pose.world_from_device[13] = (EDGE - 1) / 2.0;
+    cone.pose.world_from_device[14] = 10;
+    struct hit_counts counts = {0};
+    bool is_counted = false;
+    assert_ok(aperture_prepare(&counting.aperture, &cone));
+    assert_ok(counting.pair.gl->functions->count_many(counting.pair.gl, &is_counted, (struct hit_counts *[]){&counts},
+                                                      (const struct cone *[]){&cone}, 1, &counting.aperture, NULL));
+    assert_true(is_counted);
+    struct statistics got = gather(&counting, &cone, NULL, &counts);
+    const conus_result *small = &got.results[1]; /* objects by number */
+    assert_int_equal(small->object, 2);
+    assert_int_equal(small->pixels, 2);
+    assert_true(small->contact[0] == 36 && small->contact[1] == 28 && small->contact[2] == 0.5);
+    statistics_finish(&got);
+    memory_free(counts.rows);
+    end(&counting);
+    conus_atlas_destroy(atlas);
+}
+
 static PFNGLGETNAMEDBUFFERSUBDATAPROC driver_read;
 
 /* A driver that rounds the inverse of one number the other way. */
@@ -282,6 +317,7 @@ TEST_GROUP(gl_count)
         cmocka_unit_test(all_shapes_have_the_bits_of_the_rays),
         cmocka_unit_test(objects_are_counted_as_they_are_reported),
         cmocka_unit_test(a_full_list_of_rows_grows),
+        cmocka_unit_test(of_pixels_that_are_as_near_the_lowest_is_the_contact),
         cmocka_unit_test(every_failing_allocation_is_clean),
         cmocka_unit_test(the_driver_was_silent),
         cmocka_unit_test(a_driver_that_rounds_otherwise_counts_nothing),
