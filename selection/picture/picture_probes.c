@@ -126,14 +126,14 @@ static const char *name_of(const struct picture *picture, uint32_t number, bool 
     return is_short && object->abbreviation[0] ? object->abbreviation : object->name;
 }
 
-/* Width of the names of a probe's areas, pixels. */
-static double names_width(const struct picture *picture, const conus_segments *segments, bool is_short)
+/* Width of the names of a probe's areas in letters of `size` pixels. */
+static double names_width(const struct picture *picture, double size, const conus_segments *segments, bool is_short)
 {
-    double widest = LEAST_NAMES * picture->em;
+    double widest = LEAST_NAMES * size;
     for (size_t i = 0; i < conus_segments_count(segments); i++) {
         uint32_t number = conus_segments_segment(segments, i)->object;
         const char *name = number ? name_of(picture, number, is_short) : "";
-        widest = fmax(widest, font_width(picture->font, picture->em, name));
+        widest = fmax(widest, font_width(picture->font, size, name));
     }
     return widest;
 }
@@ -166,7 +166,7 @@ conus_status picture_probes_init(struct picture *picture)
         out->is_short = pass;
         total = fixed;
         for (size_t i = 0; i < count; i++) {
-            out->names[i] = names_width(picture, picture->options.probes[i].segments, out->is_short);
+            out->names[i] = names_width(picture, em, picture->options.probes[i].segments, out->is_short);
             total += out->names[i];
         }
     }
@@ -180,7 +180,9 @@ conus_status picture_probes_init(struct picture *picture)
         out->letters = part * em;
         total = fixed;
         for (size_t i = 0; i < count; i++) {
-            out->names[i] = part > SMALLEST ? part * out->names[i] : fmin(part * out->names[i], each);
+            /* measured again, since letters have some sizes only */
+            out->names[i] = names_width(picture, out->letters, picture->options.probes[i].segments, out->is_short);
+            out->names[i] = part > SMALLEST ? out->names[i] : fmin(out->names[i], each);
             total += out->names[i];
         }
     }

@@ -49,6 +49,18 @@ END
     [ ! -e x.png ]
 }
 
+# At 460 to 560 pixels letters of 62 to 90 % have room for all: no name is cut.
+@test "names are whole in letters that are smaller" {
+    probes
+    awk -F'\t' 'BEGIN { OFS = FS } NR > 1 { $2 = "Long name of " $2; $3 = "" } 1' u-shape.tsv >long.tsv
+    for width in 460 481 500 520 541 560; do
+        gl render u-shape.nii.gz --labels long.tsv --poses two.tsv --range 0,80 --strips --size ${width}x300 -q -o long.svg
+        [ "$(grep -c '>Long name of \(U\|Ball\)<' long.svg)" -eq 6 ]
+    done
+    gl render u-shape.nii.gz --labels long.tsv --poses two.tsv --range 0,80 --strips --size 420x300 -q -o long.svg
+    grep -q '>Long .*…<' long.svg # in the smallest ones they are cut
+}
+
 @test "what has no effect is refused" {
     probes
     fails 2 '--strips has no effect without --poses' render u-shape.nii.gz --strips -o x.png
