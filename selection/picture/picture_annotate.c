@@ -25,7 +25,7 @@ static const double GAP = 0.6;
 static const double EDGE = 1.5;
 
 /* A cross that would take a larger part of the drawing's shorter side is left out. */
-static const double CROSS_LIMIT = 0.4;
+static const double CROSS_LIMIT = 0.45;
 
 static const char letters[6][2] = {"L", "R", "P", "A", "I", "S"};
 

@@ -25,6 +25,9 @@ static const double MARGIN = 0.02;
 static const double SAMPLES = 2e6;
 static const double BRIGHT = 0.15;
 
+/* A cone's start lies in the cuts if it is not farther from the box than so much of its extent. */
+static const double NEAR = 0.25;
+
 /* Lengths in em: beside a panel and above it for letters, from it to the middle of those beside it, which are nearer to
  * it than to the next panel's; below it for its title, the strip of the scale bar, and the least height of a panel that
  * has letters above and below. */
@@ -109,6 +112,20 @@ static conus_status include_context(double low[3], double high[3], const conus_a
         }
     }
     return CONUS_OK;
+}
+
+/* Makes the box hold the start of a cone that is near it, so that its outline is closed there. */
+static void include_cone(double low[3], double high[3], const conus_selection *selection)
+{
+    const double *apex = selection ? selection->cone.pose.world_from_device + 12 : NULL;
+    bool is_near = apex;
+    for (int a = 0; a < 3 && is_near; a++) {
+        double reach = NEAR * (high[a] - low[a]);
+        is_near = apex[a] >= low[a] - reach && apex[a] <= high[a] + reach;
+    }
+    if (is_near) {
+        include_point(low, high, apex);
+    }
 }
 
 /* Centres a cut on the box; its depth stays. */
@@ -278,6 +295,7 @@ static conus_status lay_out(struct sheet *sheet)
     if (status) {
         return status;
     }
+    include_cone(low, high, sheet->view.selection);
     measure_panels(sheet, low, high);
     set_bands(sheet, true);
     choose_scale(sheet);
@@ -455,13 +473,21 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
     return status;
 }
 
-/* Its letters are as large as the sheet's. A background that changes from row to row is the sheet's own. */
+static bool has_panel_letters(const struct sheet *sheet)
+{
+    return sheet->picture.font && sheet->view.print && sheet->count > 1;
+}
+
+/* It has the bands of a cut's letters, too, but for that of its own. Its letters are as large as the sheet's. A
+ * background that changes from row to row is the sheet's own. */
 static conus_status draw_space(struct sheet *sheet, const struct panel *panel)
 {
     conus_image *image = NULL;
     conus_view view = sheet->view;
-    view.width = (uint32_t)panel->size[0];
-    view.height = (uint32_t)panel->size[1];
+    const long left = lrint(fmax((double)panel->at[0] - sheet->beside, 0));
+    const long top = lrint(fmax((double)panel->at[1] - (has_panel_letters(sheet) ? 0 : sheet->above), 0));
+    view.width = (uint32_t)(panel->size[0] + 2 * (panel->at[0] - left));
+    view.height = (uint32_t)lrint((double)(panel->at[1] - top + panel->size[1]) + sheet->below);
     view.legend = CONUS_LEGEND_NONE;
     view.legend_rows = sheet->picture.legend ? 1 : 0; /* the numbers of the one that is beside */
     view.shapes = true;
@@ -473,14 +499,14 @@ static conus_status draw_space(struct sheet *sheet, const struct panel *panel)
     }
     const struct image_rgba from = image_rgba(image);
     const struct image_rgba to = image_rgba(sheet->image);
-    for (long y = 0; y < panel->size[1]; y++) {
-        for (long x = 0; x < panel->size[0]; x++) {
-            size_t at = (size_t)y * image->width + (size_t)x;
+    for (uint32_t y = 0; y < view.height; y++) {
+        for (uint32_t x = 0; x < view.width; x++) {
+            size_t at = (size_t)y * image->width + x;
             const float over[4] = {from.plane[0][at], from.plane[1][at], from.plane[2][at], from.plane[3][at]};
-            lay_pixel(sheet, &to, panel->at[0] + x, panel->at[1] + y, over);
+            lay_pixel(sheet, &to, left + (long)x, top + (long)y, over);
         }
     }
-    draw_take(sheet->image->list, image->list, (double[]){(double)panel->at[0], (double)panel->at[1]});
+    draw_take(sheet->image->list, image->list, (double[]){(double)left, (double)top});
     conus_image_destroy(image);
     return CONUS_OK;
 }
@@ -550,7 +576,7 @@ static conus_status draw_panel(struct sheet *sheet, size_t index)
     if (!status && sheet->picture.font && panel->plane) {
         annotate(sheet, panel);
     }
-    if (!status && sheet->picture.font && sheet->view.print && sheet->count > 1) {
+    if (!status && has_panel_letters(sheet)) {
         write_letter(sheet, index);
     }
     return status;
