@@ -429,6 +429,63 @@ static conus_status trace(const struct sheet *sheet, const struct cut *cut, stru
     return status;
 }
 
+/* How many pixels each one is from the outside of what it shows, along rows and columns. */
+static void measure_depths(uint32_t *depths, const uint32_t *shown, size_t width, size_t height)
+{
+    for (size_t row = 0; row < height; row++) {
+        for (size_t column = 0; column < width; column++) {
+            const size_t i = row * width + column;
+            uint32_t left = column && shown[i - 1] == shown[i] ? depths[i - 1] : 0;
+            uint32_t up = row && shown[i - width] == shown[i] ? depths[i - width] : 0;
+            depths[i] = 1 + (left < up ? left : up);
+        }
+    }
+    for (size_t row = height; row-- > 0;) {
+        for (size_t column = width; column-- > 0;) {
+            const size_t i = row * width + column;
+            uint32_t right = column + 1 < width && shown[i + 1] == shown[i] ? depths[i + 1] : 0;
+            uint32_t down = row + 1 < height && shown[i + width] == shown[i] ? depths[i + width] : 0;
+            uint32_t least = 1 + (right < down ? right : down);
+            depths[i] = least < depths[i] ? least : depths[i];
+        }
+    }
+}
+
+/* The numbers of the legend where there is no view in space to have them: in the middle of each object, as far as one
+ * can be from what is beside it. */
+static conus_status number_objects(const struct sheet *sheet, const struct cut *cut, const struct panel *panel)
+{
+    const struct picture *picture = &sheet->picture;
+    const size_t count = picture->atlas->object_count;
+    const size_t pixels = (size_t)cut->of.width * cut->of.height;
+    if (!picture->font || !picture->legend || !picture->ranks || !sheet->panels[0].plane) {
+        return CONUS_OK;
+    }
+    uint32_t *depths = memory_raw(pixels, sizeof *depths);
+    size_t *middles = memory_zeroed(count + 1, sizeof *middles);
+    conus_status status = depths && middles ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status) {
+        measure_depths(depths, cut->shown, cut->of.width, cut->of.height);
+    }
+    for (size_t i = 0; i < pixels && !status; i++) {
+        size_t *middle = &middles[cut->shown[i]];
+        bool is_first = cut->shown[*middle] != cut->shown[i];
+        *middle = is_first || depths[i] > depths[*middle] ? i : *middle;
+    }
+    for (uint32_t number = 1; number <= count && !status; number++) {
+        const size_t at = middles[number];
+        const size_t row = at / cut->of.width;
+        if (cut->shown[at] == number && picture->ranks[number] && picture_tag(picture, number)) {
+            const double place[2] = {(double)panel->at[0] + (double)(at % cut->of.width) + 0.5,
+                                     (double)panel->at[1] + (double)row + 0.5};
+            picture_draw_tag(sheet->image->list, picture, number, place);
+        }
+    }
+    memory_free(depths);
+    memory_free(middles);
+    return status;
+}
+
 static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
 {
     const struct cut *cut = NULL;
@@ -466,6 +523,7 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
         }
         lay_cut(sheet, panel);
         status = trace(sheet, cut, &lines);
+        status = status ? status : number_objects(sheet, cut, panel);
     }
     memory_free(lines.points); /* of a cut that failed */
     memory_free(sheet->rgba);

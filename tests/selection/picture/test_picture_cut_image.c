@@ -2,6 +2,7 @@
 /* Cuts as figures: the cut's own pixels, letters, the scale, the legend, the sheet. */
 #include "base/geometry/math3.h"
 #include "base/look.h"
+#include "base/memory.h"
 #include "picture_scene.h"
 #include "render/image/image.h"
 #include "render/image/image_srgb.h"
@@ -403,6 +404,62 @@ static void a_cone_from_near_is_closed_in_cuts(void **state)
     conus_atlas_destroy(atlas);
 }
 
+enum { BARS = 9, BAR = 2 };
+
+/* Bars along x, side by side along y. */
+static double bars(const double p[3])
+{
+    return fabs(p[1]) < 0.5 * BARS * BAR ? 1 + floor((p[1] + 0.5 * BARS * BAR) / BAR) : 0;
+}
+
+static const struct draw_item *find_text(const conus_image *image, const char *text)
+{
+    for (size_t i = 0; i < image->list->count; i++) {
+        const struct draw_item *item = &image->list->items[i];
+        if (item->kind == DRAW_TEXT && strcmp(item->text, text) == 0) {
+            return item;
+        }
+    }
+    return NULL;
+}
+
+/* The seventh to ninth bar by share have numbers in their middles: the higher a bar lies in the body the higher in the
+ * cut, all at one scale. The first six have colours and no numbers, and without a legend there are none. */
+static void cuts_alone_have_the_numbers_of_the_legend(void **state)
+{
+    (void)state;
+    const conus_volume_info grid = picture_grid((size_t[]){40, 40, 40}, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, bars, NULL, NULL);
+    conus_selection *selection = select_from_left(atlas, 1.2);
+    const char *const numbers[] = {"7", "8", "9"};
+    double at[3];
+    double place[3]; /* along y, in bars */
+    for (size_t i = 0; i < BARS; i++) {
+        memory_free((char *)atlas->objects[i].name);
+        atlas->objects[i].name = memory_text("bar", 3);
+    }
+    assert_true(conus_selection_count(selection) >= BARS);
+    for (int legend = 0; legend < 2; legend++) {
+        const conus_view sheet = {
+            .width = 400, .height = 300, .no_legend = !legend, .shapes = true, .selection = selection};
+        conus_image *image = NULL;
+        assert_ok(conus_cuts_image(&image, atlas, planes, 1, NULL, NULL, &sheet));
+        for (size_t i = 0; i < 3; i++) {
+            const struct draw_item *item = find_text(image, numbers[i]);
+            assert_true((item != NULL) == legend);
+            at[i] = legend ? item->points[0][1] : 0;
+            place[i] = (double)conus_selection_result(selection, 6 + i)->object;
+        }
+        assert_null(find_text(image, "6"));
+        conus_image_destroy(image);
+    }
+    const double step = (at[0] - at[1]) / (place[0] - place[1]);
+    assert_true(step < -5);
+    assert_near((at[0] - at[2]) / (place[0] - place[2]), step, 0.5);
+    conus_selection_destroy(selection);
+    conus_atlas_destroy(atlas);
+}
+
 static void every_failing_allocation_of_a_sheet_is_reported(void **state)
 {
     (void)state;
@@ -466,6 +523,7 @@ TEST_GROUP(picture_cut_image)
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(areas_beyond_the_image_are_background),
         cmocka_unit_test(a_cone_from_near_is_closed_in_cuts),
+        cmocka_unit_test(cuts_alone_have_the_numbers_of_the_legend),
         cmocka_unit_test(every_failing_allocation_of_a_sheet_is_reported),
         cmocka_unit_test(a_sheet_says_what_is_wrong),
         cmocka_unit_test(shapes_are_for_svg_and_pdf_only),
