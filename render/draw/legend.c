@@ -30,9 +30,9 @@ struct layout {
     size_t key;             /* those of the legend's tail */
     struct legend_row more; /* that one */
     char text[64];
-    size_t columns, lines; /* columns, and lines of each at most */
-    int details;           /* shown */
-    double name_width, detail_width[LEGEND_DETAILS];
+    size_t columns, lines;                                           /* columns, and lines of each at most */
+    int details;                                                     /* shown */
+    double name_width[LEGEND_COLUMNS], detail_width[LEGEND_DETAILS]; /* names: in each column */
     bool has_header;
     double left, top; /* without the margin */
     float dim[4];
@@ -65,7 +65,9 @@ static struct layout lay_out(const struct legend *legend, struct font *font, dou
                             .shown = legend->count,
                             .head = legend->count,
                             .key = legend->tail,
-                            .columns = legend->columns ? legend->columns : 1,
+                            .columns = legend->columns < 1                ? 1
+                                       : legend->columns < LEGEND_COLUMNS ? legend->columns
+                                                                          : LEGEND_COLUMNS,
                             .details = LEGEND_DETAILS};
     for (int d = 0; d < LEGEND_DETAILS; d++) {
         layout.has_header = layout.has_header || legend->header[d];
@@ -113,6 +115,15 @@ static void balance(struct layout *layout)
     }
 }
 
+static double details_width(const struct layout *layout)
+{
+    double width = 0;
+    for (int d = 0; d < layout->details; d++) {
+        width += layout->detail_width[d];
+    }
+    return width;
+}
+
 /* Lines that are no rows, and the height they take. */
 static double head_height(const struct layout *layout)
 {
@@ -122,77 +133,11 @@ static double head_height(const struct layout *layout)
     return height * layout->em;
 }
 
-/* Measures details and names of the rows that are shown. Returns the width of all details. */
-static double measure_rows(struct layout *layout)
-{
-    double details = 0;
-    for (int d = 0; d < LEGEND_DETAILS; d++) {
-        double width = width_of(layout, layout->em, layout->legend->header[d]);
-        for (size_t i = 0; i < layout->shown; i++) {
-            width = fmax(width, width_of(layout, layout->em, line_at(layout, i)->detail[d]));
-        }
-        layout->detail_width[d] = width > 0 ? width + DETAIL_GAP * layout->em : 0;
-        details += layout->detail_width[d];
-    }
-    for (size_t i = 0; i < layout->shown; i++) {
-        const struct legend_row *row = line_at(layout, i);
-        bool is_long = row == &layout->more && details > 0; /* it has the place of details, too */
-        layout->name_width = fmax(layout->name_width, is_long ? 0 : width_of(layout, layout->em, row->name));
-    }
-    return details;
-}
-
-static double column_width(const struct layout *layout)
-{
-    double width = (CHIP + CHIP_GAP) * layout->em + layout->name_width;
-    for (int d = 0; d < layout->details; d++) {
-        width += layout->detail_width[d];
-    }
-    return width;
-}
-
-/* The width of the columns, or of the lines above them. */
-static double content_width(const struct layout *layout)
-{
-    double columns = (double)layout->columns;
-    double width = columns * column_width(layout) + (columns - 1) * COLUMN_GAP * layout->em;
-    width = fmax(width, width_of(layout, TITLE * layout->em, layout->legend->title));
-    return fmax(width, width_of(layout, layout->em, layout->legend->subtitle));
-}
-
-void legend_fit(double size[2], struct legend *legend, struct font *font, const double limit[2], double largest,
-                double smallest)
-{
-    static const double step = 0.96;
-    struct layout layout;
-    double em = largest / step;
-    do {
-        em = fmax(em * step, smallest);
-        layout = lay_out(legend, font, em);
-        measure_rows(&layout);
-        layout.columns++;
-        do {
-            layout.columns--;
-            size[0] = content_width(&layout) + 2 * MARGIN * em + 1; /* lines begin at whole pixels */
-        } while (layout.columns > 1 && size[0] > limit[0]);
-        balance(&layout);
-        size[1] = head_height(&layout) + (LINE * (double)layout.lines + 2 * MARGIN) * em + 1;
-    } while (em > smallest && (size[0] > limit[0] || size[1] > limit[1]));
-    legend->size = em;
-    legend->columns = layout.columns;
-}
-
 /* How many lines a column has room for. */
 static size_t count_lines(const struct layout *layout, double height)
 {
     double space = height - 2 * MARGIN * layout->em - head_height(layout);
-    return space > 0 ? (size_t)(space / (LINE * layout->em)) : 0;
-}
-
-size_t legend_capacity(const struct legend *legend, double height)
-{
-    const struct layout layout = lay_out(legend, NULL, legend->size);
-    return layout.columns * count_lines(&layout, height);
+    return space > 0 ? (size_t)fmin(space / (LINE * layout->em), INT32_MAX) : 0;
 }
 
 /* Leaves rows out until the others stand in the columns, the last ones above the key first; where there are hardly
@@ -211,8 +156,82 @@ static void leave_out(struct layout *layout, size_t lines)
     snprintf(layout->text, sizeof layout->text, "\u2026 and %zu more", legend->count - layout->shown + 1);
 }
 
-/* Chooses the details and the width of names: their full width, or what is left beside details. False where nothing
- * fits. */
+/* Puts the rows into the columns, or those that have place in so many lines of each. Measures the details, and the
+ * names of each column. */
+static void arrange(struct layout *layout, size_t lines)
+{
+    struct place place = {0, 0};
+    balance(layout);
+    if (layout->lines > lines) {
+        leave_out(layout, lines);
+    }
+    for (int d = 0; d < LEGEND_DETAILS; d++) {
+        double width = width_of(layout, layout->em, layout->legend->header[d]);
+        for (size_t i = 0; i < layout->shown; i++) {
+            width = fmax(width, width_of(layout, layout->em, line_at(layout, i)->detail[d]));
+        }
+        layout->detail_width[d] = width > 0 ? width + DETAIL_GAP * layout->em : 0;
+    }
+    for (size_t i = 0; i < layout->shown; i++) {
+        const struct legend_row *row = line_at(layout, i);
+        bool is_long = row == &layout->more && details_width(layout) > 0; /* it has the place of details, too */
+        step_to(&place, layout, i);
+        double *width = &layout->name_width[place.column];
+        *width = fmax(*width, is_long ? 0 : width_of(layout, layout->em, row->name));
+    }
+}
+
+static double column_width(const struct layout *layout, size_t column)
+{
+    return (CHIP + CHIP_GAP) * layout->em + layout->name_width[column] + details_width(layout);
+}
+
+static double columns_width(const struct layout *layout)
+{
+    double width = (double)(layout->columns - 1) * COLUMN_GAP * layout->em;
+    for (size_t column = 0; column < layout->columns; column++) {
+        width += column_width(layout, column);
+    }
+    return width;
+}
+
+/* The width of the columns, or of the lines above them. */
+static double content_width(const struct layout *layout)
+{
+    double width = fmax(columns_width(layout), width_of(layout, TITLE * layout->em, layout->legend->title));
+    return fmax(width, width_of(layout, layout->em, layout->legend->subtitle));
+}
+
+void legend_fit(double size[2], struct legend *legend, struct font *font, const double limit[2], double largest,
+                double smallest)
+{
+    static const double step = 0.96;
+    struct layout layout;
+    double em = largest / step;
+    do {
+        em = fmax(em * step, smallest);
+        size_t columns = lay_out(legend, font, em).columns + 1;
+        do {
+            layout = lay_out(legend, font, em);
+            layout.columns = --columns;
+            balance(&layout);
+            size[1] = head_height(&layout) + (LINE * (double)layout.lines + 2 * MARGIN) * em + 1;
+            arrange(&layout, count_lines(&layout, limit[1]));
+            size[0] = content_width(&layout) + 2 * MARGIN * em + 1; /* lines begin at whole pixels */
+        } while (columns > 1 && size[0] > limit[0]);
+    } while (em > smallest && (size[0] > limit[0] || size[1] > limit[1]));
+    legend->size = em;
+    legend->columns = layout.columns;
+}
+
+size_t legend_capacity(const struct legend *legend, double height)
+{
+    const struct layout layout = lay_out(legend, NULL, legend->size);
+    return layout.columns * count_lines(&layout, height);
+}
+
+/* Chooses the details and the width of names: their full width, or in equal columns what is left beside details. False
+ * where nothing fits. */
 static bool measure_layout(struct layout *layout)
 {
     const struct legend *legend = layout->legend;
@@ -222,18 +241,20 @@ static bool measure_layout(struct layout *layout)
     layout->top = rint(legend->at[1] + MARGIN * em);
     const double width = layout->list->width - layout->left - MARGIN * em;
     const double space = (width - (columns - 1) * COLUMN_GAP * em) / columns - (CHIP + CHIP_GAP) * em;
-    size_t lines = count_lines(layout, layout->list->height - legend->at[1]);
-    balance(layout);
-    if (layout->lines > lines) {
-        leave_out(layout, lines);
+    arrange(layout, count_lines(layout, layout->list->height - legend->at[1]));
+    if (columns_width(layout) > width) {
+        double widest = 0;
+        for (size_t column = 0; column < layout->columns; column++) {
+            widest = fmax(widest, layout->name_width[column]);
+        }
+        while (layout->details > 0 && space - details_width(layout) < fmin(widest, SHORTEST_NAME * em)) {
+            layout->details--;
+        }
+        for (size_t column = 0; column < layout->columns; column++) {
+            layout->name_width[column] = fmin(layout->name_width[column], space - details_width(layout));
+        }
     }
-    double details = measure_rows(layout);
-    double shortest = fmin(layout->name_width, SHORTEST_NAME * em);
-    while (layout->details > 0 && space - details < shortest) {
-        details -= layout->detail_width[--layout->details];
-    }
-    layout->name_width = fmin(layout->name_width, space - details);
-    return (layout->shown > 1 || layout->shown == legend->count) && layout->name_width >= 0;
+    return (layout->shown > 1 || layout->shown == legend->count) && layout->name_width[0] >= 0;
 }
 
 /* Draws `text`, shortened to `limit` pixels. */
@@ -246,10 +267,10 @@ static void write_text(const struct layout *layout, const double at[2], double s
 }
 
 /* Draws the details of a line, which end at the column's right edge. */
-static void write_details(const struct layout *layout, double left, double baseline, const char *const *detail,
-                          const float rgba[4])
+static void write_details(const struct layout *layout, size_t column, double left, double baseline,
+                          const char *const *detail, const float rgba[4])
 {
-    double right = left + column_width(layout);
+    double right = left + column_width(layout, column);
     for (int d = layout->details - 1; d >= 0; d--) {
         if (detail[d]) {
             const double at[2] = {right - font_width(layout->font, layout->em, detail[d]), baseline};
@@ -303,7 +324,8 @@ static void draw_stripes(const struct layout *layout, const struct draw_box *box
     }
 }
 
-static void write_row(const struct layout *layout, double left, double baseline, const struct legend_row *row)
+static void write_row(const struct layout *layout, size_t column, double left, double baseline,
+                      const struct legend_row *row)
 {
     double indent = row->heading ? 0 : (CHIP + CHIP_GAP) * layout->em;
     const float *ink = row->plain || row->heading ? layout->dim : layout->legend->ink;
@@ -326,9 +348,9 @@ static void write_row(const struct layout *layout, double left, double baseline,
             draw_stripes(layout, &box, chip);
         }
     }
-    double limit = row == &layout->more ? column_width(layout) - indent : layout->name_width + 0.01;
+    double limit = row == &layout->more ? column_width(layout, column) - indent : layout->name_width[column] + 0.01;
     write_text(layout, (double[]){left + indent, baseline}, layout->em, limit, ink, row->name);
-    write_details(layout, left, baseline, row->detail, ink);
+    write_details(layout, column, left, baseline, row->detail, ink);
 }
 
 /* The lines above the columns. */
@@ -358,16 +380,18 @@ void legend_draw(struct draw_list *list, struct font *font, const struct legend 
     if (!measure_layout(&layout)) {
         return;
     }
-    const double step = column_width(&layout) + COLUMN_GAP * layout.em;
     const double top = write_head(&layout) + (layout.has_header ? LINE * layout.em : 0);
+    double left = layout.left;
     struct place place = {0, 0};
     for (size_t i = 0; i < layout.shown; i++) {
+        const size_t before = place.column;
         step_to(&place, &layout, i);
-        const double left = layout.left + step * (double)place.column;
+        const size_t column = place.column;
+        left += column > before ? column_width(&layout, before) + COLUMN_GAP * layout.em : 0;
         const double y = top + LINE * layout.em * (double)(place.line + 1) - BELOW_BASELINE * layout.em;
         if (layout.has_header && place.line == 0) {
-            write_details(&layout, left, top - BELOW_BASELINE * layout.em, legend->header, layout.dim);
+            write_details(&layout, column, left, top - BELOW_BASELINE * layout.em, legend->header, layout.dim);
         }
-        write_row(&layout, left, rint(y), line_at(&layout, i));
+        write_row(&layout, column, left, rint(y), line_at(&layout, i));
     }
 }

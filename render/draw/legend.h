@@ -5,7 +5,7 @@
 
 #include "render/draw/font.h"
 
-enum { LEGEND_DETAILS = 3, LEGEND_BAR = 32 };
+enum { LEGEND_DETAILS = 3, LEGEND_BAR = 32, LEGEND_COLUMNS = 16 };
 
 struct legend_row {
     uint8_t rgb[3];           /**< sRGB of the chip.                                                            */
@@ -27,7 +27,7 @@ struct legend {
     const struct legend_row *rows;
     size_t count;
     size_t tail;      /**< The last rows, which are shown even if there is no space for all: a key. */
-    size_t columns;   /**< Of rows, side by side; the answer's order is down each. 0 = 1. */
+    size_t columns;   /**< Of rows, side by side, at most LEGEND_COLUMNS; the answer's order is down each. 0 = 1. */
     double at[2];     /**< Left and top of its margin, pixels; it reaches to the picture's right and lower edge. */
     const float *ink; /**< Linear colour and opacity of its letters. */
     double faint;     /**< How opaque letters are that say less; 0 = 0.87. */
@@ -36,7 +36,8 @@ struct legend {
 
 /** Chooses the letters of a legend with all rows and whole names, and its columns, up to those that it has. @p limit is
  * the width and height available, pixels: a legend that needs more with letters of @p largest pixels per em gets
- * smaller ones, down to @p smallest. Gives in @p size what it takes with its margin, which may exceed the limit. */
+ * smaller ones, down to @p smallest. Gives in @p size what it takes with its margin, which may exceed the limit: its
+ * height with all rows, its width with those that the height has room for. */
 void legend_fit(double size[2], struct legend *legend, struct font *font, const double limit[2], double largest,
                 double smallest);
 

@@ -4,6 +4,7 @@
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "render/id/mesh_borders.h"
 
 /* Each triangle adds its normal, weighted by its area, to its corners. */
 static void add_normals(struct mesh_vertex *vertices, const struct mesh *mesh)
@@ -95,7 +96,7 @@ static conus_status add_map(struct mesh_list *parts, const struct context_surfac
     return CONUS_OK;
 }
 
-static conus_status fill_parts(struct mesh_list *parts, const conus_atlas *atlas)
+static conus_status fill_parts(struct mesh_list *parts, const conus_atlas *atlas, uint64_t *memory_left)
 {
     const struct context_surface *mapped = atlas_mapped_surface(atlas);
     struct sizes next = {0};
@@ -114,7 +115,8 @@ static conus_status fill_parts(struct mesh_list *parts, const conus_atlas *atlas
             next.indices += 3 * mesh->triangle_count;
         }
     }
-    return mapped ? add_map(parts, mapped, first_mapped) : CONUS_OK;
+    conus_status status = mesh_borders_smooth(parts, atlas, memory_left);
+    return status || !mapped ? status : add_map(parts, mapped, first_mapped);
 }
 
 conus_status mesh_list_init(struct mesh_list *out, const conus_atlas *atlas, uint64_t *memory_left)
@@ -131,7 +133,7 @@ conus_status mesh_list_init(struct mesh_list *out, const conus_atlas *atlas, uin
                               .parts = memory_zeroed(count_parts(atlas), sizeof *parts.parts),
                               .part_count = count_parts(atlas)};
     status = parts.vertices && parts.indices && parts.parts ? CONUS_OK : CONUS_ERROR_MEMORY;
-    status = status || !sizes.indices ? status : fill_parts(&parts, atlas); /* else streamlines alone */
+    status = status || !sizes.indices ? status : fill_parts(&parts, atlas, memory_left); /* else streamlines alone */
     if (status) {
         mesh_list_finish(&parts);
         return status;

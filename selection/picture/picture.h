@@ -17,6 +17,9 @@ enum { PICTURE_FRUSTUM_LIMIT = 1000 };
 /** Letters of directions, in em. */
 #define PICTURE_LETTER 1.1
 
+/* Half the width of the disc of a number, em. */
+#define PICTURE_TAG 0.75
+
 struct picture_legend;
 struct picture_probes;
 
@@ -125,6 +128,9 @@ void picture_keep_listed(struct picture *picture);
  * values, and what has a rank behind the colours and is hit first, or is a pathway, a bundle or listed; 0 where it has
  * none. */
 size_t picture_tag(const struct picture *picture, uint32_t number);
+
+/** Draws that number on a disc of the object's colour. */
+void picture_draw_tag(struct draw_list *list, const struct picture *picture, uint32_t number, const double at[2]);
 
 /** Whether the camera sees neither it nor anything below it in the area tree, as far as that is known. */
 bool picture_is_hidden(const struct picture *picture, uint32_t number);

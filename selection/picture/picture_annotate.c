@@ -25,7 +25,7 @@ static const double GAP = 0.6;
 static const double EDGE = 1.5;
 
 /* A cross that would take a larger part of the drawing's shorter side is left out. */
-static const double CROSS_LIMIT = 0.4;
+static const double CROSS_LIMIT = 0.45;
 
 static const char letters[6][2] = {"L", "R", "P", "A", "I", "S"};
 
@@ -363,6 +363,24 @@ static void place_disc(double at[2], const struct picture *picture, double radiu
     }
 }
 
+void picture_draw_tag(struct draw_list *list, const struct picture *picture, uint32_t number, const double at[2])
+{
+    const double radius = PICTURE_TAG * picture->em;
+    const struct draw_box disc = {at[0] - radius, at[1] - radius, at[0] + radius, at[1] + radius};
+    float colour[4];
+    uint8_t rgb[3];
+    char text[CELL_SIZE];
+    picture_colour(rgb, picture, number);
+    draw_colour(colour, rgb, 1);
+    const float grey = ink_on(colour);
+    const float ink[4] = {grey, grey, grey, 1};
+    snprintf(text, sizeof text, "%zu", picture_tag(picture, number));
+    const double corner[2] = {at[0] - font_width(picture->font, picture->em, text) / 2, at[1] + 0.36 * picture->em};
+    draw_box(list, &disc, radius, colour);
+    draw_frame(list, &disc, radius, fmax(1, 0.1 * picture->em), ink);
+    draw_text(list, picture->font, corner, picture->em, ink, text);
+}
+
 /* The number of each pathway that the legend names by one, on a disc of its colour; where there are several, beside the
  * others, with a line to where it belongs. */
 static void draw_tags(struct draw_list *list, const struct picture *picture)
@@ -370,14 +388,13 @@ static void draw_tags(struct draw_list *list, const struct picture *picture)
     enum { TAGS = 64 };
     double places[TAGS][2];
     size_t count = 0;
-    const double radius = 0.75 * picture->em;
+    const double radius = PICTURE_TAG * picture->em;
     for (uint32_t number = 1; number <= picture->atlas->object_count && count < TAGS; number++) {
-        size_t tag = picture_tag(picture, number);
         double peak[3];
         double from[2];
         double *at = places[count];
         double depth;
-        if (!tag) {
+        if (!picture_tag(picture, number)) {
             continue;
         }
         if (picture->ranks && picture->ranks[number]) {
@@ -391,22 +408,10 @@ static void draw_tags(struct draw_list *list, const struct picture *picture)
         memcpy(at, from, sizeof from);
         place_disc(at, picture, radius, (const double(*)[2])places, count);
         count++;
-        float colour[4];
-        uint8_t rgb[3];
-        picture_colour(rgb, picture, number);
-        draw_colour(colour, rgb, 1);
-        const float grey = ink_on(colour);
-        const float ink[4] = {grey, grey, grey, 1};
-        const struct draw_box disc = {at[0] - radius, at[1] - radius, at[0] + radius, at[1] + radius};
-        char text[CELL_SIZE];
-        snprintf(text, sizeof text, "%zu", tag);
-        const double corner[2] = {at[0] - font_width(picture->font, picture->em, text) / 2, at[1] + 0.36 * picture->em};
         if (hypot(at[0] - from[0], at[1] - from[1]) > radius) {
             draw_line(list, from, at, picture->line, picture->ink);
         }
-        draw_box(list, &disc, radius, colour);
-        draw_frame(list, &disc, radius, fmax(1, 0.1 * picture->em), ink);
-        draw_text(list, picture->font, corner, picture->em, ink, text);
+        picture_draw_tag(list, picture, number, at);
     }
 }
 

@@ -25,6 +25,9 @@ static const double MARGIN = 0.02;
 static const double SAMPLES = 2e6;
 static const double BRIGHT = 0.15;
 
+/* A cone's start lies in the cuts if it is not farther from the box than so much of its extent. */
+static const double NEAR = 0.25;
+
 /* Lengths in em: beside a panel and above it for letters, from it to the middle of those beside it, which are nearer to
  * it than to the next panel's; below it for its title, the strip of the scale bar, and the least height of a panel that
  * has letters above and below. */
@@ -109,6 +112,20 @@ static conus_status include_context(double low[3], double high[3], const conus_a
         }
     }
     return CONUS_OK;
+}
+
+/* Makes the box hold the start of a cone that is near it, so that its outline is closed there. */
+static void include_cone(double low[3], double high[3], const conus_selection *selection)
+{
+    const double *apex = selection ? selection->cone.pose.world_from_device + 12 : NULL;
+    bool is_near = apex;
+    for (int a = 0; a < 3 && is_near; a++) {
+        double reach = NEAR * (high[a] - low[a]);
+        is_near = apex[a] >= low[a] - reach && apex[a] <= high[a] + reach;
+    }
+    if (is_near) {
+        include_point(low, high, apex);
+    }
 }
 
 /* Centres a cut on the box; its depth stays. */
@@ -278,6 +295,7 @@ static conus_status lay_out(struct sheet *sheet)
     if (status) {
         return status;
     }
+    include_cone(low, high, sheet->view.selection);
     measure_panels(sheet, low, high);
     set_bands(sheet, true);
     choose_scale(sheet);
@@ -411,6 +429,63 @@ static conus_status trace(const struct sheet *sheet, const struct cut *cut, stru
     return status;
 }
 
+/* How many pixels each one is from the outside of what it shows, along rows and columns. */
+static void measure_depths(uint32_t *depths, const uint32_t *shown, size_t width, size_t height)
+{
+    for (size_t row = 0; row < height; row++) {
+        for (size_t column = 0; column < width; column++) {
+            const size_t i = row * width + column;
+            uint32_t left = column && shown[i - 1] == shown[i] ? depths[i - 1] : 0;
+            uint32_t up = row && shown[i - width] == shown[i] ? depths[i - width] : 0;
+            depths[i] = 1 + (left < up ? left : up);
+        }
+    }
+    for (size_t row = height; row-- > 0;) {
+        for (size_t column = width; column-- > 0;) {
+            const size_t i = row * width + column;
+            uint32_t right = column + 1 < width && shown[i + 1] == shown[i] ? depths[i + 1] : 0;
+            uint32_t down = row + 1 < height && shown[i + width] == shown[i] ? depths[i + width] : 0;
+            uint32_t least = 1 + (right < down ? right : down);
+            depths[i] = least < depths[i] ? least : depths[i];
+        }
+    }
+}
+
+/* The numbers of the legend where there is no view in space to have them: in the middle of each object, as far as one
+ * can be from what is beside it. */
+static conus_status number_objects(const struct sheet *sheet, const struct cut *cut, const struct panel *panel)
+{
+    const struct picture *picture = &sheet->picture;
+    const size_t count = picture->atlas->object_count;
+    const size_t pixels = (size_t)cut->of.width * cut->of.height;
+    if (!picture->font || !picture->legend || !picture->ranks || !sheet->panels[0].plane) {
+        return CONUS_OK;
+    }
+    uint32_t *depths = memory_raw(pixels, sizeof *depths);
+    size_t *middles = memory_zeroed(count + 1, sizeof *middles);
+    conus_status status = depths && middles ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status) {
+        measure_depths(depths, cut->shown, cut->of.width, cut->of.height);
+    }
+    for (size_t i = 0; i < pixels && !status; i++) {
+        size_t *middle = &middles[cut->shown[i]];
+        bool is_first = cut->shown[*middle] != cut->shown[i];
+        *middle = is_first || depths[i] > depths[*middle] ? i : *middle;
+    }
+    for (uint32_t number = 1; number <= count && !status; number++) {
+        const size_t at = middles[number];
+        const size_t row = at / cut->of.width;
+        if (cut->shown[at] == number && picture->ranks[number] && picture_tag(picture, number)) {
+            const double place[2] = {(double)panel->at[0] + (double)(at % cut->of.width) + 0.5,
+                                     (double)panel->at[1] + (double)row + 0.5};
+            picture_draw_tag(sheet->image->list, picture, number, place);
+        }
+    }
+    memory_free(depths);
+    memory_free(middles);
+    return status;
+}
+
 static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
 {
     const struct cut *cut = NULL;
@@ -448,6 +523,7 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
         }
         lay_cut(sheet, panel);
         status = trace(sheet, cut, &lines);
+        status = status ? status : number_objects(sheet, cut, panel);
     }
     memory_free(lines.points); /* of a cut that failed */
     memory_free(sheet->rgba);
@@ -455,13 +531,21 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
     return status;
 }
 
-/* Its letters are as large as the sheet's. A background that changes from row to row is the sheet's own. */
+static bool has_panel_letters(const struct sheet *sheet)
+{
+    return sheet->picture.font && sheet->view.print && sheet->count > 1;
+}
+
+/* It has the bands of a cut's letters, too, but for that of its own. Its letters are as large as the sheet's. A
+ * background that changes from row to row is the sheet's own. */
 static conus_status draw_space(struct sheet *sheet, const struct panel *panel)
 {
     conus_image *image = NULL;
     conus_view view = sheet->view;
-    view.width = (uint32_t)panel->size[0];
-    view.height = (uint32_t)panel->size[1];
+    const long left = lrint(fmax((double)panel->at[0] - sheet->beside, 0));
+    const long top = lrint(fmax((double)panel->at[1] - (has_panel_letters(sheet) ? 0 : sheet->above), 0));
+    view.width = (uint32_t)(panel->size[0] + 2 * (panel->at[0] - left));
+    view.height = (uint32_t)lrint((double)(panel->at[1] - top + panel->size[1]) + sheet->below);
     view.legend = CONUS_LEGEND_NONE;
     view.legend_rows = sheet->picture.legend ? 1 : 0; /* the numbers of the one that is beside */
     view.shapes = true;
@@ -473,14 +557,14 @@ static conus_status draw_space(struct sheet *sheet, const struct panel *panel)
     }
     const struct image_rgba from = image_rgba(image);
     const struct image_rgba to = image_rgba(sheet->image);
-    for (long y = 0; y < panel->size[1]; y++) {
-        for (long x = 0; x < panel->size[0]; x++) {
-            size_t at = (size_t)y * image->width + (size_t)x;
+    for (uint32_t y = 0; y < view.height; y++) {
+        for (uint32_t x = 0; x < view.width; x++) {
+            size_t at = (size_t)y * image->width + x;
             const float over[4] = {from.plane[0][at], from.plane[1][at], from.plane[2][at], from.plane[3][at]};
-            lay_pixel(sheet, &to, panel->at[0] + x, panel->at[1] + y, over);
+            lay_pixel(sheet, &to, left + (long)x, top + (long)y, over);
         }
     }
-    draw_take(sheet->image->list, image->list, (double[]){(double)panel->at[0], (double)panel->at[1]});
+    draw_take(sheet->image->list, image->list, (double[]){(double)left, (double)top});
     conus_image_destroy(image);
     return CONUS_OK;
 }
@@ -550,7 +634,7 @@ static conus_status draw_panel(struct sheet *sheet, size_t index)
     if (!status && sheet->picture.font && panel->plane) {
         annotate(sheet, panel);
     }
-    if (!status && sheet->picture.font && sheet->view.print && sheet->count > 1) {
+    if (!status && has_panel_letters(sheet)) {
         write_letter(sheet, index);
     }
     return status;

@@ -702,13 +702,18 @@ static void leave_out_behind(struct picture_legend *out, size_t capacity)
     }
 }
 
-/* Chooses the letters' size, the columns, up to `columns`, and the rows for so many pixels, and measures the legend. */
+/* Chooses the letters' size, the columns, up to `columns`, and the rows for so many pixels, and measures the legend.
+ * Where not all rows fit, more columns are tried before any is left out. */
 static void fit(struct picture_legend *legend, const struct picture *picture, const double limit[2], size_t columns)
 {
     struct legend *drawn = &legend->legend;
     const double em = picture->em;
     drawn->columns = columns;
     legend_fit(legend->size, drawn, picture->font, limit, em, SMALLEST * em);
+    if (columns == 1 && legend->size[1] > limit[1]) {
+        drawn->columns = LEGEND_COLUMNS;
+        legend_fit(legend->size, drawn, picture->font, limit, em, SMALLEST * em);
+    }
     size_t capacity = legend_capacity(drawn, limit[1]);
     if (drawn->count > capacity) {
         leave_out_behind(legend, capacity);
@@ -739,14 +744,12 @@ static void place(struct picture_legend *legend, struct picture *picture)
 {
     const bool right = legend->is_right = stands_right(legend, picture);
     const double sheet[2] = {picture->options.width, picture->options.height};
-    const double limit[2] = {(right ? BESIDE : 1) * sheet[0], (right                    ? 1
-                                                               : picture->options.print ? BELOW_IN_PRINT
-                                                                                        : BELOW) *
-                                                                  sheet[1]};
+    const double high = right ? 1 : picture->options.print ? BELOW_IN_PRINT : BELOW;
+    const double limit[2] = {(right ? BESIDE : 1) * sheet[0], floor(high * sheet[1])};
     struct legend *drawn = &legend->legend;
     fit(legend, picture, limit, right ? 1 : (drawn->count + LEAST_ROWS - 1) / LEAST_ROWS);
     double width = fmin(ceil(legend->size[0]), right ? sheet[0] - 1 : sheet[0]);
-    double height = fmin(ceil(legend->size[1]), floor(limit[1]));
+    double height = fmin(ceil(legend->size[1]), limit[1]);
     if (right) {
         picture->drawing[0] -= (uint32_t)width;
         drawn->at[0] = picture->drawing[0];

@@ -448,6 +448,69 @@ static void rows_go_down_columns(void **state)
     font_destroy(font);
 }
 
+/* Each column is as wide as its own names: a chip, what is beside it, and the longest; 2.2 em lie between columns, 1.2
+ * on either side. In a width of one pixel less there is one column fewer. */
+static void columns_are_as_wide_as_their_names(void **state)
+{
+    (void)state;
+    static const struct legend_row rows[] = {{.name = "a name as wide as three of the others, or wider"},
+                                             {.name = "b"},
+                                             {.name = "column"},
+                                             {.name = "c"},
+                                             {.name = "third"},
+                                             {.name = "d"}};
+    struct font *font = make_font();
+    double left[4] = {12}; /* of each column */
+    for (size_t n = 0; n < 3; n++) {
+        left[n + 1] = left[n] + (0.78 + 0.5 + 2.2) * 10 + font_width(font, 10, rows[2 * n].name);
+    }
+    const double whole = left[3] - 22 + 12 + 1;
+    for (int less = 0; less < 2; less++) {
+        struct legend legend = {.rows = rows, .count = 6, .columns = 3, .ink = INK};
+        double size[2];
+        legend_fit(size, &legend, font, (const double[]){whole - less, 400}, 10, 10);
+        assert_int_equal(legend.columns, 3 - less);
+        assert_true(less || fabs(size[0] - whole) < 1e-9);
+        conus_image *image = make_image((uint32_t)ceil(whole), 100);
+        legend_draw(image->list, font, &legend);
+        for (size_t i = 0; i < 6; i++) {
+            const struct draw_item *item = find_text(image, rows[i].name);
+            assert_non_null(item);
+            if (less == 0) {
+                assert_near(item->points[0][0], left[i / 2] + 12.8, 1e-9);
+            }
+        }
+        conus_image_destroy(image);
+    }
+    font_destroy(font);
+}
+
+/* Sixteen rows in the height of three lines: the more columns the more rows, and the columns that are chosen are as
+ * wide as what is shown in them, not as the long name that is left out. */
+static void what_is_left_out_takes_no_width(void **state)
+{
+    (void)state;
+    struct legend_row rows[16];
+    struct font *font = make_font();
+    for (size_t i = 0; i < 16; i++) {
+        rows[i] = (struct legend_row){.name = i < 15 ? "row" : "a name that has no place, and is longer than any row"};
+    }
+    const double width = 4 * (12.8 + font_width(font, 10, "row")) + 3 * 22 + 24 + 1;
+    const double more = font_width(font, 10, "\u2026 and 5 more") - font_width(font, 10, "row");
+    const double limit[2] = {width + more, (3.1 * 1.45 + 2.4) * 10};
+    struct legend legend = {.rows = rows, .count = 16, .columns = 16, .ink = INK};
+    double size[2];
+    legend_fit(size, &legend, font, limit, 10, 10);
+    assert_int_equal(legend.columns, 4);
+    assert_near(size[0], limit[0], 1e-9);
+    assert_near(size[1], (4 * 1.45 + 2.4) * 10 + 1, 1e-9); /* what all would take */
+    conus_image *image = make_image((uint32_t)ceil(limit[0]), (uint32_t)ceil(limit[1]));
+    legend_draw(image->list, font, &legend);
+    assert_non_null(find_text(image, "\u2026 and 5 more"));
+    conus_image_destroy(image);
+    font_destroy(font);
+}
+
 TEST_GROUP(legend)
 {
     const struct CMUnitTest tests[] = {
@@ -465,6 +528,8 @@ TEST_GROUP(legend)
         cmocka_unit_test(every_failing_allocation_is_survived),
         cmocka_unit_test(a_legend_that_fits_is_whole),
         cmocka_unit_test(rows_go_down_columns),
+        cmocka_unit_test(columns_are_as_wide_as_their_names),
+        cmocka_unit_test(what_is_left_out_takes_no_width),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cuts as figures: the cut's own pixels, letters, the scale, the legend, the sheet. */
 #include "base/geometry/math3.h"
+#include "base/look.h"
+#include "base/memory.h"
 #include "picture_scene.h"
 #include "render/image/image.h"
 #include "render/image/image_srgb.h"
@@ -342,6 +344,122 @@ static void areas_beyond_the_image_are_background(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* The answer of a cone from `far` times the extent of the atlas left of it, along x. */
+static conus_selection *select_from_left(const conus_atlas *atlas, double far)
+{
+    const conus_selector_options options = {.resolution = 32};
+    conus_selector *selector = NULL;
+    conus_selection *selection = NULL;
+    conus_pose pose;
+    double low[3], high[3];
+    assert_ok(conus_atlas_bounds(low, high, atlas));
+    const double from[3] = {low[0] - far * (high[0] - low[0]), 0, 0};
+    assert_ok(conus_pose_along(&pose, from, (double[]){1, 0, 0}, NULL));
+    assert_ok(conus_selector_create(&selector, atlas, &options));
+    assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(20)));
+    conus_selector_destroy(selector);
+    return selection;
+}
+
+/* Ends of the cone's lines at which no other of them begins. */
+static size_t count_ends(const conus_image *image)
+{
+    static const uint8_t rgb[3] = {LOOK_RGB(LOOK_CONE)};
+    float amber[4];
+    size_t ends = 0;
+    draw_colour(amber, rgb, 1);
+    for (size_t i = 0; i < image->list->count; i++) {
+        const struct draw_item *item = &image->list->items[i];
+        bool is_cone = item->kind == DRAW_LINES && item->rgba[0] == amber[0] && item->rgba[1] == amber[1];
+        for (size_t k = 0; k < item->count && is_cone; k++) {
+            size_t there = 0;
+            for (size_t n = 0; n < item->count; n++) {
+                there += hypot(item->points[n][0] - item->points[k][0], item->points[n][1] - item->points[k][1]) < 1e-3;
+            }
+            ends += there % 2;
+        }
+        assert_true(!is_cone || item->count > 20);
+    }
+    return ends;
+}
+
+/* The outline of a cone that starts less than a quarter of the atlas's extent beside it is closed; that of one farther
+ * away ends twice at the cut's edge. */
+static void a_cone_from_near_is_closed_in_cuts(void **state)
+{
+    (void)state;
+    const conus_volume_info grid = picture_grid((size_t[]){40, 40, 40}, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, picture_ten, NULL, NULL);
+    static const double far[] = {0.24, 0.26};
+    for (size_t i = 0; i < 2; i++) {
+        conus_selection *selection = select_from_left(atlas, far[i]);
+        const conus_view sheet = {
+            .width = 300, .height = 300, .no_legend = true, .shapes = true, .selection = selection};
+        conus_image *image = NULL;
+        assert_ok(conus_cuts_image(&image, atlas, planes, 1, NULL, NULL, &sheet));
+        assert_int_equal(count_ends(image), i == 0 ? 0 : 2);
+        conus_image_destroy(image);
+        conus_selection_destroy(selection);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+enum { BARS = 9, BAR = 2 };
+
+/* Bars along x, side by side along y. */
+static double bars(const double p[3])
+{
+    return fabs(p[1]) < 0.5 * BARS * BAR ? 1 + floor((p[1] + 0.5 * BARS * BAR) / BAR) : 0;
+}
+
+static const struct draw_item *find_text(const conus_image *image, const char *text)
+{
+    for (size_t i = 0; i < image->list->count; i++) {
+        const struct draw_item *item = &image->list->items[i];
+        if (item->kind == DRAW_TEXT && strcmp(item->text, text) == 0) {
+            return item;
+        }
+    }
+    return NULL;
+}
+
+/* The seventh to ninth bar by share have numbers in their middles: the higher a bar lies in the body the higher in the
+ * cut, all at one scale. The first six have colours and no numbers, and without a legend there are none. */
+static void cuts_alone_have_the_numbers_of_the_legend(void **state)
+{
+    (void)state;
+    const conus_volume_info grid = picture_grid((size_t[]){40, 40, 40}, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, bars, NULL, NULL);
+    conus_selection *selection = select_from_left(atlas, 1.2);
+    const char *const numbers[] = {"7", "8", "9"};
+    double at[3];
+    double place[3]; /* along y, in bars */
+    for (size_t i = 0; i < BARS; i++) {
+        memory_free((char *)atlas->objects[i].name);
+        atlas->objects[i].name = memory_text("bar", 3);
+    }
+    assert_true(conus_selection_count(selection) >= BARS);
+    for (int legend = 0; legend < 2; legend++) {
+        const conus_view sheet = {
+            .width = 400, .height = 300, .no_legend = !legend, .shapes = true, .selection = selection};
+        conus_image *image = NULL;
+        assert_ok(conus_cuts_image(&image, atlas, planes, 1, NULL, NULL, &sheet));
+        for (size_t i = 0; i < 3; i++) {
+            const struct draw_item *item = find_text(image, numbers[i]);
+            assert_true((item != NULL) == legend);
+            at[i] = legend ? item->points[0][1] : 0;
+            place[i] = (double)conus_selection_result(selection, 6 + i)->object;
+        }
+        assert_null(find_text(image, "6"));
+        conus_image_destroy(image);
+    }
+    const double step = (at[0] - at[1]) / (place[0] - place[1]);
+    assert_true(step < -5);
+    assert_near((at[0] - at[2]) / (place[0] - place[2]), step, 0.5);
+    conus_selection_destroy(selection);
+    conus_atlas_destroy(atlas);
+}
+
 static void every_failing_allocation_of_a_sheet_is_reported(void **state)
 {
     (void)state;
@@ -404,6 +522,8 @@ TEST_GROUP(picture_cut_image)
         cmocka_unit_test(what_cannot_be_is_refused),
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(areas_beyond_the_image_are_background),
+        cmocka_unit_test(a_cone_from_near_is_closed_in_cuts),
+        cmocka_unit_test(cuts_alone_have_the_numbers_of_the_legend),
         cmocka_unit_test(every_failing_allocation_of_a_sheet_is_reported),
         cmocka_unit_test(a_sheet_says_what_is_wrong),
         cmocka_unit_test(shapes_are_for_svg_and_pdf_only),

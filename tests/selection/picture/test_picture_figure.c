@@ -817,6 +817,28 @@ static void allocations_may_fail(void **state)
     conus_segments_destroy(segments);
 }
 
+/* In a column of 85 mm at 300 dpi each letter is beside two of three cuts, and at the cross of the view in space. */
+static void a_column_has_the_cross_of_directions(void **state)
+{
+    const struct scene scene = need_scene(state);
+    static const conus_cut_plane planes[] = {{.right = {1, 0, 0}, .up = {0, 1, 0}},
+                                             {.right = {1, 0, 0}, .up = {0, 0, 1}},
+                                             {.right = {0, 1, 0}, .up = {0, 0, 1}}};
+    static const char *const letters[] = {"L", "R", "P", "A", "I", "S"};
+    const conus_view sheet = {.width = 1004, .dpi = 300, .print = true, .shapes = true, .selection = scene.selection};
+    conus_image *image = NULL;
+    assert_ok(conus_cuts_image(&image, scene.atlas, planes, 3, NULL, scene.renderer, &sheet));
+    for (size_t n = 0; n < 6; n++) {
+        size_t count = 0;
+        for (size_t i = 0; i < image->list->count; i++) {
+            const struct draw_item *item = &image->list->items[i];
+            count += item->kind == DRAW_TEXT && strcmp(item->text, letters[n]) == 0;
+        }
+        assert_int_equal(count, 3);
+    }
+    conus_image_destroy(image);
+}
+
 TEST_GROUP(picture_figure)
 {
     const struct CMUnitTest tests[] = {
@@ -838,6 +860,7 @@ TEST_GROUP(picture_figure)
         cmocka_unit_test(letters_grow_with_the_resolution),
         cmocka_unit_test(a_measured_distance_is_drawn),
         cmocka_unit_test(views_out_of_range_are_refused),
+        cmocka_unit_test(a_column_has_the_cross_of_directions),
         cmocka_unit_test(allocations_may_fail),
     };
     return cmocka_run_group_tests(tests, make_scene, finish_scene);

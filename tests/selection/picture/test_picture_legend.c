@@ -537,6 +537,30 @@ static void a_legend_without_a_cone_has_the_first_rows(void **state)
     finish_scene(&scene);
 }
 
+/* The head has 1.1 lines: 22 rows of 8.33 pixels fit into 300 on the right. All 60 slabs are seen from before them:
+ * they are in columns, and none is left out. */
+static void many_short_names_have_columns_on_the_right(void **state)
+{
+    (void)state;
+    struct scene scene = make_scene(slabs, "Ab", front, 20);
+    conus_image *image = NULL;
+    size_t rows = 0;
+    conus_selection_destroy(scene.selection);
+    scene.selection = NULL;
+    scene.view.legend = CONUS_LEGEND_RIGHT;
+    scene.view.shapes = true;
+    assert_ok(draw(&image, &scene));
+    for (size_t i = 0; i < image->list->count; i++) {
+        const struct draw_item *item = &image->list->items[i];
+        bool is_text = item->kind == DRAW_TEXT;
+        rows += is_text && strcmp(item->text, "Ab") == 0;
+        assert_false(is_text && strncmp(item->text, "\u2026", strlen("\u2026")) == 0);
+    }
+    assert_int_equal(rows, SLABS);
+    conus_image_destroy(image);
+    finish_scene(&scene);
+}
+
 /* 60 rows do not fit: the picture stays as large as asked for, and below it becomes higher by at most half. */
 static void a_legend_outside_does_not_make_the_picture_endless(void **state)
 {
@@ -829,6 +853,7 @@ TEST_GROUP(picture_legend)
         cmocka_unit_test(areas_with_an_opacity_or_a_row_are_not_pale),
         cmocka_unit_test(areas_that_are_not_hit_can_be_left_out),
         cmocka_unit_test(a_legend_without_a_cone_has_the_first_rows),
+        cmocka_unit_test(many_short_names_have_columns_on_the_right),
         cmocka_unit_test(a_legend_outside_does_not_make_the_picture_endless),
         cmocka_unit_test(letters_have_contrast_on_any_background),
         cmocka_unit_test(what_was_asked_for_has_colours_before_what_is_behind),
