@@ -37,20 +37,17 @@ static void find_shell(struct shell *out, const struct viewer *viewer, enum tool
     shell_find(out, &viewer->tools[number].pose, options.radius, angle, near, far);
 }
 
-/* Finds how far the cone reaches, where that is not known any more. */
+/* Finds how far the cone reaches, where that, or how it is seen, is not known any more. */
 static void find_extent(struct window *window, enum tool_number number)
 {
     struct viewer *viewer = window->viewer;
     struct cone_sight *sight = &window->pictures.cones[number];
     unsigned answer = viewer->tools[number].answer_number;
-    if (sight->of == viewer->drawn && sight->answer_number == answer && sight->atlas_number == viewer->atlas_number &&
-        sight->scene_number == viewer->scene_number && sight->plan_number == viewer->plan.number) {
+    bool is_anew = window_sees_anew(&sight->view, window);
+    if (!is_anew && sight->answer_number == answer && sight->plan_number == viewer->plan.number) {
         return;
     }
-    sight->of = viewer->drawn;
     sight->answer_number = answer;
-    sight->atlas_number = viewer->atlas_number;
-    sight->scene_number = viewer->scene_number;
     sight->plan_number = viewer->plan.number;
     sight->is_seen = false;
     extent_find(&sight->extent, viewer, number);
@@ -189,14 +186,11 @@ static void find_lines(struct window *window, enum tool_number number)
     struct viewer *viewer = window->viewer;
     struct cone_sight *sight = &window->pictures.cones[number];
     const struct extent *extent = &sight->extent;
-    const struct eye *eye = &window->pictures.shown;
     double ends[2][3];
-    if (sight->is_seen && eye_is_same(&sight->eye, eye) && sight->fade == viewer->display.fade) {
+    if (sight->is_seen) {
         return;
     }
     sight->is_seen = true;
-    sight->eye = *eye;
-    sight->fade = viewer->display.fade;
     sight->line_count = 0;
     sight->clear = extent->near;
     on_axis(ends[0], window, number, extent->near);
@@ -373,20 +367,13 @@ static void find_cross(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     struct cone_sight *sight = &window->pictures.cross;
-    const struct eye *eye = &window->pictures.shown;
     const double *at = viewer->crosshair;
     double *was = window->pictures.crossed;
-    if (sight->is_seen && sight->of == viewer->drawn && sight->atlas_number == viewer->atlas_number &&
-        sight->scene_number == viewer->scene_number && sight->fade == viewer->display.fade &&
-        eye_is_same(&sight->eye, eye) && was[0] == at[0] && was[1] == at[1] && was[2] == at[2]) {
+    bool is_anew = window_sees_anew(&sight->view, window);
+    if (!is_anew && was[0] == at[0] && was[1] == at[1] && was[2] == at[2]) {
         return;
     }
-    *sight = (struct cone_sight){.is_seen = true,
-                                 .of = viewer->drawn,
-                                 .atlas_number = viewer->atlas_number,
-                                 .scene_number = viewer->scene_number,
-                                 .fade = viewer->display.fade,
-                                 .eye = *eye};
+    sight->line_count = 0;
     memcpy(was, at, sizeof window->pictures.crossed);
     for (int half = 0; half < 6; half++) {
         double ends[2][3];
