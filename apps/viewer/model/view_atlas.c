@@ -5,9 +5,21 @@
 #include "viewer/model/file_watch.h"
 #include "viewer/model/study.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Finds the box around all objects, which is that of those that are shown where none is hidden. */
+static conus_status find_box(struct view_atlas *view)
+{
+    bool hides = view_atlas_hidden(view) > 0;
+    conus_status status = hides ? conus_atlas_set_hidden(view->atlas, NULL) : CONUS_OK;
+    if (!status && conus_atlas_bounds(view->box[0], view->box[1], view->atlas)) {
+        view->box[0][0] = INFINITY;
+    }
+    return hides && !status ? conus_atlas_set_hidden(view->atlas, view->shown.hidden) : status;
+}
 
 bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
 {
@@ -24,7 +36,8 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
     view.prefixes = calloc(view.object_count + 1, sizeof(const char *));
     bool has_look = appearance_init(&view.appearance, view.object_count);
     if (!view.shown.hidden || !has_look || !view.path || !view.name || !view.watch || !view.prefixes || !view.sides ||
-        conus_atlas_sides(view.sides, view.atlas) || conus_atlas_prefixes(view.prefixes, view.atlas)) {
+        conus_atlas_sides(view.sides, view.atlas) || conus_atlas_prefixes(view.prefixes, view.atlas) ||
+        find_box(&view)) {
         view_atlas_finish(&view);
         return false;
     }

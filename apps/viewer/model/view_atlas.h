@@ -22,7 +22,8 @@ struct view_atlas {
     char *path; /**< As it was given. */
     char *name; /**< In the column `atlas`; "" where it is the only one. */
     size_t object_count;
-    char *sides;           /**< [object_count + 1] Of conus_atlas_sides(). */
+    double box[2][3]; /**< Around all of its objects, those that are hidden, too; low above high = there are none. */
+    char *sides;      /**< [object_count + 1] Of conus_atlas_sides(). */
     const char **prefixes; /**< [object_count + 1] Of conus_atlas_prefixes(). */
     double found_grey[2];  /**< Grey values of the context that the cuts show as black and white, unless the look says
                             others: what air and bright tissue have; both 0 without one. */

@@ -28,14 +28,13 @@ void viewer_find_ball(struct viewer *viewer)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY};
     double high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    double box[2][3];
     double square = 0;
     double longest = 0;
     for (size_t i = 0; i < viewer->atlas_count; i++) {
-        bool is_empty = conus_atlas_bounds(box[0], box[1], viewer->atlases[i].atlas);
-        for (int a = 0; a < 3 && !is_empty; a++) {
-            low[a] = fmin(low[a], box[0][a]);
-            high[a] = fmax(high[a], box[1][a]);
+        const struct view_atlas *view = &viewer->atlases[i];
+        for (int a = 0; a < 3 && view->box[0][0] <= view->box[1][0]; a++) {
+            low[a] = fmin(low[a], view->box[0][a]);
+            high[a] = fmax(high[a], view->box[1][a]);
         }
     }
     for (int a = 0; a < 3 && low[0] <= high[0]; a++) {

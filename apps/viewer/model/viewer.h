@@ -127,7 +127,8 @@ struct viewer {
 conus_status viewer_create(struct viewer *out, const struct view_source *sources, size_t count, const char *transfer,
                            conus_log log, void (*wake)(void));
 void viewer_finish(struct viewer *viewer);
-/** Finds the ball around all atlases anew: what is seen stays where it is when another one is drawn. */
+/** Finds the ball around all atlases anew, with what is hidden in them: what is seen stays where it is when another one
+ * is drawn, or other areas are. */
 void viewer_find_ball(struct viewer *viewer);
 
 /** Puts one line into the status line. */
