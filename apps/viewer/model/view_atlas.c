@@ -83,8 +83,9 @@ conus_status view_atlas_prepare(struct view_atlas *view, const conus_selector_op
     return conus_selector_create(&view->selector, view->atlas, options);
 }
 
-conus_status view_atlas_select(struct view_atlas *view, enum tool_number tool, const conus_selector_options *options,
-                               const conus_pose *pose, double angle)
+/* Puts the answer in the place of the one before. */
+static conus_status ask(struct answer **out, struct view_atlas *view, const conus_selector_options *options,
+                        const conus_pose *pose, double angle)
 {
     conus_selection *selection = NULL;
     conus_status status = view_atlas_prepare(view, options);
@@ -94,9 +95,22 @@ conus_status view_atlas_select(struct view_atlas *view, enum tool_number tool, c
         conus_selection_destroy(selection);
         status = CONUS_ERROR_MEMORY;
     }
-    answer_drop(view->answers[tool]);
-    view->answers[tool] = answer;
+    answer_drop(*out);
+    *out = answer;
     return status;
+}
+
+conus_status view_atlas_select(struct view_atlas *view, enum tool_number tool, const conus_selector_options *options,
+                               const conus_pose *pose, double angle)
+{
+    return ask(&view->answers[tool], view, options, pose, angle);
+}
+
+struct answer *view_atlas_nothing(struct view_atlas *view, const conus_selector_options *options,
+                                  const conus_pose *pose)
+{
+    bool fails = !view->nothing && ask(&view->nothing, view, options, pose, options->radius > 0 ? 0 : 0.1);
+    return fails ? NULL : view->nothing;
 }
 
 void view_atlas_invalidate(struct view_atlas *view)
@@ -107,6 +121,8 @@ void view_atlas_invalidate(struct view_atlas *view)
         view->pickers[layers] = NULL;
     }
     conus_cutter_destroy(view->probe);
+    answer_drop(view->nothing);
+    view->nothing = NULL;
     view->selector = NULL;
     view->probe = NULL;
 }

@@ -182,6 +182,8 @@ uint32_t viewer_full(const struct viewer *viewer);
 /** The place of an object in the answer, from 1, where pictures show it by a colour; 0 = it has its own, or is not hit.
  */
 size_t viewer_rank(const struct viewer *viewer, uint32_t object);
+/** The answer that pictures show the colours of: with a plan before there is a cone one without a hit; NULL = none. */
+struct answer *viewer_pictured(struct viewer *viewer);
 /** Grows with what cuts show: not with moves after which their colours are the same. */
 unsigned viewer_cut_version(const struct viewer *viewer);
 /** sRGB of an object that has this place; 0 = none. */
