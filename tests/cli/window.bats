@@ -608,3 +608,57 @@ assert blue("hidden.png", the_list) == 0
 assert blue("second.png", the_list) > 100 and blue("second.png", pane) > 20
 END
 }
+
+# The arms of the crosshair are lines of 24 pixels and more: in the middle of the ball of 20 mm each is two dashes, before
+# it each is one piece.
+@test "the crosshair is dashed where it is hidden" {
+    need_window
+    need_pixels
+    conus phantom sphere -o .
+    view sphere.nii.gz --size 1000x700 <<'END'
+orbit 0 0
+crosshair 0 0 0
+settle
+screenshot hidden.png
+crosshair 0 28 0
+settle
+screenshot seen.png
+END
+    /usr/bin/python3 - <<'END'
+import numpy
+import OpenImageIO as oiio
+for name, pieces in ("hidden", 4), ("seen", 2):
+    pane = oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[:, :500, :3].astype(int)
+    cross = abs(pane - [0xf2, 0xf2, 0x8a]).max(axis=2) < 40
+    upright = numpy.flatnonzero(cross[:, cross.sum(axis=0).argmax()])
+    assert (numpy.diff(upright) > 1).sum() + 1 == pieces, (name, upright)
+END
+}
+
+# From x = 90 the axis leaves the ball of 20 mm at x = -20, 110 mm deep, where a cone of 10 degrees is 2 * 9.6 mm wide:
+# between its sides there is nothing, but an end at 105 mm is one. Nothing else in the pane has the cone's colour.
+@test "in a cut the cone is open where it leaves the brain, and closed where its depths end" {
+    need_window
+    need_pixels
+    conus phantom sphere -o .
+    view sphere.nii.gz --size 1000x700 <<'END'
+crosshair 0 0 0
+angle 10
+aim 90 0 0 0 0 0
+settle
+screenshot open.png
+ask --range=0,105
+settle
+screenshot closed.png
+END
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+counts = []
+for name in "open", "closed":
+    pane = oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[:224, 517:570, :3].astype(int)
+    amber = (pane[..., 0] > 200) & (abs(pane[..., 1] - 0xb0) < 40) & (pane[..., 2] < 60)
+    counts.append((amber.sum(axis=0).max(), amber.any(axis=0).sum()))
+assert counts[0][0] < 8 < 20 < counts[1][0], counts # of one column: two sides, or the end between them
+assert counts[0][1] > 25, counts
+END
+}
