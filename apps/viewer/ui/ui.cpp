@@ -351,22 +351,30 @@ void ui_id_end(void)
     ImGui::PopID();
 }
 
+static void put_text(const char *format, va_list arguments)
+{
+    char text[3072];
+    vsnprintf(text, sizeof text, format, arguments);
+    ImGui::TextUnformatted(text);
+    audit_item(text);
+}
+
 void ui_text(const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    ImGui::TextV(format, arguments);
+    put_text(format, arguments);
     va_end(arguments);
-    audit_item(format);
 }
 
 void ui_text_coloured(enum theme_text colour, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    ImGui::TextColoredV(ImGui::ColorConvertU32ToFloat4(packed(theme_texts[colour])), format, arguments);
+    ui_tint(colour);
+    put_text(format, arguments);
+    ui_tint_end();
     va_end(arguments);
-    audit_item(format);
 }
 
 void ui_text_wrapped(enum theme_text colour, const char *text)
