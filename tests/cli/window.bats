@@ -121,19 +121,19 @@ key_at() {
     tell 'aim 60 3 2 0 0 0' 'key space' 'orbit 10 0'
     look '.frozen == 1 and .layers == "visible"'
     orbit=$(jq -c .orbit "look$looks.json")
-    click_at 1150 488 # Show
+    click_at 1150 416 # Show
     key_at Escape
     look '.has_pose == 1 and .frozen == 1'
-    click_at 1150 488
+    click_at 1150 416
     xdotool key --window "$window" h
     key_at Down
     key_at Return
     look ".layers == \"all\" and .confirmed == [] and .hidden == [] and .orbit == $orbit"
     xdotool key --window "$window" l # the list is closed: keys belong to the brain again
     look '.layers == "visible"'
-    click_at 1085 407 # the heading above the query's settings
-    click_at 1085 469 # View, below Expert
-    click_at 919 551  # Outlines
+    click_at 1085 335 # the heading above the query's settings
+    click_at 1085 397 # View, below Expert
+    click_at 919 479  # Outlines
     look '.outlines == 0'
     leave
 }
@@ -188,15 +188,15 @@ END
     /usr/bin/python3 - <<'END'
 import numpy
 import OpenImageIO as oiio
-row = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[740, :661, :3].astype(int) # up to the cuts
-column = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[:, 63, :3].astype(int)
+row = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[740, :658, :3].astype(int) # up to the cuts
+column = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[:, 51, :3].astype(int)
 wide, high = ((line.min(axis=1) > 100).sum() for line in (row, column)) # beside the ball and all words
 assert wide * high > 0.45 * 1280 * 800, (wide, high)
 END
 }
 
-# At scale 2 the rail takes 120 pixels and the panel 384; of the 776 between them the cuts have 776 - 558 = 218. A ball's
-# box is a cube of 40 voxels: it fills 0.92 of the shorter side, 201. Five voxels off its middle it has 38 across: 190.
+# At scale 2 the rail takes 96 pixels and the panel 384; of the 800 between them the cuts have 800 - 576 = 224. A ball's
+# box is a cube of 40 voxels: it fills 0.92 of the shorter side, 206. Five voxels off its middle it has 38 across: 196.
 @test "a cut fills its pane to 92 %, and letters at its sides can be read on the brain" {
     need_window
     need_pixels
@@ -211,13 +211,13 @@ import numpy
 import OpenImageIO as oiio
 pixels = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[..., :3].astype(int)
 for top in 0, 251, 502:
-    pane = pixels[top:top + 248, 679:679 + 216]
+    pane = pixels[top:top + 248, 673:673 + 222]
     middle = pane[124 - 12:124 + 12] # the rows of the letters
     for letter in middle[:, 6:30], middle[:, -30:-6]:
         assert letter.max() > 200 and letter.min() < 40, "no letter on its shade"
     row = pane[99] # above the letters and the crosshair's line
     ball = numpy.flatnonzero(row.max(axis=1) > 60)
-    assert abs(ball.ptp() - 190) < 4, (top, ball.ptp())
+    assert abs(ball.ptp() - 196) < 4, (top, ball.ptp())
 END
 }
 
@@ -413,11 +413,11 @@ END
     conus phantom sphere -o .
     live slabs.nii.gz --size 1280x800
     tell 'drop sphere.nii.gz'
-    click_at 919 604 # Second tool
+    click_at 919 532 # Second tool
     look '.second.on | not'
     xdotool key --window "$window" Escape
     pass
-    click_at 919 604
+    click_at 919 532
     look '.second.on'
     leave
 }
