@@ -9,6 +9,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* x from -3.5 to 3.5: Four and Nine lie on both sides, A_L and A_R are a pair. */
@@ -288,6 +289,46 @@ static void words_say_how(void **state)
     json_decref(words);
 }
 
+/* Without a pathway, which would be as large as all areas. */
+static conus_atlas *split_areas(void)
+{
+    conus_atlas *atlas = NULL;
+    assert_ok(area_rows_atlas(&atlas, dim, labels, rows));
+    assert_ok(conus_atlas_set_hemispheres(atlas, CONUS_HEMISPHERES_SPLIT));
+    return atlas;
+}
+
+/* All cells of the atlas are from x = -4 to 4 and y = -1 to 1, whatever is hidden, also when it is opened again. */
+static void the_frame_is_that_of_the_whole(void **state)
+{
+    struct viewer viewer;
+    (void)state;
+    for (int hides = 0; hides < 2; hides++) {
+        conus_atlas *atlas = split_areas();
+        bool *hidden = calloc(conus_atlas_object_count(atlas) + 1, sizeof *hidden);
+        const uint32_t one = area_rows_number(atlas, "Four left");
+        hidden[one] = hidden[area_rows_number(atlas, "Nine left")] = hides; /* all that lies at x < 0 */
+        assert_ok(conus_atlas_set_hidden(atlas, hidden));
+        const struct view_source source = {atlas, "rows.nii", NULL};
+        assert_ok(viewer_create(&viewer, &source, 1, NULL, NULL, NULL));
+        assert_int_equal(conus_atlas_is_hidden(atlas, one), hides);
+        for (int anew = 0; anew < 2; anew++) {
+            char why[64];
+            assert_near(viewer.centre[0], 0, 0);
+            assert_near(viewer.half[0], 4, 0);
+            assert_near(viewer.centre[1], 0, 0);
+            assert_near(viewer.half[1], 1, 0);
+            side_show(&viewer, SIDE_RIGHT);
+            atlas = split_areas();
+            const struct replacement now = {&atlas, CONUS_HEMISPHERES_SPLIT, CONUS_HEMISPHERES_SPLIT, NULL};
+            assert_true(viewer_replace(&viewer, &now, why, sizeof why));
+            assert_int_equal(side_shown(&viewer), SIDE_RIGHT);
+        }
+        free(hidden);
+        viewer_finish(&viewer);
+    }
+}
+
 TEST_GROUP(replace)
 {
     const struct CMUnitTest tests[] = {
@@ -298,6 +339,7 @@ TEST_GROUP(replace)
         cmocka_unit_test(thresholds_colours_and_answers_are_kept),
         cmocka_unit_test(another_table_is_refused),
         cmocka_unit_test(one_side_is_shown),
+        cmocka_unit_test(the_frame_is_that_of_the_whole),
         cmocka_unit_test(hidden_sides_are_shown_again),
         cmocka_unit_test(areas_without_sides_stay),
         cmocka_unit_test(one_side_may_be_all_there_is),

@@ -113,14 +113,14 @@ static void assert_divides(const struct layout *layout, float width, const float
     }
 }
 
-/* The widths of panes at 1280 pixels: the left rail takes 60, the right panel three tenths, 384. 836 are left, of which
- * 3-D takes 0.72, 601, and the first cut a third of the height, 266 of 800. A panel that the user widens has two fifths
+/* The widths of panes at 1280 pixels: the left rail takes 48, the right panel three tenths, 384. 848 are left, of which
+ * 3-D takes 0.72, 610, and the first cut a third of the height, 266 of 800. A panel that the user widens has two fifths
  * at most: 512 of 1280. */
 static void panes_and_panels_are_as_the_user_left_them(void **state)
 {
     struct layout layout = {.panels = {0}};
     (void)state;
-    assert_divides(&layout, 1280, (const float[]){60, 384, 836, 800, 601, 266});
+    assert_divides(&layout, 1280, (const float[]){48, 384, 848, 800, 610, 266});
     layout_move(&layout, BORDER_LEFT, 300, 1280, 800, 1);
     layout_move(&layout, BORDER_RIGHT, 880, 1280, 800, 1); /* 400 wide; 580 are left for the columns */
     layout_move(&layout, BORDER_COLUMN, 300 + 145, 1280, 800, 1);
@@ -139,7 +139,7 @@ static void panes_and_panels_are_as_the_user_left_them(void **state)
     assert_true(layout_is_fine(&layout));
 }
 
-/* A panel is folded to a rail of 60 pixels at scale 1 and opened again, in windows of any width. */
+/* A panel is folded to a rail of 48 pixels at scale 1 and opened again, in windows of any width. */
 static void panels_fold(void **state)
 {
     struct layout layout = {.panels = {0}};
@@ -147,9 +147,9 @@ static void panels_fold(void **state)
     assert_divides(&layout, 2000, (const float[]){250, 480, 1270, 800, 914, 266}); /* it is wide: both are open */
     layout_fold(&layout, 0, true);
     layout_fold(&layout, 1, true);
-    assert_divides(&layout, 2000, (const float[]){60, 60, 1880, 800, 1353, 266});
+    assert_divides(&layout, 2000, (const float[]){48, 48, 1904, 800, 1370, 266});
     layout_fold(&layout, 0, false);
-    assert_divides(&layout, 1280, (const float[]){250, 60, 970, 800, 698, 266});
+    assert_divides(&layout, 1280, (const float[]){250, 48, 982, 800, 707, 266});
     assert_true(layout_is_fine(&layout));
     layout.folds[0] = FOLD_COUNT;
     assert_false(layout_is_fine(&layout));
@@ -161,11 +161,11 @@ static void keys_divide_the_window(void **state)
     struct layout layout = {.panels = {0}};
     (void)state;
     layout_widen_first(&layout, 1);
-    assert_divides(&layout, 1280, (const float[]){60, 384, 836, 800, 643, 266}); /* 0.77 of 836 */
+    assert_divides(&layout, 1280, (const float[]){48, 384, 848, 800, 652, 266}); /* 0.77 of 848 */
     layout_widen_panels(&layout, 1, 1280, 1);
-    assert_divides(&layout, 1280, (const float[]){60, 404, 816, 800, 628, 266}); /* a rail stays */
+    assert_divides(&layout, 1280, (const float[]){48, 404, 828, 800, 637, 266}); /* a rail stays */
     layout_widen_panels(&layout, -1, 1280, 1);
-    assert_divides(&layout, 1280, (const float[]){60, 384, 836, 800, 643, 266});
+    assert_divides(&layout, 1280, (const float[]){48, 384, 848, 800, 652, 266});
     for (int i = 0; i < 20; i++) {
         layout_widen_first(&layout, -1);
     }

@@ -143,7 +143,7 @@ seen() {
     live slabs.nii.gz --size 1000x640
     tell 'pointer wand'
     seen before.png
-    xdotool mousemove --window "$window" 60 200
+    xdotool mousemove --window "$window" 48 200
     pass
     xdotool mousedown 1
     pass

@@ -337,8 +337,8 @@ END
     diff two.json three.json
 }
 
-# On a screen of 1280 x 800 pixels and mm, as Xvfb's here; the 3-D pane of a window of 1000 x 640 at its corner is 459 x
-# 616 pixels at (60, 0), so its middle is at (289.5, 308).
+# On a screen of 1280 x 800 pixels and mm, as Xvfb's here; the 3-D pane of a window of 1000 x 640 at its corner is 468 x
+# 616 pixels at (48, 0), so its middle is at (282, 308).
 @test "the mouse points through the eye of a tracked head" {
     need_window
     conus phantom nested -o .
@@ -352,23 +352,23 @@ results head.tsv
 point 0.52 0.46
 results other.tsv
 save one.json
-picture seen.png 459 616
+picture seen.png 468 616
 head lost
-picture lost.png 459 616
+picture lost.png 468 616
 head 30 100 60
-picture behind.png 459 616
+picture behind.png 468 616
 orbit 10 20
-picture turned.png 459 616
+picture turned.png 468 616
 key t
-picture orbit.png 459 616
+picture orbit.png 468 616
 save two.json
 open one.json
 save three.json
-picture opened.png 459 616
+picture opened.png 468 616
 END
-    # the screen's right is -x, since the scene behind it lies towards -y: -318 + 640 - 289.5, -85.5 + 400 - 308
-    conus query nested.nii.gz --origin 30,900,60 --toward 32.5,200,6.5 --angle 6 --format tsv | diff head.tsv -
-    conus query nested.nii.gz --origin 30,900,60 --toward=23.32,200,31.14 --angle 6 --format tsv | diff other.tsv -
+    # the screen's right is -x, since the scene behind it lies towards -y: -318 + 640 - 282, -85.5 + 400 - 308
+    conus query nested.nii.gz --origin 30,900,60 --toward 40,200,6.5 --angle 6 --format tsv | diff head.tsv -
+    conus query nested.nii.gz --origin 30,900,60 --toward=30.64,200,31.14 --angle 6 --format tsv | diff other.tsv -
     grep -q area head.tsv
     grep -q area other.tsv
     run -1 diff head.tsv other.tsv
@@ -446,11 +446,11 @@ END
     until look '.eye == [30, 900, 60]'; do
         runs "$sender"
     done
-    tell 'angle 6' 'key x' 'point 0.5 0.5' 'results head.tsv' 'picture seen.png 459 616' 'save left.json'
+    tell 'angle 6' 'key x' 'point 0.5 0.5' 'results head.tsv' 'picture seen.png 468 616' 'save left.json'
     wait_until "$sender" test -e lost
-    tell 'wait 2' 'picture lost.png 459 616' 'save lost.json'
+    tell 'wait 2' 'picture lost.png 468 616' 'save lost.json'
     leave
-    conus query nested.nii.gz --origin 30,900,60 --toward 32.5,200,6.5 --angle 6 --format tsv | cut -f 1-9 >wanted
+    conus query nested.nii.gz --origin 30,900,60 --toward 40,200,6.5 --angle 6 --format tsv | cut -f 1-9 >wanted
     cut -f 1-9 head.tsv | diff - wanted
     conus diff seen.png lost.png
     diff left.json lost.json
@@ -654,7 +654,7 @@ END
     wait_until "$tracker" test -e port
     live sphere.nii.gz --size 1280x800 2>said
     tell 'pointer tracker'
-    click_at 1150 461 # the field below Point with, in which Enter connects
+    click_at 1150 389 # the field below Point with, in which Enter connects
     xdotool key --window "$window" ctrl+a
     xdotool type --window "$window" "127.0.0.1:$(<port)"
     pass
@@ -825,7 +825,7 @@ END
     xdotool click 1
     until look '.frozen == 1'; do :; done
     pose=$(jq -c .world_from_device "look$looks.json")
-    xdotool mousemove --window "$window" 177 146 mousemove --window "$window" 172 151 mousemove --window "$window" 50 150
+    xdotool mousemove --window "$window" 177 146 mousemove --window "$window" 172 151 mousemove --window "$window" 30 150
     look ".frozen == 1 and .world_from_device == $pose"
     xdotool mousedown 1 # a press on a panel is no click on the pane
     look true
@@ -842,7 +842,7 @@ END
     xdotool mousemove --window "$window" 66 288 # to the pane's corner, beside the ball, then to the panels
     look true
     pose=$(jq -c .world_from_device "look$looks.json")
-    xdotool mousemove --window "$window" 50 150 mousemove --window "$window" 450 150 mousemove --window "$window" 450 300
+    xdotool mousemove --window "$window" 30 150 mousemove --window "$window" 450 150 mousemove --window "$window" 450 300
     look ".frozen == 0 and .world_from_device == $pose"
     xdotool key --window "$window" Escape
     until look '.has_pose == 0'; do :; done

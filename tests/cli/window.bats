@@ -121,19 +121,19 @@ key_at() {
     tell 'aim 60 3 2 0 0 0' 'key space' 'orbit 10 0'
     look '.frozen == 1 and .layers == "visible"'
     orbit=$(jq -c .orbit "look$looks.json")
-    click_at 1150 488 # Show
+    click_at 1150 416 # Show
     key_at Escape
     look '.has_pose == 1 and .frozen == 1'
-    click_at 1150 488
+    click_at 1150 416
     xdotool key --window "$window" h
     key_at Down
     key_at Return
     look ".layers == \"all\" and .confirmed == [] and .hidden == [] and .orbit == $orbit"
     xdotool key --window "$window" l # the list is closed: keys belong to the brain again
     look '.layers == "visible"'
-    click_at 1085 407 # the heading above the query's settings
-    click_at 1085 469 # View, below Expert
-    click_at 919 551  # Outlines
+    click_at 1085 335 # the heading above the query's settings
+    click_at 1085 397 # View, below Expert
+    click_at 919 479  # Outlines
     look '.outlines == 0'
     leave
 }
@@ -188,15 +188,15 @@ END
     /usr/bin/python3 - <<'END'
 import numpy
 import OpenImageIO as oiio
-row = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[740, :661, :3].astype(int) # up to the cuts
-column = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[:, 63, :3].astype(int)
+row = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[740, :658, :3].astype(int) # up to the cuts
+column = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[:, 51, :3].astype(int)
 wide, high = ((line.min(axis=1) > 100).sum() for line in (row, column)) # beside the ball and all words
 assert wide * high > 0.45 * 1280 * 800, (wide, high)
 END
 }
 
-# At scale 2 the rail takes 120 pixels and the panel 384; of the 776 between them the cuts have 776 - 558 = 218. A ball's
-# box is a cube of 40 voxels: it fills 0.92 of the shorter side, 201. Five voxels off its middle it has 38 across: 190.
+# At scale 2 the rail takes 96 pixels and the panel 384; of the 800 between them the cuts have 800 - 576 = 224. A ball's
+# box is a cube of 40 voxels: it fills 0.92 of the shorter side, 206. Five voxels off its middle it has 38 across: 196.
 @test "a cut fills its pane to 92 %, and letters at its sides can be read on the brain" {
     need_window
     need_pixels
@@ -211,13 +211,13 @@ import numpy
 import OpenImageIO as oiio
 pixels = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[..., :3].astype(int)
 for top in 0, 251, 502:
-    pane = pixels[top:top + 248, 679:679 + 216]
+    pane = pixels[top:top + 248, 673:673 + 222]
     middle = pane[124 - 12:124 + 12] # the rows of the letters
     for letter in middle[:, 6:30], middle[:, -30:-6]:
         assert letter.max() > 200 and letter.min() < 40, "no letter on its shade"
     row = pane[99] # above the letters and the crosshair's line
     ball = numpy.flatnonzero(row.max(axis=1) > 60)
-    assert abs(ball.ptp() - 190) < 4, (top, ball.ptp())
+    assert abs(ball.ptp() - 196) < 4, (top, ball.ptp())
 END
 }
 
@@ -413,11 +413,11 @@ END
     conus phantom sphere -o .
     live slabs.nii.gz --size 1280x800
     tell 'drop sphere.nii.gz'
-    click_at 919 604 # Second tool
+    click_at 919 532 # Second tool
     look '.second.on | not'
     xdotool key --window "$window" Escape
     pass
-    click_at 919 604
+    click_at 919 532
     look '.second.on'
     leave
 }
@@ -606,5 +606,59 @@ blue = lambda name, place: (pixels(name, *place) == (0, 0xBE, 0xFF)).all(axis=2)
 assert white("seen.png") > 20 and white("hidden.png") == 0, (white("seen.png"), white("hidden.png"))
 assert blue("hidden.png", the_list) == 0
 assert blue("second.png", the_list) > 100 and blue("second.png", pane) > 20
+END
+}
+
+# The arms of the crosshair are lines of 24 pixels and more: in the middle of the ball of 20 mm each is two dashes, before
+# it each is one piece.
+@test "the crosshair is dashed where it is hidden" {
+    need_window
+    need_pixels
+    conus phantom sphere -o .
+    view sphere.nii.gz --size 1000x700 <<'END'
+orbit 0 0
+crosshair 0 0 0
+settle
+screenshot hidden.png
+crosshair 0 28 0
+settle
+screenshot seen.png
+END
+    /usr/bin/python3 - <<'END'
+import numpy
+import OpenImageIO as oiio
+for name, pieces in ("hidden", 4), ("seen", 2):
+    pane = oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[:, :500, :3].astype(int)
+    cross = abs(pane - [0xf2, 0xf2, 0x8a]).max(axis=2) < 40
+    upright = numpy.flatnonzero(cross[:, cross.sum(axis=0).argmax()])
+    assert (numpy.diff(upright) > 1).sum() + 1 == pieces, (name, upright)
+END
+}
+
+# From x = 90 the axis leaves the ball of 20 mm at x = -20, 110 mm deep, where a cone of 10 degrees is 2 * 9.6 mm wide:
+# between its sides there is nothing, but an end at 105 mm is one. Nothing else in the pane has the cone's colour.
+@test "in a cut the cone is open where it leaves the brain, and closed where its depths end" {
+    need_window
+    need_pixels
+    conus phantom sphere -o .
+    view sphere.nii.gz --size 1000x700 <<'END'
+crosshair 0 0 0
+angle 10
+aim 90 0 0 0 0 0
+settle
+screenshot open.png
+ask --range=0,105
+settle
+screenshot closed.png
+END
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+counts = []
+for name in "open", "closed":
+    pane = oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[:224, 517:570, :3].astype(int)
+    amber = (pane[..., 0] > 200) & (abs(pane[..., 1] - 0xb0) < 40) & (pane[..., 2] < 60)
+    counts.append((amber.sum(axis=0).max(), amber.any(axis=0).sum()))
+assert counts[0][0] < 8 < 20 < counts[1][0], counts # of one column: two sides, or the end between them
+assert counts[0][1] > 25, counts
 END
 }

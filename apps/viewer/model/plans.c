@@ -349,7 +349,7 @@ static void put_cleared(FILE *out, const struct viewer *viewer, const conus_plan
             plan_nearest(plan, viewer->atlases->atlas, planned, nearest));
 }
 
-/* "holds, 1.8 mm to Insula_L" and ", leeway 0.66 mm", or "breaks: 1.2 of 2 mm to Insula_L, and 1 more" */
+/* "holds, 1.8 mm to Insula_L" and ", may be off by 0.66 mm", or "breaks: 1.2 of 2 mm to Insula_L, and 1 more" */
 static void word(struct plan_verdict *out, const struct viewer *viewer, const conus_planned *planned)
 {
     size_t count = conus_plan_constraint_count(viewer->plan.live);
@@ -372,7 +372,7 @@ static void word(struct plan_verdict *out, const struct viewer *viewer, const co
         if (broken > 1) {
             fprintf(text, ", and %zu more", broken - 1);
         } else if (leeway && !broken && !isnan(planned->leeway)) {
-            fputs(", leeway ", leeway);
+            fputs(", may be off by ", leeway);
             put_number(leeway, planned->leeway, false);
             fputs(" mm", leeway);
         }

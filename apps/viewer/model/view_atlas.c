@@ -5,9 +5,21 @@
 #include "viewer/model/file_watch.h"
 #include "viewer/model/study.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Finds the box around all objects, which is that of those that are shown where none is hidden. */
+static conus_status find_box(struct view_atlas *view)
+{
+    bool hides = view_atlas_hidden(view) > 0;
+    conus_status status = hides ? conus_atlas_set_hidden(view->atlas, NULL) : CONUS_OK;
+    if (!status && conus_atlas_bounds(view->box[0], view->box[1], view->atlas)) {
+        view->box[0][0] = INFINITY;
+    }
+    return hides && !status ? conus_atlas_set_hidden(view->atlas, view->shown.hidden) : status;
+}
 
 bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
 {
@@ -24,7 +36,8 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
     view.prefixes = calloc(view.object_count + 1, sizeof(const char *));
     bool has_look = appearance_init(&view.appearance, view.object_count);
     if (!view.shown.hidden || !has_look || !view.path || !view.name || !view.watch || !view.prefixes || !view.sides ||
-        conus_atlas_sides(view.sides, view.atlas) || conus_atlas_prefixes(view.prefixes, view.atlas)) {
+        conus_atlas_sides(view.sides, view.atlas) || conus_atlas_prefixes(view.prefixes, view.atlas) ||
+        find_box(&view)) {
         view_atlas_finish(&view);
         return false;
     }
@@ -70,8 +83,9 @@ conus_status view_atlas_prepare(struct view_atlas *view, const conus_selector_op
     return conus_selector_create(&view->selector, view->atlas, options);
 }
 
-conus_status view_atlas_select(struct view_atlas *view, enum tool_number tool, const conus_selector_options *options,
-                               const conus_pose *pose, double angle)
+/* Puts the answer in the place of the one before. */
+static conus_status ask(struct answer **out, struct view_atlas *view, const conus_selector_options *options,
+                        const conus_pose *pose, double angle)
 {
     conus_selection *selection = NULL;
     conus_status status = view_atlas_prepare(view, options);
@@ -81,9 +95,22 @@ conus_status view_atlas_select(struct view_atlas *view, enum tool_number tool, c
         conus_selection_destroy(selection);
         status = CONUS_ERROR_MEMORY;
     }
-    answer_drop(view->answers[tool]);
-    view->answers[tool] = answer;
+    answer_drop(*out);
+    *out = answer;
     return status;
+}
+
+conus_status view_atlas_select(struct view_atlas *view, enum tool_number tool, const conus_selector_options *options,
+                               const conus_pose *pose, double angle)
+{
+    return ask(&view->answers[tool], view, options, pose, angle);
+}
+
+struct answer *view_atlas_nothing(struct view_atlas *view, const conus_selector_options *options,
+                                  const conus_pose *pose)
+{
+    bool fails = !view->nothing && ask(&view->nothing, view, options, pose, options->radius > 0 ? 0 : 0.1);
+    return fails ? NULL : view->nothing;
 }
 
 void view_atlas_invalidate(struct view_atlas *view)
@@ -94,6 +121,8 @@ void view_atlas_invalidate(struct view_atlas *view)
         view->pickers[layers] = NULL;
     }
     conus_cutter_destroy(view->probe);
+    answer_drop(view->nothing);
+    view->nothing = NULL;
     view->selector = NULL;
     view->probe = NULL;
 }

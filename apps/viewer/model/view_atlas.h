@@ -22,7 +22,8 @@ struct view_atlas {
     char *path; /**< As it was given. */
     char *name; /**< In the column `atlas`; "" where it is the only one. */
     size_t object_count;
-    char *sides;           /**< [object_count + 1] Of conus_atlas_sides(). */
+    double box[2][3]; /**< Around all of its objects, those that are hidden, too; low above high = there are none. */
+    char *sides;      /**< [object_count + 1] Of conus_atlas_sides(). */
     const char **prefixes; /**< [object_count + 1] Of conus_atlas_prefixes(). */
     double found_grey[2];  /**< Grey values of the context that the cuts show as black and white, unless the look says
                             others: what air and bright tissue have; both 0 without one. */
@@ -33,6 +34,7 @@ struct view_atlas {
     conus_selector_options made_with;   /**< The selector. */
     char *made_level;                   /**< Its level; NULL = none. */
     struct answer *answers[TOOL_COUNT]; /**< To the newest question, for each tool; NULL = none. */
+    struct answer *nothing;             /**< Of view_atlas_nothing(). */
     conus_selector *pickers[2];         /**< For picker.c, by conus_layers; made when needed. */
     conus_cutter *probe;                /**< Likewise. */
 };
@@ -51,6 +53,10 @@ void view_atlas_finish(struct view_atlas *view);
 /** Asks for what is in the cone of a tool, of full opening @p angle, radians. Where that fails, there is no answer. */
 conus_status view_atlas_select(struct view_atlas *view, enum tool_number tool, const conus_selector_options *options,
                                const conus_pose *pose, double angle);
+/** The answer to a cone of these options from @p pose, where nothing is: pictures with it have no colour of their
+ * files. NULL without memory. */
+struct answer *view_atlas_nothing(struct view_atlas *view, const conus_selector_options *options,
+                                  const conus_pose *pose);
 /** Makes the selector, unless there is one with these options. */
 conus_status view_atlas_prepare(struct view_atlas *view, const conus_selector_options *options);
 /** Ends what was made for the atlas and would have to be made anew after a change; the answer stays. */

@@ -28,14 +28,13 @@ void viewer_find_ball(struct viewer *viewer)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY};
     double high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    double box[2][3];
     double square = 0;
     double longest = 0;
     for (size_t i = 0; i < viewer->atlas_count; i++) {
-        bool is_empty = conus_atlas_bounds(box[0], box[1], viewer->atlases[i].atlas);
-        for (int a = 0; a < 3 && !is_empty; a++) {
-            low[a] = fmin(low[a], box[0][a]);
-            high[a] = fmax(high[a], box[1][a]);
+        const struct view_atlas *view = &viewer->atlases[i];
+        for (int a = 0; a < 3 && view->box[0][0] <= view->box[1][0]; a++) {
+            low[a] = fmin(low[a], view->box[0][a]);
+            high[a] = fmax(high[a], view->box[1][a]);
         }
     }
     for (int a = 0; a < 3 && low[0] <= high[0]; a++) {
@@ -349,16 +348,36 @@ void viewer_choose(struct viewer *viewer, uint32_t object)
     }
 }
 
+/* Whether only what is hit has a colour: with a plan also before there is a cone, beside what its needle is to reach.
+ */
+static bool is_neutral(const struct viewer *viewer)
+{
+    return viewer_selection(viewer) || viewer->plan.task.constraints.count;
+}
+
 uint32_t viewer_full(const struct viewer *viewer)
 {
-    return viewer_selection(viewer) ? 0 : viewer->drawn->shown.chosen;
+    return is_neutral(viewer) ? 0 : viewer->drawn->shown.chosen;
+}
+
+struct answer *viewer_pictured(struct viewer *viewer)
+{
+    struct view_atlas *view = viewer->drawn;
+    conus_selector_options options;
+    conus_pose away;
+    const double beside[3] = {viewer->centre[0] + 2 * viewer->radius, viewer->centre[1], viewer->centre[2]};
+    if (view->answers[FIRST_TOOL] || !is_neutral(viewer) ||
+        conus_pose_along(&away, beside, (double[]){1, 0, 0}, NULL)) {
+        return view->answers[FIRST_TOOL];
+    }
+    viewer_query(&options, viewer, FIRST_TOOL, (size_t)(view - viewer->atlases));
+    return view_atlas_nothing(view, &options, &away);
 }
 
 /* As conus_view.own_colours says. */
 static bool colours_by_rank(const struct viewer *viewer, uint32_t object)
 {
-    return viewer_selection(viewer) && !viewer->display.own_colours &&
-           viewer->drawn->appearance.haze[object] == HAZE_NONE;
+    return is_neutral(viewer) && !viewer->display.own_colours && viewer->drawn->appearance.haze[object] == HAZE_NONE;
 }
 
 /* With a level an area is drawn as the one above it that is asked about. */

@@ -127,7 +127,8 @@ struct viewer {
 conus_status viewer_create(struct viewer *out, const struct view_source *sources, size_t count, const char *transfer,
                            conus_log log, void (*wake)(void));
 void viewer_finish(struct viewer *viewer);
-/** Finds the ball around all atlases anew: what is seen stays where it is when another one is drawn. */
+/** Finds the ball around all atlases anew, with what is hidden in them: what is seen stays where it is when another one
+ * is drawn, or other areas are. */
 void viewer_find_ball(struct viewer *viewer);
 
 /** Puts one line into the status line. */
@@ -181,6 +182,8 @@ uint32_t viewer_full(const struct viewer *viewer);
 /** The place of an object in the answer, from 1, where pictures show it by a colour; 0 = it has its own, or is not hit.
  */
 size_t viewer_rank(const struct viewer *viewer, uint32_t object);
+/** The answer that pictures show the colours of: with a plan before there is a cone one without a hit; NULL = none. */
+struct answer *viewer_pictured(struct viewer *viewer);
 /** Grows with what cuts show: not with moves after which their colours are the same. */
 unsigned viewer_cut_version(const struct viewer *viewer);
 /** sRGB of an object that has this place; 0 = none. */

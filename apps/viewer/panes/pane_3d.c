@@ -115,7 +115,8 @@ static void ask_painter(struct window *window, bool moving)
                             .is_dark = theme_used() == THEME_DARK,
                             .own_colours = viewer->display.own_colours,
                             .chosen = viewer_full(viewer),
-                            .answer = viewer->drawn->answers[FIRST_TOOL],
+                            .answer = viewer_pictured(viewer),
+                            .plan_number = viewer->plan.number,
                             .is_old = inputs_is_old(&window->inputs, viewer, FIRST_TOOL),
                             .answer_number = viewer->tools[FIRST_TOOL].answer_number,
                             .scene_number = viewer->scene_number,
@@ -254,18 +255,10 @@ enum { SEEN_CELL = 12 /* pixels: what is seen is asked once in a square of these
 static uint32_t find_seen(struct window *window, float x, float y)
 {
     struct seen_places *seen = &window->pictures.seen;
-    const struct viewer *viewer = window->viewer;
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     const struct eye *eye = &window->pictures.shown;
-    bool same = seen->of == viewer->drawn && seen->atlas_number == viewer->atlas_number &&
-                seen->scene_number == viewer->scene_number && seen->fade == viewer->display.fade &&
-                eye_is_same(&seen->eye, eye);
-    if (!same) {
-        *seen = (struct seen_places){.of = viewer->drawn,
-                                     .atlas_number = viewer->atlas_number,
-                                     .scene_number = viewer->scene_number,
-                                     .eye = *eye,
-                                     .fade = viewer->display.fade};
+    if (window_sees_anew(&seen->view, window)) {
+        memset(seen->places, 0, sizeof seen->places);
     }
     const int cell[2] = {(int)(x - box->x) / SEEN_CELL, (int)(y - box->y) / SEEN_CELL};
     struct seen_place *place = &seen->places[((unsigned)cell[1] * 97 + (unsigned)cell[0]) % SEEN_PLACES];

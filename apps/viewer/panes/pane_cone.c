@@ -37,20 +37,17 @@ static void find_shell(struct shell *out, const struct viewer *viewer, enum tool
     shell_find(out, &viewer->tools[number].pose, options.radius, angle, near, far);
 }
 
-/* Finds how far the cone reaches, where that is not known any more. */
+/* Finds how far the cone reaches, where that, or how it is seen, is not known any more. */
 static void find_extent(struct window *window, enum tool_number number)
 {
     struct viewer *viewer = window->viewer;
     struct cone_sight *sight = &window->pictures.cones[number];
     unsigned answer = viewer->tools[number].answer_number;
-    if (sight->of == viewer->drawn && sight->answer_number == answer && sight->atlas_number == viewer->atlas_number &&
-        sight->scene_number == viewer->scene_number && sight->plan_number == viewer->plan.number) {
+    bool is_anew = window_sees_anew(&sight->view, window);
+    if (!is_anew && sight->answer_number == answer && sight->plan_number == viewer->plan.number) {
         return;
     }
-    sight->of = viewer->drawn;
     sight->answer_number = answer;
-    sight->atlas_number = viewer->atlas_number;
-    sight->scene_number = viewer->scene_number;
     sight->plan_number = viewer->plan.number;
     sight->is_seen = false;
     extent_find(&sight->extent, viewer, number);
@@ -131,12 +128,16 @@ static void add_seen(struct cone_sight *sight, const struct window *window, cons
     }
 }
 
+/* Adds a ring, in dashes where it is hidden. One that is dashed all around has no lines beside the brain, where nothing
+ * is that it could lie in. */
 static void add_ring(struct cone_sight *sight, const struct window *window, double (*points)[3], bool dashed)
 {
-    bool hidden = dashed;
+    bool hidden = false;
     for (size_t i = 0; i < SHELL_POINTS; i++) {
-        hidden = dashed || (i % ARC ? hidden : is_hidden(window, points[i + ARC / 2]));
-        add_line(sight, points[i], points[(i + 1) % SHELL_POINTS], hidden);
+        hidden = i % ARC ? hidden : is_hidden(window, points[i + ARC / 2]);
+        if (hidden || !dashed) {
+            add_line(sight, points[i], points[(i + 1) % SHELL_POINTS], hidden);
+        }
     }
 }
 
@@ -189,14 +190,11 @@ static void find_lines(struct window *window, enum tool_number number)
     struct viewer *viewer = window->viewer;
     struct cone_sight *sight = &window->pictures.cones[number];
     const struct extent *extent = &sight->extent;
-    const struct eye *eye = &window->pictures.shown;
     double ends[2][3];
-    if (sight->is_seen && eye_is_same(&sight->eye, eye) && sight->fade == viewer->display.fade) {
+    if (sight->is_seen) {
         return;
     }
     sight->is_seen = true;
-    sight->eye = *eye;
-    sight->fade = viewer->display.fade;
     sight->line_count = 0;
     sight->clear = extent->near;
     on_axis(ends[0], window, number, extent->near);
@@ -373,20 +371,13 @@ static void find_cross(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     struct cone_sight *sight = &window->pictures.cross;
-    const struct eye *eye = &window->pictures.shown;
     const double *at = viewer->crosshair;
     double *was = window->pictures.crossed;
-    if (sight->is_seen && sight->of == viewer->drawn && sight->atlas_number == viewer->atlas_number &&
-        sight->scene_number == viewer->scene_number && sight->fade == viewer->display.fade &&
-        eye_is_same(&sight->eye, eye) && was[0] == at[0] && was[1] == at[1] && was[2] == at[2]) {
+    bool is_anew = window_sees_anew(&sight->view, window);
+    if (!is_anew && was[0] == at[0] && was[1] == at[1] && was[2] == at[2]) {
         return;
     }
-    *sight = (struct cone_sight){.is_seen = true,
-                                 .of = viewer->drawn,
-                                 .atlas_number = viewer->atlas_number,
-                                 .scene_number = viewer->scene_number,
-                                 .fade = viewer->display.fade,
-                                 .eye = *eye};
+    sight->line_count = 0;
     memcpy(was, at, sizeof window->pictures.crossed);
     for (int half = 0; half < 6; half++) {
         double ends[2][3];
@@ -431,25 +422,52 @@ static size_t find_section(float (*out)[2], const struct viewer *viewer, enum to
     return find_hull(out, 2 * count);
 }
 
+/* Draws the edges of a section, but not one where the cone only leaves what is shown: it does not end there. */
+static void draw_edges(const struct window *window, enum tool_number number, const struct pane_plane *plane,
+                       const double depths[2], bool dashed, struct pen pen)
+{
+    const struct viewer *viewer = window->viewer;
+    const double *m = viewer->tools[number].pose.world_from_device;
+    const conus_cut_view *view = &plane->view;
+    const bool is_open = viewer->cone.options.range[1] <= 0 && depths[1] >= window->pictures.cones[number].extent.end;
+    float corners[HULL][2];
+    bool is_far[HULL];
+    float phase = 0;
+    size_t count = find_section(corners, viewer, number, depths, plane);
+    for (size_t i = 0; i < count; i++) {
+        double right = (double)(corners[i][0] - plane->box.x - plane->box.width / 2) * view->mm_per_pixel;
+        double up = (double)(plane->box.y + plane->box.height / 2 - corners[i][1]) * view->mm_per_pixel;
+        double depth = 0;
+        for (int a = 0; a < 3; a++) {
+            depth -= (view->centre[a] + right * view->right[a] + up * view->up[a] - m[12 + a]) * m[8 + a];
+        }
+        is_far[i] = is_open && depth > depths[1] - touching;
+    }
+    for (size_t i = 0; i < count; i++) {
+        size_t next = (i + 1) % count;
+        if (is_far[i] && is_far[next]) {
+            continue;
+        }
+        if (dashed) {
+            stroke_dashes(&phase, corners[i], corners[next], pen);
+        } else {
+            stroke_line(corners[i], corners[next], pen);
+        }
+    }
+}
+
 static void draw_section(struct window *window, enum tool_number number, const struct pane_plane *plane, struct pen pen)
 {
     const struct extent *extent = &window->pictures.cones[number].extent;
     const double first = fmin(fmax(extent->first, extent->near), extent->solid);
     const double depths[4] = {extent->near, first, extent->solid, extent->end};
     float corners[HULL][2];
-    float phase = 0;
     for (int part = 0; part < 2; part++) {
         size_t count = find_section(corners, window->viewer, number, depths + part, plane);
         ui_draw_fill(corners, count, filled(pen.colour, part ? fill_over_hits : fill));
     }
-    size_t count = find_section(corners, window->viewer, number, depths + 2, plane);
-    for (size_t i = 0; i < count; i++) {
-        stroke_dashes(&phase, corners[i], corners[(i + 1) % count], pen);
-    }
-    count = find_section(corners, window->viewer, number, (double[]){extent->near, extent->solid}, plane);
-    for (size_t i = 0; i < count; i++) {
-        stroke_line(corners[i], corners[(i + 1) % count], pen);
-    }
+    draw_edges(window, number, plane, depths + 2, true, pen);
+    draw_edges(window, number, plane, (double[]){extent->near, extent->solid}, false, pen);
 }
 
 /* Half of the longest edge of the first volume's voxels, mm; of an atlas without one, half a mm. */

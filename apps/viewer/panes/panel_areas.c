@@ -260,7 +260,7 @@ static void draw_icons(struct window *window, bool in_lines)
 
 void panel_rail(struct window *window, size_t side)
 {
-    ui_panel(side ? "##hits" : "##areas", side ? window->screen.right : window->screen.left, UI_UNTITLED);
+    ui_panel(side ? "##hits" : "##areas", side ? window->screen.right : window->screen.left, UI_UNTITLED | UI_NARROW);
     if (side == 0) {
         draw_icons(window, false);
     } else if (ui_button("Hits", "opens the hits of the cone and the settings (F6)")) {

@@ -299,8 +299,15 @@ static void edit_thresholds(struct viewer *viewer)
         }
         if (info && info->maximum > info->minimum) {
             double threshold = info->threshold;
+            char part[48] = "";
+            if (info->minimum >= 0) {
+                double percent = 100 * threshold / info->maximum;
+                snprintf(part, sizeof part, "%.*f %% of its largest value", percent < 1, percent);
+            }
             ui_id(number);
-            ui_name_cut(object->name, ui_room());
+            ui_name_cut(object->name, ui_room() - ui_text_width(part) - ui_line());
+            ui_same_line();
+            ui_text_coloured(THEME_HINT, "%s", part);
             ui_width(ui_room());
             ui_slider("##threshold", &threshold, info->minimum, info->maximum, "from %.6g", false);
             bool done = ui_edited();

@@ -163,8 +163,9 @@ void panel_results(struct window *window)
     bool two = viewer->tools[SECOND_TOOL].on; /* then its list stands below the first one's */
     bool shares_room = two || viewer->study.settings.kind || plans_is_on(viewer);
     float room = ui_room_below() / ui_list_line();
+    bool is_short = shares_room || viewer->cone.options.layers != CONUS_LAYERS_ALL; /* few areas are hit first */
     float lines = viewer->atlas_count > 1 ? (two ? 8 : 16) /* else the rest is for what is asked, and the card */
-                  : shares_room           ? fmaxf(fminf(8, 0.4F * room), 5)
+                  : is_short              ? fmaxf(fminf(8, 0.4F * room), 5)
                                           : fmaxf(fminf(14, 0.4F * room), room - 30);
     panel_lists(window, FIRST_TOOL, lines);
     ui_dim_end();

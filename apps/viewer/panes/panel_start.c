@@ -67,8 +67,10 @@ static bool draw_offer(const struct window *window, const struct offer *offer, c
         ui_text_coloured(THEME_ACCENT, "%s", offer->key);
         ui_same_line_at(number_width * scale);
     }
-    ui_picture(offer->known.picture.name, high / THUMBNAIL_HEIGHT * THUMBNAIL_WIDTH, high);
-    ui_same_line();
+    if (window->start.has_pictures) {
+        ui_picture(offer->known.picture.name, high / THUMBNAIL_HEIGHT * THUMBNAIL_WIDTH, high);
+        ui_same_line();
+    }
     ui_group();
     ui_name_cut(offer->name, ui_room());
     ui_tint(THEME_HINT);
@@ -228,8 +230,22 @@ static void draw_catalogue(struct window *window, float height)
     ui_scroll_end();
 }
 
+/* Whether any atlas of the lists has a picture. */
+static bool has_pictures(struct start *start)
+{
+    bool has = false;
+    for (size_t i = 0; start_path(start, i); i++) {
+        has = has || start_known(start, i, false).picture.name;
+    }
+    for (size_t i = 0; i < conus_catalogue_count(start->catalogue); i++) {
+        has = has || start_known(start, i, true).picture.name;
+    }
+    return has;
+}
+
 static void draw_lists(struct window *window, float height)
 {
+    window->start.has_pictures = has_pictures(&window->start);
     float width = ui_room();
     float half = floorf((width - gap * window->screen.scale) / 2);
     if (width < least_wide * window->screen.scale) {

@@ -66,7 +66,8 @@ bool painting_shows_same(const struct painting *a, const struct painting *b)
 {
     return a->width == b->width && a->height == b->height && a->fade == b->fade && a->own_colours == b->own_colours &&
            a->is_old == b->is_old && a->backdrop == b->backdrop && a->is_dark == b->is_dark && a->chosen == b->chosen &&
-           a->answer_number == b->answer_number && a->scene_number == b->scene_number && eye_is_same(&a->eye, &b->eye);
+           a->answer_number == b->answer_number && a->plan_number == b->plan_number &&
+           a->scene_number == b->scene_number && eye_is_same(&a->eye, &b->eye);
 }
 
 /* Tells the window that something changed. To be called with the lock held, which it releases. */

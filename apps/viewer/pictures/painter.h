@@ -24,6 +24,7 @@ struct painting {
     struct answer *answer;  /**< What it hits stands out; its cone is not drawn. NULL = none. */
     bool is_old;            /**< The answer: what it hits is pale. */
     unsigned answer_number; /**< Two paintings of the same number have the same answer. */
+    unsigned plan_number;   /**< Likewise of plans, with which there is an answer before there is a cone. */
     unsigned scene_number;  /**< Changes with hidden objects, the transfer function, opacities and the atlas. */
     bool moving;            /**< Another one will follow soon: be quick. */
 };

@@ -231,11 +231,13 @@ void ui_panel(const char *title, struct ui_box box, unsigned flags)
         ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));
         ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, ImVec2(1, 1));
     }
+    const ImVec2 padding = ImGui::GetStyle().WindowPadding;
     ImGui::SetNextWindowPos(ImVec2(box.x, box.y));
     ImGui::SetNextWindowSize(ImVec2(box.width, box.height));
     ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, flags & UI_IN_FRONT ? 1.0F : 0.0F); /* what is below is alike */
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(flags & UI_NARROW ? padding.x / 2 : padding.x, padding.y));
     ImGui::Begin(title, nullptr, window);
-    ImGui::PopStyleVar();
+    ImGui::PopStyleVar(2);
     if (plain) {
         ImGui::PopStyleVar(2);
     }
@@ -351,22 +353,30 @@ void ui_id_end(void)
     ImGui::PopID();
 }
 
+static void put_text(const char *format, va_list arguments)
+{
+    char text[3072];
+    vsnprintf(text, sizeof text, format, arguments);
+    ImGui::TextUnformatted(text);
+    audit_item(text);
+}
+
 void ui_text(const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    ImGui::TextV(format, arguments);
+    put_text(format, arguments);
     va_end(arguments);
-    audit_item(format);
 }
 
 void ui_text_coloured(enum theme_text colour, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    ImGui::TextColoredV(ImGui::ColorConvertU32ToFloat4(packed(theme_texts[colour])), format, arguments);
+    ui_tint(colour);
+    put_text(format, arguments);
+    ui_tint_end();
     va_end(arguments);
-    audit_item(format);
 }
 
 void ui_text_wrapped(enum theme_text colour, const char *text)
@@ -688,8 +698,6 @@ void ui_picture(uint32_t texture, float width, float height)
     ImVec2 at = ImGui::GetCursorScreenPos();
     if (texture) {
         ui_draw_overlay(texture, {at.x, at.y, width, height});
-    } else {
-        ui_draw_box({at.x, at.y, width, height}, theme_surfaces[THEME_FIELD], 0);
     }
     ImGui::Dummy(ImVec2(width, height));
 }

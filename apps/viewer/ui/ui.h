@@ -66,7 +66,8 @@ float ui_button_width(const char *label); /**< Width of a small button, and of t
 enum ui_panel_flag {
     UI_PLAIN = 1,    /**< No title, no padding: for pictures. */
     UI_IN_FRONT = 2, /**< Before all others.                  */
-    UI_UNTITLED = 4, /**< No title: a rail. */
+    UI_UNTITLED = 4, /**< No title,           */
+    UI_NARROW = 8,   /**< half the padding beside its widgets: a rail. */
 };
 /** The state of a tree's node: as it was left, open at first, open now whatever it was. */
 enum ui_opening { UI_AS_IT_WAS = 0, UI_OPEN_FIRST, UI_OPEN_NOW };
@@ -143,7 +144,7 @@ void ui_tree_end(void);
 
 void ui_cell(void); /**< The next cell of a list. */
 
-/** A picture of that size where the next widget would be; texture 0: a plain field in its place. */
+/** A picture of that size where the next widget would be; texture 0: nothing is in its place. */
 void ui_picture(uint32_t texture, float width, float height);
 /** A picture, @p texture of GL, opaque. */
 void ui_draw_image(uint32_t texture, struct ui_box box);

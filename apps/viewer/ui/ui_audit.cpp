@@ -4,6 +4,8 @@
 
 #include <imgui.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -13,7 +15,7 @@ namespace
 struct audit {
     std::vector<std::string> cut;
     std::vector<std::string> untold; // and the newest widget, until its tip comes
-    size_t count = 0;
+    std::vector<std::string> texts;
     ImVec2 at; // of the newest widget
     ImVec2 size;
 };
@@ -42,7 +44,7 @@ void audit_item(const char *text)
     ImVec2 low = list->GetClipRectMin();
     ImVec2 high = list->GetClipRectMax();
     bool is_seen = ImGui::GetItemRectMax().y > low.y && ImGui::GetItemRectMin().y < high.y;
-    audit->count++;
+    audit->texts.emplace_back(text);
     if (is_seen && (ImGui::GetItemRectMin().x < low.x - told || ImGui::GetItemRectMax().x > high.x + told)) {
         audit->cut.emplace_back(text);
     }
@@ -71,7 +73,7 @@ void audit_within(const char *text, float room)
     if (!audit) {
         return;
     }
-    audit->count++;
+    audit->texts.emplace_back(text);
     if (ImGui::CalcTextSize(text, nullptr, true).x > room + told) {
         audit->cut.emplace_back(text);
     }
@@ -84,7 +86,7 @@ void ui_audit_begin(void)
     audit *audit = current();
     audit->cut.clear();
     audit->untold.clear();
-    audit->count = 0;
+    audit->texts.clear();
     ImGui::GetIO().DisplaySize = audit->size;
     ImGui::NewFrame();
 }
@@ -108,7 +110,14 @@ const char *ui_audit_untold(size_t index)
 
 size_t ui_audit_count(void)
 {
-    return current()->count;
+    return current()->texts.size();
+}
+
+size_t ui_audit_place(const char *text)
+{
+    const std::vector<std::string> &texts = current()->texts;
+    auto found = std::find(texts.begin(), texts.end(), text);
+    return found == texts.end() ? SIZE_MAX : static_cast<size_t>(found - texts.begin());
 }
 
 bool ui_audit_colour(ui_colour *out, const char **name, size_t index)

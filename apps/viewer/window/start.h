@@ -40,6 +40,7 @@ struct start {
     struct recent recent;
     char
         found[SYSTEM_PATH]; /**< The sample, Debian's AAL atlas, if it is there and not among the recent ones; or "". */
+    bool has_pictures;      /**< Any atlas of the page has one, for which the lists leave room. */
     bool has_no_sample;     /**< That atlas is not installed: a phantom is the sample. */
     conus_catalogue *catalogue;  /**< The installed atlases; NULL = not looked for. */
     struct known_atlas *known;   /**< What start_known() found, first that of the paths; NULL = no memory. */

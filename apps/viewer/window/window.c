@@ -132,6 +132,21 @@ void window_eye(const struct window *window, struct eye *out)
     eye_of_orbit(out, &viewer->orbit, (double[]){(double)box->width, (double)box->height});
 }
 
+bool window_sees_anew(struct seen_view *view, const struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    const struct seen_view now = {.of = viewer->drawn,
+                                  .atlas_number = viewer->atlas_number,
+                                  .scene_number = viewer->scene_number,
+                                  .eye = window->pictures.shown,
+                                  .fade = viewer->display.fade};
+    bool is_same = view->of == now.of && view->atlas_number == now.atlas_number &&
+                   view->scene_number == now.scene_number && view->fade == now.fade &&
+                   eye_is_same(&view->eye, &now.eye);
+    *view = now;
+    return !is_same;
+}
+
 enum { STATUS_HEIGHT = 24 };
 
 void window_forget_message(struct window *window)

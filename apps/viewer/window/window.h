@@ -52,6 +52,14 @@ struct shadow {
     double middle[3];
 };
 
+/** What the 3-D pane shows: what was found on it holds as long as this is the same. */
+struct seen_view {
+    const struct view_atlas *of;         /**< The drawn atlas, */
+    unsigned atlas_number, scene_number; /**< the viewer's numbers, */
+    struct eye eye;                      /**< seen from here, */
+    double fade;                         /**< and with this fading of the context. */
+};
+
 enum { CONE_LINES = 256 };
 
 /** A piece of a line of a cone in the 3-D pane, world mm. */
@@ -64,10 +72,7 @@ enum { SEEN_PLACES = 1024 };
 
 /** What the 3-D pane shows at places of it, as far as it was asked for. */
 struct seen_places {
-    const struct view_atlas *of; /**< As of struct cone_sight. */
-    unsigned atlas_number, scene_number;
-    struct eye eye;
-    double fade;
+    struct seen_view view;
     struct seen_place {
         bool is_known;
         int cell[2];
@@ -79,15 +84,11 @@ enum { HITS_NAMED = 3 /**< The best ones, in the 3-D pane. */ };
 
 /** A tool's cone as the 3-D pane shows it. */
 struct cone_sight {
-    const struct view_atlas *of; /**< The drawn atlas, */
-    unsigned answer_number;      /**< and the tool's number and */
-    unsigned atlas_number;       /**< the viewer's, */
-    unsigned scene_number;       /**< scene's */
-    unsigned plan_number;        /**< and plan's, whose extent it is. */
+    struct seen_view view;
+    unsigned answer_number; /**< The tool's, */
+    unsigned plan_number;   /**< and the plan's, whose extent it is. */
     struct extent extent;
-    bool is_seen;   /**< What follows was found for it, */
-    struct eye eye; /**< seen from here, */
-    double fade;    /**< and with this fading of the context. */
+    bool is_seen; /**< What follows was found for it. */
     struct cone_line lines[CONE_LINES];
     size_t line_count;
     struct extent turned;       /**< The extent, with the reach of its ball as it is drawn. */
@@ -374,6 +375,8 @@ void window_fill_screen(struct window *window, bool fill);
 
 /** The eye of the 3-D pane now: its own, or that of a tracked head through its part of the screen. */
 void window_eye(const struct window *window, struct eye *out);
+/** Takes over what the 3-D pane shows now. False: it was that already. */
+bool window_sees_anew(struct seen_view *view, const struct window *window);
 
 /** "conus"; with an atlas "conus - aal.nii.gz [session.json] - Hippocampus_L (held)": its file, the session's if there
  * is one, and the best hit in the drawn atlas (hit, held, or old answer) or else the chosen area

@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Which texts the panel of hits has, and in which order, without a screen. */
+#include "viewer/commands/script.h"
+#include "viewer/panes/panels.h"
+#include "viewer/ui/ui_audit.h"
+
+#include "atlas/areas/sides.h"
+#include "builders/area_rows.h"
+#include "test.h"
+#include "window_scene.h"
+
+#include <stdint.h>
+#include <string.h>
+
+static void lay_out(struct window *window)
+{
+    window->screen.scale = 1;
+    window->screen.width = 1280;
+    window->screen.height = 800;
+    screen_divide(&window->screen);
+    assert_true(ui_audit_create(1, 1280, 800));
+}
+
+static void draw(struct window *window)
+{
+    ui_audit_begin();
+    panel_results(window);
+    ui_audit_end();
+}
+
+static bool has(const char *text)
+{
+    return ui_audit_place(text) < SIZE_MAX;
+}
+
+static void a_cylinder_has_a_radius_and_no_opening(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    window_scene_open(&window, &viewer);
+    lay_out(&window);
+    draw(&window);
+    assert_true(has("Opening") && !has("Radius"));
+    assert_true(script_do(&window, (char *[]){"angle", "7"}, 2));
+    assert_string_equal(viewer.message, "");
+    viewer.cone.options.radius = 2;
+    tool_reselect(&viewer);
+    draw(&window);
+    assert_true(has("Radius") && !has("Opening"));
+    assert_true(script_do(&window, (char *[]){"angle", "9"}, 2));
+    assert_string_equal(viewer.message, "the tool is a cylinder of 2 mm radius: its opening does not count");
+    assert_near(viewer.tools[FIRST_TOOL].angle, 9, 0); /* it does again with a cone */
+    ui_destroy();
+    viewer_finish(&viewer);
+}
+
+/* The card comes and goes: what is pressed, also of a second tool, stays where it was. */
+static void the_card_stands_below_all_else(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    window_scene_open(&window, &viewer);
+    lay_out(&window);
+    for (int second = 0; second < 2; second++) {
+        viewer.tools[SECOND_TOOL].on = second;
+        viewer.drawn->shown.chosen = 0;
+        draw(&window);
+        size_t last = ui_audit_count();
+        assert_false(has("Pin"));
+        viewer.drawn->shown.chosen = 1;
+        draw(&window);
+        assert_true(has("Pin"));
+        assert_true(ui_audit_place("Label") >= last);
+        assert_true(ui_audit_place("Second tool") < last && ui_audit_place("Search") < last);
+    }
+    ui_destroy();
+    viewer_finish(&viewer);
+}
+
+/* Three pairs, the fewest that the library tells, the left ones on the left or on the right. */
+static void an_exchanged_atlas_is_exchanged_and_has_no_side(void **state)
+{
+    static const struct area_row rows[] = {{1, "A_L", 0, NULL, 0},
+                                           {2, "A_R", 0, NULL, 0},
+                                           {3, "B_L", 0, NULL, 0},
+                                           {4, "B_R", 0, NULL, 0},
+                                           {5, "C_L", 0, NULL, 0},
+                                           {6, "C_R", 0, NULL, 0},
+                                           {0}};
+    static const uint32_t labels[2][9] = {{1, 0, 2, 3, 0, 4, 5, 0, 6}, {2, 0, 1, 4, 0, 3, 6, 0, 5}};
+    static const char line[] = "Names or places have left and right exchanged";
+    (void)state;
+    for (int is_exchanged = 0; is_exchanged < 2; is_exchanged++) {
+        struct viewer viewer;
+        struct window window = {.viewer = &viewer, .screen.enlarged = -1};
+        conus_atlas *atlas = NULL;
+        assert_ok(area_rows_atlas(&atlas, (const size_t[]){3, 3, 1}, labels[is_exchanged], rows));
+        assert_ok(swapped_sides_note(atlas));
+        assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = "six"}, 1, NULL, NULL, NULL));
+        viewer_choose(&viewer, 1);
+        lay_out(&window);
+        draw(&window);
+        assert_int_equal(has(line), is_exchanged);
+        assert_int_equal(has("Side"), !is_exchanged);
+        ui_destroy();
+        viewer_finish(&viewer);
+    }
+}
+
+/* The phantom's labels as the values of a pathway: the largest one is 4000000001. */
+static void a_threshold_has_its_part_of_the_largest_value(void **state)
+{
+    const conus_pathway_options pathway = {.name = "Tract", .threshold = 1e9};
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    window_scene_open(&window, &viewer);
+    char *file = strdup(viewer.drawn->path);
+    viewer_finish(&viewer);
+    conus_atlas *atlas = NULL;
+    assert_ok(conus_atlas_load(&atlas, file, NULL));
+    assert_ok(conus_atlas_add_pathway(atlas, file, &pathway));
+    assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = file}, 1, NULL, NULL, NULL));
+    window = (struct window){.viewer = &viewer, .screen.enlarged = -1};
+    lay_out(&window);
+    draw(&window);
+    assert_true(has("25 % of its largest value"));
+    ui_destroy();
+    viewer_finish(&viewer);
+    free(file);
+}
+
+TEST_GROUP(panels)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_cylinder_has_a_radius_and_no_opening),
+        cmocka_unit_test(the_card_stands_below_all_else),
+        cmocka_unit_test(an_exchanged_atlas_is_exchanged_and_has_no_side),
+        cmocka_unit_test(a_threshold_has_its_part_of_the_largest_value),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
