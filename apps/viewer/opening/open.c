@@ -47,10 +47,10 @@ struct resume {
     bool fine, missing;           /* Missing: the atlas was not found. */
     char why[RESUME_WHY];         /* Why it is not fine. */
     char path[SYSTEM_PATH];       /* Path or name of the atlas. */
-    char lost[ADDITIONS_MISSING]; /* Files that were added then, and are not found now; "" = none. */
     struct session_file file;
     struct worded worded; /* Its settings. */
-    json_t *words;        /* The session's options without those of missing files. */
+    json_t *lost;         /* Its entries of files that were added then, and are not found now. */
+    json_t *words;        /* Its options without those of missing files. */
 };
 
 enum kind { IS_OTHER = 0, IS_TRACTOGRAM, IS_SESSION };
@@ -319,6 +319,8 @@ static bool replace(struct window *window, struct viewer *viewer, const struct a
     changes_finish(&changes);
     free(session_path);
     json_decref(opened);
+    json_decref(window->files.lost);
+    window->files.lost = NULL;
     return true;
 }
 
@@ -400,10 +402,19 @@ static void say_added(struct window *window, const struct resume *resume, char *
     if (additions_differ(name, then, json_object_get(window->files.opened, "added"))) {
         viewer_say(window->viewer, "the session has another %s than this: numbers may differ", name);
     }
-    if (resume->lost[0]) {
-        snprintf(why, LOADER_WHY, "%.100s is opened; not found: %s", path_name(resume->session), resume->lost);
+    if (json_array_size(resume->lost)) {
+        additions_names(name, resume->lost);
+        snprintf(why, LOADER_WHY, "%.100s is opened; not found: %s", path_name(resume->session), name);
         print_error_line("%s", why);
     }
+}
+
+/* Notes the entries of missing files, and the session that has more of them, for its file to keep them. */
+static void keep_lost(struct window *window, const struct resume *resume)
+{
+    bool any = json_array_size(resume->lost) > 0;
+    json_decref(window->files.lost);
+    window->files.lost = any ? json_pack("{s: O, s: O}", "session", resume->file.root, "entries", resume->lost) : NULL;
 }
 
 /* Finds the atlas of a session and how it was opened, on another thread: it reads the files beside the session. */
@@ -416,8 +427,13 @@ static void prepare_session(void *user)
         print_error_line("%s", of->why);
         return;
     }
-    of->words = additions_find(of->lost, file->options, json_object_get(json_object_get(file->root, "opened"), "added"),
-                               of->session);
+    of->fine = of->atlas ? snprintf(of->path, SYSTEM_PATH, "%s", of->atlas) < SYSTEM_PATH
+                         : find_session_atlas(of->path, file, of->session);
+    of->missing = !of->fine;
+    of->lost = json_array();
+    of->words =
+        additions_find(of->lost, file->options, json_object_get(json_object_get(file->root, "opened"), "added"),
+                       of->session, of->fine && !path_is_name(of->path) ? of->path : NULL);
     if (!of->words) {
         snprintf(of->why, RESUME_WHY, "%.200s: not enough memory", of->session);
         return;
@@ -427,9 +443,6 @@ static void prepare_session(void *user)
         return;
     }
     of->worded.settings.session = of->session;
-    of->fine = of->atlas ? snprintf(of->path, SYSTEM_PATH, "%s", of->atlas) < SYSTEM_PATH
-                         : find_session_atlas(of->path, file, of->session);
-    of->missing = !of->fine;
     if (of->missing) {
         const char *joint = file->folder[0] && !path_is_whole(file->atlas) ? "/" : "";
         snprintf(of->why, RESUME_WHY,
@@ -468,6 +481,9 @@ static bool open_session(struct window *window, const char *session, const char 
     if (fine && !was_open) {
         say_added(window, &resume, why);
     }
+    if (fine) {
+        keep_lost(window, &resume);
+    }
     if (fine && window->files.remembers) {
         recent_add(session);
     }
@@ -481,6 +497,7 @@ static bool open_session(struct window *window, const char *session, const char 
         worded_finish(&resume.worded);
     }
     json_decref(resume.words);
+    json_decref(resume.lost);
     session_file_finish(&resume.file);
     return fine;
 }
@@ -533,6 +550,7 @@ static bool open_anew(struct window *window, const json_t *words, const struct v
     json_int_t drawn = window->viewer->drawn - window->viewer->atlases + 1;
     uint32_t chosen = window->viewer->drawn->shown.chosen;
     json_t *session = session_json(window);
+    json_t *lost = json_incref(window->files.lost);
     json_t *then = additions_atlases(json_object_get(window->files.opened, "options"));
     bool fine = worded_parse(&worded, words, settings, false) == EXIT_DONE;
     if (!fine) {
@@ -552,6 +570,7 @@ static bool open_anew(struct window *window, const json_t *words, const struct v
         }
         json_decref(now);
         window->history.session_path = saved;
+        window->files.lost = json_incref(lost);
         window->forms.added = (struct added_form){.open = lists, .kind = ADD_ATLAS, .is_set = true};
         viewer_say(window->viewer, "%s",
                    fine ? "opened with these atlases; Ctrl+Z takes back later changes only" : refused);
@@ -560,6 +579,7 @@ static bool open_anew(struct window *window, const json_t *words, const struct v
     }
     worded_finish(&worded);
     json_decref(session);
+    json_decref(lost);
     json_decref(then);
     free(path);
     return fine;

@@ -428,7 +428,9 @@ static void note_path(struct window *window, const char *path)
 
 bool session_save(struct window *window, const char *path, char why[PROPERTY_REASON])
 {
-    char *text = session_text(window);
+    json_t *root = session_json(window);
+    char *text = root && session_keep_lost(root, window) ? json_dumps(root, JSON_INDENT(1)) : NULL;
+    json_decref(root);
     conus_status status = text ? conus_write_file(path, text, strlen(text)) : CONUS_ERROR_MEMORY;
     free(text);
     if (!status) {
