@@ -63,12 +63,29 @@ struct looking {
     char why[LOADER_WHY];
 };
 
+enum { NAMING_BYTES = 4096 /* in which JSON says what it is */ };
+
+/* Whether a JSON file names @p key at its beginning, however damaged the rest is. */
+static bool json_names(const char *path, const char *key)
+{
+    char text[NAMING_BYTES + 1];
+    struct system_stat info;
+    bool may_be = path_ends_in(path, ".json") && system_stat(&info, path) && info.kind == SYSTEM_FILE;
+    FILE *in = may_be ? system_stream(path, "rb") : NULL;
+    text[in ? fread(text, 1, NAMING_BYTES, in) : 0] = '\0';
+    if (in) {
+        fclose(in);
+    }
+    return strstr(text, key);
+}
+
 static enum kind find_kind(const char *path)
 {
     struct session_file file = {0};
     bool is_session = session_file_read(&file, path);
     session_file_finish(&file);
-    return is_session ? IS_SESSION : conus_path_is_tractogram(path) ? IS_TRACTOGRAM : IS_OTHER;
+    return is_session || json_names(path, "\"conus_session\"") ? IS_SESSION
+           : conus_path_is_tractogram(path) ? IS_TRACTOGRAM : IS_OTHER;
 }
 
 /* Whether what is at `path` may be an atlas by itself: it is no session and no tractogram. Reads it. */
@@ -423,7 +440,10 @@ static void prepare_session(void *user)
     struct resume *of = user;
     const struct session_file *file = &of->file;
     if (!session_file_read(&of->file, of->session)) {
-        snprintf(of->why, RESUME_WHY, "%s: no session of conus view, or it cannot be read", of->session);
+        char why[PROPERTY_REASON];
+        bool is_json = session_check(of->session, why);
+        snprintf(of->why, RESUME_WHY, is_json ? "%.300s: no session of conus view" : "%.300s: a damaged session",
+                 is_json ? of->session : why);
         print_error_line("%s", of->why);
         return;
     }
@@ -470,6 +490,9 @@ static bool open_session(struct window *window, const char *session, const char 
                     strcmp(resume.file.atlas, window->viewer->atlases->path) == 0;
     if (was_open) {
         fine = session_load(window, session, why);
+        if (!fine) {
+            print_error_line("%s", why);
+        }
         window->start.on = window->start.on && !fine;
     } else if (fine) {
         fine = open_named(window, resume.path, &resume.worded.settings, why);
@@ -676,10 +699,15 @@ static bool open_files(struct window *window, struct open_request *request, cons
 {
     struct file_set set;
     bool fine = file_set_find(&set, window, request, settings, why);
+    const char *other = fine && !set.is_session ? set.atlas : NULL;
     bool asks = fine && has_question(window, &set, request, settings, why);
     fine = fine && !asks && !why[0] && open_sorted(window, &set, request->how, settings, with_options, why);
     free((void *)set.images);
     free((void *)set.tractograms);
+    size_t said = strlen(why);
+    if (said && !fine && other && path_ends_in(other, ".json") && !json_names(other, "\"conus_atlas\"")) {
+        snprintf(why + said, LOADER_WHY - said, "; it is no session of conus view either");
+    }
     if (asks) {
         window_ask(window, request);
     }
