@@ -117,6 +117,7 @@ struct figure_form {
     char replaced[FIGURE_NAME]; /**< The file that is there already, and may be replaced. */
     char saved[FIGURE_NAME];    /**< Path of the newest figure; "" = none. */
     char update[FIGURE_NAME + 32];
+    bool failed;     /**< The update is an error. */
     unsigned frames; /**< Frames until the file is written; 0 = none will be. */
 };
 
