@@ -44,9 +44,9 @@ struct resume {
     const struct view_settings *settings; /* Those of the command line, */
     bool with_options;                    /* whose options come before the session's. */
 
-    bool fine, missing;           /* Missing: the atlas was not found. */
-    char why[RESUME_WHY];         /* Why it is not fine. */
-    char path[SYSTEM_PATH];       /* Path or name of the atlas. */
+    bool fine, missing;     /* Missing: the atlas was not found. */
+    char why[RESUME_WHY];   /* Why it is not fine. */
+    char path[SYSTEM_PATH]; /* Path or name of the atlas. */
     struct session_file file;
     struct worded worded; /* Its settings. */
     json_t *lost;         /* Its entries of files that were added then, and are not found now. */
@@ -85,7 +85,8 @@ static enum kind find_kind(const char *path)
     bool is_session = session_file_read(&file, path);
     session_file_finish(&file);
     return is_session || json_names(path, "\"conus_session\"") ? IS_SESSION
-           : conus_path_is_tractogram(path) ? IS_TRACTOGRAM : IS_OTHER;
+           : conus_path_is_tractogram(path)                    ? IS_TRACTOGRAM
+                                                               : IS_OTHER;
 }
 
 /* Whether what is at `path` may be an atlas by itself: it is no session and no tractogram. Reads it. */
@@ -451,9 +452,8 @@ static void prepare_session(void *user)
                          : find_session_atlas(of->path, file, of->session);
     of->missing = !of->fine;
     of->lost = json_array();
-    of->words =
-        additions_find(of->lost, file->options, json_object_get(json_object_get(file->root, "opened"), "added"),
-                       of->session, of->fine && !path_is_name(of->path) ? of->path : NULL);
+    of->words = additions_find(of->lost, file->options, json_object_get(json_object_get(file->root, "opened"), "added"),
+                               of->session, of->fine && !path_is_name(of->path) ? of->path : NULL);
     if (!of->words) {
         snprintf(of->why, RESUME_WHY, "%.200s: not enough memory", of->session);
         return;
