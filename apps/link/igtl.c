@@ -82,6 +82,13 @@ static void add_pose(struct igtl_reader *reader, struct igtl_poses *poses, const
     reader->counts.poses++;
 }
 
+/* Of the upper left 3 x 3; NaN is not below 0. */
+static double determinant(const double m[16])
+{
+    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
+           m[2] * (m[4] * m[9] - m[5] * m[8]);
+}
+
 /* 12 floats: three columns of the rotation, then the position. */
 static void add_columns(struct igtl_reader *reader, struct igtl_poses *poses, const char *name, const uint8_t *body)
 {
@@ -93,7 +100,9 @@ static void add_columns(struct igtl_reader *reader, struct igtl_poses *poses, co
         }
         matrix[4 * column + 3] = column == 3;
     }
-    add_pose(reader, poses, name, conus_pose_from_matrix(&pose, matrix) ? NULL : &pose);
+    bool fine = !conus_pose_from_matrix(&pose, matrix);
+    reader->counts.mirrored += !fine && determinant(matrix) < 0;
+    add_pose(reader, poses, name, fine ? &pose : NULL);
 }
 
 /* Senders differ in how well they normalise: the protocol's own example has lengths of 0.88. A quaternion far from unit

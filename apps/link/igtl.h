@@ -39,8 +39,9 @@ struct igtl_poses {
 struct igtl_counts {
     uint64_t messages; /**< Whole ones, of any kind.                            */
     uint64_t poses;
-    uint64_t broken;  /**< Wrong checksum, or a body that does not fit its type. */
-    uint64_t refused; /**< Poses that are none: NaN, no rotation, mirrored.    */
+    uint64_t broken;   /**< Wrong checksum, or a body that does not fit its type. */
+    uint64_t refused;  /**< Poses that are none: NaN, no rotation, mirrored.    */
+    uint64_t mirrored; /**< Of these the mirrored ones. */
 };
 
 /** A stream of messages on its way in. A zeroed one is ready. */

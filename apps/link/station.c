@@ -195,6 +195,7 @@ static void add_counts(struct igtl_counts *sum, const struct igtl_counts *counts
     sum->poses += counts->poses;
     sum->broken += counts->broken;
     sum->refused += counts->refused;
+    sum->mirrored += counts->mirrored;
 }
 
 static void update_counts(struct station *station)
@@ -610,6 +611,11 @@ void station_send(struct station *station, const char *json, const struct igtl_p
     station->outgoing_number++;
     pthread_mutex_unlock(&station->lock);
     system_wake(&station->wakes[THREAD]);
+}
+
+const char *station_host(const struct station *station)
+{
+    return station->options.host;
 }
 
 uint16_t station_port(struct station *station)

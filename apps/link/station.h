@@ -82,5 +82,7 @@ bool station_wait(struct station *station, uint64_t after, double seconds, struc
 void station_send(struct station *station, const char *json, const struct igtl_point *points, size_t count);
 /** The port on which the station listens, once it does. */
 uint16_t station_port(struct station *station);
+/** The host that it connects to; NULL = it listens. */
+const char *station_host(const struct station *station);
 
 #endif

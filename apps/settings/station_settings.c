@@ -282,10 +282,13 @@ void station_settings_text(char *out, size_t size, struct station *station, cons
     static const char *const states[] = {"waiting for a connection", "connected, no pose of the tool yet",
                                          "the tool is lost", "no pose for half a second", "tracking"};
     bool failed = update->state == STATION_WAITING && update->trouble;
-    int used = snprintf(out, size, "%s on port %u%s%s", failed ? "no answer yet" : states[update->state],
-                        station_port(station), failed ? ": " : "", failed ? update->trouble : "");
+    const char *host = station_host(station);
+    int used = snprintf(out, size, "%s%s%s on port %u%s%s", failed ? "no answer yet" : states[update->state],
+                        host ? " from " : "", host ? host : "", station_port(station), failed ? ": " : "",
+                        failed ? update->trouble : "");
     unsigned long long bad = update->counts.broken + update->counts.refused + update->dropped;
     if (bad && used > 0 && (size_t)used < size) {
-        snprintf(out + used, size - (size_t)used, "; %llu messages or poses dropped", bad);
+        snprintf(out + used, size - (size_t)used, "; %llu messages or poses dropped%s", bad,
+                 update->counts.mirrored ? ", mirrored poses among them" : "");
     }
 }

@@ -266,12 +266,15 @@ static void a_file_is_found_in_a_folder_that_is_no_utf8(void **state)
     snprintf(path, sizeof path, "%s/one.nii", folder);
     assert_ok(conus_write_file(path, "1", 1));
     snprintf(path, sizeof path, "%s/s.json", folder);
-    json_t *found = additions_find(missing, words, described, path);
+    json_t *lost = json_array();
+    json_t *found = additions_find(lost, words, described, path, NULL);
+    additions_names(missing, lost);
     assert_int_equal(json_array_size(found), 1);
     snprintf(path, sizeof path, "--context=%s/one.nii,volume=1", folder);
     assert_string_equal(json_string_value(json_array_get(found, 0)), path);
     assert_string_equal(missing, "two.nii");
     json_decref(found);
+    json_decref(lost);
     json_decref(described);
     json_decref(words);
 }

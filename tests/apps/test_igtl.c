@@ -237,6 +237,7 @@ static void what_is_no_pose_is_counted(void **state)
         assert_true(igtl_read(reader, bytes, size, hear, &heard));
         assert_int_equal(heard.messages, 0);
         assert_int_equal(reader->counts.refused, 1);
+        assert_int_equal(reader->counts.mirrored, bad[i] == mirrored);
     }
     uint8_t quaternion[28] = {0};
     put_float(quaternion + 24, 0.5F); /* w alone, half as long as it should be */

@@ -499,11 +499,19 @@ static void a_file_is_replaced_when_it_is_said_twice(void **state)
     figure_form_save(&window);
     finish_figure(&window);
     assert_non_null(strstr(viewer.message, "saved: "));
-    snprintf(form->name, sizeof form->name, "%s", test_in("no/folder.png"));
-    figure_form_save(&window);
-    finish_figure(&window);
-    assert_non_null(strstr(viewer.message, "no/folder.png"));
-    assert_null(strstr(viewer.message, "saved: "));
+    assert_false(form->failed);
+    /* what can be known before is said at once, and the name can be typed again */
+    static const char *const refused[][2] = {{"no/folder.png", "there is no such folder: "},
+                                             {"figure.jpg", "figures are .png, .svg, .pdf or .exr"}};
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
+        snprintf(form->name, sizeof form->name, "%s", test_in(refused[i][0]));
+        form->takes_keys = false;
+        figure_form_save(&window);
+        assert_int_equal(form->frames, 0);
+        assert_non_null(strstr(viewer.message, refused[i][1]));
+        assert_non_null(strstr(viewer.message, refused[i][0]));
+        assert_true(form->failed && form->takes_keys);
+    }
     close_window(&window);
 }
 

@@ -375,6 +375,29 @@ static void notices_explain_a_missing_cone(void **state)
     }
 }
 
+/* Poses that are dropped since the tool's newest one are the reason why there is none. */
+static void dropped_poses_are_explained(void **state)
+{
+    const struct viewer viewer = {.tools = {{.pointer = POINT_BY_TRACKER, .has_pose = true}}};
+    struct inputs inputs = {.update.state = STATION_STALE, .seen.refused = 2, .seen.mirrored = 1};
+    struct notice notice;
+    (void)state;
+    inputs.station = (struct station *)&inputs; /* only whether it is there counts */
+    inputs.update.counts = inputs.seen;
+    inputs_notice(&notice, &inputs, &viewer, FIRST_TOOL);
+    assert_string_equal(notice.text, "the tool is silent");
+    inputs.update.counts.refused = 3;
+    inputs_notice(&notice, &inputs, &viewer, FIRST_TOOL);
+    assert_string_equal(notice.text, "poses are dropped: scaled, or no numbers");
+    inputs.update.counts.mirrored = 2;
+    inputs_notice(&notice, &inputs, &viewer, FIRST_TOOL);
+    assert_string_equal(notice.text, "poses are dropped: they are mirrored");
+    assert_true(notice.is_trouble && notice.is_old);
+    inputs.update.state = STATION_SEEN;
+    inputs_notice(&notice, &inputs, &viewer, FIRST_TOOL);
+    assert_null(notice.text);
+}
+
 TEST_GROUP(pointing)
 {
     const struct CMUnitTest tests[] = {
@@ -388,6 +411,7 @@ TEST_GROUP(pointing)
         cmocka_unit_test(one_ray_names_one_area),
         cmocka_unit_test(the_cuts_follow_the_chosen_place),
         cmocka_unit_test(notices_explain_a_missing_cone),
+        cmocka_unit_test(dropped_poses_are_explained),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

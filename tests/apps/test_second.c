@@ -156,6 +156,9 @@ static void a_device_moves_one_tool(void **state)
     tool_choose(window.viewer, FIRST_TOOL, POINT_BY_WAND);
     assert_int_equal(tool_moved_by(&viewer, POINT_BY_MOUSE), SECOND_TOOL);
     inputs_point(&window.inputs, window.viewer, eye, back);
+    unsigned version = viewer.tools[SECOND_TOOL].version;
+    inputs_point(&window.inputs, window.viewer, eye, back); /* a pose that stays is no move */
+    assert_int_equal(viewer.tools[SECOND_TOOL].version, version);
     assert_false(viewer.tools[FIRST_TOOL].has_pose);
     assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], 24, 1); /* the outermost ball's surface */
     assert_int_equal(conus_selection_result(view_atlas_selection(&viewer.atlases[0], SECOND_TOOL), 0)->object, 1);
@@ -326,6 +329,12 @@ static void stuck_and_invalid_trackers_are_reported(void **state)
     inputs_notice(&notice, &window.inputs, window.viewer, SECOND_TOOL);
     assert_true(notice.is_trouble && !notice.is_old);
     assert_non_null(strstr(notice.text, "frozen"));
+    assert_null(strstr(notice.text, "held"));
+    window.viewer->tools[SECOND_TOOL].held = true;
+    inputs_notice(&notice, &window.inputs, window.viewer, SECOND_TOOL);
+    assert_non_null(strstr(notice.text, "held"));
+    assert_non_null(strstr(notice.text, "frozen"));
+    window.viewer->tools[SECOND_TOOL].held = false;
     tool.pose.world_from_device[12] += 1e-9;
     tool.number = 2;
     tracker_hear(tracker, &tool);

@@ -114,6 +114,18 @@ static void an_atlas_is_looked_for_in_this_order(void **state)
     assert_found(&file, paths[0], NULL, paths[1]); /* by its name; its bytes are compared once it is open */
     put(was, "a.nii", "other");
     assert_found(&file, paths[0], NULL, paths[4]);
+    /* beside another atlas only with its bytes, whatever it is called */
+    char near[SYSTEM_PATH];
+    char found[SYSTEM_PATH];
+    snprintf(near, sizeof near, "%s/atlas.nii", was);
+    assert_false(session_file_find_near(found, &file, near));
+    snprintf(near, sizeof near, "%s/atlas.nii", moved);
+    assert_true(session_file_find_near(found, &file, near));
+    assert_string_equal(found, paths[2]);
+    file.sha256 = ""; /* which are not known: by its name */
+    assert_true(session_file_find_near(found, &file, near));
+    assert_string_equal(found, paths[1]);
+    file.sha256 = sum;
     file.atlas = "a.nii,volume=2";
     snprintf(paths[4], sizeof paths[4], "%s/a.nii,volume=2", was);
     assert_found(&file, paths[0], NULL, paths[4]);

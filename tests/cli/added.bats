@@ -282,12 +282,31 @@ END
     jq -e '[.opened.options[] | split("/")[-1]] ==
         ["t1.nii", "renamed.tck,radius=2", "map.nii,threshold=50", "more.tck"] and .hidden == [5]' found.json
     # more.tck was hidden, and stays hidden whichever other file is gone
-    rm moved/renamed.tck moved/map.nii
+    mkdir gone
+    mv moved/renamed.tck moved/map.nii gone
     said moved/made.json <<<$'results less.tsv\nsave less.json'
     check_message 'made.json is opened; not found: two.tck, map.nii'
     [ "$(wc -l <<<"$stderr")" = 1 ]
     queried --streamlines more.tck --hide more | diff less.tsv -
-    jq -e '.hidden == [3] and .objects == 3' less.json
+    # the file keeps what was not found, with numbers behind those of all others
+    jq -e '.hidden == [3] and .objects == 5 and
+        [.opened.options[] | split("/")[-1]] == ["t1.nii", "more.tck", "two.tck,radius=2", "map.nii,threshold=50"] and
+        [.opened.added[] | select(.lost) | .objects] == [[4], [5]]' less.json
+    # so what is there again later is opened, with what was set for it, beside an atlas that was just found, too
+    mkdir back
+    cp moved/* back
+    cp gone/* back
+    mv moved away
+    printf 'drop back/slabs.nii.gz\nresults back.tsv\nkey ctrl+s\n' >script
+    mkdir own
+    cp less.json own/elsewhere.json
+    run -0 --separate-stderr timeout $HANG "$CONUS" view own/elsewhere.json --script script --quiet --size 400x256
+    [[ $stderr == *'elsewhere.json: its atlas is not found'* ]]
+    [ "$(wc -l <<<"$stderr")" = 1 ]
+    queried --pathway map.nii,threshold=250 --streamlines more.tck --streamlines gone/renamed.tck,radius=2 --hide more |
+        diff back.tsv -
+    jq -e '.objects == 5 and all(.opened.added[]; .lost == null)' own/elsewhere.json
+    mv away moved
     # another file in its place is reported in the window only
     python3 "$BATS_TEST_DIRNAME/tck.py" moved/more.tck 4,-5,9.9 4,6,9.8
     said moved/made.json <<<'results other.tsv'

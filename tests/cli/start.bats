@@ -282,7 +282,7 @@ END
     printf 'drop sphere.nii.gz\ndrop moved/renamed.nii.gz\nresults again.tsv\n' >script
     run -0 --separate-stderr timeout $HANG "$CONUS" view --session left.json --script script --quiet
     [[ ${stderr_lines[0]} == "conus: left.json: its atlas is not found: $PWD/slabs.nii.gz. "* ]]
-    [ "${stderr_lines[1]}" = 'conus: session: of an atlas with 2 areas and pathways, this one has 1' ]
+    [ "${stderr_lines[1]}" = 'conus: left.json: of an atlas with 2 areas and pathways, this one has 1' ]
     [ ${#stderr_lines[@]} -eq 2 ]
     diff left.tsv again.tsv
     # a session that does not fit leaves the open atlas, with its name and its history

@@ -50,6 +50,21 @@ is_query() {
     is_query left.tsv -4 5 80 --angle 6.05
 }
 
+@test "a tool that stands still leaves the picture fine" {
+    need_window
+    conus phantom nested -o .
+    port=$(free_port)
+    live nested.nii.gz --listen "$port"
+    track "$port" RightToTracker 9 2 90
+    until look '.has_pose == 1'; do
+        runs "$child"
+    done
+    tell settle 'results fine.tsv' # which it waits for as long as the pictures are coarse
+    wait_until "$child" test -e fine.tsv
+    leave
+    is_query fine.tsv 9 2 90 --angle 5
+}
+
 @test "the second tool has a tracker of its own, elsewhere, and the mouse the first" {
     need_window
     conus phantom nested -o .

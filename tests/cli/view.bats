@@ -1052,10 +1052,19 @@ is_at() {
     check_message 'of an atlas with 2 areas and pathways, this one has 1'
     sed 's/"angle_deg": [0-9.]*/"angle_deg": 1e9/' slabs.json >bad.json
     run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session bad.json --script /dev/null --quiet --size 400x256
-    check_message 'angle_deg: a number from 0.01 to 179.99 is needed'
+    check_message 'bad.json: angle_deg: a number from 0.01 to 179.99 is needed'
     head -c 200 slabs.json >half.json
     run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session half.json --script /dev/null --quiet --size 400x256
     check_message 'half.json: line'
+    # without ATLAS, too, and JSON of another kind says that sessions are meant as well
+    for name in half bad; do # a script goes on behind what cannot be opened
+        printf 'drop %s.json\nwait 2\n' $name >script
+        run --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --script script --quiet --size 400x256
+        echo "$stderr" >>said
+    done
+    grep -q '^conus: half.json: line .*: a damaged session$' said
+    grep -q '^conus: bad.json: angle_deg: a number from 0.01 to 179.99 is needed$' said
+    [ "$(wc -l <said)" = 2 ]
     # spaces, which JSON allows anywhere: as many as are read, then one more
     head -c $((64 << 20)) /dev/zero | tr '\0' ' ' >large.json
     run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session large.json --script /dev/null --quiet --size 400x256

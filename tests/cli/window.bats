@@ -55,6 +55,22 @@ enter() {
     leave
 }
 
+@test "escape ends a search before it clears the cone" {
+    need_window
+    conus phantom slabs -o .
+    view slabs.nii.gz <<'END'
+aim 60 3 2 0 0 0
+search slab
+choose "Slab anterior"
+key escape
+save searched.json
+key escape
+save cleared.json
+END
+    jq -e '.has_pose == 1' searched.json
+    jq -e '.has_pose == 0' cleared.json
+}
+
 @test "no key writes a file before its place is chosen" {
     need_window
     conus phantom slabs -o .

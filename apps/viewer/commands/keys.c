@@ -60,6 +60,9 @@ static void clear(struct window *window)
     } else if (window->frame.navigated) {
         window->frame.navigated = 0;
         window->frame.navigates_anew = true;
+    } else if (window->viewer->drawn->shown.search[0]) {
+        window->viewer->drawn->shown.search[0] = '\0';
+        window->viewer->version++;
     } else {
         tool_clear(window->viewer);
         viewer_choose(window->viewer, 0);
@@ -339,7 +342,7 @@ static const struct key keys[] = {
     {"f1", NULL, .act = toggle_help, .is_anywhere = true},
     {"enter", "confirm: pin the best result", .act = confirm, .group = "Pointing"},
     {"space", "hold the cone, or let it follow the mouse again, as a click does", .move = hold, .by = {FIRST_TOOL}},
-    {"escape", "clear the cone, and choose no area", .act = clear},
+    {"escape", "end the search; clear the cone, and choose no area", .act = clear},
     {"1", "one area, by a single ray, or all areas in the cone", .sets = PROPERTY_ONE_RAY},
     {"x", "the mouse's cone begins at the surface, or at your eye", .sets = PROPERTY_APEX_AT_EYE},
     {"g", "the cuts go along with the cone's tip, with the contact of its best hit, or stay", .sets = PROPERTY_FOLLOW},

@@ -252,19 +252,36 @@ json_t *opened_describe(const conus_atlas *atlas, const char *path, json_t *opti
     return opened;
 }
 
-json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, const json_t *described,
-                       const char *session)
+bool addition_is_volume_context(const json_t *entry)
+{
+    return is_context_surface(json_text(entry, "option"), false);
+}
+
+void additions_names(char out[ADDITIONS_MISSING], const json_t *entries)
+{
+    out[0] = '\0';
+    for (size_t i = 0; i < json_array_size(entries); i++) {
+        enum addition kind;
+        char path[SYSTEM_PATH] = "";
+        size_t used = strlen(out);
+        (void)read_word(&kind, path, json_text(json_array_get(entries, i), "option"));
+        snprintf(out + used, ADDITIONS_MISSING - used, "%s%s", used ? ", " : "", path_name(path));
+        conus_plain_text(out);
+    }
+}
+
+json_t *additions_find(json_t *lost, const json_t *words, const json_t *described, const char *session,
+                       const char *atlas)
 {
     json_t *found = json_array();
-    bool fine = found;
-    missing[0] = '\0';
+    bool fine = found && lost;
     for (size_t i = 0; i < json_array_size(words) && fine; i++) {
         enum addition kind;
         char path[SYSTEM_PATH] = "";
         const char *word = word_at(words, i);
-        const json_t *entry = NULL;
+        json_t *entry = NULL;
         for (size_t k = 0; k < json_array_size(described) && !entry; k++) {
-            const json_t *one = json_array_get(described, k);
+            json_t *one = json_array_get(described, k);
             entry = strcmp(json_text(one, "option"), word) == 0 ? one : NULL;
         }
         if (!entry || !read_word(&kind, path, word)) {
@@ -278,15 +295,14 @@ json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, con
                                           .sha256 = json_text(entry, "sha256"),
                                           .bytes = (uint64_t)json_integer_value(json_object_get(entry, "bytes"))};
         (void)addition_of(&value, word);
-        if (session_file_find(where, &file, session, NULL, 0)) {
+        if (session_file_find(where, &file, session, NULL, 0) ||
+            (atlas && session_file_find_near(where, &file, atlas))) {
             char *now = NULL; /* not always UTF-8, as the session is: its folder may have any name */
             int size = asprintf(&now, "--%s=%s%s", addition_names[kind], where, value + strlen(path));
             fine = size >= 0 && !json_array_append_new(found, json_string_nocheck(now));
             free(size >= 0 ? now : NULL);
         } else {
-            size_t used = strlen(missing);
-            snprintf(missing + used, ADDITIONS_MISSING - used, "%s%s", used ? ", " : "", path_name(path));
-            conus_plain_text(missing);
+            fine = !json_array_append(lost, entry);
         }
     }
     return words_or_none(found, fine);

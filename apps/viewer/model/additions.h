@@ -50,11 +50,15 @@ json_t *opened_describe(const conus_atlas *atlas, const char *path, json_t *opti
 
 enum { ADDITIONS_MISSING = 256 };
 
-/** Finds the files of @p described again, where they were, or beside the session @p session by name or checksum: the
- * session's @p words, where they are now, without those that are nowhere, whose names are in @p missing, plain, "" =
- * all are there. NULL without memory. */
-json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, const json_t *described,
-                       const char *session);
+/** Finds the files of @p described again, where they were, or beside the session @p session by name or checksum, or
+ * beside its @p atlas (NULL = not known): the session's @p words, where they are now, without those that are nowhere,
+ * whose entries are appended to @p lost. NULL without memory. */
+json_t *additions_find(json_t *lost, const json_t *words, const json_t *described, const char *session,
+                       const char *atlas);
+/** The names of the files of such entries, plain. */
+void additions_names(char out[ADDITIONS_MISSING], const json_t *entries);
+/** Whether @p entry adds a context that is a volume, of which an atlas has one. */
+bool addition_is_volume_context(const json_t *entry);
 /** Which entry of @p now each of @p then is, by its word, or its file's checksum or name: @p match is [entries of @p
  * then], SIZE_MAX = none. No two are the same one. Both as additions_describe() has them, or NULL. False without
  * memory. */

@@ -107,12 +107,18 @@ static bool find_in_folder(char out[SYSTEM_PATH], const struct session_file *fil
     return search.found;
 }
 
+/* The folder of a file, without a '/' at its end. */
+static void put_folder(char out[SYSTEM_PATH], const char *path)
+{
+    size_t length = path_folder_length(path);
+    snprintf(out, SYSTEM_PATH, "%.*s", length > 1 ? (int)length - 1 : 1, length ? path : ".");
+}
+
 /* A file beside the session, by the same name or relative path, or with the same bytes. */
 static bool find_beside(char out[SYSTEM_PATH], const struct session_file *file, const char *session)
 {
     char folder[SYSTEM_PATH];
-    size_t length = path_folder_length(session);
-    snprintf(folder, sizeof folder, "%.*s", length > 1 ? (int)length - 1 : 1, length ? session : ".");
+    put_folder(folder, session);
     return (put_path(out, folder, file->atlas) && is_there(out)) ||
            (put_path(out, folder, path_base(file->atlas)) && is_there(out)) || find_in_folder(out, file, folder);
 }
@@ -126,4 +132,12 @@ bool session_file_find(char out[SYSTEM_PATH], const struct session_file *file, c
         found = put_path(out, "", others[i]) && is_same_file(file, out);
     }
     return found;
+}
+
+bool session_file_find_near(char out[SYSTEM_PATH], const struct session_file *file, const char *atlas)
+{
+    char folder[SYSTEM_PATH];
+    put_folder(folder, atlas);
+    return file->sha256[0] ? find_in_folder(out, file, folder)
+                           : put_path(out, folder, path_base(file->atlas)) && is_there(out);
 }

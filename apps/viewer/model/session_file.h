@@ -29,6 +29,8 @@ void session_file_finish(struct session_file *file);
  * among @p others that has it. False: it is nowhere there. */
 bool session_file_find(char out[SYSTEM_PATH], const struct session_file *file, const char *session,
                        const char *const *others, size_t count);
+/** Finds what was beside the atlas @p atlas, a path: the same file, by its checksum, or by name where none is known. */
+bool session_file_find_near(char out[SYSTEM_PATH], const struct session_file *file, const char *atlas);
 /** Whether the atlas is surely another than that of the session, by its checksum. */
 bool session_file_differs(const struct session_file *file, const conus_atlas *atlas);
 

@@ -44,13 +44,13 @@ struct resume {
     const struct view_settings *settings; /* Those of the command line, */
     bool with_options;                    /* whose options come before the session's. */
 
-    bool fine, missing;           /* Missing: the atlas was not found. */
-    char why[RESUME_WHY];         /* Why it is not fine. */
-    char path[SYSTEM_PATH];       /* Path or name of the atlas. */
-    char lost[ADDITIONS_MISSING]; /* Files that were added then, and are not found now; "" = none. */
+    bool fine, missing;     /* Missing: the atlas was not found. */
+    char why[RESUME_WHY];   /* Why it is not fine. */
+    char path[SYSTEM_PATH]; /* Path or name of the atlas. */
     struct session_file file;
     struct worded worded; /* Its settings. */
-    json_t *words;        /* The session's options without those of missing files. */
+    json_t *lost;         /* Its entries of files that were added then, and are not found now. */
+    json_t *words;        /* Its options without those of missing files. */
 };
 
 enum kind { IS_OTHER = 0, IS_TRACTOGRAM, IS_SESSION };
@@ -63,12 +63,30 @@ struct looking {
     char why[LOADER_WHY];
 };
 
+enum { NAMING_BYTES = 4096 /* in which JSON says what it is */ };
+
+/* Whether a JSON file names @p key at its beginning, however damaged the rest is. */
+static bool json_names(const char *path, const char *key)
+{
+    char text[NAMING_BYTES + 1];
+    struct system_stat info;
+    bool may_be = path_ends_in(path, ".json") && system_stat(&info, path) && info.kind == SYSTEM_FILE;
+    FILE *in = may_be ? system_stream(path, "rb") : NULL;
+    text[in ? fread(text, 1, NAMING_BYTES, in) : 0] = '\0';
+    if (in) {
+        fclose(in);
+    }
+    return strstr(text, key);
+}
+
 static enum kind find_kind(const char *path)
 {
     struct session_file file = {0};
     bool is_session = session_file_read(&file, path);
     session_file_finish(&file);
-    return is_session ? IS_SESSION : conus_path_is_tractogram(path) ? IS_TRACTOGRAM : IS_OTHER;
+    return is_session || json_names(path, "\"conus_session\"") ? IS_SESSION
+           : conus_path_is_tractogram(path)                    ? IS_TRACTOGRAM
+                                                               : IS_OTHER;
 }
 
 /* Whether what is at `path` may be an atlas by itself: it is no session and no tractogram. Reads it. */
@@ -319,6 +337,8 @@ static bool replace(struct window *window, struct viewer *viewer, const struct a
     changes_finish(&changes);
     free(session_path);
     json_decref(opened);
+    json_decref(window->files.lost);
+    window->files.lost = NULL;
     return true;
 }
 
@@ -400,10 +420,19 @@ static void say_added(struct window *window, const struct resume *resume, char *
     if (additions_differ(name, then, json_object_get(window->files.opened, "added"))) {
         viewer_say(window->viewer, "the session has another %s than this: numbers may differ", name);
     }
-    if (resume->lost[0]) {
-        snprintf(why, LOADER_WHY, "%.100s is opened; not found: %s", path_name(resume->session), resume->lost);
+    if (json_array_size(resume->lost)) {
+        additions_names(name, resume->lost);
+        snprintf(why, LOADER_WHY, "%.100s is opened; not found: %s", path_name(resume->session), name);
         print_error_line("%s", why);
     }
+}
+
+/* Notes the entries of missing files, and the session that has more of them, for its file to keep them. */
+static void keep_lost(struct window *window, const struct resume *resume)
+{
+    bool any = json_array_size(resume->lost) > 0;
+    json_decref(window->files.lost);
+    window->files.lost = any ? json_pack("{s: O, s: O}", "session", resume->file.root, "entries", resume->lost) : NULL;
 }
 
 /* Finds the atlas of a session and how it was opened, on another thread: it reads the files beside the session. */
@@ -412,12 +441,19 @@ static void prepare_session(void *user)
     struct resume *of = user;
     const struct session_file *file = &of->file;
     if (!session_file_read(&of->file, of->session)) {
-        snprintf(of->why, RESUME_WHY, "%s: no session of conus view, or it cannot be read", of->session);
+        char why[PROPERTY_REASON];
+        bool is_json = session_check(of->session, why);
+        snprintf(of->why, RESUME_WHY, is_json ? "%.300s: no session of conus view" : "%.300s: a damaged session",
+                 is_json ? of->session : why);
         print_error_line("%s", of->why);
         return;
     }
+    of->fine = of->atlas ? snprintf(of->path, SYSTEM_PATH, "%s", of->atlas) < SYSTEM_PATH
+                         : find_session_atlas(of->path, file, of->session);
+    of->missing = !of->fine;
+    of->lost = json_array();
     of->words = additions_find(of->lost, file->options, json_object_get(json_object_get(file->root, "opened"), "added"),
-                               of->session);
+                               of->session, of->fine && !path_is_name(of->path) ? of->path : NULL);
     if (!of->words) {
         snprintf(of->why, RESUME_WHY, "%.200s: not enough memory", of->session);
         return;
@@ -427,9 +463,6 @@ static void prepare_session(void *user)
         return;
     }
     of->worded.settings.session = of->session;
-    of->fine = of->atlas ? snprintf(of->path, SYSTEM_PATH, "%s", of->atlas) < SYSTEM_PATH
-                         : find_session_atlas(of->path, file, of->session);
-    of->missing = !of->fine;
     if (of->missing) {
         const char *joint = file->folder[0] && !path_is_whole(file->atlas) ? "/" : "";
         snprintf(of->why, RESUME_WHY,
@@ -457,6 +490,9 @@ static bool open_session(struct window *window, const char *session, const char 
                     strcmp(resume.file.atlas, window->viewer->atlases->path) == 0;
     if (was_open) {
         fine = session_load(window, session, why);
+        if (!fine) {
+            print_error_line("%s", why);
+        }
         window->start.on = window->start.on && !fine;
     } else if (fine) {
         fine = open_named(window, resume.path, &resume.worded.settings, why);
@@ -467,6 +503,9 @@ static bool open_session(struct window *window, const char *session, const char 
     }
     if (fine && !was_open) {
         say_added(window, &resume, why);
+    }
+    if (fine) {
+        keep_lost(window, &resume);
     }
     if (fine && window->files.remembers) {
         recent_add(session);
@@ -481,6 +520,7 @@ static bool open_session(struct window *window, const char *session, const char 
         worded_finish(&resume.worded);
     }
     json_decref(resume.words);
+    json_decref(resume.lost);
     session_file_finish(&resume.file);
     return fine;
 }
@@ -533,6 +573,7 @@ static bool open_anew(struct window *window, const json_t *words, const struct v
     json_int_t drawn = window->viewer->drawn - window->viewer->atlases + 1;
     uint32_t chosen = window->viewer->drawn->shown.chosen;
     json_t *session = session_json(window);
+    json_t *lost = json_incref(window->files.lost);
     json_t *then = additions_atlases(json_object_get(window->files.opened, "options"));
     bool fine = worded_parse(&worded, words, settings, false) == EXIT_DONE;
     if (!fine) {
@@ -552,6 +593,7 @@ static bool open_anew(struct window *window, const json_t *words, const struct v
         }
         json_decref(now);
         window->history.session_path = saved;
+        window->files.lost = json_incref(lost);
         window->forms.added = (struct added_form){.open = lists, .kind = ADD_ATLAS, .is_set = true};
         viewer_say(window->viewer, "%s",
                    fine ? "opened with these atlases; Ctrl+Z takes back later changes only" : refused);
@@ -560,6 +602,7 @@ static bool open_anew(struct window *window, const json_t *words, const struct v
     }
     worded_finish(&worded);
     json_decref(session);
+    json_decref(lost);
     json_decref(then);
     free(path);
     return fine;
@@ -656,10 +699,15 @@ static bool open_files(struct window *window, struct open_request *request, cons
 {
     struct file_set set;
     bool fine = file_set_find(&set, window, request, settings, why);
+    const char *other = fine && !set.is_session ? set.atlas : NULL;
     bool asks = fine && has_question(window, &set, request, settings, why);
     fine = fine && !asks && !why[0] && open_sorted(window, &set, request->how, settings, with_options, why);
     free((void *)set.images);
     free((void *)set.tractograms);
+    size_t said = strlen(why);
+    if (said && !fine && other && path_ends_in(other, ".json") && !json_names(other, "\"conus_atlas\"")) {
+        snprintf(why + said, LOADER_WHY - said, "; it is no session of conus view either");
+    }
     if (asks) {
         window_ask(window, request);
     }

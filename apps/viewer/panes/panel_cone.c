@@ -46,12 +46,15 @@ static void show_tracker(struct window *window)
         if (ui_button("Disconnect", "ends the connection; the answer from before stays, and is said to be old")) {
             inputs_disconnect(inputs, window->viewer);
         }
+    }
+    if (inputs->station && !station_host(inputs->station)) { /* it listens */
         return;
     }
     bool entered = ui_type("Tracker", inputs->address, sizeof inputs->address, "host:port");
     ui_tip("the address of a tracker, or of 3D Slicer, that sends OpenIGTLink, as for --connect; Enter connects");
     bool pressed = ui_button("Connect", "connects to it, and tries again until it answers");
     if (entered || pressed) {
+        inputs_disconnect(inputs, window->viewer);
         (void)window_connect(window);
     }
 }

@@ -3,6 +3,7 @@
 #include "conus/file.h"
 #include "options/output.h"
 #include "viewer/panes/panels.h"
+#include "viewer/ui/ui_list.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -25,9 +26,14 @@ static void draw_line(struct window *window)
     if (moved) {
         dialog_move(dialog, moved);
     }
-    ui_text_wrapped(dialog->why[0] ? THEME_ORANGE : THEME_HINT,
+    char hint[64];
+    snprintf(hint, sizeof hint, "Type a name for the file; %s is put behind it",
+             dialog->ending ? dialog->ending : ".json");
+    ui_text_wrapped(dialog->why[0] ? THEME_ORANGE
+                    : saves        ? THEME_PLAIN
+                                   : THEME_HINT,
                     dialog->why[0] ? dialog->why
-                    : saves        ? "A name for the file, whose ending is put behind it"
+                    : saves        ? hint
                                    : "Type a path, or a part of a name to search this folder");
     if (entered) {
         window_use_dialog(window);
@@ -59,8 +65,8 @@ static bool draw_entry(struct window *window, size_t index)
     struct dialog *dialog = &window->dialog;
     const struct folder_entry *entry = &dialog->folder.entries[index];
     bool is_folder = entry->is_folder;
-    char plain[SYSTEM_NAME + 1];
-    snprintf(plain, sizeof plain, "%s", entry->name);
+    char plain[SYSTEM_NAME + 2];
+    snprintf(plain, sizeof plain, "%s%s", entry->name, is_folder ? "/" : "");
     conus_plain_text(plain);
     bool clicked = panel_row(window, index, index == dialog->marked, NULL, 0);
     if (dialog->scrolls && index == dialog->marked) {
@@ -68,7 +74,9 @@ static bool draw_entry(struct window *window, size_t index)
         dialog->scrolls = false;
     }
     bool doubled = ui_hovered() && ui_mouse_now().doubled;
-    ui_text_coloured(is_folder ? THEME_ACCENT : THEME_PLAIN, "%s%s", plain, is_folder ? "/" : "");
+    ui_tint(is_folder ? THEME_ACCENT : THEME_PLAIN);
+    ui_name_cut(plain, ui_room());
+    ui_tint_end();
     if (clicked) {
         dialog_take(dialog, index);
     }
@@ -101,9 +109,10 @@ static void draw_folder(struct window *window)
     }
     if (!fitting && goes_on) {
         ui_text_coloured(THEME_HINT, "%s",
-                         dialog->folder.failed ? "This folder cannot be read."
-                         : dialog->all         ? "Nothing here has such a name."
-                                               : "Nothing here that conus can open by its name.");
+                         dialog->folder.missing  ? "There is no such folder."
+                         : dialog->folder.failed ? "This folder cannot be read."
+                         : dialog->all           ? "Nothing here has such a name."
+                                                 : "Nothing here that conus can open by its name.");
     }
     ui_scroll_end();
 }

@@ -79,7 +79,7 @@ static void choose_name(struct window *window)
     if (ui_button("Close", NULL)) {
         form->open = false;
     }
-    ui_text_wrapped(THEME_PLAIN, form->update);
+    ui_text_wrapped(form->failed ? THEME_ORANGE : THEME_PLAIN, form->update);
 }
 
 void panel_figure(struct window *window)

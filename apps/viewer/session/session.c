@@ -401,19 +401,40 @@ bool session_read(struct window *window, json_t *root, char why[PROPERTY_REASON]
 }
 
 /* @p name is what errors call it. */
-static bool parse(struct window *window, const char *name, const char *text, size_t size, char why[PROPERTY_REASON])
+static json_t *parse(const char *name, const char *text, size_t size, char why[PROPERTY_REASON])
 {
     json_error_t error;
     json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
-    bool fine =
-        root ? session_read(window, root, why) : session_refuse(why, "%s: line %d: %s", name, error.line, error.text);
-    json_decref(root);
-    return fine;
+    (void)(root || session_refuse(why, "%s: line %d: %s", name, error.line, error.text));
+    return root;
 }
 
 bool session_parse(struct window *window, const char *text, size_t size, char why[PROPERTY_REASON])
 {
-    return parse(window, "session", text, size, why);
+    json_t *root = parse("session", text, size, why);
+    bool fine = root && session_read(window, root, why);
+    json_decref(root);
+    return fine;
+}
+
+static json_t *read_file(const char *path, char why[PROPERTY_REASON])
+{
+    char *text = NULL;
+    size_t size = 0;
+    messages_hold(true);
+    int code = input_file_read(&text, &size, path, INPUT_FILE_OR_PIPE, SESSION_LIMIT);
+    messages_hold(false);
+    (void)(!code || session_refuse(why, "%s", error_line()));
+    json_t *root = code ? NULL : parse(path, text, size, why);
+    free(text);
+    return root;
+}
+
+bool session_check(const char *path, char why[PROPERTY_REASON])
+{
+    json_t *root = read_file(path, why);
+    json_decref(root);
+    return root;
 }
 
 /* Notes where Ctrl+S saves from now on. */
@@ -428,7 +449,9 @@ static void note_path(struct window *window, const char *path)
 
 bool session_save(struct window *window, const char *path, char why[PROPERTY_REASON])
 {
-    char *text = session_text(window);
+    json_t *root = session_json(window);
+    char *text = root && session_keep_lost(root, window) ? json_dumps(root, JSON_INDENT(1)) : NULL;
+    json_decref(root);
     conus_status status = text ? conus_write_file(path, text, strlen(text)) : CONUS_ERROR_MEMORY;
     free(text);
     if (!status) {
@@ -441,13 +464,15 @@ bool session_save(struct window *window, const char *path, char why[PROPERTY_REA
 
 bool session_load(struct window *window, const char *path, char why[PROPERTY_REASON])
 {
-    char *text = NULL;
-    size_t size = 0;
-    messages_hold(true);
-    int code = input_file_read(&text, &size, path, INPUT_FILE_OR_PIPE, SESSION_LIMIT);
-    messages_hold(false);
-    bool fine = code ? session_refuse(why, "%s", error_line()) : parse(window, path, text, size, why);
-    free(text);
+    static const char plain[] = "session: ";
+    char named[PROPERTY_REASON];
+    json_t *root = read_file(path, why);
+    bool fine = root && session_read(window, root, why);
+    json_decref(root);
+    if (!fine && strncmp(why, plain, strlen(plain)) == 0) { /* several may be at hand: which one it is */
+        snprintf(named, sizeof named, "%.120s: %s", path, why + strlen(plain));
+        memcpy(why, named, sizeof named);
+    }
     if (fine) {
         note_path(window, path);
         viewer_say(window->viewer, "opened: %s", path_name(path)); /* what was said before is of another state */

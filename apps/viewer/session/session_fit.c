@@ -226,3 +226,105 @@ void session_fit(json_t *root, const struct window *window)
     }
     free(numbers.now);
 }
+
+/* Gives the objects of a file that is not there the next numbers. */
+static void number_lost(json_t *entry, struct numbers *numbers)
+{
+    json_t *objects = json_object_get(entry, "objects");
+    for (size_t i = json_array_size(objects); i-- > 0;) { /* other values are no numbers of objects */
+        json_int_t number = json_integer_value(json_array_get(objects, i));
+        if (number < 1 || (uint64_t)number > numbers->then) {
+            json_array_remove(objects, i);
+        }
+    }
+    for (size_t i = 0; i < json_array_size(objects); i++) {
+        uint32_t *now = &numbers->now[json_integer_value(json_array_get(objects, i))];
+        *now = (uint32_t)++numbers->count;
+        json_array_set_new(objects, i, json_integer(*now));
+    }
+}
+
+/* Appends what a list of the session says of the objects that have a number now. */
+static void keep_list(json_t *list, const json_t *then, bool has_pairs, const struct numbers *numbers)
+{
+    json_t *kept = json_deep_copy(then);
+    fit_list(kept, has_pairs, numbers);
+    json_array_extend(list, kept);
+    json_decref(kept);
+}
+
+/* Appends thresholds of pathways that are not there, which are found again by name. */
+static void keep_thresholds(json_t *list, const json_t *then)
+{
+    size_t count = json_array_size(list);
+    for (size_t i = 0; i < json_array_size(then); i++) {
+        json_t *entry = json_array_get(then, i);
+        bool is_there = false;
+        for (size_t k = 0; k < count; k++) {
+            is_there = is_there || json_equal(json_object_get(entry, "pathway"),
+                                              json_object_get(json_array_get(list, k), "pathway"));
+        }
+        (void)(is_there || json_array_append(list, entry));
+    }
+}
+
+/* Whether a file of the session is still to be found: it was not opened since, nor another context in its place. */
+static bool is_still_lost(const json_t *entry, size_t match, const json_t *added)
+{
+    bool still = match == SIZE_MAX;
+    for (size_t i = 0; i < json_array_size(added) && addition_is_volume_context(entry); i++) {
+        still = still && !addition_is_volume_context(json_array_get(added, i));
+    }
+    return still;
+}
+
+bool session_keep_lost(json_t *root, const struct window *window)
+{
+    static const char *const of_context[] = {"transfer", "preset"};
+    const json_t *entries = json_object_get(window->files.lost, "entries");
+    const json_t *then = json_object_get(window->files.lost, "session");
+    json_t *opened = json_object_get(root, "opened");
+    json_t *added = json_object_get(opened, "added");
+    json_t *look = json_object_get(root, "look");
+    const json_t *look_then = json_object_get(then, "look");
+    size_t count = json_array_size(entries);
+    json_int_t objects = json_integer_value(json_object_get(then, "objects"));
+    struct numbers numbers = {.then = objects > 0 ? (size_t)objects : 0,
+                              .count = (size_t)json_integer_value(json_object_get(root, "objects"))};
+    if (!count || !added) {
+        return true;
+    }
+    size_t *match = calloc(count, sizeof *match);
+    bool has_context = count_contexts(added) > 0;
+    bool fine = match && (numbers.now = calloc(numbers.then + 1, sizeof *numbers.now)) &&
+                additions_match(match, entries, added);
+    json_t *now = fine ? json_copy(added) : NULL;
+    for (size_t i = 0; i < count && fine; i++) {
+        const json_t *entry = json_array_get(entries, i);
+        if (!is_still_lost(entry, match[i], now)) {
+            continue;
+        }
+        json_t *kept = json_deep_copy(entry);
+        number_lost(kept, &numbers);
+        json_object_set_new(kept, "lost", json_true());
+        fine = !json_array_append_new(added, kept) &&
+               !json_array_append(json_object_get(opened, "options"), json_object_get(entry, "option"));
+        for (size_t k = 0; k < 2 && is_context(entry) && !has_context; k++) {
+            json_object_set(root, of_context[k], json_object_get(then, of_context[k]));
+        }
+        if (is_context(entry) && !has_context && json_object_get(look_then, "grey")) {
+            json_object_set(look, "grey", json_object_get(look_then, "grey"));
+        }
+    }
+    if (fine) {
+        json_object_set_new(root, "objects", json_integer((json_int_t)numbers.count));
+        keep_list(json_object_get(root, "hidden"), json_object_get(then, "hidden"), false, &numbers);
+        keep_list(json_object_get(look, "opacities"), json_object_get(look_then, "opacities"), true, &numbers);
+        keep_list(json_object_get(look, "pathways"), json_object_get(look_then, "pathways"), true, &numbers);
+        keep_thresholds(json_object_get(root, "thresholds"), json_object_get(then, "thresholds"));
+    }
+    json_decref(now);
+    free(numbers.now);
+    free(match);
+    return fine;
+}

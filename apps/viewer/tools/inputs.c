@@ -9,6 +9,8 @@
 #include <math.h>
 #include <string.h>
 
+static const char not_confirmed[] = "nothing is confirmed: the answer is old, its tool is not seen";
+
 static const double farthest_radii = 3; /* from the brain's middle: a tool cannot be steered farther away */
 
 static double length(const double v[3])
@@ -103,11 +105,25 @@ static bool any(const double v[3])
     return v[0] != 0 || v[1] != 0 || v[2] != 0;
 }
 
-/* Applies what a source says to its tool. Returns whether there was a pose, or a move. */
+/* Whether the tool has this very pose, so that nothing has moved. */
+static bool is_at(const struct tool *tool, const conus_pose *pose)
+{
+    static const conus_frame world = {.space = CONUS_SPACE_RAS};
+    conus_pose turned = *pose;
+    bool is = tool->has_pose;
+    conus_frame_turn_pose(&turned, &world, true); /* as tool_aim() keeps it */
+    for (size_t i = 0; i < 16; i++) {
+        is = is && turned.world_from_device[i] == tool->pose.world_from_device[i];
+    }
+    return is;
+}
+
+/* Applies what a source says to its tool. Returns whether there was another pose, or a move. */
 static bool take_update(struct viewer *viewer, enum tool_number number, const struct source_update *update)
 {
-    bool moves = !viewer->tools[number].held && (update->has_pose || any(update->move) || any(update->turn));
-    if (moves && update->has_pose) {
+    bool is_new = update->has_pose && !is_at(&viewer->tools[number], &update->pose);
+    bool moves = !viewer->tools[number].held && (is_new || any(update->move) || any(update->turn));
+    if (moves && is_new) {
         tool_aim(viewer, number, &update->pose);
     } else if (moves) {
         inputs_steer(viewer, number, update->move, update->turn);
@@ -127,13 +143,26 @@ static bool take_update(struct viewer *viewer, enum tool_number number, const st
     return moves;
 }
 
+/* Why poses are dropped that the tracker has sent since the tool's newest one; NULL = none are. */
+static const char *find_refusal(const struct inputs *inputs)
+{
+    const struct igtl_counts *now = &inputs->update.counts;
+    return now->mirrored > inputs->seen.mirrored ? "poses are dropped: they are mirrored"
+           : now->refused > inputs->seen.refused ? "poses are dropped: scaled, or no numbers"
+                                                 : NULL;
+}
+
 /* Asks the station what is new. The tracked head moves along. */
 static void hear_station(struct inputs *inputs, struct viewer *viewer)
 {
     struct station_update *update = &inputs->update;
     const char *trouble = update->trouble;
+    const char *refusal = find_refusal(inputs);
+    uint64_t number = update->number;
     station_ask(inputs->station, update);
+    inputs->seen = update->number == number ? inputs->seen : update->counts;
     viewer->said += update->trouble != trouble; /* a frame that says so */
+    viewer->version += find_refusal(inputs) != refusal;
     if (viewer->head.named) {
         head_set_state(&viewer->head, update->head.state);
         if (update->head.state == STATION_SEEN) {
@@ -186,6 +215,9 @@ static bool move_by_source(struct inputs *inputs, struct viewer *viewer, enum to
     enum source_state was = heard->state;
     source_ask(source_of(inputs, viewer, number), now_s, heard);
     viewer->version += heard->state != was; /* the notice about the tool changes */
+    if (heard->state == SOURCE_WELL && was != SOURCE_WELL && strcmp(viewer->message, not_confirmed) == 0) {
+        viewer_say(viewer, "%s", ""); /* it would be now */
+    }
     return take_update(viewer, number, heard);
 }
 
@@ -242,13 +274,15 @@ void inputs_disconnect(struct inputs *inputs, struct viewer *viewer)
     station_stop(inputs->station);
     inputs->station = NULL;
     inputs->update = (struct station_update){0};
+    inputs->seen = (struct igtl_counts){0};
     if (viewer->head.named) {
         head_set_state(&viewer->head, STATION_WAITING);
     }
     viewer->version++;
 }
 
-static struct notice notice_of_tracker(bool has_pose, bool has_station, enum station_state state)
+/* @p refusal is why its poses are dropped, or NULL. */
+static struct notice notice_of_tracker(bool has_pose, bool has_station, enum station_state state, const char *refusal)
 {
     static const char *const none[] = {"no tracker is connected yet", "no pose of the tool yet",
                                        "the tracker does not see the tool", "no pose of the tool for half a second",
@@ -262,14 +296,14 @@ static struct notice notice_of_tracker(bool has_pose, bool has_station, enum sta
     if (state == STATION_SEEN && has_pose) {
         return (struct notice){0};
     }
-    return (struct notice){(has_pose ? old : none)[state], state != STATION_SEEN, has_pose};
+    return (struct notice){refusal ? refusal : (has_pose ? old : none)[state], state != STATION_SEEN, has_pose};
 }
 
 static struct notice notice_of_first(const struct inputs *inputs, const struct tool *tool)
 {
     struct notice notice = {0};
     if (tool->pointer == POINT_BY_TRACKER) {
-        notice = notice_of_tracker(tool->has_pose, inputs->station, inputs->update.state);
+        notice = notice_of_tracker(tool->has_pose, inputs->station, inputs->update.state, find_refusal(inputs));
     } else if (tool->pointer == POINT_BY_REPLAY && !inputs->replay.poses) {
         notice = (struct notice){"no poses: see --poses", true, false};
     } else if (tool->pointer == POINT_BY_MOUSE) {
@@ -290,7 +324,8 @@ static struct notice notice_of_second(const struct inputs *inputs, const struct 
     if (tool_second_is_taken(viewer)) {
         notice = (struct notice){"the first tool has this device", true, false};
     } else if (tool->pointer == POINT_BY_TRACKER) {
-        notice = notice_of_tracker(tool->has_pose, tracker->is_there, tracker->tool.state);
+        notice = notice_of_tracker(tool->has_pose, tracker->is_there, tracker->tool.state,
+                                   inputs->second_station ? NULL : find_refusal(inputs));
     } else if (tool->pointer == POINT_BY_REPLAY) {
         notice = (struct notice){"a replay moves the first tool only", true, false};
     } else if (!tool->has_pose && tool->pointer < POINT_BY_SPACEMOUSE) {
@@ -300,11 +335,15 @@ static struct notice notice_of_second(const struct inputs *inputs, const struct 
 }
 
 /* Says what is wrong with a device, or how to use it. */
-static void find_trouble(struct notice *out, const struct source_update *heard, const struct tool *tool)
+static void find_trouble(struct notice *out, const struct source_update *heard, const struct tool *tool,
+                         enum tool_number number)
 {
+    static const char *const held_frozen[TOOL_COUNT] = {
+        "held: Space lets it move again; the same for 5 s: is it frozen?",
+        "held: 4 lets it move again; the same for 5 s: is it frozen?"};
     bool is_steered = tool->pointer >= POINT_BY_SPACEMOUSE;
     if (heard->state == SOURCE_FROZEN) {
-        *out = (struct notice){"the same for 5 s: is it frozen?", true, false};
+        *out = (struct notice){tool->held ? held_frozen[number] : "the same for 5 s: is it frozen?", true, false};
     } else if (heard->state == SOURCE_BROKEN) {
         *out =
             (struct notice){is_steered ? "its values are no numbers" : "the values are no numbers", true, !is_steered};
@@ -322,7 +361,7 @@ void inputs_notice(struct notice *out, const struct inputs *inputs, const struct
     const struct tool *tool = &viewer->tools[number];
     *out = number == SECOND_TOOL ? notice_of_second(inputs, viewer) : notice_of_first(inputs, tool);
     if (!out->is_trouble) {
-        find_trouble(out, &inputs->devices.heard[number], tool);
+        find_trouble(out, &inputs->devices.heard[number], tool, number);
     }
     if (!out->text && tool->held && (number == SECOND_TOOL || tool->pointer >= POINT_BY_TRACKER)) {
         out->text = held[number];
@@ -339,7 +378,7 @@ bool inputs_is_old(const struct inputs *inputs, const struct viewer *viewer, enu
 void inputs_confirm(const struct inputs *inputs, struct viewer *viewer, enum tool_number number)
 {
     if (inputs_is_old(inputs, viewer, number)) {
-        viewer_say(viewer, "nothing is confirmed: the answer is old, its tool is not seen");
+        viewer_say(viewer, "%s", not_confirmed);
         return;
     }
     tool_confirm(viewer, number);

@@ -34,6 +34,7 @@ struct inputs {
     struct replay replay;
     struct station *station; /**< NULL = none. */
     struct station_update update;
+    struct igtl_counts seen;              /**< Those of the update with the tool's newest pose. */
     const struct station_settings *asked; /**< The options of trackers that conus was started with; NULL = none. */
     char address[TRACKER_ADDRESS];        /**< The station that inputs_connect() starts, as --connect has it. */
     struct station *second_station;       /**< For the second tool; NULL = the first one's. */
@@ -53,7 +54,7 @@ void inputs_confirm(const struct inputs *inputs, struct viewer *viewer, enum too
 bool inputs_is_old(const struct inputs *inputs, const struct viewer *viewer, enum tool_number number);
 
 /** Asks the stations and every device that moves a tool what is new, moves the tools and the tracked head, and brings
- * the second tool's answers up to date. Returns whether the first tool got a pose. */
+ * the second tool's answers up to date. Returns whether the first tool got another pose. */
 bool inputs_step(struct inputs *inputs, struct viewer *viewer, double now_s);
 /** Seconds until devices that cannot wake the window are to be asked again; INFINITY where none moves a tool. */
 double inputs_idle_s(const struct inputs *inputs, const struct viewer *viewer);

@@ -88,6 +88,7 @@ void folder_read(struct folder *folder, const char *path, enum folder_filter fil
     snprintf(folder->path, sizeof folder->path, "%s", path);
     folder->filter = filter;
     folder->failed = !system_list(path, take_entry, folder) || folder->failed;
+    folder->missing = folder->failed && !is_folder(path);
     order_sort(folder->entries, folder->count, sizeof *folder->entries, compare);
 }
 

@@ -25,7 +25,8 @@ struct folder {
     enum folder_filter filter;
     struct folder_entry *entries; /**< [count] Folders first, each kind by name, in which case does not count. */
     size_t count;
-    bool failed; /**< It cannot be read, or there is no memory; then count is 0. */
+    bool failed;  /**< It cannot be read, or there is no memory; then count is 0. */
+    bool missing; /**< It failed since there is no such folder. */
 };
 
 /** Reads the folder @p path in place of the one before. Names that begin with a dot are left out. */

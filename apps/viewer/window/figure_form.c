@@ -148,6 +148,7 @@ void figure_form_open(struct window *window)
     form->open = form->takes_keys = true;
     form->pane = window->screen.enlarged >= 0 ? (size_t)window->screen.enlarged : PANE_3D;
     form->update[0] = form->replaced[0] = '\0';
+    form->failed = false;
     for (int i = 1; i < FREE_NAMES; i++) {
         snprintf(form->name, sizeof form->name, "figure-%d.png", i);
         if (!system_allows(form->name, 0)) {
@@ -160,7 +161,23 @@ static void say(struct window *window, const char *what, const char *name)
 {
     struct figure_form *form = &window->forms.figure;
     snprintf(form->update, sizeof form->update, "%s%s", what, name);
+    form->failed = false;
     viewer_say(window->viewer, "%s", form->update);
+}
+
+/* Says an error, after which another name may be typed. */
+static void complain(struct window *window, const char *what, const char *name)
+{
+    say(window, what, name);
+    window->forms.figure.failed = window->forms.figure.takes_keys = true;
+}
+
+static bool has_folder(const char *name)
+{
+    char folder[FIGURE_NAME];
+    struct system_stat info;
+    snprintf(folder, sizeof folder, "%.*s", (int)path_folder_length(name), name);
+    return !folder[0] || (system_stat(&info, folder) && info.kind == SYSTEM_FOLDER);
 }
 
 void figure_form_save(struct window *window)
@@ -168,6 +185,14 @@ void figure_form_save(struct window *window)
     struct figure_form *form = &window->forms.figure;
     size_t used = strlen(form->name);
     if (!used || form->frames) {
+        return;
+    }
+    if (path_ending_length(form->name, ".jpg/.jpeg/.tif/.tiff/.gif/.bmp/.webp/.eps/.ps")) {
+        complain(window, "figures are .png, .svg, .pdf or .exr, not as in ", form->name);
+        return;
+    }
+    if (!has_folder(form->name)) {
+        complain(window, "there is no such folder: ", form->name);
         return;
     }
     if (!path_ending_length(form->name, ".png/.exr/.svg/.pdf")) {
@@ -196,7 +221,7 @@ void figure_form_step(struct window *window)
     form->frames = 0;
     figure_of_window(&settings, window);
     if (!figure_write(window, form->pane, &settings, form->name, why)) {
-        say(window, "", why);
+        complain(window, "", why);
         return;
     }
     bool found = system_real_path(whole, form->name) && strlen(whole) < sizeof form->saved;

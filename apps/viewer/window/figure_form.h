@@ -12,7 +12,8 @@ extern const char *const figure_panes[PANE_COUNT];
 /** Asks, with a name that is free: of the enlarged pane, or of the 3-D one. */
 void figure_form_open(struct window *window);
 /** Takes the answer: the file is written some frames later, so that the window can say so before. A file that is there
- * is replaced only when this is called again for it. A name without .png, .exr, .svg or .pdf gets .png. */
+ * is replaced only when this is called again for it. A name without .png, .exr, .svg or .pdf gets .png,
+ * but that of a picture of another kind is refused. */
 void figure_form_save(struct window *window);
 /** Once in each frame, after it was drawn. */
 void figure_form_step(struct window *window);

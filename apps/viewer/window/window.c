@@ -350,6 +350,7 @@ void window_close(struct window *window)
     free(window->files.session_waits);
     free(window->files.doubted);
     json_decref(window->files.opened);
+    json_decref(window->files.lost);
     start_finish(&window->start);
     dialog_finish(&window->dialog);
     free(window->files.saves_as);

@@ -118,6 +118,7 @@ struct figure_form {
     char replaced[FIGURE_NAME]; /**< The file that is there already, and may be replaced. */
     char saved[FIGURE_NAME];    /**< Path of the newest figure; "" = none. */
     char update[FIGURE_NAME + 32];
+    bool failed;     /**< The update is an error. */
     unsigned frames; /**< Frames until the file is written; 0 = none will be. */
 };
 
@@ -156,6 +157,8 @@ struct window_files {
     struct open_request asked; /**< Those that the user is asked about: a question lies before all else. */
     struct loader *begun;      /**< Loads the requested files since before there was a window; NULL = none. */
     struct json_t *opened;     /**< The open ones as a session keeps them (model/session_file.h); NULL = unknown. */
+    struct json_t *lost;       /**< The session as it was read, "session", and "entries" of its added files that were
+                                    not found, which stay in it when it is saved; NULL = none. */
     conus_hemispheres hemispheres;
     char *doubted;         /**< Options that were not taken, since bundles hardly are in the atlas's space: asked for
                                 once more, they are; NULL = none. */
