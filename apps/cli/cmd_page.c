@@ -399,10 +399,8 @@ static int put_question(struct page *page)
         const double *o = settings->origin;
         const double *t = settings->toward;
         snprintf(fragment, sizeof fragment,
-                 "v=1&origin=%.17g,%.17g,%.17g&toward=%.17g,%.17g,%.17g&angle=%.17g&layers=%s&resolution=%u"
-                 "&cut=%.17g,%.17g,%.17g",
-                 o[0], o[1], o[2], t[0], t[1], t[2], settings->angle, layer_names[settings->layers],
-                 settings->resolution, t[0], t[1], t[2]);
+                 "v=1&origin=%.17g,%.17g,%.17g&toward=%.17g,%.17g,%.17g&angle=%.17g&layers=%s&resolution=%u", o[0],
+                 o[1], o[2], t[0], t[1], t[2], settings->angle, layer_names[settings->layers], settings->resolution);
         json_t *asked = json_pack("{s:s, s:s, s:s}", "fragment", fragment, "version", conus_version(), "rows", text);
         char *json = asked ? json_dumps(asked, 0) : NULL;
         if (json) {

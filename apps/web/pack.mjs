@@ -30,7 +30,9 @@ const withLook = (text) => text.replace(/\b(LOOK_[A-Z_0-9]*?)([0-9a-f]{2})?\b(?!
 });
 
 const main = withLook(bundle("main.js").trim());
-const worker = bundle("worker.js", `--alias:conus.mjs=${path.resolve(built, "conus.mjs")}`, "--define:import.meta.url=\"\"", "--external:fs", "--external:path", "--external:crypto");
+const glue = path.resolve(built, "conus-worker.mjs"); // without what only other places need
+fs.writeFileSync(glue, fs.readFileSync(path.join(built, "conus.mjs"), "utf8").replace(/\bvar (ENVIRONMENT_IS_\w+)=[^;]+;/g, ""));
+const worker = bundle("worker.js", `--alias:conus.mjs=${glue}`, "--define:import.meta.url=\"\"", "--define:ENVIRONMENT_IS_WEB=false", "--define:ENVIRONMENT_IS_WORKER=true", "--define:ENVIRONMENT_IS_NODE=false");
 const css = withLook(fs.readFileSync(path.join(folder, "page.css"), "utf8"));
 const style = execFileSync("esbuild", ["--loader=css", "--minify"], { input: css }).toString().trim();
 if (/<\/script|<!--/i.test(worker) || /<\/script/i.test(main) || /\{\{/.test(style)) throw new Error("the code has what ends it");

@@ -2,7 +2,7 @@
 // Links: what is written is read again, and what is not known is refused.
 import assert from "node:assert";
 import test from "node:test";
-import { START, fromFragment, toCommand, toFragment } from "../../apps/web/page/state.js";
+import { START, fromFragment, inPage, toCommand, toFragment } from "../../apps/web/page/state.js";
 import { candidates } from "../../apps/web/page/files.js";
 
 const seeded = (x) => () => (x = (Math.imul(x, 1664525) + 1013904223) >>> 0) / 2 ** 32;
@@ -29,6 +29,20 @@ for (const [link, words] of [["v=2", /version 2/], ["colour=red", /"colour"/], [
   ["angle=1e3", /number/], ["angle=", /number/], ["layers=some", /visible and all/], ["resolution=257", /1 to 256/], ["origin=Infinity,0,0", /number/], ["toward=1e999,0,0", /number/],
   ["__proto__=1", /__proto__/], ["origin=%ZZ", /malformed/i], [`atlas=${"x".repeat(2000)}`, /longer/], ["cut=<img src=x>", /number|three/]]) {
   test(`#${link.slice(0, 30)} is refused`, () => assert.throws(() => fromFragment(`#${link}`), words));
+}
+
+test("cuts that nobody has placed are not in a link", () => {
+  const link = toFragment(START, "");
+  assert.doesNotMatch(link, /cut/);
+  assert.deepEqual(fromFragment(link).question, START);
+});
+
+for (const [message, words] of [["/atlas/a.nii: no voxels", "a.nii: no voxels"], ["/atlas/my --best.nii: no voxels; --labels x uses it all the same", "my --best.nii: no voxels"],
+  ["a.annot: a FreeSurfer annotation: give it as --labels, and the surface as ATLAS; needed is a volume", "a.annot: a FreeSurfer annotation; needed is a volume"],
+  ["a.trx: 5 bytes, allowed are 4 (--max-memory)", "a.trx: 5 bytes, allowed are 4"],
+  ["t1.nii: looks like an image; an atlas is needed ('conus atlases' lists those that are installed), --context draws an image, --pathway selects what is bright in it, --labels-anyway takes every value as a label",
+    "t1.nii: looks like an image; an atlas is needed, “Image under the areas…” draws an image"]]) {
+  test(`${message.slice(0, 30)} in the page's words`, () => assert.equal(inPage(message), words));
 }
 
 test("the command has what differs from the defaults", () => {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page: joins files, fields, pictures and table; the worker owns conus.
-import { LIMITS, START, digits, fromFragment, readWithin, toCommand, toFragment, toMethods } from "./state.js";
+import { LIMITS, START, digits, fromFragment, inPage, readWithin, toCommand, toFragment, toMethods } from "./state.js";
 import { CUTS, Cut, ENDLESS, View } from "./panes.js";
 import { candidates, chosen as chosenFiles, dropped, inside, read, unpacked } from "./files.js";
 
 /** @typedef {import("./state.js").Question} Question */
 const source = /** @type {HTMLElement} */ (document.documentElement.cloneNode(true)); // before anything changes, and without conus and the files, which stand below this code
-const FORMATS = { tsv: 1, csv: 2, json: 3 }; // of enum conus_format
+const FORMATS = { tsv: 1, csv: 2, json: 3 }; // of enum conus_format; the sidecar has none
 const REST = 150; // ms without a change, and pictures are drawn in full
 const BUSY = 12; // ms of a picture of 60 in a second, the rest is the browser's
 const SHEET = 11; // rows on paper, as page.css says
@@ -25,6 +25,7 @@ const panes = [...cuts, view];
 
 /** @type {Question} */
 let question = { ...START };
+let place = START.toward; // of the cuts that are drawn
 let end = /** @type {"origin" | "toward" | "cut"} */ ("toward");
 let chosen = 0;
 /** @type {any} */
@@ -39,9 +40,9 @@ let files = [];
 let offered = [];
 let atlasFile = "";
 let linked = ""; // the atlas that the link is for, until it is open: so long the address stays as it is
-let refused = ""; // why the question has no rows, until somebody changes it: its link is for another atlas, or a field is wrong
-/** The field that is wrong. @type {HTMLInputElement | null} */
-let wrong = null;
+let refused = ""; // why the question has no rows, until somebody changes it: its link is wrong, or for another atlas
+/** Fields that are wrong until they are mended, and why. @type {Map<HTMLInputElement, string>} */
+const wrongs = new Map();
 let unanswered = ""; // why the newest pictures have no answer
 let given = null; // the question and rows that the program wrote into the page
 /** @type {any[]} */
@@ -70,7 +71,7 @@ worker.onmessage = ({ data }) => {
   waiting.delete(data.id);
   if (data.objects) edition++;
   if (data.error === undefined) done(data);
-  else failed(new Error(data.error));
+  else failed(new Error(inPage(data.error)));
 };
 worker.onerror = (event) => say(`the page cannot run: ${event.message}`);
 
@@ -80,7 +81,7 @@ worker.onerror = (event) => say(`the page cannot run: ${event.message}`);
  * @param {string} words @param {HTMLInputElement | null} [field] */
 function say(words, field) {
   const error = $("#error");
-  document.querySelector("[aria-describedby]")?.removeAttribute("aria-describedby");
+  $("[aria-describedby]")?.removeAttribute("aria-describedby");
   if (words) (field?.closest("fieldset, .row") ?? $("#said")).after(error);
   field?.setAttribute("aria-describedby", "error");
   error.textContent = words;
@@ -90,10 +91,29 @@ function say(words, field) {
 
 let ofAnswer = "";
 
-/** A question that gets no answer. @param {string} why @param {HTMLInputElement | null} [field] */
-function refuse(why, field = null) {
-  refused = why;
-  wrong = field;
+/** What was found wrong last, and the field. @param {boolean} [ofQuestion] whether those of the image do not count
+ * @returns {[string, HTMLInputElement?]} */
+const lastWrong = (ofQuestion) => {
+  const [field, words] = [...wrongs].filter(([field]) => !ofQuestion || field.form).pop() ?? [];
+  return [words ?? "", field];
+};
+
+/** Shows the error of a field that is still wrong, in place of all others. */
+const sayWrong = () => say(...lastWrong());
+
+/** Takes what stands in a field; where that cannot be, it stays with its error, until it is mended.
+ * @param {HTMLInputElement} field @param {() => void} step */
+function takeField(field, step) {
+  wrongs.delete(field);
+  field.removeAttribute("aria-invalid");
+  try {
+    step();
+  } catch (error) {
+    wrongs.set(field, /** @type {Error} */ (error).message);
+    field.setAttribute("aria-invalid", "true");
+  }
+  sayWrong();
+  redraw();
 }
 
 /** Takes away only what an answer has said: the next one comes soon, and other errors are to be read.
@@ -103,24 +123,30 @@ function sayOfAnswer(words, field) {
   ofAnswer = words;
 }
 
-/** Runs a step whose error the page shows. @param {() => any} step @param {HTMLInputElement} [field] */
-const attempt = async (step, field) => {
+/** Runs a step, whose error the page shows, and draws what it changed. @param {() => any} step */
+const attempt = async (step) => {
   try {
-    say("");
+    sayWrong();
     await step();
   } catch (error) {
-    say(/** @type {Error} */ (error).message, field);
+    const [words, field] = lastWrong();
+    const { message } = /** @type {Error} */ (error);
+    say(message, message === words ? field : null);
   }
+  redraw();
 };
 
 const identity = () => (atlas ? `${atlas.name}@${atlas.sha256.slice(0, 8)}` : "");
 
 function describeAtlas() {
   const names = atlas.source ? `names: ${atlas.source}` : "areas have no names, only numbers";
-  $("#atlas").textContent = `${atlas.name}${atlas.sha256 && ` (${atlas.sha256.slice(0, 8)})`}, ${atlas.objects} ${atlas.objects === 1 ? "object" : "objects"}; ${names}${atlas.notes.map((/** @type {string} */ note) => `. ${note}`).join("")}`;
+  $("#atlas").textContent = `${atlas.name}${atlas.sha256 && ` (${atlas.sha256.slice(0, 8)})`}, ${atlas.objects} ${atlas.objects === 1 ? "object" : "objects"}; ${names}${atlas.notes.map((/** @type {string} */ note) => `. ${inPage(note)}`).join("")}`;
   $("#version").textContent = `conus ${atlas.version}`;
   $("#window").hidden = !atlas.window;
-  GREYS.forEach((id, i) => { $(id).value = atlas.window ? digits(atlas.window[i]) : ""; });
+  GREYS.forEach((id, i) => {
+    $(id).value = atlas.window ? digits(atlas.window[i]) : "";
+    if (wrongs.has($(id))) takeField($(id), () => {});
+  });
 }
 
 const byRank = () => $("#colours").value !== "1";
@@ -144,7 +170,7 @@ function describeAnswer() {
   $("#equal").hidden = true; // compare() may show it
   if ($("#said").textContent !== words) $("#said").textContent = words;
   clearTimeout(speaking);
-  speaking = window.setTimeout(() => { $("#spoken").textContent = words && `${words}; ${hits.length} ${hits.length === 1 ? "area" : "areas"}`; }, SPEAK);
+  speaking = setTimeout(() => { $("#spoken").textContent = words && `${words}; ${hits.length} ${hits.length === 1 ? "area" : "areas"}`; }, SPEAK);
 }
 
 // Table
@@ -205,6 +231,9 @@ function compare(text) {
       : `These rows are NOT those that conus ${given.version} wrote into this page: ${given.rows}`;
 }
 
+/** The question with the place of its cuts. */
+const aim = () => ({ ...question, cut: question.cut ?? place });
+
 // Drawing: at most one question under way; the newest waits
 
 let busy = false;
@@ -220,20 +249,20 @@ let detail = 1; // of what moves, so that a slow machine keeps up
 function redraw(isMoving = false) {
   moving = isMoving;
   clearTimeout(resting);
-  if (isMoving) resting = window.setTimeout(() => redraw(false), REST);
+  if (isMoving) resting = setTimeout(() => redraw(false), REST);
   if (!isDue) requestAnimationFrame(draw);
   isDue = true;
 }
 
 /** The content of a picture; a picture with the same content is not drawn again. @param {Cut | View} pane @param {boolean} isMoving */
 function wanted(pane, isMoving) {
-  const request = pane instanceof Cut ? { ...pane.request(question, isMoving && detail, 0.55, atlas.window) } : pane.request(isMoving);
-  return { pane, request, key: JSON.stringify([request, edition, chosen, pane instanceof Cut ? refused || { ...question, cut: 0 } : [hits, rows.filter((row) => !row.pixels).length]]) };
+  const request = pane instanceof Cut ? { ...pane.request({ ...question, cut: question.cut ?? question.toward }, isMoving && detail, 0.55, atlas.window) } : pane.request(isMoving);
+  return { pane, request, key: JSON.stringify([request, edition, chosen, pane instanceof Cut ? refused || lastWrong(true)[0] || { ...question, cut: !question.cut } : [hits, rows.filter((row) => !row.pixels).length]]) };
 }
 
 /** Draws what lies over the pictures. */
 function annotate() {
-  if (atlas) for (const pane of panes) pane.annotate(question, end, objects);
+  if (atlas) for (const pane of panes) pane.annotate(aim(), end, objects);
 }
 
 const shows = (/** @type {Cut | View} */ pane) => pane.box.offsetParent !== null;
@@ -261,7 +290,7 @@ async function answer() {
   const solid = needed.find((need) => !isCut(need));
   try {
     const given = spare.splice(0);
-    const why = refused; // and then conus is asked what it refuses
+    const [why, field] = refused ? [refused] : lastWrong(true); // and then conus is asked what it refuses
     const drawn = await ask("draw", { question: why ? { ...question, toward: question.origin } : question, cuts: needed.filter(isCut).map(({ request }) => request), view: solid?.request ?? null, chosen, given }, given);
     const marked = byRank() ? drawn.hits : [];
     hits = drawn.hits;
@@ -271,14 +300,18 @@ async function answer() {
     unanswered = why || (drawn.refused ?? "").replace(/^toward: is the origin/, "Target: is the start");
     for (const pane of panes) pane.depth = unanswered ? 0 : drawn.depth || ENDLESS;
     panes.forEach(mark);
-    if (!moving) annotate(); // which says what it shows
+    const next = question.cut ?? drawn.cut ?? question.toward;
+    const isElsewhere = String(next) !== String(place);
+    place = next;
+    if (!moving || isElsewhere) annotate(); // which says what it shows
     fillRows(drawn.rows);
     again ||= isFirst || (shows(view) || !moving) && wanted(view, moving).key !== view.key; // which shows what is hit
-    sayOfAnswer(unanswered, why ? wrong : form.elements.toward0);
+    sayOfAnswer(unanswered, why ? field : form.elements.toward0);
     const took = performance.now() - began;
     if (moving) detail = Math.min(1, Math.max(0.4, detail * (took > BUSY ? 0.85 : 1.02)));
-    document.body.dataset.took = took.toFixed(1);
-    document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1);
+    const { dataset } = document.body;
+    dataset.took = took.toFixed(1);
+    dataset.drawn = String(Number(dataset.drawn ?? 0) + 1);
   } catch (error) {
     unanswered = /** @type {Error} */ (error).message;
     fillRows("");
@@ -308,10 +341,10 @@ function fillRows(text) {
 
 function fillFields() {
   const write = (/** @type {string} */ name, /** @type {string} */ text) => {
-    const field = form.elements.namedItem(name);
-    if (document.activeElement === field || refused && field === wrong) return;
-    if (field.value !== text) field.value = text;
-    field.removeAttribute("aria-invalid");
+    const field = form.elements[name];
+    const isMended = field.hasAttribute("aria-invalid") && !wrongs.has(field); // by a picture, a key or a link
+    if (isMended) field.removeAttribute("aria-invalid");
+    if (isMended || document.activeElement !== field && !wrongs.has(field)) field.value = text;
   };
   for (const a of [0, 1, 2]) {
     write(`origin${a}`, digits(question.origin[a]));
@@ -325,35 +358,39 @@ function fillFields() {
 
 form.addEventListener("input", (/** @type {Event} */ event) => {
   const field = /** @type {HTMLInputElement} */ (event.target);
-  try {
+  refused = linked = "";
+  takeField(field, () => {
     const found = /^(origin|toward)(\d)$/.exec(field.name);
     if (found) question[/** @type {"origin"} */ (found[1])] = /** @type {any} */ (question[/** @type {"origin"} */ (found[1])].map((v, a) => (a === Number(found[2]) ? readWithin(`${WORDS[/** @type {"origin"} */ (found[1])]} ${"xyz"[a]}`, field.value, LIMITS.mm) : v)));
     else if (field.name === "angle") question.angle = readWithin("Cone", field.value, LIMITS.degrees);
     else if (field.name === "layers") question.layers = /** @type {any} */ (field.value);
     else if (field.name === "resolution") question.resolution = Number(field.value);
     else end = /** @type {any} */ (field.value);
-    field.removeAttribute("aria-invalid");
-    refused = linked = "";
-    say("");
-  } catch (error) {
-    field.setAttribute("aria-invalid", "true");
-    refuse(/** @type {Error} */ (error).message, field);
-    linked = "";
-    sayOfAnswer(refused, field);
-  }
-  if (end === "toward" && field.name.startsWith("toward")) question.cut = [...question.toward];
-  redraw();
+    if (end === "toward" && field.name.startsWith("toward")) question.cut = null;
+  });
 });
 form.addEventListener("submit", (/** @type {Event} */ event) => event.preventDefault());
 
 // Pointers and keys
 
+/** Mends what is wrong in fields, by what was done in a picture. @param {string} name how theirs begin */
+function mend(name) {
+  refused = linked = "";
+  for (const field of wrongs.keys()) if (field.form && field.name.startsWith(name)) wrongs.delete(field);
+  if (!$("#error").hidden) sayWrong();
+}
+
 /** @param {"origin" | "toward" | "cut"} which @param {import("./state.js").Point} position */
 function put(which, position) {
-  refused = linked = "";
-  if (!$("#error").hidden) say("");
+  mend(which);
   question[which] = /** @type {any} */ (position.map((v) => Number(v.toFixed(2))));
-  if (which === "toward") question.cut = [...question.toward];
+  if (which === "toward") question.cut = null;
+}
+
+/** Makes the cone wider by so many degrees. @param {number} degrees */
+function openBy(degrees) {
+  mend("angle");
+  question.angle = Math.min(170, Math.max(0.5, question.angle + degrees));
 }
 
 /** The point of a pane under a pointer. @param {HTMLElement} over @param {{clientX: number, clientY: number}} event */
@@ -383,12 +420,12 @@ panes.forEach((pane, number) => {
     const held = pane instanceof Cut ? pane.end(at, question) : null;
     drag = { at, held, moved: false, spread: 0 };
     if (held) end = held;
-    if (pane instanceof Cut && !held && end === "cut") put("cut", pane.position(at, question.cut)), redraw(true);
+    if (pane instanceof Cut && !held && end === "cut") put("cut", pane.position(at, aim().cut)), redraw(true);
   });
   over.addEventListener("pointermove", (event) => {
     const at = pointOf(over, event);
     pane.pointer = at;
-    if (mark(pane) && !drag) pane.annotate(question, end, objects);
+    if (mark(pane) && !drag) pane.annotate(aim(), end, objects);
     if (!drag || !touches.has(event.pointerId)) return;
     touches.set(event.pointerId, at);
     if (touches.size === 2) {
@@ -403,7 +440,7 @@ panes.forEach((pane, number) => {
     if (!drag.moved) return;
     if (pane instanceof Cut) {
       const which = drag.held ?? (end === "cut" ? "cut" : null);
-      if (which) put(which, pane.position(at, which === "cut" ? question.cut : question[/** @type {"origin"} */ (which)]));
+      if (which) put(which, pane.position(at, aim()[/** @type {"origin"} */ (which)]));
       else {
         pane.middle[0] -= (at[0] - drag.at[0]) * pane.mmPerPoint;
         pane.middle[1] += (at[1] - drag.at[1]) * pane.mmPerPoint;
@@ -419,7 +456,7 @@ panes.forEach((pane, number) => {
     const at = pointOf(over, event);
     touches.delete(event.pointerId);
     if (drag && !drag.moved && event.type === "pointerup") {
-      if (pane instanceof Cut && !drag.held) put(end, pane.position(at, question.cut));
+      if (pane instanceof Cut && !drag.held) put(end, pane.position(at, aim().cut));
       else if (pane instanceof View) {
         const hit = pane.pick(at);
         if (hit && (event.shiftKey || end === "origin")) {
@@ -433,13 +470,13 @@ panes.forEach((pane, number) => {
   };
   over.addEventListener("pointerleave", () => {
     pane.pointer = null;
-    if (mark(pane) && atlas) pane.annotate(question, end, objects);
+    if (mark(pane) && atlas) pane.annotate(aim(), end, objects);
   });
   over.addEventListener("pointerup", release);
   over.addEventListener("pointercancel", release);
   over.addEventListener("wheel", (event) => {
     event.preventDefault();
-    if (event.altKey) question.angle = Math.min(170, Math.max(0.5, question.angle - Math.sign(event.deltaY)));
+    if (event.altKey) openBy(-Math.sign(event.deltaY));
     else pane.zoomBy(Math.exp(-event.deltaY / 500));
     redraw(true);
   }, { passive: false });
@@ -454,15 +491,15 @@ function key(event, pane, number) {
     pane.turnBy(nudge[0] / 10, -nudge[1] / 10);
   } else if (nudge) {
     const { right, up } = pane instanceof Cut ? pane.plane : CUTS[0];
-    const moved = [...question[end]];
+    const moved = [...aim()[end]];
     moved[right] += step * nudge[0];
     moved[up] += step * nudge[1];
     put(end, /** @type {any} */ (moved));
   } else if ((event.key === "PageUp" || event.key === "PageDown") && pane instanceof Cut) {
-    const cut = [...question.cut];
+    const cut = [...aim().cut];
     cut[pane.plane.through] += event.key === "PageUp" ? step : -step;
     question.cut = /** @type {any} */ (cut);
-  } else if (event.key === "[" || event.key === "]") question.angle = Math.min(170, Math.max(1, question.angle + (event.key === "]" ? 1 : -1)));
+  } else if (event.key === "[" || event.key === "]") openBy(event.key === "]" ? 1 : -1);
   else if (event.key === "+" || event.key === "-") pane.zoomBy(event.key === "+" ? 1.25 : 0.8);
   else if (event.key === "s") end = "origin";
   else if (event.key === "t") end = "toward";
@@ -475,7 +512,7 @@ function key(event, pane, number) {
 
 // Tabs of a narrow screen
 
-["Axial", "Coronal", "Sagittal", "3-D"].forEach((name, number) => {
+[...CUTS, { name: "3-D" }].forEach(({ name }, number) => {
   const tab = document.createElement("button");
   tab.type = "button";
   tab.textContent = name;
@@ -495,18 +532,20 @@ function showTab(number) {
 /** Canvases are squares in the middle of their boxes. */
 function layOut() {
   for (const pane of panes) {
-    for (const canvas of [pane.canvas, pane.over]) canvas.style.setProperty("width", `${pane.side}px`), canvas.style.setProperty("height", `${pane.side}px`);
+    for (const { style } of [pane.canvas, pane.over]) style.width = style.height = `${pane.side}px`;
   }
 }
 new ResizeObserver(() => { layOut(); redraw(true); }).observe($("#panes"));
 
 // Files
 
-/** One of the files that are offered. @param {string} name */
-async function open(name) {
+/** @param {string} name of the atlas @param {string} [image] */
+const load = (name, image) => ask("open", { name, image, kind: Number($("#colours").value) });
+
+/** One of the files that are offered. @param {string} name @param {string} [image] below its areas */
+async function open(name, image) {
   const isFirst = !atlas;
-  ({ atlas, objects } = await ask("open", { name }));
-  if ($("#colours").value !== "0") await setColours();
+  ({ atlas, objects } = await load(name, image));
   files = offered;
   if (!isFirst) given = null; // which is of the atlas before
   atlasFile = name;
@@ -536,8 +575,29 @@ function aimAt(low, high) {
 /** A link's question is for its atlas alone. */
 function checkLink() {
   if (!linked) return;
-  refuse(linked === identity() ? "" : `This link is for ${linked}, not for ${identity()}, so that no rows are shown. Open that atlas, or change the question.`);
+  refused = linked === identity() ? "" : `This link is for ${linked}, not for ${identity()}, so that no rows are shown. Open that atlas, or change the question.`;
   if (!refused) linked = "";
+}
+
+/** Names areas by files beside the open atlas; where none of them does, all stays as it is. @param {string[]} names */
+async function takeTable(names) {
+  const image = files.find((file) => file[2])?.[0];
+  const { window } = atlas;
+  try {
+    const { source } = (await load(atlasFile)).atlas;
+    if (!names.some((name) => `${source},`.includes(` in ${name.replace(/.*\//, "")},`))) {
+      const { message } = await ask("open", { name: names[0] }).catch((error) => error);
+      throw new Error(`This is no label table of ${atlas.name}, all stays as it is: ${message ?? names[0]}`);
+    }
+    await open(atlasFile, image);
+    if (window) atlas.window = window;
+    describeAtlas();
+  } catch (error) {
+    offered = files;
+    await ask("put", { files, gone: names });
+    await load(atlasFile, image);
+    throw error;
+  }
 }
 
 /** @param {[string, File][]} list */
@@ -545,16 +605,16 @@ const take = (list) => attempt(async () => {
   const added = await read(list);
   await ask("put", { files: added });
   const names = candidates(added.map(([name]) => name));
-  const isTable = Boolean(atlas) && !names.length && added.some(([name]) => TABLE.test(name)); // of the open atlas
-  if (!names.length && !isTable) throw new Error(`${list.map(([name]) => name).join(", ")}: no atlas among them; drop a volume (NIfTI, NRRD, …), surfaces or a manifest, with its label table`);
+  const isTable = atlas && !names.length && added.some(([name]) => TABLE.test(name)); // of the open atlas
+  if (!names.length && !isTable) throw new Error(`${list.map(([name]) => name).join(", ")}: no atlas among them. ${$("#kinds").textContent}`);
   offered = isTable ? [...files.filter(([name]) => !added.some(([other]) => other === name)), ...added] : added;
-  if (isTable) return open(atlasFile).finally(() => redraw());
+  if (isTable) return takeTable(added.map(([name]) => name));
   const select = $("#which select");
   select.replaceChildren(...names.map((name) => new Option(name, name)));
   $("#which").hidden = names.length < 2;
   await open(names[0]).catch((error) => {
     throw new Error(atlas ? `${error.message} (if it is an image: “Image under the areas…”)` : error.message);
-  }).finally(() => redraw());
+  });
 });
 
 for (const button of document.querySelectorAll("[data-choose]")) {
@@ -565,23 +625,18 @@ for (const button of document.querySelectorAll("[data-choose]")) {
 }
 $("#choose-t1").onclick = () => $("#t1").click();
 $("#files").onchange = (/** @type {any} */ event) => take(chosenFiles(event.target.files));
-$("#which select").onchange = (/** @type {any} */ event) => attempt(() => open(event.target.value).finally(() => redraw()));
+$("#which select").onchange = (/** @type {any} */ event) => attempt(() => open(event.target.value));
 $("#t1").onchange = (/** @type {any} */ event) => attempt(async () => {
   const added = await read(chosenFiles(event.target.files));
   await ask("put", { files: added });
   ({ atlas, objects } = await ask("context", { name: added[0][0] }));
   describeAtlas();
   files = [...files.filter((file) => !file[2]), [...added[0], true]];
-  redraw();
 });
 GREYS.forEach((id, i) => {
-  $(id).oninput = (/** @type {any} */ { target }) => attempt(() => {
-    atlas.window[i] = readWithin(["Black", "White"][i], target.value, LIMITS.mm);
-    redraw();
-  }, target);
+  $(id).oninput = (/** @type {any} */ { target }) => takeField(target, () => { atlas.window[i] = readWithin(["Black", "White"][i], target.value, LIMITS.mm); });
 });
-const setColours = async () => { ({ objects } = await ask("colours", { kind: Number($("#colours").value) })); };
-$("#colours").onchange = () => attempt(() => atlas && setColours().then(() => redraw()));
+$("#colours").onchange = () => attempt(async () => { if (atlas) ({ objects } = await ask("colours", { kind: Number($("#colours").value) })); });
 addEventListener("dragover", (event) => { event.preventDefault(); document.body.classList.add("dropping"); });
 addEventListener("dragleave", () => document.body.classList.remove("dropping"));
 addEventListener("drop", (event) => {
@@ -648,14 +703,14 @@ const save = (kind) => attempt(async () => {
   if (unanswered && kind !== "png") throw new Error(unanswered);
   const name = `conus-${atlas.name.replace(/\..*/, "")}`;
   const copy = (/** @type {string} */ text) => navigator.clipboard.writeText(text)
-    .then(() => { $("#spoken").textContent = `The ${kind} is copied.`; }, () => { window.prompt("Copy this:", text); });
+    .then(() => { $("#spoken").textContent = `The ${kind} is copied.`; }, () => { prompt("Copy this:", text); });
   if (kind === "link") await copy(`${location.href.replace(/#.*/s, "")}#${toFragment(question, identity())}`);
   else if (kind === "command") await copy(toCommand(question, atlasFile));
   else if (kind === "png") download(`${name}.png`, await picture());
   else if (kind === "page") download(`${name}.html`, new Blob([wholePage()], { type: "text/html" }));
   else {
-    const format = kind === "sidecar" ? kind : FORMATS[/** @type {"tsv"} */ (kind)];
-    download(`${name}.${kind === "sidecar" ? "json" : kind}`, new Blob([(await ask("text", { format })).text]));
+    const format = FORMATS[/** @type {"tsv"} */ (kind)];
+    download(`${name}.${format ? kind : "json"}`, new Blob([(await ask("text", { format })).text]));
   }
 });
 for (const button of document.querySelectorAll("[data-save]")) {
@@ -667,7 +722,7 @@ for (const button of document.querySelectorAll("[data-save]")) {
 const setPaper = (/** @type {boolean} */ isPaper) => { // on which panes are those of the light theme
   document.documentElement.classList.toggle("paper", isPaper);
   $("#methods").textContent = atlas && !unanswered ? toMethods(question, atlas) : "";
-  for (const pane of panes) pane.over.width = 0;
+  for (const pane of panes) pane.over.width = 0, pane.lastNumber = isPaper ? SHEET : Infinity;
   annotate();
 };
 addEventListener("beforeprint", () => setPaper(true));
@@ -685,12 +740,12 @@ function readLink() {
 }
 
 addEventListener("hashchange", () => {
-  refused = linked = "";
+  mend("");
   try {
     readLink();
     if (atlas) checkLink();
   } catch (error) {
-    refuse(/** @type {Error} */ (error).message);
+    refused = /** @type {Error} */ (error).message;
   }
   redraw();
 });
@@ -705,7 +760,6 @@ async function start() {
     document.body.classList.replace("empty", "full");
   }
   showTab(0);
-  view.over.setAttribute("aria-label", "3-D view of the atlas and the cone. Ctrl and arrows turn it.");
   $('[data-save="link"]').hidden = isInside;
   const block = document.getElementById("question");
   if (block) {
@@ -716,15 +770,14 @@ async function start() {
   try {
     if (location.hash) readLink();
   } catch (error) {
-    refuse(/** @type {Error} */ (error).message); // and nothing is guessed
+    refused = /** @type {Error} */ (error).message; // and nothing is guessed
   }
   offered = /** @type {any} */ (await unpacking);
   const steps = [ask("start", { module: await compiled })];
   if (names.length) {
-    const image = offered.find((file) => file[2]);
-    steps.push(ask("put", { files: offered }), open(offered[0][0]));
-    if (image) steps.push(ask("context", { name: image[0] }).then((opened) => { ({ atlas, objects } = opened); }));
-    else ask("draw", { question, cuts: [], view: null, chosen: 0, given: [] }).catch(() => {}); // the worker goes on while this thread reads what it opened
+    const image = offered.find((file) => file[2])?.[0];
+    steps.push(ask("put", { files: offered }), open(offered[0][0], image));
+    ask("draw", { question, cuts: [], view: null, chosen: 0, given: [] }).catch(() => {}); // the worker goes on while this thread reads what it opened
   }
   await Promise.all(steps).finally(() => {
     if (!atlas) return;

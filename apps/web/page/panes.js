@@ -36,6 +36,9 @@ function clearGround(rgba, objects, width, hasImage) {
 
 let ink = ""; // of words and lines over pictures, by the page's theme, and what is around them
 let ground = "";
+/** Left, right and base of each word and end of the axis over a picture. @type {number[][]} */
+let written = [];
+const AROUND = [0, -1, 1].flatMap((x) => [0, -1, 1].map((y) => [x, y]));
 
 /** Empties a canvas of so many points of the page, and returns its context. @param {HTMLCanvasElement} canvas @param {number} side */
 function cleared(canvas, side) {
@@ -45,6 +48,7 @@ function cleared(canvas, side) {
   const c = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
   c.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
   if (!isNew) c.clearRect(0, 0, side, side); // which on paper also clears what is below
+  written = [];
   ({ color: ink, backgroundColor: ground } = getComputedStyle(/** @type {Element} */ (canvas.parentElement)));
   return c;
 }
@@ -54,7 +58,7 @@ const COLOURED = 6; // hits that have a colour of their own; the others share a 
 /** Places of the numbers of hits: each on the pixel of its object that is nearest to the middle of what shows of it, in
  * parts of the picture. @param {Uint32Array} objects @param {number} width @param {number[]} hits */
 function numbered(objects, width, hits) {
-  const found = new Map(hits.slice(COLOURED).map((object, i) => [object, { text: String(COLOURED + 1 + i), count: 0, x: 0, y: 0, near: Infinity, at: [0, 0] }]));
+  const found = new Map(hits.slice(COLOURED).map((object, i) => [object, { object, text: String(COLOURED + 1 + i), count: 0, x: 0, y: 0, near: Infinity, at: [0, 0] }]));
   if (!found.size) return [];
   const visit = (/** @type {(label: any, x: number, y: number) => void} */ step) => {
     for (let i = 0; i < objects.length; i += 2) {
@@ -78,8 +82,9 @@ class Pane {
     [this.canvas, this.over] = /** @type {HTMLCanvasElement[]} */ ([...box.querySelectorAll("canvas")]);
     this.zoom = 1;
     this.objects = new Uint32Array(); // of each pixel
-    /** @type {{text: string, at: number[]}[]} */
+    /** @type {{text: string, object: number, at: number[]}[]} */
     this.numbers = [];
+    this.lastNumber = Infinity; // of paper that of the last row that its table has
     /** Where the pointer is. @type {number[] | null} */
     this.pointer = null;
     this.under = ""; // the name of what is under it
@@ -104,6 +109,18 @@ class Pane {
     const n = this.canvas.width;
     const [x, y] = at.map((v) => Math.floor(v / this.side * n));
     return x >= 0 && y >= 0 && x < n && y < n ? y * n + x : -1;
+  }
+
+  /** Writes each where it is in its object and on no other word, if there is such a place near its own. @param {CanvasRenderingContext2D} c */
+  writeNumbers(c) {
+    c.font = "12px sans-serif";
+    c.textAlign = "center";
+    for (const { text, object, at } of this.numbers) {
+      if (Number(text) > this.lastNumber) break;
+      const free = AROUND.map(([x, y]) => [at[0] * this.side + 18 * x, at[1] * this.side + 14 * y])
+        .find(([x, y]) => this.objects[this.pixel([x, y])] === object && written.every(([left, right, low]) => x < left - 9 || x > right + 9 || Math.abs(y + 4 - low) > 13));
+      if (free) outlined(c, text, free[0], free[1] + 4);
+    }
   }
 
   /** @param {number} factor */
@@ -186,8 +203,8 @@ export class Cut extends Pane {
     line(c, ink, 2, [[12, side - 12], [12 + mm / this.mmPerPoint, side - 12]]);
     c.textAlign = "left";
     outlined(c, `${mm} mm`, 12, side - 18);
-    writeNumbers(c, this.numbers, side);
-    const title = `${this.plane.name}, ${"xyz"[this.plane.through]} = ${digits(aim.cut[this.plane.through])} mm`;
+    this.writeNumbers(c);
+    const title = `${this.plane.name}, ${"xyz"[this.plane.through]} = ${digits(Number(aim.cut[this.plane.through].toFixed(2)))} mm`;
     caption(c, title, this.under, side);
     const area = names[this.object([x, y]) - 1]?.[0] ?? "no area";
     this.over.setAttribute("aria-label", `${title}: ${area} at the crosshair. Arrows move the chosen end of the cone.`);
@@ -226,15 +243,8 @@ function outlined(c, text, x, y) {
   c.strokeText(text, x, y);
   c.fillStyle = ink;
   c.fillText(text, x, y);
-}
-
-/** @param {CanvasRenderingContext2D} c @param {{text: string, at: number[]}[]} numbers @param {number} side */
-function writeNumbers(c, numbers, side) {
-  c.font = "12px sans-serif";
-  c.textAlign = "center";
-  const far = (/** @type {{at: number[]}} */ { at: [x, y] }, /** @type {{at: number[]}} */ { at: [u, v] }) => Math.abs(x - u) * side > 18 || Math.abs(y - v) * side > 13;
-  const apart = numbers.filter((number, i) => numbers.slice(0, i).every((other) => far(number, other))); // one over another cannot be read
-  for (const { text, at } of apart) outlined(c, text, at[0] * side, at[1] * side + 4);
+  const { actualBoundingBoxLeft: left, actualBoundingBoxRight: right } = c.measureText(text);
+  written.push([x - left, x + right, y]);
 }
 
 /** A pane's title, and what is under the pointer. @param {CanvasRenderingContext2D} c @param {string} title @param {string} under @param {number} side */
@@ -265,6 +275,7 @@ function axis(c, from, to, chosenEnd) {
       c.setLineDash([]);
     }
   }
+  for (const [x, y] of [from, to]) written.push([x - HANDLE, x + HANDLE, y + 4]);
   c.font = "12px sans-serif";
   name(c, "start", from, from[0] < to[0]);
   name(c, "target", to, from[0] >= to[0]);
@@ -312,7 +323,6 @@ export class View extends Pane {
     super(box);
     this.angle = 30;
     this.distances = new Float32Array();
-    this.frame([-70, -100, -50], [70, 70, 80]);
   }
 
   /** @param {Point} low @param {Point} high */
@@ -414,8 +424,8 @@ export class View extends Pane {
       }
       c.setLineDash([]);
     }
-    writeNumbers(c, this.numbers, this.side);
-    caption(c, "3-D, drag to turn", this.under, this.side);
     axis(c, this.place(aim.origin), this.place(aim.toward), chosenEnd);
+    this.writeNumbers(c);
+    caption(c, this.lastNumber < Infinity ? "3-D" : "3-D, drag to turn", this.under, this.side);
   }
 }

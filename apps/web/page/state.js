@@ -3,14 +3,18 @@
 
 /**
  * @typedef {[number, number, number]} Point
- * @typedef {{origin: Point, toward: Point, angle: number, layers: "visible" | "all", resolution: number, cut: Point}} Question
+ * @typedef {{origin: Point, toward: Point, angle: number, layers: "visible" | "all", resolution: number, cut: Point | null}} Question; cuts without a place go through the contact of the best hit
  */
 
 /** @type {Question} */
-export const START = { origin: [-90, 20, 20], toward: [0, -10, 10], angle: 20, layers: "visible", resolution: 16, cut: [0, -10, 10] };
+export const START = { origin: [-90, 20, 20], toward: [0, -10, 10], angle: 20, layers: "visible", resolution: 16, cut: null };
 
 /** A number with the digits that a person would type. @param {number} x */
 export const digits = (x) => String(Number(x.toFixed(3)));
+
+/** A message of conus in the page's words: there are no options here. @param {string} text */
+export const inPage = (text) => text.replaceAll("/atlas/", "").replace("--context draws an image", "“Image under the areas…” draws an image")
+  .replace(/ \([^()]*(--|'conus )[^()]*\)/g, "").replace(/[,;:] [^,;:]*--[a-z][^,;:]*(, and [^,;:]*)?/g, "");
 
 /** @param {Point} p */
 const join = (p) => p.map(digits).join(",");
@@ -18,7 +22,7 @@ const join = (p) => p.map(digits).join(",");
 /** The part of a link behind #. @param {Question} q @param {string} atlas "aal.nii.gz@b512dcd3", or "" */
 export function toFragment(q, atlas) {
   const pairs = { v: "1", atlas: encodeURIComponent(atlas).replaceAll("%40", "@"), origin: join(q.origin), toward: join(q.toward),
-    angle: digits(q.angle), layers: q.layers, resolution: String(q.resolution), cut: join(q.cut) };
+    angle: digits(q.angle), layers: q.layers, resolution: String(q.resolution), cut: q.cut ? join(q.cut) : "" };
   return Object.entries(pairs).filter(([, value]) => value).map(([key, value]) => `${key}=${value}`).join("&");
 }
 

@@ -14,6 +14,7 @@ const NDJSON = 4;
 let module, conus;
 /** Buffers that the page has given back: new ones take the machine longer to get than to fill. @type {ArrayBuffer[]} */
 let spare = [];
+let cut; // where cuts go that nobody has placed
 
 const parse = (text) => {
   const value = JSON.parse(text);
@@ -28,6 +29,15 @@ const pixels = (at, bytes) => {
   return buffer;
 };
 
+/** Where cuts go that nobody has placed: through the contact of the best hit, and a little into it; else the target. */
+function placeCuts({ origin, toward }, rows) {
+  const best = rows.split("\n").find((row) => /"contact_x":[-\d]/.test(row));
+  if (!best) return toward;
+  const { contact_x: x, contact_y: y, contact_z: z } = JSON.parse(best);
+  const axis = toward.map((v, a) => v - origin[a]);
+  return [x, y, z].map((v, a) => v + 0.001 * axis[a] / Math.hypot(...axis));
+}
+
 const CALLS = {
   async start({ module: compiled }) {
     module = await new Promise((done, failed) => createConus({ locateFile: (name) => name, instantiateWasm(imports, use) {
@@ -39,7 +49,8 @@ const CALLS = {
     return {};
   },
   /** Puts files where conus can open them: [[name with folders, bytes], ...]. */
-  put({ files }) {
+  put({ files, gone = [] }) {
+    for (const name of gone) module.FS.unlink(FOLDER + name);
     for (const [name, bytes] of files) {
       const parts = name.split("/").filter((part) => part && part !== "." && part !== "..");
       for (let i = 1; i < parts.length; i++) {
@@ -50,7 +61,12 @@ const CALLS = {
     }
     return {};
   },
-  open: ({ name }) => ({ atlas: parse(conus.open(FOLDER + name)), objects: JSON.parse(conus.objects()) }),
+  open({ name, image, kind }) {
+    let atlas = parse(conus.open(FOLDER + name));
+    if (image) atlas = parse(conus.add_context(FOLDER + image));
+    if (kind) conus.use_colours(kind);
+    return { atlas, objects: JSON.parse(conus.objects()) };
+  },
   context: ({ name }) => ({ atlas: parse(conus.add_context(FOLDER + name)), objects: JSON.parse(conus.objects()) }),
   colours({ kind }) {
     conus.use_colours(kind);
@@ -60,8 +76,12 @@ const CALLS = {
   draw({ question: q, cuts, view, chosen, given }) {
     spare = given;
     const { error: refused, depth, hits = [] } = JSON.parse(conus.ask(...q.origin, ...q.toward, q.angle, q.resolution, q.layers === "all" ? 1 : 0));
-    const out = { refused, depth, rows: refused ? "" : conus.rows(NDJSON), hits, cuts: [] };
+    const rows = refused ? "" : conus.rows(NDJSON);
+    if (!refused) cut = placeCuts(q, rows);
+    const out = { refused, depth, rows, hits, cut, cuts: [] };
     for (const c of cuts) {
+      const through = 3 - c.right - c.up;
+      if (!q.cut && cut) c.centre[through] = cut[through];
       const size = 4 * c.width * c.height;
       const rgba = pixels(conus.cut(c.right, c.up, ...c.centre, c.width, c.height, c.mm, c.fill, c.window[0], c.window[1]), size);
       out.cuts.push({ rgba, objects: pixels(conus.cut_objects(), size) });
@@ -73,8 +93,8 @@ const CALLS = {
     }
     return out;
   },
-  /** The answer as text: a number of enum conus_format, or the sidecar. */
-  text: ({ format }) => ({ text: format === "sidecar" ? conus.sidecar() : conus.rows(format) }),
+  /** The answer as text: by a number of enum conus_format, or the sidecar. */
+  text: ({ format }) => ({ text: format ? conus.rows(format) : conus.sidecar() }),
 };
 
 let last = Promise.resolve();
