@@ -16,14 +16,43 @@ static inline struct volume_neighbours volume_find_neighbours(double x, size_t d
     double most = (double)dim - 1;
     x = x > 0 ? x : 0;
     x = x < most ? x : most;
-    size_t low = (size_t)x;
-    return (struct volume_neighbours){low * step, (low + 1 < dim ? low + 1 : low) * step, x - (double)low};
+    ptrdiff_t index = (ptrdiff_t)x; /* to signed numbers and from them is quicker */
+    size_t low = (size_t)index;
+    return (struct volume_neighbours){low * step, (low + 1 < dim ? low + 1 : low) * step, x - (double)index};
 }
 
-static inline double volume_along(const struct volume *volume, size_t row, const struct volume_neighbours *x)
+/** Of eight voxels the values of the lower ones along the first axis, and how much more the upper ones have: a and b, c
+ * and d are the lower and the upper one along the second axis, a and b lower along the third. */
+struct volume_cell {
+    double a, b, c, d;
+    double a_rise, b_rise, c_rise, d_rise;
+};
+
+static inline double volume_rise(double *low, const struct volume *volume, size_t row,
+                                 const struct volume_neighbours *x)
 {
-    double low = (double)volume_value(volume, row + x->low);
-    return low + x->part * ((double)volume_value(volume, row + x->high) - low);
+    *low = (double)volume_value(volume, row + x->low);
+    return (double)volume_value(volume, row + x->high) - *low;
+}
+
+static inline void volume_read_cell(struct volume_cell *out, const struct volume *volume,
+                                    const struct volume_neighbours *x, const struct volume_neighbours *y,
+                                    const struct volume_neighbours *z)
+{
+    out->a_rise = volume_rise(&out->a, volume, y->low + z->low, x);
+    out->b_rise = volume_rise(&out->b, volume, y->high + z->low, x);
+    out->c_rise = volume_rise(&out->c, volume, y->low + z->high, x);
+    out->d_rise = volume_rise(&out->d, volume, y->high + z->high, x);
+}
+
+/** At parts of the way along the three axes. */
+static inline double volume_in_cell(const struct volume_cell *cell, double x, double y, double z)
+{
+    double low = cell->a + x * cell->a_rise;
+    double high = cell->c + x * cell->c_rise;
+    low += y * (cell->b + x * cell->b_rise - low);
+    high += y * (cell->d + x * cell->d_rise - high);
+    return low + z * (high - low);
 }
 
 /** The value at @p p, in index space; outside of the voxel centres that of the border. */
@@ -33,11 +62,9 @@ static inline double volume_trilinear(const struct volume *volume, const double 
     struct volume_neighbours x = volume_find_neighbours(p[0], dim[0], 1);
     struct volume_neighbours y = volume_find_neighbours(p[1], dim[1], dim[0]);
     struct volume_neighbours z = volume_find_neighbours(p[2], dim[2], dim[0] * dim[1]);
-    double a = volume_along(volume, z.low + y.low, &x);
-    double b = volume_along(volume, z.high + y.low, &x);
-    a += y.part * (volume_along(volume, z.low + y.high, &x) - a);
-    b += y.part * (volume_along(volume, z.high + y.high, &x) - b);
-    return a + z.part * (b - a);
+    struct volume_cell cell;
+    volume_read_cell(&cell, volume, &x, &y, &z);
+    return volume_in_cell(&cell, x.part, y.part, z.part);
 }
 
 #endif

@@ -65,6 +65,8 @@ static void find_stretch(struct stretch *out, const struct volume *volume, const
             double to = ((double)volume->info.dim[a] - 0.5 - out->start[a]) / walk->right[a];
             low = fmax(low, floor(fmin(from, to)) - 1);
             high = fmin(high, ceil(fmax(from, to)) + 1);
+        } else if (!(out->start[a] >= -0.5 && out->start[a] < (double)volume->info.dim[a] - 0.5)) {
+            high = -1;
         }
     }
     out->first = out->count = 0;
@@ -82,11 +84,43 @@ static void find_stretch(struct stretch *out, const struct volume *volume, const
     }
 }
 
+/* Neighbours along axis @p a at a column of the row. */
+static struct volume_neighbours neighbours_at(const struct volume *volume, const struct stretch *stretch,
+                                              const struct walk *walk, int a, uint32_t column)
+{
+    const size_t *dim = volume->info.dim;
+    const size_t steps[3] = {1, dim[0], dim[0] * dim[1]};
+    return volume_find_neighbours(stretch->start[a] + column * walk->right[a], dim[a], steps[a]);
+}
+
+/* Voxels are read anew only where others are around the pixel. */
+static void find_grey_in_row(uint8_t *grey, const struct cut_view *view, const struct volume *volume,
+                             const struct stretch *stretch, const struct walk *walk)
+{
+    const double black = view->window[0];
+    const double scale = 255 / (view->window[1] - black);
+    struct volume_neighbours x = neighbours_at(volume, stretch, walk, 0, 0);
+    struct volume_neighbours y = neighbours_at(volume, stretch, walk, 1, 0);
+    struct volume_neighbours z = neighbours_at(volume, stretch, walk, 2, 0);
+    struct volume_cell cell = {0};
+    size_t last = SIZE_MAX;
+    for (uint32_t column = stretch->first; column < stretch->first + stretch->count; column++) {
+        x = walk->right[0] != 0 ? neighbours_at(volume, stretch, walk, 0, column) : x;
+        y = walk->right[1] != 0 ? neighbours_at(volume, stretch, walk, 1, column) : y;
+        z = walk->right[2] != 0 ? neighbours_at(volume, stretch, walk, 2, column) : z;
+        if (x.low + y.low + z.low != last) {
+            last = x.low + y.low + z.low;
+            volume_read_cell(&cell, volume, &x, &y, &z);
+        }
+        const double level = (volume_in_cell(&cell, x.part, y.part, z.part) - black) * scale;
+        grey[column] = level > 0 ? (uint8_t)(level < 255 ? level : 255) : 0;
+    }
+}
+
 static void find_grey(struct cut *cut, const struct cut_view *view)
 {
     const struct volume *volume = atlas_context(cut->atlas);
     uint32_t width = view->place.width;
-    double scale = 255 / (view->window[1] - view->window[0]);
     struct walk walk;
     memset(cut->grey, 0, (size_t)width * view->place.height);
     if (!volume) {
@@ -96,12 +130,7 @@ static void find_grey(struct cut *cut, const struct cut_view *view)
     for (uint32_t row = 0; row < view->place.height; row++) {
         struct stretch stretch;
         find_stretch(&stretch, volume, &walk, row, width);
-        for (uint32_t column = stretch.first; column < stretch.first + stretch.count; column++) {
-            double p[3];
-            point_at(p, &stretch, &walk, column);
-            double grey = (volume_trilinear(volume, p) - view->window[0]) * scale;
-            cut->grey[(size_t)width * row + column] = grey > 0 ? (uint8_t)(grey < 255 ? grey : 255) : 0;
-        }
+        find_grey_in_row(cut->grey + (size_t)width * row, view, volume, &stretch, &walk);
     }
 }
 
@@ -167,7 +196,6 @@ static void find_cell(struct cell *cell, const struct volume *volume, size_t nea
     const size_t *dim = volume->info.dim;
     const size_t steps[3] = {1, dim[0], dim[0] * dim[1]};
     size_t voxels[8] = {nearest};
-    cell->is_mixed = false;
     for (int k = 0; k < cell->count; k++) {
         const int a = cell->axes[k];
         const size_t index = (size_t)(ptrdiff_t)(p[a] + 0.5);
@@ -179,20 +207,23 @@ static void find_cell(struct cell *cell, const struct volume *volume, size_t nea
             voxels[n] -= low;
         }
     }
+    uint32_t others = 0;
     for (int n = 0; n < 1 << cell->count; n++) {
         cell->objects[n] = object_of(volume, voxels[n]);
-        cell->is_mixed = cell->is_mixed || cell->objects[n] != cell->objects[0];
+        others |= cell->objects[n] ^ cell->objects[0];
     }
+    cell->is_mixed = others;
 }
 
-/* The object with the largest sum of linear weights; of equal ones that of the nearest voxel. */
-static uint32_t heaviest_object(const struct cell *cell, const double p[3], uint32_t nearest)
+/* The object with the largest sum of linear weights; of equal ones that of the nearest voxel. `axes` is
+ * cell->count: a number that the compiler knows makes it quicker. */
+static inline uint32_t heaviest_object(const struct cell *cell, int axes, const double p[3], uint32_t nearest)
 {
     static const double tie = 1e-9;
-    const int count = 1 << cell->count;
+    const int count = 1 << axes;
     double weights[8] = {1};
     double most = 0;
-    for (int k = 0; k < cell->count; k++) {
+    for (int k = 0; k < axes; k++) {
         const double part = p[cell->axes[k]] - (double)cell->low[cell->axes[k]];
         for (int n = 0; n < 1 << k; n++) {
             weights[n | 1 << k] = weights[n] * part;
@@ -248,14 +279,19 @@ static void find_in_row(struct cut *cut, size_t at, const struct volume *volume,
             is_other = is_other || low != cell.low[a];
             cell.low[a] = low;
         }
+        if (is_other && cell.count) {
+            find_cell(&cell, volume, voxel, p);
+        }
         if (voxel != last) {
             object = object_of(volume, voxel);
             last = voxel;
         }
-        if (is_other && cell.count) {
-            find_cell(&cell, volume, voxel, p);
+        const uint32_t seen = !cell.is_mixed    ? object
+                              : cell.count == 2 ? heaviest_object(&cell, 2, p, object)
+                                                : heaviest_object(&cell, 3, p, object);
+        if (!object && !seen) {
+            continue;
         }
-        const uint32_t seen = cell.is_mixed ? heaviest_object(&cell, p, object) : object;
         uint32_t *const to = cut->objects + at + column;
         uint32_t *const shown = cut->shown + at + column;
         const bool is_alike = seen == object && *shown == *to; /* as it mostly is */

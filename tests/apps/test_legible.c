@@ -432,6 +432,27 @@ static void letters_that_the_font_lacks_are_known(void **state)
     ui_destroy();
 }
 
+/* The font of texts has signs and old letters that the one of headings lacks; a line is as high. */
+static void a_heading_has_all_letters_that_texts_have(void **state)
+{
+    static const char *const texts[] = {"Gyrus \u00e9 \u03b1 \u041a", "left \u2192 right", "\u0480 left"};
+    float high = 0;
+    (void)state;
+    assert_true(ui_audit_create(1, 400, 100));
+    ui_audit_begin();
+    for (size_t i = 0; i < 3; i++) {
+        const float enlarged = push_heading(texts[i]);
+        assert_true(ui_can_write(texts[i]));
+        assert_true(i == 0 ? enlarged == 1 : enlarged > 1);
+        high = i == 0 ? ui_line() : high;
+        assert_near(ui_line(), high, 1e-3);
+        pop_heading();
+        assert_true(ui_line() < high);
+    }
+    ui_audit_end();
+    ui_destroy();
+}
+
 TEST_GROUP(legible)
 {
     const struct CMUnitTest tests[] = {
@@ -443,6 +464,7 @@ TEST_GROUP(legible)
         cmocka_unit_test(the_audit_finds_cut_texts),
         cmocka_unit_test(nothing_is_cut_at_usual_sizes),
         cmocka_unit_test(letters_that_the_font_lacks_are_known),
+        cmocka_unit_test(a_heading_has_all_letters_that_texts_have),
         cmocka_unit_test(a_name_that_is_cut_keeps_its_side),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

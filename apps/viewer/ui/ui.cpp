@@ -5,6 +5,7 @@
 #include "viewer/ui/ui_audit.h"
 
 #include "base/look.h"
+#include "base/look_sizes.h"
 
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
@@ -98,6 +99,34 @@ static void press_button(int button, bool down)
 static bool is_entered()
 {
     return ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter));
+}
+
+static bool has_letters(const ImFont &font, const char *text)
+{
+    unsigned int letter;
+    for (int size = 1; *text && size; text += size) {
+        size = ImTextCharFromUtf8(&letter, text, nullptr);
+        if (size && !font.FindGlyphNoFallback(static_cast<ImWchar>(letter))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+float push_heading(const char *text)
+{
+    const ImVector<ImFont *> &fonts = ImGui::GetIO().Fonts->Fonts;
+    const bool is_whole = has_letters(*fonts[1], text);
+    const float scale = is_whole ? 1 : static_cast<float>(LOOK_HEADING) / LOOK_TEXT;
+    ImGui::PushFont(fonts[is_whole]);
+    ImGui::SetWindowFontScale(scale);
+    return scale;
+}
+
+void pop_heading()
+{
+    ImGui::SetWindowFontScale(1);
+    ImGui::PopFont();
 }
 
 extern "C" {
@@ -636,14 +665,7 @@ void ui_chip(const char *id, ui_colour colour)
 
 bool ui_can_write(const char *text)
 {
-    unsigned int letter;
-    for (int size = 1; *text && size; text += size) {
-        size = ImTextCharFromUtf8(&letter, text, nullptr);
-        if (size && !ImGui::GetFont()->FindGlyphNoFallback(static_cast<ImWchar>(letter))) {
-            return false;
-        }
-    }
-    return true;
+    return has_letters(*ImGui::GetFont(), text);
 }
 
 bool ui_row(const char *label, bool selected, float height)
@@ -778,9 +800,9 @@ void ui_draw_label(const float at[2], ui_colour colour, const char *text)
 
 void ui_draw_heading(const float at[2], ui_colour colour, const char *text)
 {
-    ImGui::PushFont(ImGui::GetIO().Fonts->Fonts[1]);
+    push_heading(text);
     ui_draw_text(at, colour, text);
-    ImGui::PopFont();
+    pop_heading();
 }
 
 struct ui_mouse ui_mouse_now(void)

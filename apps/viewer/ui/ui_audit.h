@@ -27,6 +27,11 @@ size_t ui_audit_place(const char *text);
 /** A colour of the style, and its name in Dear ImGui; false = no more. */
 bool ui_audit_colour(ui_colour *out, const char **name, size_t index);
 
+/** Goes on in the font of headings or, for a text with letters that it lacks, in that of texts, enlarged by what is
+ * returned. Until pop_heading(). */
+float push_heading(const char *text);
+void pop_heading(void);
+
 #ifdef __cplusplus
 }
 

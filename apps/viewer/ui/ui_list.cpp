@@ -213,13 +213,12 @@ void ui_name_cut(const char *name, float width)
 
 void ui_heading(const char *text)
 {
-    ImGui::PushFont(ImGui::GetIO().Fonts->Fonts[1]);
+    const float whole = push_heading(text);
     const float smallest = static_cast<float>(LOOK_TEXT) / LOOK_HEADING;
     const float part = ui_room() / ImGui::CalcTextSize(text).x;
-    ImGui::SetWindowFontScale(std::min(std::max(part, smallest), 1.0F));
+    ImGui::SetWindowFontScale(whole * std::min(std::max(part, smallest), 1.0F));
     ui_name_cut(text, ui_room());
-    ImGui::SetWindowFontScale(1);
-    ImGui::PopFont();
+    pop_heading();
 }
 
 void ui_columns(size_t count)

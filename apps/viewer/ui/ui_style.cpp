@@ -14,16 +14,19 @@ static ImVec4 from_theme(ui_colour c)
     return ImGui::ColorConvertU32ToFloat4(IM_COL32(c.r, c.g, c.b, c.a));
 }
 
-/* Letters and figures of @p file, the latter all equally wide, and signs that it lacks. */
-static bool load_font(const char *file, float size)
+/* Letters and figures, the latter all equally wide; those of texts have signs that the font lacks, too. Headings take
+ * these and old Cyrillic letters from texts (push_heading()): as many large ones would hold up the first frame. */
+static bool load_fonts(float scale)
 {
     static const ImWchar letters[] = {0x20, 0x24f, 0x370, 0x52f, 0x2010, 0x2044, 0};
+    static const ImWchar large[] = {0x20, 0x24f, 0x370, 0x45f, 0x2010, 0x2044, 0};
     static const ImWchar signs[] = {0x20, 0x24f, 0x370, 0x52f, 0x2010, 0x2044, 0x2190, 0x22ff, 0};
     ImFontConfig more;
     more.MergeMode = true;
     ImFontAtlas &fonts = *ImGui::GetIO().Fonts;
-    return fonts.AddFontFromFileTTF(file, size, nullptr, letters) &&
-           fonts.AddFontFromFileTTF(CONUS_VIEWER_SIGNS_FONT, size, &more, signs);
+    return fonts.AddFontFromFileTTF(CONUS_VIEWER_FONT, LOOK_TEXT * scale, nullptr, letters) &&
+           fonts.AddFontFromFileTTF(CONUS_VIEWER_SIGNS_FONT, LOOK_TEXT * scale, &more, signs) &&
+           fonts.AddFontFromFileTTF(CONUS_VIEWER_BOLD_FONT, LOOK_HEADING * scale, nullptr, large);
 }
 
 /* Surfaces under texts have the theme's colours, and are opaque. */
@@ -79,5 +82,5 @@ bool ui_style(float scale)
     style.ScaleAllSizes(scale);
     ImGui::GetStyle() = style;
     ImGui::GetIO().Fonts->Clear();
-    return load_font(CONUS_VIEWER_FONT, LOOK_TEXT * scale) && load_font(CONUS_VIEWER_BOLD_FONT, LOOK_HEADING * scale);
+    return load_fonts(scale);
 }
