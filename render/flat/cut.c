@@ -168,6 +168,7 @@ struct cell {
     int axes[3], count;  /* no axes: nothing is smooth */
     ptrdiff_t low[3];    /* indices of the first one, from -1 on */
     uint32_t objects[8]; /* number n is the upper one along axes[k] where bit k of n is set */
+    size_t ahead;        /* to a voxel that the row comes to later, which is prefetched; backwards it wraps around */
     bool is_mixed;
 };
 
@@ -181,6 +182,7 @@ static void cell_init(struct cell *out, const struct walk *walk, const double st
 {
     const bool is_smooth = fmin(vec3_length(walk->right), vec3_length(walk->down)) * WIDE < 1;
     out->count = 0;
+    out->ahead = 0;
     out->is_mixed = false;
     for (int a = 0; a < 3; a++) {
         if (is_smooth && (walk->right[a] != 0 || walk->down[a] != 0)) {
@@ -209,6 +211,9 @@ static void find_cell(struct cell *cell, const struct volume *volume, size_t nea
     }
     uint32_t others = 0;
     for (int n = 0; n < 1 << cell->count; n++) {
+        if (voxels[n] + cell->ahead < volume->voxel_count) {
+            volume_fetch(volume, voxels[n] + cell->ahead);
+        }
         cell->objects[n] = object_of(volume, voxels[n]);
         others |= cell->objects[n] ^ cell->objects[0];
     }
@@ -252,22 +257,24 @@ static void find_in_row(struct cut *cut, size_t at, const struct volume *volume,
 {
     const size_t *dim = volume->info.dim;
     const size_t steps[3] = {1, dim[0], dim[0] * dim[1]};
+    enum { AHEAD = 12 };
+    double p[3];
+    struct cell cell;
+    memcpy(p, stretch->start, sizeof p);
+    cell_init(&cell, walk, p);
     size_t row = 0; /* the voxel's number, without the indices that change along the row: mostly one does */
     int changing[3];
     int count = 0;
     for (int a = 0; a < 3; a++) {
         if (walk->right[a] != 0) {
             changing[count++] = a;
+            cell.ahead = walk->right[a] > 0 ? AHEAD * steps[a] : 0 - AHEAD * steps[a];
         } else {
             row += steps[a] * (size_t)(ptrdiff_t)(stretch->start[a] + 0.5); /* to signed numbers is quicker */
         }
     }
     size_t last = SIZE_MAX;
     uint32_t object = 0;
-    double p[3];
-    struct cell cell;
-    memcpy(p, stretch->start, sizeof p);
-    cell_init(&cell, walk, p);
     for (uint32_t column = stretch->first; column < stretch->first + stretch->count; column++) {
         size_t voxel = row;
         bool is_other = false;
