@@ -145,7 +145,7 @@ void panel_results(struct window *window)
         ui_heading("OLD ANSWER");
         ui_tint_end();
     }
-    if (notice.is_trouble) {
+    if (notice.is_old || (notice.is_trouble && !screen_shows_pane(&window->screen, PANE_3D))) { /* which says it, too */
         ui_text_wrapped(THEME_ORANGE, notice.text);
     }
     if (range[1] > 0) { /* the limits of the lists, whose widgets may be scrolled out of sight below */
