@@ -221,12 +221,12 @@ static bool may_be_counted(const conus_selection *selection, const conus_selecto
            !cone_has_range(&selection->cone) && !selector->ranking.needs_border;
 }
 
-/* Whether it can count all of them at once: as cones of one shape. */
+/* Whether it can count all of them at once: as cones with the same pixels. */
 static bool can_be_counted(conus_selection *const *selections, size_t count, const conus_selector *selector)
 {
     for (size_t i = 0; i < count; i++) {
-        if (selections[i] &&
-            (!may_be_counted(selections[i], selector) || selections[i]->cone.angle != selector->aperture.angle)) {
+        if (selections[i] && (!may_be_counted(selections[i], selector) ||
+                              !aperture_has_pixels(&selector->aperture, &selections[i]->cone))) {
             return false;
         }
     }

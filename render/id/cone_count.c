@@ -143,7 +143,7 @@ static void find_uniforms(struct cone_count *count)
 conus_status cone_count_create(struct cone_count **out, const struct id_pass *pass, const uint32_t *groups,
                                size_t group_count, const double *const *voxel_from_world, size_t volumes)
 {
-    static_assert(sizeof(struct cone_place) == 104 && sizeof(struct cone_aim) == 48 && sizeof(struct cone_spot) == 16 &&
+    static_assert(sizeof(struct cone_place) == 112 && sizeof(struct cone_aim) == 48 && sizeof(struct cone_spot) == 16 &&
                       sizeof(struct cone_row) == 48 && sizeof(struct cone_head) == 8,
                   "the shader's structs");
     bool rounds = false;
@@ -188,13 +188,26 @@ void cone_count_destroy(struct cone_count *count)
     }
 }
 
-conus_status cone_count_set_shape(struct cone_count *count, const struct cone_aim *aims, const struct cone_spot *spots,
-                                  uint32_t rays)
+/* Uploads what is behind the first `known` bytes, or all, where these are lost. */
+static void extend(struct cone_count *count, int buffer, const void *data, size_t known, size_t size)
 {
-    upload(count, AIM_BUFFER, aims, rays * sizeof *aims);
-    upload(count, SPOT_BUFFER, spots, rays * sizeof *spots);
+    if (size > count->sizes[buffer]) {
+        reserve(count, buffer, known ? 2 * size : size);
+        known = 0;
+    }
+    glNamedBufferSubData(count->buffers[buffer], (GLintptr)known, (GLsizeiptr)(size - known),
+                         (const uint8_t *)data + known);
+}
+
+conus_status cone_count_set_shapes(struct cone_count *count, const struct cone_aim *aims, const struct cone_spot *spots,
+                                   uint32_t rays, size_t known, size_t shapes)
+{
+    if (known < shapes) {
+        extend(count, AIM_BUFFER, aims, known * rays * sizeof *aims, shapes * rays * sizeof *aims);
+        extend(count, SPOT_BUFFER, spots, known * rays * sizeof *spots, shapes * rays * sizeof *spots);
+    }
     count->rays = rays;
-    return gl_check("the shape of cones");
+    return gl_check("the shapes of cones");
 }
 
 /* Walks all rays, volume after volume; behind the last one they are counted. */

@@ -8,9 +8,10 @@
 
 #include "render/id/id_pass.h"
 
-/** Where a cone is: the columns of world_from_device, and the radius of a cylinder, else 0. */
+/** Where a cone is: the columns of world_from_device, and the radius of a cylinder, else 0. And which shape it has. */
 struct cone_place {
     double right[3], up[3], back[3], apex[3], radius;
+    uint32_t shape, unused;
 };
 
 /** A ray of the shape. Neighbours should be neighbours: CONE_PART of them are walked together. */
@@ -51,9 +52,10 @@ conus_status cone_count_create(struct cone_count **out, const struct id_pass *pa
 /** NULL is fine. */
 void cone_count_destroy(struct cone_count *count);
 
-/** Sets the shape of the next cones: @p rays of each. */
-conus_status cone_count_set_shape(struct cone_count *count, const struct cone_aim *aims, const struct cone_spot *spots,
-                                  uint32_t rays);
+/** Sets the shapes of the next cones, of @p rays rays each, shape after shape. The first @p known of @p shapes are those
+ * that it has. After a failure it has none. */
+conus_status cone_count_set_shapes(struct cone_count *count, const struct cone_aim *aims, const struct cone_spot *spots,
+                                   uint32_t rays, size_t known, size_t shapes);
 
 /** Counts for @p cones cones. Part p of cone c has (*heads)[c * parts + p], parts = rays / CONE_PART rounded up. Both
  * are borrowed until the next call. */

@@ -8,6 +8,7 @@
 struct Cone { // struct cone_place
     double right_x, right_y, right_z, up_x, up_y, up_z, back_x, back_y, back_z, apex_x, apex_y, apex_z;
     double radius; // of a cylinder; else 0
+    uint shape, unused;
 };
 
 struct Aim { // struct cone_aim
@@ -191,14 +192,14 @@ bool is_less(uvec2 a, uvec2 b)
 }
 
 // The row of the object whose first pixel is `first`, pixel after pixel as add_run() of statistics.c.
-Row gather(uint first, uint count, uint part)
+Row gather(uint first, uint count, uint first_spot)
 {
     uint id = ids[first], pixels = 0u, contact = first, square = NOTHING;
     uvec2 contact_t = uvec2(0u, 0x7ff00000u), nearest = uvec2(0u, 0x7ff00000u);
     precise double weight = 0.0lf;
     for (uint k = first; k < count; k++) {
         if (ids[k] == id) {
-            Spot spot = spots[part * uint(GROUP) + k];
+            Spot spot = spots[first_spot + k];
             uvec2 t = times[k];
             if (spot.square < square || (spot.square == square && is_less(t, contact_t))) {
                 contact = k;
@@ -211,7 +212,7 @@ Row gather(uint first, uint count, uint part)
         }
     }
     return Row(packDouble2x32(nearest), packDouble2x32(contact_t), weight, id, owns[contact], pixels,
-               spots[part * uint(GROUP) + contact].pixel, voxels[contact], 0u);
+               spots[first_spot + contact].pixel, voxels[contact], 0u);
 }
 
 #if CHECK
@@ -227,6 +228,7 @@ void main()
     uint slot = gl_LocalInvocationIndex, part = gl_WorkGroupID.y;
     uint number = part * uint(GROUP) + slot;
     uint count = min(ray_count - part * uint(GROUP), uint(GROUP));
+    uint first_aim = cones[gl_WorkGroupID.x].shape * ray_count + part * uint(GROUP);
     if (slot == 0u) {
         part_rows = 0u;
     }
@@ -236,9 +238,10 @@ void main()
     barrier();
     if (slot < count) {
         uint ray = gl_WorkGroupID.x * ray_count + number;
-        Known known = find_hit(make_ray(cones[gl_WorkGroupID.x], aims[number]), ray);
+        Aim aim = aims[first_aim + slot];
+        Known known = find_hit(make_ray(cones[gl_WorkGroupID.x], aim), ray);
         if (is_last) {
-            enter_hit(known, aims[number].rank);
+            enter_hit(known, aim.rank);
         } else {
             knowns[ray] = known;
         }
@@ -257,7 +260,7 @@ void main()
     barrier();
     // By neighbours, which work in step. A row that has no place shows in row_count.
     if (slot < part_rows && first_row + slot < uint(rows.length())) {
-        rows[first_row + slot] = gather(leaders[slot], count, part);
+        rows[first_row + slot] = gather(leaders[slot], count, first_aim);
     }
 }
 #endif

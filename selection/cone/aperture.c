@@ -122,10 +122,15 @@ static void aim_rays(struct aperture *aperture, const struct cone *cone)
     }
 }
 
-conus_status aperture_prepare(struct aperture *aperture, const struct cone *cone)
+bool aperture_has_pixels(const struct aperture *aperture, const struct cone *cone)
 {
     bool other = aperture->angle != cone->angle && (aperture->is_wide_square || is_wide_square(cone));
-    if (other || aperture->resolution != cone->resolution || aperture->shape != cone->aperture) {
+    return !other && aperture->resolution == cone->resolution && aperture->shape == cone->aperture;
+}
+
+conus_status aperture_prepare(struct aperture *aperture, const struct cone *cone)
+{
+    if (!aperture_has_pixels(aperture, cone)) {
         conus_status status = make_pixels(aperture, cone);
         if (status) {
             return status;

@@ -38,6 +38,9 @@ struct aperture {
     double total_weight;     /**< Sum over the pixels in the cone, in the pixels' order. */
 };
 
+/** Whether @p cone has these pixels: if so, another angle changes only their rays and weights. */
+bool aperture_has_pixels(const struct aperture *aperture, const struct cone *cone);
+
 /** Makes it the aperture of @p cone. That takes time only where it had another shape. A zeroed one is ready. */
 conus_status aperture_prepare(struct aperture *aperture, const struct cone *cone);
 void aperture_finish(struct aperture *aperture);

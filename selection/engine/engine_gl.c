@@ -303,7 +303,7 @@ static conus_status trace(struct engine *engine, struct evidence *out, const str
 }
 
 static conus_status count_many(struct engine *engine, bool *is_counted, struct hit_counts *const *out,
-                               const struct cone *const *cones, size_t count, const struct aperture *aperture,
+                               const struct cone *const *cones, size_t count, struct aperture *aperture,
                                const uint32_t *group)
 {
     struct gl_engine *gl = (struct gl_engine *)engine;

@@ -10,13 +10,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { KEPT_RAYS = 1 << 20 }; /* of shapes; a block that finds more of them begins anew */
+
 struct hit_counter {
     struct cone_count *device;
     struct cone_place *places; /* [place_capacity] */
     size_t place_capacity;
-    uint32_t resolution; /* of the shape that the device has; 0 = none yet, */
-    conus_aperture shape;
-    double angle;
+    uint32_t resolution; /* of the shapes that the device has */
+    conus_aperture aperture;
+    size_t rays; /* of each */
+    size_t shape_count;
+    double *angles;          /* [shape_count] */
+    struct cone_aim *aims;   /* [shape_count * rays] */
+    struct cone_spot *spots; /* likewise */
+    size_t angle_capacity, aim_capacity, spot_capacity;
 };
 
 void hit_counter_destroy(struct hit_counter *counter)
@@ -24,6 +31,9 @@ void hit_counter_destroy(struct hit_counter *counter)
     if (counter) {
         cone_count_destroy(counter->device);
         memory_free(counter->places);
+        memory_free(counter->angles);
+        memory_free(counter->aims);
+        memory_free(counter->spots);
         memory_free(counter);
     }
 }
@@ -85,27 +95,72 @@ static void fill_part(struct cone_aim *aims, struct cone_spot *spots, const stru
     }
 }
 
-/* Gives the device the shape of the aperture, unless it has it. */
-static conus_status set_shape(struct hit_counter *counter, const struct aperture *aperture)
+/* Forgets the shapes where they have other pixels than the aperture, or are very many. */
+static void keep_shapes(struct hit_counter *counter, const struct aperture *aperture)
 {
-    size_t rays = aperture->rays.count;
-    if (counter->resolution == aperture->resolution && counter->shape == aperture->shape &&
-        counter->angle == aperture->angle) {
-        return CONUS_OK;
+    bool fits = counter->resolution == aperture->resolution && counter->aperture == aperture->shape &&
+                counter->rays == aperture->rays.count && !aperture->is_wide_square;
+    counter->shape_count = fits && counter->shape_count * counter->rays <= KEPT_RAYS ? counter->shape_count : 0;
+    counter->resolution = aperture->resolution;
+    counter->aperture = aperture->shape;
+    counter->rays = aperture->rays.count;
+}
+
+static conus_status add_shape(struct hit_counter *counter, const struct aperture *aperture)
+{
+    size_t rays = counter->rays;
+    size_t end = (counter->shape_count + 1) * rays;
+    if (!memory_reserve(&counter->angles, &counter->angle_capacity, counter->shape_count + 1,
+                        sizeof *counter->angles) ||
+        !memory_reserve(&counter->aims, &counter->aim_capacity, end, sizeof *counter->aims) ||
+        !memory_reserve(&counter->spots, &counter->spot_capacity, end, sizeof *counter->spots)) {
+        return CONUS_ERROR_MEMORY;
     }
-    struct cone_aim *aims = memory_raw(rays, sizeof *aims);
-    struct cone_spot *spots = memory_raw(rays, sizeof *spots);
-    conus_status status = aims && spots ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t first = 0; first < rays && !status; first += CONE_PART) {
+    for (size_t first = 0; first < rays; first += CONE_PART) {
         size_t count = rays - first < CONE_PART ? rays - first : CONE_PART;
-        fill_part(aims + first, spots + first, aperture, first, count);
+        fill_part(counter->aims + end - rays + first, counter->spots + end - rays + first, aperture, first, count);
     }
-    status = status ? status : cone_count_set_shape(counter->device, aims, spots, (uint32_t)rays);
-    memory_free(aims);
-    memory_free(spots);
-    counter->resolution = status ? 0 : aperture->resolution; /* 0: none */
-    counter->shape = aperture->shape;
-    counter->angle = aperture->angle;
+    counter->angles[counter->shape_count++] = aperture->angle;
+    return CONUS_OK;
+}
+
+/* The number of the shape of that angle; the number of shapes if there is none. `near` may be it. */
+static size_t find_shape(const struct hit_counter *counter, double angle, size_t near)
+{
+    size_t shape = near;
+    if (near >= counter->shape_count || counter->angles[near] != angle) {
+        for (shape = 0; shape < counter->shape_count && counter->angles[shape] != angle; shape++) {
+        }
+    }
+    return shape;
+}
+
+/* Lists the cones with their shapes, and gives the device those that are new. */
+static conus_status place_cones(struct hit_counter *counter, const struct cone *const *cones, size_t count,
+                                struct aperture *aperture)
+{
+    conus_status status = CONUS_OK;
+    keep_shapes(counter, aperture);
+    const size_t known = counter->shape_count;
+    for (size_t c = 0, shape = 0; c < count && !status; c++) {
+        struct cone_place *place = &counter->places[c];
+        const double *m = cones[c]->pose.world_from_device;
+        shape = find_shape(counter, cones[c]->angle, shape);
+        if (shape == counter->shape_count) {
+            status = aperture_prepare(aperture, cones[c]);
+            status = status ? status : add_shape(counter, aperture);
+        }
+        place->radius = cones[c]->radius;
+        place->shape = (uint32_t)shape;
+        memcpy(place->right, m, sizeof place->right);
+        memcpy(place->up, m + 4, sizeof place->up);
+        memcpy(place->back, m + 8, sizeof place->back);
+        memcpy(place->apex, m + 12, sizeof place->apex);
+    }
+    status = status ? status
+                    : cone_count_set_shapes(counter->device, counter->aims, counter->spots, (uint32_t)counter->rays,
+                                            known, counter->shape_count);
+    counter->shape_count = status ? 0 : counter->shape_count;
     return status;
 }
 
@@ -128,7 +183,7 @@ static conus_status take_rows(struct hit_counts *out, const struct cone_row *row
 }
 
 conus_status hit_counter_count(struct hit_counter *counter, struct hit_counts *const *out,
-                               const struct cone *const *cones, size_t count, const struct aperture *aperture)
+                               const struct cone *const *cones, size_t count, struct aperture *aperture)
 {
     const struct cone_head *heads = NULL;
     const struct cone_row *rows = NULL;
@@ -136,15 +191,7 @@ conus_status hit_counter_count(struct hit_counter *counter, struct hit_counts *c
     if (!memory_reserve(&counter->places, &counter->place_capacity, count, sizeof *counter->places)) {
         return CONUS_ERROR_MEMORY;
     }
-    for (size_t c = 0; c < count; c++) {
-        const double *m = cones[c]->pose.world_from_device;
-        counter->places[c].radius = cones[c]->radius;
-        memcpy(counter->places[c].right, m, sizeof counter->places[c].right);
-        memcpy(counter->places[c].up, m + 4, sizeof counter->places[c].up);
-        memcpy(counter->places[c].back, m + 8, sizeof counter->places[c].back);
-        memcpy(counter->places[c].apex, m + 12, sizeof counter->places[c].apex);
-    }
-    conus_status status = set_shape(counter, aperture);
+    conus_status status = place_cones(counter, cones, count, aperture);
     status = status ? status : cone_count_run(counter->device, counter->places, (uint32_t)count, &heads, &rows);
     for (size_t i = 0; i < count * parts && !status; i++) {
         status = take_rows(out[i / parts], rows + heads[i].first, heads[i].count);

@@ -18,9 +18,9 @@ conus_status hit_counter_create(struct hit_counter **out, const conus_atlas *atl
 /** NULL is fine. */
 void hit_counter_destroy(struct hit_counter *counter);
 
-/** Appends to each of @p count @p out what the pixels in its cone hit first. The cones have the shape of @p aperture.
- */
+/** Appends to each of @p count @p out what the pixels in its cone hit first. The cones have the pixels of @p aperture,
+ * which is prepared for each angle that the device does not have. */
 conus_status hit_counter_count(struct hit_counter *counter, struct hit_counts *const *out,
-                               const struct cone *const *cones, size_t count, const struct aperture *aperture);
+                               const struct cone *const *cones, size_t count, struct aperture *aperture);
 
 #endif

@@ -87,16 +87,15 @@ static struct cone make_cone(uint64_t *random, const conus_atlas *atlas, const s
     return cone;
 }
 
-static void compare_shape(struct counting *counting, uint64_t *random, const struct shape *shape)
+enum { CONES = 24 };
+
+static void compare_cones(struct counting *counting, const struct cone cones[CONES])
 {
-    enum { CONES = 24 };
-    struct cone cones[CONES];
     struct hit_counts counts[CONES] = {{0}};
     const struct cone *in[CONES];
     struct hit_counts *out[CONES];
     bool is_counted = false;
     for (size_t c = 0; c < CONES; c++) {
-        cones[c] = make_cone(random, counting->atlas, shape);
         in[c] = &cones[c];
         out[c] = &counts[c];
     }
@@ -107,6 +106,7 @@ static void compare_shape(struct counting *counting, uint64_t *random, const str
     for (size_t c = 0; c < CONES; c++) {
         struct evidence evidence = gl_pair_trace(counting->pair.rays, &cones[c]);
         evidence_drop_blocked(&evidence);
+        assert_ok(aperture_prepare(&counting->aperture, &cones[c]));
         struct statistics wanted = gather(counting, &cones[c], &evidence, NULL);
         struct statistics got = gather(counting, &cones[c], NULL, &counts[c]);
         compare_results(&got, &wanted);
@@ -122,6 +122,15 @@ static void compare_shape(struct counting *counting, uint64_t *random, const str
         evidence_finish(&evidence);
         memory_free(counts[c].rows);
     }
+}
+
+static void compare_shape(struct counting *counting, uint64_t *random, const struct shape *shape)
+{
+    struct cone cones[CONES];
+    for (size_t c = 0; c < CONES; c++) {
+        cones[c] = make_cone(random, counting->atlas, shape);
+    }
+    compare_cones(counting, cones);
 }
 
 static struct counting begin(const conus_atlas *atlas, const uint32_t *group)
@@ -243,6 +252,35 @@ static void of_pixels_that_are_as_near_the_lowest_is_the_contact(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Cones of one block with angles of their own, which the device has or gets: block after block some come again. 64 x 64
+ * pixels have 3,209 rays: with more than 326 such shapes the next block begins anew. */
+static void cones_of_a_block_have_their_angles(void **state)
+{
+    (void)state;
+    uint64_t random = 47;
+    conus_atlas *atlas = scene_atlas(&random, 24, 1);
+    struct counting counting = begin(atlas, NULL);
+    static const struct {
+        uint32_t resolution;
+        size_t blocks;
+    } rounds[] = {{16, 4}, {64, 16}, {15, 2}};
+    size_t angles = 0;
+    for (size_t r = 0; r < sizeof rounds / sizeof rounds[0]; r++) {
+        for (size_t block = 0; block < rounds[r].blocks; block++) {
+            struct cone cones[CONES];
+            for (size_t c = 0; c < CONES; c++) {
+                const struct shape shape = {.resolution = rounds[r].resolution,
+                                            .degrees = (double)(c % 12 ? ++angles : c + 1) * 160 / 1024};
+                cones[c] = make_cone(&random, atlas, &shape);
+            }
+            compare_cones(&counting, cones);
+        }
+    }
+    assert_true(counting.results > 100 && angles < 1024);
+    end(&counting);
+    conus_atlas_destroy(atlas);
+}
+
 static PFNGLGETNAMEDBUFFERSUBDATAPROC driver_read;
 
 /* A driver that rounds the inverse of one number the other way. */
@@ -315,6 +353,7 @@ TEST_GROUP(gl_count)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_shapes_have_the_bits_of_the_rays),
+        cmocka_unit_test(cones_of_a_block_have_their_angles),
         cmocka_unit_test(objects_are_counted_as_they_are_reported),
         cmocka_unit_test(a_full_list_of_rows_grows),
         cmocka_unit_test(of_pixels_that_are_as_near_the_lowest_is_the_contact),
