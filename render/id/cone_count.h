@@ -52,8 +52,8 @@ conus_status cone_count_create(struct cone_count **out, const struct id_pass *pa
 /** NULL is fine. */
 void cone_count_destroy(struct cone_count *count);
 
-/** Sets the shapes of the next cones, of @p rays rays each, shape after shape. The first @p known of @p shapes are those
- * that it has. After a failure it has none. */
+/** Sets the shapes of the next cones, of @p rays rays each, shape after shape. The first @p known of @p shapes are
+ * those that it has. After a failure it has none. */
 conus_status cone_count_set_shapes(struct cone_count *count, const struct cone_aim *aims, const struct cone_spot *spots,
                                    uint32_t rays, size_t known, size_t shapes);
 

@@ -22,8 +22,8 @@ struct engine_functions {
                                size_t count);
     /** Appends to each of @p count @p out, and sets *is_counted, what the pixels in its cone hit first, as trace()
      * would find it, without what blocks. The cones have the pixels of @p aperture, which is prepared for each of their
-     * angles, and no range. Objects are reported as @p group says, which is the same in all calls. NULL where the engine or the atlas needs
-     * the pixels; *is_counted is false, and nothing is appended, where the driver does. */
+     * angles, and no range. Objects are reported as @p group says, which is the same in all calls. NULL where the
+     * engine or the atlas needs the pixels; *is_counted is false, and nothing is appended, where the driver does. */
     conus_status (*count_many)(struct engine *engine, bool *is_counted, struct hit_counts *const *out,
                                const struct cone *const *cones, size_t count, struct aperture *aperture,
                                const uint32_t *group);
