@@ -37,6 +37,12 @@ bool station_wait(struct station *station, uint64_t after, double seconds, struc
     return false;
 }
 
+const char *station_host(const struct station *station)
+{
+    (void)station;
+    return NULL;
+}
+
 void station_send(struct station *station, const char *json, const struct igtl_point *points, size_t count)
 {
     (void)station;
