@@ -4,7 +4,6 @@
 #include "viewer/panes/panels.h"
 #include "viewer/ui/ui_audit.h"
 
-#include "atlas/areas/sides.h"
 #include "builders/area_rows.h"
 #include "test.h"
 #include "window_scene.h"
@@ -79,25 +78,15 @@ static void the_card_stands_below_all_else(void **state)
     viewer_finish(&viewer);
 }
 
-/* Three pairs, the fewest that the library tells, the left ones on the left or on the right. */
 static void an_exchanged_atlas_is_exchanged_and_has_no_side(void **state)
 {
-    static const struct area_row rows[] = {{1, "A_L", 0, NULL, 0},
-                                           {2, "A_R", 0, NULL, 0},
-                                           {3, "B_L", 0, NULL, 0},
-                                           {4, "B_R", 0, NULL, 0},
-                                           {5, "C_L", 0, NULL, 0},
-                                           {6, "C_R", 0, NULL, 0},
-                                           {0}};
-    static const uint32_t labels[2][9] = {{1, 0, 2, 3, 0, 4, 5, 0, 6}, {2, 0, 1, 4, 0, 3, 6, 0, 5}};
     static const char line[] = "Names or places have left and right exchanged";
     (void)state;
     for (int is_exchanged = 0; is_exchanged < 2; is_exchanged++) {
         struct viewer viewer;
         struct window window = {.viewer = &viewer, .screen.enlarged = -1};
         conus_atlas *atlas = NULL;
-        assert_ok(area_rows_atlas(&atlas, (const size_t[]){3, 3, 1}, labels[is_exchanged], rows));
-        assert_ok(swapped_sides_note(atlas));
+        assert_ok(area_rows_pairs(&atlas, is_exchanged));
         assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = "six"}, 1, NULL, NULL, NULL));
         viewer_choose(&viewer, 1);
         lay_out(&window);

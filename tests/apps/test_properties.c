@@ -37,7 +37,7 @@ static bool opens_with(struct window *window, const struct property *property, j
     json_t *root = session_json(window);
     assert_non_null(root);
     replace(root, property, value);
-    bool fine = session_read(window, root, why);
+    bool fine = session_read(window, root, "session", why);
     if (!fine) {
         assert_non_null(strstr(why, property->name));
         assert_non_null(strstr(why, " needed"));
@@ -124,7 +124,7 @@ static void values_missing_from_a_session(void **state)
         json_t *root = session_json(&window);
         assert_true(find(root, property) || property->presence >= PROPERTY_ZERO);
         json_object_del(property->object ? json_object_get(root, property->object) : root, property->name);
-        assert_int_equal(session_read(&window, root, why), property->presence != PROPERTY_NEEDED);
+        assert_int_equal(session_read(&window, root, "session", why), property->presence != PROPERTY_NEEDED);
         json_decref(root);
     }
     viewer_finish(&viewer);

@@ -1056,7 +1056,7 @@ is_at() {
     head -c 200 slabs.json >half.json
     run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session half.json --script /dev/null --quiet --size 400x256
     check_message 'half.json: line'
-    # without ATLAS, too, and JSON of another kind says that sessions are meant as well
+    # dropped onto an atlas, too
     for name in half bad; do # a script goes on behind what cannot be opened
         printf 'drop %s.json\nwait 2\n' $name >script
         run --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --script script --quiet --size 400x256

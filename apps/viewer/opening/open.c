@@ -587,7 +587,7 @@ static bool open_anew(struct window *window, const json_t *words, const struct v
     if (fine) {
         json_t *now = additions_atlases(json_object_get(window->files.opened, "options"));
         fit_session(session, window->viewer, then, now);
-        fine = session_read(window, session, refused);
+        fine = session_read(window, session, "session", refused);
         if (find_number(drawn, then, now)) {
             window->viewer->drawn->shown.chosen = chosen;
         }

@@ -383,7 +383,7 @@ bool property_read(double out[PROPERTY_NUMBERS], const struct property *property
     if (!fine) {
         char allowed[PROPERTY_REASON];
         property_allowed(allowed, property);
-        session_refuse(why, "session: %s%s%s: %s %s needed", property->object ? property->object : "",
+        session_refuse(why, "%s%s%s: %s %s needed", property->object ? property->object : "",
                        property->object ? ": " : "", property->name, allowed, count > 1 ? "are" : "is");
     }
     return fine;

@@ -165,15 +165,14 @@ static bool check_values(double values[PROPERTY_COUNT][PROPERTY_NUMBERS], char w
     double dpi = values[PROPERTY_FIGURE_DPI][0];
     const char *fault = study_fault(&study);
     if (fault) {
-        return session_refuse(why, "session: %s", fault);
+        return session_refuse(why, "%s", fault);
     }
     if (!layout_is_fine(&layout)) {
-        return session_refuse(why, "session: layout: panels, 0 or two widths in pixels, and division, two parts from "
+        return session_refuse(why, "layout: panels, 0 or two widths in pixels, and division, two parts from "
                                    "0.1 to 0.9 or 0, are needed");
     }
     return dpi == 0 || dpi >= SHEET_DPI_LEAST ||
-           session_refuse(why, "session: figure: dpi: 0 or a number from %d to %d is needed", SHEET_DPI_LEAST,
-                          SHEET_DPI_LIMIT);
+           session_refuse(why, "figure: dpi: 0 or a number from %d to %d is needed", SHEET_DPI_LEAST, SHEET_DPI_LIMIT);
 }
 
 /* @p values are the window's, and stay so where the session says nothing. */
@@ -236,7 +235,7 @@ static bool read_columns(uint32_t *out, const json_t *results, char why[PROPERTY
         fine = column < RESULT_COLUMNS;
         *out |= fine ? UINT32_C(1) << column : 0;
     }
-    return fine || session_refuse(why, "session: results: columns: names of columns are needed, or null");
+    return fine || session_refuse(why, "results: columns: names of columns are needed, or null");
 }
 
 /* Reads five numbers: a grey value not below @p least, red, green, blue and opacity. */
@@ -260,18 +259,17 @@ static bool read_transfer(struct atlas_edits *out, const struct view_atlas *view
         return true;
     }
     if (view_atlas_context(view) == conus_atlas_volume_count(view->atlas)) {
-        return session_refuse(why, "session: transfer: there is no context here, open it with --context");
+        return session_refuse(why, "transfer: there is no context here, open it with --context");
     }
     bool fine = json_is_array(list) && count >= 1 && count <= EDITOR_POINTS;
     for (size_t i = 0; fine && i < count; i++) {
         fine = read_point(&out->points[i], json_array_get(list, i), i ? out->points[i - 1].value : -FLT_MAX);
     }
     out->point_count = count;
-    return fine ||
-           session_refuse(why,
-                          "session: transfer: 1 to %d points are needed, each a grey value not less than the one "
-                          "before, red, green, blue and opacity from 0 to 1",
-                          EDITOR_POINTS);
+    return fine || session_refuse(why,
+                                  "transfer: 1 to %d points are needed, each a grey value not less than the one "
+                                  "before, red, green, blue and opacity from 0 to 1",
+                                  EDITOR_POINTS);
 }
 
 static bool read_preset(const char **preset, const struct view_atlas *view, const json_t *name,
@@ -284,12 +282,12 @@ static bool read_preset(const char **preset, const struct view_atlas *view, cons
         return true;
     }
     if (view_atlas_context(view) == conus_atlas_volume_count(view->atlas)) {
-        return session_refuse(why, "session: preset: there is no context here, open it with --context");
+        return session_refuse(why, "preset: there is no context here, open it with --context");
     }
     for (size_t i = 0; text && !*preset && (found = conus_transfer_preset(i)); i++) {
         *preset = strcmp(found, text) == 0 ? found : NULL;
     }
-    return *preset || session_refuse(why, "session: preset: the name of a transfer function is needed, or null");
+    return *preset || session_refuse(why, "preset: the name of a transfer function is needed, or null");
 }
 
 /* Reads colours and thresholds; what the session does not say stays as it is. */
@@ -312,7 +310,7 @@ static bool read_level(const char **out, const struct viewer *viewer, const json
     const json_t *level = json_object_get(root, "level");
     *out = level ? json_string_value(level) : viewer->cone.level;
     if (!*out || strlen(*out) >= LEVEL_LIMIT) {
-        return session_refuse(why, "session: level: a text of up to %d bytes is needed", LEVEL_LIMIT - 1);
+        return session_refuse(why, "level: a text of up to %d bytes is needed", LEVEL_LIMIT - 1);
     }
     conus_selector *selector = NULL;
     const conus_selector_options options = {.level = *out};
@@ -320,7 +318,7 @@ static bool read_level(const char **out, const struct viewer *viewer, const json
                               ? CONUS_OK
                               : conus_selector_create(&selector, viewer->atlases->atlas, &options);
     conus_selector_destroy(selector);
-    return !status || session_refuse(why, "session: %s", conus_message());
+    return !status || session_refuse(why, "%s", conus_message());
 }
 
 /* Changes the atlases before all else, since this may fail. */
@@ -330,7 +328,7 @@ static bool set_up(struct viewer *viewer, size_t drawn, const struct atlas_edits
     viewer_draw(viewer, drawn);
     if (viewer_set_up(viewer, settings)) {
         viewer_draw(viewer, before);
-        return session_refuse(why, "session: not enough memory");
+        return session_refuse(why, "not enough memory");
     }
     return true;
 }
@@ -374,7 +372,7 @@ static void put_session(struct window *window, struct session *session, const js
     second->pointer = pointer; /* whatever moves the first */
 }
 
-bool session_read(struct window *window, json_t *root, char why[PROPERTY_REASON])
+static bool read_session(struct window *window, json_t *root, char why[PROPERTY_REASON])
 {
     struct viewer *viewer = window->viewer;
     struct session session = {.columns = viewer->list.columns,
@@ -382,15 +380,14 @@ bool session_read(struct window *window, json_t *root, char why[PROPERTY_REASON]
     session_fit(root, window);
     json_int_t version = json_integer_value(json_object_get(root, "conus_session"));
     if (version != SESSION_VERSION) {
-        return session_refuse(why,
-                              "session: \"conus_session\" is %" JSON_INTEGER_FORMAT
-                              ", and this conus reads %d: another version wrote it",
-                              version, SESSION_VERSION);
+        return session_refuse(
+            why, "\"conus_session\" is %" JSON_INTEGER_FORMAT ", and this conus reads %d: another version wrote it",
+            version, SESSION_VERSION);
     }
     take_values(session.values, window);
     bool fine = read_values(session.values, root, why) &&
                 read_columns(&session.columns, json_object_get(root, "results"), why) &&
-                (session.score || session_refuse(why, "session: score: unknown")) &&
+                (session.score || session_refuse(why, "score: unknown")) &&
                 read_level(&session.level, viewer, root, why) && read_edits(&session, viewer, root, why) &&
                 set_up(viewer, session.atlases.drawn, &session.edits, why);
     if (fine) {
@@ -398,6 +395,12 @@ bool session_read(struct window *window, json_t *root, char why[PROPERTY_REASON]
     }
     session_atlases_finish(&session.atlases);
     return fine;
+}
+
+bool session_read(struct window *window, json_t *root, const char *name, char why[PROPERTY_REASON])
+{
+    char fault[PROPERTY_REASON];
+    return read_session(window, root, fault) || session_refuse(why, "%.120s: %s", name, fault);
 }
 
 /* @p name is what errors call it. */
@@ -412,7 +415,7 @@ static json_t *parse(const char *name, const char *text, size_t size, char why[P
 bool session_parse(struct window *window, const char *text, size_t size, char why[PROPERTY_REASON])
 {
     json_t *root = parse("session", text, size, why);
-    bool fine = root && session_read(window, root, why);
+    bool fine = root && session_read(window, root, "session", why);
     json_decref(root);
     return fine;
 }
@@ -464,15 +467,9 @@ bool session_save(struct window *window, const char *path, char why[PROPERTY_REA
 
 bool session_load(struct window *window, const char *path, char why[PROPERTY_REASON])
 {
-    static const char plain[] = "session: ";
-    char named[PROPERTY_REASON];
     json_t *root = read_file(path, why);
-    bool fine = root && session_read(window, root, why);
+    bool fine = root && session_read(window, root, path, why);
     json_decref(root);
-    if (!fine && strncmp(why, plain, strlen(plain)) == 0) { /* several may be at hand: which one it is */
-        snprintf(named, sizeof named, "%.120s: %s", path, why + strlen(plain));
-        memcpy(why, named, sizeof named);
-    }
     if (fine) {
         note_path(window, path);
         viewer_say(window->viewer, "opened: %s", path_name(path)); /* what was said before is of another state */

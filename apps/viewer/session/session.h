@@ -8,8 +8,9 @@
 
 /** The session as JSON; NULL without memory, or where a name is not UTF-8. */
 struct json_t *session_json(const struct window *window);
-/** Opens what session_json() gave, which may be changed. False: @p why says why in one line, and nothing changed. */
-bool session_read(struct window *window, struct json_t *root, char why[PROPERTY_REASON]);
+/** Opens what session_json() gave, which may be changed. False: @p why says why in one line, behind @p name and a
+ * colon, and nothing changed. */
+bool session_read(struct window *window, struct json_t *root, const char *name, char why[PROPERTY_REASON]);
 
 /** The session as text, to be freed. */
 char *session_text(const struct window *window);

@@ -107,12 +107,11 @@ static bool read_threshold(double *out, const json_t *entry, const char *wanted,
     double low = fmin(info->minimum, info->threshold);
     double high = fmax(info->maximum, info->threshold);
     if (!name || strcmp(name, wanted) != 0) {
-        return session_refuse(why, "session: thresholds: that of \"%s\" is needed, not of \"%s\"", wanted,
-                              name ? name : "");
+        return session_refuse(why, "thresholds: that of \"%s\" is needed, not of \"%s\"", wanted, name ? name : "");
     }
     *out = json_number_value(value);
     return (json_is_number(value) && *out >= low && *out <= high) ||
-           session_refuse(why, "session: thresholds: %s: a number from %g to %g is needed", name, low, high);
+           session_refuse(why, "thresholds: %s: a number from %g to %g is needed", name, low, high);
 }
 
 /* Reads a threshold for each pathway, in the atlas's order. Fills [object_count + 1]. */
@@ -127,7 +126,7 @@ static bool read_thresholds(double *out, const struct view_atlas *view, const js
         }
     }
     return (json_is_array(list) && json_array_size(list) == count) ||
-           session_refuse(why, "session: thresholds: a list of %zu, one for each pathway, is needed", count);
+           session_refuse(why, "thresholds: a list of %zu, one for each pathway, is needed", count);
 }
 
 /* Checks that the atlas lies where it lay. Sessions older than transforms have no place. */
@@ -142,7 +141,7 @@ static bool check_place(const struct view_atlas *view, const json_t *list, char 
                     (isfinite(place[i]) ? json_is_number(was) && fabs(json_number_value(was) - place[i]) <= 1e-6
                                         : json_is_null(was));
         if (!fits) {
-            return session_refuse(why, "session: the atlas lay elsewhere: the same --atlas-transform, or "
+            return session_refuse(why, "the atlas lay elsewhere: the same --atlas-transform, or "
                                        "transform in the manifest, is needed");
         }
     }
@@ -157,7 +156,7 @@ static bool read_grey(struct appearance *out, const json_t *value, char why[PROP
     double *grey = out->grey;
     bool fine = !json_unpack((json_t *)value, "[FF!]", &grey[0], &grey[1]) && grey[0] >= -grey_limit &&
                 grey[1] <= grey_limit && grey[0] < grey[1];
-    return fine || session_refuse(why, "session: grey: two numbers are needed, black less than white, or null");
+    return fine || session_refuse(why, "grey: two numbers are needed, black less than white, or null");
 }
 
 /* An object's number in an entry of a list; 0 = none that is allowed. */
@@ -179,7 +178,7 @@ static bool read_opacities(struct appearance *out, const json_t *list, char why[
         out->opacity[fine ? number : 0] = json_number_value(opacity);
     }
     return fine || session_refuse(why,
-                                  "session: opacities: a list of pairs is needed, each a number from 1 to %zu and an "
+                                  "opacities: a list of pairs is needed, each a number from 1 to %zu and an "
                                   "opacity from 0 to 1",
                                   out->object_count);
 }
@@ -188,7 +187,7 @@ static bool read_rest(struct appearance *out, const json_t *value, char why[PROP
 {
     out->opacity[0] = value ? json_number_value(value) : 1;
     return (out->opacity[0] > 0 && out->opacity[0] <= 1) ||
-           session_refuse(why, "session: opacity_of_the_rest: a number above 0 and up to 1 is needed");
+           session_refuse(why, "opacity_of_the_rest: a number above 0 and up to 1 is needed");
 }
 
 static bool read_haze(struct appearance *out, const struct view_atlas *view, const json_t *list,
@@ -203,7 +202,7 @@ static bool read_haze(struct appearance *out, const struct view_atlas *view, con
         fine = number && haze < HAZE_LIMIT && conus_atlas_object(view->atlas, number)->kind == CONUS_KIND_PATHWAY;
         out->haze[fine ? number : 0] = (uint8_t)(fine ? haze : HAZE_NONE);
     }
-    return fine || session_refuse(why, "session: pathways: a list of pairs is needed, each a pathway's number and "
+    return fine || session_refuse(why, "pathways: a list of pairs is needed, each a pathway's number and "
                                        "\"solid\", \"own\" or the name of a preset");
 }
 
@@ -216,9 +215,8 @@ static bool read_streamlines(struct appearance *out, const struct view_atlas *vi
         return true;
     }
     if (colour == TRACT_COLOUR_LIMIT) {
-        return session_refuse(why,
-                              "session: streamline_colour: \"bundle\", \"direction\" or the name of a number that the "
-                              "streamlines have is needed");
+        return session_refuse(why, "streamline_colour: \"bundle\", \"direction\" or the name of a number that the "
+                                   "streamlines have is needed");
     }
     appearance_colour_streamlines(out, view->atlas, colour);
     return true;
@@ -229,9 +227,9 @@ static bool read_look(struct appearance *out, const struct view_atlas *view, con
 {
     struct appearance appearance;
     if (!appearance_init(&appearance, view->object_count)) {
-        return session_refuse(why, "session: not enough memory");
+        return session_refuse(why, "not enough memory");
     }
-    bool fine = (json_is_object(entry) || session_refuse(why, "session: look: an object is needed")) &&
+    bool fine = (json_is_object(entry) || session_refuse(why, "look: an object is needed")) &&
                 read_grey(&appearance, json_object_get(entry, "grey"), why) &&
                 read_opacities(&appearance, json_object_get(entry, "opacities"), why) &&
                 read_rest(&appearance, json_object_get(entry, "opacity_of_the_rest"), why) &&
@@ -253,7 +251,7 @@ static bool read_atlas(struct session_atlases *out, size_t index, const struct v
     const json_t *appearance = json_object_get(entry, "look");
     json_int_t objects = json_integer_value(json_object_get(entry, "objects"));
     if ((size_t)objects != view->object_count) {
-        return session_refuse(why, "session: of an atlas with %lld areas and pathways, %s has %zu", (long long)objects,
+        return session_refuse(why, "of an atlas with %lld areas and pathways, %s has %zu", (long long)objects,
                               index ? view->name : "this one", view->object_count);
     }
     if (!check_place(view, json_object_get(entry, "place"), why)) {
@@ -263,14 +261,13 @@ static bool read_atlas(struct session_atlases *out, size_t index, const struct v
     atlas->hidden = calloc(view->object_count + 1, sizeof *atlas->hidden);
     out->thresholds[index] = list ? calloc(view->object_count + 1, sizeof *out->thresholds[index]) : NULL;
     if (!atlas->hidden || (list && !out->thresholds[index])) {
-        return session_refuse(why, "session: not enough memory");
+        return session_refuse(why, "not enough memory");
     }
     const json_t *hidden = json_object_get(entry, "hidden");
     for (size_t i = 0; i < json_array_size(hidden); i++) {
         json_int_t number = json_integer_value(json_array_get(hidden, i));
         if (number < 1 || (uint64_t)number > view->object_count) {
-            return session_refuse(why, "session: hidden: %lld, allowed is 1 to %zu", (long long)number,
-                                  view->object_count);
+            return session_refuse(why, "hidden: %lld, allowed is 1 to %zu", (long long)number, view->object_count);
         }
         atlas->hidden[number] = true;
     }
@@ -283,7 +280,7 @@ static bool read_further(struct session_atlases *out, const struct viewer *viewe
 {
     bool fine = json_is_array(list) && json_array_size(list) == viewer->atlas_count - 1;
     if (!fine) {
-        return session_refuse(why, "session: further_atlases: a list of %zu is needed, one for each --atlas",
+        return session_refuse(why, "further_atlases: a list of %zu is needed, one for each --atlas",
                               viewer->atlas_count - 1);
     }
     for (size_t i = 1; i < viewer->atlas_count && fine; i++) {
@@ -302,7 +299,7 @@ bool session_atlases_read(struct session_atlases *out, const struct viewer *view
                                     .count = viewer->atlas_count,
                                     .drawn = (size_t)(viewer->drawn - viewer->atlases)};
     if (!out->atlases || !out->thresholds) {
-        return session_refuse(why, "session: not enough memory");
+        return session_refuse(why, "not enough memory");
     }
     if (!read_atlas(out, 0, viewer->atlases, root, why) || (further && !read_further(out, viewer, further, why))) {
         return false;
@@ -313,7 +310,7 @@ bool session_atlases_read(struct session_atlases *out, const struct viewer *view
     json_int_t number = json_integer_value(drawn);
     bool fine = number >= 1 && (uint64_t)number <= viewer->atlas_count;
     out->drawn = fine ? (size_t)number - 1 : 0;
-    return fine || session_refuse(why, "session: drawn: a number from 1 to %zu is needed", viewer->atlas_count);
+    return fine || session_refuse(why, "drawn: a number from 1 to %zu is needed", viewer->atlas_count);
 }
 
 void session_atlases_show(struct session_atlases *from, struct viewer *viewer)

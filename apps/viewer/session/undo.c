@@ -85,7 +85,7 @@ static void restore(struct window *window, const char *state, int by)
     json_t *root = session_json(window);
     json_t *before = json_loads(state, 0, NULL);
     bool fine = root && before && !json_object_update_recursive(root, before)
-                    ? session_read(window, root, why)
+                    ? session_read(window, root, "session", why)
                     : session_refuse(why, "not enough memory");
     json_decref(before);
     json_decref(root);

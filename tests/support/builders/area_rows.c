@@ -2,6 +2,7 @@
 /* Small atlases with an area tree. */
 #include "builders/area_rows.h"
 
+#include "atlas/areas/sides.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -49,6 +50,20 @@ conus_status area_rows_atlas(conus_atlas **out, const size_t dim[3], const uint3
     label_table_finish(&table);
     notes_finish(&notes);
     return status;
+}
+
+conus_status area_rows_pairs(conus_atlas **out, bool exchanged)
+{
+    static const struct area_row rows[] = {{1, "A_L", 0, NULL, 0},
+                                           {2, "A_R", 0, NULL, 0},
+                                           {3, "B_L", 0, NULL, 0},
+                                           {4, "B_R", 0, NULL, 0},
+                                           {5, "C_L", 0, NULL, 0},
+                                           {6, "C_R", 0, NULL, 0},
+                                           {0}};
+    static const uint32_t labels[2][9] = {{1, 0, 2, 3, 0, 4, 5, 0, 6}, {2, 0, 1, 4, 0, 3, 6, 0, 5}};
+    conus_status status = area_rows_atlas(out, (const size_t[]){3, 3, 1}, labels[exchanged], rows);
+    return status ? status : swapped_sides_note(*out);
 }
 
 uint32_t area_rows_number(const conus_atlas *atlas, const char *name)

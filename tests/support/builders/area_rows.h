@@ -18,6 +18,10 @@ struct area_row {
 conus_status area_rows_atlas(conus_atlas **out, const size_t dim[3], const uint32_t *labels,
                              const struct area_row *rows);
 
+/** Three pairs, the fewest that the library tells, A_L to C_R, numbered in this order: a voxel each, the left ones at x
+ * = -1, the right ones at 1, or, where left and right are @p exchanged, the other way round, with the note of that. */
+conus_status area_rows_pairs(conus_atlas **out, bool exchanged);
+
 /** The number of the area called @p name; 0 if there is none. */
 uint32_t area_rows_number(const conus_atlas *atlas, const char *name);
 
