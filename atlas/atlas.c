@@ -200,12 +200,11 @@ double conus_atlas_value(const conus_atlas *atlas, size_t index, const double po
 {
     const struct volume *volume = grey_volume(atlas, index);
     double at[3];
-    size_t voxel;
-    if (!volume || !volume_find_voxel(&voxel, volume, point)) {
+    if (!volume) {
         return NAN;
     }
     mat4_point(at, volume->voxel_from_world, point);
-    return volume_trilinear(volume, at);
+    return volume_reaches(volume, at) ? volume_trilinear(volume, at) : NAN;
 }
 
 conus_status conus_atlas_histogram(uint64_t *counts, size_t bins, const conus_atlas *atlas, size_t index)

@@ -55,6 +55,14 @@ static inline double volume_in_cell(const struct volume_cell *cell, double x, do
     return low + z * (high - low);
 }
 
+/** Whether a voxel's cell holds @p p, in index space. */
+static inline bool volume_reaches(const struct volume *volume, const double p[3])
+{
+    const size_t *dim = volume->info.dim;
+    return p[0] >= -0.5 && p[0] < (double)dim[0] - 0.5 && p[1] >= -0.5 && p[1] < (double)dim[1] - 0.5 && p[2] >= -0.5 &&
+           p[2] < (double)dim[2] - 0.5;
+}
+
 /** The value at @p p, in index space; outside of the voxel centres that of the border. */
 static inline double volume_trilinear(const struct volume *volume, const double p[3])
 {

@@ -47,9 +47,7 @@ static bool column_is_in(const struct volume *volume, const struct stretch *stre
 {
     double p[3];
     point_at(p, stretch, walk, column);
-    const size_t *dim = volume->info.dim;
-    return p[0] >= -0.5 && p[0] < (double)dim[0] - 0.5 && p[1] >= -0.5 && p[1] < (double)dim[1] - 0.5 && p[2] >= -0.5 &&
-           p[2] < (double)dim[2] - 0.5;
+    return volume_reaches(volume, p);
 }
 
 /* The grid is convex, so its columns are one stretch; the bounds are found a column too wide, for rounding. */
@@ -290,6 +288,9 @@ static void find_in_row(struct cut *cut, size_t at, const struct volume *volume,
             find_cell(&cell, volume, voxel, p);
         }
         if (voxel != last) {
+            if (!cell.count && voxel + cell.ahead < volume->voxel_count) {
+                volume_fetch(volume, voxel + cell.ahead);
+            }
             object = object_of(volume, voxel);
             last = voxel;
         }

@@ -293,12 +293,12 @@ static void the_bundle_is_named_where_the_picture_has_it(void **state)
     double contact[3];
     (void)state;
     open_with_bundle(&window, &viewer);
-    assert_true(viewer_pick(&object, contact, &viewer, eye, back));
+    assert_true(viewer_pick(&object, contact, &viewer, eye, back, INFINITY));
     assert_string_equal(conus_atlas_object(viewer.drawn->atlas, object)->name, "Up");
     assert_near(contact[1], 8, 1e-6);                                            /* its radius */
     assert_int_equal(view_atlas_at(viewer.drawn, (double[]){0, 0, 55}), object); /* above the balls */
     viewer_hide(&viewer, object, true);
-    assert_true(viewer_pick(&object, contact, &viewer, eye, back));
+    assert_true(viewer_pick(&object, contact, &viewer, eye, back, INFINITY));
     assert_int_equal(object, 1);
     close_window(&window);
 }

@@ -54,7 +54,7 @@ static void the_mouse_hits_what_is_shown(void **state)
     load(&viewer, "nested", "nested.nii.gz");
     for (int ball = 0; ball < 3; ball++) {
         uint32_t hit = 0;
-        assert_true(viewer_pick(&hit, contact, &viewer, eye, back));
+        assert_true(viewer_pick(&hit, contact, &viewer, eye, back, INFINITY));
         assert_true(hit > 0);
         assert_near(contact[1], 24 - 8 * ball, 1);
         assert_near(contact[0], 0, 1e-9);
@@ -62,10 +62,10 @@ static void the_mouse_hits_what_is_shown(void **state)
         viewer_hide(&viewer, hit, true);
     }
     uint32_t hit;
-    assert_false(viewer_pick(&hit, contact, &viewer, eye, back));
+    assert_false(viewer_pick(&hit, contact, &viewer, eye, back, INFINITY));
     viewer_hide(&viewer, 3, false);
-    assert_true(viewer_pick(&hit, contact, &viewer, eye, back));
-    assert_false(viewer_pick(&hit, contact, &viewer, eye, (double[]){0, 1, 0}));
+    assert_true(viewer_pick(&hit, contact, &viewer, eye, back, INFINITY));
+    assert_false(viewer_pick(&hit, contact, &viewer, eye, (double[]){0, 1, 0}, INFINITY));
     assert_int_equal(hit, 0);
     viewer_finish(&viewer);
 }
@@ -138,7 +138,7 @@ static void a_pathway_has_a_value(void **state)
         double from[3] = {middle[0], 200, middle[2] + 2 * k};
         uint32_t hit;
         viewer.display.fade = 1; /* no context */
-        if (viewer_pick(&hit, contact, &viewer, from, back)) {
+        if (viewer_pick(&hit, contact, &viewer, from, back, INFINITY)) {
             found = true;
             assert_int_equal(hit, pathway);
             double threshold = 16383.75;
@@ -347,11 +347,11 @@ static void an_opaque_context_is_hit_before_what_it_hides(void **state)
     load(&viewer, "brain", "brain.atlas.json");
     const double from[3] = {viewer.centre[0] + 3, viewer.centre[1] + 200, viewer.centre[2] + 3};
     viewer.display.fade = 1;
-    assert_true(viewer_pick(&object, bare, &viewer, from, back));
+    assert_true(viewer_pick(&object, bare, &viewer, from, back, INFINITY));
     assert_true(object > 0);
     viewer.display.fade = 0;
     assert_true(painter_set_transfer(viewer.painter, opaque, 4));
-    assert_true(viewer_pick(&object, hidden, &viewer, from, back));
+    assert_true(viewer_pick(&object, hidden, &viewer, from, back, INFINITY));
     assert_int_equal(object, 0);
     assert_true(hidden[1] > bare[1]);
     viewer_finish(&viewer);

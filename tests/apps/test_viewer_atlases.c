@@ -254,7 +254,7 @@ static void point(struct window *window)
     *hover = (struct hover){.by_ray = true, .value = NAN};
     memcpy(hover->eye, eye, sizeof eye);
     memcpy(hover->direction, back, sizeof back);
-    hover->has_place = viewer_pick(&hover->object, hover->at, window->viewer, eye, back);
+    hover->has_place = viewer_pick(&hover->object, hover->at, window->viewer, eye, back, INFINITY);
     assert_true(hover->has_place);
 }
 

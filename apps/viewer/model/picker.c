@@ -37,8 +37,10 @@ static double opacity_of(const struct context_ray *context_ray, double value)
     return low->rgba[3] + part * (high->rgba[3] - low->rgba[3]);
 }
 
-/* The depth of the context's surface, where half of the light is gone; INFINITY where a tenth or more comes through. */
-static double depth_of_surface(const struct viewer *viewer, const double origin[3], const double along[3], double most)
+/* The depth of the context's surface, where half of the light is gone, if it is below `limit`; INFINITY where a tenth
+ * or more comes through. */
+static double depth_of_surface(const struct viewer *viewer, const double origin[3], const double along[3], double most,
+                               double limit)
 {
     static const double dark = 0.1, half = 0.5;
     struct context_ray context_ray = {.atlas = viewer->drawn->atlas,
@@ -53,13 +55,14 @@ static double depth_of_surface(const struct viewer *viewer, const double origin[
     for (int a = 0; a < 3; a++) {
         before += (viewer->centre[a] - origin[a]) * along[a];
     }
-    for (unsigned step = (unsigned)fmax(before, 0); context_ray.count && step < most && light > dark; step++) { /* mm */
-        double t = step;
+    bool goes_on = context_ray.count > 0;
+    for (double t = floor(fmax(before, 0)); goes_on && t < most && light > dark; t++) { /* mm */
         const double place[3] = {origin[0] + t * along[0], origin[1] + t * along[1], origin[2] + t * along[2]};
         double value = conus_atlas_value(context_ray.atlas, context_ray.volume, place);
         double opacity = isfinite(value) ? opacity_of(&context_ray, value) : 0;
         light *= opacity > 0 ? pow(1 - fmin(opacity, 1), context_ray.thinned) : 1;
         surface = light <= half ? fmin(surface, t) : surface;
+        goes_on = surface < limit || t < limit;
     }
     return light > dark ? INFINITY : surface;
 }
@@ -163,7 +166,7 @@ uint32_t view_atlas_at(struct view_atlas *view, const double place[3])
 }
 
 bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, const double origin[3],
-                 const double direction[3])
+                 const double direction[3], double limit)
 {
     conus_pose pose;
     *object = 0;
@@ -177,15 +180,19 @@ bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, con
         across = hypot(across, origin[a] - viewer->centre[a]);
     }
     double depth = find_first_drawn(object, viewer->drawn, &pose);
-    double surface = depth_of_surface(viewer, origin, along, fmin(depth, across + 2 * viewer->radius));
+    double surface = depth_of_surface(viewer, origin, along, fmin(depth, across + 2 * viewer->radius), limit);
     if (surface < depth) {
         *object = 0;
         depth = surface;
     }
-    for (int a = 0; a < 3 && isfinite(depth); a++) {
+    if (!(depth < limit)) {
+        *object = 0;
+        return false;
+    }
+    for (int a = 0; a < 3; a++) {
         contact[a] = origin[a] + depth * along[a];
     }
-    return isfinite(depth);
+    return true;
 }
 
 double view_atlas_value(struct view_atlas *view, uint32_t object, const double place[3])

@@ -269,7 +269,7 @@ static uint32_t find_seen(struct window *window, float x, float y)
         const double middle[2] = {(cell[0] + 0.5) * SEEN_CELL, (cell[1] + 0.5) * SEEN_CELL};
         eye_ray(direction, eye, size, middle);
         *place = (struct seen_place){.is_known = true, .cell = {cell[0], cell[1]}};
-        if (!viewer_pick(&place->object, at, window->viewer, eye->camera.world_from_device + 12, direction)) {
+        if (!viewer_pick(&place->object, at, window->viewer, eye->camera.world_from_device + 12, direction, INFINITY)) {
             place->object = 0;
         }
     }
@@ -443,7 +443,7 @@ static void find_hovered(struct window *window)
     memcpy(hover->eye, window->pictures.shown.camera.world_from_device + 12, sizeof hover->eye);
     eye_ray(hover->direction, &window->pictures.shown, size, at);
     hover->by_ray = true;
-    hover->has_place = viewer_pick(&hover->object, hover->at, window->viewer, hover->eye, hover->direction);
+    hover->has_place = viewer_pick(&hover->object, hover->at, window->viewer, hover->eye, hover->direction, INFINITY);
     if (hover->object) {
         hover->value = view_atlas_value(window->viewer->drawn, hover->object, hover->at);
     }

@@ -55,11 +55,8 @@ static bool is_hidden(const struct window *window, const struct shadow *shadow, 
         }
     }
     eye_ray(direction, &shadow->eye, (double[]){shadow->width, shadow->height}, (double[]){x + 0.5, y + 0.5});
-    if (!viewer_pick(&object, at, window->viewer, from, direction) || (object && own[object])) {
-        return false;
-    }
-    double seen = hypot(hypot(at[0] - from[0], at[1] - from[1]), at[2] - from[2]);
-    return seen < depth - 2 * shadow->cells.edge; /* what lies beside it is as far */
+    depth -= 2 * shadow->cells.edge; /* what lies beside it is as far */
+    return viewer_pick(&object, at, window->viewer, from, direction, depth) && !(object && own[object]);
 }
 
 /* Finds where its outline, the pixels of `rgba` that are opaque, is hidden (1) or not (2): dash by dash. */

@@ -64,9 +64,8 @@ static bool is_hidden_by_others(const struct window *window, const double at[3],
     const double offset[3] = {at[0] - eye[0], at[1] - eye[1], at[2] - eye[2]};
     double place[3];
     uint32_t object;
-    double far = hypot(hypot(offset[0], offset[1]), offset[2]);
-    return viewer_pick(&object, place, window->viewer, eye, offset) && (!own || object != own) &&
-           hypot(hypot(place[0] - eye[0], place[1] - eye[1]), place[2] - eye[2]) < far - touching;
+    double limit = hypot(hypot(offset[0], offset[1]), offset[2]) - touching;
+    return viewer_pick(&object, place, window->viewer, eye, offset, limit) && (!own || object != own);
 }
 
 static bool is_hidden(const struct window *window, const double at[3])
