@@ -65,6 +65,10 @@ static void the_mouse_hits_what_is_shown(void **state)
     assert_false(viewer_pick(&hit, contact, &viewer, eye, back, INFINITY));
     viewer_hide(&viewer, 3, false);
     assert_true(viewer_pick(&hit, contact, &viewer, eye, back, INFINITY));
+    const double away = eye[1] - contact[1];
+    assert_true(viewer_pick(&hit, contact, &viewer, eye, back, away + 0.01));
+    assert_false(viewer_pick(&hit, contact, &viewer, eye, back, away - 0.01)); /* it is not farther than that */
+    assert_int_equal(hit, 0);
     assert_false(viewer_pick(&hit, contact, &viewer, eye, (double[]){0, 1, 0}, INFINITY));
     assert_int_equal(hit, 0);
     viewer_finish(&viewer);
@@ -354,6 +358,10 @@ static void an_opaque_context_is_hit_before_what_it_hides(void **state)
     assert_true(viewer_pick(&object, hidden, &viewer, from, back, INFINITY));
     assert_int_equal(object, 0);
     assert_true(hidden[1] > bare[1]);
+    const double surface = from[1] - hidden[1];
+    assert_false(viewer_pick(&object, hidden, &viewer, from, back, surface));
+    assert_true(viewer_pick(&object, hidden, &viewer, from, back, surface + 0.01));
+    assert_int_equal(object, 0);
     viewer_finish(&viewer);
 }
 
