@@ -43,7 +43,8 @@ struct id_pass {
     size_t volumes_traced; /* since id_pass_begin() */
     uint32_t ray_count;
     uint32_t capacity; /* rays */
-    struct id_ray *rays;
+    bool has_device_rays;
+    struct id_ray *rays; /* NULL until they are asked for */
     struct id_hit *hits;
 };
 
@@ -175,13 +176,11 @@ static conus_status reserve_rays(struct id_pass *pass, uint32_t rays)
         return fail(CONUS_ERROR_GL, "%u rays at once: this OpenGL driver allows %d", rays, limit / RAY_TEXELS);
     }
     drop_rays(pass);
-    pass->rays = memory_raw(rays, sizeof *pass->rays);
     pass->hits = memory_raw(rays, sizeof *pass->hits);
-    if (!pass->rays || !pass->hits) {
-        drop_rays(pass);
+    if (!pass->hits) {
         return CONUS_ERROR_MEMORY;
     }
-    glNamedBufferData(pass->ray_buffer, (GLsizeiptr)(rays * sizeof *pass->rays), NULL, GL_STREAM_DRAW);
+    glNamedBufferData(pass->ray_buffer, (GLsizeiptr)(rays * sizeof(struct id_ray)), NULL, GL_STREAM_DRAW);
     glNamedBufferData(pass->hit_buffer, (GLsizeiptr)(rays * sizeof *pass->hits), NULL, GL_DYNAMIC_COPY);
     glTextureBuffer(pass->ray_texels, GL_RGBA32UI, pass->ray_buffer);
     conus_status status = gl_check("rays");
@@ -198,16 +197,27 @@ conus_status id_pass_begin(struct id_pass *pass, uint32_t rays)
     conus_status status = rays > pass->capacity ? reserve_rays(pass, rays) : CONUS_OK;
     pass->ray_count = status ? 0 : rays;
     pass->volumes_traced = 0;
+    pass->has_device_rays = false;
     return status;
 }
 
 struct id_ray *id_pass_rays(struct id_pass *pass)
 {
+    pass->rays = pass->rays ? pass->rays : memory_raw(pass->capacity, sizeof *pass->rays);
     return pass->rays;
+}
+
+GLuint id_pass_device_rays(struct id_pass *pass)
+{
+    pass->has_device_rays = true;
+    return pass->ray_buffer;
 }
 
 static void upload_rays(const struct id_pass *pass)
 {
+    if (pass->has_device_rays) {
+        return;
+    }
     glNamedBufferSubData(pass->ray_buffer, 0, (GLsizeiptr)(pass->ray_count * sizeof *pass->rays), pass->rays);
 }
 

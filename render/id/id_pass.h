@@ -71,8 +71,12 @@ conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volum
 /** Reserves memory for @p rays rays, at least 1. */
 conus_status id_pass_begin(struct id_pass *pass, uint32_t rays);
 
-/** The rays, to be filled in before each volume. */
+/** The rays, to be filled in before each volume; NULL = no memory. */
 struct id_ray *id_pass_rays(struct id_pass *pass);
+
+/** A buffer of struct id_ray, which the device is to fill before each volume instead, until the next
+ * id_pass_begin(). */
+GLuint id_pass_device_rays(struct id_pass *pass);
 
 /** Traces the rays through volume number @p volume: its cells (Eq. 5) or, with CONUS_SAMPLING_SLICES, the rays' planes
  * (Eq. 7). Nearer hits found before stay; of equally near objects the lower identifier wins. */

@@ -2,8 +2,10 @@
 // walks them (Eq. 5) and adds up what they hit first, per object (Eq. 4, Eq. 11). Follows id.comp.glsl. Every operation is
 // one that GLSL rounds correctly, in the order of the CPU: so rays, hits and sums have the CPU's bits.
 //
-// Dispatched once per volume; rays keep their nearer hit from one to the next, and the last one counts. CHECK inverts
-// numbers instead, by which a driver shows that it rounds as it must.
+// Dispatched once per volume; rays keep their nearer hit from one to the next, and the last one counts.
+//
+// MAKE only writes the rays, where id.comp.glsl takes them. CHECK inverts numbers, by which a driver shows that it rounds
+// as it must.
 
 struct Cone { // struct cone_place
     double right_x, right_y, right_z, up_x, up_y, up_z, back_x, back_y, back_z, apex_x, apex_y, apex_z;
@@ -221,6 +223,30 @@ layout(std430, binding = VALUE_BUFFER) restrict buffer Values { double values[];
 void main()
 {
     values[gl_GlobalInvocationID.x] = reciprocal(values[gl_GlobalInvocationID.x]);
+}
+#elif MAKE
+layout(std430, binding = LIST_BUFFER) restrict readonly buffer List { uint list[]; }; // which rays: of all cones
+layout(std430, binding = RAY_BUFFER) restrict writeonly buffer Made { double parts[]; }; // struct id_ray
+
+uniform uint list_count;
+
+void main()
+{
+    uint at = gl_GlobalInvocationID.x;
+    if (at < list_count) {
+        Cone cone = cones[list[at] / ray_count];
+        Ray ray = make_ray(cone, aims[cone.shape * ray_count + list[at] % ray_count]);
+        uint first = 10u * at;
+        parts[first] = ray.origin.x;
+        parts[first + 1u] = ray.origin.y;
+        parts[first + 2u] = ray.origin.z;
+        parts[first + 3u] = ray.direction.x;
+        parts[first + 4u] = ray.direction.y;
+        parts[first + 5u] = ray.direction.z;
+        parts[first + 6u] = ray.inverse.x;
+        parts[first + 7u] = ray.inverse.y;
+        parts[first + 8u] = ray.inverse.z;
+    }
 }
 #else
 void main()

@@ -8,8 +8,8 @@
 #include "render/gl/context.h"
 #include "render/id/id_pass.h"
 #include "render/id/mesh_pass.h"
+#include "selection/engine/device_cones.h"
 #include "selection/engine/engine_rays.h"
-#include "selection/engine/hit_counter.h"
 #include "selection/engine/triangles/mesh_intervals.h"
 #include "selection/engine/voxels/traverse.h"
 
@@ -39,9 +39,11 @@ struct gl_engine {
     double slice_fraction;
     size_t *volumes; /* [volume_count] of the atlas, in the order in which the pass has them */
     size_t volume_count;
-    struct hit_counter *counter; /* NULL before the first count, and where the driver */
-    bool cannot_count;           /* does not round as it must                         */
-    conus_log log;               /* may be NULL */
+    struct device_cones *cones; /* whose rays the device makes; NULL before the first one, and where the driver */
+    bool cannot_make;           /* does not round as it must, which is to be said                               */
+    bool shall_say;
+    bool makes_rays; /* those that are traced now */
+    conus_log log;   /* may be NULL */
     void *log_user;
 };
 
@@ -50,7 +52,7 @@ static void destroy(struct engine *engine)
     struct gl_engine *gl = (struct gl_engine *)engine;
     struct gl_current previous = {0};
     if (gl->context && !gl_context_use(gl->context, &previous)) {
-        hit_counter_destroy(gl->counter);
+        device_cones_destroy(gl->cones);
         id_pass_destroy(gl->pass);
         mesh_pass_destroy(gl->mesh_pass);
         gl_current_restore(&previous);
@@ -65,6 +67,36 @@ static void destroy(struct engine *engine)
     memory_free(gl->queries);
     memory_free(gl->volumes);
     memory_free(gl);
+}
+
+static conus_status enter(struct gl_engine *gl, struct gl_current *previous)
+{
+    *previous = (struct gl_current){0};
+    return gl_context_use(gl->context, previous);
+}
+
+/* The application's context is its own again when it is told something. */
+static void leave(struct gl_engine *gl, const struct gl_current *previous)
+{
+    gl_current_restore(previous);
+    if (gl->shall_say && gl->log) {
+        const conus_note note = {.severity = CONUS_SEVERITY_WARNING,
+                                 .line = "OpenGL: this driver does not round double numbers as GLSL says; conus makes "
+                                         "rays and adds hits up without it"};
+        gl->log(gl->log_user, &note);
+    }
+    gl->shall_say = false;
+}
+
+/* Makes gl->cones, unless the driver cannot. */
+static conus_status need_cones(struct gl_engine *gl)
+{
+    if (gl->cones || gl->cannot_make) {
+        return CONUS_OK;
+    }
+    conus_status status = device_cones_create(&gl->cones, gl->atlas, gl->pass, gl->volumes, gl->volume_count);
+    gl->cannot_make = gl->shall_say = !status && !gl->cones;
+    return status;
 }
 
 /* The cones of one trace, all of one resolution, and where their answers go (NULL when it is layers). */
@@ -103,29 +135,51 @@ static conus_status reserve(struct gl_engine *gl, const struct view *view)
     return CONUS_OK;
 }
 
-/* The rays of all pixels of all cones, in the world. */
-static conus_status aim(struct gl_engine *gl, const struct view *view)
+/* Lists the wanted pixels of all cones, tile by tile. Returns whether they are all. */
+static bool list_traced(struct gl_engine *gl, const struct view *view)
 {
-    conus_status status = reserve(gl, view);
+    const uint32_t n = view->cones[0]->resolution;
+    const uint32_t across = (n + TILE_WIDTH - 1) / TILE_WIDTH;
+    const uint32_t tiles = across * ((n + TILE_HEIGHT - 1) / TILE_HEIGHT);
     gl->ray_count = 0;
-    for (size_t c = 0; c < view->count && !status; c++) {
-        const struct cone *cone = view->cones[c];
-        uint32_t first = (uint32_t)c * view->pixels;
-        for (uint32_t pixel = 0; pixel < view->pixels; pixel++) {
-            cone_origin(gl->origins[first + pixel], cone, pixel % cone->resolution, pixel / cone->resolution);
-            cone_ray(gl->directions[first + pixel], cone, pixel % cone->resolution, pixel / cone->resolution);
-        }
-        /* Its wanted pixels are traced by tiles. */
-        uint32_t n = cone->resolution;
-        uint32_t across = (n + TILE_WIDTH - 1) / TILE_WIDTH;
-        uint32_t tiles = across * ((n + TILE_HEIGHT - 1) / TILE_HEIGHT);
+    for (size_t c = 0; c < view->count; c++) {
+        const bool *wanted = view->cones[c]->tracing.wanted;
         for (uint32_t k = 0; k < tiles * TILE_WIDTH * TILE_HEIGHT; k++) {
             uint32_t tile = k / (TILE_WIDTH * TILE_HEIGHT);
             uint32_t i = tile % across * TILE_WIDTH + k % TILE_WIDTH;
             uint32_t j = tile / across * TILE_HEIGHT + k / TILE_WIDTH % TILE_HEIGHT;
-            if (i < n && j < n && (!cone->tracing.wanted || cone->tracing.wanted[j * n + i])) {
-                gl->traced[gl->ray_count++] = first + j * n + i;
+            if (i < n && j < n && (!wanted || wanted[j * n + i])) {
+                gl->traced[gl->ray_count++] = (uint32_t)c * view->pixels + j * n + i;
             }
+        }
+    }
+    return gl->ray_count == view->count * view->pixels;
+}
+
+/* Lists the rays. The device makes those through volumes, where it can; the CPU makes others, of all pixels, in the
+ * world. */
+static conus_status aim(struct gl_engine *gl, const struct view *view)
+{
+    conus_status status = reserve(gl, view);
+    gl->makes_rays = false;
+    gl->ray_count = 0;
+    if (status) {
+        return status;
+    }
+    const bool is_whole = list_traced(gl, view);
+    if (gl->pass && gl->sampling == CONUS_SAMPLING_EXACT && gl->ray_count) {
+        status = need_cones(gl);
+        gl->makes_rays = !status && gl->cones;
+    }
+    if (gl->makes_rays) {
+        status = device_cones_list(gl->cones, view->cones, view->count, gl->traced, gl->ray_count, is_whole);
+    }
+    for (size_t c = 0; c < view->count && !status && !(gl->makes_rays && !gl->mesh_pass); c++) {
+        const struct cone *cone = view->cones[c];
+        size_t first = c * view->pixels;
+        for (uint32_t pixel = 0; pixel < view->pixels; pixel++) {
+            cone_origin(gl->origins[first + pixel], cone, pixel % cone->resolution, pixel / cone->resolution);
+            cone_ray(gl->directions[first + pixel], cone, pixel % cone->resolution, pixel / cone->resolution);
         }
     }
     return status;
@@ -149,10 +203,17 @@ static void prepare_planes(const struct gl_engine *gl, const struct volume *volu
     }
 }
 
-/* The rays in the volume's index space. */
-static void prepare_rays(struct gl_engine *gl, const struct volume *volume, const struct view *view)
+/* The rays in the index space of volume number `index` of the pass. */
+static conus_status prepare_rays(struct gl_engine *gl, size_t index, const struct view *view)
 {
+    const struct volume *volume = &gl->atlas->volumes[gl->volumes[index]];
+    if (gl->makes_rays) {
+        return device_cones_make_rays(gl->cones, index);
+    }
     struct id_ray *rays = id_pass_rays(gl->pass);
+    if (!rays) {
+        return CONUS_ERROR_MEMORY;
+    }
     for (uint32_t r = 0; r < gl->ray_count; r++) {
         double origin[3];
         double direction[3];
@@ -176,6 +237,7 @@ static void prepare_rays(struct gl_engine *gl, const struct volume *volume, cons
         }
         prepare_planes(gl, volume, view->cones[c], rays + first, gl->traced + first, end - first);
     }
+    return CONUS_OK;
 }
 
 static uint64_t linear_index(const conus_atlas *atlas, uint32_t object, const uint32_t cell[3])
@@ -193,8 +255,8 @@ static conus_status trace_volumes(struct gl_engine *gl, const struct view *view)
     }
     conus_status status = id_pass_begin(gl->pass, gl->ray_count);
     for (size_t i = 0; i < gl->volume_count && !status; i++) {
-        prepare_rays(gl, &gl->atlas->volumes[gl->volumes[i]], view);
-        status = id_pass_trace(gl->pass, i);
+        status = prepare_rays(gl, i, view);
+        status = status ? status : id_pass_trace(gl->pass, i);
     }
     status = status ? status : id_pass_read(gl->pass, &hits);
     for (uint32_t r = 0; r < gl->ray_count && !status; r++) {
@@ -281,8 +343,8 @@ static conus_status trace_many(struct engine *engine, struct evidence *const *ou
 {
     struct gl_engine *gl = (struct gl_engine *)engine;
     const struct view view = view_of(cones, out, count);
-    struct gl_current previous = {0};
-    conus_status status = gl_context_use(gl->context, &previous);
+    struct gl_current previous;
+    conus_status status = enter(gl, &previous);
     if (status) {
         return status;
     }
@@ -293,7 +355,7 @@ static conus_status trace_many(struct engine *engine, struct evidence *const *ou
     status = !status && gl->pass ? trace_volumes(gl, &view) : status;
     status = !status && gl->mesh_pass ? trace_meshes(gl, &view) : status;
     status = !status && gl->bundles ? trace_tracts(gl, &view) : status;
-    gl_current_restore(&previous);
+    leave(gl, &previous);
     return status;
 }
 
@@ -307,27 +369,18 @@ static conus_status count_many(struct engine *engine, bool *is_counted, struct h
                                const uint32_t *group)
 {
     struct gl_engine *gl = (struct gl_engine *)engine;
-    struct gl_current previous = {0};
-    conus_status status = gl->cannot_count ? CONUS_OK : gl_context_use(gl->context, &previous);
+    struct gl_current previous;
+    conus_status status = gl->cannot_make ? CONUS_OK : enter(gl, &previous);
     *is_counted = false;
-    if (status || gl->cannot_count) {
+    if (status || gl->cannot_make) {
         return status;
     }
-    if (!gl->counter) {
-        status = hit_counter_create(&gl->counter, gl->atlas, gl->pass, gl->volumes, gl->volume_count, group);
-        gl->cannot_count = !status && !gl->counter;
-    }
-    if (!status && gl->counter) {
-        status = hit_counter_count(gl->counter, out, cones, count, aperture);
+    status = need_cones(gl);
+    if (!status && gl->cones) {
+        status = device_cones_count(gl->cones, out, cones, count, aperture, group);
         *is_counted = true;
     }
-    gl_current_restore(&previous);
-    if (gl->cannot_count && gl->log) {
-        const conus_note note = {.severity = CONUS_SEVERITY_WARNING,
-                                 .line = "OpenGL: this driver does not round double numbers as GLSL says; conus makes "
-                                         "rays and adds hits up without it"};
-        gl->log(gl->log_user, &note);
-    }
+    leave(gl, &previous);
     return status;
 }
 
@@ -355,8 +408,8 @@ static conus_status pierce_volumes(struct gl_engine *gl, struct layers *out, con
     struct piercing piercing = {gl, out};
     conus_status status = gl->ray_count ? id_pass_begin(gl->pass, gl->ray_count) : CONUS_OK;
     for (size_t i = 0; i < gl->volume_count && gl->ray_count && !status; i++) {
-        prepare_rays(gl, &gl->atlas->volumes[gl->volumes[i]], view);
-        status = id_pass_pierce(gl->pass, i, take_intervals, &piercing);
+        status = prepare_rays(gl, i, view);
+        status = status ? status : id_pass_pierce(gl->pass, i, take_intervals, &piercing);
     }
     return status;
 }
@@ -388,8 +441,8 @@ static conus_status pierce(struct engine *engine, struct layers *out, const stru
 {
     struct gl_engine *gl = (struct gl_engine *)engine;
     const struct view view = view_of(&cone, NULL, 1);
-    struct gl_current previous = {0};
-    conus_status status = gl_context_use(gl->context, &previous);
+    struct gl_current previous;
+    conus_status status = enter(gl, &previous);
     if (status) {
         return status;
     }
@@ -397,7 +450,7 @@ static conus_status pierce(struct engine *engine, struct layers *out, const stru
     status = !status && gl->pass ? pierce_volumes(gl, out, &view) : status;
     status = !status && gl->mesh_pass ? pierce_meshes(gl, out, cone) : status;
     status = !status && gl->bundles ? gl->bundles->functions->pierce(gl->bundles, out, cone) : status;
-    gl_current_restore(&previous);
+    leave(gl, &previous);
     return status;
 }
 

@@ -5,6 +5,7 @@
 #include "conus/selection.h"
 #include "gl_pair.h"
 #include "render/gl/context.h"
+#include "render/gl/functions.h"
 #include "scene.h"
 #include "test.h"
 
@@ -41,6 +42,60 @@ static void slices_equal_the_cpus_slices(void **state)
 {
     (void)state;
     assert_true(compare_scenes(12, (int)test_trials(52), CONUS_SAMPLING_SLICES) > test_trials(5000));
+}
+
+/* The device keeps shapes and lists of rays from one cone to the next: of all pixels, of some, and of other sizes. */
+static void cones_of_many_shapes_take_turns(void **state)
+{
+    (void)state;
+    uint64_t random = 14;
+    size_t hits = 0;
+    conus_atlas *atlas = scene_atlas(&random, 24, 1);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
+    for (int turn = 0; turn < 120; turn++) {
+        bool wanted[40 * 40];
+        struct cone cone = scene_cone(&random, atlas);
+        cone.resolution = (const uint32_t[]){16, 16, 40, 17, 16, 5}[turn % 6];
+        for (size_t pixel = 0; pixel < sizeof wanted; pixel++) {
+            wanted[pixel] = test_random(&random, 0, 1) < 0.5;
+        }
+        cone.tracing.wanted = turn % 4 == 1 ? wanted : NULL;
+        hits += gl_pair_same_hits(&pair, &cone);
+    }
+    assert_true(hits > 1000);
+    gl_pair_destroy(&pair);
+    conus_atlas_destroy(atlas);
+}
+
+static PFNGLNAMEDBUFFERSUBDATAPROC driver_write;
+static GLsizeiptr written;
+
+static void GLAPIENTRY write_and_count(GLuint buffer, GLintptr offset, GLsizeiptr size, const void *data)
+{
+    written += size;
+    driver_write(buffer, offset, size, data);
+}
+
+/* Thirteen doubles, its place, and the number of its shape: the device has the rest. */
+static void a_second_cone_goes_up_as_its_place(void **state)
+{
+    (void)state;
+    uint64_t random = 15;
+    conus_atlas *atlas = scene_atlas(&random, 12, 0);
+    struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
+    struct cone cone = {.pose = scene_pose(&random, atlas), .angle = 0.5, .resolution = 300};
+    driver_write = glNamedBufferSubData;
+    glNamedBufferSubData = write_and_count;
+    for (int turn = 0; turn < 3; turn++) {
+        written = 0;
+        struct evidence evidence = gl_pair_trace(pair.gl, &cone);
+        evidence_finish(&evidence);
+        assert_true(turn ? written == 13 * 8 + 8 : written > 300 * 300 * 48);
+        cone.pose = scene_pose(&random, atlas);
+    }
+    glNamedBufferSubData = driver_write;
+    gl_pair_destroy(&pair);
+    conus_atlas_destroy(atlas);
 }
 
 /* Rays of many pixels and volumes do not fit into the ray buffer at once. */
@@ -277,6 +332,8 @@ TEST_GROUP(gl_id)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(exact_equals_rays),
         cmocka_unit_test(slices_equal_the_cpus_slices),
+        cmocka_unit_test(cones_of_many_shapes_take_turns),
+        cmocka_unit_test(a_second_cone_goes_up_as_its_place),
         cmocka_unit_test(big_buffers_take_turns),
         cmocka_unit_test(more_objects_than_16_bits_hold),
         cmocka_unit_test(distances_are_those_of_the_closed_form),

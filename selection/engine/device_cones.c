@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Tells the device of shapes and places, and takes what it has counted. */
+#include "selection/engine/device_cones.h"
+
+#include "atlas/atlas.h"
+#include "base/memory.h"
+#include "base/order.h"
+#include "render/id/cone_pass.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { KEPT_RAYS = 1 << 20 }; /* of shapes; a block that finds more of them begins anew */
+
+/* Shapes of cones with the same pixels: one for each angle. */
+struct shapes {
+    size_t rays; /* of each */
+    size_t count;
+    double *angles;          /* [count] */
+    struct cone_aim *aims;   /* [count * rays] */
+    struct cone_spot *spots; /* likewise; NULL where none is counted */
+    size_t angle_capacity, aim_capacity, spot_capacity;
+};
+
+struct device_cones {
+    const conus_atlas *atlas;
+    struct cone_pass *device;
+    struct cone_place *places; /* [place_capacity] */
+    size_t place_capacity;
+    bool has_groups;
+    struct shapes counted; /* of pixels in the cone, */
+    uint32_t resolution;   /* of those n x n */
+    conus_aperture aperture;
+    struct shapes whole;        /* of all pixels */
+    uint32_t listed_resolution; /* whose whole cones the device has listed, so many rays */
+    size_t listed;
+};
+
+static void finish_shapes(struct shapes *shapes)
+{
+    memory_free(shapes->angles);
+    memory_free(shapes->aims);
+    memory_free(shapes->spots);
+}
+
+void device_cones_destroy(struct device_cones *cones)
+{
+    if (cones) {
+        cone_pass_destroy(cones->device);
+        memory_free(cones->places);
+        finish_shapes(&cones->counted);
+        finish_shapes(&cones->whole);
+        memory_free(cones);
+    }
+}
+
+conus_status device_cones_create(struct device_cones **out, const conus_atlas *atlas, struct id_pass *pass,
+                                 const size_t *volumes, size_t volume_count)
+{
+    struct device_cones *cones = memory_zeroed(1, sizeof *cones);
+    const double **matrices = memory_raw(volume_count, sizeof(double *));
+    conus_status status = cones && matrices ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; i < volume_count && !status; i++) {
+        matrices[i] = atlas->volumes[volumes[i]].voxel_from_world;
+    }
+    status = status ? status : cone_pass_create(&cones->device, pass, matrices, volume_count);
+    memory_free((void *)matrices);
+    if (status || !cones->device) {
+        device_cones_destroy(cones);
+        cones = NULL;
+    } else {
+        cones->atlas = atlas;
+    }
+    *out = status ? *out : cones;
+    return status;
+}
+
+static int by_pixel(const void *a, const void *b)
+{
+    uint32_t one = ((const struct cone_spot *)a)->pixel;
+    uint32_t other = ((const struct cone_spot *)b)->pixel;
+    return (one > other) - (one < other);
+}
+
+/* The rays of a part, which are walked together, and its pixels, which are added up in their order. */
+static void fill_part(struct cone_aim *aims, struct cone_spot *spots, const struct aperture *aperture, size_t first,
+                      size_t count)
+{
+    const struct device_rays *rays = &aperture->rays;
+    uint32_t n = aperture->resolution;
+    for (size_t k = 0; k < count; k++) {
+        uint32_t pixel = rays->pixel[first + k];
+        spots[k] = (struct cone_spot){aperture->weight[pixel], pixel, aperture->square[pixel]};
+    }
+    order_sort(spots, count, sizeof *spots, by_pixel);
+    for (size_t k = 0; k < count; k++) {
+        uint32_t pixel = rays->pixel[first + k];
+        const struct cone_spot *spot =
+            bsearch(&(struct cone_spot){.pixel = pixel}, spots, count, sizeof *spots, by_pixel);
+        aims[k] = (struct cone_aim){.right = rays->right[first + k],
+                                    .up = rays->up[first + k],
+                                    .forward = rays->forward[first + k],
+                                    .u = cone_coordinate(pixel % n, n),
+                                    .v = cone_coordinate(pixel / n, n),
+                                    .rank = (uint32_t)(spot - spots)};
+    }
+}
+
+/* Forgets shapes of other pixels, or very many. */
+static void keep_shapes(struct shapes *shapes, bool are_alike, size_t rays)
+{
+    shapes->count = are_alike && shapes->rays == rays && shapes->count * rays <= KEPT_RAYS ? shapes->count : 0;
+    shapes->rays = rays;
+}
+
+/* Makes room for the rays of one more. */
+static bool reserve_shape(struct shapes *shapes, double angle)
+{
+    if (!memory_reserve(&shapes->angles, &shapes->angle_capacity, shapes->count + 1, sizeof *shapes->angles) ||
+        !memory_reserve(&shapes->aims, &shapes->aim_capacity, (shapes->count + 1) * shapes->rays,
+                        sizeof *shapes->aims)) {
+        return false;
+    }
+    shapes->angles[shapes->count] = angle;
+    return true;
+}
+
+static conus_status add_counted(struct shapes *shapes, const struct aperture *aperture)
+{
+    size_t rays = shapes->rays;
+    size_t start = shapes->count * rays;
+    if (!reserve_shape(shapes, aperture->angle) ||
+        !memory_reserve(&shapes->spots, &shapes->spot_capacity, start + rays, sizeof *shapes->spots)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t first = 0; first < rays; first += CONE_PART) {
+        size_t count = rays - first < CONE_PART ? rays - first : CONE_PART;
+        fill_part(shapes->aims + start + first, shapes->spots + start + first, aperture, first, count);
+    }
+    shapes->count++;
+    return CONUS_OK;
+}
+
+/* All rays of the cone's shape, row-major. */
+static conus_status add_whole(struct shapes *shapes, const struct cone *cone)
+{
+    const uint32_t n = cone->resolution;
+    if (!reserve_shape(shapes, cone->angle)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    struct cone_aim *aim = shapes->aims + shapes->count * shapes->rays;
+    for (uint32_t pixel = 0; pixel < n * n; pixel++, aim++) {
+        const double u = cone_coordinate(pixel % n, n);
+        const double v = cone_coordinate(pixel / n, n);
+        *aim = (struct cone_aim){.u = u, .v = v};
+        cone_device_rays(&aim->right, &aim->up, &aim->forward, cone, &u, &v, 1);
+    }
+    shapes->count++;
+    return CONUS_OK;
+}
+
+/* The number of the shape of that angle; the number of shapes if there is none. `near` may be it. */
+static size_t find_shape(const struct shapes *shapes, double angle, size_t near)
+{
+    size_t shape = near;
+    if (near >= shapes->count || shapes->angles[near] != angle) {
+        for (shape = 0; shape < shapes->count && shapes->angles[shape] != angle; shape++) {
+        }
+    }
+    return shape;
+}
+
+/* Lists the cones with their shapes; those of other angles are added, counted ones as @p aperture has them. */
+static conus_status place_cones(struct device_cones *cones, struct shapes *shapes, const struct cone *const *in,
+                                size_t count, struct aperture *aperture)
+{
+    conus_status status = CONUS_OK;
+    if (!memory_reserve(&cones->places, &cones->place_capacity, count, sizeof *cones->places)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t c = 0, shape = 0; c < count && !status; c++) {
+        struct cone_place *place = &cones->places[c];
+        const double *m = in[c]->pose.world_from_device;
+        shape = find_shape(shapes, in[c]->angle, shape);
+        if (shape == shapes->count && aperture) {
+            status = aperture_prepare(aperture, in[c]);
+            status = status ? status : add_counted(shapes, aperture);
+        } else if (shape == shapes->count) {
+            status = add_whole(shapes, in[c]);
+        }
+        place->radius = in[c]->radius;
+        place->shape = (uint32_t)shape;
+        memcpy(place->right, m, sizeof place->right);
+        memcpy(place->up, m + 4, sizeof place->up);
+        memcpy(place->back, m + 8, sizeof place->back);
+        memcpy(place->apex, m + 12, sizeof place->apex);
+    }
+    return status;
+}
+
+static conus_status take_rows(struct hit_counts *out, const struct cone_row *rows, uint32_t count)
+{
+    if (!memory_reserve(&out->rows, &out->capacity, out->count + count, sizeof *out->rows)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        out->rows[out->count++] = (struct hit_count){.object = rows[i].object,
+                                                     .pixels = rows[i].pixels,
+                                                     .weight = rows[i].weight,
+                                                     .nearest = rows[i].nearest,
+                                                     .pixel = rows[i].pixel,
+                                                     .own = rows[i].own,
+                                                     .voxel = rows[i].voxel,
+                                                     .contact = rows[i].contact};
+    }
+    return CONUS_OK;
+}
+
+static conus_status set_groups(struct device_cones *cones, const uint32_t *group)
+{
+    size_t count = cones->atlas->object_count + 1;
+    uint32_t *groups = cones->has_groups ? NULL : memory_raw(count, sizeof *groups);
+    if (cones->has_groups || !groups) {
+        return cones->has_groups ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        groups[i] = group ? group[i] : i;
+    }
+    conus_status status = cone_pass_set_groups(cones->device, groups, count);
+    cones->has_groups = !status;
+    memory_free(groups);
+    return status;
+}
+
+/* After a failure the device may have lost all. */
+static void forget(struct device_cones *cones)
+{
+    cones->counted.count = cones->whole.count = cones->listed = 0;
+    cones->has_groups = false;
+}
+
+conus_status device_cones_count(struct device_cones *cones, struct hit_counts *const *out, const struct cone *const *in,
+                                size_t count, struct aperture *aperture, const uint32_t *group)
+{
+    struct shapes *shapes = &cones->counted;
+    const struct cone_head *heads = NULL;
+    const struct cone_row *rows = NULL;
+    size_t parts = (aperture->rays.count + CONE_PART - 1) / CONE_PART;
+    keep_shapes(shapes,
+                cones->resolution == aperture->resolution && cones->aperture == aperture->shape &&
+                    !aperture->is_wide_square,
+                aperture->rays.count);
+    cones->resolution = aperture->resolution;
+    cones->aperture = aperture->shape;
+    const size_t known = shapes->count;
+    conus_status status = set_groups(cones, group);
+    status = status ? status : place_cones(cones, shapes, in, count, aperture);
+    if (!status) {
+        const struct cone_shapes given = {shapes->aims, shapes->spots, (uint32_t)shapes->rays, known, shapes->count};
+        status = cone_pass_count(cones->device, &given, cones->places, (uint32_t)count, &heads, &rows);
+    }
+    for (size_t i = 0; i < count * parts && !status; i++) {
+        status = take_rows(out[i / parts], rows + heads[i].first, heads[i].count);
+    }
+    if (status) {
+        forget(cones);
+    }
+    return status;
+}
+
+conus_status device_cones_list(struct device_cones *cones, const struct cone *const *in, size_t count,
+                               const uint32_t *list, uint32_t ray_count, bool is_whole)
+{
+    struct shapes *shapes = &cones->whole;
+    const uint32_t n = in[0]->resolution;
+    keep_shapes(shapes, true, (size_t)n * n);
+    const size_t known = shapes->count;
+    const size_t listed = is_whole && cones->listed_resolution == n ? cones->listed : 0;
+    conus_status status = place_cones(cones, shapes, in, count, NULL);
+    if (!status) {
+        const struct cone_shapes given = {shapes->aims, NULL, (uint32_t)shapes->rays, known, shapes->count};
+        status = cone_pass_list(cones->device, &given, cones->places, (uint32_t)count, list, listed, ray_count);
+    }
+    cones->listed_resolution = n;
+    cones->listed = is_whole ? (listed > ray_count ? listed : ray_count) : 0;
+    if (status) {
+        forget(cones);
+    }
+    return status;
+}
+
+conus_status device_cones_make_rays(struct device_cones *cones, size_t volume)
+{
+    return cone_pass_make_rays(cones->device, volume);
+}
