@@ -46,10 +46,19 @@ static void measure_box(struct score_view *view, const double box[2][3], const d
     view->far = vec3_length(far);
 }
 
-static bool is_in_cone(const conus_selection *selection, int64_t i, int64_t j)
+/* Marks the objects of pixels at the border. */
+static void mark_border(bool *on_border, const conus_selection *selection)
 {
-    int64_t n = selection->cone.resolution;
-    return i >= 0 && j >= 0 && i < n && j < n && selection->in_cone[j * n + i];
+    const uint32_t n = selection->cone.resolution;
+    for (uint32_t pixel = 0; pixel < n * n && !selection->is_counted; pixel++) {
+        if (aperture_is_border(selection->in_cone, n, pixel)) {
+            on_border[selection->evidence.object[pixel]] = true;
+        }
+    }
+    for (size_t i = 0; i < selection->counts.count; i++) {
+        const struct hit_count *row = &selection->counts.rows[i];
+        on_border[row->object] = on_border[row->object] || row->is_at_border;
+    }
 }
 
 void selection_rank(conus_selection *selection, conus_selector *selector, const struct history *history)
@@ -62,16 +71,7 @@ void selection_rank(conus_selection *selection, conus_selector *selector, const 
         measure_box(&view, (const double(*)[3])selector->box, selection->cone.pose.world_from_device + 12);
     }
     if (selector->on_border) {
-        /* The objects of pixels in the cone that have a neighbour outside it. */
-        int64_t n = selection->cone.resolution;
-        for (int64_t pixel = 0; pixel < n * n; pixel++) {
-            int64_t i = pixel % n;
-            int64_t j = pixel / n;
-            if (selection->in_cone[pixel] && !(is_in_cone(selection, i - 1, j) && is_in_cone(selection, i + 1, j) &&
-                                               is_in_cone(selection, i, j - 1) && is_in_cone(selection, i, j + 1))) {
-                selector->on_border[selection->evidence.object[pixel]] = true;
-            }
-        }
+        mark_border(selector->on_border, selection);
     }
     score_rank(&selection->statistics, &selector->ranking, &view);
     if (selector->on_border) {

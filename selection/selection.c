@@ -218,7 +218,7 @@ static conus_status trace_by(enum first_hits way, conus_selection *selection, st
 static bool may_be_counted(const conus_selection *selection, const conus_selector *selector)
 {
     return selector->rows_only && selector->engine->functions->count_many && !selection->has_layers &&
-           !cone_has_range(&selection->cone) && !selector->ranking.needs_border;
+           !cone_has_range(&selection->cone);
 }
 
 /* Whether it can count all of them at once: as cones with the same pixels. */

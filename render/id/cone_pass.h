@@ -23,18 +23,22 @@ struct cone_aim {
 
 enum { CONE_PART = 256 };
 
+/** Beside the number of a pixel. */
+#define CONE_BORDER 0x80000000U
+
 /** A pixel of the shape; those of a part by ascending number, as many as the part has rays. */
 struct cone_spot {
-    double weight;          /**< Sums of them must be exact where there are several parts. */
-    uint32_t pixel, square; /**< Row-major; n^2 r^2.                                       */
+    double weight;          /**< Sums of them must be exact where there are several parts.           */
+    uint32_t pixel, square; /**< Row-major, with CONE_BORDER if a neighbour is in no cone; n^2 r^2. */
 };
 
 /** What the pixels of a part hit first of one object. */
 struct cone_row {
-    double nearest, contact;               /**< mm along the rays, INFINITY for object 0. */
-    double weight;                         /**< Sum.                                      */
-    uint32_t object, own;                  /**< As reported, and as its contact hit it.   */
-    uint32_t pixels, pixel, voxel, unused; /**< How many; the contact's two.              */
+    double nearest, contact;       /**< mm along the rays, INFINITY for object 0. */
+    double weight;                 /**< Sum.                                      */
+    uint32_t object, own;          /**< As reported, and as its contact hit it.   */
+    uint32_t pixels, pixel, voxel; /**< How many; the contact's two.                      */
+    uint32_t border;               /**< CONE_BORDER if one of them has it; else 0.        */
 };
 
 /** The rows of a part of a cone. */

@@ -20,12 +20,12 @@ struct Aim { // struct cone_aim
 
 struct Spot { // struct cone_spot
     double weight;
-    uint pixel, square;
+    uint pixel, square; // pixel with BORDER where its neighbour is in no cone
 };
 
 struct Row { // struct cone_row
     double nearest, contact, weight;
-    uint object, own, pixels, pixel, voxel, unused;
+    uint object, own, pixels, pixel, voxel, border;
 };
 
 struct Known { // the hit of a ray in the volumes before
@@ -50,6 +50,7 @@ uniform bool has_known, is_last;                         // volumes before, and 
 uniform dvec3 index_x, index_y, index_z, index_origin;   // columns of the volume's voxel_from_world
 
 const uint KEYS = 2u * uint(GROUP);
+const uint BORDER = 0x80000000u;
 const uint NOTHING = 0xffffffffu; // no key, no voxel; as an object VOLUME_BLOCKER
 
 shared uint ids[GROUP], owns[GROUP], voxels[GROUP];
@@ -196,7 +197,7 @@ bool is_less(uvec2 a, uvec2 b)
 // The row of the object whose first pixel is `first`, pixel after pixel as add_run() of statistics.c.
 Row gather(uint first, uint count, uint first_spot)
 {
-    uint id = ids[first], pixels = 0u, contact = first, square = NOTHING;
+    uint id = ids[first], pixels = 0u, contact = first, square = NOTHING, border = 0u;
     uvec2 contact_t = uvec2(0u, 0x7ff00000u), nearest = uvec2(0u, 0x7ff00000u);
     precise double weight = 0.0lf;
     for (uint k = first; k < count; k++) {
@@ -211,10 +212,11 @@ Row gather(uint first, uint count, uint first_spot)
             nearest = is_less(t, nearest) ? t : nearest;
             weight += spot.weight;
             pixels++;
+            border |= spot.pixel & BORDER;
         }
     }
     return Row(packDouble2x32(nearest), packDouble2x32(contact_t), weight, id, owns[contact], pixels,
-               spots[first_spot + contact].pixel, voxels[contact], 0u);
+               spots[first_spot + contact].pixel & ~BORDER, voxels[contact], border);
 }
 
 #if CHECK

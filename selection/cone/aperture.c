@@ -122,6 +122,15 @@ static void aim_rays(struct aperture *aperture, const struct cone *cone)
     }
 }
 
+bool aperture_is_border(const bool *in_cone, uint32_t n, uint32_t pixel)
+{
+    const uint32_t i = pixel % n;
+    const uint32_t j = pixel / n;
+    const bool is_within = i > 0 && j > 0 && i + 1 < n && j + 1 < n;
+    return in_cone[pixel] &&
+           !(is_within && in_cone[pixel - 1] && in_cone[pixel + 1] && in_cone[pixel - n] && in_cone[pixel + n]);
+}
+
 bool aperture_has_pixels(const struct aperture *aperture, const struct cone *cone)
 {
     bool other = aperture->angle != cone->angle && (aperture->is_wide_square || is_wide_square(cone));

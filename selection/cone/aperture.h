@@ -41,6 +41,9 @@ struct aperture {
 /** Whether @p cone has these pixels: if so, another angle changes only their rays and weights. */
 bool aperture_has_pixels(const struct aperture *aperture, const struct cone *cone);
 
+/** Whether a pixel in the cone has a neighbour beside, above or below that is not. @p in_cone [n*n]. */
+bool aperture_is_border(const bool *in_cone, uint32_t n, uint32_t pixel);
+
 /** Makes it the aperture of @p cone. That takes time only where it had another shape. A zeroed one is ready. */
 conus_status aperture_prepare(struct aperture *aperture, const struct cone *cone);
 void aperture_finish(struct aperture *aperture);

@@ -104,6 +104,9 @@ static void fill_part(struct cone_aim *aims, struct cone_spot *spots, const stru
                                     .v = cone_coordinate(pixel / n, n),
                                     .rank = (uint32_t)(spot - spots)};
     }
+    for (size_t k = 0; k < count; k++) {
+        spots[k].pixel |= aperture_is_border(aperture->in_cone, n, spots[k].pixel) ? CONE_BORDER : 0;
+    }
 }
 
 /* Forgets shapes of other pixels, or very many. */
@@ -211,7 +214,8 @@ static conus_status take_rows(struct hit_counts *out, const struct cone_row *row
                                                      .pixel = rows[i].pixel,
                                                      .own = rows[i].own,
                                                      .voxel = rows[i].voxel,
-                                                     .contact = rows[i].contact};
+                                                     .contact = rows[i].contact,
+                                                     .is_at_border = rows[i].border != 0};
     }
     return CONUS_OK;
 }

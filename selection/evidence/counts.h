@@ -3,6 +3,7 @@
 #ifndef CONUS_SELECTION_EVIDENCE_COUNTS_H
 #define CONUS_SELECTION_EVIDENCE_COUNTS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -10,12 +11,13 @@
 struct hit_count {
     uint32_t object; /**< As it is reported; 0 = nothing.                               */
     uint32_t pixels;
-    double weight;  /**< Sum of theirs (Eq. 4).                                         */
-    double nearest; /**< mm along their rays; INFINITY of nothing.                      */
-    uint32_t pixel; /**< The contact's: the smallest r, of equal ones the nearest, the first (Eq. 11). */
-    uint32_t own;   /**< Which object that one hit, whatever it is reported as,         */
-    uint64_t voxel; /**< in which voxel,                                                */
-    double contact; /**< and how far along its ray, mm.                                 */
+    double weight;     /**< Sum of theirs (Eq. 4).                                         */
+    double nearest;    /**< mm along their rays; INFINITY of nothing.                      */
+    uint32_t pixel;    /**< The contact's: the smallest r, of equal ones the nearest, the first (Eq. 11). */
+    uint32_t own;      /**< Which object that one hit, whatever it is reported as,         */
+    uint64_t voxel;    /**< in which voxel,                                                */
+    double contact;    /**< and how far along its ray, mm.                                 */
+    bool is_at_border; /**< One of the pixels has a neighbour that is not in the cone.  */
 };
 
 /** Of one cone. An object may have several, of other pixels. End it with memory_free(rows). */

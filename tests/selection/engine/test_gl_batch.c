@@ -131,6 +131,8 @@ static void blocks_of_cones_give_the_rows_of_the_rays(void **state)
         {.resolution = 12, .range = {5, 25}},
         {.resolution = 8, .radius = 3},
         {.resolution = 50, .score = "distance"}, /* some hundred cones are too many at once */
+        {.resolution = 16, .score = "smallest"}, /* with ranges the CPU finds the border */
+        {.resolution = 50, .score = "smallest"}, /* without, the device, in parts of a cone */
     };
     static const uint32_t sizes[2][2] = {{7, 65536}, {1, 64}}; /* some blocks have a few cones, some nearly all */
     for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
