@@ -56,7 +56,8 @@ static double depth_of_surface(const struct viewer *viewer, const double origin[
         before += (viewer->centre[a] - origin[a]) * along[a];
     }
     bool goes_on = context_ray.count > 0;
-    for (double t = floor(fmax(before, 0)); goes_on && t < most && light > dark; t++) { /* mm */
+    for (unsigned step = (unsigned)fmax(before, 0); goes_on && step < most && light > dark; step++) { /* mm */
+        double t = step;
         const double place[3] = {origin[0] + t * along[0], origin[1] + t * along[1], origin[2] + t * along[2]};
         double value = conus_atlas_value(context_ray.atlas, context_ray.volume, place);
         double opacity = isfinite(value) ? opacity_of(&context_ray, value) : 0;
