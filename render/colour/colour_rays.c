@@ -20,6 +20,7 @@
 /* Four numbers side by side: red, green, blue, opacity; or x, y, z and something else. */
 typedef float four __attribute__((vector_size(16)));
 typedef uint8_t four_bytes __attribute__((vector_size(4)));
+typedef int32_t four_whole __attribute__((vector_size(16)));
 
 static const float OPAQUE = 0.995F;
 static const float GHOST = 0.3F;       /* how much the cone, its axis and the markers show through areas before them */
@@ -34,6 +35,7 @@ enum {
     HATCH = 8, /* pixels from stripe to stripe */
     SEEN = 16, /* translucent areas along one ray */
     REFINING = 6,
+    BORDER = UINT8_MAX, /* not how far a cell is from others: its voxels are of several objects, all of some */
     LEAST_PIXELS = 4096 /* that are worth a thread */
 };
 
@@ -41,6 +43,7 @@ struct colour_rays_device {
     struct colour_device device;
     struct surface_rays *surfaces; /* NULL if there are none */
     float linear[256];             /* of sRGB bytes */
+    struct bricks alike;           /* of single cells (find_alike()); none before it is needed */
 };
 
 static const size_t texel_sizes[] = {
@@ -50,7 +53,7 @@ static const size_t texel_sizes[] = {
 static conus_status hold(struct colour_texels *out, struct colour_device *device, enum volume_texture_kind kind,
                          const size_t dim[3], const void *texels, uint64_t *memory_left)
 {
-    (void)device;
+    bricks_finish(&((struct colour_rays_device *)device)->alike); /* of other numbers, perhaps */
     size_t slice;
     size_t count;
     size_t bytes;
@@ -111,7 +114,8 @@ struct scene {
     const struct colour_pass *pass;
     struct colour_view_block view;
     const struct colour_rays *rays;
-    float shift[2]; /* of the rays under way */
+    const struct bricks *alike; /* NULL: rays look at each plane */
+    float shift[2];             /* of the rays under way */
     uint32_t width, height;
     float *rgba;
     struct surface_band *bands; /* [threads] Where there are surfaces. */
@@ -182,6 +186,13 @@ static int whole_below(float x)
     return whole - (x < (float)whole);
 }
 
+/* The same of four; 1 is -1 in comparisons of vectors. */
+static four_whole four_below(four x)
+{
+    const four_whole whole = __builtin_convertvector(x, four_whole);
+    return whole + (x < __builtin_convertvector(whole, four));
+}
+
 static float depth_of(const struct scene *scene, float plane)
 {
     return scene->view.planes[0] + (plane + 0.5F) * scene->view.planes[1];
@@ -194,9 +205,9 @@ static float plane_after(const struct scene *scene, float depth)
 }
 
 struct track {
-    const struct colour_volume *volume;  /* NULL: it is not there, or the ray does not come into it */
-    float from[3], along[3], inverse[3]; /* at depth t: from + t * along */
-    float first, end;                    /* planes first, first + 1, ... end - 1 lie in the volume */
+    const struct colour_volume *volume; /* NULL: it is not there, or the ray does not come into it */
+    four from, along, inverse;          /* at depth t: from + t * along */
+    float first, end;                   /* planes first, first + 1, ... end - 1 lie in the volume */
 };
 
 static void make_track(struct track *out, const struct scene *scene, const struct colour_volume *volume,
@@ -209,10 +220,11 @@ static void make_track(struct track *out, const struct scene *scene, const struc
     if (is_there == 0) {
         return;
     }
-    turn(out->along, from_camera, direction);
+    float along[3];
+    turn(along, from_camera, direction);
     for (int a = 0; a < 3; a++) {
         out->from[a] = from_camera[12 + a];
-        out->along[a] = fabsf(out->along[a]) < 1e-9F ? 1e-9F : out->along[a];
+        out->along[a] = fabsf(along[a]) < 1e-9F ? 1e-9F : along[a];
         out->inverse[a] = 1 / out->along[a];
         const float one = -out->from[a] * out->inverse[a];
         const float other = (1 - out->from[a]) * out->inverse[a];
@@ -228,16 +240,15 @@ static void make_track(struct track *out, const struct scene *scene, const struc
     }
 }
 
-static void place_on(float out[3], const struct track *track, float depth)
+static four place_on(const struct track *track, float depth)
 {
-    for (int a = 0; a < 3; a++) {
-        out[a] = track->from[a] + depth * track->along[a];
-    }
+    return track->from + depth * track->along;
 }
 
-static bool lies_in(const float place[3])
+static bool lies_in(four place)
 {
-    return place[0] >= 0 && place[0] <= 1 && place[1] >= 0 && place[1] <= 1 && place[2] >= 0 && place[2] <= 1;
+    const four_whole is_in = (place >= 0) & (place <= 1);
+    return is_in[0] & is_in[1] & is_in[2];
 }
 
 static bool is_on(const struct track *track, float plane)
@@ -263,10 +274,9 @@ static float look_ahead(const struct scene *scene, const struct track *track, co
         return NEVER;
     }
     const struct colour_texels *empty = &track->volume->empty;
-    float place[3];
+    const four place = place_on(track, depth_of(scene, plane));
     float leave = INFINITY;
     size_t brick[3];
-    place_on(place, track, depth_of(scene, plane));
     for (int a = 0; a < 3; a++) {
         brick[a] = (size_t)between(place[a] * bricks[a], 0, (float)(empty->dim[a] - 1));
     }
@@ -284,30 +294,28 @@ static float look_ahead(const struct scene *scene, const struct track *track, co
 /* The eight texels around a place and how much of each is in a sample: along each axis the part of the second. */
 struct cell {
     size_t at[8];
-    float part[3];
+    four part;
 };
 
-static void find_cell(struct cell *out, const size_t dim[3], const float place[3])
+static void find_cell(struct cell *out, const size_t dim[3], four place)
 {
-    size_t low[3];
-    size_t step[3] = {1, dim[0], dim[0] * dim[1]};
-    for (int a = 0; a < 3; a++) { /* clamped to the edge */
-        const float corner = place[a] * (float)dim[a] - 0.5F;
-        const int whole = whole_below(corner);
-        const bool before = whole < 0;
-        const bool behind = whole + 1 >= (int)dim[a];
-        out->part[a] = corner - (float)whole;
-        low[a] = before ? 0 : behind ? dim[a] - 1 : (size_t)whole;
-        step[a] = before || behind ? 0 : step[a];
-    }
-    const size_t base = low[0] + dim[0] * (low[1] + dim[1] * low[2]);
+    const four_whole size = {(int32_t)dim[0], (int32_t)dim[1], (int32_t)dim[2], 1};
+    const four corner = place * __builtin_convertvector(size, four) - 0.5F;
+    const four_whole whole = four_below(corner);
+    const four_whole before = whole < 0;
+    const four_whole behind = whole + 1 >= size;
+    const four_whole low = ~before & ((behind & (size - 1)) | (~behind & whole)); /* clamped to the edge */
+    const four_whole within = ~(before | behind);
+    const size_t base = (size_t)low[0] + dim[0] * ((size_t)low[1] + dim[1] * (size_t)low[2]);
+    const size_t step[3] = {within[0] ? 1 : 0, within[1] ? dim[0] : 0, within[2] ? dim[0] * dim[1] : 0};
+    out->part = corner - __builtin_convertvector(whole, four);
     for (size_t n = 0; n < 8; n++) {
         out->at[n] = base + (n & 1 ? step[0] : 0) + (n & 2 ? step[1] : 0) + (n & 4 ? step[2] : 0);
     }
 }
 
 /* The sample in a cell of these corners, which change. */
-static four mix(four corner[8], const float part[3])
+static four mix(four corner[8], four part)
 {
     for (int a = 0, count = 4; a < 3; a++, count /= 2) {
         for (int n = 0; n < count; n++) {
@@ -318,7 +326,7 @@ static four mix(four corner[8], const float part[3])
 }
 
 /* Bytes from 0 to 1, as GL has them: between voxel centres. */
-static four sample_bytes(const struct colour_texels *texels, const float place[3])
+static four sample_bytes(const struct colour_texels *texels, four place)
 {
     const uint8_t *bytes = texels->bytes;
     struct cell cell;
@@ -332,7 +340,7 @@ static four sample_bytes(const struct colour_texels *texels, const float place[3
     return mix(corner, cell.part) / 255.0F;
 }
 
-static four sample_floats(const struct colour_texels *texels, const float place[3])
+static four sample_floats(const struct colour_texels *texels, four place)
 {
     const float *floats = texels->bytes;
     struct cell cell;
@@ -375,7 +383,7 @@ struct sample {
 };
 
 /* Context: colour and extinction by the transfer function; shaded where there is a gradient. */
-static four sample_context(const struct scene *scene, const float place[3])
+static four sample_context(const struct scene *scene, four place)
 {
     const four field = sample_bytes(&scene->pass->context.field, place);
     const int level = (int)(field[3] * (float)(COLOUR_TABLE_ENTRIES - 1) + 0.5F);
@@ -399,15 +407,14 @@ static struct sample sample_at(const struct scene *scene, const struct track *co
                                float depth)
 {
     struct sample sample = {{0}, {0}};
-    float place[3];
     if (context->volume) {
-        place_on(place, context, depth);
+        const four place = place_on(context, depth);
         if (lies_in(place)) {
             sample.context = sample_context(scene, place);
         }
     }
     if (haze->volume) {
-        place_on(place, haze, depth);
+        const four place = place_on(haze, depth);
         if (lies_in(place)) {
             const four texel = sample_floats(&haze->volume->field, place);
             sample.haze = texel / most(texel[3], 1e-9F);
@@ -434,78 +441,101 @@ static uint32_t object_of(const struct colour_texels *objects, size_t at)
                                                     : ((const uint32_t *)objects->bytes)[at];
 }
 
-/* The objects of the eight voxels around a place, and their weights. */
-static void find_objects(uint32_t objects[8], float weights[8], const struct scene *scene, const float place[3])
-{
+/* The eight voxels around a place, and their objects. */
+struct voxels {
     struct cell cell;
-    find_cell(&cell, scene->pass->objects.dim, place);
+    uint32_t objects[8];
+};
+
+static void find_voxels(struct voxels *out, const struct scene *scene, four place)
+{
+    find_cell(&out->cell, scene->pass->objects.dim, place);
     for (int n = 0; n < 8; n++) {
-        objects[n] = object_of(&scene->pass->objects, cell.at[n]);
-        weights[n] = (n & 1 ? cell.part[0] : 1 - cell.part[0]) * (n & 2 ? cell.part[1] : 1 - cell.part[1]) *
-                     (n & 4 ? cell.part[2] : 1 - cell.part[2]);
+        out->objects[n] = object_of(&scene->pass->objects, out->cell.at[n]);
     }
 }
 
-static float weight_among(const uint32_t objects[8], const float weights[8], uint32_t object)
+/* How much of a sample at the place the object's voxels are. */
+static float weight_of(const struct voxels *voxels, uint32_t object)
 {
+    const four x = voxels->cell.part;
+    const four low = 1 - x;
+    const four row = (four){low[0], x[0], low[0], x[0]} * (four){low[1], low[1], x[1], x[1]};
+    const four below = row * low[2];
+    const four above = row * x[2];
     float sum = 0;
-    for (int n = 0; n < 8; n++) {
-        sum += objects[n] == object ? weights[n] : 0;
+    for (int n = 0; n < 4; n++) {
+        sum += voxels->objects[n] == object ? below[n] : 0;
+    }
+    for (int n = 0; n < 4; n++) {
+        sum += voxels->objects[4 + n] == object ? above[n] : 0;
     }
     return sum;
 }
 
-/* The object with the largest weight among the eight voxels around `place`. */
-static uint32_t object_at(const struct scene *scene, const float place[3])
+/* The object with the largest weight. */
+static uint32_t object_among(const struct voxels *voxels)
 {
-    uint32_t objects[8];
-    float weights[8];
     uint32_t best = 0;
     float largest = -1;
-    find_objects(objects, weights, scene, place);
     for (int n = 0; n < 8; n++) {
-        const float sum = objects[n] ? weight_among(objects, weights, objects[n]) : -1;
-        best = sum > largest ? objects[n] : best;
-        largest = most(largest, sum);
+        const uint32_t object = voxels->objects[n];
+        const float weight = object && object != best ? weight_of(voxels, object) : -1;
+        best = weight > largest ? object : best;
+        largest = most(largest, weight);
     }
     return best;
 }
 
-/* The fraction of the eight voxels around `place`, by their weights, that is the object's. */
-static float weight_of(const struct scene *scene, uint32_t object, const float place[3])
+/* Whether the place is in an area. The field is sampled only where some voxels are of objects and some are not: it is
+ * held on their sides of the surface. */
+static bool is_area(const struct scene *scene, const struct voxels *voxels)
 {
-    uint32_t objects[8];
-    float weights[8];
-    find_objects(objects, weights, scene, place);
-    return weight_among(objects, weights, object);
-}
-
-static bool shows_area(const struct scene *scene, const float place[3])
-{
-    return sample_bytes(&scene->pass->areas.field, place)[3] >= SURFACE;
-}
-
-/* Whether the place is in an area. `is_clear`: it is outside all, or its nearest voxel is that of `before`, an area. */
-static bool find_area(bool *is_clear, const struct scene *scene, const float place[3], uint32_t before)
-{
-    const bool found = lies_in(place) && shows_area(scene, place);
-    *is_clear = !found;
-    if (found && before) {
-        const size_t *dim = scene->pass->objects.dim;
-        size_t at[3];
-        for (int a = 0; a < 3; a++) {
-            at[a] = (size_t)least(place[a] * (float)dim[a], (float)(dim[a] - 1));
-        }
-        *is_clear = object_of(&scene->pass->objects, at[0] + dim[0] * (at[1] + dim[1] * at[2])) == before;
+    const uint8_t *texels = scene->pass->areas.field.bytes;
+    float corner[8];
+    int occupied = 0;
+    for (int n = 0; n < 8; n++) {
+        occupied += voxels->objects[n] != 0;
     }
-    return found;
+    if (occupied % 8 == 0) {
+        return occupied;
+    }
+    for (int n = 0; n < 8; n++) {
+        corner[n] = texels[4 * voxels->cell.at[n] + 3];
+    }
+    for (int a = 0, count = 4; a < 3; a++, count /= 2) {
+        for (int n = 0; n < count; n++) {
+            corner[n] = corner[2 * n] + voxels->cell.part[a] * (corner[2 * n + 1] - corner[2 * n]);
+        }
+    }
+    return corner[0] / 255.0F >= SURFACE;
 }
 
-/* The object of an area at a place in one, 0 if it is not visible. */
-static uint32_t visible_at(const struct scene *scene, const float place[3])
+/* Whether the place is in an area, with the voxels around it. */
+static bool shows_area(struct voxels *out, const struct scene *scene, four place)
 {
-    const uint32_t object = object_at(scene, place);
+    if (!lies_in(place)) {
+        return false;
+    }
+    find_voxels(out, scene, place);
+    return is_area(scene, out);
+}
+
+/* The object, 0 if it is not visible. */
+static uint32_t visible(const struct scene *scene, uint32_t object)
+{
     return scene->pass->opacity[object] > 0 ? object : 0;
+}
+
+/* The number of the voxel that is nearest to a place in the volume. */
+static uint32_t nearest_object(const struct scene *scene, four place)
+{
+    const size_t *dim = scene->pass->objects.dim;
+    size_t at[3];
+    for (int a = 0; a < 3; a++) {
+        at[a] = (size_t)least(place[a] * (float)dim[a], (float)(dim[a] - 1));
+    }
+    return object_of(&scene->pass->objects, at[0] + dim[0] * (at[1] + dim[1] * at[2]));
 }
 
 /* The depth at which the object begins that is found at `inside` and not at `outside`. */
@@ -514,9 +544,8 @@ static float object_depth(const struct scene *scene, const struct track *areas, 
 {
     for (int n = 0; n < REFINING; n++) {
         const float middle = 0.5F * (outside + inside);
-        float place[3];
-        place_on(place, areas, middle);
-        const bool found = lies_in(place) && shows_area(scene, place) && object_at(scene, place) == object;
+        struct voxels voxels;
+        const bool found = shows_area(&voxels, scene, place_on(areas, middle)) && object_among(&voxels) == object;
         inside = found ? middle : inside;
         outside = found ? outside : middle;
     }
@@ -527,22 +556,20 @@ static float object_depth(const struct scene *scene, const struct track *areas, 
  * both. */
 static float surface_depth(const struct scene *scene, const struct track *areas, float outside, float inside)
 {
-    float place[3];
-    place_on(place, areas, outside);
-    if (lies_in(place) && shows_area(scene, place)) {
+    struct voxels voxels;
+    if (shows_area(&voxels, scene, place_on(areas, outside))) {
         return NEVER;
     }
     for (int n = 0; n < REFINING; n++) {
         const float middle = 0.5F * (outside + inside);
-        place_on(place, areas, middle);
-        const bool found = lies_in(place) && shows_area(scene, place);
+        const bool found = shows_area(&voxels, scene, place_on(areas, middle));
         inside = found ? middle : inside;
         outside = found ? outside : middle;
     }
     return inside;
 }
 
-static void area_normal(float out[3], const struct scene *scene, const float place[3])
+static void area_normal(float out[3], const struct scene *scene, four place)
 {
     float strength;
     decode_gradient(out, &strength, sample_bytes(&scene->pass->areas.field, place));
@@ -553,18 +580,18 @@ static void area_normal(float out[3], const struct scene *scene, const float pla
 
 /* The normal of the border between two objects, in world axes: their occupancy has no gradient there. Borders mostly
  * lie along the ray, so that they would be dark: they are lit as if turned towards the eye. */
-static void border_normal(float out[3], const struct scene *scene, uint32_t object, const float place[3],
-                          const float view[3])
+static void border_normal(float out[3], const struct scene *scene, uint32_t object, four place, const float view[3])
 {
     const float *m = scene->view.areas_from_camera;
     float gradient[3], across[3];
     for (int a = 0; a < 3; a++) {
         const float reach = 1.5F / (float)scene->pass->objects.dim[a];
-        float above[3] = {place[0], place[1], place[2]};
-        float below[3] = {place[0], place[1], place[2]};
-        above[a] += reach;
-        below[a] -= reach;
-        gradient[a] = (weight_of(scene, object, above) - weight_of(scene, object, below)) / reach;
+        struct voxels above, below;
+        four aside = {0};
+        aside[a] = reach;
+        find_voxels(&above, scene, place + aside);
+        find_voxels(&below, scene, place - aside);
+        gradient[a] = (weight_of(&above, object) - weight_of(&below, object)) / reach;
     }
     for (ptrdiff_t a = 0; a < 3; a++) {
         across[a] = dot(m + 4 * a, gradient); /* by the transposed matrix */
@@ -844,7 +871,12 @@ static void take_event(four *sum, struct events *events, const struct ray *ray)
 struct walk {
     struct track context, areas, haze;
     float plane, known; /* the next plane; those before `known` are in the same bricks */
-    float clear;        /* plane before which there is no area */
+    four cells;         /* voxels of the areas from plane to plane, along each axis */
+    four per_cell;      /* planes from voxel to voxel */
+    four across;        /* the same without sign */
+    float clear;        /* plane before which all are in `held`, an area, or in none if that is 0 */
+    uint32_t held;
+    bool bare;          /* nothing but areas is visible before `known` */
     float end;          /* behind the last plane in any volume */
     float last;         /* depth at which the ray ends */
     float event;        /* of the next one */
@@ -889,6 +921,67 @@ static void blend_until(struct walk *walk, four *sum, float to, const struct sam
     walk->depth = to;
 }
 
+/* The cell between voxel centres at a corner, clamped to the volume: rounding may have put it outside. */
+static size_t cell_at(four_whole *low, const size_t dim[3], four corner)
+{
+    const four_whole last = {(int32_t)dim[0] - 1, (int32_t)dim[1] - 1, (int32_t)dim[2] - 1, 0};
+    *low = __builtin_convertvector(corner, four_whole);
+    *low &= *low >= 0;
+    *low = (*low & (*low < last)) | (last & (*low >= last));
+    return (size_t)(*low)[0] + dim[0] * ((size_t)(*low)[1] + dim[1] * (size_t)(*low)[2]);
+}
+
+/* Goes on, from `plane`, to the plane walk->clear before which the ray stays in one object, or in none: in cells alike,
+ * and on borders while find_object() would say so. */
+static void look_along(struct walk *walk, const struct scene *scene, float plane)
+{
+    const struct track *areas = &walk->areas;
+    const struct colour_texels *objects = &scene->pass->objects;
+    const four size = {(float)objects->dim[0], (float)objects->dim[1], (float)objects->dim[2], 1};
+    const float last = plane > areas->first ? areas->end - 1 : plane; /* rounding may have put both outside */
+    four corner = place_on(areas, depth_of(scene, plane)) * size - 0.5F;
+    uint32_t object = walk->before;
+    walk->clear = plane;
+    while (walk->clear < last) {
+        four_whole low;
+        const size_t at = cell_at(&low, objects->dim, corner);
+        const uint8_t gap = scene->alike->distance[at];
+        const bool is_border = gap == BORDER;
+        const uint32_t own =
+            is_border ? nearest_object(scene, place_on(areas, depth_of(scene, walk->clear))) : object_of(objects, at);
+        const bool stays = own == object && (!is_border || visible(scene, own));
+        if (gap == 0 || !(stays || (walk->clear == plane && !is_border))) {
+            break;
+        }
+        const four middle = __builtin_convertvector(low, four) + 0.5F;
+        const four leaves = (middle - corner) * walk->per_cell + ((float)gap - 0.5F) * walk->across;
+        const float inside = is_border ? 0 : most(0, least(least(leaves[0], leaves[1]), leaves[2]));
+        const float steps = (float)((int)least(last - walk->clear - 1, inside) + 1);
+        walk->clear += steps;
+        corner += steps * walk->cells;
+        object = own;
+    }
+    walk->held = visible(scene, object);
+}
+
+/* The plane up to which what the ray meets of the areas is known, from `plane` on; as look_ahead(). */
+static float look_for_areas(struct walk *walk, const struct scene *scene, float plane, bool *shows)
+{
+    if (scene->alike && is_on(&walk->areas, plane)) {
+        if (plane >= walk->clear) {
+            look_along(walk, scene, plane);
+        }
+        *shows = *shows || plane == walk->clear || walk->held;
+        return most(walk->clear, plane + 1);
+    }
+    bool areas_show = scene->view.planes[3] == 0;
+    const float known = look_ahead(scene, &walk->areas, scene->view.areas_bricks, plane, &areas_show);
+    walk->clear = areas_show ? plane : known;
+    walk->held = 0;
+    *shows = *shows || areas_show;
+    return known;
+}
+
 /* Leaps to the plane before the next one at which anything may be visible. */
 static void leap(struct walk *walk, four *sum, const struct ray *ray)
 {
@@ -898,11 +991,9 @@ static void leap(struct walk *walk, four *sum, const struct ray *ray)
         const float plane = walk->plane;
         const bool each = is_plain || is_on(&walk->haze, plane);
         bool shows = each;
-        bool areas_show = is_plain;
-        float known = look_ahead(scene, &walk->areas, scene->view.areas_bricks, plane, &areas_show);
-        walk->clear = areas_show ? plane : known;
-        shows = shows || areas_show;
-        known = least(known, look_ahead(scene, &walk->context, scene->view.context_bricks, plane, &shows));
+        float known = look_ahead(scene, &walk->context, scene->view.context_bricks, plane, &shows);
+        walk->bare = !shows && !walk->haze.volume;
+        known = least(known, look_for_areas(walk, scene, plane, &shows));
         walk->shows = shows && plane < walk->end;
         walk->known = least(!each ? known : is_plain ? walk->end : walk->haze.end, walk->end);
         known = plane < walk->haze.first ? least(known, walk->haze.first) : known;
@@ -931,6 +1022,29 @@ static void pass_plane(struct walk *walk, four *sum, uint32_t object, const stru
     walk->shows = walk->plane < walk->known;
 }
 
+/* The visible object of an area at depth walk->t of the next plane, 0 if there is none. Where the nearest voxel is that
+ * of the area that the ray is in, it stays there. */
+static uint32_t find_object(const struct walk *walk, const struct scene *scene)
+{
+    const four place = place_on(&walk->areas, walk->t);
+    struct voxels voxels;
+    if (!walk->areas.volume || !shows_area(&voxels, scene, place)) {
+        return 0;
+    }
+    const bool stays = walk->before && nearest_object(scene, place) == walk->before;
+    return stays ? walk->before : visible(scene, object_among(&voxels));
+}
+
+/* Leaps to the last plane before an event, the ray's end and another object, if nothing but areas is there. */
+static void leap_inside(struct walk *walk, const struct scene *scene)
+{
+    const float until = least(least(walk->clear, walk->known), plane_after(scene, least(walk->event, walk->last)) - 1);
+    if (walk->bare && until - 1 > walk->plane) {
+        walk->plane = until - 1;
+        walk->t = depth_of(scene, walk->plane);
+    }
+}
+
 /* Goes on until the ray comes to an area, an event or its end, or nothing behind would show. */
 static void walk_on(struct walk *walk, four *sum, const struct ray *ray)
 {
@@ -941,20 +1055,14 @@ static void walk_on(struct walk *walk, four *sum, const struct ray *ray)
         if (walk->stops) {
             return;
         }
-        bool is_clear = true;
-        float place[3] = {0};
         const float depth = depth_of(scene, walk->plane);
-        const bool may_be_area = walk->plane >= walk->clear || depth > walk->last; /* the latter is before the plane */
-        bool found = false;
+        const bool is_held = walk->plane < walk->clear && depth <= walk->last; /* else the latter is before the plane */
         walk->t = least(depth, walk->last);
-        if (may_be_area && walk->areas.volume) {
-            place_on(place, &walk->areas, walk->t);
-            found = find_area(&is_clear, scene, place, walk->before);
-        }
+        walk->object = is_held ? walk->held : find_object(walk, scene);
         walk->stops = stops_before(walk, walk->t);
-        walk->object = !is_clear ? visible_at(scene, place) : found ? walk->before : 0;
-        walk->enters = !is_clear && walk->object && walk->object != walk->before && !is_seen(walk, walk->object);
+        walk->enters = walk->object && walk->object != walk->before && !is_seen(walk, walk->object);
         if (!walk->enters && !walk->stops) {
+            leap_inside(walk, scene);
             pass_plane(walk, sum, walk->object, ray);
         }
     }
@@ -984,9 +1092,9 @@ static float entry_depth(struct walk *walk, const struct scene *scene)
 {
     const float depth = walk->before ? NEVER : surface_depth(scene, &walk->areas, walk->depth, walk->t);
     if (depth < NEVER) {
-        float place[3];
-        place_on(place, &walk->areas, depth);
-        const uint32_t object = visible_at(scene, place);
+        struct voxels voxels;
+        find_voxels(&voxels, scene, place_on(&walk->areas, depth));
+        const uint32_t object = visible(scene, object_among(&voxels));
         if (object && !is_seen(walk, object)) {
             walk->object = object;
             return depth;
@@ -999,8 +1107,8 @@ static float entry_depth(struct walk *walk, const struct scene *scene)
 static bool enter_area(struct walk *walk, four *sum, const struct ray *ray, float stop)
 {
     const float opacity = ray->scene->pass->opacity[walk->object];
-    float place[3], normal[3];
-    place_on(place, &walk->areas, stop);
+    const four place = place_on(&walk->areas, stop);
+    float normal[3];
     if (walk->before) {
         border_normal(normal, ray->scene, walk->object, place, ray->view);
     } else {
@@ -1031,6 +1139,11 @@ static four colour_of(const struct ray *ray)
     make_track(&walk.areas, scene, &pass->areas, view->areas_from_camera, view->areas_bricks[3], ray->direction);
     make_track(&walk.haze, scene, &pass->haze, view->haze_from_camera, view->haze_shape[3], ray->direction);
     walk.end = most(most(end_of(&walk.context), end_of(&walk.areas)), end_of(&walk.haze));
+    for (int a = 0; a < 3 && walk.areas.volume; a++) {
+        walk.cells[a] = walk.areas.along[a] * view->planes[1] * (float)walk.areas.volume->size[a];
+        walk.per_cell[a] = 1 / walk.cells[a];
+        walk.across[a] = fabsf(walk.per_cell[a]);
+    }
     walk.plane = least(least(walk.context.first, walk.areas.first), walk.haze.first);
     walk.depth = walk.plane < walk.end ? depth_of(scene, walk.plane - 1) : 0;
     walk.half = walk.depth + 0.5F * view->planes[1];
@@ -1116,12 +1229,14 @@ static void draw_band(struct scene *scene, struct surface_band *surfaces, size_t
     if (surfaces) {
         surface_rays_fill(surfaces, scene->device->surfaces, number, shift);
     }
-    for (uint32_t row = first; row < scene->height && row < first + SURFACE_BAND; row++) {
-        const uint32_t *tiles = scene->rays->tiles ? scene->rays->tiles + row / COLOUR_TILE * across : NULL;
-        for (uint32_t column = 0; column < scene->width; column++) {
-            if (!tiles || tiles[column / COLOUR_TILE]) {
-                draw_pixel(scene, surfaces, column, row, part);
-            }
+    for (uint32_t n = 0; n < SURFACE_BAND * across * COLOUR_TILE; n++) { /* tile by tile: they see the same voxels */
+        const uint32_t tile = n / (COLOUR_TILE * SURFACE_BAND);
+        const uint32_t column = tile * COLOUR_TILE + n % COLOUR_TILE;
+        const uint32_t row = first + n / COLOUR_TILE % SURFACE_BAND;
+        const size_t number_of_tile = row / COLOUR_TILE * across + tile;
+        if (row < scene->height && column < scene->width &&
+            (!scene->rays->tiles || scene->rays->tiles[number_of_tile])) {
+            draw_pixel(scene, surfaces, column, row, part);
         }
     }
 }
@@ -1161,6 +1276,60 @@ static conus_status find_surfaces(struct scene *scene, const struct colour_view 
     return status;
 }
 
+/* The numbers of a row of voxels; those behind the last row are the last one's. */
+static void read_row(uint32_t *out, const struct colour_texels *objects, size_t j, size_t k)
+{
+    const size_t *dim = objects->dim;
+    const size_t row = (j < dim[1] ? j : dim[1] - 1) + dim[1] * (k < dim[2] ? k : dim[2] - 1);
+    for (size_t i = 0; i < dim[0]; i++) {
+        out[i] = object_of(objects, row * dim[0] + i);
+    }
+    out[dim[0]] = out[dim[0] - 1];
+}
+
+/* Finds the cells between eight voxel centres of one object or of none, and how far from others they are: nothing can
+ * begin on a ray in there. Marks those of several objects, in which a ray stays in areas. */
+static conus_status find_alike(struct colour_rays_device *device, const struct colour_texels *objects)
+{
+    const size_t *dim = objects->dim;
+    const size_t count = dim[0] * dim[1] * dim[2];
+    const size_t length = dim[0] + 1;
+    struct bricks alike = {.dim = {dim[0], dim[1], dim[2]}, .distance = memory_raw(count, 1)};
+    uint8_t *full = memory_raw(count, 1);
+    uint32_t *rows = memory_raw(4 * length, sizeof *rows);
+    if (!alike.distance || !full || !rows) {
+        memory_free(alike.distance);
+        memory_free(full);
+        memory_free(rows);
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t row = 0; row < dim[1] * dim[2]; row++) {
+        for (size_t n = 0; n < 4; n++) {
+            read_row(rows + n * length, objects, row % dim[1] + n % 2, row / dim[1] + n / 2);
+        }
+        for (size_t i = 0; i < dim[0]; i++) {
+            const uint32_t *at = rows + i;
+            uint32_t change = 0;
+            bool is_full = true;
+            for (size_t n = 0; n < 4; n++) {
+                change |= (at[0] ^ at[n * length]) | (at[0] ^ at[n * length + 1]);
+                is_full = is_full & (at[n * length] != 0) & (at[n * length + 1] != 0);
+            }
+            alike.distance[row * dim[0] + i] = change ? 0 : UINT8_MAX;
+            full[row * dim[0] + i] = is_full;
+        }
+    }
+    bricks_spread(&alike);
+    for (size_t i = 0; i < count; i++) {
+        const uint8_t gap = alike.distance[i] < BORDER ? alike.distance[i] : BORDER - 1;
+        alike.distance[i] = gap == 0 && full[i] ? BORDER : gap;
+    }
+    memory_free(full);
+    memory_free(rows);
+    device->alike = alike;
+    return CONUS_OK;
+}
+
 static conus_status draw(float *rgba, struct colour_device *device, const struct colour_pass *pass,
                          const struct colour_view *view, const struct colour_rays *rays)
 {
@@ -1181,6 +1350,10 @@ static conus_status draw(float *rgba, struct colour_device *device, const struct
     colour_view_pack(&scene->view, pass, view);
     memset(rgba, 0, (size_t)view->width * view->height * 4 * sizeof *rgba);
     conus_status status = own->surfaces ? find_surfaces(scene, view) : CONUS_OK;
+    if (!status && view->opacity && pass->has_areas && !view->no_skipping) {
+        status = own->alike.distance ? CONUS_OK : find_alike(own, &pass->objects);
+        scene->alike = &own->alike;
+    }
     for (size_t n = 0; n < rays->count && !status; n++) {
         scene->shift[0] = (float)rays->shifts[n][0];
         scene->shift[1] = (float)rays->shifts[n][1];
@@ -1205,6 +1378,7 @@ static const char *name(const struct colour_device *device)
 static void destroy(struct colour_device *device)
 {
     surface_rays_destroy(((struct colour_rays_device *)device)->surfaces);
+    bricks_finish(&((struct colour_rays_device *)device)->alike);
     memory_free(device);
 }
 

@@ -530,6 +530,71 @@ static void the_walks_agree(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Blocks of four areas and of none, up to the grid's border, some of them a voxel thin. */
+static double blocks(const double p[3])
+{
+    const double thin = fabs(p[1] - 7) < 0.7 ? 1 : 0;
+    const double number = floor(p[0] / 9) + 3 * floor(p[1] / 7) + floor(p[2] / 12) + thin;
+    return number - 5 * floor(number / 5);
+}
+
+/* What rays leap over in glass and on borders of areas changes no bit: with few planes and many, from outside and
+ * inside, alone and in a context, where one of the areas is hidden and one is opaque. */
+static void glass_is_drawn_as_by_each_plane(void **state)
+{
+    (void)state;
+    const float opacity[] = {1, 0.3F, 0, 0.1F, 1};
+    uint64_t seed = 5;
+    for (int n = 0; n < 8; n++) {
+        double areas[16];
+        picture_rigid(areas, test_random(&seed, 0, 6), (double[]){2, -3, 1});
+        conus_volume_info grid = picture_grid((size_t[]){45, 33, 60}, (double[]){-1, 1.3, 0.6}, areas);
+        conus_atlas *atlas = picture_atlas(&grid, blocks, NULL, n % 2 ? soft_shell : NULL);
+        conus_renderer *renderer = picture_renderer(atlas, n % 2 ? "brain" : NULL);
+        const double forward[3] = {test_random(&seed, -1, 1), test_random(&seed, -1, 1), test_random(&seed, -1, 1)};
+        const struct camera camera = picture_camera(forward, n < 2 ? 10 : test_random(&seed, 40, 300), 0.5);
+        const struct colour_marker marker = {.centre = {5, -13, 2}, .radius = 3, .rgb = {200, 20, 20}};
+        conus_pose pose;
+        assert_ok(conus_pose_toward(&pose, (double[]){-60, 10, 5}, (double[]){0, 0, 0}, NULL));
+        struct colour_view view = with_cone(&pose, &marker);
+        view.slices = (uint32_t)test_random(&seed, 10, 200);
+        view.opacity = opacity;
+        float *leaping = picture_draw(renderer, &camera, &view, false);
+        view.no_skipping = true;
+        float *each = picture_draw(renderer, &camera, &view, false);
+        assert_memory_equal(leaping, each, PIXELS * 4 * sizeof *each);
+        memory_free(leaping);
+        memory_free(each);
+        conus_renderer_destroy(renderer);
+        conus_atlas_destroy(atlas);
+    }
+}
+
+/* The same with a pathway's haze in a part of the glass. */
+static void haze_in_glass_is_drawn_as_by_each_plane(void **state)
+{
+    (void)state;
+    conus_volume_info grid = picture_grid(around, (double[]){1, 1, 1}, picture_identity);
+    conus_atlas *atlas = picture_atlas(&grid, blocks, NULL, NULL);
+    add_pathway(atlas, (size_t[]){20, 20, 20}, slab);
+    conus_renderer *renderer = renderer_of(atlas, red_haze());
+    const double opacity[] = {NAN, 0.3, 0.2, 0.1, 0.4, NAN};
+    conus_view view = {.width = 160, .height = 120, .opacity = opacity, .no_legend = true};
+    conus_image *leaping = NULL;
+    conus_image *each = NULL;
+    assert_ok(conus_render(&leaping, renderer, &view));
+    view.no_skipping = true;
+    assert_ok(conus_render(&each, renderer, &view));
+    for (const char *const *channel = (const char *const[]){"R", "G", "B", NULL}; *channel; channel++) {
+        const float *values = conus_image_floats(leaping, *channel);
+        assert_memory_equal(values, conus_image_floats(each, *channel), (size_t)160 * 120 * sizeof *values);
+    }
+    conus_image_destroy(leaping);
+    conus_image_destroy(each);
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
 /* A fibre in an arch over the areas and through one of them: the more probable, the nearer to its middle. */
 static double arch(const double p[3])
 {
@@ -569,6 +634,8 @@ TEST_GROUP(translucent)
         cmocka_unit_test(functions_that_fit_no_pathway_are_refused),
         cmocka_unit_test(allocations_may_fail),
         cmocka_unit_test(the_walks_agree),
+        cmocka_unit_test(glass_is_drawn_as_by_each_plane),
+        cmocka_unit_test(haze_in_glass_is_drawn_as_by_each_plane),
         cmocka_unit_test(pathways_and_areas_look_as_they_did),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
