@@ -98,6 +98,28 @@ static void an_exchanged_atlas_is_exchanged_and_has_no_side(void **state)
     }
 }
 
+/* Of areas and a pathway: names come from the label table alone. */
+static void an_atlas_whose_areas_have_no_names_says_so(void **state)
+{
+    static const struct area_row tables[3][2] = {{{.label = 0}}, {{.label = 7, .name = "Insula"}}, {{.label = 0}}};
+    static const size_t dim[] = {2, 1, 1};
+    (void)state;
+    for (size_t i = 0; i < 3; i++) {
+        const bool has_areas = i < 2;
+        struct viewer viewer;
+        struct window window = {.viewer = &viewer, .screen.enlarged = -1};
+        conus_atlas *atlas = NULL;
+        assert_ok(area_rows_atlas(&atlas, dim, (const uint32_t[]){6 * has_areas, 7 * has_areas}, tables[i]));
+        assert_ok(area_rows_add_pathway(atlas, "Tract"));
+        assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = "two"}, 1, NULL, NULL, NULL));
+        lay_out(&window);
+        draw(&window);
+        assert_int_equal(has("Areas have numbers in place of names"), i == 0);
+        ui_destroy();
+        viewer_finish(&viewer);
+    }
+}
+
 /* The phantom's labels as the values of a pathway: the largest one is 4000000001. */
 static void a_threshold_has_its_part_of_the_largest_value(void **state)
 {
@@ -127,6 +149,7 @@ TEST_GROUP(panels)
         cmocka_unit_test(a_cylinder_has_a_radius_and_no_opening),
         cmocka_unit_test(the_card_stands_below_all_else),
         cmocka_unit_test(an_exchanged_atlas_is_exchanged_and_has_no_side),
+        cmocka_unit_test(an_atlas_whose_areas_have_no_names_says_so),
         cmocka_unit_test(a_threshold_has_its_part_of_the_largest_value),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

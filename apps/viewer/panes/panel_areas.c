@@ -189,17 +189,46 @@ void panel_hidden(struct window *window)
     }
 }
 
-const char exchanged_text[] = "Names or places have left and right exchanged";
-
-void panel_exchanged(const struct viewer *viewer)
+/* Gives the tip about an atlas none of whose areas has a name; NULL of another one. */
+static const char *find_unnamed(const conus_atlas *atlas)
 {
-    for (size_t i = 0; i < viewer->atlas_count; i++) {
-        const struct view_atlas *view = &viewer->atlases[i];
+    size_t areas = 0;
+    for (size_t number = 1; number <= conus_atlas_object_count(atlas); number++) {
+        const conus_object *object = conus_atlas_object(atlas, number);
+        if (object->kind == CONUS_KIND_AREA && object->named) {
+            return NULL;
+        }
+        areas += object->kind == CONUS_KIND_AREA;
+    }
+    return areas ? "no label table names them: give one by --labels, or lay it beside the atlas's file" : NULL;
+}
+
+static const struct warning {
+    enum theme_text colour;
+    const char *text;
+    const char *(*find)(const conus_atlas *atlas); /* More about it; NULL where it does not hold. */
+} warnings[WARNING_COUNT] = {
+    {THEME_ORANGE, "Names or places have left and right exchanged", conus_atlas_exchanged},
+    {THEME_HINT, "Areas have numbers in place of names", find_unnamed},
+};
+
+const char *panel_warning(enum theme_text *colour, const struct view_atlas *view, size_t index)
+{
+    *colour = warnings[index].colour;
+    return warnings[index].find(view->atlas) ? warnings[index].text : NULL;
+}
+
+void panel_warnings(const struct viewer *viewer)
+{
+    for (size_t i = 0; i < viewer->atlas_count * WARNING_COUNT; i++) {
+        const struct view_atlas *view = &viewer->atlases[i / WARNING_COUNT];
+        const struct warning *warning = &warnings[i % WARNING_COUNT];
+        const char *more = warning->find(view->atlas);
         char text[VIEW_ATLAS_TITLE];
-        if (conus_atlas_exchanged(view->atlas)) {
-            snprintf(text, sizeof text, "%s%s%s", exchanged_text, view->name[0] ? " in " : "", view->name);
-            ui_text_wrapped(THEME_ORANGE, text);
-            ui_tip(conus_atlas_exchanged(view->atlas));
+        if (more) {
+            snprintf(text, sizeof text, "%s%s%s", warning->text, view->name[0] ? " in " : "", view->name);
+            ui_text_wrapped(warning->colour, text);
+            ui_tip(more);
         }
     }
 }
