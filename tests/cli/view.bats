@@ -1065,6 +1065,16 @@ is_at() {
     grep -q '^conus: half.json: line .*: a damaged session$' said
     grep -q '^conus: bad.json: angle_deg: a number from 0.01 to 179.99 is needed$' said
     [ "$(wc -l <said)" = 2 ]
+    # JSON that is no session: which is found only where it is tried as an atlas first, and said on both ways
+    echo '{}' >none.json
+    printf 'drop none.json\nwait 2\n' >script
+    run -0 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --script script --quiet --size 400x256
+    [[ ${stderr_lines[0]} == 'conus: none.json: this is JSON of another kind; '* ]]
+    [ "${stderr_lines[1]}" = 'conus: none.json: it is no session of conus view either' ]
+    [ ${#stderr_lines[@]} -eq 2 ]
+    echo 'open none.json' >script
+    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --script script --quiet --size 400x256
+    [ "${stderr_lines[0]}" = 'conus: none.json: no session of conus view' ]
     # spaces, which JSON allows anywhere: as many as are read, then one more
     head -c $((64 << 20)) /dev/zero | tr '\0' ' ' >large.json
     run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session large.json --script /dev/null --quiet --size 400x256

@@ -706,7 +706,9 @@ static bool open_files(struct window *window, struct open_request *request, cons
     free((void *)set.tractograms);
     size_t said = strlen(why);
     if (said && !fine && other && path_ends_in(other, ".json") && !json_names(other, "\"conus_atlas\"")) {
-        snprintf(why + said, LOADER_WHY - said, "; it is no session of conus view either");
+        static const char either[] = "it is no session of conus view either";
+        snprintf(why + said, LOADER_WHY - said, "; %s", either);
+        print_error_line("%s: %s", other, either);
     }
     if (asks) {
         window_ask(window, request);

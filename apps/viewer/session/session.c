@@ -378,7 +378,11 @@ static bool read_session(struct window *window, json_t *root, char why[PROPERTY_
     struct session session = {.columns = viewer->list.columns,
                               .score = viewer_find_score(json_string_value(json_object_get(root, "score")))};
     session_fit(root, window);
-    json_int_t version = json_integer_value(json_object_get(root, "conus_session"));
+    const json_t *says = json_object_get(root, "conus_session");
+    json_int_t version = json_integer_value(says);
+    if (!says) {
+        return session_refuse(why, "no session of conus view");
+    }
     if (version != SESSION_VERSION) {
         return session_refuse(
             why, "\"conus_session\" is %" JSON_INTEGER_FORMAT ", and this conus reads %d: another version wrote it",
