@@ -313,6 +313,25 @@ END
     queried --streamlines moved/more.tck --hide more | diff other.tsv -
 }
 
+# The atlases share the image, and so the grey values of the cuts.
+@test "what was set of a context that is not found stays in the session" {
+    need_window
+    scene
+    local of_context='[.transfer, .preset, .look.grey, .further_atlases[].look.grey]'
+    printf '%s\n' 'preset bright' 'grey 20 210' 'save set.json' |
+        view slabs.nii.gz --atlas sphere.nii.gz --context t1.nii
+    jq '.transfer = [[10, 1, 0, 0, 0.25], [200, 0, 1, 0, 0.5]]' set.json >edited.json
+    jq -e "$of_context"' == [[[10, 1, 0, 0, 0.25], [200, 0, 1, 0, 0.5]], "bright", [20, 210], [20, 210]]' edited.json
+    mkdir gone
+    mv t1.nii gone
+    said edited.json <<<'save without.json'
+    says 'edited.json is opened; not found: t1.nii'
+    diff <(jq "$of_context" edited.json) <(jq "$of_context" without.json)
+    mv gone/t1.nii .
+    view without.json <<<'save again.json'
+    diff <(jq "$of_context" edited.json) <(jq "$of_context" again.json)
+}
+
 @test "escape ends the reading of a tractogram, and the atlas stays" {
     scene
     hold_file slabs.nii.gz
