@@ -289,9 +289,14 @@ END
     [ "$(wc -l <<<"$stderr")" = 1 ]
     queried --streamlines more.tck --hide more | diff less.tsv -
     # the file keeps what was not found, with numbers behind those of all others
-    jq -e '.hidden == [3] and .objects == 5 and
+    jq -e '.hidden == [3] and .chosen == 3 and .objects == 5 and
         [.opened.options[] | split("/")[-1]] == ["t1.nii", "more.tck", "two.tck,radius=2", "map.nii,threshold=50"] and
         [.opened.added[] | select(.lost) | .objects] == [[4], [5]]' less.json
+    # what was chosen in a file that is gone, too: slabs, two.tck, map.nii, more.tck
+    mv moved/more.tck gone
+    said moved/made.json <<<'save fewer.json'
+    jq -e '.hidden == [5] and .chosen == 5' fewer.json
+    mv gone/more.tck moved
     # so what is there again later is opened, with what was set for it, beside an atlas that was just found, too
     mkdir back
     cp moved/* back

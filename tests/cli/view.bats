@@ -170,8 +170,11 @@ orbit 40 20
 choose "Slab anterior"
 key h
 key enter
+choose "Slab posterior"
+crosshair 1 2 3
 save one.json
 key v
+choose "Slab anterior"
 angle 5
 aim 0 0 90 0 0 0
 open one.json
@@ -185,6 +188,20 @@ END
     diff one.json three.json
     conus query slabs.nii.gz --origin 3,90,2 --toward 3,0,2 --angle 23 --layers all --hide 'Slab anterior' --format tsv |
         diff left.tsv - # the session hides it
+    # the label table has the anterior one first; what is chosen is no change to be taken back; Escape chooses nothing
+    [ "$(jq '.chosen, .hidden[]' one.json | paste -sd ' ')" = '2 1' ]
+    view slabs.nii.gz --session one.json <<'END'
+key v
+wait 1
+choose "Slab anterior"
+wait 1
+key ctrl+z
+save undone.json
+key escape
+save none.json
+END
+    [ "$(jq '.chosen, .hidden[]' undone.json | paste -sd ' ')" = '1 1' ]
+    [ "$(jq .chosen none.json)" = 0 ]
 }
 
 # scene: scene.atlas.json, two slabs across y with a context and the pathway Arc, which are one map: a ball, 46000 in its
@@ -1053,6 +1070,11 @@ is_at() {
     sed 's/"angle_deg": [0-9.]*/"angle_deg": 1e9/' slabs.json >bad.json
     run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session bad.json --script /dev/null --quiet --size 400x256
     check_message 'bad.json: angle_deg: a number from 0.01 to 179.99 is needed'
+    for other in 3 -1 '"2"'; do
+        jq ".chosen = $other" slabs.json >other.json
+        run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session other.json --script /dev/null --quiet --size 400x256
+        check_message 'other.json: chosen: 0 or the number of an area, 1 to 2, is needed'
+    done
     head -c 200 slabs.json >half.json
     run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session half.json --script /dev/null --quiet --size 400x256
     check_message 'half.json: line'

@@ -570,8 +570,6 @@ static bool open_anew(struct window *window, const json_t *words, const struct v
     char *path = strdup(window->viewer->atlases->path);
     char *saved = window->history.session_path ? strdup(window->history.session_path) : NULL;
     bool lists = window->forms.added.open;
-    json_int_t drawn = window->viewer->drawn - window->viewer->atlases + 1;
-    uint32_t chosen = window->viewer->drawn->shown.chosen;
     json_t *session = session_json(window);
     json_t *lost = json_incref(window->files.lost);
     json_t *then = additions_atlases(json_object_get(window->files.opened, "options"));
@@ -588,9 +586,6 @@ static bool open_anew(struct window *window, const json_t *words, const struct v
         json_t *now = additions_atlases(json_object_get(window->files.opened, "options"));
         fit_session(session, window->viewer, then, now);
         fine = session_read(window, session, "session", refused);
-        if (find_number(drawn, then, now)) {
-            window->viewer->drawn->shown.chosen = chosen;
-        }
         json_decref(now);
         window->history.session_path = saved;
         window->files.lost = json_incref(lost);

@@ -126,6 +126,7 @@ json_t *session_json(const struct window *window)
     json_object_set_new(root, "level", json_string(viewer->cone.level));
     json_object_set_new(root, "place", session_place(first));
     json_object_set_new(root, "hidden", session_hidden(first));
+    json_object_set_new(root, "chosen", json_integer(first->shown.chosen));
     json_object_set_new(root, "confirmed", pins_of(viewer));
     json_object_set_new(root, "thresholds", session_thresholds(first));
     json_object_set_new(root, "transfer", transfer_of(&viewer->transfer_editor));

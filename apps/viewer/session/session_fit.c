@@ -149,8 +149,12 @@ static void fit_objects(json_t *root, const struct numbers *numbers, const struc
 {
     json_t *thresholds = json_object_get(root, "thresholds");
     json_t *appearance = json_object_get(root, "look");
+    const json_t *chosen = json_object_get(root, "chosen");
     json_object_set_new(root, "objects", json_integer((json_int_t)numbers->count));
     fit_list(json_object_get(root, "hidden"), false, numbers);
+    if (chosen) { /* else it stays */
+        json_object_set_new(root, "chosen", json_integer(number_now(numbers, chosen)));
+    }
     fit_pins(json_object_get(root, "confirmed"), numbers);
     fit_list(json_object_get(appearance, "opacities"), true, numbers);
     fit_list(json_object_get(appearance, "pathways"), true, numbers);
@@ -346,6 +350,10 @@ bool session_keep_lost(json_t *root, const struct window *window)
     if (fine) {
         json_object_set_new(root, "objects", json_integer((json_int_t)numbers.count));
         keep_list(json_object_get(root, "hidden"), json_object_get(then, "hidden"), false, &numbers);
+        uint32_t chosen = number_now(&numbers, json_object_get(then, "chosen"));
+        if (chosen && json_integer_value(json_object_get(root, "chosen")) == 0) {
+            json_object_set_new(root, "chosen", json_integer(chosen));
+        }
         keep_list(json_object_get(look, "opacities"), json_object_get(look_then, "opacities"), true, &numbers);
         keep_list(json_object_get(look, "pathways"), json_object_get(look_then, "pathways"), true, &numbers);
         keep_thresholds(json_object_get(root, "thresholds"), json_object_get(then, "thresholds"));
