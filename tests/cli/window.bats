@@ -438,6 +438,67 @@ END
     leave
 }
 
+@test "closing asks, once, while something is confirmed that no session has" {
+    conus phantom slabs -o .
+    local aim='aim 3 90 2 3 0 2'
+    # nothing confirmed: it closes at once, and the script's rest is not done
+    view slabs.nii.gz <<<"$aim"$'\nkey ctrl+q\nwait 1\nresults closed.tsv'
+    [ ! -e closed.tsv ]
+    # Enter and Escape keep it open, and confirm and clear nothing; a second Ctrl+Q, as of a key held down, is no answer
+    view slabs.nii.gz <<END
+$aim
+key enter
+key ctrl+q
+wait 2
+key ctrl+q
+wait 2
+results asked.tsv
+key enter
+save kept.json
+angle 20
+key ctrl+q
+wait 1
+results saved.tsv
+END
+    [ -e asked.tsv ]
+    jq -e '(.confirmed | length) == 1' kept.json
+    [ ! -e saved.tsv ] # since the session has it, the angle alone is no reason to ask
+    # what is confirmed after that is, also in a session that was opened; Escape, then Q
+    view slabs.nii.gz --session kept.json <<'END'
+aim 3 -90 2 3 0 2
+key enter
+key ctrl+q
+wait 1
+key escape
+wait 1
+save more.json
+key ctrl+z
+wait 1
+key ctrl+q
+wait 1
+key q
+wait 1
+results answered.tsv
+END
+    jq -e '(.confirmed | length) == 2' more.json
+    [ ! -e answered.tsv ]
+    view kept.json <<<$'key ctrl+q\nwait 1\nresults opened.tsv'
+    [ ! -e opened.tsv ]
+}
+
+@test "a window manager that closes the window is asked, too" {
+    conus phantom slabs -o .
+    live slabs.nii.gz --size 640x480
+    tell 'aim 3 90 2 3 0 2' 'key enter'
+    close_window "$window"
+    pass
+    look '(.confirmed | length) == 1' # and saved, so that it may close
+    close_window "$window"
+    tell 'wait 8' 'save late.json' # commands are waited for, events are not
+    leave
+    [ ! -e late.json ]
+}
+
 # between_frames COMMAND...: what it sends to the window comes to it between two frames.
 between_frames() {
     local pid

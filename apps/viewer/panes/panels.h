@@ -8,7 +8,7 @@
 
 void panel_start(struct window *window);  /**< In place of all others. */
 void panel_dialog(struct window *window); /**< Likewise. */
-void panel_ask(struct window *window);    /**< Before all others: how files open that the user is asked about. */
+void panel_ask(struct window *window);    /**< Before all others: how files open, or whether all closes. */
 void panel_areas(struct window *window);
 /** How many areas are hidden, while some are, for the answer is without them. */
 void panel_hidden(struct window *window);
