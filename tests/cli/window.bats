@@ -211,8 +211,8 @@ assert wide * high > 0.45 * 1280 * 800, (wide, high)
 END
 }
 
-# At scale 2 the rail takes 96 pixels and the panel 384; of the 800 between them the cuts have 800 - 576 = 224. A ball's
-# box is a cube of 40 voxels: it fills 0.92 of the shorter side, 206. Five voxels off its middle it has 38 across: 196.
+# At scale 2 the rail takes 96 pixels and the panel 480; of the 704 between them the cuts have 704 - 506 = 198. A ball's
+# box is a cube of 40 voxels: it fills 0.92 of the shorter side, 182. Five voxels off its middle it has 38 across: 173.
 @test "a cut fills its pane to 92 %, and letters at its sides can be read on the brain" {
     need_window
     need_pixels
@@ -227,13 +227,13 @@ import numpy
 import OpenImageIO as oiio
 pixels = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[..., :3].astype(int)
 for top in 0, 251, 502:
-    pane = pixels[top:top + 248, 673:673 + 222]
+    pane = pixels[top:top + 248, 603:603 + 196]
     middle = pane[124 - 12:124 + 12] # the rows of the letters
     for letter in middle[:, 6:30], middle[:, -30:-6]:
         assert letter.max() > 200 and letter.min() < 40, "no letter on its shade"
     row = pane[99] # above the letters and the crosshair's line
     ball = numpy.flatnonzero(row.max(axis=1) > 60)
-    assert abs(ball.ptp() - 196) < 4, (top, ball.ptp())
+    assert abs(ball.ptp() - 173) < 4, (top, ball.ptp())
 END
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The list of areas and pathways, with search and check boxes; hemispheres and sides. */
+#include "base/look_sizes.h"
 #include "viewer/model/hemispheres.h"
 #include "viewer/model/search.h"
 #include "viewer/panes/panels.h"
@@ -263,7 +264,10 @@ static bool is_marked(const struct window *window, size_t icon)
 /* Draws them below each other on the rail, or in two lines above the open list. */
 static void draw_icons(struct window *window, bool in_lines)
 {
-    const float wide = 36 * window->screen.scale;
+    const size_t in_line = ICONS - ICON_LIST - 1;
+    const float gaps = (float)(in_line - 1) * LOOK_GAP_X * window->screen.scale;
+    const float most = in_lines ? (ui_room() - gaps) / (float)in_line : INFINITY;
+    const float wide = fminf(36 * window->screen.scale, most);
     const float high = (in_lines ? 24 : 30) * window->screen.scale;
     for (size_t i = 0; i < ICONS; i++) {
         const struct icon *icon = &icons[i];
@@ -324,7 +328,7 @@ void panel_areas(struct window *window)
     panel_key_button(window, "Show all", "v", "no area is hidden any more; V, too");
     ui_same_line();
     ui_text("%zu in all", viewer->drawn->object_count);
-    ui_same_line();
+    ui_flow("Files");
     panel_key_button(window, "Files", "ctrl+l",
                      "streamlines, pathways and context: add one, change it, take it out; Ctrl+L, too");
     ui_text_coloured(THEME_HINT, "left and right");
