@@ -10,6 +10,7 @@
 #include "viewer/panes/panels.h"
 #include "viewer/panes/panes.h"
 #include "viewer/session/save_file.h"
+#include "viewer/session/session.h"
 #include "viewer/session/undo.h"
 #include "viewer/ui/ui.h"
 #include "viewer/window/figure_form.h"
@@ -173,7 +174,7 @@ static void draw_window(struct window *window)
     ui_navigate_lists(window->frame.navigated);
     ui_begin(window->events.time);
     navigate(window);
-    ui_disable(window->files.asked.count > 0); /* the question is before all else */
+    ui_disable(window_asks(window)); /* the question is before all else */
     draw_panels(window);
     if (window->forms.show_help) {
         keys_draw_help(window);
@@ -185,7 +186,7 @@ static void draw_window(struct window *window)
         panel_added(window);
     }
     ui_disable_end();
-    if (window->files.asked.count) {
+    if (window_asks(window)) {
         panel_ask(window);
     }
     ui_end();
@@ -251,10 +252,26 @@ static bool go_round(struct window *window, struct script *script, int *code)
     return true;
 }
 
+/* Whether it closes, unless what was confirmed would be lost: then that is asked first. */
+static bool closes(struct window *window)
+{
+    if (!glfwWindowShouldClose(window->handle)) {
+        return false;
+    }
+    if (window->forms.closes || !session_lacks_pins(window)) {
+        return true;
+    }
+    glfwSetWindowShouldClose(window->handle, GLFW_FALSE);
+    glfwShowWindow(window->handle); /* closed while files were read, it is hidden */
+    window->forms.asks_to_close = true;
+    window->frame.frames_wanted = FRAMES_PER_EVENT;
+    return false;
+}
+
 bool loop_run(struct window *window, struct script *script, int *code)
 {
     bool goes_on = true;
-    while (goes_on && !glfwWindowShouldClose(window->handle) && !window_has_request(window)) {
+    while (goes_on && !closes(window) && !window_has_request(window)) {
         goes_on = go_round(window, script, code);
     }
     for (size_t left = window->events.count; left && glfwWindowShouldClose(window->handle); left--) {

@@ -164,21 +164,27 @@ static json_t *session_of(const struct model *then, bool chosen[100 * (FILES + 1
             json_array_append_new(opacities, json_pack("[i, f]", number, tag / 1000.0));
         }
     }
-    return json_pack("{s: o, s: i, s: o, s: {s: o}}", "opened", opened_of(then), "objects", objects_of(then), "hidden",
-                     hidden, "look", "opacities", opacities);
+    const int one = 1 + (int)test_random(seed, 0, objects_of(then));
+    return json_pack("{s: o, s: i, s: o, s: i, s: {s: o}}", "opened", opened_of(then), "objects", objects_of(then),
+                     "hidden", hidden, "chosen", one, "look", "opacities", opacities);
 }
 
-/* Asserts that the fitted session names the chosen objects that are still there, and no others. */
-static void assert_fits(const json_t *root, const struct model *now, const bool *chosen, const bool *was)
+/* Asserts that the fitted session names the chosen objects that are still there, and no others. @p one: tag of the one
+ * that the session calls the chosen one. */
+static void assert_fits(const json_t *root, const struct model *now, const bool *chosen, const bool *was, int one)
 {
+    const int number_of_one = (int)json_integer_value(json_object_get(root, "chosen"));
+    bool is_there = false;
     const json_t *hidden = json_object_get(root, "hidden");
     const json_t *opacities = json_object_get(json_object_get(root, "look"), "opacities");
     size_t wanted = 0;
     for (int number = 1; number <= objects_of(now); number++) {
         int tag = tag_of(now, number);
         wanted += was[tag] && chosen[tag];
+        is_there = is_there || tag == one;
     }
     assert_int_equal(json_integer_value(json_object_get(root, "objects")), objects_of(now));
+    assert_int_equal(number_of_one ? tag_of(now, number_of_one) : 0, is_there ? one : 0);
     assert_int_equal(json_array_size(hidden), wanted);
     assert_int_equal(json_array_size(opacities), wanted);
     for (size_t i = 0; i < wanted; i++) {
@@ -207,11 +213,12 @@ static void numbers_go_with_their_files(void **state)
             was[tag_of(&then, number)] = true;
         }
         json_t *root = session_of(&then, chosen, &seed);
+        const int one = tag_of(&then, (int)json_integer_value(json_object_get(root, "chosen")));
         struct view_atlas atlas = {.object_count = (size_t)objects_of(&now)};
         struct viewer viewer = {.atlases = &atlas, .atlas_count = 1};
         struct window window = {.viewer = &viewer, .files.opened = opened_of(&now)};
         session_fit(root, &window);
-        assert_fits(root, &now, chosen, was);
+        assert_fits(root, &now, chosen, was, one);
         json_decref(window.files.opened);
         json_decref(root);
     }

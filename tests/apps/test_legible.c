@@ -419,6 +419,33 @@ static void a_name_that_is_cut_keeps_its_side(void **state)
     ui_destroy();
 }
 
+/* A title or a line of the 3-D pane: its beginning, dots at its end, and characters whole. */
+static void a_line_that_is_cut_ends_in_dots(void **state)
+{
+    static const char line[] = "axial  z = 17.0 mm  \u00e9\u00e9\u00e9\u00e9\u00e9\u00e9";
+    static const char dots[] = "\u2026";
+    char shown[64];
+    (void)state;
+    assert_true(ui_audit_create(1, 400, 100));
+    ui_audit_begin();
+    const float whole = ui_text_width(line);
+    ui_shorten(shown, sizeof shown, line, whole);
+    assert_string_equal(shown, line);
+    for (int less = 1; whole - (float)less > ui_text_width(dots); less += 3) {
+        const float room = whole - (float)less;
+        ui_shorten(shown, sizeof shown, line, room);
+        assert_true(ui_text_width(shown) <= room);
+        const size_t kept = strlen(shown) - strlen(dots);
+        assert_string_equal(shown + kept, dots);
+        assert_memory_equal(shown, line, kept);
+        assert_true(((unsigned char)line[kept] & 0xc0) != 0x80);
+    }
+    ui_shorten(shown, sizeof shown, line, 0);
+    assert_string_equal(shown, dots);
+    ui_audit_end();
+    ui_destroy();
+}
+
 static void letters_that_the_font_lacks_are_known(void **state)
 {
     (void)state;
@@ -466,6 +493,7 @@ TEST_GROUP(legible)
         cmocka_unit_test(letters_that_the_font_lacks_are_known),
         cmocka_unit_test(a_heading_has_all_letters_that_texts_have),
         cmocka_unit_test(a_name_that_is_cut_keeps_its_side),
+        cmocka_unit_test(a_line_that_is_cut_ends_in_dots),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

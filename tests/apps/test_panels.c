@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which texts the panel of hits has, and in which order, without a screen. */
+#include "options/clock.h"
 #include "viewer/commands/script.h"
 #include "viewer/panes/panels.h"
 #include "viewer/ui/ui_audit.h"
@@ -8,8 +9,12 @@
 #include "test.h"
 #include "window_scene.h"
 
+#include <arpa/inet.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 static void lay_out(struct window *window)
 {
@@ -98,6 +103,28 @@ static void an_exchanged_atlas_is_exchanged_and_has_no_side(void **state)
     }
 }
 
+/* Of areas and a pathway: names come from the label table alone. */
+static void an_atlas_whose_areas_have_no_names_says_so(void **state)
+{
+    static const struct area_row tables[3][2] = {{{.label = 0}}, {{.label = 7, .name = "Insula"}}, {{.label = 0}}};
+    static const size_t dim[] = {2, 1, 1};
+    (void)state;
+    for (size_t i = 0; i < 3; i++) {
+        const bool has_areas = i < 2;
+        struct viewer viewer;
+        struct window window = {.viewer = &viewer, .screen.enlarged = -1};
+        conus_atlas *atlas = NULL;
+        assert_ok(area_rows_atlas(&atlas, dim, (const uint32_t[]){6 * has_areas, 7 * has_areas}, tables[i]));
+        assert_ok(area_rows_add_pathway(atlas, "Tract"));
+        assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = "two"}, 1, NULL, NULL, NULL));
+        lay_out(&window);
+        draw(&window);
+        assert_int_equal(has("Areas have numbers in place of names"), i == 0);
+        ui_destroy();
+        viewer_finish(&viewer);
+    }
+}
+
 /* The phantom's labels as the values of a pathway: the largest one is 4000000001. */
 static void a_threshold_has_its_part_of_the_largest_value(void **state)
 {
@@ -121,12 +148,55 @@ static void a_threshold_has_its_part_of_the_largest_value(void **state)
     free(file);
 }
 
+/* The typed address stays, and its field, whether it is none or nobody answers there: a port that is kept from others
+ * and not listened to. */
+static void an_address_that_is_refused_stays_in_its_field(void **state)
+{
+    struct sockaddr_in place = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
+    socklen_t length = sizeof place;
+    const int kept = socket(AF_INET, SOCK_STREAM, 0);
+    struct viewer viewer;
+    struct window window;
+    char address[32];
+    char line[96];
+    (void)state;
+    window_scene_open(&window, &viewer);
+    devices_init(&window.inputs.devices);
+    viewer.tools[FIRST_TOOL].pointer = POINT_BY_TRACKER;
+    lay_out(&window);
+    draw(&window);
+    assert_true(has("host:port") && has("Connect") && !has("Disconnect"));
+    assert_false(script_do(&window, (char *[]){"tracker", "here:there"}, 2));
+    draw(&window);
+    assert_string_equal(window.inputs.address, "here:there");
+    assert_non_null(strstr(viewer.message, "\"here:there\" is no address and port"));
+    assert_true(has("host:port") && !has("Disconnect"));
+    assert_int_equal(bind(kept, (struct sockaddr *)&place, sizeof place), 0);
+    assert_int_equal(getsockname(kept, (struct sockaddr *)&place, &length), 0);
+    snprintf(address, sizeof address, "127.0.0.1:%u", ntohs(place.sin_port));
+    assert_true(script_do(&window, (char *[]){"tracker", address}, 2));
+    while (!window.inputs.update.trouble) {
+        inputs_step(&window.inputs, &viewer, 1e-3 * clock_ms());
+    }
+    draw(&window);
+    snprintf(line, sizeof line, "no answer yet from 127.0.0.1 on port %u: Connection refused", ntohs(place.sin_port));
+    assert_true(has(line));
+    assert_string_equal(window.inputs.address, address);
+    assert_true(has("host:port") && has("Connect") && has("Disconnect"));
+    station_stop(window.inputs.station);
+    close(kept);
+    ui_destroy();
+    viewer_finish(&viewer);
+}
+
 TEST_GROUP(panels)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_cylinder_has_a_radius_and_no_opening),
         cmocka_unit_test(the_card_stands_below_all_else),
         cmocka_unit_test(an_exchanged_atlas_is_exchanged_and_has_no_side),
+        cmocka_unit_test(an_atlas_whose_areas_have_no_names_says_so),
+        cmocka_unit_test(an_address_that_is_refused_stays_in_its_field),
         cmocka_unit_test(a_threshold_has_its_part_of_the_largest_value),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -426,13 +426,16 @@ static void a_session_has_all_atlases(void **state)
     tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     char *fresh = session_text(&window);
     confirm_and_hide(&viewer, 0);
+    viewer_choose(&viewer, 3);
     confirm_and_hide(&viewer, 2);
+    viewer_choose(&viewer, 2);
     viewer_draw(&viewer, 1);
     viewer_set_threshold(&viewer, 2, 0.75);
     char *left = session_text(&window);
     assert_true(session_parse(&window, fresh, strlen(fresh), why));
     char *again = session_text(&window);
     assert_string_equal(again, fresh);
+    assert_int_equal(viewer.atlases[0].shown.chosen, 0);
     assert_true(view_atlas_pathway(&viewer.atlases[1], 2)->threshold == 0.5);
     assert_true(session_parse(&window, left, strlen(left), why));
     free(again);
@@ -447,6 +450,9 @@ static void a_session_has_all_atlases(void **state)
     assert_int_equal(viewer.pins[0].atlas, 0);
     assert_int_equal(viewer.pins[1].atlas, 2);
     assert_string_equal(viewer.pins[1].name, "Sphere");
+    assert_int_equal(viewer.atlases[0].shown.chosen, 3);
+    assert_int_equal(viewer.atlases[1].shown.chosen, 0);
+    assert_int_equal(viewer.atlases[2].shown.chosen, 2);
     assert_all_answer(&viewer);
     free(again);
     free(left);

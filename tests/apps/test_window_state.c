@@ -569,12 +569,30 @@ static void the_theme_is_the_desktops(void **state)
     free(kept);
 }
 
+/* Texts twice as large: three tenths of 1280 pixels are 192 of theirs, too few for a name. Beside a rail the panel of
+ * hits has 240 of theirs, 480, which is three eighths of the window, and not more: in one that is a pixel narrower it
+ * has its three tenths, as beside the open list of areas, which has a quarter. At scale 1.5, where three tenths are
+ * 256, nothing changes. */
+static void the_panel_of_hits_has_room_for_names_where_texts_are_large(void **state)
+{
+    const struct layout folded = {.panels = {0}};
+    const struct layout open = {.folds = {FOLD_OPEN}};
+    (void)state;
+    assert_near(layout_divide(&folded, 1280, 800, 2).right, 480, 0);
+    assert_near(layout_divide(&folded, 1280, 800, 1.5F).right, 384, 0);
+    assert_near(layout_divide(&folded, 1920, 1080, 2).right, 576, 0);
+    assert_near(layout_divide(&folded, 1279, 800, 2).right, 383, 0);
+    assert_near(layout_divide(&open, 1280, 800, 2).left, 320, 0);
+    assert_near(layout_divide(&open, 1280, 800, 2).right, 384, 0);
+}
+
 TEST_GROUP(window_state)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_window_finds_its_place_again),
         cmocka_unit_test(a_window_fits_its_screen),
         cmocka_unit_test(panes_and_panels_are_as_the_user_left_them),
+        cmocka_unit_test(the_panel_of_hits_has_room_for_names_where_texts_are_large),
         cmocka_unit_test(panels_fold),
         cmocka_unit_test(keys_divide_the_window),
         cmocka_unit_test(texts_are_as_large_as_the_screen_is_dense),

@@ -289,9 +289,14 @@ END
     [ "$(wc -l <<<"$stderr")" = 1 ]
     queried --streamlines more.tck --hide more | diff less.tsv -
     # the file keeps what was not found, with numbers behind those of all others
-    jq -e '.hidden == [3] and .objects == 5 and
+    jq -e '.hidden == [3] and .chosen == 3 and .objects == 5 and
         [.opened.options[] | split("/")[-1]] == ["t1.nii", "more.tck", "two.tck,radius=2", "map.nii,threshold=50"] and
         [.opened.added[] | select(.lost) | .objects] == [[4], [5]]' less.json
+    # what was chosen in a file that is gone, too: slabs, two.tck, map.nii, more.tck
+    mv moved/more.tck gone
+    said moved/made.json <<<'save fewer.json'
+    jq -e '.hidden == [5] and .chosen == 5' fewer.json
+    mv gone/more.tck moved
     # so what is there again later is opened, with what was set for it, beside an atlas that was just found, too
     mkdir back
     cp moved/* back
@@ -311,6 +316,25 @@ END
     python3 "$BATS_TEST_DIRNAME/tck.py" moved/more.tck 4,-5,9.9 4,6,9.8
     said moved/made.json <<<'results other.tsv'
     queried --streamlines moved/more.tck --hide more | diff other.tsv -
+}
+
+# The atlases share the image, and so the grey values of the cuts.
+@test "what was set of a context that is not found stays in the session" {
+    need_window
+    scene
+    local of_context='[.transfer, .preset, .look.grey, .further_atlases[].look.grey]'
+    printf '%s\n' 'preset bright' 'grey 20 210' 'save set.json' |
+        view slabs.nii.gz --atlas sphere.nii.gz --context t1.nii
+    jq '.transfer = [[10, 1, 0, 0, 0.25], [200, 0, 1, 0, 0.5]]' set.json >edited.json
+    jq -e "$of_context"' == [[[10, 1, 0, 0, 0.25], [200, 0, 1, 0, 0.5]], "bright", [20, 210], [20, 210]]' edited.json
+    mkdir gone
+    mv t1.nii gone
+    said edited.json <<<'save without.json'
+    says 'edited.json is opened; not found: t1.nii'
+    diff <(jq "$of_context" edited.json) <(jq "$of_context" without.json)
+    mv gone/t1.nii .
+    view without.json <<<'save again.json'
+    diff <(jq "$of_context" edited.json) <(jq "$of_context" again.json)
 }
 
 @test "escape ends the reading of a tractogram, and the atlas stays" {

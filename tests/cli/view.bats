@@ -170,8 +170,11 @@ orbit 40 20
 choose "Slab anterior"
 key h
 key enter
+choose "Slab posterior"
+crosshair 1 2 3
 save one.json
 key v
+choose "Slab anterior"
 angle 5
 aim 0 0 90 0 0 0
 open one.json
@@ -185,6 +188,20 @@ END
     diff one.json three.json
     conus query slabs.nii.gz --origin 3,90,2 --toward 3,0,2 --angle 23 --layers all --hide 'Slab anterior' --format tsv |
         diff left.tsv - # the session hides it
+    # the label table has the anterior one first; what is chosen is no change to be taken back; Escape chooses nothing
+    [ "$(jq '.chosen, .hidden[]' one.json | paste -sd ' ')" = '2 1' ]
+    view slabs.nii.gz --session one.json <<'END'
+key v
+wait 1
+choose "Slab anterior"
+wait 1
+key ctrl+z
+save undone.json
+key escape
+save none.json
+END
+    [ "$(jq '.chosen, .hidden[]' undone.json | paste -sd ' ')" = '1 1' ]
+    [ "$(jq .chosen none.json)" = 0 ]
 }
 
 # scene: scene.atlas.json, two slabs across y with a context and the pathway Arc, which are one map: a ball, 46000 in its
@@ -1053,6 +1070,11 @@ is_at() {
     sed 's/"angle_deg": [0-9.]*/"angle_deg": 1e9/' slabs.json >bad.json
     run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session bad.json --script /dev/null --quiet --size 400x256
     check_message 'bad.json: angle_deg: a number from 0.01 to 179.99 is needed'
+    for other in 3 -1 '"2"'; do
+        jq ".chosen = $other" slabs.json >other.json
+        run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session other.json --script /dev/null --quiet --size 400x256
+        check_message 'other.json: chosen: 0 or the number of an area, 1 to 2, is needed'
+    done
     head -c 200 slabs.json >half.json
     run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session half.json --script /dev/null --quiet --size 400x256
     check_message 'half.json: line'
@@ -1065,6 +1087,16 @@ is_at() {
     grep -q '^conus: half.json: line .*: a damaged session$' said
     grep -q '^conus: bad.json: angle_deg: a number from 0.01 to 179.99 is needed$' said
     [ "$(wc -l <said)" = 2 ]
+    # JSON that is no session: which is found only where it is tried as an atlas first, and said on both ways
+    echo '{}' >none.json
+    printf 'drop none.json\nwait 2\n' >script
+    run -0 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --script script --quiet --size 400x256
+    [[ ${stderr_lines[0]} == 'conus: none.json: this is JSON of another kind; '* ]]
+    [ "${stderr_lines[1]}" = 'conus: none.json: it is no session of conus view either' ]
+    [ ${#stderr_lines[@]} -eq 2 ]
+    echo 'open none.json' >script
+    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --script script --quiet --size 400x256
+    [ "${stderr_lines[0]}" = 'conus: none.json: no session of conus view' ]
     # spaces, which JSON allows anywhere: as many as are read, then one more
     head -c $((64 << 20)) /dev/zero | tr '\0' ' ' >large.json
     run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session large.json --script /dev/null --quiet --size 400x256

@@ -211,8 +211,8 @@ assert wide * high > 0.45 * 1280 * 800, (wide, high)
 END
 }
 
-# At scale 2 the rail takes 96 pixels and the panel 384; of the 800 between them the cuts have 800 - 576 = 224. A ball's
-# box is a cube of 40 voxels: it fills 0.92 of the shorter side, 206. Five voxels off its middle it has 38 across: 196.
+# At scale 2 the rail takes 96 pixels and the panel 480; of the 704 between them the cuts have 704 - 506 = 198. A ball's
+# box is a cube of 40 voxels: it fills 0.92 of the shorter side, 182. Five voxels off its middle it has 38 across: 173.
 @test "a cut fills its pane to 92 %, and letters at its sides can be read on the brain" {
     need_window
     need_pixels
@@ -227,13 +227,13 @@ import numpy
 import OpenImageIO as oiio
 pixels = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[..., :3].astype(int)
 for top in 0, 251, 502:
-    pane = pixels[top:top + 248, 673:673 + 222]
+    pane = pixels[top:top + 248, 603:603 + 196]
     middle = pane[124 - 12:124 + 12] # the rows of the letters
     for letter in middle[:, 6:30], middle[:, -30:-6]:
         assert letter.max() > 200 and letter.min() < 40, "no letter on its shade"
     row = pane[99] # above the letters and the crosshair's line
     ball = numpy.flatnonzero(row.max(axis=1) > 60)
-    assert abs(ball.ptp() - 196) < 4, (top, ball.ptp())
+    assert abs(ball.ptp() - 173) < 4, (top, ball.ptp())
 END
 }
 
@@ -436,6 +436,67 @@ END
     click_at 919 532
     look '.second.on'
     leave
+}
+
+@test "closing asks, once, while something is confirmed that no session has" {
+    conus phantom slabs -o .
+    local aim='aim 3 90 2 3 0 2'
+    # nothing confirmed: it closes at once, and the script's rest is not done
+    view slabs.nii.gz <<<"$aim"$'\nkey ctrl+q\nwait 1\nresults closed.tsv'
+    [ ! -e closed.tsv ]
+    # Enter and Escape keep it open, and confirm and clear nothing; a second Ctrl+Q, as of a key held down, is no answer
+    view slabs.nii.gz <<END
+$aim
+key enter
+key ctrl+q
+wait 2
+key ctrl+q
+wait 2
+results asked.tsv
+key enter
+save kept.json
+angle 20
+key ctrl+q
+wait 1
+results saved.tsv
+END
+    [ -e asked.tsv ]
+    jq -e '(.confirmed | length) == 1' kept.json
+    [ ! -e saved.tsv ] # since the session has it, the angle alone is no reason to ask
+    # what is confirmed after that is, also in a session that was opened; Escape, then Q
+    view slabs.nii.gz --session kept.json <<'END'
+aim 3 -90 2 3 0 2
+key enter
+key ctrl+q
+wait 1
+key escape
+wait 1
+save more.json
+key ctrl+z
+wait 1
+key ctrl+q
+wait 1
+key q
+wait 1
+results answered.tsv
+END
+    jq -e '(.confirmed | length) == 2' more.json
+    [ ! -e answered.tsv ]
+    view kept.json <<<$'key ctrl+q\nwait 1\nresults opened.tsv'
+    [ ! -e opened.tsv ]
+}
+
+@test "a window manager that closes the window is asked, too" {
+    conus phantom slabs -o .
+    live slabs.nii.gz --size 640x480
+    tell 'aim 3 90 2 3 0 2' 'key enter'
+    close_window "$window"
+    pass
+    look '(.confirmed | length) == 1' # and saved, so that it may close
+    close_window "$window"
+    tell 'wait 8' 'save late.json' # commands are waited for, events are not
+    leave
+    [ ! -e late.json ]
 }
 
 # between_frames COMMAND...: what it sends to the window comes to it between two frames.

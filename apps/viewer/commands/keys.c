@@ -599,6 +599,14 @@ static bool press_at_start(struct window *window, const char *key)
 static bool press_in_question(struct window *window, const char *key)
 {
     bool may_be_added = window->files.asked.may_be_added;
+    if (window->forms.asks_to_close) {
+        bool stays = strcasecmp(key, "enter") == 0 || strcasecmp(key, "escape") == 0;
+        if (stays || strcasecmp(key, "q") == 0) {
+            window_answer_closing(window, !stays);
+            return true;
+        }
+        return strcasecmp(key, "ctrl+q") == 0; /* which may be held down: no answer */
+    }
     if (may_be_added && (strcasecmp(key, "a") == 0 || strcasecmp(key, "enter") == 0)) {
         window_answer(window, OPEN_ADDS);
     } else if (strcasecmp(key, "r") == 0) {
@@ -613,7 +621,7 @@ static bool press_in_question(struct window *window, const char *key)
 
 bool keys_press(struct window *window, const char *key)
 {
-    if (window->files.asked.count) {
+    if (window_asks(window)) {
         return press_in_question(window, key);
     }
     if (window->dialog.on) {

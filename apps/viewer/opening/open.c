@@ -316,26 +316,22 @@ static bool replace(struct window *window, struct viewer *viewer, const struct a
                     const struct view_settings *settings, char *why)
 {
     struct viewer *before = window->viewer;
-    struct changes changes = window->history.changes;
-    char *session_path = window->history.session_path;
+    struct history history = window->history;
     json_t *opened = window->files.opened;
     conus_hemispheres hemispheres = window->files.hemispheres;
     json_t *words = view_words(settings->arguments, settings->atlas.labels ? NULL : atlas_name_labels(name, NULL));
-    window->history.changes = (struct changes){.count = 0};
-    window->history.session_path = NULL;
+    window->history = (struct history){.session_path = NULL};
     window->files.opened = words ? opened_describe(viewer->atlases->atlas, name->path, words) : NULL;
     window->files.hemispheres = (conus_hemispheres)settings->atlas.hemispheres;
     if (!show_viewer(window, viewer, settings, why)) {
         json_decref(window->files.opened);
         window_show(window, before);
-        window->history.changes = changes;
-        window->history.session_path = session_path;
+        window->history = history;
         window->files.opened = opened;
         window->files.hemispheres = hemispheres;
         return false;
     }
-    changes_finish(&changes);
-    free(session_path);
+    window_history_finish(&history);
     json_decref(opened);
     json_decref(window->files.lost);
     window->files.lost = NULL;
@@ -570,9 +566,8 @@ static bool open_anew(struct window *window, const json_t *words, const struct v
     char *path = strdup(window->viewer->atlases->path);
     char *saved = window->history.session_path ? strdup(window->history.session_path) : NULL;
     bool lists = window->forms.added.open;
-    json_int_t drawn = window->viewer->drawn - window->viewer->atlases + 1;
-    uint32_t chosen = window->viewer->drawn->shown.chosen;
     json_t *session = session_json(window);
+    json_t *has_pins = json_incref(window->history.has_pins);
     json_t *lost = json_incref(window->files.lost);
     json_t *then = additions_atlases(json_object_get(window->files.opened, "options"));
     bool fine = worded_parse(&worded, words, settings, false) == EXIT_DONE;
@@ -588,11 +583,9 @@ static bool open_anew(struct window *window, const json_t *words, const struct v
         json_t *now = additions_atlases(json_object_get(window->files.opened, "options"));
         fit_session(session, window->viewer, then, now);
         fine = session_read(window, session, "session", refused);
-        if (find_number(drawn, then, now)) {
-            window->viewer->drawn->shown.chosen = chosen;
-        }
         json_decref(now);
         window->history.session_path = saved;
+        window->history.has_pins = json_incref(has_pins);
         window->files.lost = json_incref(lost);
         window->forms.added = (struct added_form){.open = lists, .kind = ADD_ATLAS, .is_set = true};
         viewer_say(window->viewer, "%s",
@@ -602,6 +595,7 @@ static bool open_anew(struct window *window, const json_t *words, const struct v
     }
     worded_finish(&worded);
     json_decref(session);
+    json_decref(has_pins);
     json_decref(lost);
     json_decref(then);
     free(path);
@@ -706,7 +700,9 @@ static bool open_files(struct window *window, struct open_request *request, cons
     free((void *)set.tractograms);
     size_t said = strlen(why);
     if (said && !fine && other && path_ends_in(other, ".json") && !json_names(other, "\"conus_atlas\"")) {
-        snprintf(why + said, LOADER_WHY - said, "; it is no session of conus view either");
+        static const char either[] = "it is no session of conus view either";
+        snprintf(why + said, LOADER_WHY - said, "; %s", either);
+        print_error_line("%s: %s", other, either);
     }
     if (asks) {
         window_ask(window, request);

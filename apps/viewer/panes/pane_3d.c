@@ -409,10 +409,14 @@ static void draw_notices(const struct window *window)
         at[1] -= 1.4F * ui_line();
     }
     const bool panel_says_it = !window->screen.folded[1] && !screen_is_bare(&window->screen);
-    if (conus_atlas_exchanged(viewer->drawn->atlas) && !panel_says_it) {
-        ui_shorten(shown, sizeof shown, exchanged_text, room);
-        ui_draw_text(at, theme_shaded[THEME_ORANGE], shown);
-        at[1] -= 1.4F * ui_line();
+    for (size_t i = 0; i < WARNING_COUNT && !panel_says_it; i++) {
+        enum theme_text colour;
+        text = panel_warning(&colour, viewer->drawn, i);
+        if (text) {
+            ui_shorten(shown, sizeof shown, text, room);
+            ui_draw_text(at, theme_shaded[colour], shown);
+            at[1] -= 1.4F * ui_line();
+        }
     }
     if (plans_is_on(viewer) && !notice.is_old && !panel_says_it) {
         char line[PLAN_LINE];

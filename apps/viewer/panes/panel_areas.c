@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The list of areas and pathways, with search and check boxes; hemispheres and sides. */
+#include "base/look_sizes.h"
 #include "viewer/model/hemispheres.h"
 #include "viewer/model/search.h"
 #include "viewer/panes/panels.h"
@@ -189,17 +190,46 @@ void panel_hidden(struct window *window)
     }
 }
 
-const char exchanged_text[] = "Names or places have left and right exchanged";
-
-void panel_exchanged(const struct viewer *viewer)
+/* Gives the tip about an atlas none of whose areas has a name; NULL of another one. */
+static const char *find_unnamed(const conus_atlas *atlas)
 {
-    for (size_t i = 0; i < viewer->atlas_count; i++) {
-        const struct view_atlas *view = &viewer->atlases[i];
+    size_t areas = 0;
+    for (size_t number = 1; number <= conus_atlas_object_count(atlas); number++) {
+        const conus_object *object = conus_atlas_object(atlas, number);
+        if (object->kind == CONUS_KIND_AREA && object->named) {
+            return NULL;
+        }
+        areas += object->kind == CONUS_KIND_AREA;
+    }
+    return areas ? "no label table names them: give one by --labels, or lay it beside the atlas's file" : NULL;
+}
+
+static const struct warning {
+    enum theme_text colour;
+    const char *text;
+    const char *(*find)(const conus_atlas *atlas); /* More about it; NULL where it does not hold. */
+} warnings[WARNING_COUNT] = {
+    {THEME_ORANGE, "Names or places have left and right exchanged", conus_atlas_exchanged},
+    {THEME_HINT, "Areas have numbers in place of names", find_unnamed},
+};
+
+const char *panel_warning(enum theme_text *colour, const struct view_atlas *view, size_t index)
+{
+    *colour = warnings[index].colour;
+    return warnings[index].find(view->atlas) ? warnings[index].text : NULL;
+}
+
+void panel_warnings(const struct viewer *viewer)
+{
+    for (size_t i = 0; i < viewer->atlas_count * WARNING_COUNT; i++) {
+        const struct view_atlas *view = &viewer->atlases[i / WARNING_COUNT];
+        const struct warning *warning = &warnings[i % WARNING_COUNT];
+        const char *more = warning->find(view->atlas);
         char text[VIEW_ATLAS_TITLE];
-        if (conus_atlas_exchanged(view->atlas)) {
-            snprintf(text, sizeof text, "%s%s%s", exchanged_text, view->name[0] ? " in " : "", view->name);
-            ui_text_wrapped(THEME_ORANGE, text);
-            ui_tip(conus_atlas_exchanged(view->atlas));
+        if (more) {
+            snprintf(text, sizeof text, "%s%s%s", warning->text, view->name[0] ? " in " : "", view->name);
+            ui_text_wrapped(warning->colour, text);
+            ui_tip(more);
         }
     }
 }
@@ -234,7 +264,10 @@ static bool is_marked(const struct window *window, size_t icon)
 /* Draws them below each other on the rail, or in two lines above the open list. */
 static void draw_icons(struct window *window, bool in_lines)
 {
-    const float wide = 36 * window->screen.scale;
+    const size_t in_line = ICONS - ICON_LIST - 1;
+    const float gaps = (float)(in_line - 1) * LOOK_GAP_X * window->screen.scale;
+    const float most = in_lines ? (ui_room() - gaps) / (float)in_line : INFINITY;
+    const float wide = fminf(36 * window->screen.scale, most);
     const float high = (in_lines ? 24 : 30) * window->screen.scale;
     for (size_t i = 0; i < ICONS; i++) {
         const struct icon *icon = &icons[i];
@@ -295,7 +328,7 @@ void panel_areas(struct window *window)
     panel_key_button(window, "Show all", "v", "no area is hidden any more; V, too");
     ui_same_line();
     ui_text("%zu in all", viewer->drawn->object_count);
-    ui_same_line();
+    ui_flow("Files");
     panel_key_button(window, "Files", "ctrl+l",
                      "streamlines, pathways and context: add one, change it, take it out; Ctrl+L, too");
     ui_text_coloured(THEME_HINT, "left and right");

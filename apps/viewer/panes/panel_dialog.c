@@ -174,10 +174,31 @@ void panel_dialog(struct window *window)
     window->dialog.on = window->dialog.on && !escaped;
 }
 
+static void ask_to_close(struct window *window)
+{
+    window_panel(window, "Close without saving?", 460, 130);
+    ui_text_wrapped(
+        THEME_ORANGE,
+        "What was confirmed is in no session, and ends with the window. To keep it, go on, and press Ctrl+S.");
+    ui_gap(ui_line() / 4);
+    if (ui_button("Keep working", "all stays as it is; Enter or Escape")) {
+        window_answer_closing(window, false);
+    }
+    ui_same_line();
+    if (ui_button("Close", "the window, without saving; Q")) {
+        window_answer_closing(window, true);
+    }
+    ui_panel_end();
+}
+
 void panel_ask(struct window *window)
 {
     const struct open_request *asked = &window->files.asked;
     char name[SYSTEM_NAME + 1];
+    if (window->forms.asks_to_close) {
+        ask_to_close(window);
+        return;
+    }
     bool may_be_added = asked->may_be_added;
     size_t pins = window->viewer ? window->viewer->pin_count : 0;
     snprintf(name, sizeof name, "%s", path_name(asked->asked_of));

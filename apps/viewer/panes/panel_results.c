@@ -156,7 +156,7 @@ void panel_results(struct window *window)
         ui_text_coloured(THEME_ACCENT, "level: %s", viewer->cone.level);
     }
     panel_hidden(window);
-    panel_exchanged(viewer);
+    panel_warnings(viewer);
     ui_dim(notice.is_old ? theme_pale : 1);
     draw_answer(&headline);
     panel_plan(window);

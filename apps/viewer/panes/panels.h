@@ -8,13 +8,15 @@
 
 void panel_start(struct window *window);  /**< In place of all others. */
 void panel_dialog(struct window *window); /**< Likewise. */
-void panel_ask(struct window *window);    /**< Before all others: how files open that the user is asked about. */
+void panel_ask(struct window *window);    /**< Before all others: how files open, or whether all closes. */
 void panel_areas(struct window *window);
 /** How many areas are hidden, while some are, for the answer is without them. */
 void panel_hidden(struct window *window);
-/** Which atlases have left and right exchanged: names of areas or their places are of the other side. */
-void panel_exchanged(const struct viewer *viewer);
-extern const char exchanged_text[];
+enum { WARNING_COUNT = 2 };
+/** What has to be known of the names and places of an atlas to read the answer; NULL where @p index does not hold. */
+const char *panel_warning(enum theme_text *colour, const struct view_atlas *view, size_t index);
+/** That of each atlas. */
+void panel_warnings(const struct viewer *viewer);
 /** A folded panel, left (0) or right (1). */
 void panel_rail(struct window *window, size_t side);
 /** Lists of the hits of a tool, one for each atlas, in the order in which they were given, so many lines high together.

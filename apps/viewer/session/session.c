@@ -126,6 +126,7 @@ json_t *session_json(const struct window *window)
     json_object_set_new(root, "level", json_string(viewer->cone.level));
     json_object_set_new(root, "place", session_place(first));
     json_object_set_new(root, "hidden", session_hidden(first));
+    json_object_set_new(root, "chosen", json_integer(first->shown.chosen));
     json_object_set_new(root, "confirmed", pins_of(viewer));
     json_object_set_new(root, "thresholds", session_thresholds(first));
     json_object_set_new(root, "transfer", transfer_of(&viewer->transfer_editor));
@@ -378,7 +379,11 @@ static bool read_session(struct window *window, json_t *root, char why[PROPERTY_
     struct session session = {.columns = viewer->list.columns,
                               .score = viewer_find_score(json_string_value(json_object_get(root, "score")))};
     session_fit(root, window);
-    json_int_t version = json_integer_value(json_object_get(root, "conus_session"));
+    const json_t *says = json_object_get(root, "conus_session");
+    json_int_t version = json_integer_value(says);
+    if (!says) {
+        return session_refuse(why, "no session of conus view");
+    }
     if (version != SESSION_VERSION) {
         return session_refuse(
             why, "\"conus_session\" is %" JSON_INTEGER_FORMAT ", and this conus reads %d: another version wrote it",
@@ -440,10 +445,31 @@ bool session_check(const char *path, char why[PROPERTY_REASON])
     return root;
 }
 
-/* Notes where Ctrl+S saves from now on. */
-static void note_path(struct window *window, const char *path)
+/* The pins without the numbers of their atlases and objects, which change as files come and go. */
+static json_t *plain_pins(const struct viewer *viewer)
+{
+    json_t *pins = pins_of(viewer);
+    for (size_t i = 0; i < json_array_size(pins); i++) {
+        json_object_del(json_array_get(pins, i), "atlas");
+        json_object_del(json_array_get(pins, i), "object");
+    }
+    return pins;
+}
+
+bool session_lacks_pins(const struct window *window)
+{
+    json_t *pins = window->viewer ? plain_pins(window->viewer) : NULL;
+    bool lacks = json_array_size(pins) && !json_equal(pins, window->history.has_pins);
+    json_decref(pins);
+    return lacks;
+}
+
+/* Notes where Ctrl+S saves from now on, and what is confirmed there. */
+static void note_session(struct window *window, const char *path)
 {
     char *copy = strdup(path);
+    json_decref(window->history.has_pins);
+    window->history.has_pins = plain_pins(window->viewer);
     if (copy) {
         free(window->history.session_path);
         window->history.session_path = copy;
@@ -458,7 +484,7 @@ bool session_save(struct window *window, const char *path, char why[PROPERTY_REA
     conus_status status = text ? conus_write_file(path, text, strlen(text)) : CONUS_ERROR_MEMORY;
     free(text);
     if (!status) {
-        note_path(window, path);
+        note_session(window, path);
     }
     return !status ||
            session_refuse(why, "%s",
@@ -471,7 +497,7 @@ bool session_load(struct window *window, const char *path, char why[PROPERTY_REA
     bool fine = root && session_read(window, root, path, why);
     json_decref(root);
     if (fine) {
-        note_path(window, path);
+        note_session(window, path);
         viewer_say(window->viewer, "opened: %s", path_name(path)); /* what was said before is of another state */
     }
     return fine;

@@ -91,10 +91,11 @@ json_t *session_further(const struct viewer *viewer)
     bool fine = list;
     for (size_t i = 1; i < viewer->atlas_count && fine; i++) {
         const struct view_atlas *view = &viewer->atlases[i];
-        fine = !json_array_append_new(list, json_pack("{s: s, s: i, s: o, s: o, s: o, s: o}", "atlas", view->path,
-                                                      "objects", (int)view->object_count, "place", session_place(view),
-                                                      "hidden", session_hidden(view), "thresholds",
-                                                      session_thresholds(view), "look", session_look(view)));
+        fine =
+            !json_array_append_new(list, json_pack("{s: s, s: i, s: o, s: o, s: i, s: o, s: o}", "atlas", view->path,
+                                                   "objects", (int)view->object_count, "place", session_place(view),
+                                                   "hidden", session_hidden(view), "chosen", (int)view->shown.chosen,
+                                                   "thresholds", session_thresholds(view), "look", session_look(view)));
     }
     return words_or_none(list, fine);
 }
@@ -263,9 +264,15 @@ static bool read_atlas(struct session_atlases *out, size_t index, const struct v
     if (!atlas->hidden || (list && !out->thresholds[index])) {
         return session_refuse(why, "not enough memory");
     }
+    const json_t *chosen = json_object_get(entry, "chosen");
+    json_int_t number = chosen ? json_integer_value(chosen) : view->shown.chosen;
+    if ((chosen && !json_is_integer(chosen)) || number < 0 || (uint64_t)number > view->object_count) {
+        return session_refuse(why, "chosen: 0 or the number of an area, 1 to %zu, is needed", view->object_count);
+    }
+    atlas->chosen = (uint32_t)number;
     const json_t *hidden = json_object_get(entry, "hidden");
     for (size_t i = 0; i < json_array_size(hidden); i++) {
-        json_int_t number = json_integer_value(json_array_get(hidden, i));
+        number = json_integer_value(json_array_get(hidden, i));
         if (number < 1 || (uint64_t)number > view->object_count) {
             return session_refuse(why, "hidden: %lld, allowed is 1 to %zu", (long long)number, view->object_count);
         }
@@ -320,6 +327,7 @@ void session_atlases_show(struct session_atlases *from, struct viewer *viewer)
         if (atlas->hidden) {
             viewer_set_hidden(viewer, &viewer->atlases[i], atlas->hidden);
             atlas->hidden = NULL;
+            viewer->atlases[i].shown.chosen = atlas->chosen;
         }
         if (atlas->look.object_count) {
             viewer_set_look(viewer, &viewer->atlases[i], &atlas->look);

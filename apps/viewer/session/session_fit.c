@@ -2,6 +2,7 @@
 /* Numbers of objects then and now: those of each file that was added belong together, and so do all others. */
 #include "viewer/session/session_fit.h"
 
+#include "options/output.h"
 #include "viewer/model/additions.h"
 #include "viewer/model/session_file.h"
 #include "viewer/session/session_atlases.h"
@@ -148,8 +149,12 @@ static void fit_objects(json_t *root, const struct numbers *numbers, const struc
 {
     json_t *thresholds = json_object_get(root, "thresholds");
     json_t *appearance = json_object_get(root, "look");
+    const json_t *chosen = json_object_get(root, "chosen");
     json_object_set_new(root, "objects", json_integer((json_int_t)numbers->count));
     fit_list(json_object_get(root, "hidden"), false, numbers);
+    if (chosen) { /* else it stays */
+        json_object_set_new(root, "chosen", json_integer(number_now(numbers, chosen)));
+    }
     fit_pins(json_object_get(root, "confirmed"), numbers);
     fit_list(json_object_get(appearance, "opacities"), true, numbers);
     fit_list(json_object_get(appearance, "pathways"), true, numbers);
@@ -278,9 +283,38 @@ static bool is_still_lost(const json_t *entry, size_t match, const json_t *added
     return still;
 }
 
+/* Gives a look the grey values that it had in the cuts of a context that is not there, unless it has others now. */
+static void keep_grey(json_t *look, const json_t *then)
+{
+    json_t *grey = json_object_get(then, "grey");
+    if (grey && json_is_null(json_object_get(look, "grey"))) {
+        json_object_set(look, "grey", grey);
+    }
+}
+
+/* Likewise what a session says of that context: its colours, and the grey values of each atlas's cuts. */
+static void keep_context(json_t *root, const json_t *then)
+{
+    static const char *const colours[] = {"transfer", "preset"};
+    const json_t *further = json_object_get(root, "further_atlases");
+    const json_t *further_then = json_object_get(then, "further_atlases");
+    for (size_t i = 0; i < sizeof colours / sizeof colours[0]; i++) {
+        json_object_set(root, colours[i], json_object_get(then, colours[i]));
+    }
+    keep_grey(json_object_get(root, "look"), json_object_get(then, "look"));
+    for (size_t i = 0; i < json_array_size(further); i++) {
+        const json_t *now = json_array_get(further, i);
+        for (size_t k = 0; k < json_array_size(further_then); k++) {
+            const json_t *was = json_array_get(further_then, k);
+            if (strcmp(path_name(json_text(now, "atlas")), path_name(json_text(was, "atlas"))) == 0) {
+                keep_grey(json_object_get(now, "look"), json_object_get(was, "look"));
+            }
+        }
+    }
+}
+
 bool session_keep_lost(json_t *root, const struct window *window)
 {
-    static const char *const of_context[] = {"transfer", "preset"};
     const json_t *entries = json_object_get(window->files.lost, "entries");
     const json_t *then = json_object_get(window->files.lost, "session");
     json_t *opened = json_object_get(root, "opened");
@@ -309,16 +343,17 @@ bool session_keep_lost(json_t *root, const struct window *window)
         json_object_set_new(kept, "lost", json_true());
         fine = !json_array_append_new(added, kept) &&
                !json_array_append(json_object_get(opened, "options"), json_object_get(entry, "option"));
-        for (size_t k = 0; k < 2 && is_context(entry) && !has_context; k++) {
-            json_object_set(root, of_context[k], json_object_get(then, of_context[k]));
-        }
-        if (is_context(entry) && !has_context && json_object_get(look_then, "grey")) {
-            json_object_set(look, "grey", json_object_get(look_then, "grey"));
+        if (is_context(entry) && !has_context) {
+            keep_context(root, then);
         }
     }
     if (fine) {
         json_object_set_new(root, "objects", json_integer((json_int_t)numbers.count));
         keep_list(json_object_get(root, "hidden"), json_object_get(then, "hidden"), false, &numbers);
+        uint32_t chosen = number_now(&numbers, json_object_get(then, "chosen"));
+        if (chosen && json_integer_value(json_object_get(root, "chosen")) == 0) {
+            json_object_set_new(root, "chosen", json_integer(chosen));
+        }
         keep_list(json_object_get(look, "opacities"), json_object_get(look_then, "opacities"), true, &numbers);
         keep_list(json_object_get(look, "pathways"), json_object_get(look_then, "pathways"), true, &numbers);
         keep_thresholds(json_object_get(root, "thresholds"), json_object_get(then, "thresholds"));

@@ -30,6 +30,16 @@ static bool is_left_out(const struct property *property, const struct window *wi
     }
 }
 
+/* Which areas are chosen stays. */
+static void leave_chosen(json_t *root)
+{
+    const json_t *further = json_object_get(root, "further_atlases");
+    json_object_del(root, "chosen");
+    for (size_t i = 0; i < json_array_size(further); i++) {
+        json_object_del(json_array_get(further, i), "chosen");
+    }
+}
+
 /* NULL without memory, or where a name is not UTF-8. */
 static char *state_text(const struct window *window)
 {
@@ -40,6 +50,7 @@ static char *state_text(const struct window *window)
             json_object_del(property->object ? json_object_get(root, property->object) : root, property->name);
         }
     }
+    leave_chosen(root);
     char *text = root ? json_dumps(root, JSON_COMPACT) : NULL;
     json_decref(root);
     return text;
@@ -84,6 +95,7 @@ static void restore(struct window *window, const char *state, int by)
     char why[PROPERTY_REASON];
     json_t *root = session_json(window);
     json_t *before = json_loads(state, 0, NULL);
+    leave_chosen(root); /* whose numbers are those of now */
     bool fine = root && before && !json_object_update_recursive(root, before)
                     ? session_read(window, root, "session", why)
                     : session_refuse(why, "not enough memory");

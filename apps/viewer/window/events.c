@@ -77,7 +77,7 @@ static bool is_for_widgets(int key)
 static bool is_for_form(const struct window *window, int key)
 {
     const struct forms *forms = &window->forms;
-    return key == GLFW_KEY_ESCAPE && !ui_lists() && !window->start.on && !window->files.asked.count &&
+    return key == GLFW_KEY_ESCAPE && !ui_lists() && !window->start.on && !window_asks(window) &&
            (window->dialog.on || forms->show_help || forms->figure.open || forms->added.open);
 }
 

@@ -10,7 +10,8 @@ static const double first_parts[2] = {1 / 4.0, 0.3}; /* of the window's width, a
 static const double rail = 48, narrow = 1500;        /* below that width the left panel is folded at first */
 static const double first_division[2] = {0.72, 1 / 3.0};
 static const double least_panel = 240, most_panel = 4000;
-static const double most_part = 0.4; /* of the window's width, of each panel */
+static const double most_part = 0.4;      /* of the window's width, of each panel */
+static const double roomy_part = 3 / 8.0; /* of which beside a rail the panel of hits leaves enough for the brain */
 static const double least_division = 0.1, most_division = 0.9;
 static const double division_step = 0.05, panel_step = 20;
 
@@ -25,11 +26,21 @@ static bool is_folded(const struct layout *layout, size_t side, float width, flo
     return layout->folds[side] == FOLD_AS_AT_FIRST ? at_first : layout->folds[side] == FOLD_CLOSED;
 }
 
+/* What a panel has at first at most: its part of the window. Where texts are large, names need more than that: beside a
+ * rail the panel of hits is then as wide as one that the user made as narrow as can be, if the brain has room, too. */
+static double most_at_first(const struct layout *layout, size_t side, float width, float scale)
+{
+    const double least = least_panel * (double)scale;
+    const double part = (double)width * first_parts[side];
+    bool has_room = side == 1 && is_folded(layout, 0, width, scale) && least <= (double)width * roomy_part;
+    return has_room ? fmax(part, least) : part;
+}
+
 static float panel_width(const struct layout *layout, size_t side, float width, float scale)
 {
     double own = layout->panels[side];
     double wanted = (own > 0 ? own : first_panels[side]) * (double)scale;
-    double most = (double)width * (own > 0 ? most_part : first_parts[side]);
+    double most = own > 0 ? (double)width * most_part : most_at_first(layout, side, width, scale);
     if (is_folded(layout, side, width, scale)) {
         return floorf((float)rail * scale);
     }

@@ -334,16 +334,17 @@ static void pictures_drop(struct pictures *pictures)
     }
 }
 
-static void history_finish(struct history *history)
+void window_history_finish(struct history *history)
 {
     changes_finish(&history->changes);
     free(history->session_path);
+    json_decref(history->has_pins);
 }
 
 void window_close(struct window *window)
 {
     pictures_drop(&window->pictures);
-    history_finish(&window->history);
+    window_history_finish(&window->history);
     devices_finish(&window->inputs.devices);
     open_request_finish(&window->files.requested);
     open_request_finish(&window->files.asked);
@@ -364,7 +365,7 @@ void window_close(struct window *window)
 void window_show(struct window *window, struct viewer *viewer)
 {
     pictures_drop(&window->pictures);
-    history_finish(&window->history);
+    window_history_finish(&window->history);
     window->viewer = viewer;
     window->pictures = (struct pictures){0};
     window->frame = (struct frame_state){.frames_wanted = 1, .turns_cone = TOOL_COUNT};
@@ -623,6 +624,18 @@ void window_answer(struct window *window, enum opening how)
         window->files.requested = asked;
         window->files.requested.how = how;
     }
+}
+
+void window_answer_closing(struct window *window, bool closes)
+{
+    window->forms.asks_to_close = false;
+    window->forms.closes = closes;
+    glfwSetWindowShouldClose(window->handle, closes);
+}
+
+bool window_asks(const struct window *window)
+{
+    return window->forms.asks_to_close || window->files.asked.count;
 }
 
 const struct json_t *window_words(struct window *window)

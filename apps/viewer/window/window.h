@@ -243,8 +243,11 @@ struct history {
     unsigned noted_version, noted_said; /**< The viewer's, when undo looked at it last. */
     unsigned noted_second;              /**< The second tool's. */
     struct layout noted_layout;
-    char *session_path; /**< The session that was opened or saved last; NULL = none. */
+    char *session_path;      /**< The session that was opened or saved last; NULL = none. */
+    struct json_t *has_pins; /**< What was confirmed then, as session/session.c compares it; NULL = nothing. */
 };
+
+void window_history_finish(struct history *history);
 
 /** Pages that lie over the panes while they are open. */
 struct forms {
@@ -252,6 +255,7 @@ struct forms {
     struct added_form added;
     bool show_help, searches_help; /**< Its line takes the keyboard in the next frame. */
     char help_search[64];
+    bool asks_to_close, closes; /**< Whether it may close is asked, before all else; or was answered. */
 };
 
 struct window {
@@ -328,6 +332,10 @@ void window_request_files(struct window *window, size_t count, const char *const
 void window_ask(struct window *window, struct open_request *request);
 /** The user's answer, OPEN_ASKS = not at all. */
 void window_answer(struct window *window, enum opening how);
+/** The answer to whether it may close. */
+void window_answer_closing(struct window *window, bool closes);
+/** Whether the user is asked something before all else. */
+bool window_asks(const struct window *window);
 /** Says one line where it is seen: on the start page, or in the status line. */
 void window_say(struct window *window, const char *text);
 /** Where it is now. */
