@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * The field of a volume, which the colour pass samples: for each voxel a density and its gradient, four bytes in the
- * layout of the texture; for each brick of 8^3 voxels the range of densities, which gives the empty space around a ray.
+ * layout of the texture; for each brick of 4^3 voxels the range of densities, which gives the empty space around a ray.
  * A field covers the box of voxels around which anything is visible. */
 #ifndef CONUS_RENDER_COLOUR_FIELD_H
 #define CONUS_RENDER_COLOUR_FIELD_H
