@@ -164,6 +164,11 @@ void picture_probes_finish(struct picture *picture);
 conus_status picture_probes_draw(struct draw_list *list, const struct picture *picture);
 
 enum { PICTURE_TEXT = 160, PICTURE_NUMBER = 24 };
+
+/** What pictures call an object: its name, or path_title() of a number in the file of its voxels, or the atlas's first;
+ * perhaps in @p out. */
+const char *picture_name(char out[PICTURE_TEXT], const conus_atlas *atlas, uint32_t number);
+
 /** A coordinate: all its digits where it was given with up to six after the point, else @p most, which show less than
  * a pixel. */
 void picture_put_place(char out[PICTURE_NUMBER], double value, int most);

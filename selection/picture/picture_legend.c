@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
+#include "base/path.h"
 #include "render/colour/pathways.h"
 #include "render/draw/legend.h"
 #include "selection/measure/tract_census.h"
@@ -179,23 +180,32 @@ bool picture_is_hidden(const struct picture *picture, uint32_t number)
     return hidden;
 }
 
+const char *picture_name(char out[PICTURE_TEXT], const conus_atlas *atlas, uint32_t number)
+{
+    const struct volume *volume = atlas_object_volume(atlas, number);
+    const char *path = volume ? volume->info.path : conus_atlas_file(atlas, 0);
+    return path_title(out, PICTURE_TEXT, atlas->objects[number - 1].name, path ? path : "");
+}
+
 /* Writes an object's name: behind its number in the picture, with its kind or side where another object has that name,
  * and saying so where it is hidden. Without memory the name alone. */
 static const char *name_of(struct picture_legend *legend, const struct picture *picture, uint32_t number, bool hidden)
 {
-    const char *name = picture->atlas->objects[number - 1].name;
+    const char *own = picture->atlas->objects[number - 1].name;
     const char *word = legend->prefixes[number];
+    char text[PICTURE_TEXT];
+    const char *name = word[0] ? own : picture_name(text, picture->atlas, number);
     struct buffer *whole = &legend->names[legend->name_count];
     size_t tag = picture_tag(picture, number);
-    if (!word[0] && !tag && !hidden) {
-        return name;
+    if (!word[0] && !tag && !hidden && name == own) {
+        return own;
     }
     if (tag) {
         buffer_format(whole, "%zu  ", tag);
     }
     buffer_format(whole, "%s%s%s%s", word, word[0] ? " " : "", name, hidden ? " (not seen)" : "");
     legend->name_count++;
-    return whole->failed ? name : whole->data;
+    return whole->failed ? own : whole->data;
 }
 
 /* Objects that are listed though the cone does not hit them have the ranks behind those that it does, in the order of
