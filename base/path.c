@@ -5,6 +5,7 @@
 #include "base/system/system.h"
 
 #include <ctype.h>
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -38,6 +39,27 @@ bool path_is_name(const char *path)
 const char *path_base(const char *path)
 {
     return path + path_folder_length(path);
+}
+
+/* Whether a title is a number, perhaps of a side. */
+static bool is_number(const char *title)
+{
+    const size_t digits = strspn(title, "0123456789");
+    const char *rest = title + digits;
+    return digits && (!*rest || strcmp(rest, " left") == 0 || strcmp(rest, " right") == 0);
+}
+
+const char *path_title(char *out, size_t size, const char *title, const char *path)
+{
+    enum { LONGEST = 40 }; /* bytes: with a number, a share and a distance as wide as a column of print */
+    const char *base = path_base(path);
+    const size_t length = strcspn(base, ".");
+    if (!is_number(title) || !length || length > LONGEST) {
+        return title;
+    }
+    snprintf(out, size, "%.*s %s", (int)length, base, title);
+    out[0] = (char)toupper((unsigned char)out[0]);
+    return out;
 }
 
 size_t path_folder_length(const char *path)

@@ -17,6 +17,11 @@ bool path_is_name(const char *path);
 /** The part of @p path behind its folder; "" where it ends in a '/'. */
 const char *path_base(const char *path);
 
+/** What is called @p title in the file @p path, as lists and sentences call it. A number, perhaps of a side, would say
+ * nothing alone: before it stands the file's name without folder and endings, "Brodmann 9", unless that is long. Gives
+ * @p title, or @p out, which is cut to @p size bytes. */
+const char *path_title(char *out, size_t size, const char *title, const char *path);
+
 /** Length of the folder that @p path begins with, with its '/'; 0 = none. */
 size_t path_folder_length(const char *path);
 

@@ -128,7 +128,9 @@ static double details_width(const struct layout *layout)
 static double head_height(const struct layout *layout)
 {
     double height = layout->legend->title ? TITLE * LINE : 0;
-    height += layout->legend->subtitle ? LINE : 0;
+    for (int n = 0; n < LEGEND_SUBTITLES; n++) {
+        height += layout->legend->subtitle[n] ? LINE : 0;
+    }
     height += layout->has_header ? LINE : 0;
     return height * layout->em;
 }
@@ -199,7 +201,10 @@ static double columns_width(const struct layout *layout)
 static double content_width(const struct layout *layout)
 {
     double width = fmax(columns_width(layout), width_of(layout, TITLE * layout->em, layout->legend->title));
-    return fmax(width, width_of(layout, layout->em, layout->legend->subtitle));
+    for (int n = 0; n < LEGEND_SUBTITLES; n++) {
+        width = fmax(width, width_of(layout, layout->em, layout->legend->subtitle[n]));
+    }
+    return width;
 }
 
 void legend_fit(double size[2], struct legend *legend, struct font *font, const double limit[2], double largest,
@@ -358,14 +363,14 @@ static double write_head(const struct layout *layout)
 {
     const struct legend *legend = layout->legend;
     const double limit = layout->list->width - layout->left - MARGIN * layout->em;
-    const char *const words[2] = {legend->title, legend->subtitle};
     double y = layout->top;
-    for (int n = 0; n < 2; n++) {
-        const double size = (n == 0 ? TITLE : 1) * layout->em;
-        if (words[n]) {
+    for (int n = -1; n < LEGEND_SUBTITLES; n++) {
+        const char *words = n < 0 ? legend->title : legend->subtitle[n];
+        const double size = (n < 0 ? TITLE : 1) * layout->em;
+        if (words) {
             y += LINE * size;
             write_text(layout, (double[]){layout->left, y - BELOW_BASELINE * size}, size, limit,
-                       n == 0 ? legend->ink : layout->dim, words[n]);
+                       n < 0 ? legend->ink : layout->dim, words);
         }
     }
     return y;

@@ -5,7 +5,7 @@
 
 #include "render/draw/font.h"
 
-enum { LEGEND_DETAILS = 3, LEGEND_BAR = 32, LEGEND_COLUMNS = 16 };
+enum { LEGEND_DETAILS = 3, LEGEND_BAR = 32, LEGEND_COLUMNS = 16, LEGEND_SUBTITLES = 2 };
 
 struct legend_row {
     uint8_t rgb[3];           /**< sRGB of the chip.                                                            */
@@ -21,9 +21,9 @@ struct legend_row {
 };
 
 struct legend {
-    const char *title;                  /**< NULL = none.                                            */
-    const char *subtitle;               /**< In grey below it; NULL = none.                          */
-    const char *header[LEGEND_DETAILS]; /**< Those of the detail columns; all NULL = no header. */
+    const char *title;                      /**< NULL = none.                                            */
+    const char *subtitle[LEGEND_SUBTITLES]; /**< Lines in grey below it; NULL = none.                */
+    const char *header[LEGEND_DETAILS];     /**< Those of the detail columns; all NULL = no header. */
     const struct legend_row *rows;
     size_t count;
     size_t tail;      /**< The last rows, which are shown even if there is no space for all: a key. */

@@ -48,7 +48,7 @@ struct picture {
     uint32_t *ranks; /**< [objects + 1] of picture_ranks(), and of what is listed; NULL = all have their own colours. */
     uint8_t (*rgb)[3]; /**< [objects + 1] sRGB by rank, and of outlines in cuts; with `ranks`. */
     uint8_t (*line_rgb)[3];
-    double *seen; /**< [objects + 1] The part of the camera's rays that meets each first; NULL = not known. */
+    double *seen; /**< [objects + 1] The part of the picture's light that is of each; NULL = not known. */
     float *rgba;  /**< [height * width * 4], bottom row first. */
 };
 
@@ -132,6 +132,12 @@ size_t picture_tag(const struct picture *picture, uint32_t number);
 /** Draws that number on a disc of the object's colour. */
 void picture_draw_tag(struct draw_list *list, const struct picture *picture, uint32_t number, const double at[2]);
 
+/** Whether the object, as it is in the atlas, is drawn: not hidden, left out or without opacity. */
+bool picture_draws(const struct picture *picture, uint32_t number);
+
+/** Fills in `seen`, by rays from the camera through the whole picture. Whatever is drawn is opaque or haze. */
+conus_status picture_see(struct picture *picture);
+
 /** Whether the camera sees neither it nor anything below it in the area tree, as far as that is known. */
 bool picture_is_hidden(const struct picture *picture, uint32_t number);
 
@@ -164,12 +170,17 @@ void picture_probes_finish(struct picture *picture);
 conus_status picture_probes_draw(struct draw_list *list, const struct picture *picture);
 
 enum { PICTURE_TEXT = 160, PICTURE_NUMBER = 24 };
+
+/** What pictures call an object: its name, or path_title() of a number in the file of its voxels, or the atlas's first;
+ * perhaps in @p out. */
+const char *picture_name(char out[PICTURE_TEXT], const conus_atlas *atlas, uint32_t number);
+
 /** A coordinate: all its digits where it was given with up to six after the point, else @p most, which show less than
  * a pixel. */
 void picture_put_place(char out[PICTURE_NUMBER], double value, int most);
 
-/** The legend's words about where a cone begins, in the space of @p frame; NULL = RAS mm. */
-void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, const conus_frame *frame);
+/** The legend's words about where a cone begins, and its direction, in the space of @p frame; NULL = RAS mm. */
+void picture_describe_cone(char out[2][PICTURE_TEXT], const struct cone *cone, const conus_frame *frame);
 
 /** Makes the drawing, and with it the sheet, as low as @p height, but the sheet not lower than a legend beside the
  * drawing. A legend below follows. */

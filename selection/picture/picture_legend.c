@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
+#include "base/path.h"
 #include "render/colour/pathways.h"
 #include "render/draw/legend.h"
 #include "selection/measure/tract_census.h"
@@ -36,6 +37,10 @@ static const double SMALLEST = 6.0 / 7;
 /* Below the drawing a column has at least so many rows. */
 enum { LEAST_ROWS = 3 };
 
+/* The part of the picture from which on something is listed because it is seen: a square of a 140th of its side, 0.6 mm
+ * in a column of print. */
+static const double LEAST_PART = 1.0 / 20000;
+
 /* A share that would be 0.0 %. */
 static const double NO_SHARE = 0.0005;
 
@@ -53,9 +58,11 @@ struct picture_legend {
     const char **prefixes; /* of conus_atlas_prefixes() */
     struct buffer *names;  /* [name_count] names with a prefix, of objects that share theirs */
     size_t name_count;
-    char subtitle[TEXT_SIZE], words[2][TEXT_SIZE], more[TEXT_SIZE], colours[KEYS * COLOUR_ROWS][TEXT_SIZE];
+    char subtitle[2][TEXT_SIZE], whole[2 * TEXT_SIZE], words[2][TEXT_SIZE], more[TEXT_SIZE],
+        colours[KEYS * COLOUR_ROWS][TEXT_SIZE];
     uint8_t bars[2][MARKS - 1][LEGEND_BAR][3]; /* of the ramp of numbers, and of haze */
     uint8_t ramp[LEGEND_BAR][3];               /* the chip of the only haze that is coloured by its values */
+    uint8_t tubes[LEGEND_BAR][3];              /* that of streamlines that are not coloured by bundle */
     double size[2];                            /* pixels of the image */
     bool is_right;                             /* of the drawing, not below it */
 };
@@ -66,10 +73,17 @@ static bool colours_streamlines(const struct picture *picture)
     return picture->streamlines && picture->streamlines->by != TUBE_BY_BUNDLE;
 }
 
-/* Whether the pathway is haze coloured by its values, not by a colour of its own. */
+/* As far as that is known. */
+static bool is_seen(const struct picture *picture, size_t number)
+{
+    return !picture->seen || picture->seen[number] >= LEAST_PART;
+}
+
+/* Whether the pathway is seen as haze coloured by its values, not by a colour of its own. */
 static bool is_by_value(const struct picture *picture, size_t number)
 {
-    bool is_hazy = haze_is(picture->hazy, number) && !conus_atlas_is_hidden(picture->atlas, number);
+    bool is_hazy =
+        haze_is(picture->hazy, number) && !conus_atlas_is_hidden(picture->atlas, number) && is_seen(picture, number);
     const struct transfer *transfer = is_hazy ? &picture->hazy->transfers[number] : NULL;
     bool found = false;
     for (size_t i = 0; transfer && i < transfer->count && !found; i++) {
@@ -115,25 +129,24 @@ void picture_keep_listed(struct picture *picture)
     }
 }
 
-/* Whether there is something of the object in the picture. */
-static bool is_drawn(const struct picture *picture, uint32_t number)
+bool picture_draws(const struct picture *picture, uint32_t number)
 {
     const conus_atlas *atlas = picture->atlas;
     const struct object_place *place = &atlas->places[number - 1];
     bool has_voxels = atlas_object_volume(atlas, number) && atlas->objects[number - 1].voxels;
     bool is_left_out = has_voxels && number <= atlas->area_count && pathways_shown(atlas) &&
                        picture->areas[number] == PATHWAYS_AREA_LEFT_OUT;
-    bool is_seen = !picture->opacity || picture->opacity[number] > 0 || haze_is(picture->hazy, number);
-    return is_seen && !is_left_out && !conus_atlas_is_hidden(atlas, number) &&
+    bool shows = !picture->opacity || picture->opacity[number] > 0 || haze_is(picture->hazy, number);
+    return shows && !is_left_out && !conus_atlas_is_hidden(atlas, number) &&
            (place->is_mesh || place->is_bundle || has_voxels);
 }
 
 /* Whether the legend has a row for it even if the cone does not hit it. */
 static bool is_listed(const struct picture *picture, uint32_t number)
 {
-    bool is_seen = picture_lists_all(picture) && (!picture->seen || picture->seen[number] > 0);
-    return is_drawn(picture, number) &&
-           (picture_stands_out(picture, number) || is_seen || is_by_value(picture, number));
+    bool counts = picture_lists_all(picture) && is_seen(picture, number);
+    return picture_draws(picture, number) &&
+           (picture_stands_out(picture, number) || counts || is_by_value(picture, number));
 }
 
 bool picture_has_legend(const struct picture *picture)
@@ -179,23 +192,32 @@ bool picture_is_hidden(const struct picture *picture, uint32_t number)
     return hidden;
 }
 
+const char *picture_name(char out[PICTURE_TEXT], const conus_atlas *atlas, uint32_t number)
+{
+    const struct volume *volume = atlas_object_volume(atlas, number);
+    const char *path = volume ? volume->info.path : conus_atlas_file(atlas, 0);
+    return path_title(out, PICTURE_TEXT, atlas->objects[number - 1].name, path ? path : "");
+}
+
 /* Writes an object's name: behind its number in the picture, with its kind or side where another object has that name,
  * and saying so where it is hidden. Without memory the name alone. */
 static const char *name_of(struct picture_legend *legend, const struct picture *picture, uint32_t number, bool hidden)
 {
-    const char *name = picture->atlas->objects[number - 1].name;
+    const char *own = picture->atlas->objects[number - 1].name;
     const char *word = legend->prefixes[number];
+    char text[PICTURE_TEXT];
+    const char *name = word[0] ? own : picture_name(text, picture->atlas, number);
     struct buffer *whole = &legend->names[legend->name_count];
     size_t tag = picture_tag(picture, number);
-    if (!word[0] && !tag && !hidden) {
-        return name;
+    if (!word[0] && !tag && !hidden && name == own) {
+        return own;
     }
     if (tag) {
         buffer_format(whole, "%zu  ", tag);
     }
     buffer_format(whole, "%s%s%s%s", word, word[0] ? " " : "", name, hidden ? " (not seen)" : "");
     legend->name_count++;
-    return whole->failed ? name : whole->data;
+    return whole->failed ? own : whole->data;
 }
 
 /* Objects that are listed though the cone does not hit them have the ranks behind those that it does, in the order of
@@ -212,7 +234,7 @@ static void rank_listed(const struct picture *picture)
     for (size_t i = 0; i < atlas->object_count; i++) {
         uint32_t n = (uint32_t)((atlas->area_count + i) % atlas->object_count + 1);
         uint32_t shown = group ? group[n] : n;
-        if (!ranks[shown] && is_drawn(picture, n) && picture_stands_out(picture, n)) {
+        if (!ranks[shown] && picture_draws(picture, n) && picture_stands_out(picture, n)) {
             ranks[shown] = ++last;
         }
         ranks[n] = haze_is(picture->hazy, n) ? 0 : ranks[shown];
@@ -262,10 +284,30 @@ void picture_colour(uint8_t out[3], const struct picture *picture, size_t number
     }
 }
 
-/* Its colour in the picture, those of its values, or stripes where it has some. */
+/* Those of directions, one beside the other, or of a number. */
+static void set_tube_chip(struct legend_row *row, struct picture_legend *out, const struct picture *picture)
+{
+    const struct tube_colouring *by = picture->streamlines;
+    for (int k = 0; k < LEGEND_BAR; k++) {
+        const double part = (k + 0.5) / LEGEND_BAR;
+        const double axis[3] = {part < 1.0 / 3, part >= 1.0 / 3 && part < 2.0 / 3, part >= 2.0 / 3};
+        if (by->by == TUBE_BY_DIRECTION) {
+            tube_direction_colour(out->tubes[k], axis);
+        } else {
+            tube_scalar_colour(out->tubes[k], by->low > by->high ? NAN : part);
+        }
+    }
+    row->ramp = (const uint8_t(*)[3])out->tubes;
+}
+
+/* Its colour in the picture, those of its values or streamlines, or stripes where it has some. */
 static void set_chip(struct legend_row *row, struct picture_legend *out, const struct picture *picture, uint32_t number)
 {
+    bool is_pale = picture->emphasis && picture->emphasis[number] == EMPHASIS_PALE;
     picture_colour(row->rgb, picture, number);
+    if (colours_streamlines(picture) && !is_pale && picture->atlas->objects[number - 1].kind == CONUS_KIND_BUNDLE) {
+        set_tube_chip(row, out, picture);
+    }
     if (is_by_value(picture, number) && count_by_value(picture) == 1) {
         for (int k = 0; k < LEGEND_BAR; k++) {
             transfer_part_colour(out->ramp[k], &picture->hazy->transfers[number], (k + 0.5) / LEGEND_BAR);
@@ -329,13 +371,16 @@ static size_t add_not_hit(struct picture_legend *out, struct legend_row *rows, c
     size_t count = 0;
     size_t bundles = 0;
     for (size_t number = atlas->area_count + 1; number <= atlas->object_count; number++) {
-        if (is_drawn(picture, (uint32_t)number) && !is_listed(picture, (uint32_t)number) &&
+        if (picture_draws(picture, (uint32_t)number) && !is_listed(picture, (uint32_t)number) &&
             picture->emphasis[number] == EMPHASIS_PALE && is_entered(picture, (uint32_t)number) == entered) {
             bundles += atlas->objects[number - 1].kind == CONUS_KIND_BUNDLE;
             if (count++ < PATHWAY_ROWS) {
                 struct legend_row *row = &rows[count - 1];
                 *row = (struct legend_row){.name = name_of(out, picture, (uint32_t)number, false), .detail = {detail}};
                 set_chip(row, out, picture, (uint32_t)number);
+                if (entered) {
+                    set_tube_chip(row, out, picture);
+                }
             }
         }
     }
@@ -539,7 +584,21 @@ void picture_put_place(char out[PICTURE_NUMBER], double value, int most)
     snprintf(out, PICTURE_NUMBER, "%.*f", digits, shown == 0 ? 0 : shown); /* no -0 */
 }
 
-void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, const conus_frame *frame)
+/* The direction of its axis, in the space of the frame. */
+static void describe_axis(char out[PICTURE_TEXT], const struct cone *cone, const conus_frame *frame)
+{
+    const double *m = cone->pose.world_from_device;
+    double axis[3] = {-m[8], -m[9], -m[10]};
+    if (frame) {
+        conus_frame_direction_from_world(axis, frame, axis);
+    }
+    for (int a = 0; a < 3; a++) {
+        axis[a] = rint(100 * axis[a]) / 100 + 0.0; /* no -0 */
+    }
+    snprintf(out, PICTURE_TEXT, "along %.4g, %.4g, %.4g", axis[0], axis[1], axis[2]);
+}
+
+void picture_describe_cone(char out[2][PICTURE_TEXT], const struct cone *cone, const conus_frame *frame)
 {
     static const char *const places[] = {", RAS mm", ", LPS mm", " \u00b5m in CCF", " mm from bregma"};
     const conus_space space = frame ? frame->space : CONUS_SPACE_RAS;
@@ -549,25 +608,28 @@ void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, cons
     if (frame) {
         conus_frame_from_world(at, frame, at);
     }
-    int size = snprintf(out, PICTURE_TEXT, "%s%.4g%s from", rod ? "radius " : "",
+    char *line = out[0];
+    int size = snprintf(line, PICTURE_TEXT, "%s%.4g%s from", rod ? "radius " : "",
                         rod ? cone->radius : degrees_from_radians(cone->angle), rod ? " mm" : "\u00b0");
     for (size_t a = 0; a < 3; a++) {
         const char *axis = space < CONUS_SPACE_CCF ? "" : conus_space_axis(space, a);
         char number[PICTURE_NUMBER];
-        picture_put_place(number, at[a], 3);
-        size += snprintf(out + size, PICTURE_TEXT - (size_t)size, "%s %s%s%s", a ? "," : "", axis, *axis ? " " : "",
+        picture_put_place(number, at[a], space == CONUS_SPACE_CCF ? 1 : 3);
+        size += snprintf(line + size, PICTURE_TEXT - (size_t)size, "%s %s%s%s", a ? "," : "", axis, *axis ? " " : "",
                          number);
     }
-    snprintf(out + size, PICTURE_TEXT - (size_t)size, "%s", places[space]);
+    snprintf(line + size, PICTURE_TEXT - (size_t)size, "%s", places[space]);
+    describe_axis(out[1], cone, frame);
 }
 
 /* Object number `i` of the list: pathways and bundles, which are few and drawn over areas, before these; without a
- * cone, where it is known, what is seen most of what is not `done`. */
+ * cone, where it is known, what is seen most of what is not `done`, unless some have numbers. */
 static uint32_t listed_at(const struct picture *picture, size_t i, const bool *done)
 {
     const conus_atlas *atlas = picture->atlas;
+    const bool by_seen = picture->seen && !picture->options.selection && count_by_value(picture) < 2;
     uint32_t best = 0;
-    for (uint32_t n = 1; picture->seen && !picture->options.selection && n <= atlas->object_count; n++) {
+    for (uint32_t n = 1; by_seen && n <= atlas->object_count; n++) {
         best = !done[n] && (!best || picture->seen[n] > picture->seen[best]) ? n : best;
     }
     return best ? best : (uint32_t)((atlas->area_count + i) % atlas->object_count + 1);
@@ -671,7 +733,8 @@ static conus_status fill_rows(struct picture_legend *out, const struct picture *
     if (selection) {
         picture_describe_cone(out->subtitle, &selection->cone, picture->options.frame);
         out->legend.title = titles[selection->cone.radius > 0][selection->has_layers];
-        out->legend.subtitle = out->subtitle;
+        out->legend.subtitle[0] = out->subtitle[0];
+        out->legend.subtitle[1] = out->subtitle[1];
         out->legend.header[0] = "share";
         out->legend.header[1] = selection->has_layers ? "entry" : "distance";
     } else if (count) {
@@ -739,6 +802,25 @@ static bool stands_right(struct picture_legend *legend, const struct picture *pi
            !(options->frustum[0] < options->frustum[1]);
 }
 
+/* Makes one line of the subtitle's where that is not wider than so many pixels. */
+static void join_subtitle(struct picture_legend *legend, const struct picture *picture, double width)
+{
+    static const double any[2] = {INFINITY, INFINITY};
+    struct legend joined = legend->legend;
+    double size[2];
+    if (!joined.subtitle[1]) {
+        return;
+    }
+    snprintf(legend->whole, sizeof legend->whole, "%s %s", joined.subtitle[0], joined.subtitle[1]);
+    joined.subtitle[0] = legend->whole;
+    joined.subtitle[1] = NULL;
+    joined.count = joined.tail = 0;
+    legend_fit(size, &joined, picture->font, any, picture->em, picture->em);
+    if (size[0] <= width) {
+        memcpy(legend->legend.subtitle, joined.subtitle, sizeof joined.subtitle);
+    }
+}
+
 /* Takes place for it from the drawing on the right, or adds some below. */
 static void place(struct picture_legend *legend, struct picture *picture)
 {
@@ -747,6 +829,9 @@ static void place(struct picture_legend *legend, struct picture *picture)
     const double high = right ? 1 : picture->options.print ? BELOW_IN_PRINT : BELOW;
     const double limit[2] = {(right ? BESIDE : 1) * sheet[0], floor(high * sheet[1])};
     struct legend *drawn = &legend->legend;
+    if (!right) {
+        join_subtitle(legend, picture, limit[0]);
+    }
     fit(legend, picture, limit, right ? 1 : (drawn->count + LEAST_ROWS - 1) / LEAST_ROWS);
     double width = fmin(ceil(legend->size[0]), right ? sheet[0] - 1 : sheet[0]);
     double height = fmin(ceil(legend->size[1]), limit[1]);

@@ -120,10 +120,10 @@ uint8_t *picture_probe_emphasis(const struct picture *picture)
     return emphasis;
 }
 
-static const char *name_of(const struct picture *picture, uint32_t number, bool is_short)
+static const char *name_of(char out[PICTURE_TEXT], const struct picture *picture, uint32_t number, bool is_short)
 {
     const conus_object *object = &picture->atlas->objects[number - 1];
-    return is_short && object->abbreviation[0] ? object->abbreviation : object->name;
+    return is_short && object->abbreviation[0] ? object->abbreviation : picture_name(out, picture->atlas, number);
 }
 
 /* Width of the names of a probe's areas in letters of `size` pixels. */
@@ -132,7 +132,8 @@ static double names_width(const struct picture *picture, double size, const conu
     double widest = LEAST_NAMES * size;
     for (size_t i = 0; i < conus_segments_count(segments); i++) {
         uint32_t number = conus_segments_segment(segments, i)->object;
-        const char *name = number ? name_of(picture, number, is_short) : "";
+        char text[PICTURE_TEXT];
+        const char *name = number ? name_of(text, picture, number, is_short) : "";
         widest = fmax(widest, font_width(picture->font, size, name));
     }
     return widest;
@@ -366,10 +367,10 @@ static conus_status write_labels(struct draw_list *list, const struct picture *p
     }
     count = place_labels(labels, count, scale, LINE * letters);
     for (size_t i = 0; i < count; i++) {
-        char name[TEXT_SIZE];
+        char name[TEXT_SIZE], whole[PICTURE_TEXT];
         double x = left + (STRIP + LEADER) * em;
         font_shorten(name, sizeof name, picture->font, letters,
-                     name_of(picture, labels[i].object, picture->probes->is_short),
+                     name_of(whole, picture, labels[i].object, picture->probes->is_short),
                      picture->probes->names[index] + 0.01);
         draw_line(list, (double[]){left + STRIP * em, labels[i].wanted}, (double[]){x - 0.25 * em, labels[i].y},
                   picture->line, faint);

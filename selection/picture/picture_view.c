@@ -808,39 +808,33 @@ static conus_status find_opacities(struct picture *picture)
     return CONUS_OK;
 }
 
-/* Finds what the camera sees, by rays from it through the whole picture. Only if all that is drawn is opaque, and
- * nothing is left out. Needs no legend: one changes the camera's distance alone. */
+static bool has_bundles(const conus_atlas *atlas)
+{
+    bool found = false;
+    for (size_t n = atlas->area_count; n < atlas->object_count && !found; n++) {
+        found = atlas->places[n].is_bundle && !atlas->places[n].is_hidden;
+    }
+    return found;
+}
+
+/* Finds what the camera sees, but where something is translucent other than as haze; beside pathways only where there
+ * is no cone, and beside bundles, of which rays meet too many streamlines, not at all. Needs no legend: one changes the
+ * camera's distance alone. */
 static conus_status find_seen(struct picture *picture, const struct colour_pass *pass)
 {
-    enum { RAYS_ACROSS = 512 };
     const conus_view *options = &picture->options;
     const conus_atlas *atlas = picture->atlas;
-    if (!(options->selection || picture_lists_all(picture)) || options->draft || picture->opacity ||
-        pathways_first(atlas) || pathways_shown(atlas) || has_frustum(options)) {
+    const bool leaves_out = pathways_first(atlas) || pathways_shown(atlas);
+    const bool counts = options->selection
+                            ? !leaves_out
+                            : picture_lists_all(picture) || (picture->hazy->transfers && !options->probe_count);
+    if (!counts || options->draft || picture->opacity || has_bundles(atlas) || has_frustum(options)) {
         return CONUS_OK;
     }
     picture->drawing[0] = options->width;
     picture->drawing[1] = options->height;
     conus_status status = place_camera(picture, pass);
-    const double slope = fmax(picture->camera.slope[0], picture->camera.slope[1]);
-    conus_selector_options rays = CONUS_SELECTOR_OPTIONS_INIT;
-    rays.aperture = CONUS_APERTURE_SQUARE;
-    rays.resolution = RAYS_ACROSS;
-    conus_selector *selector = NULL;
-    conus_selection *seen = NULL;
-    conus_pose eye;
-    picture->seen = memory_zeroed(atlas->object_count + 1, sizeof *picture->seen);
-    status = status || picture->seen ? status : CONUS_ERROR_MEMORY;
-    status = status ? status : conus_pose_from_matrix(&eye, picture->camera.world_from_camera);
-    status = status ? status : conus_selector_create(&selector, atlas, &rays);
-    status = status ? status : conus_select(&seen, selector, &eye, 2 * atan(slope));
-    for (size_t i = 0; !status && i < conus_selection_count(seen); i++) {
-        const conus_result *result = conus_selection_result(seen, i);
-        picture->seen[result->object] = result->share;
-    }
-    conus_selection_destroy(seen);
-    conus_selector_destroy(selector);
-    return status;
+    return status ? status : picture_see(picture);
 }
 
 /* Makes what is not hit glass where the camera sees nothing of a hit, unless somebody chose the camera, opacities, or

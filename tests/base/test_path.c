@@ -37,6 +37,30 @@ static void paths_are_folder_and_name(void **state)
     assert_int_equal(path_length_above("a/b/c", 3), 2);
 }
 
+static void numbers_have_the_name_of_their_file(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *title, *path, *wanted;
+    } rows[] = {{"6", "maps/brodmann.nii.gz", "Brodmann 6"},
+                {"6 left", "brodmann", "Brodmann 6 left"},
+                {"6 right", "/a.b/areas.v2.nii", "Areas 6 right"},
+                {"Insula", "brodmann.nii.gz", "Insula"},
+                {"6 above", "brodmann.nii.gz", "6 above"},
+                {"6a", "brodmann.nii.gz", "6a"},
+                {"", "brodmann.nii.gz", ""},
+                {"6", "", "6"},
+                {"6", "maps/.hidden", "6"},
+                {"6", "forty-bytes-forty-bytes-forty-bytes-40by.nii", "Forty-bytes-forty-bytes-forty-bytes-40by 6"},
+                {"6", "forty-bytes-forty-bytes-forty-bytes-40byt.nii", "6"}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char out[60];
+        assert_string_equal(path_title(out, sizeof out, rows[i].title, rows[i].path), rows[i].wanted);
+    }
+    char cut[8];
+    assert_string_equal(path_title(cut, sizeof cut, "6", "brodmann.nii.gz"), "Brodman");
+}
+
 /* Appends the folder and a space to the text; stops behind "stop". */
 static bool note_folder(void *user, const char *folder)
 {
@@ -95,6 +119,7 @@ TEST_GROUP(path)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(paths_are_folder_and_name),
+        cmocka_unit_test(numbers_have_the_name_of_their_file),
         cmocka_unit_test(folders_come_from_the_highest_on),
         cmocka_unit_test(parts_come_one_by_one),
     };

@@ -180,7 +180,7 @@ END
 0.50000001 0.5
 END
     answers render sphere.nii.gz --cuts axial --origin=-90.125,0.0625,-12 --toward 0,0,0 -q -o title.svg
-    grep -qF ' from -90.125, 0.0625, -12, RAS mm<' title.svg
+    grep -qF ' from -90.125, 0.0625, -12, RAS mm along 0.99, 0, 0.13<' title.svg # 12 / 90.92 = 0.132
     grep -qF '>First hits of the cone<' title.svg
     answers render sphere.nii.gz --cuts axial --origin=-90,0,0 --toward 0,0,0 --radius 2 --layers all -q -o title.svg
     grep -qF '>Hits of the cylinder<' title.svg

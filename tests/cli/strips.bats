@@ -49,6 +49,19 @@ END
     [ ! -e x.png ]
 }
 
+# The label of each area of u-shape is its only name without the table.
+@test "an area without a name has the file's name before its number, in strips and in legends" {
+    probes
+    rm u-shape.tsv
+    gl render u-shape.nii.gz --poses two.tsv --range 0,80 --strips --size 700x400 -q -o strips.svg
+    gl render u-shape.nii.gz --origin 40,0,5 --toward 0,0,5 -q -o hits.svg
+    answers render u-shape.nii.gz --cuts axial --origin 40,0,5 --toward 0,0,5 -q -o cut.svg
+    for file in strips hits cut; do
+        grep -q '>U-shape [12]<' $file.svg
+        [ "$(grep -c '>[12]<' $file.svg)" -eq 0 ]
+    done
+}
+
 # At 460 to 560 pixels letters of 62 to 90 % have room for all: no name is cut.
 @test "names are whole in letters that are smaller" {
     probes

@@ -561,7 +561,7 @@ for (const [what, options] of [["wide", {}], ["narrow", { viewport: { width: 390
     const printed = await page.locator("tbody tr").evaluateAll((all) => all.filter((row) => row.getBoundingClientRect().height > 0).length);
     assert.equal(await page.locator("#more").innerText(), `and ${rowCount - printed} more, which have no room on this sheet`);
     assert.equal(await page.locator(".swatch").first().evaluate((chip) => getComputedStyle(chip).printColorAdjust), "exact");
-    const words = await page.evaluate(() => { // over pictures
+    const wordsOf = (kind) => page.evaluate((kind) => { // over pictures
       const all = [];
       const write = CanvasRenderingContext2D.prototype.fillText;
       CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
@@ -569,10 +569,13 @@ for (const [what, options] of [["wide", {}], ["narrow", { viewport: { width: 390
         all.push({ text, pane: this.canvas.parentElement.dataset.pane, left: x - left, right: x + right, y });
         write.call(this, text, x, y);
       };
-      dispatchEvent(new Event("beforeprint"));
+      if (kind === "paper") dispatchEvent(new Event("beforeprint"));
+      else document.querySelector("[data-save=png]").click(); // draws them for the file, then for the screen again
       CanvasRenderingContext2D.prototype.fillText = write;
       return all;
-    });
+    }, kind);
+    assert.deepEqual((await wordsOf("png")).filter(({ text }) => text.startsWith("3-D")).map(({ text }) => text), ["3-D", "3-D, drag to turn"]);
+    const words = await wordsOf("paper");
     assert.deepEqual(["A", "3-D", "3-D, drag to turn"].map((text) => words.some((word) => word.text === text)), [true, true, false]);
     const numbers = words.filter(({ text }) => /^\d+$/.test(text));
     assert.ok(numbers.length > 1 && numbers.every(({ text }) => Number(text) <= printed), numbers.map(({ text }) => text).join());

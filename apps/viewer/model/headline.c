@@ -48,26 +48,11 @@ static size_t count_best(const struct viewer *viewer, const conus_selection *sel
     return count;
 }
 
-/* Whether a title is a number, perhaps of a side. */
-static bool is_number(const char *title)
-{
-    const size_t digits = strspn(title, "0123456789");
-    const char *rest = title + digits;
-    return digits && (!*rest || strcmp(rest, " left") == 0 || strcmp(rest, " right") == 0);
-}
-
-/* The title of an object. A number alone, as in Brodmann's map, would say nothing: before it stands the atlas's name,
- * that of its file without folder and endings, "Brodmann 9". */
+/* The title of an object, with the atlas's name before a number. */
 static const char *title_of(char out[VIEW_ATLAS_TITLE], const struct view_atlas *view, uint32_t object)
 {
-    const char *title = view_atlas_title(out, view, object);
-    const char *atlas = view->name[0] ? view->name : path_base(view->path);
-    if (!is_number(title)) {
-        return title;
-    }
-    snprintf(out, VIEW_ATLAS_TITLE, "%.*s %s", (int)strcspn(atlas, "."), atlas, title); /* a number has no prefix */
-    out[0] = (char)toupper((unsigned char)out[0]);
-    return out;
+    const char *title = view_atlas_title(out, view, object); /* a number has no prefix */
+    return path_title(out, VIEW_ATLAS_TITLE, title, view->name[0] ? view->name : view->path);
 }
 
 /* "A", "A and B", "A, B and C", "A, B, C and 2 more" */

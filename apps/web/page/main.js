@@ -691,9 +691,13 @@ function picture() {
   const c = /** @type {OffscreenCanvasRenderingContext2D} */ (sheet.getContext("2d"));
   c.fillStyle = getComputedStyle(panes[0].box).backgroundColor;
   c.fillRect(0, 0, sheet.width, sheet.height);
+  for (const pane of panes) pane.isStill = true;
+  annotate();
   shown.forEach((pane, i) => {
     for (const canvas of [pane.canvas, pane.over]) c.drawImage(canvas, i % columns * side, Math.floor(i / columns) * side, side, side);
   });
+  for (const pane of panes) pane.isStill = false;
+  annotate();
   return sheet.convertToBlob({ type: "image/png" });
 }
 
@@ -722,7 +726,7 @@ for (const button of document.querySelectorAll("[data-save]")) {
 const setPaper = (/** @type {boolean} */ isPaper) => { // on which panes are those of the light theme
   document.documentElement.classList.toggle("paper", isPaper);
   $("#methods").textContent = atlas && !unanswered ? toMethods(question, atlas) : "";
-  for (const pane of panes) pane.over.width = 0, pane.lastNumber = isPaper ? SHEET : Infinity;
+  for (const pane of panes) pane.over.width = 0, pane.lastNumber = isPaper ? SHEET : Infinity, pane.isStill = isPaper;
   annotate();
 };
 addEventListener("beforeprint", () => setPaper(true));

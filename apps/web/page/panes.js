@@ -85,6 +85,7 @@ class Pane {
     /** @type {{text: string, object: number, at: number[]}[]} */
     this.numbers = [];
     this.lastNumber = Infinity; // of paper that of the last row that its table has
+    this.isStill = false; // on paper or in a file: nobody can turn it
     /** Where the pointer is. @type {number[] | null} */
     this.pointer = null;
     this.under = ""; // the name of what is under it
@@ -426,6 +427,6 @@ export class View extends Pane {
     }
     axis(c, this.place(aim.origin), this.place(aim.toward), chosenEnd);
     this.writeNumbers(c);
-    caption(c, this.lastNumber < Infinity ? "3-D" : "3-D, drag to turn", this.under, this.side);
+    caption(c, this.isStill ? "3-D" : "3-D, drag to turn", this.under, this.side);
   }
 }

@@ -174,8 +174,8 @@ static const struct legend_row ROWS[] = {
 };
 
 static const struct legend LEGEND = {.title = "Areas in the cone",
-                                     .subtitle = "20\xc2\xb0 from (\xe2\x88\x92"
-                                                 "90, 20, 20) mm",
+                                     .subtitle = {"20\xc2\xb0 from (\xe2\x88\x92"
+                                                  "90, 20, 20) mm"},
                                      .header = {"pixels", "share", "distance"},
                                      .rows = ROWS,
                                      .count = 4,

@@ -80,7 +80,7 @@ static conus_image *render(const struct scene *scene, conus_view view)
 }
 
 /* CCF numbers of a world point are 1000 (10 - z), 1000 (4 - y), 1000 (5 + x); those from bregma are the mm from
- * there. */
+ * there. The axis is -(-0.25, 4.5, 12.5) / 13.288 = (0.019, -0.339, -0.941), in the world. */
 static void the_legend_is_in_the_space_asked_for(void **state)
 {
     (void)state;
@@ -88,28 +88,34 @@ static void the_legend_is_in_the_space_asked_for(void **state)
     assert_ok(conus_pose_toward(&cone.pose, (double[]){-0.25, 4.5, 12.5}, (double[3]){0}, NULL));
     static const struct {
         conus_frame frame;
-        const char *words;
+        const char *words, *axis;
     } cases[] = {
         {{.space = CONUS_SPACE_RAS, .world_from_space = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}},
-         "20\u00b0 from -0.25, 4.5, 12.5, RAS mm"},
+         "20\u00b0 from -0.25, 4.5, 12.5, RAS mm",
+         "along 0.02, -0.34, -0.94"},
         {{.space = CONUS_SPACE_LPS, .world_from_space = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}},
-         "20\u00b0 from 0.25, -4.5, 12.5, LPS mm"},
+         "20\u00b0 from 0.25, -4.5, 12.5, LPS mm",
+         "along -0.02, 0.34, -0.94"},
         {{.space = CONUS_SPACE_CCF,
           .world_from_space = {0, 0, -0.001, 0, 0, -0.001, 0, 0, 0.001, 0, 0, 0, -5, 4, 10, 1}},
-         "20\u00b0 from AP -2500, DV -500, ML 4750 \u00b5m in CCF"},
+         "20\u00b0 from AP -2500, DV -500, ML 4750 \u00b5m in CCF",
+         "along 0.94, 0.34, 0.02"},
         {{.space = CONUS_SPACE_BREGMA, .world_from_space = {0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, -1, 2, 3, 1}},
-         "20\u00b0 from AP 2.5, ML 0.75, DV 9.5 mm from bregma"},
+         "20\u00b0 from AP 2.5, ML 0.75, DV 9.5 mm from bregma",
+         "along -0.34, 0.02, -0.94"},
     };
-    char words[PICTURE_TEXT];
+    char words[2][PICTURE_TEXT];
     picture_describe_cone(words, &cone, NULL);
-    assert_string_equal(words, cases[0].words);
+    assert_string_equal(words[0], cases[0].words);
+    assert_string_equal(words[1], cases[0].axis);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         picture_describe_cone(words, &cone, &cases[i].frame);
-        assert_string_equal(words, cases[i].words);
+        assert_string_equal(words[0], cases[i].words);
+        assert_string_equal(words[1], cases[i].axis);
     }
     cone.radius = 2.5;
     picture_describe_cone(words, &cone, &cases[3].frame);
-    assert_string_equal(words, "radius 2.5 mm from AP 2.5, ML 0.75, DV 9.5 mm from bregma");
+    assert_string_equal(words[0], "radius 2.5 mm from AP 2.5, ML 0.75, DV 9.5 mm from bregma");
 }
 
 /* The object whose colour a pixel has, however bright; 0 if it is transparent. */

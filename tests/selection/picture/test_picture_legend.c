@@ -5,6 +5,7 @@
 #include "base/look.h"
 #include "base/memory.h"
 #include "builders/area_rows.h"
+#include "conus/arrays.h"
 #include "picture_scene.h"
 #include "render/draw/legend.h"
 #include "render/image/image.h"
@@ -186,10 +187,14 @@ static void check_legend(const struct scene *scene, struct legend legend, enum p
 /* Checks the legend of a cone that has no further rows. */
 static void check_rows(const struct scene *scene, const struct legend_row *rows, size_t count, enum place place)
 {
-    char subtitle[PICTURE_TEXT];
-    picture_describe_cone(subtitle, &scene->selection->cone, NULL);
-    const struct legend legend = {
-        .title = "Hits of the cone", .subtitle = subtitle, .header = {"share", "entry"}, .rows = rows, .count = count};
+    char lines[2][PICTURE_TEXT], whole[2 * PICTURE_TEXT];
+    picture_describe_cone(lines, &scene->selection->cone, NULL);
+    snprintf(whole, sizeof whole, "%s %s", lines[0], lines[1]);
+    const struct legend legend = {.title = "Hits of the cone",
+                                  .subtitle = {place == BELOW ? whole : lines[0], place == BELOW ? NULL : lines[1]},
+                                  .header = {"share", "entry"},
+                                  .rows = rows,
+                                  .count = count};
     check_legend(scene, legend, place);
 }
 
@@ -215,19 +220,19 @@ static void check(struct scene *scene, size_t shown, enum place place)
     finish_scene(scene);
 }
 
-/* The head has 1.1 + 1 + 1 lines of 1.45 em, the margins 2.4 em; an em has 8.33 pixels. So 20 rows fit into 300 pixels:
- * the one that is hit, 18 behind it, and one about the others. */
+/* The head has 1.1 + 2 + 1 lines of 1.45 em, the margins 2.4 em; an em has 8.33 pixels. So 19 rows fit into 300 pixels:
+ * the one that is hit, 17 behind it, and one about the others. */
 static void the_last_rows_behind_are_counted_in_one(void **state)
 {
     (void)state;
     struct scene scene = make_scene(slabs, "Slab", left, 20);
-    check(&scene, 19, RIGHT);
+    check(&scene, 18, RIGHT);
 }
 
 /* At the face, 40 mm before the device, a cone of 34.4 degrees reaches 12.4 mm to either side: it hits 26 slabs first.
  * At the end of the slabs, 60 mm away, it reaches 18.6 mm, which is 12 slabs more, behind these; at 80 mm it is in six
  * of the others. So there are 44 rows and `unassigned`, 18 of them behind. 26 are left without those, which are too
- * many for 20 lines. Therefore the rows that are hit are counted, too. */
+ * many for 19 lines. Therefore the rows that are hit are counted, too. */
 static void rows_that_are_hit_are_counted_with_the_others(void **state)
 {
     (void)state;
@@ -243,15 +248,21 @@ static void rows_that_are_hit_are_counted_with_the_others(void **state)
 }
 
 /* Of the picture's letters, which its view leaves as shapes. */
-static size_t count_texts(const struct scene *scene, const char *text)
+static size_t count_in(const conus_image *image, const char *text)
 {
-    conus_image *image = NULL;
     size_t found = 0;
-    assert_ok(draw(&image, scene));
     for (size_t i = 0; i < image->list->count; i++) {
         const struct draw_item *item = &image->list->items[i];
         found += item->kind == DRAW_TEXT && strcmp(item->text, text) == 0;
     }
+    return found;
+}
+
+static size_t count_texts(const struct scene *scene, const char *text)
+{
+    conus_image *image = NULL;
+    assert_ok(draw(&image, scene));
+    const size_t found = count_in(image, text);
     conus_image_destroy(image);
     return found;
 }
@@ -715,6 +726,135 @@ static void haze_by_values_has_a_bar_and_numbers(void **state)
     finish_scene(&scene);
 }
 
+/* Adds a pathway of the value 1, from a half on, in the box from @p low to @p high. */
+static void add_box(conus_atlas *atlas, const char *name, const double low[3], const double high[3])
+{
+    enum { SIDE = 60 };
+    float *values = memory_zeroed((size_t)SIDE * SIDE * SIDE, sizeof *values);
+    assert_non_null(values);
+    for (size_t v = 0; v < (size_t)SIDE * SIDE * SIDE; v++) {
+        const size_t at[3] = {v % SIDE, v / SIDE % SIDE, v / SIDE / SIDE};
+        bool is_in = true;
+        for (int a = 0; a < 3; a++) {
+            const double x = (double)at[a] - 29.5;
+            is_in = is_in && low[a] < x && x < high[a];
+        }
+        values[v] = is_in;
+    }
+    const conus_voxels voxels = {.dim = {SIDE, SIDE, SIDE},
+                                 .type = CONUS_SCALAR_FLOAT32,
+                                 .data = values,
+                                 .world_from_voxel = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -29.5, -29.5, -29.5, 1}};
+    assert_ok(conus_atlas_add_values(atlas, &voxels, &(conus_pathway_options){.name = name, .threshold = 0.5}));
+    memory_free(values);
+}
+
+/* A scene without a cone of a wall of 10 mm, with one pathway behind it and one before it as seen from the front; the
+ * wall is haze of its colour with so much opacity per mm (0 = none), and the one behind, too; from 2 on that is heat.
+ */
+static struct scene see_wall(double wall, double behind)
+{
+    const double opacities[] = {wall, behind};
+    conus_pathway_transfer transfers[2];
+    size_t count = 0;
+    conus_atlas *atlas = make_atlas(halves, "Half");
+    add_box(atlas, "Wall", (double[]){-20, 0, -20}, (double[]){20, 10, 20});
+    add_box(atlas, "Behind", (double[]){-8, -20, -8}, (double[]){8, -10, 8});
+    add_box(atlas, "Before", (double[]){10, 15, -8}, (double[]){18, 20, 8});
+    for (uint32_t i = 0; i < 2; i++) {
+        const uint8_t *rgb = conus_atlas_object(atlas, i + 3)->rgb;
+        const char *path = test_scratch(i ? "behind.txt" : "wall.txt");
+        FILE *file = fopen(path, "w");
+        assert_non_null(file);
+        fprintf(file, "0 %.9f %.9f %.9f %g\n", rgb[0] / 255.0, rgb[1] / 255.0, rgb[2] / 255.0, opacities[i]);
+        assert_int_equal(fclose(file), 0);
+        if (opacities[i] > 0) {
+            transfers[count++] = (conus_pathway_transfer){i + 3, opacities[i] < 2 ? path : "heat"};
+        }
+    }
+    struct scene scene = see(atlas, left, 8);
+    conus_selection_destroy(scene.selection);
+    scene.selection = NULL;
+    conus_renderer_destroy(scene.renderer);
+    assert_ok(conus_renderer_create(&scene.renderer, atlas,
+                                    &(conus_renderer_options){.pathways = transfers, .pathway_count = count}));
+    scene.view = (conus_view){.legend = CONUS_LEGEND_RIGHT, .shapes = true};
+    return scene;
+}
+
+/* L mm of haze with the opacity a per mm leave (1 - a)^L of the light: 10 mm of 0.004 have an opacity of 0.039, of
+ * 0.006 one of 0.058, of 0.25 leave 0.056, of 0.28 leave 0.037; seen is what has 0.05. From 0.28 on little is also left
+ * to what is haze behind. */
+static void a_legend_without_a_cone_has_the_pathways_that_are_seen(void **state)
+{
+    (void)state;
+    static const struct {
+        double wall, behind;
+        conus_side side;
+        size_t is_wall, is_behind, is_before;
+    } cases[] = {{0, 0, CONUS_SIDE_FRONT, 1, 0, 1},         {0, 0, CONUS_SIDE_BACK, 1, 1, 0},
+                 {0, 0, CONUS_SIDE_TOP, 1, 1, 1},           {0.25, 0, CONUS_SIDE_FRONT, 1, 1, 1},
+                 {0.28, 0, CONUS_SIDE_FRONT, 1, 0, 1},      {0, 0.006, CONUS_SIDE_BACK, 1, 1, 0},
+                 {0, 0.004, CONUS_SIDE_BACK, 1, 0, 0},      {0.006, 0.006, CONUS_SIDE_FRONT, 1, 1, 1},
+                 {0.004, 0.006, CONUS_SIDE_FRONT, 0, 1, 1}, {0.28, 0.9, CONUS_SIDE_FRONT, 1, 0, 1}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct scene scene = see_wall(cases[i].wall, cases[i].behind);
+        conus_image *image = NULL;
+        scene.view.side = cases[i].side;
+        assert_ok(draw(&image, &scene));
+        assert_int_equal(count_in(image, "Wall"), cases[i].is_wall);
+        assert_int_equal(count_in(image, "Behind"), cases[i].is_behind);
+        assert_int_equal(count_in(image, "Before"), cases[i].is_before);
+        assert_int_equal(count_in(image, "Half"), 0);
+        conus_image_destroy(image);
+        finish_scene(&scene);
+    }
+}
+
+/* A pathway that is drawn by its values has neither a row nor a bar where it is not seen. */
+static void haze_that_is_not_seen_has_no_bar(void **state)
+{
+    (void)state;
+    struct scene scene = see_wall(0, 2);
+    for (int is_back = 0; is_back < 2; is_back++) {
+        scene.view = (conus_view){.side = is_back ? CONUS_SIDE_BACK : CONUS_SIDE_FRONT, .shapes = true};
+        assert_int_equal(count_texts(&scene, "Behind"), is_back);
+        assert_int_equal(count_texts(&scene, "Pathways by probability, %"), is_back);
+    }
+    finish_scene(&scene);
+}
+
+/* From 60 mm away the picture of 30 degrees shows 16 mm up and down, and 21 mm left and right: what is 18 mm to the
+ * left is seen, but not where the camera is turned so that it is above the picture. From 600 mm away a square
+ * millimetre is a 137,000th of the picture. */
+static void what_is_out_of_the_picture_has_no_row(void **state)
+{
+    (void)state;
+    static const struct {
+        double up[3], distance;
+        size_t is_beside, is_speck;
+    } cases[] = {{{0, 0, 1}, 60, 1, 1}, {{1, 0, 0}, 60, 0, 1}, {{0, 0, 1}, 600, 1, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        conus_pose camera;
+        conus_atlas *atlas = make_atlas(halves, "Half");
+        add_box(atlas, "Middle", (double[]){-5, 0, -5}, (double[]){5, 1, 5});
+        add_box(atlas, "Beside", (double[]){-25, 0, -5}, (double[]){-18, 1, 5});
+        add_box(atlas, "Speck", (double[]){10, 0, 10}, (double[]){11, 1, 11});
+        struct scene scene = see(atlas, left, 8);
+        conus_selection_destroy(scene.selection);
+        scene.selection = NULL;
+        assert_ok(conus_pose_toward(&camera, (double[]){0, cases[i].distance, 0}, (double[]){0, 0, 0}, cases[i].up));
+        scene.view = (conus_view){.legend = CONUS_LEGEND_BELOW, .camera = &camera, .shapes = true};
+        conus_image *image = NULL;
+        assert_ok(draw(&image, &scene));
+        assert_int_equal(count_in(image, "Middle"), 1);
+        assert_int_equal(count_in(image, "Beside"), cases[i].is_beside);
+        assert_int_equal(count_in(image, "Speck"), cases[i].is_speck);
+        conus_image_destroy(image);
+        finish_scene(&scene);
+    }
+}
+
 /* The chip of a single one has all colours of the bar, from the least on the left to the largest. */
 static void one_haze_has_its_bar_as_its_chip(void **state)
 {
@@ -758,6 +898,42 @@ static void colours_of_directions_have_a_key(void **state)
     finish_scene(&scene);
 }
 
+/* The chip of a bundle that is hit is red, green and blue from left to right; that of the ball has its rank's colour.
+ */
+static void a_bundle_by_direction_has_three_colours(void **state)
+{
+    (void)state;
+    uint8_t ramp[LEGEND_BAR][3] = {{0}};
+    char texts[2][3][TEXT];
+    char lines[2][PICTURE_TEXT];
+    struct legend_row rows[6] = {[2] = {.heading = true, .name = "Streamlines by direction"},
+                                 [3] = {.rgb = {255, 0, 0}, .name = "left to right"},
+                                 [4] = {.rgb = {0, 255, 0}, .name = "back to front"},
+                                 [5] = {.rgb = {0, 0, 255}, .name = "down to up"}};
+    conus_atlas *atlas = make_atlas(picture_ball_of_20, "Ball");
+    add_bundle(atlas, "Bundle", -45, 0);
+    struct scene scene = see(atlas, left, 8);
+    colour_streamlines(&scene, "direction");
+    for (size_t k = 0; k < LEGEND_BAR; k++) {
+        ramp[k][6 * k + 3 < 2 * LEGEND_BAR ? 0 : 6 * k + 3 < 4 * LEGEND_BAR ? 1 : 2] = 255;
+    }
+    for (size_t i = 0; i < 2; i++) {
+        rows[i] = describe(texts[i], &scene, i);
+        rows[i].ramp = strcmp(rows[i].name, "Bundle") == 0 ? (const uint8_t(*)[3])ramp : NULL;
+    }
+    assert_true(rows[0].ramp || rows[1].ramp);
+    picture_describe_cone(lines, &scene.selection->cone, NULL);
+    const struct legend legend = {.title = "Hits of the cone",
+                                  .subtitle = {lines[0], lines[1]},
+                                  .header = {"share", "entry"},
+                                  .rows = rows,
+                                  .count = 6,
+                                  .tail = 4};
+    scene.view.legend = CONUS_LEGEND_RIGHT;
+    check_legend(&scene, legend, RIGHT);
+    finish_scene(&scene);
+}
+
 /* Behind the ball, which alone is hit, one bundle crosses the axis, and five begin 20 mm beside it, where the cone has
  * a radius of 7 mm. By its direction that one's streamline has its full colour in the cone; as a bundle it is pale. */
 static void coloured_bundles_in_the_cone_are_not_said_to_be_outside(void **state)
@@ -793,6 +969,7 @@ static void colours_of_a_number_have_a_bar(void **state)
     static const char *const words[] = {"0.750", "0.625", "0.500", "0.375", "0.250"};
     static const double colours[][3] = {{250, 230, 80}, {138, 204, 84}, {40, 156, 128}, {36, 104, 142}, {34, 46, 110}};
     uint8_t bars[5][LEGEND_BAR][3];
+    uint8_t ramp[LEGEND_BAR][3];
     char texts[2][3][TEXT];
     struct legend_row rows[8];
     struct tract_builder builder;
@@ -827,10 +1004,20 @@ static void colours_of_a_number_have_a_bar(void **state)
             (struct legend_row){.name = words[i], .mark = true, .bar = i ? (const uint8_t(*)[3])bars[i] : NULL};
     }
     rows[2] = (struct legend_row){.name = "Streamlines by FA", .heading = true};
-    char subtitle[PICTURE_TEXT];
-    picture_describe_cone(subtitle, &scene.selection->cone, NULL);
+    for (size_t k = 0; k < 3 * LEGEND_BAR; k++) { /* from the least value on */
+        const size_t place = k / 3;
+        const double at = 4 - ((double)place + 0.5) / LEGEND_BAR * 4;
+        const size_t step = (size_t)at;
+        const double mixed =
+            colours[step][k % 3] + (at - (double)step) * (colours[step + 1][k % 3] - colours[step][k % 3]);
+        ramp[place][k % 3] = (uint8_t)(mixed + 0.5);
+    }
+    rows[strcmp(rows[0].name, "Bundle") != 0].ramp = (const uint8_t(*)[3])ramp;
+    char lines[2][PICTURE_TEXT], whole[2 * PICTURE_TEXT];
+    picture_describe_cone(lines, &scene.selection->cone, NULL);
+    snprintf(whole, sizeof whole, "%s %s", lines[0], lines[1]);
     const struct legend legend = {.title = "Hits of the cone",
-                                  .subtitle = subtitle,
+                                  .subtitle = {whole},
                                   .header = {"share", "entry"},
                                   .rows = rows,
                                   .count = 8,
@@ -859,9 +1046,13 @@ TEST_GROUP(picture_legend)
         cmocka_unit_test(what_was_asked_for_has_colours_before_what_is_behind),
         cmocka_unit_test(what_is_hit_differs_in_a_palette),
         cmocka_unit_test(haze_by_values_has_a_bar_and_numbers),
+        cmocka_unit_test(a_legend_without_a_cone_has_the_pathways_that_are_seen),
+        cmocka_unit_test(haze_that_is_not_seen_has_no_bar),
+        cmocka_unit_test(what_is_out_of_the_picture_has_no_row),
         cmocka_unit_test(one_haze_has_its_bar_as_its_chip),
         cmocka_unit_test(many_bundles_that_are_not_hit_are_counted),
         cmocka_unit_test(colours_of_directions_have_a_key),
+        cmocka_unit_test(a_bundle_by_direction_has_three_colours),
         cmocka_unit_test(coloured_bundles_in_the_cone_are_not_said_to_be_outside),
         cmocka_unit_test(colours_of_a_number_have_a_bar),
     };
