@@ -157,7 +157,8 @@ END
     for pair in '1 1b' '2 2b' '2 2c' '3 3b' '3 3c' '2 2d'; do
         # shellcheck disable=SC2086 # two words
         set -- $pair
-        diff "$1.json" "$2.json"
+        # what is chosen is no step of undo, and is nothing after a while without that area
+        diff <(jq 'del(.chosen)' "$1.json") <(jq 'del(.chosen)' "$2.json")
     done
     jq -e '.objects == 7 and .hidden == [3]' 1.json
     # the whole was hidden, so both halves are: Top_L, Top_R, four left halves, four right ones
