@@ -105,7 +105,10 @@ static conus_status need_program(struct cone_pass *pass, enum kind kind)
                                           .more = {"cones.comp.glsl", shader_cones_comp},
                                           .defines = defines,
                                           .define_count = sizeof defines / sizeof defines[0]};
-    conus_status status = made->program ? CONUS_OK : program_create(&made->program, &source);
+    if (made->program) {
+        return CONUS_OK;
+    }
+    conus_status status = program_create(&made->program, &source);
     if (status || kind == CHECK) {
         return status;
     }

@@ -68,7 +68,9 @@ static void cones_of_many_shapes_take_turns(void **state)
 }
 
 static PFNGLNAMEDBUFFERSUBDATAPROC driver_write;
+static PFNGLGETUNIFORMLOCATIONPROC driver_find;
 static GLsizeiptr written;
+static int found;
 
 static void GLAPIENTRY write_and_count(GLuint buffer, GLintptr offset, GLsizeiptr size, const void *data)
 {
@@ -76,7 +78,13 @@ static void GLAPIENTRY write_and_count(GLuint buffer, GLintptr offset, GLsizeipt
     driver_write(buffer, offset, size, data);
 }
 
-/* Thirteen doubles, its place, and the number of its shape: the device has the rest. */
+static GLint GLAPIENTRY find_and_count(GLuint program, const char *name)
+{
+    found++;
+    return driver_find(program, name);
+}
+
+/* Thirteen doubles, its place, and the number of its shape: the device has the rest, and programs are known. */
 static void a_second_cone_goes_up_as_its_place(void **state)
 {
     (void)state;
@@ -86,14 +94,17 @@ static void a_second_cone_goes_up_as_its_place(void **state)
     struct cone cone = {.pose = scene_pose(&random, atlas), .angle = 0.5, .resolution = 300};
     driver_write = glNamedBufferSubData;
     glNamedBufferSubData = write_and_count;
+    driver_find = glGetUniformLocation;
+    glGetUniformLocation = find_and_count;
     for (int turn = 0; turn < 3; turn++) {
-        written = 0;
+        written = found = 0;
         struct evidence evidence = gl_pair_trace(pair.gl, &cone);
         evidence_finish(&evidence);
-        assert_true(turn ? written == 13 * 8 + 8 : written > 300 * 300 * 48);
+        assert_true(turn ? written == 13 * 8 + 8 && !found : written > 300 * 300 * 48 && found);
         cone.pose = scene_pose(&random, atlas);
     }
     glNamedBufferSubData = driver_write;
+    glGetUniformLocation = driver_find;
     gl_pair_destroy(&pair);
     conus_atlas_destroy(atlas);
 }
