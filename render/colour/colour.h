@@ -18,9 +18,11 @@
 #include "render/id/slices.h"
 #include "render/id/tubes.h"
 
+#define COLOUR_EDGE 0.05F /* By which neighbours differ at an edge: of white, linear radiance times opacity. */
+
 enum {
     COLOUR_MARKER_LIMIT = 64,
-    COLOUR_TILE = 4 /**< Pixels along the edge of the squares that colour_view.tiles is about. */
+    COLOUR_TILE = 4 /**< Pixels along the edge of the squares that are drawn again where there are edges. */
 };
 
 /** Texels that the pass's device holds: of a volume, i fastest, or of a table, which is as long as a volume of one row.
@@ -99,12 +101,12 @@ struct colour_view {
     const float *opacity;    /**< [object_count + 1] of surfaces, 0 to 1, by number; NULL = all 1. */
 };
 
-/** Where in each pixel the rays of a picture are: the picture is their mean. */
-struct colour_rays {
-    const double (*shifts)[2]; /**< [count] From the pixels' centres, in pixels, right and up. */
+/** How edges are smoothed: squares of COLOUR_TILE pixels in which neighbours differ (edges.h) are drawn again. */
+struct colour_edges {
+    const double (*shifts)[2]; /**< [count] Rays of each pixel, from its centre, in pixels, right and up. */
     size_t count;
-    const uint32_t *tiles; /**< A number for each square of COLOUR_TILE pixels, row by row: what has 0 is not drawn.
-                              NULL = all is drawn, by one ray through each pixel's centre. */
+    bool is_corner; /**< One ray, through the lower left corner, which counts for the pixels around it: a pixel is half
+                       its own ray, half those of its corners. Else it is the mean of all. */
 };
 
 /** What holds texels and draws: OpenGL or the CPU. */
@@ -133,9 +135,10 @@ struct colour_functions {
     conus_status (*paint)(struct colour_device *device, const conus_atlas *atlas,
                           const struct tube_colouring *colouring, const bool *const *is_pale);
 
-    /** Draws: width * height pixels of linear R, G, B times A, and A, bottom row first; 0 where nothing is drawn. */
+    /** Draws: width * height pixels of linear R, G, B times A, and A, bottom row first; 0 where nothing is drawn. One
+     * ray a pixel, and @p edges, unless it is NULL. */
     conus_status (*draw)(float *rgba, struct colour_device *device, const struct colour_pass *pass,
-                         const struct colour_view *view, const struct colour_rays *rays);
+                         const struct colour_view *view, const struct colour_edges *edges);
     const char *(*name)(const struct colour_device *device);
     void (*destroy)(struct colour_device *device);
 };

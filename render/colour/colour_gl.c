@@ -5,12 +5,18 @@
 #include "base/look.h"
 #include "base/memory.h"
 #include "render/colour/colour_view.h"
+#include "render/colour/edges.h"
 #include "render/gl/shaders.h"
 #include "render/gl/target.h"
 #include "render/gl/volume_texture.h"
 #include "render/id/mesh_layer.h"
 
 #include <string.h>
+
+enum {
+    TILE_BUFFER = 1, /* where all shaders have it */
+    EDGE_GROUP = 8
+};
 
 /* Everything but the context is of it. */
 struct colour_gl {
@@ -20,9 +26,12 @@ struct colour_gl {
     GLuint program;             /* Over one triangle on the screen. */
     GLuint layer_program;       /* The same for translucent pictures; 0 until one is drawn. */
     GLuint view, palette, opacities, vertices;
-    GLuint tiles;              /* Of the picture under way; 0 = all is drawn. */
-    struct mesh_layer *meshes; /* NULL if there are none. */
-    struct target target;      /* of the last picture */
+    GLuint find_edges, mix_edges; /* Programs; 0 until a picture is smooth. */
+    GLuint tiles;                 /* Of the last smooth picture. */
+    bool is_tiled;                /* What is drawn: only they. */
+    struct mesh_layer *meshes;    /* NULL if there are none. */
+    struct target target;         /* of the last picture, */
+    struct target drawn;          /* and of what was drawn again to smooth it */
 };
 
 static struct colour_gl *gl_of(const struct colour_pass *pass)
@@ -70,6 +79,7 @@ conus_status colour_program_create(GLuint *out, const struct program_shader *ver
                                              {"PLAIN_AREAS", kind == COLOUR_RAYS_PLAIN || kind == COLOUR_SLICES},
                                              {"SLICES", kind == COLOUR_SLICES},
                                              {"TILE", COLOUR_TILE},
+                                             {"TILE_BUFFER", TILE_BUFFER},
                                              {"LOOK_GLASS_EDGE", LOOK_GLASS_EDGE},
                                              {"LOOK_MARKER_EDGE", LOOK_MARKER_EDGE},
                                              {"TRANSLUCENT", kind == COLOUR_LAYERS},
@@ -131,7 +141,7 @@ void colour_gl_prepare(const struct colour_pass *pass, const struct colour_view 
     colour_view_pack(&block, pass, view);
     block.counts[1] = meshes ? 1 : 0;
     block.counts[2] = (int32_t)peels.count;
-    block.counts[3] = gl->tiles ? 1 : 0;
+    block.counts[3] = gl->is_tiled ? 1 : 0;
     colour_pass_look(pass, view);
     glNamedBufferSubData(gl->view, 0, sizeof block, &block);
     glNamedBufferSubData(gl->palette, 0, count * 4 * (GLsizeiptr)sizeof *pass->shown, pass->shown);
@@ -152,7 +162,7 @@ void colour_gl_prepare(const struct colour_pass *pass, const struct colour_view 
     glBindTextures(0, sizeof textures / sizeof *textures, textures);
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, gl->view);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, gl->palette);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, gl->tiles ? gl->tiles : gl->palette); /* or any, not read */
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, TILE_BUFFER, gl->is_tiled ? gl->tiles : gl->palette); /* any, not read */
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, gl->opacities);
     glBindVertexArray(gl->vertices);
     glUseProgram(layers ? gl->layer_program : gl->program);
@@ -180,16 +190,16 @@ static conus_status draw_meshes(struct mesh_layer *meshes, const struct colour_p
     return meshes ? mesh_layer_draw(meshes, &layer) : CONUS_OK;
 }
 
-/* Draws into the target, over what is there where there are tiles: by that part of all rays. */
-static conus_status draw_rays(struct colour_gl *gl, const struct colour_pass *pass, const struct colour_view *view,
-                              float part)
+/* Draws into `target`: over what is there where only tiles are drawn, by that part of all rays. */
+static conus_status draw_rays(struct colour_gl *gl, const struct target *target, const struct colour_pass *pass,
+                              const struct colour_view *view, float part)
 {
     conus_status status = draw_meshes(gl->meshes, pass, view);
     if (status) {
         return status;
     }
-    target_bind(&gl->target);
-    if (gl->tiles) {
+    target_bind(target);
+    if (gl->is_tiled) {
         glEnable(GL_BLEND);
         glBlendColor(0, 0, 0, part);
         glBlendFunc(GL_CONSTANT_ALPHA, GL_ONE);
@@ -209,18 +219,78 @@ static conus_status resize_target(struct target *target, const struct colour_vie
     return target_init(target, view->width, view->height, &colour, 1);
 }
 
-static GLuint upload_tiles(const uint32_t *tiles, const struct colour_view *view)
+static conus_status need_edge_program(GLuint *program, bool finds)
 {
-    const size_t across = (view->width + COLOUR_TILE - 1) / COLOUR_TILE;
-    const size_t upward = (view->height + COLOUR_TILE - 1) / COLOUR_TILE;
-    GLuint buffer = 0;
-    glCreateBuffers(1, &buffer);
-    glNamedBufferData(buffer, (GLsizeiptr)(across * upward * sizeof *tiles), tiles, GL_STREAM_DRAW);
-    return buffer;
+    const struct program_define defines[] = {
+        {"FIND", finds}, {"TILE", COLOUR_TILE}, {"GROUP", EDGE_GROUP}, {"TILE_BUFFER", TILE_BUFFER}};
+    const struct program_source source = {.compute = {"edges.comp.glsl", shader_edges_comp},
+                                          .defines = defines,
+                                          .define_count = sizeof defines / sizeof *defines};
+    return *program ? CONUS_OK : program_create(program, &source);
+}
+
+/* Runs the bound program for a grid of so many places. */
+static void dispatch_over(size_t across, size_t upward)
+{
+    glDispatchCompute((GLuint)((across + EDGE_GROUP - 1) / EDGE_GROUP),
+                      (GLuint)((upward + EDGE_GROUP - 1) / EDGE_GROUP), 1);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+}
+
+static void bind_edges(const struct colour_gl *gl, GLuint program)
+{
+    glBindImageTexture(0, target_texture(&gl->target, "colour"), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+    glBindImageTexture(1, target_texture(&gl->drawn, "colour"), 0, GL_FALSE, 0, GL_READ_ONLY, GL_RGBA32F);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, TILE_BUFFER, gl->tiles);
+    glUseProgram(program);
+}
+
+/* Marks the tiles with edges in the target, of which there are `across` times `upward`. */
+static void find_edges(struct colour_gl *gl, size_t across, size_t upward)
+{
+    glDeleteBuffers(1, &gl->tiles);
+    glCreateBuffers(1, &gl->tiles);
+    glNamedBufferData(gl->tiles, (GLsizeiptr)(across * upward * sizeof(uint32_t)), NULL, GL_DYNAMIC_COPY);
+    bind_edges(gl, gl->find_edges);
+    glUniform1f(program_uniform(gl->find_edges, "threshold"), COLOUR_EDGE);
+    dispatch_over(across, upward);
+}
+
+static void mix_edges(const struct colour_gl *gl, const struct colour_view *view, const struct colour_edges *edges)
+{
+    bind_edges(gl, gl->mix_edges);
+    glUniform1i(program_uniform(gl->mix_edges, "is_corner"), edges->is_corner);
+    dispatch_over(view->width, view->height);
+}
+
+/* Draws the tiles with edges again; the picture stays on the device. */
+static conus_status smooth(struct colour_gl *gl, const struct colour_pass *pass, const struct colour_view *view,
+                           const struct colour_edges *edges)
+{
+    conus_status status = need_edge_program(&gl->find_edges, true);
+    status = status ? status : need_edge_program(&gl->mix_edges, false);
+    status = status ? status : resize_target(&gl->drawn, view);
+    if (status) {
+        return status;
+    }
+    find_edges(gl, edges_across(view->width), edges_across(view->height));
+    target_clear(&gl->drawn);
+    gl->is_tiled = true;
+    for (size_t n = 0; n < edges->count && !status; n++) {
+        struct colour_view shifted = *view;
+        memcpy(shifted.shift, edges->shifts[n], sizeof shifted.shift);
+        status = gl_tell(&view->listener, n, edges->count);
+        status = status ? status : draw_rays(gl, &gl->drawn, pass, &shifted, 1.0F / (float)edges->count);
+    }
+    gl->is_tiled = false;
+    if (!status) {
+        mix_edges(gl, view, edges);
+    }
+    return status ? status : gl_check("smooth edges");
 }
 
 static conus_status draw(float *rgba, struct colour_device *device, const struct colour_pass *pass,
-                         const struct colour_view *view, const struct colour_rays *rays)
+                         const struct colour_view *view, const struct colour_edges *edges)
 {
     struct colour_gl *gl = (struct colour_gl *)device;
     const bool layers = colour_pass_has_layers(pass, view);
@@ -230,17 +300,9 @@ static conus_status draw(float *rgba, struct colour_device *device, const struct
     if (status) {
         return status;
     }
-    target_bind(&gl->target);
     target_clear(&gl->target);
-    gl->tiles = rays->tiles ? upload_tiles(rays->tiles, view) : 0;
-    for (size_t n = 0; n < rays->count && !status; n++) {
-        struct colour_view shifted = *view;
-        memcpy(shifted.shift, rays->shifts[n], sizeof shifted.shift);
-        status = gl->tiles ? gl_tell(&view->listener, n, rays->count) : CONUS_OK;
-        status = status ? status : draw_rays(gl, pass, &shifted, 1.0F / (float)rays->count);
-    }
-    glDeleteBuffers(1, &gl->tiles);
-    gl->tiles = 0;
+    status = draw_rays(gl, &gl->target, pass, view, 1);
+    status = status || !edges ? status : smooth(gl, pass, view, edges);
     return status ? status : target_read(&gl->target, "colour", rgba);
 }
 
@@ -253,13 +315,16 @@ static void destroy(struct colour_device *device)
 {
     struct colour_gl *gl = (struct colour_gl *)device;
     if (gl->program && !enter(device)) { /* otherwise there may be no GL at all */
-        const GLuint buffers[] = {gl->view, gl->palette, gl->opacities};
+        const GLuint buffers[] = {gl->view, gl->palette, gl->opacities, gl->tiles};
         mesh_layer_destroy(gl->meshes);
         target_finish(&gl->target);
+        target_finish(&gl->drawn);
         glDeleteBuffers(sizeof buffers / sizeof *buffers, buffers);
         glDeleteVertexArrays(1, &gl->vertices);
         glDeleteProgram(gl->program);
         glDeleteProgram(gl->layer_program);
+        glDeleteProgram(gl->find_edges);
+        glDeleteProgram(gl->mix_edges);
         leave(device);
     }
     gl_context_destroy(gl->context);

@@ -10,6 +10,7 @@
 #include "base/memory.h"
 #include "base/threads.h"
 #include "render/colour/colour_view.h"
+#include "render/colour/edges.h"
 #include "render/id/surface_rays.h"
 #include "render/image/image_srgb.h"
 
@@ -113,7 +114,8 @@ struct scene {
     const struct colour_rays_device *device;
     const struct colour_pass *pass;
     struct colour_view_block view;
-    const struct colour_rays *rays;
+    const uint32_t *tiles;      /* that are drawn; NULL: all */
+    float part;                 /* of a pixel that each ray is */
     const struct bricks *alike; /* NULL: rays look at each plane */
     float shift[2];             /* of the rays under way */
     uint32_t width, height;
@@ -1178,7 +1180,7 @@ static four colour_of(const struct ray *ray)
 }
 
 /* Adds a part of the colour at the pixel to the picture. */
-static void draw_pixel(struct scene *scene, const struct surface_band *band, uint32_t column, uint32_t row, float part)
+static void draw_pixel(struct scene *scene, const struct surface_band *band, uint32_t column, uint32_t row)
 {
     const struct colour_view_block *view = &scene->view;
     const float at[2] = {(float)column + 0.5F, (float)row + 0.5F};
@@ -1200,29 +1202,28 @@ static void draw_pixel(struct scene *scene, const struct surface_band *band, uin
     const four colour = colour_of(&ray);
     float *pixel = scene->rgba + 4 * ((size_t)row * scene->width + column);
     for (int c = 0; c < 4; c++) {
-        pixel[c] += part * colour[c];
+        pixel[c] += scene->part * colour[c];
     }
 }
 
 /* Whether any pixel of the tiles in these rows is drawn. */
 static bool has_tiles(const struct scene *scene, size_t first_row)
 {
-    const size_t across = (scene->width + COLOUR_TILE - 1) / COLOUR_TILE;
-    const size_t upward = (scene->height + COLOUR_TILE - 1) / COLOUR_TILE;
+    const size_t across = edges_across(scene->width);
+    const size_t upward = edges_across(scene->height);
     const size_t first = first_row / COLOUR_TILE;
     const size_t end = first + SURFACE_BAND / COLOUR_TILE;
-    bool any = !scene->rays->tiles;
+    bool any = !scene->tiles;
     for (size_t i = first * across; i < (end < upward ? end : upward) * across && !any; i++) {
-        any = scene->rays->tiles[i];
+        any = scene->tiles[i];
     }
     return any;
 }
 
 static void draw_band(struct scene *scene, struct surface_band *surfaces, size_t number, const double shift[2])
 {
-    const size_t across = (scene->width + COLOUR_TILE - 1) / COLOUR_TILE;
+    const size_t across = edges_across(scene->width);
     const uint32_t first = (uint32_t)(number * SURFACE_BAND);
-    const float part = 1.0F / (float)scene->rays->count;
     if (!has_tiles(scene, first)) {
         return;
     }
@@ -1234,9 +1235,8 @@ static void draw_band(struct scene *scene, struct surface_band *surfaces, size_t
         const uint32_t column = tile * COLOUR_TILE + n % COLOUR_TILE;
         const uint32_t row = first + n / COLOUR_TILE % SURFACE_BAND;
         const size_t number_of_tile = row / COLOUR_TILE * across + tile;
-        if (row < scene->height && column < scene->width &&
-            (!scene->rays->tiles || scene->rays->tiles[number_of_tile])) {
-            draw_pixel(scene, surfaces, column, row, part);
+        if (row < scene->height && column < scene->width && (!scene->tiles || scene->tiles[number_of_tile])) {
+            draw_pixel(scene, surfaces, column, row);
         }
     }
 }
@@ -1330,8 +1330,41 @@ static conus_status find_alike(struct colour_rays_device *device, const struct c
     return CONUS_OK;
 }
 
+/* Adds the rays that are shifted so to scene->rgba. */
+static conus_status cast(struct scene *scene, const double shift[2])
+{
+    scene->shift[0] = (float)shift[0];
+    scene->shift[1] = (float)shift[1];
+    atomic_store(&scene->next, 0);
+    threads_run(draw_bands, scene, scene->threads);
+    return scene->status;
+}
+
+static conus_status smooth(struct scene *scene, const struct colour_view *view, const struct colour_edges *edges)
+{
+    const size_t pixels = (size_t)view->width * view->height;
+    float *rgba = scene->rgba;
+    float *drawn = memory_zeroed(pixels, 4 * sizeof *drawn);
+    uint32_t *tiles = memory_raw(edges_across(view->width) * edges_across(view->height), sizeof *tiles);
+    conus_status status = drawn && tiles ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status && edges_find(tiles, rgba, view->width, view->height)) {
+        scene->rgba = drawn;
+        scene->tiles = tiles;
+        scene->part = 1.0F / (float)edges->count;
+        for (size_t n = 0; n < edges->count && !status; n++) {
+            status = cast(scene, edges->shifts[n]);
+        }
+    }
+    if (!status && scene->tiles) {
+        edges_mix(rgba, drawn, tiles, view, edges);
+    }
+    memory_free(drawn);
+    memory_free(tiles);
+    return status;
+}
+
 static conus_status draw(float *rgba, struct colour_device *device, const struct colour_pass *pass,
-                         const struct colour_view *view, const struct colour_rays *rays)
+                         const struct colour_view *view, const struct colour_edges *edges)
 {
     struct colour_rays_device *own = (struct colour_rays_device *)device;
     struct scene *scene = memory_zeroed(1, sizeof *scene);
@@ -1340,7 +1373,7 @@ static conus_status draw(float *rgba, struct colour_device *device, const struct
     }
     scene->device = own;
     scene->pass = pass;
-    scene->rays = rays;
+    scene->part = 1;
     scene->width = view->width;
     scene->height = view->height;
     scene->rgba = rgba;
@@ -1354,13 +1387,8 @@ static conus_status draw(float *rgba, struct colour_device *device, const struct
         status = own->alike.distance ? CONUS_OK : find_alike(own, &pass->objects);
         scene->alike = &own->alike;
     }
-    for (size_t n = 0; n < rays->count && !status; n++) {
-        scene->shift[0] = (float)rays->shifts[n][0];
-        scene->shift[1] = (float)rays->shifts[n][1];
-        atomic_store(&scene->next, 0);
-        threads_run(draw_bands, scene, scene->threads);
-        status = scene->status;
-    }
+    status = status ? status : cast(scene, view->shift);
+    status = status || !edges ? status : smooth(scene, view, edges);
     for (size_t i = 0; scene->bands && i < scene->threads; i++) {
         surface_band_finish(&scene->bands[i]);
     }

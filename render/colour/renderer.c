@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The renderer of the public interface: its device, its updates, and pictures with smooth edges. */
+/* The renderer of the public interface: its device, its updates, and its pictures. */
 #include "render/colour/renderer.h"
 
 #include "base/memory.h"
@@ -8,101 +8,6 @@
 
 #include <math.h>
 #include <string.h>
-
-enum { TILE = COLOUR_TILE, RAYS = 4 };
-
-#define THRESHOLD 0.05F /* of white, linear radiance times opacity */
-
-static bool differ(const float *a, const float *b)
-{
-    float most = 0;
-    for (int c = 0; c < 4; c++) {
-        most = fmaxf(most, fabsf(a[c] - b[c]));
-    }
-    return most > THRESHOLD;
-}
-
-static size_t tiles_along(size_t pixels)
-{
-    return (pixels + TILE - 1) / TILE;
-}
-
-/* Marks the tiles with a pixel that differs from its right or upper neighbour, which may lie in the next tile. Returns
- * whether there are any. */
-static bool find_edge_tiles(uint32_t *tiles, const float *rgba, const struct colour_view *view)
-{
-    const size_t width = view->width;
-    const size_t across = tiles_along(width);
-    bool found = false;
-    for (size_t y = 0; y < view->height; y++) {
-        for (size_t x = 0; x < width; x++) {
-            const float *pixel = rgba + 4 * (y * width + x);
-            bool right = x + 1 < width && differ(pixel, pixel + 4);
-            bool above = y + 1 < view->height && differ(pixel, pixel + 4 * width);
-            if (right || above) {
-                tiles[y / TILE * across + x / TILE] = 1;
-                found = true;
-            }
-        }
-    }
-    return found;
-}
-
-/* Half of the pixel at x, y is its own ray's, half those of its four corners, which it shares with its neighbours. Of
- * a tile that was not drawn the pixel's own ray stands for them. */
-static void mix_corners(float *rgba, const float *corners, const uint32_t *tiles, const struct colour_view *view,
-                        size_t x, size_t y)
-{
-    float sum[4];
-    for (size_t c = 0; c < 4; c++) {
-        sum[c] = 4 * rgba[c];
-    }
-    for (size_t n = 0; n < 4; n++) {
-        const size_t right = x + (n % 2 && x + 1 < view->width);
-        const size_t up = y + (n / 2 && y + 1 < view->height);
-        const bool drawn = tiles[up / TILE * tiles_along(view->width) + right / TILE];
-        for (size_t c = 0; c < 4; c++) {
-            sum[c] += drawn ? corners[4 * (up * view->width + right) + c] : rgba[c];
-        }
-    }
-    for (size_t c = 0; c < 4; c++) {
-        rgba[c] = sum[c] / 8;
-    }
-}
-
-/* Smooths `rgba`, the picture of `view` (bottom row first), by rays through four places of each pixel, a rotated
- * square, in the tiles with edges. Through translucent surfaces a ray costs more, and most tiles have edges: one,
- * through the lower left corner of each pixel. */
-static conus_status smooth_edges(float *rgba, const struct colour_pass *pass, const struct colour_view *view)
-{
-    static const double square[RAYS][2] = {{-0.125, -0.375}, {0.375, -0.125}, {0.125, 0.375}, {-0.375, 0.125}};
-    static const double corner[1][2] = {{-0.5, -0.5}};
-    const size_t across = tiles_along(view->width);
-    float *smooth = memory_raw((size_t)view->width * view->height, 4 * sizeof *smooth);
-    uint32_t *tiles = memory_zeroed(across * tiles_along(view->height), sizeof *tiles);
-    conus_status status = smooth && tiles ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status && find_edge_tiles(tiles, rgba, view)) {
-        const struct colour_rays rays = {
-            .shifts = view->opacity ? corner : square, .count = view->opacity ? 1 : RAYS, .tiles = tiles};
-        status = pass->device->functions->draw(smooth, pass->device, pass, view, &rays);
-        for (size_t y = 0; y < view->height && !status; y++) {
-            for (size_t x = 0; x < view->width; x++) {
-                size_t pixel = 4 * (y * view->width + x);
-                if (!tiles[y / TILE * across + x / TILE]) {
-                    continue;
-                }
-                if (view->opacity) {
-                    mix_corners(rgba + pixel, smooth, tiles, view, x, y);
-                } else {
-                    memcpy(rgba + pixel, smooth + pixel, 4 * sizeof *rgba);
-                }
-            }
-        }
-    }
-    memory_free(smooth);
-    memory_free(tiles);
-    return status;
-}
 
 /* Turns values that are fractions of the context's window into grey values. */
 static conus_status make_absolute(struct transfer *transfer, const struct volume *context)
@@ -265,13 +170,16 @@ const char *conus_renderer_device(const conus_renderer *renderer)
 
 conus_status renderer_draw(float *rgba, conus_renderer *renderer, const struct colour_view *view, bool smooth)
 {
-    static const double centre[1][2] = {{0}};
-    const struct colour_rays rays = {.shifts = centre, .count = 1};
+    /* A rotated square. Through translucent surfaces a ray costs more, and most squares have edges: there one. */
+    static const double square[][2] = {{-0.125, -0.375}, {0.375, -0.125}, {0.125, 0.375}, {-0.375, 0.125}};
+    static const double corner[][2] = {{-0.5, -0.5}};
+    static const struct colour_edges opaque = {.shifts = square, .count = sizeof square / sizeof *square};
+    static const struct colour_edges translucent = {.shifts = corner, .count = 1, .is_corner = true};
     const struct colour_pass *pass = &renderer->colour;
     conus_status status = colour_pass_enter(pass);
     if (!status) {
-        status = pass->device->functions->draw(rgba, pass->device, pass, view, &rays);
-        status = status || !smooth ? status : smooth_edges(rgba, pass, view);
+        const struct colour_edges *edges = view->opacity ? &translucent : &opaque;
+        status = pass->device->functions->draw(rgba, pass->device, pass, view, smooth ? edges : NULL);
         colour_pass_leave(pass);
     }
     return status;

@@ -17,6 +17,7 @@
     F(epoxy_, eglGetPlatformDisplayEXT) F(epoxy_, eglInitialize) F(epoxy_, eglMakeCurrent) F(epoxy_, eglQueryAPI)      \
     F(epoxy_, eglQueryDeviceStringEXT) F(epoxy_, eglQueryDevicesEXT) F(epoxy_, eglQueryString)                         \
     F(epoxy_, glAttachShader) F(epoxy_, glBeginQuery) F(epoxy_, glBindBufferBase) F(epoxy_, glBindFramebuffer)         \
+    F(epoxy_, glBindImageTexture)                                                                                      \
     F(epoxy_, glBindTextureUnit) F(epoxy_, glBindTextures) F(epoxy_, glBindVertexArray) F(epoxy_, glBlendColor)        \
     F(epoxy_, glBlendFunc) F(epoxy_, glCheckNamedFramebufferStatus) F(epoxy_, glClearBufferfv)                         \
     F(epoxy_, glClearBufferuiv) F(epoxy_, glClipControl) F(epoxy_, glColorMask) F(epoxy_, glCompileShader)             \

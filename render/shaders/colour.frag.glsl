@@ -46,7 +46,7 @@ layout(std430, binding = 0) readonly buffer Palette
 #if SLICES
 layout(location = 0) flat in float slice; // number of the plane that is drawn
 #endif
-layout(std430, binding = 1) readonly buffer Tiles
+layout(std430, binding = TILE_BUFFER) readonly buffer Tiles
 {
     uint tiles[]; // with counts.w those of the picture, row by row: 0 = not to be drawn
 };

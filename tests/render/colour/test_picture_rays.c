@@ -140,27 +140,29 @@ static const struct scene {
     const char *transfer; /* of the context */
     const char *haze;     /* of pathways; NULL = none */
     bool cone, smooth;
+    double distance; /* of the camera, mm */
     struct colour_view view;
     double mean, edges;
 } scenes[] = {
-    {"areas", areas, NULL, NULL, false, false, {0}, 3e-4, 0.001},
-    {"smooth", areas, NULL, NULL, false, true, {0}, 3e-4, 0.001},
-    {"a cone, pale and hatched", areas, NULL, NULL, true, true, {.emphasis = emphasis}, 3e-4, 0.001},
-    {"one tone", areas, NULL, NULL, true, false, {.emphasis = emphasis, .pale_rgb = grey}, 3e-4, 0.002},
-    {"a group", areas, NULL, NULL, true, false, {.group = group}, 3e-4, 0.002},
-    {"a context", areas_in_a_shell, "brain", NULL, false, false, {0}, 4e-4, 0.001},
-    {"a dense one, and a cone", areas_in_a_shell, "surface", NULL, true, true, {0}, 1.5e-3, 0.001},
-    {"half gone", areas_in_a_shell, "grey", NULL, false, false, {.fade = 0.5}, 4e-4, 0.001},
-    {"translucent", areas, NULL, NULL, false, true, {.opacity = half}, 1.5e-4, 0.001},
-    {"translucent in a context", areas_in_a_shell, "heat", NULL, true, false, {.opacity = hidden}, 3e-3, 0.001},
-    {"meshes", meshes, NULL, NULL, true, true, {.emphasis = emphasis}, 3e-5, 0.001},
-    {"translucent meshes", meshes, NULL, NULL, true, true, {.opacity = half}, 3e-5, 0.001},
-    {"meshes among areas", meshes_among_areas, NULL, NULL, false, false, {0}, 2e-4, 0.001},
-    {"glass", areas_in_glass, NULL, NULL, true, true, {0}, 1.2e-4, 0.001},
-    {"a pathway", a_pathway, NULL, NULL, true, false, {0}, 3e-4, 0.004},
-    {"haze", a_pathway, NULL, "heat", true, false, {0}, 1e-3, 0.001},
-    {"streamlines", streamlines, NULL, NULL, true, true, {0}, 3e-5, 0.001},
-    {"a draft of them", streamlines, NULL, NULL, false, false, {.draft = 3}, 3e-5, 0.001},
+    {"areas", areas, NULL, NULL, false, false, 150, {0}, 3e-4, 0.001},
+    {"smooth", areas, NULL, NULL, false, true, 150, {0}, 3e-4, 0.001},
+    {"a cone, pale and hatched", areas, NULL, NULL, true, true, 150, {.emphasis = emphasis}, 3e-4, 0.001},
+    {"one tone", areas, NULL, NULL, true, false, 150, {.emphasis = emphasis, .pale_rgb = grey}, 3e-4, 0.002},
+    {"a group", areas, NULL, NULL, true, false, 150, {.group = group}, 3e-4, 0.002},
+    {"a context", areas_in_a_shell, "brain", NULL, false, false, 150, {0}, 4e-4, 0.001},
+    {"a dense one, and a cone", areas_in_a_shell, "surface", NULL, true, true, 150, {0}, 1.5e-3, 0.001},
+    {"half gone", areas_in_a_shell, "grey", NULL, false, false, 150, {.fade = 0.5}, 4e-4, 0.001},
+    {"translucent", areas, NULL, NULL, false, true, 150, {.opacity = half}, 1.5e-4, 0.001},
+    {"translucent to the picture's end", areas, NULL, NULL, false, true, 50, {.opacity = half}, 4e-4, 0.001},
+    {"translucent in a context", areas_in_a_shell, "heat", NULL, true, false, 150, {.opacity = hidden}, 3e-3, 0.001},
+    {"meshes", meshes, NULL, NULL, true, true, 150, {.emphasis = emphasis}, 3e-5, 0.001},
+    {"translucent meshes", meshes, NULL, NULL, true, true, 150, {.opacity = half}, 3e-5, 0.001},
+    {"meshes among areas", meshes_among_areas, NULL, NULL, false, false, 150, {0}, 2e-4, 0.001},
+    {"glass", areas_in_glass, NULL, NULL, true, true, 150, {0}, 1.2e-4, 0.001},
+    {"a pathway", a_pathway, NULL, NULL, true, false, 150, {0}, 3e-4, 0.004},
+    {"haze", a_pathway, NULL, "heat", true, false, 150, {0}, 1e-3, 0.001},
+    {"streamlines", streamlines, NULL, NULL, true, true, 150, {0}, 3e-5, 0.001},
+    {"a draft of them", streamlines, NULL, NULL, false, false, 150, {.draft = 3}, 3e-5, 0.001},
 };
 
 static float *draw_scene(const struct scene *scene, conus_engine engine)
@@ -172,7 +174,7 @@ static float *draw_scene(const struct scene *scene, conus_engine engine)
     conus_renderer *renderer = NULL;
     assert_ok(conus_renderer_create(&renderer, atlas, &options));
     assert_true(engine != CONUS_ENGINE_RAYS || strcmp(conus_renderer_device(renderer), "rays") == 0);
-    struct camera camera = picture_camera((double[]){1, 2, -1}, 150, radians_from_degrees(25));
+    struct camera camera = picture_camera((double[]){1, 2, -1}, scene->distance, radians_from_degrees(25));
     struct colour_view view = scene->view;
     conus_pose pose;
     assert_ok(conus_pose_toward(&pose, (double[]){-40, -30, 20}, (double[]){0, 0, 0}, NULL));
@@ -183,6 +185,9 @@ static float *draw_scene(const struct scene *scene, conus_engine engine)
         view.line_width = 1;
         view.markers = &marker;
         view.marker_count = 1;
+    }
+    if (scene->smooth) { /* nothing of one picture is in the next */
+        memory_free(picture_draw(renderer, &camera, &view, true));
     }
     float *rgba = picture_draw(renderer, &camera, &view, scene->smooth);
     conus_renderer_destroy(renderer);
@@ -222,6 +227,114 @@ static void pictures_look_as_opengl_draws_them(void **state)
         memory_free(rays);
     }
     assert_int_equal(failed, 0);
+}
+
+static float *draw_shifted(const struct scene *scene, conus_engine engine, double right, double up)
+{
+    struct scene shifted = *scene;
+    shifted.smooth = false;
+    shifted.view.shift[0] = right;
+    shifted.view.shift[1] = up;
+    return draw_scene(&shifted, engine);
+}
+
+/* Whether the pixel differs by more than 0.05 from the one that is so far to the right and up, if there is one. */
+static bool differs(const float *rgba, size_t x, size_t y, size_t right, size_t up)
+{
+    float most = 0;
+    for (size_t c = 0; c < 4 && x + right < PICTURE_WIDTH && y + up < PICTURE_HEIGHT; c++) {
+        most = fmaxf(
+            most, fabsf(rgba[4 * (y * PICTURE_WIDTH + x) + c] - rgba[4 * ((y + up) * PICTURE_WIDTH + x + right) + c]));
+    }
+    return most > 0.05F;
+}
+
+/* Whether the 4 x 4 pixels around this one have one that differs from the next. */
+static bool is_redrawn(const float *rgba, size_t x, size_t y)
+{
+    bool any = false;
+    for (size_t n = 0; n < 16; n++) {
+        const size_t i = x / 4 * 4 + n % 4;
+        const size_t j = y / 4 * 4 + n / 4;
+        any = any || differs(rgba, i, j, 1, 0) || differs(rgba, i, j, 0, 1);
+    }
+    return any;
+}
+
+/* What the renderer promises of a pixel with edges around: the mean of four rays, as of a rotated square. */
+static float mean_of_square(float *const shifted[4], size_t at)
+{
+    float sum = 0;
+    for (size_t n = 0; n < 4; n++) {
+        sum += 0.25F * shifted[n][at];
+    }
+    return sum;
+}
+
+/* And where something may be translucent: half its own ray, an eighth of each of its corners, which are the lower left
+ * ones of pixels around, unless those have no edges or are beyond the picture. */
+static float mean_of_corners(const float *own, const float *corners, size_t x, size_t y, size_t c)
+{
+    const float centre = own[4 * (y * PICTURE_WIDTH + x) + c];
+    float sum = 4 * centre;
+    for (size_t n = 0; n < 4; n++) {
+        const size_t i = x + n % 2 < PICTURE_WIDTH ? x + n % 2 : x;
+        const size_t j = y + n / 2 < PICTURE_HEIGHT ? y + n / 2 : y;
+        sum += is_redrawn(own, i, j) ? corners[4 * (j * PICTURE_WIDTH + i) + c] : centre;
+    }
+    return sum / 8;
+}
+
+/* Pictures without smooth edges, shifted, say what a smooth one is: by rays to the bit. A driver may round the blending
+ * of four by itself. */
+static void check_edges(const struct scene *scene, conus_engine engine)
+{
+    const float allowed = engine == CONUS_ENGINE_RAYS ? 0 : 1e-6F;
+    float *smooth = draw_scene(scene, engine);
+    float *own = draw_shifted(scene, engine, 0, 0);
+    float *shifted[] = {draw_shifted(scene, engine, -0.125, -0.375), draw_shifted(scene, engine, 0.375, -0.125),
+                        draw_shifted(scene, engine, 0.125, 0.375), draw_shifted(scene, engine, -0.375, 0.125),
+                        draw_shifted(scene, engine, -0.5, -0.5)};
+    size_t redrawn = 0;
+    for (size_t at = 0; at < 4 * (size_t)PICTURE_PIXELS; at++) {
+        const size_t x = at / 4 % PICTURE_WIDTH;
+        const size_t y = at / 4 / PICTURE_WIDTH;
+        const bool is_edge = is_redrawn(own, x, y);
+        const float wanted = !is_edge              ? own[at]
+                             : scene->view.opacity ? mean_of_corners(own, shifted[4], x, y, at % 4)
+                                                   : mean_of_square(shifted, at);
+        redrawn += is_edge;
+        if (fabsf(smooth[at] - wanted) > (is_edge ? allowed : 0)) {
+            fail_msg("%s: %g in place of %g at %zu, %zu", scene->name, (double)smooth[at], (double)wanted, x, y);
+        }
+    }
+    assert_in_range(redrawn, 4 * 100, 4 * (PICTURE_PIXELS - 100));
+    for (size_t n = 0; n < sizeof shifted / sizeof *shifted; n++) {
+        memory_free(shifted[n]);
+    }
+    memory_free(smooth);
+    memory_free(own);
+}
+
+static void smooth_edges_are_means_of_rays(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+        if (scenes[i].smooth) {
+            check_edges(&scenes[i], CONUS_ENGINE_RAYS);
+        }
+    }
+}
+
+static void smooth_edges_are_the_same_on_the_device(void **state)
+{
+    (void)state;
+    test_need_gl();
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+        if (scenes[i].smooth) {
+            check_edges(&scenes[i], CONUS_ENGINE_GL);
+        }
+    }
 }
 
 /* A process that may use one processor draws with one thread. */
@@ -293,6 +406,8 @@ TEST_GROUP(picture_rays)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pictures_look_as_opengl_draws_them),
+        cmocka_unit_test(smooth_edges_are_means_of_rays),
+        cmocka_unit_test(smooth_edges_are_the_same_on_the_device),
         cmocka_unit_test(threads_change_no_bit),
         cmocka_unit_test(a_listener_ends_a_picture),
     };
