@@ -12,7 +12,10 @@
 
 #include <string.h>
 
-enum { PIXELS_AT_ONCE = 1 << 18 };
+enum {
+    PIXELS_AT_ONCE = 1 << 18,
+    CONES_AT_ONCE = 1 << 15 /* OpenGL promises 65,535 workgroups along an axis */
+};
 static const double JUST_BEFORE = 1e-6; /* mm */
 
 void selection_set_kinds(conus_selection *selection)
@@ -153,6 +156,7 @@ static conus_status find_in_range(conus_selection *selection, struct engine *eng
 size_t selections_at_once(const conus_selector *selector)
 {
     size_t fitting = PIXELS_AT_ONCE / ((size_t)selector->options.resolution * selector->options.resolution);
+    fitting = fitting < CONES_AT_ONCE ? fitting : CONES_AT_ONCE;
     return !selector->engine->functions->trace_many || fitting < 1 ? 1 : fitting;
 }
 

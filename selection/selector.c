@@ -243,9 +243,6 @@ const struct tract_census *selector_take_tracts(conus_selector *selector, const 
 
 conus_status conus_selector_share(conus_selector **out, const conus_selector *selector)
 {
-    if (selector->options.engine == CONUS_ENGINE_GL) {
-        return fail(CONUS_ERROR_ARGUMENT, "engine: gl belongs to one thread, only rays are shared");
-    }
     return selector_share(out, selector);
 }
 

@@ -86,8 +86,8 @@ CONUS_CHECKED conus_status conus_selector_create(conus_selector **out, const con
  * Makes another selector for the same atlas, so that a second thread may answer at the same time. It has the same
  * options and the same tables of the atlas, which are in memory once.
  * @param[out] out The selector; end it with conus_selector_destroy().
- * @param selector Must outlive @p out. Its engine is rays.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for the gl engine, which belongs to one thread.
+ * @param selector Must outlive @p out. With the gl engine one thread has the device at a time.
+ * @return #CONUS_OK.
  * @threads One at a time for each @p selector.
  * @since 0.1
  */

@@ -58,8 +58,9 @@ typedef struct conus_note {
 } conus_note;
 
 /**
- * Receives a note of a driver, an engine or a reader when it is made, on the thread that called into the library. Each
- * note comes once, also of a call that fails afterwards.
+ * Receives a note of a driver, an engine or a reader when it is made, on the thread that called into the library; what
+ * the gl engine says of a batch may come on another, which ends with the call, one note at a time. Each note comes
+ * once, also of a call that fails afterwards.
  * @param user The pointer that the options gave.
  * @param note Valid until the callback returns.
  */

@@ -139,10 +139,6 @@ conus_status conus_batch_add(conus_batch *batch, conus_selector *selector, const
 {
     conus_batch_options own = batch->options;
     conus_status status = batch_check_options(&own.threads, &own.block, &own.angle, selector);
-    if (!status && own.threads != batch->options.threads) {
-        status = fail(CONUS_ERROR_ARGUMENT, "threads: %s answers on one, the batch has %u", selector->engine->name,
-                      batch->options.threads);
-    }
     own.report.atlas = atlas;
     return status ? status : add_atlas(batch, selector, &own.report);
 }

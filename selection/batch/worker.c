@@ -28,7 +28,6 @@ conus_status batch_check_options(uint32_t *threads, uint32_t *block, double *ang
         size_t count = system_processors();
         *threads = count > THREAD_LIMIT ? THREAD_LIMIT : (uint32_t)count;
     }
-    *threads = selector->options.engine == CONUS_ENGINE_GL ? 1 : *threads;
     *block = *block ? *block : DEFAULT_BLOCK;
     if (*angle == 0 && selector->options.radius == 0) {
         *angle = radians_from_degrees(DEFAULT_ANGLE_DEG);

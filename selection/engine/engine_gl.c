@@ -13,6 +13,7 @@
 #include "selection/engine/triangles/mesh_intervals.h"
 #include "selection/engine/voxels/traverse.h"
 
+#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -21,6 +22,7 @@ enum { TILE_WIDTH = 4, TILE_HEIGHT = 2 };
 
 struct gl_engine {
     struct engine base;
+    pthread_mutex_t lock; /* held by the thread that has the context */
     const conus_atlas *atlas;
     struct gl_context *context;
     struct id_pass *pass;        /* NULL where there are no volumes to select from */
@@ -66,13 +68,20 @@ static void destroy(struct engine *engine)
     memory_free(gl->traced);
     memory_free(gl->queries);
     memory_free(gl->volumes);
+    pthread_mutex_destroy(&gl->lock);
     memory_free(gl);
 }
 
+/* Waits for threads that are in there. */
 static conus_status enter(struct gl_engine *gl, struct gl_current *previous)
 {
     *previous = (struct gl_current){0};
-    return gl_context_use(gl->context, previous);
+    pthread_mutex_lock(&gl->lock);
+    conus_status status = gl_context_use(gl->context, previous);
+    if (status) {
+        pthread_mutex_unlock(&gl->lock);
+    }
+    return status;
 }
 
 /* The application's context is its own again when it is told something. */
@@ -86,6 +95,7 @@ static void leave(struct gl_engine *gl, const struct gl_current *previous)
         gl->log(gl->log_user, &note);
     }
     gl->shall_say = false;
+    pthread_mutex_unlock(&gl->lock);
 }
 
 /* Makes gl->cones, unless the driver cannot. */
@@ -370,9 +380,9 @@ static conus_status count_many(struct engine *engine, bool *is_counted, struct h
 {
     struct gl_engine *gl = (struct gl_engine *)engine;
     struct gl_current previous;
-    conus_status status = gl->cannot_make ? CONUS_OK : enter(gl, &previous);
+    conus_status status = enter(gl, &previous);
     *is_counted = false;
-    if (status || gl->cannot_make) {
+    if (status) {
         return status;
     }
     status = need_cones(gl);
@@ -581,6 +591,7 @@ conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, con
         return CONUS_ERROR_MEMORY;
     }
     gl->base.functions = &functions;
+    pthread_mutex_init(&gl->lock, NULL);
     gl->atlas = atlas;
     gl->sampling = options->sampling;
     gl->slices = options->slices;

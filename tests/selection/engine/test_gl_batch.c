@@ -10,6 +10,7 @@
 #include "gl_pair.h"
 #include "mesh_scene.h"
 #include "scene.h"
+#include "selection/selection.h"
 #include "test.h"
 #include "test_gl.h"
 #include "tract_scene.h"
@@ -72,11 +73,12 @@ static bool append_block(void *user, const conus_batch_block *block)
     return true;
 }
 
-static conus_status run_batch(struct rows *out, conus_selector *selector, const char *path, uint32_t block)
+static conus_status run_batch(struct rows *out, conus_selector *selector, const char *path, uint32_t block,
+                              uint32_t threads)
 {
     conus_batch *batch = NULL;
     conus_pose_stream *poses = NULL;
-    const conus_batch_options options = {.threads = 1, .block = block, .report = {.format = CONUS_FORMAT_NDJSON}};
+    const conus_batch_options options = {.threads = threads, .block = block, .report = {.format = CONUS_FORMAT_NDJSON}};
     buffer_clear(&out->text);
     out->errors = 0;
     conus_status status = conus_batch_create(&batch, selector, &options);
@@ -87,13 +89,13 @@ static conus_status run_batch(struct rows *out, conus_selector *selector, const 
     return status;
 }
 
-/* Blocks of two sizes give the rows of `reference`. */
+/* Blocks of two sizes give the rows of `reference`, the first by three threads, the second by one. */
 static void assert_same_rows(conus_selector *selector, const char *path, const struct rows *reference,
                              const uint32_t sizes[2])
 {
     for (size_t i = 0; i < 2; i++) {
         struct rows rows = {0};
-        assert_ok(run_batch(&rows, selector, path, sizes[i]));
+        assert_ok(run_batch(&rows, selector, path, sizes[i], i ? 1 : 3));
         assert_int_equal(rows.errors, reference->errors);
         assert_int_equal(rows.text.size, reference->text.size);
         assert_memory_equal(rows.text.data, reference->text.data, rows.text.size);
@@ -108,7 +110,7 @@ static void compare_engines(const conus_atlas *atlas, const conus_selector_optio
     conus_selector *rays = NULL;
     struct rows reference = {0};
     assert_ok(conus_selector_create(&rays, atlas, options));
-    assert_ok(run_batch(&reference, rays, path, 0));
+    assert_ok(run_batch(&reference, rays, path, 0, 1));
     assert_true(reference.errors > POSES / 10 && reference.errors < POSES / 3); /* those that are meant to be wrong */
     assert_true(reference.text.size > (size_t)POSES * 200);
     assert_same_rows(gl, path, &reference, sizes);
@@ -138,6 +140,24 @@ static void blocks_of_cones_give_the_rows_of_the_rays(void **state)
     for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
         bool ranged = i % 2 == 0 && settings[i].sampling == CONUS_SAMPLING_EXACT;
         compare_engines(atlas, &settings[i], write_poses(7 + i, atlas, settings[i].radius > 0, ranged), sizes[i % 2]);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+/* A cone is a workgroup, of which a dispatch has at most 65,535 on some drivers. */
+static void a_block_is_one_dispatch(void **state)
+{
+    (void)state;
+    uint64_t random = 61;
+    conus_atlas *atlas = scene_atlas(&random, 24, 1);
+    static const struct {
+        uint32_t resolution;
+        size_t least;
+    } cases[] = {{1, 16384}, {2, 16384}, {16, 1024}, {1024, 1}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        conus_selector *selector = gl_selector(atlas, (conus_selector_options){.resolution = cases[i].resolution});
+        assert_in_range(selections_at_once(selector), cases[i].least, 65535);
+        conus_selector_destroy(selector);
     }
     conus_atlas_destroy(atlas);
 }
@@ -189,7 +209,7 @@ static void blocks_do_not_move_the_edges_of_meshes(void **state)
     for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
         conus_selector *selector = gl_selector(atlas, settings[i]);
         struct rows reference = {0};
-        assert_ok(run_batch(&reference, selector, path, 1));
+        assert_ok(run_batch(&reference, selector, path, 1, 1));
         assert_same_rows(selector, path, &reference, (const uint32_t[]){7, 65536});
         buffer_finish(&reference.text);
         conus_selector_destroy(selector);
@@ -284,7 +304,7 @@ static conus_status run_again(void *data)
 {
     struct attempt *attempt = data;
     struct rows rows = {0};
-    conus_status status = run_batch(&rows, attempt->selector, attempt->path, 40);
+    conus_status status = run_batch(&rows, attempt->selector, attempt->path, 40, 1);
     if (!status) {
         assert_int_equal(rows.text.size, attempt->wanted.text.size);
         assert_memory_equal(rows.text.data, attempt->wanted.text.data, rows.text.size);
@@ -302,7 +322,7 @@ static void every_failing_allocation_is_clean(void **state)
     struct attempt attempt = {.path = write_poses(9, atlas, false, true)};
     conus_selector *another = gl_selector(atlas, (conus_selector_options){.resolution = 4});
     attempt.selector = gl_selector(atlas, (conus_selector_options){.resolution = 4});
-    assert_ok(run_batch(&attempt.wanted, another, attempt.path, 40));
+    assert_ok(run_batch(&attempt.wanted, another, attempt.path, 40, 1));
     test_every_allocation(run_again, &attempt);
     buffer_finish(&attempt.wanted.text);
     conus_selector_destroy(attempt.selector);
@@ -314,6 +334,7 @@ TEST_GROUP(gl_batch)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(blocks_of_cones_give_the_rows_of_the_rays),
+        cmocka_unit_test(a_block_is_one_dispatch),
         cmocka_unit_test(a_real_atlas_gives_the_same_rows),
         cmocka_unit_test(blocks_do_not_move_the_edges_of_meshes),
         cmocka_unit_test(many_cones_are_what_they_are_alone),
