@@ -252,18 +252,19 @@ static bool go_round(struct window *window, struct script *script, int *code)
     return true;
 }
 
-/* Whether it closes, unless what was confirmed would be lost: then that is asked first. */
+/* Whether it closes, unless what was made by hand would be lost: then that is asked first. */
 static bool closes(struct window *window)
 {
     if (!glfwWindowShouldClose(window->handle)) {
         return false;
     }
-    if (window->forms.closes || !session_lacks_pins(window)) {
+    const char *lost = session_lacks(window);
+    if (window->forms.closes || !lost) {
         return true;
     }
     glfwSetWindowShouldClose(window->handle, GLFW_FALSE);
     glfwShowWindow(window->handle); /* closed while files were read, it is hidden */
-    window->forms.asks_to_close = true;
+    window->forms.closing_loses = lost;
     window->frame.frames_wanted = FRAMES_PER_EVENT;
     return false;
 }

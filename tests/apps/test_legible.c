@@ -337,7 +337,12 @@ static void look_at_all(struct window *window)
     nothing_is_cut(window, "keys");
     window->forms.show_help = false;
     window->start.on = true;
+    static const char asked[] = "What lies behind that? All depths of the cone";
     nothing_is_cut(window, "start page");
+    assert_true(ui_audit_place(asked) < SIZE_MAX);
+    window->start.recent = (struct recent){.count = 1, .paths = {"/atlases/slabs.nii.gz"}};
+    nothing_is_cut(window, "start page with what was opened before");
+    assert_true(ui_audit_place("slabs.nii.gz") < SIZE_MAX && ui_audit_place(asked) == SIZE_MAX);
     window->start.on = false;
 }
 

@@ -486,6 +486,52 @@ END
     [ ! -e opened.tsv ]
 }
 
+# The sphere's values are 0 to 1, and the editor goes up to 0.3 a mm (panel_look.c): so the middle one of these points is
+# in its middle, 110 pixels high. 22 of them up are a fifth of the way: 0.15 + 0.06.
+@test "closing asks where a transfer function was drawn that no session has" {
+    need_window
+    conus phantom slabs -o .
+    sphere
+    local brain=(slabs.nii.gz --context sphere.nii.gz --session drawn.json)
+    view slabs.nii.gz --context sphere.nii.gz <<<'save plain.json'
+    jq '.transfer = [[0, 0, 0, 0, 0], [0.5, 1, 0.5, 0.25, 0.15], [1, 1, 1, 1, 0.3]]' plain.json >drawn.json
+    jq 'del(.transfer)' plain.json >older.json
+    view "${brain[@]}" <<<$'key ctrl+q\nwait 1\nresults opened.tsv' # the session that was opened has it
+    [ ! -e opened.tsv ]
+    # it stays where a session says nothing of it, and that one does not have it, until it is saved
+    view "${brain[@]}" <<'END'
+open older.json
+key ctrl+q
+wait 1
+results asked.tsv
+key escape
+save kept.json
+key ctrl+q
+wait 1
+results saved.tsv
+END
+    [ -e asked.tsv ]
+    jq -e --slurpfile drawn drawn.json '.transfer == $drawn[0].transfer' kept.json
+    [ ! -e saved.tsv ]
+    live "${brain[@]}" --size 1280x800
+    click_at 1085 536 # Context
+    xdotool mousemove --window "$window" 1088 687
+    pass
+    xdotool mousedown 1
+    pass
+    xdotool mousemove --window "$window" 1088 665
+    pass
+    xdotool mouseup 1
+    pass
+    close_window "$window"
+    pass
+    look '.transfer[1][4] > 0.2 and .transfer[1][4] < 0.22' # and saved, so that it may close
+    close_window "$window"
+    tell 'wait 8' 'save late.json'
+    leave
+    [ ! -e late.json ]
+}
+
 @test "a window manager that closes the window is asked, too" {
     conus phantom slabs -o .
     live slabs.nii.gz --size 640x480

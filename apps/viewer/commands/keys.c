@@ -599,7 +599,7 @@ static bool press_at_start(struct window *window, const char *key)
 static bool press_in_question(struct window *window, const char *key)
 {
     bool may_be_added = window->files.asked.may_be_added;
-    if (window->forms.asks_to_close) {
+    if (window->forms.closing_loses) {
         bool stays = strcasecmp(key, "enter") == 0 || strcasecmp(key, "escape") == 0;
         if (stays || strcasecmp(key, "q") == 0) {
             window_answer_closing(window, !stays);

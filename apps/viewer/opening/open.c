@@ -567,7 +567,7 @@ static bool open_anew(struct window *window, const json_t *words, const struct v
     char *saved = window->history.session_path ? strdup(window->history.session_path) : NULL;
     bool lists = window->forms.added.open;
     json_t *session = session_json(window);
-    json_t *has_pins = json_incref(window->history.has_pins);
+    json_t *kept = json_incref(window->history.kept);
     json_t *lost = json_incref(window->files.lost);
     json_t *then = additions_atlases(json_object_get(window->files.opened, "options"));
     bool fine = worded_parse(&worded, words, settings, false) == EXIT_DONE;
@@ -585,7 +585,7 @@ static bool open_anew(struct window *window, const json_t *words, const struct v
         fine = session_read(window, session, "session", refused);
         json_decref(now);
         window->history.session_path = saved;
-        window->history.has_pins = json_incref(has_pins);
+        window->history.kept = json_incref(kept);
         window->files.lost = json_incref(lost);
         window->forms.added = (struct added_form){.open = lists, .kind = ADD_ATLAS, .is_set = true};
         viewer_say(window->viewer, "%s",
@@ -595,7 +595,7 @@ static bool open_anew(struct window *window, const json_t *words, const struct v
     }
     worded_finish(&worded);
     json_decref(session);
-    json_decref(has_pins);
+    json_decref(kept);
     json_decref(lost);
     json_decref(then);
     free(path);

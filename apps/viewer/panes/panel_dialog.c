@@ -176,10 +176,11 @@ void panel_dialog(struct window *window)
 
 static void ask_to_close(struct window *window)
 {
+    char text[256];
+    snprintf(text, sizeof text, "No session has %s: it ends with the window. To keep it, go on, and press Ctrl+S.",
+             window->forms.closing_loses);
     window_panel(window, "Close without saving?", 460, 130);
-    ui_text_wrapped(
-        THEME_ORANGE,
-        "What was confirmed is in no session, and ends with the window. To keep it, go on, and press Ctrl+S.");
+    ui_text_wrapped(THEME_ORANGE, text);
     ui_gap(ui_line() / 4);
     if (ui_button("Keep working", "all stays as it is; Enter or Escape")) {
         window_answer_closing(window, false);
@@ -195,7 +196,7 @@ void panel_ask(struct window *window)
 {
     const struct open_request *asked = &window->files.asked;
     char name[SYSTEM_NAME + 1];
-    if (window->forms.asks_to_close) {
+    if (window->forms.closing_loses) {
         ask_to_close(window);
         return;
     }

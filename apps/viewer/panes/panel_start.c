@@ -14,6 +14,10 @@ enum { ABOUT = 512 };
 
 static const float number_width = 26;
 static const float least_wide = 700, gap = 24; /* from here on the lists stand side by side, so far apart */
+static const char sources[] =
+    "conus lists those that mricron (Debian's package mricron-data), FSL, FreeSurfer, BrainGlobe, TemplateFlow, AFNI, "
+    "SPM, CAT12, nilearn and MRIcroGL keep on this computer, and your own in the folder $CONUS_ATLAS_PATH. \"conus "
+    "atlases --places\" says where it looks. Any other one: drop it here.";
 
 static void draw_field(struct window *window)
 {
@@ -173,6 +177,7 @@ static void draw_phantom(struct window *window)
     if (draw_offer(window, &phantom, "made by conus, to try it")) {
         window_request_sample(window);
     }
+    ui_gap(ui_line() / 2);
 }
 
 static void draw_known(struct window *window)
@@ -222,10 +227,12 @@ static void draw_catalogue(struct window *window, float height)
         }
     }
     if (!fitting) {
-        ui_text_wrapped(THEME_HINT, conus_catalogue_count(start->catalogue)
-                                        ? (start_words_typed(start)[0] ? "No installed atlas has such a name."
-                                                                       : "All are listed already.")
-                                        : "None was found. \"conus atlases\" lists where conus looks.");
+        ui_text_wrapped(THEME_HINT, !conus_catalogue_count(start->catalogue) ? "None was found."
+                                    : start_words_typed(start)[0]            ? "No installed atlas has such a name."
+                                                                             : "All are listed already.");
+    }
+    if (!conus_catalogue_count(start->catalogue)) {
+        ui_text_wrapped(THEME_HINT, sources);
     }
     ui_scroll_end();
 }
@@ -243,6 +250,30 @@ static bool has_pictures(struct start *start)
     return has;
 }
 
+/* What an atlas is opened for, and where more of them come from, while nothing that was opened before has the place. */
+static void draw_guide(const struct window *window)
+{
+    static const char *const asks[][2] = {{"Mouse", "What does the cone hit? A click holds it"},
+                                          {"L", "What lies behind that? All depths of the cone"},
+                                          {"J", "How sure is it? Other angles, a pose with errors"},
+                                          {"/", "Where is an area? Search by name or label"},
+                                          {"Enter", "Keep the answer; Ctrl+S saves the session"},
+                                          {"Ctrl+P", "A figure for print; Ctrl+E exports the list"},
+                                          {"Drop", "A T1, streamlines, a second atlas: into the window"}};
+    if (window->start.recent.count) {
+        return;
+    }
+    draw_list_title("Once an atlas is open");
+    for (size_t i = 0; i < sizeof asks / sizeof asks[0]; i++) {
+        panel_key(window, asks[i][0], asks[i][1]);
+    }
+    ui_gap(ui_line() / 2);
+    if (conus_catalogue_count(window->start.catalogue)) {
+        draw_list_title("More atlases");
+        ui_text_wrapped(THEME_HINT, sources);
+    }
+}
+
 static void draw_lists(struct window *window, float height)
 {
     window->start.has_pictures = has_pictures(&window->start);
@@ -251,10 +282,13 @@ static void draw_lists(struct window *window, float height)
     if (width < least_wide * window->screen.scale) {
         draw_known(window);
         draw_catalogue(window, fmaxf(height / 2, 8 * ui_line()));
+        ui_gap(ui_line() / 2);
+        draw_guide(window);
         return;
     }
     ui_column("known", half, height);
     draw_known(window);
+    draw_guide(window);
     ui_scroll_end();
     ui_same_line_at(half + gap * window->screen.scale);
     ui_column("catalogue", half, height);

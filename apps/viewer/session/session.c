@@ -445,31 +445,44 @@ bool session_check(const char *path, char why[PROPERTY_REASON])
     return root;
 }
 
-/* The pins without the numbers of their atlases and objects, which change as files come and go. */
-static json_t *plain_pins(const struct viewer *viewer)
+/* What only a session keeps: the pins without the numbers of their atlases and objects, which change as files come and
+ * go, and the transfer function that was drawn. */
+static json_t *work_of(const struct viewer *viewer)
 {
     json_t *pins = pins_of(viewer);
     for (size_t i = 0; i < json_array_size(pins); i++) {
         json_object_del(json_array_get(pins, i), "atlas");
         json_object_del(json_array_get(pins, i), "object");
     }
-    return pins;
+    return json_pack("{s: o, s: o}", "confirmed", pins, "transfer", transfer_of(&viewer->transfer_editor));
 }
 
-bool session_lacks_pins(const struct window *window)
+static bool lacks(const json_t *kept, const json_t *work, const char *part)
 {
-    json_t *pins = window->viewer ? plain_pins(window->viewer) : NULL;
-    bool lacks = json_array_size(pins) && !json_equal(pins, window->history.has_pins);
-    json_decref(pins);
-    return lacks;
+    const json_t *now = json_object_get(work, part);
+    return json_array_size(now) && !json_equal(now, json_object_get(kept, part));
 }
 
-/* Notes where Ctrl+S saves from now on, and what is confirmed there. */
-static void note_session(struct window *window, const char *path)
+const char *session_lacks(const struct window *window)
+{
+    static const char *const parts[] = {NULL, "what was confirmed", "the transfer function that was drawn",
+                                        "what was confirmed, nor the transfer function that was drawn"};
+    json_t *work = window->viewer ? work_of(window->viewer) : NULL;
+    const json_t *kept = window->history.kept;
+    const char *lacking = parts[lacks(kept, work, "confirmed") + 2 * lacks(kept, work, "transfer")];
+    json_decref(work);
+    return lacking;
+}
+
+/* Notes where Ctrl+S saves from now on, and what is kept there, in `root`. */
+static void note_session(struct window *window, const char *path, const json_t *root)
 {
     char *copy = strdup(path);
-    json_decref(window->history.has_pins);
-    window->history.has_pins = plain_pins(window->viewer);
+    json_decref(window->history.kept);
+    window->history.kept = work_of(window->viewer);
+    if (!json_object_get(root, "transfer")) { /* that of before stayed */
+        json_object_del(window->history.kept, "transfer");
+    }
     if (copy) {
         free(window->history.session_path);
         window->history.session_path = copy;
@@ -480,12 +493,12 @@ bool session_save(struct window *window, const char *path, char why[PROPERTY_REA
 {
     json_t *root = session_json(window);
     char *text = root && session_keep_lost(root, window) ? json_dumps(root, JSON_INDENT(1)) : NULL;
-    json_decref(root);
     conus_status status = text ? conus_write_file(path, text, strlen(text)) : CONUS_ERROR_MEMORY;
     free(text);
     if (!status) {
-        note_session(window, path);
+        note_session(window, path, root);
     }
+    json_decref(root);
     return !status ||
            session_refuse(why, "%s",
                           text ? conus_message() : "session: not enough memory, or a name that is not UTF-8");
@@ -495,10 +508,10 @@ bool session_load(struct window *window, const char *path, char why[PROPERTY_REA
 {
     json_t *root = read_file(path, why);
     bool fine = root && session_read(window, root, path, why);
-    json_decref(root);
     if (fine) {
-        note_session(window, path);
+        note_session(window, path, root);
         viewer_say(window->viewer, "opened: %s", path_name(path)); /* what was said before is of another state */
     }
+    json_decref(root);
     return fine;
 }

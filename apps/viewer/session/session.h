@@ -18,8 +18,8 @@ bool session_parse(struct window *window, const char *text, size_t size, char wh
 
 /** False: @p why says why not, in one line. The window knows the path of the session from then on. */
 bool session_save(struct window *window, const char *path, char why[PROPERTY_REASON]);
-/** Whether something is confirmed that is not in the session that was saved or opened last. */
-bool session_lacks_pins(const struct window *window);
+/** Names what was made by hand and is not in the session that was saved or opened last; static; NULL = nothing. */
+const char *session_lacks(const struct window *window);
 /** Whether the file @p path is JSON; else @p why says why not. */
 bool session_check(const char *path, char why[PROPERTY_REASON]);
 /** Likewise; the window stays as it was unless the whole file fits. A session of another atlas is refused. */

@@ -15,18 +15,20 @@ static ImVec4 from_theme(ui_colour c)
 }
 
 /* Letters and figures, the latter all equally wide; those of texts have signs that the font lacks, too. Headings take
- * these and old Cyrillic letters from texts (push_heading()): as many large ones would hold up the first frame. */
+ * these and old Cyrillic letters from texts (push_heading()): as many large ones would hold up the first frame. So
+ * would large ones that are drawn three times as wide as they are shown, which small ones need to be sharp. */
 static bool load_fonts(float scale)
 {
     static const ImWchar letters[] = {0x20, 0x24f, 0x370, 0x52f, 0x2010, 0x2044, 0};
     static const ImWchar large[] = {0x20, 0x24f, 0x370, 0x45f, 0x2010, 0x2044, 0};
     static const ImWchar signs[] = {0x20, 0x24f, 0x370, 0x52f, 0x2010, 0x2044, 0x2190, 0x22ff, 0};
-    ImFontConfig more;
+    ImFontConfig once, more;
+    once.OversampleH = more.OversampleH = scale < 2 ? 3 : 2;
     more.MergeMode = true;
     ImFontAtlas &fonts = *ImGui::GetIO().Fonts;
-    return fonts.AddFontFromFileTTF(CONUS_VIEWER_FONT, LOOK_TEXT * scale, nullptr, letters) &&
+    return fonts.AddFontFromFileTTF(CONUS_VIEWER_FONT, LOOK_TEXT * scale, &once, letters) &&
            fonts.AddFontFromFileTTF(CONUS_VIEWER_SIGNS_FONT, LOOK_TEXT * scale, &more, signs) &&
-           fonts.AddFontFromFileTTF(CONUS_VIEWER_BOLD_FONT, LOOK_HEADING * scale, nullptr, large);
+           fonts.AddFontFromFileTTF(CONUS_VIEWER_BOLD_FONT, LOOK_HEADING * scale, &once, large);
 }
 
 /* Surfaces under texts have the theme's colours, and are opaque. */

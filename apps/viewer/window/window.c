@@ -338,7 +338,7 @@ void window_history_finish(struct history *history)
 {
     changes_finish(&history->changes);
     free(history->session_path);
-    json_decref(history->has_pins);
+    json_decref(history->kept);
 }
 
 void window_close(struct window *window)
@@ -628,14 +628,14 @@ void window_answer(struct window *window, enum opening how)
 
 void window_answer_closing(struct window *window, bool closes)
 {
-    window->forms.asks_to_close = false;
+    window->forms.closing_loses = NULL;
     window->forms.closes = closes;
     glfwSetWindowShouldClose(window->handle, closes);
 }
 
 bool window_asks(const struct window *window)
 {
-    return window->forms.asks_to_close || window->files.asked.count;
+    return window->forms.closing_loses || window->files.asked.count;
 }
 
 const struct json_t *window_words(struct window *window)

@@ -243,8 +243,8 @@ struct history {
     unsigned noted_version, noted_said; /**< The viewer's, when undo looked at it last. */
     unsigned noted_second;              /**< The second tool's. */
     struct layout noted_layout;
-    char *session_path;      /**< The session that was opened or saved last; NULL = none. */
-    struct json_t *has_pins; /**< What was confirmed then, as session/session.c compares it; NULL = nothing. */
+    char *session_path;  /**< The session that was opened or saved last; NULL = none. */
+    struct json_t *kept; /**< What it keeps that was made by hand, as session/session.c compares it; NULL = nothing. */
 };
 
 void window_history_finish(struct history *history);
@@ -255,7 +255,9 @@ struct forms {
     struct added_form added;
     bool show_help, searches_help; /**< Its line takes the keyboard in the next frame. */
     char help_search[64];
-    bool asks_to_close, closes; /**< Whether it may close is asked, before all else; or was answered. */
+    const char *closing_loses; /**< Static; whether it may close is asked, before all else, since that is lost; NULL =
+                                    it is not. */
+    bool closes;               /**< The answer. */
 };
 
 struct window {
