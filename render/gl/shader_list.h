@@ -10,17 +10,15 @@
 #ifndef CONUS_RENDER_GL_SHADER_LIST_H
 #define CONUS_RENDER_GL_SHADER_LIST_H
 
-#include "base/status.h"
-#include "render/gl/functions.h"
-
-#include <stdint.h>
+#include "render/gl/readback.h"
 
 struct shader_list {
     GLuint buffer;
     size_t record_size; /**< Bytes. */
     uint32_t capacity;  /**< Records that fit.                            */
     uint32_t limit;     /**< The largest capacity.                         */
-    void *records;      /**< The records that were read, [capacity]; may be NULL. */
+    uint32_t likely;    /**< Records that are read before it is known how many there are. */
+    struct readback readback;
 };
 
 /** One drawing into a list. Both functions get @p user. */

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "render/gl/context.h"
 #include "render/gl/program.h"
+#include "render/gl/readback.h"
 #include "render/gl/shaders.h"
 
 #include <assert.h>
@@ -50,9 +51,8 @@ struct cone_pass {
     size_t volumes;
     uint32_t list_count;  /* rays that are listed, */
     uint32_t listed_rays; /* and of each of their cones */
-    struct cone_head *heads;
-    struct cone_row *rows;
-    size_t head_capacity, row_capacity; /* of these on the CPU */
+    size_t likely_rows;   /* of a part: as many are read before it is known how many there are */
+    struct readback readback;
 };
 
 /* Makes a buffer at least so large; what is in it is lost where it grows. */
@@ -68,12 +68,6 @@ static void upload(struct cone_pass *pass, int buffer, const void *data, size_t 
 {
     reserve(pass, buffer, size);
     glNamedBufferSubData(pass->buffers[buffer], 0, (GLsizeiptr)size, data);
-}
-
-static conus_status read_back(struct cone_pass *pass, int buffer, void *out, size_t size)
-{
-    glGetNamedBufferSubData(pass->buffers[buffer], 0, (GLsizeiptr)size, out);
-    return gl_check("reading counts");
 }
 
 static conus_status need_program(struct cone_pass *pass, enum kind kind)
@@ -139,24 +133,23 @@ static double hard_number(uint32_t i)
  * each. */
 static conus_status check_rounding(struct cone_pass *pass, bool *out)
 {
-    double *values = memory_raw(VALUES, sizeof *values);
-    conus_status status = values ? need_program(pass, CHECK) : CONUS_ERROR_MEMORY;
+    double values[VALUES];
+    struct readback_part made = {pass->buffers[VALUE_BUFFER], sizeof values, NULL};
+    conus_status status = need_program(pass, CHECK);
     *out = true;
     if (!status) {
         for (uint32_t i = 0; i < VALUES; i++) {
             values[i] = hard_number(i);
         }
-        upload(pass, VALUE_BUFFER, values, VALUES * sizeof *values);
+        upload(pass, VALUE_BUFFER, values, sizeof values);
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, VALUE_BUFFER, pass->buffers[VALUE_BUFFER]);
         glUseProgram(pass->programs[CHECK].program);
         glDispatchCompute(VALUES / CONE_PART, 1, 1);
-        glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-        status = read_back(pass, VALUE_BUFFER, values, VALUES * sizeof *values);
+        status = readback_wait(&pass->readback, &made, 1, "checking how numbers are rounded");
         for (uint32_t i = 0; i < VALUES && !status; i++) {
-            *out = *out && values[i] == 1 / hard_number(i);
+            *out = *out && ((const double *)made.data)[i] == 1 / values[i];
         }
     }
-    memory_free(values);
     return status;
 }
 
@@ -173,6 +166,7 @@ conus_status cone_pass_create(struct cone_pass **out, struct id_pass *id_pass, c
     }
     pass->id_pass = id_pass;
     pass->volumes = volumes;
+    pass->likely_rows = ROWS_OF_A_PART;
     pass->matrices = memory_raw(volumes, sizeof *pass->matrices);
     conus_status status = pass->matrices ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
@@ -207,9 +201,8 @@ void cone_pass_destroy(struct cone_pass *pass)
             glDeleteProgram(pass->programs[kind].program);
         }
         glDeleteBuffers(BUFFER_COUNT, pass->buffers);
+        readback_finish(&pass->readback);
         memory_free(pass->matrices);
-        memory_free(pass->heads);
-        memory_free(pass->rows);
         memory_free(pass);
     }
 }
@@ -238,6 +231,11 @@ static void set_shapes(struct cone_pass *pass, int aim_buffer, const struct cone
     }
 }
 
+static uint32_t parts_of(uint32_t rays)
+{
+    return (rays + CONE_PART - 1) / CONE_PART;
+}
+
 /* Who knows which buffers the driver has made. */
 static void forget_sizes(struct cone_pass *pass)
 {
@@ -252,10 +250,11 @@ static void set_matrix(const struct cone_pass *pass, enum kind kind, size_t volu
 }
 
 /* Walks all rays, volume after volume; behind the last one they are counted. */
-static conus_status dispatch(struct cone_pass *pass, uint32_t rays, uint32_t cones, uint32_t parts)
+static conus_status dispatch(struct cone_pass *pass, uint32_t rays, uint32_t cones, size_t row_count)
 {
     const struct cone_program *program = &pass->programs[COUNT];
     const struct cone_head none = {0};
+    reserve(pass, ROW_BUFFER, row_count * sizeof(struct cone_row));
     glNamedBufferSubData(pass->buffers[HEAD_BUFFER], 0, sizeof none, &none);
     for (GLuint buffer = 0; buffer < VALUE_BUFFER; buffer++) {
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, buffer, pass->buffers[buffer]);
@@ -267,51 +266,53 @@ static conus_status dispatch(struct cone_pass *pass, uint32_t rays, uint32_t con
         set_matrix(pass, COUNT, i);
         glUniform1i(program->has_known, i > 0);
         glUniform1i(program->is_last, i + 1 == pass->volumes);
-        glDispatchCompute(cones, parts, 1);
-        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+        glDispatchCompute(cones, parts_of(rays), 1);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
     return gl_check("counting cones");
+}
+
+/* Reads the heads, before which the number of rows stands, and so many rows. */
+static conus_status read_rows(struct cone_pass *pass, const struct cone_head **heads, size_t head_count,
+                              const struct cone_row **rows, size_t row_count)
+{
+    struct readback_part parts[] = {{pass->buffers[HEAD_BUFFER], head_count * sizeof **heads, NULL},
+                                    {pass->buffers[ROW_BUFFER], row_count * sizeof **rows, NULL}};
+    conus_status status = readback_wait(&pass->readback, parts, 2, "reading counts");
+    *heads = parts[0].data;
+    *rows = parts[1].data;
+    return status;
 }
 
 conus_status cone_pass_count(struct cone_pass *pass, const struct cone_shapes *shapes, const struct cone_place *places,
                              uint32_t cones, const struct cone_head **heads, const struct cone_row **rows)
 {
-    uint32_t parts = (shapes->rays + CONE_PART - 1) / CONE_PART;
-    size_t head_count = HEADS_BEFORE + (size_t)cones * parts;
-    uint32_t row_count = 0;
-    if (!memory_reserve(&pass->heads, &pass->head_capacity, head_count, sizeof *pass->heads)) {
-        return CONUS_ERROR_MEMORY;
-    }
+    const size_t parts = (size_t)cones * parts_of(shapes->rays);
+    const size_t likely = parts * pass->likely_rows;
     conus_status status = need_program(pass, COUNT);
     if (!status) {
         set_shapes(pass, AIM_BUFFER, shapes);
         upload(pass, CONE_BUFFER, places, cones * sizeof *places);
-        reserve(pass, HEAD_BUFFER, head_count * sizeof *pass->heads);
-        reserve(pass, ROW_BUFFER, (size_t)cones * parts * ROWS_OF_A_PART * sizeof *pass->rows);
+        reserve(pass, HEAD_BUFFER, (HEADS_BEFORE + parts) * sizeof **heads);
         if (pass->volumes > 1) {
             reserve(pass, KNOWN_BUFFER, (size_t)cones * shapes->rays * KNOWN_SIZE);
         }
-        status = gl_check("cones");
+        status = dispatch(pass, shapes->rays, cones, likely);
     }
-    for (bool fits = false; !status && !fits;) {
-        status = dispatch(pass, shapes->rays, cones, parts);
-        status = status ? status : read_back(pass, HEAD_BUFFER, pass->heads, head_count * sizeof *pass->heads);
-        if (!status) {
-            row_count = pass->heads[0].first;
-            fits = row_count * sizeof *pass->rows <= pass->sizes[ROW_BUFFER];
-            reserve(pass, ROW_BUFFER, row_count * sizeof *pass->rows);
-        }
+    status = status ? status : read_rows(pass, heads, HEADS_BEFORE + parts, rows, likely);
+    const size_t row_count = status ? 0 : (*heads)->first;
+    if (row_count * sizeof **rows > pass->sizes[ROW_BUFFER]) {
+        status = dispatch(pass, shapes->rays, cones, row_count);
     }
-    if (!status && !memory_reserve(&pass->rows, &pass->row_capacity, row_count, sizeof *pass->rows)) {
-        status = CONUS_ERROR_MEMORY;
+    if (row_count > likely && !status) {
+        status = read_rows(pass, heads, HEADS_BEFORE + parts, rows, row_count);
     }
-    status = status ? status : read_back(pass, ROW_BUFFER, pass->rows, row_count * sizeof *pass->rows);
     if (status) {
         forget_sizes(pass);
         return status;
     }
-    *heads = pass->heads + HEADS_BEFORE;
-    *rows = pass->rows;
+    *heads += HEADS_BEFORE;
+    pass->likely_rows = row_count / parts < ROWS_OF_A_PART ? ROWS_OF_A_PART : row_count / parts * 5 / 4;
     return CONUS_OK;
 }
 
@@ -349,7 +350,7 @@ conus_status cone_pass_make_rays(struct cone_pass *pass, size_t volume)
     glUniform1ui(program->ray_count, pass->listed_rays);
     glUniform1ui(program->list_count, pass->list_count);
     set_matrix(pass, MAKE, volume);
-    glDispatchCompute((pass->list_count + CONE_PART - 1) / CONE_PART, 1, 1);
-    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    glDispatchCompute(parts_of(pass->list_count), 1, 1);
+    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     return gl_check("making rays");
 }

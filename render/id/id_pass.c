@@ -44,8 +44,8 @@ struct id_pass {
     uint32_t ray_count;
     uint32_t capacity; /* rays */
     bool has_device_rays;
-    struct id_ray *rays; /* NULL until they are asked for */
-    struct id_hit *hits;
+    struct id_ray *rays;      /* NULL until they are asked for */
+    struct readback readback; /* of hits */
 };
 
 /* Creates a program unless it is there. */
@@ -113,9 +113,7 @@ conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const
 static void drop_rays(struct id_pass *pass)
 {
     memory_free(pass->rays);
-    memory_free(pass->hits);
     pass->rays = NULL;
-    pass->hits = NULL;
     pass->capacity = 0;
 }
 
@@ -138,6 +136,7 @@ void id_pass_destroy(struct id_pass *pass)
         glDeleteProgram(pass->programs[kind].program);
     }
     shader_list_finish(&pass->intervals);
+    readback_finish(&pass->readback);
     memory_free(pass);
 }
 
@@ -176,20 +175,12 @@ static conus_status reserve_rays(struct id_pass *pass, uint32_t rays)
         return fail(CONUS_ERROR_GL, "%u rays at once: this OpenGL driver allows %d", rays, limit / RAY_TEXELS);
     }
     drop_rays(pass);
-    pass->hits = memory_raw(rays, sizeof *pass->hits);
-    if (!pass->hits) {
-        return CONUS_ERROR_MEMORY;
-    }
     glNamedBufferData(pass->ray_buffer, (GLsizeiptr)(rays * sizeof(struct id_ray)), NULL, GL_STREAM_DRAW);
-    glNamedBufferData(pass->hit_buffer, (GLsizeiptr)(rays * sizeof *pass->hits), NULL, GL_DYNAMIC_COPY);
+    glNamedBufferData(pass->hit_buffer, (GLsizeiptr)(rays * sizeof(struct id_hit)), NULL, GL_DYNAMIC_COPY);
     glTextureBuffer(pass->ray_texels, GL_RGBA32UI, pass->ray_buffer);
     conus_status status = gl_check("rays");
-    if (status) {
-        drop_rays(pass);
-        return status;
-    }
-    pass->capacity = rays;
-    return CONUS_OK;
+    pass->capacity = status ? 0 : rays;
+    return status;
 }
 
 conus_status id_pass_begin(struct id_pass *pass, uint32_t rays)
@@ -260,11 +251,10 @@ conus_status id_pass_trace(struct id_pass *pass, size_t volume)
 conus_status id_pass_read(struct id_pass *pass, const struct id_hit **out)
 {
     assert(pass->volumes_traced);
-    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    glGetNamedBufferSubData(pass->hit_buffer, 0, (GLsizeiptr)(pass->ray_count * sizeof *pass->hits), pass->hits);
-    conus_status status = gl_check("reading the ID pass");
+    struct readback_part part = {pass->hit_buffer, pass->ray_count * sizeof(struct id_hit), NULL};
+    conus_status status = readback_wait(&pass->readback, &part, 1, "reading the ID pass");
     if (!status) {
-        *out = pass->hits;
+        *out = part.data;
     }
     return status;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * The ID pass: which object each of many rays hits first. The rays are those of the pixels of as many cones as one
- * likes, so a block of cones is one dispatch per volume and one readback. Needs a current context throughout. One
+ * likes, so a block of cones is one dispatch per volume and one wait. Needs a current context throughout. One
  * trace is: id_pass_begin(); for each volume fill id_pass_rays() and id_pass_trace(); id_pass_read(). For all layers:
  * id_pass_begin(); for each volume fill id_pass_rays() and id_pass_pierce(). */
 #ifndef CONUS_RENDER_ID_ID_PASS_H

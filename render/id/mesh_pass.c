@@ -54,7 +54,9 @@ struct mesh_pass {
     GLuint vertices, position_buffer, corner_buffer, positions, corners;
     struct target target; /* without pixels: results go to the buffer */
     GLuint pixel_buffer;
-    uint32_t *pixels;   /* [pixel_slots n n][2 + capacity]: the shader's nearest, count and triangles */
+    uint32_t *pixels; /* [pixel_slots n n][2 + capacity]: the shader's nearest, count and triangles; as they go up, */
+    const uint32_t *drawn; /* and as they come down */
+    struct readback readback;
     size_t pixel_slots; /* that many are drawn and read at once */
     uint32_t capacity;  /* triangles that a pixel can note in one batch */
     GLsizei *draw_counts;
@@ -228,6 +230,7 @@ void mesh_pass_destroy(struct mesh_pass *pass)
     glDeleteProgram(pass->all.program);
     target_finish(&pass->target);
     shader_list_finish(&pass->hits);
+    readback_finish(&pass->readback);
     for (size_t i = 0; i < pass->slot_count; i++) {
         mesh_cull_destroy(pass->slots[i].cull);
     }
@@ -244,10 +247,10 @@ static size_t pixel_count(const struct mesh_pass *pass)
     return (size_t)pass->target.width * pass->target.height;
 }
 
-/* A pixel of slot number `place` among those drawn at once. */
-static uint32_t *pixel_at(const struct mesh_pass *pass, size_t place, size_t pixel)
+/* Where a pixel of slot number `place` is among those drawn at once. */
+static size_t pixel_at(const struct mesh_pass *pass, size_t place, size_t pixel)
 {
-    return pass->pixels + (place * pixel_count(pass) + pixel) * (2 + (size_t)pass->capacity);
+    return (place * pixel_count(pass) + pixel) * (2 + (size_t)pass->capacity);
 }
 
 /* Bytes of the pixels of `slots` slots. */
@@ -391,8 +394,9 @@ static conus_status draw_batches(struct mesh_pass *pass, const struct slot *slot
     for (size_t i = 0; i < count; i++) {
         for (size_t pixel = 0; pixel < pixel_count(pass); pixel++) {
             float nearest = (float)slots[i].query->pixels.distances[pixel];
-            memcpy(pixel_at(pass, i, pixel), &nearest, sizeof nearest);
-            pixel_at(pass, i, pixel)[1] = 0;
+            uint32_t *first = pass->pixels + pixel_at(pass, i, pixel);
+            memcpy(first, &nearest, sizeof nearest);
+            first[1] = 0;
         }
     }
     glNamedBufferSubData(pass->pixel_buffer, 0, (GLsizeiptr)pixels_size(pass, count), pass->pixels);
@@ -402,10 +406,10 @@ static conus_status draw_batches(struct mesh_pass *pass, const struct slot *slot
         glUniform1i(pass->first.first_pixel, (GLint)(i * pixel_count(pass)));
         draw_batch(pass, slots[i].batch, slots[i].count);
     }
-    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    glFinish();
-    glGetNamedBufferSubData(pass->pixel_buffer, 0, (GLsizeiptr)pixels_size(pass, count), pass->pixels);
-    return gl_check("mesh ID pass");
+    struct readback_part part = {pass->pixel_buffer, pixels_size(pass, count), NULL};
+    conus_status status = readback_wait(&pass->readback, &part, 1, "mesh ID pass");
+    pass->drawn = part.data;
+    return status;
 }
 
 /* Settles the triangles that the driver noted in the slots' pixels. A batch is drawn again if a pixel had more
@@ -417,7 +421,7 @@ static conus_status settle_batches(struct mesh_pass *pass, struct slot *slots, s
     for (size_t i = 0; i < count; i++) {
         uint32_t most = 0; /* that one pixel noted */
         for (size_t n = 0; n < pixel_count(pass); n++) {
-            const uint32_t *pixel = pixel_at(pass, i, n);
+            const uint32_t *pixel = pass->drawn + pixel_at(pass, i, n);
             uint32_t noted = pixel[1];
             most = noted > most ? noted : most;
             for (uint32_t k = 0; k < noted && k < pass->capacity; k++) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lists that shaders append to: they grow, take turns or refuse. */
+#include "gl_pair.h"
 #include "render/gl/program.h"
 #include "render/gl/shader_list.h"
 #include "render/gl/shaders.h"
@@ -108,6 +109,7 @@ static void a_list_grows_until_all_fits(void **state)
     struct drawing drawing;
     drawing_init(&drawing);
     const struct shader_list_job job = job_of(&drawing);
+    const int before = gl_pair_waits();
     assert_ok(shader_list_init(&list, 8, 1));
     assert_ok(shader_list_collect(&list, &job));
     assert_complete(&drawing);
@@ -116,6 +118,7 @@ static void a_list_grows_until_all_fits(void **state)
     assert_ok(shader_list_collect(&list, &job)); /* once it has grown, it fits */
     assert_complete(&drawing);
     assert_int_equal(drawing.draws, 3);
+    assert_int_equal(gl_pair_waits() - before, 3);
     shader_list_finish(&list);
     drawing_finish(&drawing);
 }
