@@ -41,11 +41,12 @@
     F(epoxy_, glTextureParameteri) F(epoxy_, glTextureStorage2D) F(epoxy_, glTextureStorage3D)                         \
     F(epoxy_, glTextureSubImage2D) F(epoxy_, glTextureSubImage3D) F(epoxy_, glUniform1f) F(epoxy_, glUniform1i)        \
     F(epoxy_, glUniform1ui) F(epoxy_, glUniform2f) F(epoxy_, glUniform2fv) F(epoxy_, glUniform2i)                      \
-    F(epoxy_, glUniform3dv) F(epoxy_, glUniform3f) F(epoxy_, glUniform3fv) F(epoxy_, glUniform3iv)                     \
-    F(epoxy_, glUniformMatrix2x3dv) F(epoxy_, glUniformMatrix3dv) F(epoxy_, glUniformMatrix3fv)                        \
-    F(epoxy_, glUniformMatrix4fv) F(epoxy_, glUseProgram) F(epoxy_, glVertexArrayAttribBinding)                        \
-    F(epoxy_, glVertexArrayAttribFormat) F(epoxy_, glVertexArrayAttribIFormat) F(epoxy_, glVertexArrayBindingDivisor)  \
-    F(epoxy_, glVertexArrayElementBuffer) F(epoxy_, glVertexArrayVertexBuffer) F(epoxy_, glViewport)
+    F(epoxy_, glUniform3dv) F(epoxy_, glUniform3f) F(epoxy_, glUniform3fv) F(epoxy_, glUniform3i)                      \
+    F(epoxy_, glUniform3iv) F(epoxy_, glUniformMatrix2x3dv) F(epoxy_, glUniformMatrix3dv)                              \
+    F(epoxy_, glUniformMatrix3fv) F(epoxy_, glUniformMatrix4dv) F(epoxy_, glUniformMatrix4fv) F(epoxy_, glUseProgram)  \
+    F(epoxy_, glVertexArrayAttribBinding) F(epoxy_, glVertexArrayAttribFormat) F(epoxy_, glVertexArrayAttribIFormat)   \
+    F(epoxy_, glVertexArrayBindingDivisor) F(epoxy_, glVertexArrayElementBuffer) F(epoxy_, glVertexArrayVertexBuffer)  \
+    F(epoxy_, glViewport)
 /* clang-format on */
 
 #define GL_PRAGMA(words) _Pragma(#words)

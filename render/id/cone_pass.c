@@ -26,6 +26,8 @@ enum {
     LIST_BUFFER,
     BUFFER_COUNT
 };
+/* No rays are made and counted at once. */
+enum { LIST_BLOCK = SPOT_BUFFER, RAY_BLOCK = VALUE_BUFFER };
 enum {
     KNOWN_SIZE = 16,
     HEADS_BEFORE = 1, /* the first head is the number of rows */
@@ -36,15 +38,12 @@ enum {
 /* Kinds of programs; made when first needed. */
 enum kind { COUNT, MAKE, CHECK, KIND_COUNT };
 
-struct cone_program {
-    GLuint program;
-    GLint ray_count, list_count, has_known, is_last, first_cell, last_cell;
-    GLint index[4]; /* the columns of voxel_from_world */
-};
+/* Locations of uniforms, behind that of id_pass_bind(). */
+enum { RAY_COUNT = 2, HAS_KNOWN, IS_LAST, INDEX_FROM_WORLD, LIST_COUNT };
 
 struct cone_pass {
     struct id_pass *id_pass;
-    struct cone_program programs[KIND_COUNT];
+    GLuint programs[KIND_COUNT];
     GLuint buffers[BUFFER_COUNT];
     size_t sizes[BUFFER_COUNT]; /* bytes they have */
     double (*matrices)[16];
@@ -55,70 +54,52 @@ struct cone_pass {
     struct readback readback;
 };
 
-/* Makes a buffer at least so large; what is in it is lost where it grows. */
-static void reserve(struct cone_pass *pass, int buffer, size_t size)
+/* Makes a buffer at least so large. Its first `kept` bytes stay; where there are some, others are likely to follow. */
+static void reserve(struct cone_pass *pass, int buffer, size_t kept, size_t size)
 {
     if (size > pass->sizes[buffer]) {
-        glNamedBufferData(pass->buffers[buffer], (GLsizeiptr)size, NULL, GL_DYNAMIC_COPY);
-        pass->sizes[buffer] = size;
+        const GLuint old = pass->buffers[buffer];
+        pass->sizes[buffer] = kept ? 2 * size : size;
+        glCreateBuffers(1, &pass->buffers[buffer]);
+        glNamedBufferData(pass->buffers[buffer], (GLsizeiptr)pass->sizes[buffer], NULL, GL_DYNAMIC_COPY);
+        glCopyNamedBufferSubData(old, pass->buffers[buffer], 0, 0, (GLsizeiptr)kept);
+        glDeleteBuffers(1, &old);
     }
 }
 
-static void upload(struct cone_pass *pass, int buffer, const void *data, size_t size)
+/* Writes behind the first `kept` bytes. */
+static void upload(struct cone_pass *pass, int buffer, size_t kept, const void *data, size_t size)
 {
-    reserve(pass, buffer, size);
-    glNamedBufferSubData(pass->buffers[buffer], 0, (GLsizeiptr)size, data);
+    reserve(pass, buffer, kept, kept + size);
+    glNamedBufferSubData(pass->buffers[buffer], (GLintptr)kept, (GLsizeiptr)size, data);
 }
 
 static conus_status need_program(struct cone_pass *pass, enum kind kind)
 {
-    static const char *const columns[] = {"index_x", "index_y", "index_z", "index_origin"};
-    struct cone_program *made = &pass->programs[kind];
-    const struct program_define defines[] = {
-        {"SLICES", 0},
-        {"PIERCE", 0},
-        {"CONES", 1},
-        {"CHECK", kind == CHECK},
-        {"MAKE", kind == MAKE},
-        {"GROUP", CONE_PART},
-        {"OBJECTS_UNIT", ID_OBJECTS_UNIT},
-        {"DISTANCE_UNIT", ID_DISTANCE_UNIT},
-        {"IDENTIFIER_UNIT", ID_IDENTIFIER_UNIT},
-        {"CONE_BUFFER", CONE_BUFFER},
-        {"AIM_BUFFER", AIM_BUFFER},
-        {"SPOT_BUFFER", SPOT_BUFFER},
-        {"GROUP_BUFFER", GROUP_BUFFER},
-        {"KNOWN_BUFFER", KNOWN_BUFFER},
-        {"ROW_BUFFER", ROW_BUFFER},
-        {"HEAD_BUFFER", HEAD_BUFFER},
-        {"VALUE_BUFFER", VALUE_BUFFER},
-        {"LIST_BUFFER", SPOT_BUFFER}, /* no rays are made and counted at once */
-        {"RAY_BUFFER", VALUE_BUFFER},
-    };
+    const struct program_define defines[] = {{"SLICES", 0},
+                                             {"PIERCE", 0},
+                                             {"CONES", 1},
+                                             {"CHECK", kind == CHECK},
+                                             {"MAKE", kind == MAKE},
+                                             {"GROUP", CONE_PART},
+                                             {"ID_OBJECTS_UNIT", ID_OBJECTS_UNIT},
+                                             {"ID_DISTANCE_UNIT", ID_DISTANCE_UNIT},
+                                             {"ID_IDENTIFIER_UNIT", ID_IDENTIFIER_UNIT},
+                                             {"CONE_BUFFER", CONE_BUFFER},
+                                             {"AIM_BUFFER", AIM_BUFFER},
+                                             {"SPOT_BUFFER", SPOT_BUFFER},
+                                             {"GROUP_BUFFER", GROUP_BUFFER},
+                                             {"KNOWN_BUFFER", KNOWN_BUFFER},
+                                             {"ROW_BUFFER", ROW_BUFFER},
+                                             {"HEAD_BUFFER", HEAD_BUFFER},
+                                             {"VALUE_BUFFER", VALUE_BUFFER},
+                                             {"LIST_BUFFER", LIST_BLOCK},
+                                             {"RAY_BUFFER", RAY_BLOCK}};
     const struct program_source source = {.compute = {"id.comp.glsl", shader_id_comp},
                                           .more = {"cones.comp.glsl", shader_cones_comp},
                                           .defines = defines,
                                           .define_count = sizeof defines / sizeof defines[0]};
-    if (made->program) {
-        return CONUS_OK;
-    }
-    conus_status status = program_create(&made->program, &source);
-    if (status || kind == CHECK) {
-        return status;
-    }
-    made->ray_count = program_uniform(made->program, "ray_count");
-    for (int column = 0; column < 4; column++) {
-        made->index[column] = program_uniform(made->program, columns[column]);
-    }
-    if (kind == MAKE) {
-        made->list_count = program_uniform(made->program, "list_count");
-    } else {
-        made->has_known = program_uniform(made->program, "has_known");
-        made->is_last = program_uniform(made->program, "is_last");
-        made->first_cell = program_uniform(made->program, "first_cell");
-        made->last_cell = program_uniform(made->program, "last_cell");
-    }
-    return CONUS_OK;
+    return pass->programs[kind] ? CONUS_OK : program_create(&pass->programs[kind], &source);
 }
 
 /* Numbers whose inverses are hard to round: those of 2 - k 2^-52, with odd k, lie within k^2 2^-52 of half-way between
@@ -134,17 +115,17 @@ static double hard_number(uint32_t i)
 static conus_status check_rounding(struct cone_pass *pass, bool *out)
 {
     double values[VALUES];
-    struct readback_part made = {pass->buffers[VALUE_BUFFER], sizeof values, NULL};
     conus_status status = need_program(pass, CHECK);
     *out = true;
     if (!status) {
         for (uint32_t i = 0; i < VALUES; i++) {
             values[i] = hard_number(i);
         }
-        upload(pass, VALUE_BUFFER, values, sizeof values);
+        upload(pass, VALUE_BUFFER, 0, values, sizeof values);
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, VALUE_BUFFER, pass->buffers[VALUE_BUFFER]);
-        glUseProgram(pass->programs[CHECK].program);
+        glUseProgram(pass->programs[CHECK]);
         glDispatchCompute(VALUES / CONE_PART, 1, 1);
+        struct readback_part made = {pass->buffers[VALUE_BUFFER], sizeof values, NULL};
         status = readback_wait(&pass->readback, &made, 1, "checking how numbers are rounded");
         for (uint32_t i = 0; i < VALUES && !status; i++) {
             *out = *out && ((const double *)made.data)[i] == 1 / values[i];
@@ -177,7 +158,7 @@ conus_status cone_pass_create(struct cone_pass **out, struct id_pass *id_pass, c
         status = check_rounding(pass, &rounds);
     }
     if (!status && rounds) {
-        reserve(pass, KNOWN_BUFFER, KNOWN_SIZE); /* which one volume alone does not use */
+        reserve(pass, KNOWN_BUFFER, 0, KNOWN_SIZE); /* which one volume alone does not use */
         status = gl_check("cones");
     }
     if (status || !rounds) {
@@ -190,7 +171,7 @@ conus_status cone_pass_create(struct cone_pass **out, struct id_pass *id_pass, c
 
 conus_status cone_pass_set_groups(struct cone_pass *pass, const uint32_t *groups, size_t group_count)
 {
-    upload(pass, GROUP_BUFFER, groups, group_count * sizeof *groups);
+    upload(pass, GROUP_BUFFER, 0, groups, group_count * sizeof *groups);
     return gl_check("groups");
 }
 
@@ -198,7 +179,7 @@ void cone_pass_destroy(struct cone_pass *pass)
 {
     if (pass) {
         for (int kind = 0; kind < KIND_COUNT; kind++) {
-            glDeleteProgram(pass->programs[kind].program);
+            glDeleteProgram(pass->programs[kind]);
         }
         glDeleteBuffers(BUFFER_COUNT, pass->buffers);
         readback_finish(&pass->readback);
@@ -207,65 +188,46 @@ void cone_pass_destroy(struct cone_pass *pass)
     }
 }
 
-/* Uploads what is behind the first `known` bytes, or all, where these are lost. */
-static void extend(struct cone_pass *pass, int buffer, const void *data, size_t known, size_t size)
-{
-    if (size > pass->sizes[buffer]) {
-        reserve(pass, buffer, known ? 2 * size : size);
-        known = 0;
-    }
-    glNamedBufferSubData(pass->buffers[buffer], (GLintptr)known, (GLsizeiptr)(size - known),
-                         (const uint8_t *)data + known);
-}
-
-static void set_shapes(struct cone_pass *pass, int aim_buffer, const struct cone_shapes *shapes)
-{
-    const size_t rays = shapes->rays;
-    if (shapes->known < shapes->shapes) {
-        extend(pass, aim_buffer, shapes->aims, shapes->known * rays * sizeof *shapes->aims,
-               shapes->shapes * rays * sizeof *shapes->aims);
-        if (shapes->spots) {
-            extend(pass, SPOT_BUFFER, shapes->spots, shapes->known * rays * sizeof *shapes->spots,
-                   shapes->shapes * rays * sizeof *shapes->spots);
-        }
-    }
-}
-
 static uint32_t parts_of(uint32_t rays)
 {
     return (rays + CONE_PART - 1) / CONE_PART;
 }
 
-/* Who knows which buffers the driver has made. */
-static void forget_sizes(struct cone_pass *pass)
+/* Who knows which buffers the driver has made, where that is no success. */
+static conus_status check_buffers(struct cone_pass *pass, conus_status status)
 {
-    memset(pass->sizes, 0, sizeof pass->sizes);
+    if (status) {
+        memset(pass->sizes, 0, sizeof pass->sizes);
+    }
+    return status;
 }
 
-static void set_matrix(const struct cone_pass *pass, enum kind kind, size_t volume)
+conus_status cone_pass_add_shape(struct cone_pass *pass, const struct cone_aim *aims, const struct cone_spot *spots,
+                                 size_t rays, size_t known)
 {
-    for (int column = 0; column < 4; column++) {
-        glUniform3dv(pass->programs[kind].index[column], 1, pass->matrices[volume] + 4 * column);
+    upload(pass, spots ? AIM_BUFFER : LISTED_AIM_BUFFER, known * rays * sizeof *aims, aims, rays * sizeof *aims);
+    if (spots) {
+        upload(pass, SPOT_BUFFER, known * rays * sizeof *spots, spots, rays * sizeof *spots);
     }
+    return check_buffers(pass, gl_check("a shape of cones"));
 }
 
 /* Walks all rays, volume after volume; behind the last one they are counted. */
 static conus_status dispatch(struct cone_pass *pass, uint32_t rays, uint32_t cones, size_t row_count)
 {
-    const struct cone_program *program = &pass->programs[COUNT];
     const struct cone_head none = {0};
-    reserve(pass, ROW_BUFFER, row_count * sizeof(struct cone_row));
-    glNamedBufferSubData(pass->buffers[HEAD_BUFFER], 0, sizeof none, &none);
+    reserve(pass, ROW_BUFFER, 0, row_count * sizeof(struct cone_row));
+    upload(pass, HEAD_BUFFER, 0, &none, sizeof none);
     for (GLuint buffer = 0; buffer < VALUE_BUFFER; buffer++) {
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, buffer, pass->buffers[buffer]);
     }
-    glUseProgram(program->program);
-    glUniform1ui(program->ray_count, rays);
+    glUseProgram(pass->programs[COUNT]);
+    glUniform1ui(RAY_COUNT, rays);
     for (size_t i = 0; i < pass->volumes; i++) {
-        id_pass_bind(pass->id_pass, i, program->first_cell, program->last_cell);
-        set_matrix(pass, COUNT, i);
-        glUniform1i(program->has_known, i > 0);
-        glUniform1i(program->is_last, i + 1 == pass->volumes);
+        id_pass_bind(pass->id_pass, i);
+        glUniformMatrix4dv(INDEX_FROM_WORLD, 1, GL_FALSE, pass->matrices[i]);
+        glUniform1i(HAS_KNOWN, i > 0);
+        glUniform1i(IS_LAST, i + 1 == pass->volumes);
         glDispatchCompute(cones, parts_of(rays), 1);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
@@ -284,72 +246,62 @@ static conus_status read_rows(struct cone_pass *pass, const struct cone_head **h
     return status;
 }
 
-conus_status cone_pass_count(struct cone_pass *pass, const struct cone_shapes *shapes, const struct cone_place *places,
-                             uint32_t cones, const struct cone_head **heads, const struct cone_row **rows)
+conus_status cone_pass_count(struct cone_pass *pass, const struct cone_place *places, uint32_t cones, uint32_t rays,
+                             const struct cone_head **heads, const struct cone_row **rows)
 {
-    const size_t parts = (size_t)cones * parts_of(shapes->rays);
+    const size_t parts = (size_t)cones * parts_of(rays);
     const size_t likely = parts * pass->likely_rows;
     conus_status status = need_program(pass, COUNT);
     if (!status) {
-        set_shapes(pass, AIM_BUFFER, shapes);
-        upload(pass, CONE_BUFFER, places, cones * sizeof *places);
-        reserve(pass, HEAD_BUFFER, (HEADS_BEFORE + parts) * sizeof **heads);
+        upload(pass, CONE_BUFFER, 0, places, cones * sizeof *places);
+        reserve(pass, HEAD_BUFFER, 0, (HEADS_BEFORE + parts) * sizeof **heads);
         if (pass->volumes > 1) {
-            reserve(pass, KNOWN_BUFFER, (size_t)cones * shapes->rays * KNOWN_SIZE);
+            reserve(pass, KNOWN_BUFFER, 0, (size_t)cones * rays * KNOWN_SIZE);
         }
-        status = dispatch(pass, shapes->rays, cones, likely);
+        status = dispatch(pass, rays, cones, likely);
     }
     status = status ? status : read_rows(pass, heads, HEADS_BEFORE + parts, rows, likely);
     const size_t row_count = status ? 0 : (*heads)->first;
     if (row_count * sizeof **rows > pass->sizes[ROW_BUFFER]) {
-        status = dispatch(pass, shapes->rays, cones, row_count);
+        status = dispatch(pass, rays, cones, row_count);
     }
     if (row_count > likely && !status) {
         status = read_rows(pass, heads, HEADS_BEFORE + parts, rows, row_count);
     }
-    if (status) {
-        forget_sizes(pass);
-        return status;
-    }
     *heads += HEADS_BEFORE;
     pass->likely_rows = row_count / parts < ROWS_OF_A_PART ? ROWS_OF_A_PART : row_count / parts * 5 / 4;
-    return CONUS_OK;
+    return check_buffers(pass, status);
 }
 
-conus_status cone_pass_list(struct cone_pass *pass, const struct cone_shapes *shapes, const struct cone_place *places,
-                            uint32_t cones, const uint32_t *list, size_t known, uint32_t count)
+conus_status cone_pass_list(struct cone_pass *pass, const struct cone_place *places, uint32_t cones, uint32_t rays,
+                            const uint32_t *list, size_t known, uint32_t count)
 {
     conus_status status = need_program(pass, MAKE);
     if (!status) {
-        set_shapes(pass, LISTED_AIM_BUFFER, shapes);
-        upload(pass, CONE_BUFFER, places, cones * sizeof *places);
+        upload(pass, CONE_BUFFER, 0, places, cones * sizeof *places);
         if (known < count) {
-            extend(pass, LIST_BUFFER, list, known * sizeof *list, count * sizeof *list);
+            upload(pass, LIST_BUFFER, known * sizeof *list, list + known, (count - known) * sizeof *list);
         }
         pass->list_count = count;
-        pass->listed_rays = shapes->rays;
+        pass->listed_rays = rays;
         status = gl_check("the list of rays");
     }
-    if (status) {
-        forget_sizes(pass);
-    }
-    return status;
+    return check_buffers(pass, status);
 }
 
 conus_status cone_pass_make_rays(struct cone_pass *pass, size_t volume)
 {
-    const struct cone_program *program = &pass->programs[MAKE];
     const GLuint bound[][2] = {{CONE_BUFFER, pass->buffers[CONE_BUFFER]},
                                {AIM_BUFFER, pass->buffers[LISTED_AIM_BUFFER]},
-                               {SPOT_BUFFER, pass->buffers[LIST_BUFFER]},
-                               {VALUE_BUFFER, id_pass_device_rays(pass->id_pass)}};
+                               {LIST_BLOCK, pass->buffers[LIST_BUFFER]},
+                               {RAY_BLOCK, id_pass_device_rays(pass->id_pass)}};
     for (size_t i = 0; i < sizeof bound / sizeof bound[0]; i++) {
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, bound[i][0], bound[i][1]);
     }
-    glUseProgram(program->program);
-    glUniform1ui(program->ray_count, pass->listed_rays);
-    glUniform1ui(program->list_count, pass->list_count);
-    set_matrix(pass, MAKE, volume);
+    glUseProgram(pass->programs[MAKE]);
+    glUniform1ui(RAY_COUNT, pass->listed_rays);
+    glUniform1ui(LIST_COUNT, pass->list_count);
+    glUniformMatrix4dv(INDEX_FROM_WORLD, 1, GL_FALSE, pass->matrices[volume]);
     glDispatchCompute(parts_of(pass->list_count), 1, 1);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     return gl_check("making rays");

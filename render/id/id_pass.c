@@ -14,27 +14,21 @@
 
 enum { RAY_UNIT = ID_IDENTIFIER_UNIT + 1 };
 enum { OUT_BUFFER };
+enum { BOX, RANGE = BOX + 2 }; /* locations of uniforms */
 enum { GROUP = 64, FIRST_INTERVALS = 1024, RAY_TEXELS = sizeof(struct id_ray) / 16 };
 
 /* Kinds of programs: the first contact of a ray, or all layers. */
 enum id_kind { FIRST, PIERCE, KIND_COUNT };
 
-struct id_program {
-    GLuint program;
-    GLint range;
-    GLint first_cell, last_cell; /* not with slices */
-    GLint has_hits;              /* not with PIERCE */
-};
-
 struct id_volume {
     GLuint objects, distances; /* none with slices */
-    int first[3], last[3];
+    int box[2][3];
     size_t dim[3];
 };
 
 struct id_pass {
     conus_sampling sampling;
-    struct id_program programs[KIND_COUNT]; /* made when first needed */
+    GLuint programs[KIND_COUNT]; /* made when first needed */
     GLuint identifier_buffer, ray_buffer, hit_buffer;
     GLuint identifiers, ray_texels; /* through which shaders see the first two */
     struct shader_list intervals;   /* of struct id_interval */
@@ -51,34 +45,19 @@ struct id_pass {
 /* Creates a program unless it is there. */
 static conus_status need_program(struct id_pass *pass, enum id_kind kind)
 {
-    const conus_sampling sampling = pass->sampling;
-    if (pass->programs[kind].program) {
-        return CONUS_OK;
-    }
-    const struct program_define defines[] = {
-        {"SLICES", sampling == CONUS_SAMPLING_SLICES},
-        {"PIERCE", kind == PIERCE},
-        {"CONES", 0},
-        {"GROUP", GROUP},
-        {"OBJECTS_UNIT", ID_OBJECTS_UNIT},
-        {"DISTANCE_UNIT", ID_DISTANCE_UNIT},
-        {"IDENTIFIER_UNIT", ID_IDENTIFIER_UNIT},
-        {"RAY_UNIT", RAY_UNIT},
-        {"OUT_BUFFER", OUT_BUFFER},
-    };
+    const struct program_define defines[] = {{"SLICES", pass->sampling == CONUS_SAMPLING_SLICES},
+                                             {"PIERCE", kind == PIERCE},
+                                             {"CONES", 0},
+                                             {"GROUP", GROUP},
+                                             {"ID_OBJECTS_UNIT", ID_OBJECTS_UNIT},
+                                             {"ID_DISTANCE_UNIT", ID_DISTANCE_UNIT},
+                                             {"ID_IDENTIFIER_UNIT", ID_IDENTIFIER_UNIT},
+                                             {"RAY_UNIT", RAY_UNIT},
+                                             {"OUT_BUFFER", OUT_BUFFER}};
     const struct program_source source = {.compute = {"id.comp.glsl", shader_id_comp},
                                           .defines = defines,
                                           .define_count = sizeof defines / sizeof defines[0]};
-    GLuint program = 0;
-    conus_status status = program_create(&program, &source);
-    if (!status) {
-        bool skips = sampling == CONUS_SAMPLING_EXACT;
-        pass->programs[kind] = (struct id_program){program, program_uniform(program, "range"),
-                                                   skips ? program_uniform(program, "first_cell") : -1,
-                                                   skips ? program_uniform(program, "last_cell") : -1,
-                                                   kind == FIRST ? program_uniform(program, "has_hits") : -1};
-    }
-    return status;
+    return pass->programs[kind] ? CONUS_OK : program_create(&pass->programs[kind], &source);
 }
 
 conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const uint32_t *identifiers,
@@ -133,7 +112,7 @@ void id_pass_destroy(struct id_pass *pass)
     glDeleteTextures(2, textures);
     glDeleteBuffers(3, buffers);
     for (int kind = 0; kind < KIND_COUNT; kind++) {
-        glDeleteProgram(pass->programs[kind].program);
+        glDeleteProgram(pass->programs[kind]);
     }
     shader_list_finish(&pass->intervals);
     readback_finish(&pass->readback);
@@ -155,8 +134,7 @@ conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volum
     conus_status status = volume_texture_create(&made.objects, kind, dim, objects, memory_left);
     if (!status && pass->sampling == CONUS_SAMPLING_EXACT) {
         status = volume_texture_create(&made.distances, VOLUME_TEXTURE_UINT8, dim, distances->codes, memory_left);
-        memcpy(made.first, distances->first, sizeof made.first);
-        memcpy(made.last, distances->last, sizeof made.last);
+        memcpy(made.box, distances->box, sizeof made.box);
     }
     if (status) {
         glDeleteTextures(1, &made.objects);
@@ -212,26 +190,25 @@ static void upload_rays(const struct id_pass *pass)
     glNamedBufferSubData(pass->ray_buffer, 0, (GLsizeiptr)(pass->ray_count * sizeof *pass->rays), pass->rays);
 }
 
-void id_pass_bind(const struct id_pass *pass, size_t volume, GLint first_cell, GLint last_cell)
+void id_pass_bind(const struct id_pass *pass, size_t volume)
 {
     const struct id_volume *bound = &pass->volumes[volume];
     assert(volume < pass->volume_count);
     glBindTextureUnit(ID_OBJECTS_UNIT, bound->objects);
     glBindTextureUnit(ID_DISTANCE_UNIT, bound->distances);
     glBindTextureUnit(ID_IDENTIFIER_UNIT, pass->identifiers);
-    glUniform3iv(first_cell, 1, bound->first);
-    glUniform3iv(last_cell, 1, bound->last);
+    if (pass->sampling == CONUS_SAMPLING_EXACT) {
+        glUniform3iv(BOX, 2, bound->box[0]);
+    }
 }
 
 /* Walks rays number `first` to `end` - 1 through a volume. */
 static void dispatch(const struct id_pass *pass, enum id_kind kind, size_t volume, uint32_t first, uint32_t end)
 {
-    const struct id_program *program = &pass->programs[kind];
-    glUseProgram(program->program);
-    id_pass_bind(pass, volume, program->first_cell, program->last_cell);
+    glUseProgram(pass->programs[kind]);
+    id_pass_bind(pass, volume);
     glBindTextureUnit(RAY_UNIT, pass->ray_texels);
-    glUniform2i(program->range, (GLint)first, (GLint)end);
-    glUniform1i(program->has_hits, pass->volumes_traced > 0);
+    glUniform3i(RANGE, (GLint)first, (GLint)end, pass->volumes_traced > 0);
     glDispatchCompute((end - first + GROUP - 1) / GROUP, 1, 1);
 }
 

@@ -51,14 +51,14 @@ void id_pass_destroy(struct id_pass *pass);
 
 /** How far around each voxel a volume is empty. */
 struct id_distances {
-    const uint8_t *codes;  /**< [voxels] 0 where the voxel holds an object; else 1 + r, where no voxel that differs from
-                              it by at most r in every index does.                                        */
-    int first[3], last[3]; /**< The box of the voxels with objects; last below first where there are none. */
+    const uint8_t *codes; /**< [voxels] 0 where the voxel holds an object; else 1 + r, where no voxel that differs from
+                             it by at most r in every index does.                                        */
+    int box[2][3];        /**< The first and the last voxel with objects; last below first where there are none. */
 };
 
-/** Binds the textures of volume number @p volume and the table of identifiers for a program that begins with
- * id.comp.glsl, and sets its uniforms first_cell and last_cell, which are at those places. */
-void id_pass_bind(const struct id_pass *pass, size_t volume, GLint first_cell, GLint last_cell);
+/** Binds the textures of volume number @p volume and the table of identifiers for the program in use, which begins with
+ * id.comp.glsl, and sets its uniform box. */
+void id_pass_bind(const struct id_pass *pass, size_t volume);
 
 /** The units of id_pass_bind()'s textures. */
 enum { ID_OBJECTS_UNIT, ID_DISTANCE_UNIT, ID_IDENTIFIER_UNIT };

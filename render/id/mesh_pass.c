@@ -14,6 +14,10 @@
 
 enum { POSITION_UNIT, CORNER_UNIT };
 enum { PIXEL_BUFFER, HIT_BUFFER };
+/* Locations of uniforms: of both programs, of `first`, and of `all`. */
+enum { APEX, DEVICE_FROM_WORLD, PARALLEL, RESOLUTION, OWN };
+enum { DIRECTION_FROM_PLACE = OWN, ORIGIN_FROM_PLACE, FIRST_PIXEL };
+enum { PIXELS = OWN };
 enum { FIRST_CAPACITY = 6, CAPACITY_STEP = 8 };
 /* Triangles of a batch. On a GPU each batch is waited for. On the CPU waiting costs nothing, so batches are smaller:
  * fewer triangles are drawn that earlier ones occlude. */
@@ -36,21 +40,13 @@ struct slot {
     uint32_t attempts; /* draws of it that had too little capacity */
 };
 
-/* Uniforms that a program lacks are -1, which GL ignores. */
-struct mesh_program {
-    GLuint program;
-    GLint apex, device_from_world, parallel, resolution;
-    GLint direction_from_place, origin_from_place, first_pixel; /* of `first` only */
-    GLint pixels;                                               /* of `all` only   */
-};
-
 struct mesh_pass {
     const struct mesh *const *meshes; /* a copy of the caller's array, by object */
     struct clusters clusters;
     struct slot slots[SLOT_LIMIT]; /* the first slot_count have a cull; one always has */
     size_t slot_count, slot_limit;
-    size_t batch, portion;          /* triangles that are settled, and that are drawn, at once */
-    struct mesh_program first, all; /* all: made when first needed */
+    size_t batch, portion; /* triangles that are settled, and that are drawn, at once */
+    GLuint first, all;     /* programs; all: made when first needed */
     GLuint vertices, position_buffer, corner_buffer, positions, corners;
     struct target target; /* without pixels: results go to the buffer */
     GLuint pixel_buffer;
@@ -64,7 +60,7 @@ struct mesh_pass {
     struct shader_list hits; /* of pixel and triangle */
 };
 
-static conus_status create_program(struct mesh_program *out, const struct program_shader *fragment, uint32_t capacity)
+static conus_status create_program(GLuint *out, const struct program_shader *fragment, uint32_t capacity)
 {
     const struct program_define defines[] = {{"CAPACITY", capacity},
                                              {"PIXEL_BUFFER", PIXEL_BUFFER},
@@ -75,51 +71,30 @@ static conus_status create_program(struct mesh_program *out, const struct progra
                                           .fragment = *fragment,
                                           .defines = defines,
                                           .define_count = sizeof defines / sizeof defines[0]};
-    GLuint program = 0;
-    conus_status status = program_create(&program, &source);
-    if (status) {
-        return status;
-    }
-    out->program = program;
-    out->apex = program_uniform(program, "apex");
-    out->device_from_world = program_uniform(program, "device_from_world");
-    out->parallel = program_uniform(program, "parallel");
-    out->resolution = program_uniform(program, "resolution");
-    return CONUS_OK;
+    return program_create(out, &source);
 }
 
 /* The program of the nearest triangles, with this capacity in every pixel. */
 static conus_status create_first(struct mesh_pass *pass, uint32_t capacity)
 {
     const struct program_shader fragment = {"mesh_id.frag.glsl", shader_mesh_id_frag};
-    struct mesh_program first = {.pixels = -1};
+    GLuint first = 0;
     conus_status status = create_program(&first, &fragment, capacity);
-    if (status) {
-        return status;
+    if (!status) {
+        glDeleteProgram(pass->first);
+        pass->first = first;
+        pass->capacity = capacity;
     }
-    first.direction_from_place = program_uniform(first.program, "direction_from_place");
-    first.origin_from_place = program_uniform(first.program, "origin_from_place");
-    first.first_pixel = program_uniform(first.program, "first_pixel");
-    glDeleteProgram(pass->first.program);
-    pass->first = first;
-    pass->capacity = capacity;
-    return CONUS_OK;
+    return status;
 }
 
 /* The program for all hits, and its list. */
 static conus_status create_all(struct mesh_pass *pass)
 {
     const struct program_shader fragment = {"mesh_hits.frag.glsl", shader_mesh_hits_frag};
-    struct mesh_program all = {.direction_from_place = -1, .origin_from_place = -1, .first_pixel = -1};
-    conus_status status = shader_list_init(&pass->hits, 2 * sizeof(uint32_t), FIRST_HITS);
-    status = status ? status : create_program(&all, &fragment, 0);
-    if (status) {
-        shader_list_finish(&pass->hits);
-        return status;
-    }
-    all.pixels = program_uniform(all.program, "pixels");
-    pass->all = all;
-    return CONUS_OK;
+    conus_status status =
+        pass->hits.buffer ? CONUS_OK : shader_list_init(&pass->hits, 2 * sizeof(uint32_t), FIRST_HITS);
+    return status ? status : create_program(&pass->all, &fragment, 0);
 }
 
 /* A buffer, and the texture through which shaders see it. */
@@ -226,8 +201,8 @@ void mesh_pass_destroy(struct mesh_pass *pass)
     glDeleteTextures(2, textures);
     glDeleteBuffers(3, buffers);
     glDeleteVertexArrays(1, &pass->vertices);
-    glDeleteProgram(pass->first.program);
-    glDeleteProgram(pass->all.program);
+    glDeleteProgram(pass->first);
+    glDeleteProgram(pass->all);
     target_finish(&pass->target);
     shader_list_finish(&pass->hits);
     readback_finish(&pass->readback);
@@ -305,28 +280,39 @@ static void weigh(const struct mesh_pass *pass, const struct mesh_pixels *pixels
     }
 }
 
-static void use_program(const struct mesh_program *program, const struct mesh_view *view)
+/* Where the vertex shader places corners. */
+static void use_program(GLuint program, const struct mesh_view *view)
 {
     const double *m = view->world_from_device;
-    bool parallel = view->radius > 0;
-    double width = parallel ? view->radius : view->slope; /* half the buffer's edge, at depth 1 */
-    double narrow[9], wide[9], sideways[6];
+    const bool parallel = view->radius > 0;
+    const double width = parallel ? view->radius : view->slope; /* half the buffer's edge, at depth 1 */
+    double rows[9];
     for (int a = 0; a < 3; a++) {
-        narrow[a] = m[a] / width;
-        narrow[3 + a] = m[4 + a] / width;
-        wide[a] = m[a] * view->slope;
-        wide[3 + a] = m[4 + a] * view->slope;
-        narrow[6 + a] = wide[6 + a] = -m[8 + a];
-        sideways[a] = m[a] * view->radius;
-        sideways[3 + a] = m[4 + a] * view->radius;
+        rows[a] = m[a] / width;
+        rows[3 + a] = m[4 + a] / width;
+        rows[6 + a] = -m[8 + a];
     }
-    glUseProgram(program->program);
-    glUniform3dv(program->apex, 1, m + 12);
-    glUniformMatrix3dv(program->device_from_world, 1, GL_TRUE, narrow);
-    glUniform1i(program->parallel, parallel);
-    glUniformMatrix3dv(program->direction_from_place, 1, GL_FALSE, wide);
-    glUniformMatrix2x3dv(program->origin_from_place, 1, GL_FALSE, sideways);
-    glUniform1i(program->resolution, (GLint)view->resolution);
+    glUseProgram(program);
+    glUniform3dv(APEX, 1, m + 12);
+    glUniformMatrix3dv(DEVICE_FROM_WORLD, 1, GL_TRUE, rows);
+    glUniform1i(PARALLEL, parallel);
+    glUniform1i(RESOLUTION, (GLint)view->resolution);
+}
+
+/* The rays of `first`. */
+static void set_rays(const struct mesh_view *view)
+{
+    const double *m = view->world_from_device;
+    double direction[9], origin[6];
+    for (int a = 0; a < 3; a++) {
+        direction[a] = m[a] * view->slope;
+        direction[3 + a] = m[4 + a] * view->slope;
+        direction[6 + a] = -m[8 + a];
+        origin[a] = m[a] * view->radius;
+        origin[3 + a] = m[4 + a] * view->radius;
+    }
+    glUniformMatrix3dv(DIRECTION_FROM_PLACE, 1, GL_FALSE, direction);
+    glUniformMatrix2x3dv(ORIGIN_FROM_PLACE, 1, GL_FALSE, origin);
 }
 
 /* Draws with the program in use. */
@@ -402,8 +388,9 @@ static conus_status draw_batches(struct mesh_pass *pass, const struct slot *slot
     glNamedBufferSubData(pass->pixel_buffer, 0, (GLsizeiptr)pixels_size(pass, count), pass->pixels);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PIXEL_BUFFER, pass->pixel_buffer);
     for (size_t i = 0; i < count; i++) {
-        use_program(&pass->first, &slots[i].query->view);
-        glUniform1i(pass->first.first_pixel, (GLint)(i * pixel_count(pass)));
+        use_program(pass->first, &slots[i].query->view);
+        set_rays(&slots[i].query->view);
+        glUniform1i(FIRST_PIXEL, (GLint)(i * pixel_count(pass)));
         draw_batch(pass, slots[i].batch, slots[i].count);
     }
     struct readback_part part = {pass->pixel_buffer, pixels_size(pass, count), NULL};
@@ -478,9 +465,8 @@ struct piercing {
 static conus_status draw_hits(void *user, uint32_t first, uint32_t end)
 {
     const struct piercing *piercing = user;
-    const struct mesh_program *all = &piercing->pass->all;
-    use_program(all, piercing->view);
-    glUniform2i(all->pixels, (GLint)first, (GLint)end);
+    use_program(piercing->pass->all, piercing->view);
+    glUniform2i(PIXELS, (GLint)first, (GLint)end);
     draw_batch(piercing->pass, piercing->batch, piercing->count);
     return gl_check("mesh pass of all layers");
 }
@@ -506,7 +492,7 @@ conus_status mesh_pass_pierce(struct mesh_pass *pass, const struct mesh_view *vi
     uint32_t pixels = view->resolution * view->resolution;
     size_t countable = UINT32_MAX / pixels - CLUSTER_TRIANGLES; /* at once for all pixels, see shader_list.h */
     size_t triangles = countable < PIERCE_BATCH ? countable : PIERCE_BATCH;
-    conus_status status = pass->all.program ? CONUS_OK : create_all(pass);
+    conus_status status = pass->all ? CONUS_OK : create_all(pass);
     status = status ? status : set_resolution(pass, view->resolution);
     struct mesh_cull *cull = pass->slots[0].cull;
     mesh_cull_begin(cull, view);

@@ -45,9 +45,10 @@ layout(std430, binding = HEAD_BUFFER) restrict buffer Heads
     uvec2 heads[]; // of each part: its first row, and how many
 };
 
-uniform uint ray_count;                                  // of a cone
-uniform bool has_known, is_last;                         // volumes before, and none after this one
-uniform dvec3 index_x, index_y, index_z, index_origin;   // columns of the volume's voxel_from_world
+layout(location = 2) uniform uint ray_count; // of a cone
+layout(location = 3) uniform bool has_known; // volumes before this one
+layout(location = 4) uniform bool is_last;   // and none after it
+layout(location = 5) uniform dmat4 index_from_world;
 
 const uint KEYS = 2u * uint(GROUP);
 const uint BORDER = 0x80000000u;
@@ -98,14 +99,14 @@ double reciprocal(double d)
 // As mat4_direction().
 dvec3 into_index_space(dvec3 v)
 {
-    precise dvec3 sum = index_x * v.x + index_y * v.y + index_z * v.z;
+    precise dvec3 sum = index_from_world[0].xyz * v.x + index_from_world[1].xyz * v.y + index_from_world[2].xyz * v.z;
     return sum;
 }
 
 // As mat4_point().
 dvec3 place_in_index_space(dvec3 p)
 {
-    precise dvec3 sum = into_index_space(p) + index_origin;
+    precise dvec3 sum = into_index_space(p) + index_from_world[3].xyz;
     return sum;
 }
 
@@ -230,7 +231,7 @@ void main()
 layout(std430, binding = LIST_BUFFER) restrict readonly buffer List { uint list[]; }; // which rays: of all cones
 layout(std430, binding = RAY_BUFFER) restrict writeonly buffer Made { double parts[]; }; // struct id_ray
 
-uniform uint list_count;
+layout(location = 6) uniform uint list_count;
 
 void main()
 {

@@ -503,8 +503,8 @@ static conus_status upload_volume(struct gl_engine *gl, const struct volume *vol
         status = status ? status : make_codes(&codes, &map);
         distances.codes = codes;
         for (int a = 0; a < 3; a++) {
-            distances.first[a] = (int)map.first[a];
-            distances.last[a] = (int)map.last[a];
+            distances.box[0][a] = (int)map.first[a];
+            distances.box[1][a] = (int)map.last[a];
         }
     }
     status = status ? status : id_pass_add_volume(gl->pass, volume, &distances, memory_left);
