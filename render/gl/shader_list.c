@@ -32,8 +32,42 @@ conus_status shader_list_init(struct shader_list *out, size_t record_size, uint3
     return status;
 }
 
+/* `count` records did not fit: raises the capacity, or lowers the number of pixels at the limit. */
+static conus_status adapt(struct shader_list *list, uint32_t count)
+{
+    const uint32_t pixels = list->end - list->first;
+    if (list->capacity < list->limit) {
+        uint64_t wanted = count + (uint64_t)count / 4;
+        return reserve_records(list, wanted < list->limit ? (uint32_t)wanted : list->limit);
+    }
+    uint64_t fitting = pixels * (uint64_t)list->capacity / count;
+    if (pixels == 1) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "%u intervals along one ray: the gl engine takes up to %u", count,
+                    list->capacity);
+    }
+    list->together = fitting > pixels / 2 ? pixels / 2 : fitting < 1 ? 1 : (uint32_t)fitting;
+    return CONUS_OK;
+}
+
+void shader_list_begin(struct shader_list *list, uint32_t pixels, uint32_t per_pixel)
+{
+    uint32_t most = per_pixel ? UINT32_MAX / per_pixel : 0; /* pixels that the counter can count for */
+    list->first = list->end = 0;
+    list->pixels = most ? pixels : 0;
+    list->together = pixels < most ? pixels : most;
+}
+
+bool shader_list_next(struct shader_list *list, GLuint binding)
+{
+    static const uint32_t header[HEADER_SIZE / sizeof(uint32_t)] = {0};
+    list->end = list->pixels - list->first < list->together ? list->pixels : list->first + list->together;
+    glNamedBufferSubData(list->buffer, 0, sizeof header, header);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, list->buffer);
+    return list->first < list->pixels;
+}
+
 /* How many records were appended, and the first `most` of them. */
-static conus_status read_list(struct shader_list *list, uint32_t most, uint32_t *count, const void **records)
+static conus_status read_first(struct shader_list *list, uint32_t most, const void **records, uint32_t *count)
 {
     struct readback_part part = {list->buffer, HEADER_SIZE + most * list->record_size, NULL};
     conus_status status = readback_wait(&list->readback, &part, 1, "drawing into a list");
@@ -44,56 +78,19 @@ static conus_status read_list(struct shader_list *list, uint32_t most, uint32_t 
     return status;
 }
 
-/* Draws, and reads how many records were appended, and, where they fit, the records. */
-static conus_status draw_range(struct shader_list *list, const struct shader_list_job *job, uint32_t first,
-                               uint32_t end, uint32_t *count, const void **records)
+conus_status shader_list_read(struct shader_list *list, const void **records, uint32_t *count)
 {
-    static const uint32_t header[HEADER_SIZE / sizeof(uint32_t)] = {0};
-    uint32_t likely = list->likely < list->capacity ? list->likely : list->capacity;
-    glNamedBufferSubData(list->buffer, 0, sizeof header, header);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, job->binding, list->buffer);
-    conus_status status = job->draw(job->user, first, end);
-    status = status ? status : read_list(list, likely, count, records);
+    const uint32_t likely = list->likely < list->capacity ? list->likely : list->capacity;
+    conus_status status = read_first(list, likely, records, count);
     if (!status && *count > likely && *count <= list->capacity) {
-        status = read_list(list, *count, count, records);
+        status = read_first(list, *count, records, count);
     }
     list->likely = status ? likely : *count + *count / 4;
-    return status;
-}
-
-/* `count` records did not fit: raises the capacity, or lowers the number of pixels at the limit. */
-static conus_status adapt(struct shader_list *list, uint32_t count, uint32_t *pixels)
-{
-    if (list->capacity < list->limit) {
-        uint64_t wanted = count + (uint64_t)count / 4;
-        return reserve_records(list, wanted < list->limit ? (uint32_t)wanted : list->limit);
-    }
-    uint64_t fitting = *pixels * (uint64_t)list->capacity / count;
-    if (*pixels == 1) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "%u intervals along one ray: the gl engine takes up to %u", count,
-                    list->capacity);
-    }
-    *pixels = fitting > *pixels / 2 ? *pixels / 2 : fitting < 1 ? 1 : (uint32_t)fitting;
-    return CONUS_OK;
-}
-
-conus_status shader_list_collect(struct shader_list *list, const struct shader_list_job *job)
-{
-    conus_status status = CONUS_OK;
-    uint32_t most = job->per_pixel ? UINT32_MAX / job->per_pixel : 0; /* pixels that the counter can count for */
-    uint32_t pixels = job->pixels < most ? job->pixels : most;
-    for (uint32_t first = 0; pixels && first < job->pixels && !status;) {
-        uint32_t end = job->pixels - first < pixels ? job->pixels : first + pixels;
-        uint32_t count = 0;
-        const void *records = NULL;
-        status = draw_range(list, job, first, end, &count, &records);
-        if (!status && count > list->capacity) {
-            pixels = end - first;
-            status = adapt(list, count, &pixels);
-        } else if (!status) {
-            status = job->take(job->user, records, count);
-            first = end;
-        }
+    if (!status && *count > list->capacity) {
+        status = adapt(list, *count);
+        *count = 0;
+    } else {
+        list->first = list->end;
     }
     return status;
 }

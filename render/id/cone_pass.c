@@ -46,11 +46,9 @@ struct cone_pass {
     GLuint programs[KIND_COUNT];
     GLuint buffers[BUFFER_COUNT];
     size_t sizes[BUFFER_COUNT]; /* bytes they have */
-    double (*matrices)[16];
-    size_t volumes;
-    uint32_t list_count;  /* rays that are listed, */
-    uint32_t listed_rays; /* and of each of their cones */
-    size_t likely_rows;   /* of a part: as many are read before it is known how many there are */
+    uint32_t list_count;        /* rays that are listed, */
+    uint32_t listed_rays;       /* and of each of their cones */
+    size_t likely_rows;         /* of a part: as many are read before it is known how many there are */
     struct readback readback;
 };
 
@@ -134,8 +132,7 @@ static conus_status check_rounding(struct cone_pass *pass, bool *out)
     return status;
 }
 
-conus_status cone_pass_create(struct cone_pass **out, struct id_pass *id_pass, const double *const *voxel_from_world,
-                              size_t volumes)
+conus_status cone_pass_create(struct cone_pass **out, struct id_pass *id_pass)
 {
     static_assert(sizeof(struct cone_place) == 112 && sizeof(struct cone_aim) == 48 && sizeof(struct cone_spot) == 16 &&
                       sizeof(struct cone_row) == 48 && sizeof(struct cone_head) == 8,
@@ -146,33 +143,16 @@ conus_status cone_pass_create(struct cone_pass **out, struct id_pass *id_pass, c
         return CONUS_ERROR_MEMORY;
     }
     pass->id_pass = id_pass;
-    pass->volumes = volumes;
     pass->likely_rows = ROWS_OF_A_PART;
-    pass->matrices = memory_raw(volumes, sizeof *pass->matrices);
-    conus_status status = pass->matrices ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status) {
-        for (size_t i = 0; i < volumes; i++) {
-            memcpy(pass->matrices[i], voxel_from_world[i], sizeof pass->matrices[i]);
-        }
-        glCreateBuffers(BUFFER_COUNT, pass->buffers);
-        status = check_rounding(pass, &rounds);
-    }
-    if (!status && rounds) {
-        reserve(pass, KNOWN_BUFFER, 0, KNOWN_SIZE); /* which one volume alone does not use */
-        status = gl_check("cones");
-    }
+    glCreateBuffers(BUFFER_COUNT, pass->buffers);
+    reserve(pass, KNOWN_BUFFER, 0, KNOWN_SIZE); /* which one volume alone does not use */
+    conus_status status = check_rounding(pass, &rounds);
     if (status || !rounds) {
         cone_pass_destroy(pass);
         pass = NULL;
     }
     *out = status ? *out : pass;
     return status;
-}
-
-conus_status cone_pass_set_groups(struct cone_pass *pass, const uint32_t *groups, size_t group_count)
-{
-    upload(pass, GROUP_BUFFER, 0, groups, group_count * sizeof *groups);
-    return gl_check("groups");
 }
 
 void cone_pass_destroy(struct cone_pass *pass)
@@ -183,7 +163,6 @@ void cone_pass_destroy(struct cone_pass *pass)
         }
         glDeleteBuffers(BUFFER_COUNT, pass->buffers);
         readback_finish(&pass->readback);
-        memory_free(pass->matrices);
         memory_free(pass);
     }
 }
@@ -193,13 +172,10 @@ static uint32_t parts_of(uint32_t rays)
     return (rays + CONE_PART - 1) / CONE_PART;
 }
 
-/* Who knows which buffers the driver has made, where that is no success. */
-static conus_status check_buffers(struct cone_pass *pass, conus_status status)
+conus_status cone_pass_set_groups(struct cone_pass *pass, const uint32_t *groups, size_t group_count)
 {
-    if (status) {
-        memset(pass->sizes, 0, sizeof pass->sizes);
-    }
-    return status;
+    upload(pass, GROUP_BUFFER, 0, groups, group_count * sizeof *groups);
+    return gl_check("groups");
 }
 
 conus_status cone_pass_add_shape(struct cone_pass *pass, const struct cone_aim *aims, const struct cone_spot *spots,
@@ -209,7 +185,7 @@ conus_status cone_pass_add_shape(struct cone_pass *pass, const struct cone_aim *
     if (spots) {
         upload(pass, SPOT_BUFFER, known * rays * sizeof *spots, spots, rays * sizeof *spots);
     }
-    return check_buffers(pass, gl_check("a shape of cones"));
+    return gl_check("a shape of cones");
 }
 
 /* Walks all rays, volume after volume; behind the last one they are counted. */
@@ -223,11 +199,12 @@ static conus_status dispatch(struct cone_pass *pass, uint32_t rays, uint32_t con
     }
     glUseProgram(pass->programs[COUNT]);
     glUniform1ui(RAY_COUNT, rays);
-    for (size_t i = 0; i < pass->volumes; i++) {
+    const size_t volumes = id_pass_volume_count(pass->id_pass);
+    for (size_t i = 0; i < volumes; i++) {
         id_pass_bind(pass->id_pass, i);
-        glUniformMatrix4dv(INDEX_FROM_WORLD, 1, GL_FALSE, pass->matrices[i]);
+        glUniformMatrix4dv(INDEX_FROM_WORLD, 1, GL_FALSE, id_pass_index_from_world(pass->id_pass, i));
         glUniform1i(HAS_KNOWN, i > 0);
-        glUniform1i(IS_LAST, i + 1 == pass->volumes);
+        glUniform1i(IS_LAST, i + 1 == volumes);
         glDispatchCompute(cones, parts_of(rays), 1);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
@@ -255,7 +232,7 @@ conus_status cone_pass_count(struct cone_pass *pass, const struct cone_place *pl
     if (!status) {
         upload(pass, CONE_BUFFER, 0, places, cones * sizeof *places);
         reserve(pass, HEAD_BUFFER, 0, (HEADS_BEFORE + parts) * sizeof **heads);
-        if (pass->volumes > 1) {
+        if (id_pass_volume_count(pass->id_pass) > 1) {
             reserve(pass, KNOWN_BUFFER, 0, (size_t)cones * rays * KNOWN_SIZE);
         }
         status = dispatch(pass, rays, cones, likely);
@@ -268,9 +245,11 @@ conus_status cone_pass_count(struct cone_pass *pass, const struct cone_place *pl
     if (row_count > likely && !status) {
         status = read_rows(pass, heads, HEADS_BEFORE + parts, rows, row_count);
     }
-    *heads += HEADS_BEFORE;
-    pass->likely_rows = row_count / parts < ROWS_OF_A_PART ? ROWS_OF_A_PART : row_count / parts * 5 / 4;
-    return check_buffers(pass, status);
+    if (!status) {
+        *heads += HEADS_BEFORE;
+        pass->likely_rows = row_count / parts < ROWS_OF_A_PART ? ROWS_OF_A_PART : row_count / parts * 5 / 4;
+    }
+    return status;
 }
 
 conus_status cone_pass_list(struct cone_pass *pass, const struct cone_place *places, uint32_t cones, uint32_t rays,
@@ -286,7 +265,7 @@ conus_status cone_pass_list(struct cone_pass *pass, const struct cone_place *pla
         pass->listed_rays = rays;
         status = gl_check("the list of rays");
     }
-    return check_buffers(pass, status);
+    return status;
 }
 
 conus_status cone_pass_make_rays(struct cone_pass *pass, size_t volume)
@@ -301,7 +280,7 @@ conus_status cone_pass_make_rays(struct cone_pass *pass, size_t volume)
     glUseProgram(pass->programs[MAKE]);
     glUniform1ui(RAY_COUNT, pass->listed_rays);
     glUniform1ui(LIST_COUNT, pass->list_count);
-    glUniformMatrix4dv(INDEX_FROM_WORLD, 1, GL_FALSE, pass->matrices[volume]);
+    glUniformMatrix4dv(INDEX_FROM_WORLD, 1, GL_FALSE, id_pass_index_from_world(pass->id_pass, volume));
     glDispatchCompute(parts_of(pass->list_count), 1, 1);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     return gl_check("making rays");

@@ -17,6 +17,8 @@ enum { OUT_BUFFER };
 enum { BOX, RANGE = BOX + 2 }; /* locations of uniforms */
 enum { GROUP = 64, FIRST_INTERVALS = 1024, RAY_TEXELS = sizeof(struct id_ray) / 16 };
 
+enum { IDENTIFIERS, RAYS, HITS, BUFFER_COUNT };
+
 /* Kinds of programs: the first contact of a ray, or all layers. */
 enum id_kind { FIRST, PIERCE, KIND_COUNT };
 
@@ -24,12 +26,13 @@ struct id_volume {
     GLuint objects, distances; /* none with slices */
     int box[2][3];
     size_t dim[3];
+    double index_from_world[16];
 };
 
 struct id_pass {
     conus_sampling sampling;
     GLuint programs[KIND_COUNT]; /* made when first needed */
-    GLuint identifier_buffer, ray_buffer, hit_buffer;
+    GLuint buffers[BUFFER_COUNT];
     GLuint identifiers, ray_texels; /* through which shaders see the first two */
     struct shader_list intervals;   /* of struct id_interval */
     struct id_volume *volumes;
@@ -71,13 +74,11 @@ conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const
     pass->sampling = sampling;
     conus_status status = need_program(pass, FIRST);
     if (!status) {
-        glCreateBuffers(1, &pass->ray_buffer);
-        glCreateBuffers(1, &pass->hit_buffer);
-        glCreateBuffers(1, &pass->identifier_buffer);
-        glNamedBufferStorage(pass->identifier_buffer, (GLsizeiptr)(identifier_count * sizeof *identifiers), identifiers,
-                             0);
+        glCreateBuffers(BUFFER_COUNT, pass->buffers);
+        glNamedBufferStorage(pass->buffers[IDENTIFIERS], (GLsizeiptr)(identifier_count * sizeof *identifiers),
+                             identifiers, 0);
         glCreateTextures(GL_TEXTURE_BUFFER, 1, &pass->identifiers);
-        glTextureBuffer(pass->identifiers, GL_R32UI, pass->identifier_buffer);
+        glTextureBuffer(pass->identifiers, GL_R32UI, pass->buffers[IDENTIFIERS]);
         glCreateTextures(GL_TEXTURE_BUFFER, 1, &pass->ray_texels);
         status = gl_check("identifiers");
     }
@@ -89,28 +90,20 @@ conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const
     return CONUS_OK;
 }
 
-static void drop_rays(struct id_pass *pass)
-{
-    memory_free(pass->rays);
-    pass->rays = NULL;
-    pass->capacity = 0;
-}
-
 void id_pass_destroy(struct id_pass *pass)
 {
     if (!pass) {
         return;
     }
-    drop_rays(pass);
+    memory_free(pass->rays);
     for (size_t i = 0; i < pass->volume_count; i++) {
         glDeleteTextures(1, &pass->volumes[i].objects);
         glDeleteTextures(1, &pass->volumes[i].distances);
     }
     memory_free(pass->volumes);
-    const GLuint buffers[] = {pass->identifier_buffer, pass->ray_buffer, pass->hit_buffer};
-    const GLuint textures[] = {pass->identifiers, pass->ray_texels};
-    glDeleteTextures(2, textures);
-    glDeleteBuffers(3, buffers);
+    glDeleteTextures(1, &pass->identifiers);
+    glDeleteTextures(1, &pass->ray_texels);
+    glDeleteBuffers(BUFFER_COUNT, pass->buffers);
     for (int kind = 0; kind < KIND_COUNT; kind++) {
         glDeleteProgram(pass->programs[kind]);
     }
@@ -141,6 +134,7 @@ conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volum
         return status;
     }
     memcpy(made.dim, dim, sizeof made.dim);
+    memcpy(made.index_from_world, volume->voxel_from_world, sizeof made.index_from_world);
     volumes[pass->volume_count++] = made;
     return CONUS_OK;
 }
@@ -152,10 +146,11 @@ static conus_status reserve_rays(struct id_pass *pass, uint32_t rays)
     if (rays > (uint32_t)limit / RAY_TEXELS) {
         return fail(CONUS_ERROR_GL, "%u rays at once: this OpenGL driver allows %d", rays, limit / RAY_TEXELS);
     }
-    drop_rays(pass);
-    glNamedBufferData(pass->ray_buffer, (GLsizeiptr)(rays * sizeof(struct id_ray)), NULL, GL_STREAM_DRAW);
-    glNamedBufferData(pass->hit_buffer, (GLsizeiptr)(rays * sizeof(struct id_hit)), NULL, GL_DYNAMIC_COPY);
-    glTextureBuffer(pass->ray_texels, GL_RGBA32UI, pass->ray_buffer);
+    memory_free(pass->rays);
+    pass->rays = NULL;
+    glNamedBufferData(pass->buffers[RAYS], (GLsizeiptr)(rays * sizeof(struct id_ray)), NULL, GL_DYNAMIC_COPY);
+    glNamedBufferData(pass->buffers[HITS], (GLsizeiptr)(rays * sizeof(struct id_hit)), NULL, GL_DYNAMIC_COPY);
+    glTextureBuffer(pass->ray_texels, GL_RGBA32UI, pass->buffers[RAYS]);
     conus_status status = gl_check("rays");
     pass->capacity = status ? 0 : rays;
     return status;
@@ -176,18 +171,27 @@ struct id_ray *id_pass_rays(struct id_pass *pass)
     return pass->rays;
 }
 
+size_t id_pass_volume_count(const struct id_pass *pass)
+{
+    return pass->volume_count;
+}
+
+const double *id_pass_index_from_world(const struct id_pass *pass, size_t volume)
+{
+    return pass->volumes[volume].index_from_world;
+}
+
 GLuint id_pass_device_rays(struct id_pass *pass)
 {
     pass->has_device_rays = true;
-    return pass->ray_buffer;
+    return pass->buffers[RAYS];
 }
 
 static void upload_rays(const struct id_pass *pass)
 {
-    if (pass->has_device_rays) {
-        return;
+    if (!pass->has_device_rays) {
+        glNamedBufferSubData(pass->buffers[RAYS], 0, (GLsizeiptr)(pass->ray_count * sizeof *pass->rays), pass->rays);
     }
-    glNamedBufferSubData(pass->ray_buffer, 0, (GLsizeiptr)(pass->ray_count * sizeof *pass->rays), pass->rays);
 }
 
 void id_pass_bind(const struct id_pass *pass, size_t volume)
@@ -219,7 +223,7 @@ conus_status id_pass_trace(struct id_pass *pass, size_t volume)
     if (pass->volumes_traced) {
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); /* earlier hits are read now */
     }
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, OUT_BUFFER, pass->hit_buffer);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, OUT_BUFFER, pass->buffers[HITS]);
     dispatch(pass, FIRST, volume, 0, pass->ray_count);
     pass->volumes_traced++;
     return gl_check("ID pass");
@@ -228,7 +232,7 @@ conus_status id_pass_trace(struct id_pass *pass, size_t volume)
 conus_status id_pass_read(struct id_pass *pass, const struct id_hit **out)
 {
     assert(pass->volumes_traced);
-    struct readback_part part = {pass->hit_buffer, pass->ray_count * sizeof(struct id_hit), NULL};
+    struct readback_part part = {pass->buffers[HITS], pass->ray_count * sizeof(struct id_hit), NULL};
     conus_status status = readback_wait(&pass->readback, &part, 1, "reading the ID pass");
     if (!status) {
         *out = part.data;
@@ -236,45 +240,27 @@ conus_status id_pass_read(struct id_pass *pass, const struct id_hit **out)
     return status;
 }
 
-struct piercing {
-    struct id_pass *pass;
-    size_t volume;
-    id_pass_take take;
-    void *user;
-};
-
-static conus_status append_intervals(void *user, uint32_t first, uint32_t end)
-{
-    const struct piercing *piercing = user;
-    dispatch(piercing->pass, PIERCE, piercing->volume, first, end);
-    return gl_check("ID pass of all layers");
-}
-
-static conus_status take_intervals(void *user, const void *records, uint32_t count)
-{
-    const struct piercing *piercing = user;
-    return piercing->take(piercing->user, records, count);
-}
-
 conus_status id_pass_pierce(struct id_pass *pass, size_t volume, id_pass_take take, void *user)
 {
     assert(volume < pass->volume_count && pass->ray_count && pass->sampling == CONUS_SAMPLING_EXACT);
     static_assert(sizeof(struct id_interval) == 40, "the shader's Interval");
-    struct piercing piercing = {pass, volume, take, user};
+    const size_t *dim = pass->volumes[volume].dim;
+    struct shader_list *list = &pass->intervals;
     conus_status status = need_program(pass, PIERCE);
-    if (!status && !pass->intervals.buffer) {
-        status = shader_list_init(&pass->intervals, sizeof(struct id_interval), FIRST_INTERVALS);
+    if (!status && !list->buffer) {
+        status = shader_list_init(list, sizeof(struct id_interval), FIRST_INTERVALS);
     }
     if (status) {
         return status;
     }
-    const size_t *dim = pass->volumes[volume].dim;
-    const struct shader_list_job job = {.binding = OUT_BUFFER,
-                                        .draw = append_intervals,
-                                        .take = take_intervals,
-                                        .user = &piercing,
-                                        .pixels = pass->ray_count,
-                                        .per_pixel = (uint32_t)(dim[0] + dim[1] + dim[2])}; /* cells of any ray */
     upload_rays(pass);
-    return shader_list_collect(&pass->intervals, &job);
+    shader_list_begin(list, pass->ray_count, (uint32_t)(dim[0] + dim[1] + dim[2])); /* cells of any ray */
+    while (!status && shader_list_next(list, OUT_BUFFER)) {
+        const void *records = NULL;
+        uint32_t count = 0;
+        dispatch(pass, PIERCE, volume, list->first, list->end);
+        status = shader_list_read(list, &records, &count);
+        status = status ? status : take(user, records, count);
+    }
+    return status;
 }

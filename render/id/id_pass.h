@@ -68,6 +68,11 @@ enum { ID_OBJECTS_UNIT, ID_DISTANCE_UNIT, ID_IDENTIFIER_UNIT };
 conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volume, const struct id_distances *distances,
                                 uint64_t *memory_left);
 
+size_t id_pass_volume_count(const struct id_pass *pass);
+
+/** The matrix [16] of volume number @p volume. */
+const double *id_pass_index_from_world(const struct id_pass *pass, size_t volume);
+
 /** Reserves memory for @p rays rays, at least 1. */
 conus_status id_pass_begin(struct id_pass *pass, uint32_t rays);
 

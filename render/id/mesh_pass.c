@@ -150,12 +150,10 @@ static conus_status make_slots(struct mesh_pass *pass, size_t wanted)
 
 static conus_status allocate_pass(struct mesh_pass *pass, const struct mesh *const *meshes, size_t count)
 {
-    const struct mesh **copy = memory_raw(count, sizeof(void *));
-    if (!copy) {
+    pass->meshes = memory_copy(meshes, count, sizeof(void *));
+    if (!pass->meshes) {
         return CONUS_ERROR_MEMORY;
     }
-    memcpy(copy, meshes, count * sizeof(void *));
-    pass->meshes = copy;
     pass->batch = gl_is_software() ? SOFTWARE_BATCH : BATCH;
     pass->portion = gl_is_software() ? SOFTWARE_PORTION : SIZE_MAX;
     conus_status status = clusters_init(&pass->clusters, meshes, count);
@@ -269,7 +267,7 @@ static void weigh(const struct mesh_pass *pass, const struct mesh_pixels *pixels
     uint32_t object = clusters_find(&pass->clusters, drawn)->object;
     uint64_t triangle = pass->clusters.triangle[drawn];
     const struct mesh *mesh = pass->meshes[object - 1];
-    double t = mesh_distance(mesh, (size_t)triangle, pixels->origins[pixel], pixels->directions[pixel]);
+    double t = mesh_distance(mesh, (size_t)triangle, pixels->rays[pixel].origin, pixels->rays[pixel].direction);
     double known = pixels->distances[pixel];
     uint32_t holder = pixels->objects[pixel];
     bool wins_tie = object < holder || (object == holder && triangle < pixels->triangles[pixel]);
@@ -453,63 +451,47 @@ conus_status mesh_pass_render(struct mesh_pass *pass, const struct mesh_query *q
     return status;
 }
 
-struct piercing {
-    struct mesh_pass *pass;
-    const struct mesh_view *view;
-    const uint32_t *batch; /* clusters */
-    size_t count;
-    mesh_pass_take take;
-    void *user;
-};
-
-static conus_status draw_hits(void *user, uint32_t first, uint32_t end)
+/* Draws clusters until all their hits are taken. */
+static conus_status pierce_batch(struct mesh_pass *pass, const struct mesh_view *view, const uint32_t *batch,
+                                 size_t batch_count, mesh_pass_take take, void *user)
 {
-    const struct piercing *piercing = user;
-    use_program(piercing->pass->all, piercing->view);
-    glUniform2i(PIXELS, (GLint)first, (GLint)end);
-    draw_batch(piercing->pass, piercing->batch, piercing->count);
-    return gl_check("mesh pass of all layers");
-}
-
-static conus_status take_hits(void *user, const void *records, uint32_t count)
-{
-    const struct piercing *piercing = user;
-    const struct clusters *clusters = &piercing->pass->clusters;
-    const uint32_t(*record)[2] = (const uint32_t(*)[2])records;
+    struct shader_list *list = &pass->hits;
     conus_status status = CONUS_OK;
-    for (uint32_t i = 0; i < count && !status; i++) {
-        uint32_t drawn = record[i][1];
-        const struct mesh_pass_hit hit = {record[i][0], clusters_find(clusters, drawn)->object,
-                                          clusters->triangle[drawn]};
-        status = piercing->take(piercing->user, &hit);
+    uint32_t per_pixel = 0;
+    for (size_t i = 0; i < batch_count; i++) {
+        per_pixel += pass->clusters.cluster[batch[i]].count;
+    }
+    shader_list_begin(list, view->resolution * view->resolution, per_pixel);
+    while (!status && shader_list_next(list, HIT_BUFFER)) {
+        const void *records = NULL;
+        uint32_t count = 0;
+        use_program(pass->all, view);
+        glUniform2i(PIXELS, (GLint)list->first, (GLint)list->end);
+        draw_batch(pass, batch, batch_count);
+        status = shader_list_read(list, &records, &count);
+        for (uint32_t i = 0; i < count && !status; i++) {
+            const uint32_t *record = (const uint32_t *)records + 2 * (size_t)i;
+            const struct mesh_pass_hit hit = {record[0], clusters_find(&pass->clusters, record[1])->object,
+                                              pass->clusters.triangle[record[1]]};
+            status = take(user, &hit);
+        }
     }
     return status;
 }
 
 conus_status mesh_pass_pierce(struct mesh_pass *pass, const struct mesh_view *view, mesh_pass_take take, void *user)
 {
-    struct piercing piercing = {.pass = pass, .view = view, .count = 1, .take = take, .user = user};
     uint32_t pixels = view->resolution * view->resolution;
     size_t countable = UINT32_MAX / pixels - CLUSTER_TRIANGLES; /* at once for all pixels, see shader_list.h */
     size_t triangles = countable < PIERCE_BATCH ? countable : PIERCE_BATCH;
     conus_status status = pass->all ? CONUS_OK : create_all(pass);
     status = status ? status : set_resolution(pass, view->resolution);
     struct mesh_cull *cull = pass->slots[0].cull;
+    const uint32_t *batch;
     mesh_cull_begin(cull, view);
     mesh_cull_hide(cull, NULL);
-    while (piercing.count && !status) {
-        uint32_t per_pixel = 0;
-        piercing.count = mesh_cull_batch(&piercing.batch, cull, triangles);
-        for (size_t i = 0; i < piercing.count; i++) {
-            per_pixel += pass->clusters.cluster[piercing.batch[i]].count;
-        }
-        const struct shader_list_job job = {.binding = HIT_BUFFER,
-                                            .draw = draw_hits,
-                                            .take = take_hits,
-                                            .user = &piercing,
-                                            .pixels = pixels,
-                                            .per_pixel = per_pixel};
-        status = shader_list_collect(&pass->hits, &job);
+    for (size_t count; !status && (count = mesh_cull_batch(&batch, cull, triangles)) > 0;) {
+        status = pierce_batch(pass, view, batch, count, take, user);
     }
     return status;
 }

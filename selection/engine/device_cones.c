@@ -49,17 +49,10 @@ void device_cones_destroy(struct device_cones *cones)
     }
 }
 
-conus_status device_cones_create(struct device_cones **out, const conus_atlas *atlas, struct id_pass *pass,
-                                 const size_t *volumes, size_t volume_count)
+conus_status device_cones_create(struct device_cones **out, const conus_atlas *atlas, struct id_pass *pass)
 {
     struct device_cones *cones = memory_zeroed(1, sizeof *cones);
-    const double **matrices = memory_raw(volume_count, sizeof(double *));
-    conus_status status = cones && matrices ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; i < volume_count && !status; i++) {
-        matrices[i] = atlas->volumes[volumes[i]].voxel_from_world;
-    }
-    status = status ? status : cone_pass_create(&cones->device, pass, matrices, volume_count);
-    memory_free((void *)matrices);
+    conus_status status = cones ? cone_pass_create(&cones->device, pass) : CONUS_ERROR_MEMORY;
     if (status || !cones->device) {
         device_cones_destroy(cones);
         cones = NULL;
@@ -187,10 +180,9 @@ static conus_status place_cones(struct device_cones *cones, struct shapes *shape
         }
         place->radius = in[c]->radius;
         place->shape = (uint32_t)shape;
-        memcpy(place->right, m, sizeof place->right);
-        memcpy(place->up, m + 4, sizeof place->up);
-        memcpy(place->back, m + 8, sizeof place->back);
-        memcpy(place->apex, m + 12, sizeof place->apex);
+        for (int column = 0; column < 4; column++) {
+            memcpy(place->columns[column], m + 4 * column, sizeof place->columns[column]);
+        }
     }
     return status;
 }
@@ -230,13 +222,6 @@ static conus_status set_groups(struct device_cones *cones, const uint32_t *group
     return status;
 }
 
-/* After a failure the device may have lost all. */
-static void forget(struct device_cones *cones)
-{
-    cones->counted.count = cones->whole.count = cones->listed = 0;
-    cones->has_groups = false;
-}
-
 conus_status device_cones_count(struct device_cones *cones, struct hit_counts *const *out, const struct cone *const *in,
                                 size_t count, struct aperture *aperture, const uint32_t *group)
 {
@@ -258,17 +243,15 @@ conus_status device_cones_count(struct device_cones *cones, struct hit_counts *c
     for (size_t i = 0; i < count * parts && !status; i++) {
         status = take_rows(out[i / parts], rows + heads[i].first, heads[i].count);
     }
-    if (status) {
-        forget(cones);
-    }
     return status;
 }
 
 conus_status device_cones_list(struct device_cones *cones, const struct cone *const *in, size_t count,
-                               const uint32_t *list, uint32_t ray_count, bool is_whole)
+                               const uint32_t *list, uint32_t ray_count)
 {
     struct shapes *shapes = &cones->whole;
     const uint32_t n = in[0]->resolution;
+    const bool is_whole = ray_count == count * n * n;
     keep_shapes(shapes, true, (size_t)n * n);
     const size_t listed = is_whole && cones->listed_resolution == n ? cones->listed : 0;
     conus_status status = place_cones(cones, shapes, in, count, NULL);
@@ -277,9 +260,6 @@ conus_status device_cones_list(struct device_cones *cones, const struct cone *co
     }
     cones->listed_resolution = n;
     cones->listed = is_whole ? (listed > ray_count ? listed : ray_count) : 0;
-    if (status) {
-        forget(cones);
-    }
     return status;
 }
 
