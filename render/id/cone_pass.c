@@ -270,13 +270,10 @@ conus_status cone_pass_list(struct cone_pass *pass, const struct cone_place *pla
 
 conus_status cone_pass_make_rays(struct cone_pass *pass, size_t volume)
 {
-    const GLuint bound[][2] = {{CONE_BUFFER, pass->buffers[CONE_BUFFER]},
-                               {AIM_BUFFER, pass->buffers[LISTED_AIM_BUFFER]},
-                               {LIST_BLOCK, pass->buffers[LIST_BUFFER]},
-                               {RAY_BLOCK, id_pass_device_rays(pass->id_pass)}};
-    for (size_t i = 0; i < sizeof bound / sizeof bound[0]; i++) {
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, bound[i][0], bound[i][1]);
-    }
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, CONE_BUFFER, pass->buffers[CONE_BUFFER]);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, AIM_BUFFER, pass->buffers[LISTED_AIM_BUFFER]);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, LIST_BLOCK, pass->buffers[LIST_BUFFER]);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RAY_BLOCK, id_pass_device_rays(pass->id_pass));
     glUseProgram(pass->programs[MAKE]);
     glUniform1ui(RAY_COUNT, pass->listed_rays);
     glUniform1ui(LIST_COUNT, pass->list_count);

@@ -110,19 +110,6 @@ dvec3 place_in_index_space(dvec3 p)
     return sum;
 }
 
-// As vec3_add_scaled().
-dvec3 add_scaled(dvec3 a, double s, dvec3 b)
-{
-    precise dvec3 sum = a + s * b;
-    return sum;
-}
-
-double times_of(double a, double b)
-{
-    precise double product = a * b;
-    return product;
-}
-
 // As cone_rays_from(), cone_origin() and traverse_ray_init(), operation by operation.
 Ray make_ray(Cone cone, Aim aim)
 {
@@ -132,8 +119,10 @@ Ray make_ray(Cone cone, Aim aim)
     dvec3 start = dvec3(cone.apex_x, cone.apex_y, cone.apex_z);
     precise dvec3 world = right * aim.right + up * aim.up - back * aim.forward;
     if (cone.radius > 0.0lf) {
-        start = add_scaled(start, times_of(aim.u, cone.radius), right);
-        start = add_scaled(start, times_of(aim.v, cone.radius), up);
+        precise double u = aim.u * cone.radius, v = aim.v * cone.radius;
+        precise dvec3 beside = start + u * right;
+        precise dvec3 above = beside + v * up;
+        start = above;
     }
     dvec3 origin = place_in_index_space(start);
     dvec3 direction = into_index_space(world);
@@ -228,8 +217,12 @@ void main()
     values[gl_GlobalInvocationID.x] = reciprocal(values[gl_GlobalInvocationID.x]);
 }
 #elif MAKE
+struct MadeRay { // struct id_ray
+    double origin[3], direction[3], inverse[3], unused;
+};
+
 layout(std430, binding = LIST_BUFFER) restrict readonly buffer List { uint list[]; }; // which rays: of all cones
-layout(std430, binding = RAY_BUFFER) restrict writeonly buffer Made { double parts[]; }; // struct id_ray
+layout(std430, binding = RAY_BUFFER) restrict writeonly buffer Made { MadeRay made_rays[]; };
 
 layout(location = 6) uniform uint list_count;
 
@@ -239,16 +232,9 @@ void main()
     if (at < list_count) {
         Cone cone = cones[list[at] / ray_count];
         Ray ray = make_ray(cone, aims[cone.shape * ray_count + list[at] % ray_count]);
-        uint first = 10u * at;
-        parts[first] = ray.origin.x;
-        parts[first + 1u] = ray.origin.y;
-        parts[first + 2u] = ray.origin.z;
-        parts[first + 3u] = ray.direction.x;
-        parts[first + 4u] = ray.direction.y;
-        parts[first + 5u] = ray.direction.z;
-        parts[first + 6u] = ray.inverse.x;
-        parts[first + 7u] = ray.inverse.y;
-        parts[first + 8u] = ray.inverse.z;
+        made_rays[at] = MadeRay(double[](ray.origin.x, ray.origin.y, ray.origin.z),
+                                double[](ray.direction.x, ray.direction.y, ray.direction.z),
+                                double[](ray.inverse.x, ray.inverse.y, ray.inverse.z), 0.0lf);
     }
 }
 #else

@@ -514,10 +514,8 @@ static conus_status upload_meshes(struct gl_engine *gl, uint64_t *memory_left)
 static conus_status fill_engine(struct gl_engine *gl)
 {
     gl->volumes = memory_raw(gl->atlas->volume_count, sizeof *gl->volumes);
-    if (!gl->volumes) {
-        return CONUS_ERROR_MEMORY;
-    }
-    conus_status status = gl_context_create(&gl->context, gl->options.log, gl->options.log_user);
+    conus_status status = gl->volumes ? CONUS_OK : CONUS_ERROR_MEMORY;
+    status = status ? status : gl_context_create(&gl->context, gl->options.log, gl->options.log_user);
     if (status) {
         return status;
     }
