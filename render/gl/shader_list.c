@@ -2,101 +2,95 @@
 /* Draws until all records fit, and reads them back. */
 #include "render/gl/shader_list.h"
 
-#include "base/memory.h"
 #include "render/gl/context.h"
 
 enum { HEADER_SIZE = 8, SIZE_LIMIT = 1 << 24 }; /* bytes; any driver takes blocks of 2^24 */
 
-conus_status shader_list_init(struct shader_list *out, size_t record_size, uint32_t first)
-{
-    struct shader_list list = {.record_size = record_size, .capacity = first};
-    list.limit = (uint32_t)((SIZE_LIMIT - HEADER_SIZE) / record_size);
-    glCreateBuffers(1, &list.buffer);
-    *out = list;
-    return gl_check("list");
-}
-
-void shader_list_finish(struct shader_list *list)
-{
-    if (list->buffer) {
-        glDeleteBuffers(1, &list->buffer);
-    }
-    memory_free(list->records);
-    *list = (struct shader_list){0};
-}
-
 static conus_status reserve_records(struct shader_list *list, uint32_t capacity)
 {
-    memory_free(list->records);
-    list->records = memory_raw(capacity, list->record_size);
-    if (!list->records) {
-        return CONUS_ERROR_MEMORY;
-    }
     list->capacity = capacity;
     glNamedBufferData(list->buffer, (GLsizeiptr)(HEADER_SIZE + capacity * list->record_size), NULL, GL_DYNAMIC_COPY);
     return gl_check("list");
 }
 
-/* Draws, waits for it, and reads how many records were appended, and the records. */
-static conus_status draw_range(struct shader_list *list, const struct shader_list_job *job, uint32_t first,
-                               uint32_t end, uint32_t *count)
+void shader_list_finish(struct shader_list *list)
 {
-    static const uint32_t header[HEADER_SIZE / sizeof(uint32_t)] = {0};
-    conus_status status = list->records ? CONUS_OK : reserve_records(list, list->capacity);
+    glDeleteBuffers(1, &list->buffer);
+    readback_finish(&list->readback);
+    *list = (struct shader_list){0};
+}
+
+conus_status shader_list_init(struct shader_list *out, size_t record_size, uint32_t first)
+{
+    *out = (struct shader_list){.record_size = record_size, .likely = first};
+    out->limit = (uint32_t)((SIZE_LIMIT - HEADER_SIZE) / record_size);
+    glCreateBuffers(1, &out->buffer);
+    conus_status status = reserve_records(out, first);
     if (status) {
-        return status;
+        shader_list_finish(out);
     }
-    glNamedBufferSubData(list->buffer, 0, sizeof header, header);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, job->binding, list->buffer);
-    status = job->draw(job->user, first, end);
-    if (status) {
-        return status;
-    }
-    uint32_t appended = 0;
-    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    glFinish();
-    glGetNamedBufferSubData(list->buffer, 0, sizeof appended, &appended);
-    status = gl_check("drawing into a list");
-    if (!status && appended && appended <= list->capacity) {
-        glGetNamedBufferSubData(list->buffer, HEADER_SIZE, (GLsizeiptr)(appended * list->record_size), list->records);
-        status = gl_check("reading a list");
-    }
-    *count = status ? 0 : appended;
     return status;
 }
 
 /* `count` records did not fit: raises the capacity, or lowers the number of pixels at the limit. */
-static conus_status adapt(struct shader_list *list, uint32_t count, uint32_t *pixels)
+static conus_status adapt(struct shader_list *list, uint32_t count)
 {
+    const uint32_t pixels = list->end - list->first;
     if (list->capacity < list->limit) {
         uint64_t wanted = count + (uint64_t)count / 4;
         return reserve_records(list, wanted < list->limit ? (uint32_t)wanted : list->limit);
     }
-    uint64_t fitting = *pixels * (uint64_t)list->capacity / count;
-    if (*pixels == 1) {
+    uint64_t fitting = pixels * (uint64_t)list->capacity / count;
+    if (pixels == 1) {
         return fail(CONUS_ERROR_UNSUPPORTED, "%u intervals along one ray: the gl engine takes up to %u", count,
                     list->capacity);
     }
-    *pixels = fitting > *pixels / 2 ? *pixels / 2 : fitting < 1 ? 1 : (uint32_t)fitting;
+    list->together = fitting > pixels / 2 ? pixels / 2 : fitting < 1 ? 1 : (uint32_t)fitting;
     return CONUS_OK;
 }
 
-conus_status shader_list_collect(struct shader_list *list, const struct shader_list_job *job)
+void shader_list_begin(struct shader_list *list, uint32_t pixels, uint32_t per_pixel)
 {
-    conus_status status = CONUS_OK;
-    uint32_t most = job->per_pixel ? UINT32_MAX / job->per_pixel : 0; /* pixels that the counter can count for */
-    uint32_t pixels = job->pixels < most ? job->pixels : most;
-    for (uint32_t first = 0; pixels && first < job->pixels && !status;) {
-        uint32_t end = job->pixels - first < pixels ? job->pixels : first + pixels;
-        uint32_t count = 0;
-        status = draw_range(list, job, first, end, &count);
-        if (!status && count > list->capacity) {
-            pixels = end - first;
-            status = adapt(list, count, &pixels);
-        } else if (!status) {
-            status = job->take(job->user, list->records, count);
-            first = end;
-        }
+    uint32_t most = per_pixel ? UINT32_MAX / per_pixel : 0; /* pixels that the counter can count for */
+    list->first = list->end = 0;
+    list->pixels = most ? pixels : 0;
+    list->together = pixels < most ? pixels : most;
+}
+
+bool shader_list_next(struct shader_list *list, GLuint binding)
+{
+    static const uint32_t header[HEADER_SIZE / sizeof(uint32_t)] = {0};
+    list->end = list->pixels - list->first < list->together ? list->pixels : list->first + list->together;
+    glNamedBufferSubData(list->buffer, 0, sizeof header, header);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, list->buffer);
+    return list->first < list->pixels;
+}
+
+/* How many records were appended, and the first `most` of them. */
+static conus_status read_first(struct shader_list *list, uint32_t most, const void **records, uint32_t *count)
+{
+    struct readback_part part = {list->buffer, HEADER_SIZE + most * list->record_size, NULL};
+    conus_status status = readback_wait(&list->readback, &part, 1, "drawing into a list");
+    if (!status) {
+        *count = *(const uint32_t *)part.data;
+        *records = (const uint8_t *)part.data + HEADER_SIZE;
+    }
+    return status;
+}
+
+conus_status shader_list_read(struct shader_list *list, const void **records, uint32_t *count)
+{
+    const uint32_t likely = list->likely < list->capacity ? list->likely : list->capacity;
+    conus_status status = read_first(list, likely, records, count);
+    if (!status && *count > likely && *count <= list->capacity) {
+        status = read_first(list, *count, records, count);
+    }
+    list->likely = status ? likely : *count + *count / 4;
+    if (!status && *count > list->capacity) {
+        status = adapt(list, *count);
+        *count = 0;
+    } else {
+        list->first = list->end;
     }
     return status;
 }

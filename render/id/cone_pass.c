@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "render/gl/context.h"
 #include "render/gl/program.h"
+#include "render/gl/readback.h"
 #include "render/gl/shaders.h"
 
 #include <assert.h>
@@ -25,6 +26,8 @@ enum {
     LIST_BUFFER,
     BUFFER_COUNT
 };
+/* No rays are made and counted at once. */
+enum { LIST_BLOCK = SPOT_BUFFER, RAY_BLOCK = VALUE_BUFFER };
 enum {
     KNOWN_SIZE = 16,
     HEADS_BEFORE = 1, /* the first head is the number of rows */
@@ -35,96 +38,66 @@ enum {
 /* Kinds of programs; made when first needed. */
 enum kind { COUNT, MAKE, CHECK, KIND_COUNT };
 
-struct cone_program {
-    GLuint program;
-    GLint ray_count, list_count, has_known, is_last, first_cell, last_cell;
-    GLint index[4]; /* the columns of voxel_from_world */
-};
+/* Locations of uniforms, behind that of id_pass_bind(). */
+enum { RAY_COUNT = 2, HAS_KNOWN, IS_LAST, INDEX_FROM_WORLD, LIST_COUNT };
 
 struct cone_pass {
     struct id_pass *id_pass;
-    struct cone_program programs[KIND_COUNT];
+    GLuint programs[KIND_COUNT];
     GLuint buffers[BUFFER_COUNT];
     size_t sizes[BUFFER_COUNT]; /* bytes they have */
-    double (*matrices)[16];
-    size_t volumes;
-    uint32_t list_count;  /* rays that are listed, */
-    uint32_t listed_rays; /* and of each of their cones */
-    struct cone_head *heads;
-    struct cone_row *rows;
-    size_t head_capacity, row_capacity; /* of these on the CPU */
+    uint32_t list_count;        /* rays that are listed, */
+    uint32_t listed_rays;       /* and of each of their cones */
+    size_t likely_rows;         /* of a part: as many are read before it is known how many there are */
+    struct readback readback;
 };
 
-/* Makes a buffer at least so large; what is in it is lost where it grows. */
-static void reserve(struct cone_pass *pass, int buffer, size_t size)
+/* Makes a buffer at least so large. Its first `kept` bytes stay; where there are some, others are likely to follow. */
+static void reserve(struct cone_pass *pass, int buffer, size_t kept, size_t size)
 {
     if (size > pass->sizes[buffer]) {
-        glNamedBufferData(pass->buffers[buffer], (GLsizeiptr)size, NULL, GL_DYNAMIC_COPY);
-        pass->sizes[buffer] = size;
+        const GLuint old = pass->buffers[buffer];
+        pass->sizes[buffer] = kept ? 2 * size : size;
+        glCreateBuffers(1, &pass->buffers[buffer]);
+        glNamedBufferData(pass->buffers[buffer], (GLsizeiptr)pass->sizes[buffer], NULL, GL_DYNAMIC_COPY);
+        glCopyNamedBufferSubData(old, pass->buffers[buffer], 0, 0, (GLsizeiptr)kept);
+        glDeleteBuffers(1, &old);
     }
 }
 
-static void upload(struct cone_pass *pass, int buffer, const void *data, size_t size)
+/* Writes behind the first `kept` bytes. */
+static void upload(struct cone_pass *pass, int buffer, size_t kept, const void *data, size_t size)
 {
-    reserve(pass, buffer, size);
-    glNamedBufferSubData(pass->buffers[buffer], 0, (GLsizeiptr)size, data);
-}
-
-static conus_status read_back(struct cone_pass *pass, int buffer, void *out, size_t size)
-{
-    glGetNamedBufferSubData(pass->buffers[buffer], 0, (GLsizeiptr)size, out);
-    return gl_check("reading counts");
+    reserve(pass, buffer, kept, kept + size);
+    glNamedBufferSubData(pass->buffers[buffer], (GLintptr)kept, (GLsizeiptr)size, data);
 }
 
 static conus_status need_program(struct cone_pass *pass, enum kind kind)
 {
-    static const char *const columns[] = {"index_x", "index_y", "index_z", "index_origin"};
-    struct cone_program *made = &pass->programs[kind];
-    const struct program_define defines[] = {
-        {"SLICES", 0},
-        {"PIERCE", 0},
-        {"CONES", 1},
-        {"CHECK", kind == CHECK},
-        {"MAKE", kind == MAKE},
-        {"GROUP", CONE_PART},
-        {"OBJECTS_UNIT", ID_OBJECTS_UNIT},
-        {"DISTANCE_UNIT", ID_DISTANCE_UNIT},
-        {"IDENTIFIER_UNIT", ID_IDENTIFIER_UNIT},
-        {"CONE_BUFFER", CONE_BUFFER},
-        {"AIM_BUFFER", AIM_BUFFER},
-        {"SPOT_BUFFER", SPOT_BUFFER},
-        {"GROUP_BUFFER", GROUP_BUFFER},
-        {"KNOWN_BUFFER", KNOWN_BUFFER},
-        {"ROW_BUFFER", ROW_BUFFER},
-        {"HEAD_BUFFER", HEAD_BUFFER},
-        {"VALUE_BUFFER", VALUE_BUFFER},
-        {"LIST_BUFFER", SPOT_BUFFER}, /* no rays are made and counted at once */
-        {"RAY_BUFFER", VALUE_BUFFER},
-    };
+    const struct program_define defines[] = {{"SLICES", 0},
+                                             {"PIERCE", 0},
+                                             {"CONES", 1},
+                                             {"CHECK", kind == CHECK},
+                                             {"MAKE", kind == MAKE},
+                                             {"GROUP", CONE_PART},
+                                             {"ID_OBJECTS_UNIT", ID_OBJECTS_UNIT},
+                                             {"ID_DISTANCE_UNIT", ID_DISTANCE_UNIT},
+                                             {"ID_IDENTIFIER_UNIT", ID_IDENTIFIER_UNIT},
+                                             {"CONE_BUFFER", CONE_BUFFER},
+                                             {"AIM_BUFFER", AIM_BUFFER},
+                                             {"SPOT_BUFFER", SPOT_BUFFER},
+                                             {"GROUP_BUFFER", GROUP_BUFFER},
+                                             {"KNOWN_BUFFER", KNOWN_BUFFER},
+                                             {"ROW_BUFFER", ROW_BUFFER},
+                                             {"HEAD_BUFFER", HEAD_BUFFER},
+                                             {"VALUE_BUFFER", VALUE_BUFFER},
+                                             {"LIST_BUFFER", LIST_BLOCK},
+                                             {"RAY_BUFFER", RAY_BLOCK}};
     const struct program_source source = {.compute = {"id.comp.glsl", shader_id_comp},
                                           .more = {"cones.comp.glsl", shader_cones_comp},
                                           .defines = defines,
                                           .define_count = sizeof defines / sizeof defines[0]};
-    if (made->program) {
-        return CONUS_OK;
-    }
-    conus_status status = program_create(&made->program, &source);
-    if (status || kind == CHECK) {
-        return status;
-    }
-    made->ray_count = program_uniform(made->program, "ray_count");
-    for (int column = 0; column < 4; column++) {
-        made->index[column] = program_uniform(made->program, columns[column]);
-    }
-    if (kind == MAKE) {
-        made->list_count = program_uniform(made->program, "list_count");
-    } else {
-        made->has_known = program_uniform(made->program, "has_known");
-        made->is_last = program_uniform(made->program, "is_last");
-        made->first_cell = program_uniform(made->program, "first_cell");
-        made->last_cell = program_uniform(made->program, "last_cell");
-    }
-    return CONUS_OK;
+    return pass->programs[kind] ? CONUS_OK : program_create(&pass->programs[kind], &source);
 }
 
 /* Numbers whose inverses are hard to round: those of 2 - k 2^-52, with odd k, lie within k^2 2^-52 of half-way between
@@ -139,29 +112,27 @@ static double hard_number(uint32_t i)
  * each. */
 static conus_status check_rounding(struct cone_pass *pass, bool *out)
 {
-    double *values = memory_raw(VALUES, sizeof *values);
-    conus_status status = values ? need_program(pass, CHECK) : CONUS_ERROR_MEMORY;
+    double values[VALUES];
+    conus_status status = need_program(pass, CHECK);
     *out = true;
     if (!status) {
         for (uint32_t i = 0; i < VALUES; i++) {
             values[i] = hard_number(i);
         }
-        upload(pass, VALUE_BUFFER, values, VALUES * sizeof *values);
+        upload(pass, VALUE_BUFFER, 0, values, sizeof values);
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, VALUE_BUFFER, pass->buffers[VALUE_BUFFER]);
-        glUseProgram(pass->programs[CHECK].program);
+        glUseProgram(pass->programs[CHECK]);
         glDispatchCompute(VALUES / CONE_PART, 1, 1);
-        glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-        status = read_back(pass, VALUE_BUFFER, values, VALUES * sizeof *values);
+        struct readback_part made = {pass->buffers[VALUE_BUFFER], sizeof values, NULL};
+        status = readback_wait(&pass->readback, &made, 1, "checking how numbers are rounded");
         for (uint32_t i = 0; i < VALUES && !status; i++) {
-            *out = *out && values[i] == 1 / hard_number(i);
+            *out = *out && ((const double *)made.data)[i] == 1 / values[i];
         }
     }
-    memory_free(values);
     return status;
 }
 
-conus_status cone_pass_create(struct cone_pass **out, struct id_pass *id_pass, const double *const *voxel_from_world,
-                              size_t volumes)
+conus_status cone_pass_create(struct cone_pass **out, struct id_pass *id_pass)
 {
     static_assert(sizeof(struct cone_place) == 112 && sizeof(struct cone_aim) == 48 && sizeof(struct cone_spot) == 16 &&
                       sizeof(struct cone_row) == 48 && sizeof(struct cone_head) == 8,
@@ -172,20 +143,10 @@ conus_status cone_pass_create(struct cone_pass **out, struct id_pass *id_pass, c
         return CONUS_ERROR_MEMORY;
     }
     pass->id_pass = id_pass;
-    pass->volumes = volumes;
-    pass->matrices = memory_raw(volumes, sizeof *pass->matrices);
-    conus_status status = pass->matrices ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status) {
-        for (size_t i = 0; i < volumes; i++) {
-            memcpy(pass->matrices[i], voxel_from_world[i], sizeof pass->matrices[i]);
-        }
-        glCreateBuffers(BUFFER_COUNT, pass->buffers);
-        status = check_rounding(pass, &rounds);
-    }
-    if (!status && rounds) {
-        reserve(pass, KNOWN_BUFFER, KNOWN_SIZE); /* which one volume alone does not use */
-        status = gl_check("cones");
-    }
+    pass->likely_rows = ROWS_OF_A_PART;
+    glCreateBuffers(BUFFER_COUNT, pass->buffers);
+    reserve(pass, KNOWN_BUFFER, 0, KNOWN_SIZE); /* which one volume alone does not use */
+    conus_status status = check_rounding(pass, &rounds);
     if (status || !rounds) {
         cone_pass_destroy(pass);
         pass = NULL;
@@ -194,162 +155,130 @@ conus_status cone_pass_create(struct cone_pass **out, struct id_pass *id_pass, c
     return status;
 }
 
-conus_status cone_pass_set_groups(struct cone_pass *pass, const uint32_t *groups, size_t group_count)
-{
-    upload(pass, GROUP_BUFFER, groups, group_count * sizeof *groups);
-    return gl_check("groups");
-}
-
 void cone_pass_destroy(struct cone_pass *pass)
 {
     if (pass) {
         for (int kind = 0; kind < KIND_COUNT; kind++) {
-            glDeleteProgram(pass->programs[kind].program);
+            glDeleteProgram(pass->programs[kind]);
         }
         glDeleteBuffers(BUFFER_COUNT, pass->buffers);
-        memory_free(pass->matrices);
-        memory_free(pass->heads);
-        memory_free(pass->rows);
+        readback_finish(&pass->readback);
         memory_free(pass);
     }
 }
 
-/* Uploads what is behind the first `known` bytes, or all, where these are lost. */
-static void extend(struct cone_pass *pass, int buffer, const void *data, size_t known, size_t size)
+static uint32_t parts_of(uint32_t rays)
 {
-    if (size > pass->sizes[buffer]) {
-        reserve(pass, buffer, known ? 2 * size : size);
-        known = 0;
-    }
-    glNamedBufferSubData(pass->buffers[buffer], (GLintptr)known, (GLsizeiptr)(size - known),
-                         (const uint8_t *)data + known);
+    return (rays + CONE_PART - 1) / CONE_PART;
 }
 
-static void set_shapes(struct cone_pass *pass, int aim_buffer, const struct cone_shapes *shapes)
+conus_status cone_pass_set_groups(struct cone_pass *pass, const uint32_t *groups, size_t group_count)
 {
-    const size_t rays = shapes->rays;
-    if (shapes->known < shapes->shapes) {
-        extend(pass, aim_buffer, shapes->aims, shapes->known * rays * sizeof *shapes->aims,
-               shapes->shapes * rays * sizeof *shapes->aims);
-        if (shapes->spots) {
-            extend(pass, SPOT_BUFFER, shapes->spots, shapes->known * rays * sizeof *shapes->spots,
-                   shapes->shapes * rays * sizeof *shapes->spots);
-        }
-    }
+    upload(pass, GROUP_BUFFER, 0, groups, group_count * sizeof *groups);
+    return gl_check("groups");
 }
 
-/* Who knows which buffers the driver has made. */
-static void forget_sizes(struct cone_pass *pass)
+conus_status cone_pass_add_shape(struct cone_pass *pass, const struct cone_aim *aims, const struct cone_spot *spots,
+                                 size_t rays, size_t known)
 {
-    memset(pass->sizes, 0, sizeof pass->sizes);
-}
-
-static void set_matrix(const struct cone_pass *pass, enum kind kind, size_t volume)
-{
-    for (int column = 0; column < 4; column++) {
-        glUniform3dv(pass->programs[kind].index[column], 1, pass->matrices[volume] + 4 * column);
+    upload(pass, spots ? AIM_BUFFER : LISTED_AIM_BUFFER, known * rays * sizeof *aims, aims, rays * sizeof *aims);
+    if (spots) {
+        upload(pass, SPOT_BUFFER, known * rays * sizeof *spots, spots, rays * sizeof *spots);
     }
+    return gl_check("a shape of cones");
 }
 
 /* Walks all rays, volume after volume; behind the last one they are counted. */
-static conus_status dispatch(struct cone_pass *pass, uint32_t rays, uint32_t cones, uint32_t parts)
+static conus_status dispatch(struct cone_pass *pass, uint32_t rays, uint32_t cones, size_t row_count)
 {
-    const struct cone_program *program = &pass->programs[COUNT];
     const struct cone_head none = {0};
-    glNamedBufferSubData(pass->buffers[HEAD_BUFFER], 0, sizeof none, &none);
+    reserve(pass, ROW_BUFFER, 0, row_count * sizeof(struct cone_row));
+    upload(pass, HEAD_BUFFER, 0, &none, sizeof none);
     for (GLuint buffer = 0; buffer < VALUE_BUFFER; buffer++) {
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, buffer, pass->buffers[buffer]);
     }
-    glUseProgram(program->program);
-    glUniform1ui(program->ray_count, rays);
-    for (size_t i = 0; i < pass->volumes; i++) {
-        id_pass_bind(pass->id_pass, i, program->first_cell, program->last_cell);
-        set_matrix(pass, COUNT, i);
-        glUniform1i(program->has_known, i > 0);
-        glUniform1i(program->is_last, i + 1 == pass->volumes);
-        glDispatchCompute(cones, parts, 1);
-        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    glUseProgram(pass->programs[COUNT]);
+    glUniform1ui(RAY_COUNT, rays);
+    const size_t volumes = id_pass_volume_count(pass->id_pass);
+    for (size_t i = 0; i < volumes; i++) {
+        id_pass_bind(pass->id_pass, i);
+        glUniformMatrix4dv(INDEX_FROM_WORLD, 1, GL_FALSE, id_pass_index_from_world(pass->id_pass, i));
+        glUniform1i(HAS_KNOWN, i > 0);
+        glUniform1i(IS_LAST, i + 1 == volumes);
+        glDispatchCompute(cones, parts_of(rays), 1);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
     return gl_check("counting cones");
 }
 
-conus_status cone_pass_count(struct cone_pass *pass, const struct cone_shapes *shapes, const struct cone_place *places,
-                             uint32_t cones, const struct cone_head **heads, const struct cone_row **rows)
+/* Reads the heads, before which the number of rows stands, and so many rows. */
+static conus_status read_rows(struct cone_pass *pass, const struct cone_head **heads, size_t head_count,
+                              const struct cone_row **rows, size_t row_count)
 {
-    uint32_t parts = (shapes->rays + CONE_PART - 1) / CONE_PART;
-    size_t head_count = HEADS_BEFORE + (size_t)cones * parts;
-    uint32_t row_count = 0;
-    if (!memory_reserve(&pass->heads, &pass->head_capacity, head_count, sizeof *pass->heads)) {
-        return CONUS_ERROR_MEMORY;
-    }
-    conus_status status = need_program(pass, COUNT);
-    if (!status) {
-        set_shapes(pass, AIM_BUFFER, shapes);
-        upload(pass, CONE_BUFFER, places, cones * sizeof *places);
-        reserve(pass, HEAD_BUFFER, head_count * sizeof *pass->heads);
-        reserve(pass, ROW_BUFFER, (size_t)cones * parts * ROWS_OF_A_PART * sizeof *pass->rows);
-        if (pass->volumes > 1) {
-            reserve(pass, KNOWN_BUFFER, (size_t)cones * shapes->rays * KNOWN_SIZE);
-        }
-        status = gl_check("cones");
-    }
-    for (bool fits = false; !status && !fits;) {
-        status = dispatch(pass, shapes->rays, cones, parts);
-        status = status ? status : read_back(pass, HEAD_BUFFER, pass->heads, head_count * sizeof *pass->heads);
-        if (!status) {
-            row_count = pass->heads[0].first;
-            fits = row_count * sizeof *pass->rows <= pass->sizes[ROW_BUFFER];
-            reserve(pass, ROW_BUFFER, row_count * sizeof *pass->rows);
-        }
-    }
-    if (!status && !memory_reserve(&pass->rows, &pass->row_capacity, row_count, sizeof *pass->rows)) {
-        status = CONUS_ERROR_MEMORY;
-    }
-    status = status ? status : read_back(pass, ROW_BUFFER, pass->rows, row_count * sizeof *pass->rows);
-    if (status) {
-        forget_sizes(pass);
-        return status;
-    }
-    *heads = pass->heads + HEADS_BEFORE;
-    *rows = pass->rows;
-    return CONUS_OK;
+    struct readback_part parts[] = {{pass->buffers[HEAD_BUFFER], head_count * sizeof **heads, NULL},
+                                    {pass->buffers[ROW_BUFFER], row_count * sizeof **rows, NULL}};
+    conus_status status = readback_wait(&pass->readback, parts, 2, "reading counts");
+    *heads = parts[0].data;
+    *rows = parts[1].data;
+    return status;
 }
 
-conus_status cone_pass_list(struct cone_pass *pass, const struct cone_shapes *shapes, const struct cone_place *places,
-                            uint32_t cones, const uint32_t *list, size_t known, uint32_t count)
+conus_status cone_pass_count(struct cone_pass *pass, const struct cone_place *places, uint32_t cones, uint32_t rays,
+                             const struct cone_head **heads, const struct cone_row **rows)
+{
+    const size_t parts = (size_t)cones * parts_of(rays);
+    const size_t likely = parts * pass->likely_rows;
+    conus_status status = need_program(pass, COUNT);
+    if (!status) {
+        upload(pass, CONE_BUFFER, 0, places, cones * sizeof *places);
+        reserve(pass, HEAD_BUFFER, 0, (HEADS_BEFORE + parts) * sizeof **heads);
+        if (id_pass_volume_count(pass->id_pass) > 1) {
+            reserve(pass, KNOWN_BUFFER, 0, (size_t)cones * rays * KNOWN_SIZE);
+        }
+        status = dispatch(pass, rays, cones, likely);
+    }
+    status = status ? status : read_rows(pass, heads, HEADS_BEFORE + parts, rows, likely);
+    const size_t row_count = status ? 0 : (*heads)->first;
+    if (row_count * sizeof **rows > pass->sizes[ROW_BUFFER]) {
+        status = dispatch(pass, rays, cones, row_count);
+    }
+    if (row_count > likely && !status) {
+        status = read_rows(pass, heads, HEADS_BEFORE + parts, rows, row_count);
+    }
+    if (!status) {
+        *heads += HEADS_BEFORE;
+        pass->likely_rows = row_count / parts < ROWS_OF_A_PART ? ROWS_OF_A_PART : row_count / parts * 5 / 4;
+    }
+    return status;
+}
+
+conus_status cone_pass_list(struct cone_pass *pass, const struct cone_place *places, uint32_t cones, uint32_t rays,
+                            const uint32_t *list, size_t known, uint32_t count)
 {
     conus_status status = need_program(pass, MAKE);
     if (!status) {
-        set_shapes(pass, LISTED_AIM_BUFFER, shapes);
-        upload(pass, CONE_BUFFER, places, cones * sizeof *places);
+        upload(pass, CONE_BUFFER, 0, places, cones * sizeof *places);
         if (known < count) {
-            extend(pass, LIST_BUFFER, list, known * sizeof *list, count * sizeof *list);
+            upload(pass, LIST_BUFFER, known * sizeof *list, list + known, (count - known) * sizeof *list);
         }
         pass->list_count = count;
-        pass->listed_rays = shapes->rays;
+        pass->listed_rays = rays;
         status = gl_check("the list of rays");
-    }
-    if (status) {
-        forget_sizes(pass);
     }
     return status;
 }
 
 conus_status cone_pass_make_rays(struct cone_pass *pass, size_t volume)
 {
-    const struct cone_program *program = &pass->programs[MAKE];
-    const GLuint bound[][2] = {{CONE_BUFFER, pass->buffers[CONE_BUFFER]},
-                               {AIM_BUFFER, pass->buffers[LISTED_AIM_BUFFER]},
-                               {SPOT_BUFFER, pass->buffers[LIST_BUFFER]},
-                               {VALUE_BUFFER, id_pass_device_rays(pass->id_pass)}};
-    for (size_t i = 0; i < sizeof bound / sizeof bound[0]; i++) {
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, bound[i][0], bound[i][1]);
-    }
-    glUseProgram(program->program);
-    glUniform1ui(program->ray_count, pass->listed_rays);
-    glUniform1ui(program->list_count, pass->list_count);
-    set_matrix(pass, MAKE, volume);
-    glDispatchCompute((pass->list_count + CONE_PART - 1) / CONE_PART, 1, 1);
-    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, CONE_BUFFER, pass->buffers[CONE_BUFFER]);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, AIM_BUFFER, pass->buffers[LISTED_AIM_BUFFER]);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, LIST_BLOCK, pass->buffers[LIST_BUFFER]);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RAY_BLOCK, id_pass_device_rays(pass->id_pass));
+    glUseProgram(pass->programs[MAKE]);
+    glUniform1ui(RAY_COUNT, pass->listed_rays);
+    glUniform1ui(LIST_COUNT, pass->list_count);
+    glUniformMatrix4dv(INDEX_FROM_WORLD, 1, GL_FALSE, id_pass_index_from_world(pass->id_pass, volume));
+    glDispatchCompute(parts_of(pass->list_count), 1, 1);
+    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     return gl_check("making rays");
 }

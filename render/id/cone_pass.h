@@ -8,9 +8,10 @@
 
 #include "render/id/id_pass.h"
 
-/** Where a cone is: the columns of world_from_device, and the radius of a cylinder, else 0. And which shape it has. */
+/** Where a cone is: the columns of world_from_device, right, up, back and apex; the radius of a cylinder, else 0. And
+ * which shape it has. */
 struct cone_place {
-    double right[3], up[3], back[3], apex[3], radius;
+    double columns[4][3], radius;
     uint32_t shape, unused;
 };
 
@@ -46,39 +47,34 @@ struct cone_head {
     uint32_t first, count;
 };
 
+/** After a failure all but its end is lost. */
 struct cone_pass;
 
 /** @p out is NULL on a driver that does not round each `precise` operation, which some thousand numbers show: such rays
- * would be others than the CPU's. @p volumes of @p id_pass, which must outlive it, are searched; @p voxel_from_world
- * [volumes] are their matrices. */
-conus_status cone_pass_create(struct cone_pass **out, struct id_pass *id_pass, const double *const *voxel_from_world,
-                              size_t volumes);
+ * would be others than the CPU's. The volumes of @p id_pass, which must outlive it, are searched. */
+conus_status cone_pass_create(struct cone_pass **out, struct id_pass *id_pass);
 /** NULL is fine. */
 void cone_pass_destroy(struct cone_pass *pass);
 
 /** Sets as what each object is counted: @p groups[k] for object k. */
 conus_status cone_pass_set_groups(struct cone_pass *pass, const uint32_t *groups, size_t group_count);
 
-/** Shapes of cones, of @p rays rays each, shape after shape. The first @p known of @p shapes are those that the device
- * has. */
-struct cone_shapes {
-    const struct cone_aim *aims;
-    const struct cone_spot *spots; /**< To count; else NULL. */
-    uint32_t rays;
-    size_t known, shapes;
-};
+/** Adds a shape of @p rays rays, as number @p known: the device has as many of that many rays, to count with, which
+ * need
+ * @p spots, or to list, where it is NULL. After a failure it has none. */
+conus_status cone_pass_add_shape(struct cone_pass *pass, const struct cone_aim *aims, const struct cone_spot *spots,
+                                 size_t rays, size_t known);
 
 /** Counts for @p cones cones, whose rays are walked CONE_PART by CONE_PART: those of a part should be neighbours. Part
  * p of cone c has (*heads)[c * parts + p], parts = rays / CONE_PART rounded up. Both are borrowed until the next call.
- * Volumes have at most 2^32 - 1 voxels each. After a failure no shape is known. */
-conus_status cone_pass_count(struct cone_pass *pass, const struct cone_shapes *shapes, const struct cone_place *places,
-                             uint32_t cones, const struct cone_head **heads, const struct cone_row **rows);
+ * Volumes have at most 2^32 - 1 voxels each. */
+conus_status cone_pass_count(struct cone_pass *pass, const struct cone_place *places, uint32_t cones, uint32_t rays,
+                             const struct cone_head **heads, const struct cone_row **rows);
 
 /** Lists the next rays that are made: ray k is ray @p list[k] % rays of cone list[k] / rays; @p count of them, of which
- * the device has the first @p known. The shapes are others than those to count with. After a failure nothing is known.
- */
-conus_status cone_pass_list(struct cone_pass *pass, const struct cone_shapes *shapes, const struct cone_place *places,
-                            uint32_t cones, const uint32_t *list, size_t known, uint32_t count);
+ * the device has the first @p known. */
+conus_status cone_pass_list(struct cone_pass *pass, const struct cone_place *places, uint32_t cones, uint32_t rays,
+                            const uint32_t *list, size_t known, uint32_t count);
 
 /** Makes the listed rays in volume number @p volume, for the next id_pass_trace() or id_pass_pierce(); after
  * id_pass_begin() for as many. */

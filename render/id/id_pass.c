@@ -14,28 +14,25 @@
 
 enum { RAY_UNIT = ID_IDENTIFIER_UNIT + 1 };
 enum { OUT_BUFFER };
+enum { BOX, RANGE = BOX + 2 }; /* locations of uniforms */
 enum { GROUP = 64, FIRST_INTERVALS = 1024, RAY_TEXELS = sizeof(struct id_ray) / 16 };
+
+enum { IDENTIFIERS, RAYS, HITS, BUFFER_COUNT };
 
 /* Kinds of programs: the first contact of a ray, or all layers. */
 enum id_kind { FIRST, PIERCE, KIND_COUNT };
 
-struct id_program {
-    GLuint program;
-    GLint range;
-    GLint first_cell, last_cell; /* not with slices */
-    GLint has_hits;              /* not with PIERCE */
-};
-
 struct id_volume {
     GLuint objects, distances; /* none with slices */
-    int first[3], last[3];
+    int box[2][3];
     size_t dim[3];
+    double index_from_world[16];
 };
 
 struct id_pass {
     conus_sampling sampling;
-    struct id_program programs[KIND_COUNT]; /* made when first needed */
-    GLuint identifier_buffer, ray_buffer, hit_buffer;
+    GLuint programs[KIND_COUNT]; /* made when first needed */
+    GLuint buffers[BUFFER_COUNT];
     GLuint identifiers, ray_texels; /* through which shaders see the first two */
     struct shader_list intervals;   /* of struct id_interval */
     struct id_volume *volumes;
@@ -44,41 +41,26 @@ struct id_pass {
     uint32_t ray_count;
     uint32_t capacity; /* rays */
     bool has_device_rays;
-    struct id_ray *rays; /* NULL until they are asked for */
-    struct id_hit *hits;
+    struct id_ray *rays;      /* NULL until they are asked for */
+    struct readback readback; /* of hits */
 };
 
 /* Creates a program unless it is there. */
 static conus_status need_program(struct id_pass *pass, enum id_kind kind)
 {
-    const conus_sampling sampling = pass->sampling;
-    if (pass->programs[kind].program) {
-        return CONUS_OK;
-    }
-    const struct program_define defines[] = {
-        {"SLICES", sampling == CONUS_SAMPLING_SLICES},
-        {"PIERCE", kind == PIERCE},
-        {"CONES", 0},
-        {"GROUP", GROUP},
-        {"OBJECTS_UNIT", ID_OBJECTS_UNIT},
-        {"DISTANCE_UNIT", ID_DISTANCE_UNIT},
-        {"IDENTIFIER_UNIT", ID_IDENTIFIER_UNIT},
-        {"RAY_UNIT", RAY_UNIT},
-        {"OUT_BUFFER", OUT_BUFFER},
-    };
+    const struct program_define defines[] = {{"SLICES", pass->sampling == CONUS_SAMPLING_SLICES},
+                                             {"PIERCE", kind == PIERCE},
+                                             {"CONES", 0},
+                                             {"GROUP", GROUP},
+                                             {"ID_OBJECTS_UNIT", ID_OBJECTS_UNIT},
+                                             {"ID_DISTANCE_UNIT", ID_DISTANCE_UNIT},
+                                             {"ID_IDENTIFIER_UNIT", ID_IDENTIFIER_UNIT},
+                                             {"RAY_UNIT", RAY_UNIT},
+                                             {"OUT_BUFFER", OUT_BUFFER}};
     const struct program_source source = {.compute = {"id.comp.glsl", shader_id_comp},
                                           .defines = defines,
                                           .define_count = sizeof defines / sizeof defines[0]};
-    GLuint program = 0;
-    conus_status status = program_create(&program, &source);
-    if (!status) {
-        bool skips = sampling == CONUS_SAMPLING_EXACT;
-        pass->programs[kind] = (struct id_program){program, program_uniform(program, "range"),
-                                                   skips ? program_uniform(program, "first_cell") : -1,
-                                                   skips ? program_uniform(program, "last_cell") : -1,
-                                                   kind == FIRST ? program_uniform(program, "has_hits") : -1};
-    }
-    return status;
+    return pass->programs[kind] ? CONUS_OK : program_create(&pass->programs[kind], &source);
 }
 
 conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const uint32_t *identifiers,
@@ -92,13 +74,11 @@ conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const
     pass->sampling = sampling;
     conus_status status = need_program(pass, FIRST);
     if (!status) {
-        glCreateBuffers(1, &pass->ray_buffer);
-        glCreateBuffers(1, &pass->hit_buffer);
-        glCreateBuffers(1, &pass->identifier_buffer);
-        glNamedBufferStorage(pass->identifier_buffer, (GLsizeiptr)(identifier_count * sizeof *identifiers), identifiers,
-                             0);
+        glCreateBuffers(BUFFER_COUNT, pass->buffers);
+        glNamedBufferStorage(pass->buffers[IDENTIFIERS], (GLsizeiptr)(identifier_count * sizeof *identifiers),
+                             identifiers, 0);
         glCreateTextures(GL_TEXTURE_BUFFER, 1, &pass->identifiers);
-        glTextureBuffer(pass->identifiers, GL_R32UI, pass->identifier_buffer);
+        glTextureBuffer(pass->identifiers, GL_R32UI, pass->buffers[IDENTIFIERS]);
         glCreateTextures(GL_TEXTURE_BUFFER, 1, &pass->ray_texels);
         status = gl_check("identifiers");
     }
@@ -110,34 +90,25 @@ conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const
     return CONUS_OK;
 }
 
-static void drop_rays(struct id_pass *pass)
-{
-    memory_free(pass->rays);
-    memory_free(pass->hits);
-    pass->rays = NULL;
-    pass->hits = NULL;
-    pass->capacity = 0;
-}
-
 void id_pass_destroy(struct id_pass *pass)
 {
     if (!pass) {
         return;
     }
-    drop_rays(pass);
+    memory_free(pass->rays);
     for (size_t i = 0; i < pass->volume_count; i++) {
         glDeleteTextures(1, &pass->volumes[i].objects);
         glDeleteTextures(1, &pass->volumes[i].distances);
     }
     memory_free(pass->volumes);
-    const GLuint buffers[] = {pass->identifier_buffer, pass->ray_buffer, pass->hit_buffer};
-    const GLuint textures[] = {pass->identifiers, pass->ray_texels};
-    glDeleteTextures(2, textures);
-    glDeleteBuffers(3, buffers);
+    glDeleteTextures(1, &pass->identifiers);
+    glDeleteTextures(1, &pass->ray_texels);
+    glDeleteBuffers(BUFFER_COUNT, pass->buffers);
     for (int kind = 0; kind < KIND_COUNT; kind++) {
-        glDeleteProgram(pass->programs[kind].program);
+        glDeleteProgram(pass->programs[kind]);
     }
     shader_list_finish(&pass->intervals);
+    readback_finish(&pass->readback);
     memory_free(pass);
 }
 
@@ -156,14 +127,14 @@ conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volum
     conus_status status = volume_texture_create(&made.objects, kind, dim, objects, memory_left);
     if (!status && pass->sampling == CONUS_SAMPLING_EXACT) {
         status = volume_texture_create(&made.distances, VOLUME_TEXTURE_UINT8, dim, distances->codes, memory_left);
-        memcpy(made.first, distances->first, sizeof made.first);
-        memcpy(made.last, distances->last, sizeof made.last);
+        memcpy(made.box, distances->box, sizeof made.box);
     }
     if (status) {
         glDeleteTextures(1, &made.objects);
         return status;
     }
     memcpy(made.dim, dim, sizeof made.dim);
+    memcpy(made.index_from_world, volume->voxel_from_world, sizeof made.index_from_world);
     volumes[pass->volume_count++] = made;
     return CONUS_OK;
 }
@@ -175,21 +146,14 @@ static conus_status reserve_rays(struct id_pass *pass, uint32_t rays)
     if (rays > (uint32_t)limit / RAY_TEXELS) {
         return fail(CONUS_ERROR_GL, "%u rays at once: this OpenGL driver allows %d", rays, limit / RAY_TEXELS);
     }
-    drop_rays(pass);
-    pass->hits = memory_raw(rays, sizeof *pass->hits);
-    if (!pass->hits) {
-        return CONUS_ERROR_MEMORY;
-    }
-    glNamedBufferData(pass->ray_buffer, (GLsizeiptr)(rays * sizeof(struct id_ray)), NULL, GL_STREAM_DRAW);
-    glNamedBufferData(pass->hit_buffer, (GLsizeiptr)(rays * sizeof *pass->hits), NULL, GL_DYNAMIC_COPY);
-    glTextureBuffer(pass->ray_texels, GL_RGBA32UI, pass->ray_buffer);
+    memory_free(pass->rays);
+    pass->rays = NULL;
+    glNamedBufferData(pass->buffers[RAYS], (GLsizeiptr)(rays * sizeof(struct id_ray)), NULL, GL_DYNAMIC_COPY);
+    glNamedBufferData(pass->buffers[HITS], (GLsizeiptr)(rays * sizeof(struct id_hit)), NULL, GL_DYNAMIC_COPY);
+    glTextureBuffer(pass->ray_texels, GL_RGBA32UI, pass->buffers[RAYS]);
     conus_status status = gl_check("rays");
-    if (status) {
-        drop_rays(pass);
-        return status;
-    }
-    pass->capacity = rays;
-    return CONUS_OK;
+    pass->capacity = status ? 0 : rays;
+    return status;
 }
 
 conus_status id_pass_begin(struct id_pass *pass, uint32_t rays)
@@ -207,40 +171,48 @@ struct id_ray *id_pass_rays(struct id_pass *pass)
     return pass->rays;
 }
 
+size_t id_pass_volume_count(const struct id_pass *pass)
+{
+    return pass->volume_count;
+}
+
+const double *id_pass_index_from_world(const struct id_pass *pass, size_t volume)
+{
+    return pass->volumes[volume].index_from_world;
+}
+
 GLuint id_pass_device_rays(struct id_pass *pass)
 {
     pass->has_device_rays = true;
-    return pass->ray_buffer;
+    return pass->buffers[RAYS];
 }
 
 static void upload_rays(const struct id_pass *pass)
 {
-    if (pass->has_device_rays) {
-        return;
+    if (!pass->has_device_rays) {
+        glNamedBufferSubData(pass->buffers[RAYS], 0, (GLsizeiptr)(pass->ray_count * sizeof *pass->rays), pass->rays);
     }
-    glNamedBufferSubData(pass->ray_buffer, 0, (GLsizeiptr)(pass->ray_count * sizeof *pass->rays), pass->rays);
 }
 
-void id_pass_bind(const struct id_pass *pass, size_t volume, GLint first_cell, GLint last_cell)
+void id_pass_bind(const struct id_pass *pass, size_t volume)
 {
     const struct id_volume *bound = &pass->volumes[volume];
     assert(volume < pass->volume_count);
     glBindTextureUnit(ID_OBJECTS_UNIT, bound->objects);
     glBindTextureUnit(ID_DISTANCE_UNIT, bound->distances);
     glBindTextureUnit(ID_IDENTIFIER_UNIT, pass->identifiers);
-    glUniform3iv(first_cell, 1, bound->first);
-    glUniform3iv(last_cell, 1, bound->last);
+    if (pass->sampling == CONUS_SAMPLING_EXACT) {
+        glUniform3iv(BOX, 2, bound->box[0]);
+    }
 }
 
 /* Walks rays number `first` to `end` - 1 through a volume. */
 static void dispatch(const struct id_pass *pass, enum id_kind kind, size_t volume, uint32_t first, uint32_t end)
 {
-    const struct id_program *program = &pass->programs[kind];
-    glUseProgram(program->program);
-    id_pass_bind(pass, volume, program->first_cell, program->last_cell);
+    glUseProgram(pass->programs[kind]);
+    id_pass_bind(pass, volume);
     glBindTextureUnit(RAY_UNIT, pass->ray_texels);
-    glUniform2i(program->range, (GLint)first, (GLint)end);
-    glUniform1i(program->has_hits, pass->volumes_traced > 0);
+    glUniform3i(RANGE, (GLint)first, (GLint)end, pass->volumes_traced > 0);
     glDispatchCompute((end - first + GROUP - 1) / GROUP, 1, 1);
 }
 
@@ -251,7 +223,7 @@ conus_status id_pass_trace(struct id_pass *pass, size_t volume)
     if (pass->volumes_traced) {
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); /* earlier hits are read now */
     }
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, OUT_BUFFER, pass->hit_buffer);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, OUT_BUFFER, pass->buffers[HITS]);
     dispatch(pass, FIRST, volume, 0, pass->ray_count);
     pass->volumes_traced++;
     return gl_check("ID pass");
@@ -260,54 +232,35 @@ conus_status id_pass_trace(struct id_pass *pass, size_t volume)
 conus_status id_pass_read(struct id_pass *pass, const struct id_hit **out)
 {
     assert(pass->volumes_traced);
-    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    glGetNamedBufferSubData(pass->hit_buffer, 0, (GLsizeiptr)(pass->ray_count * sizeof *pass->hits), pass->hits);
-    conus_status status = gl_check("reading the ID pass");
+    struct readback_part part = {pass->buffers[HITS], pass->ray_count * sizeof(struct id_hit), NULL};
+    conus_status status = readback_wait(&pass->readback, &part, 1, "reading the ID pass");
     if (!status) {
-        *out = pass->hits;
+        *out = part.data;
     }
     return status;
-}
-
-struct piercing {
-    struct id_pass *pass;
-    size_t volume;
-    id_pass_take take;
-    void *user;
-};
-
-static conus_status append_intervals(void *user, uint32_t first, uint32_t end)
-{
-    const struct piercing *piercing = user;
-    dispatch(piercing->pass, PIERCE, piercing->volume, first, end);
-    return gl_check("ID pass of all layers");
-}
-
-static conus_status take_intervals(void *user, const void *records, uint32_t count)
-{
-    const struct piercing *piercing = user;
-    return piercing->take(piercing->user, records, count);
 }
 
 conus_status id_pass_pierce(struct id_pass *pass, size_t volume, id_pass_take take, void *user)
 {
     assert(volume < pass->volume_count && pass->ray_count && pass->sampling == CONUS_SAMPLING_EXACT);
     static_assert(sizeof(struct id_interval) == 40, "the shader's Interval");
-    struct piercing piercing = {pass, volume, take, user};
+    const size_t *dim = pass->volumes[volume].dim;
+    struct shader_list *list = &pass->intervals;
     conus_status status = need_program(pass, PIERCE);
-    if (!status && !pass->intervals.buffer) {
-        status = shader_list_init(&pass->intervals, sizeof(struct id_interval), FIRST_INTERVALS);
+    if (!status && !list->buffer) {
+        status = shader_list_init(list, sizeof(struct id_interval), FIRST_INTERVALS);
     }
     if (status) {
         return status;
     }
-    const size_t *dim = pass->volumes[volume].dim;
-    const struct shader_list_job job = {.binding = OUT_BUFFER,
-                                        .draw = append_intervals,
-                                        .take = take_intervals,
-                                        .user = &piercing,
-                                        .pixels = pass->ray_count,
-                                        .per_pixel = (uint32_t)(dim[0] + dim[1] + dim[2])}; /* cells of any ray */
     upload_rays(pass);
-    return shader_list_collect(&pass->intervals, &job);
+    shader_list_begin(list, pass->ray_count, (uint32_t)(dim[0] + dim[1] + dim[2])); /* cells of any ray */
+    while (!status && shader_list_next(list, OUT_BUFFER)) {
+        const void *records = NULL;
+        uint32_t count = 0;
+        dispatch(pass, PIERCE, volume, list->first, list->end);
+        status = shader_list_read(list, &records, &count);
+        status = status ? status : take(user, records, count);
+    }
+    return status;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * The ID pass: which object each of many rays hits first. The rays are those of the pixels of as many cones as one
- * likes, so a block of cones is one dispatch per volume and one readback. Needs a current context throughout. One
+ * likes, so a block of cones is one dispatch per volume and one wait. Needs a current context throughout. One
  * trace is: id_pass_begin(); for each volume fill id_pass_rays() and id_pass_trace(); id_pass_read(). For all layers:
  * id_pass_begin(); for each volume fill id_pass_rays() and id_pass_pierce(). */
 #ifndef CONUS_RENDER_ID_ID_PASS_H
@@ -51,14 +51,14 @@ void id_pass_destroy(struct id_pass *pass);
 
 /** How far around each voxel a volume is empty. */
 struct id_distances {
-    const uint8_t *codes;  /**< [voxels] 0 where the voxel holds an object; else 1 + r, where no voxel that differs from
-                              it by at most r in every index does.                                        */
-    int first[3], last[3]; /**< The box of the voxels with objects; last below first where there are none. */
+    const uint8_t *codes; /**< [voxels] 0 where the voxel holds an object; else 1 + r, where no voxel that differs from
+                             it by at most r in every index does.                                        */
+    int box[2][3];        /**< The first and the last voxel with objects; last below first where there are none. */
 };
 
-/** Binds the textures of volume number @p volume and the table of identifiers for a program that begins with
- * id.comp.glsl, and sets its uniforms first_cell and last_cell, which are at those places. */
-void id_pass_bind(const struct id_pass *pass, size_t volume, GLint first_cell, GLint last_cell);
+/** Binds the textures of volume number @p volume and the table of identifiers for the program in use, which begins with
+ * id.comp.glsl, and sets its uniform box. */
+void id_pass_bind(const struct id_pass *pass, size_t volume);
 
 /** The units of id_pass_bind()'s textures. */
 enum { ID_OBJECTS_UNIT, ID_DISTANCE_UNIT, ID_IDENTIFIER_UNIT };
@@ -67,6 +67,11 @@ enum { ID_OBJECTS_UNIT, ID_DISTANCE_UNIT, ID_IDENTIFIER_UNIT };
  * off @p memory_left. */
 conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volume, const struct id_distances *distances,
                                 uint64_t *memory_left);
+
+size_t id_pass_volume_count(const struct id_pass *pass);
+
+/** The matrix [16] of volume number @p volume. */
+const double *id_pass_index_from_world(const struct id_pass *pass, size_t volume);
 
 /** Reserves memory for @p rays rays, at least 1. */
 conus_status id_pass_begin(struct id_pass *pass, uint32_t rays);

@@ -14,6 +14,10 @@
 
 enum { POSITION_UNIT, CORNER_UNIT };
 enum { PIXEL_BUFFER, HIT_BUFFER };
+/* Locations of uniforms: of both programs, of `first`, and of `all`. */
+enum { APEX, DEVICE_FROM_WORLD, PARALLEL, RESOLUTION, OWN };
+enum { DIRECTION_FROM_PLACE = OWN, ORIGIN_FROM_PLACE, FIRST_PIXEL };
+enum { PIXELS = OWN };
 enum { FIRST_CAPACITY = 6, CAPACITY_STEP = 8 };
 /* Triangles of a batch. On a GPU each batch is waited for. On the CPU waiting costs nothing, so batches are smaller:
  * fewer triangles are drawn that earlier ones occlude. */
@@ -36,25 +40,19 @@ struct slot {
     uint32_t attempts; /* draws of it that had too little capacity */
 };
 
-/* Uniforms that a program lacks are -1, which GL ignores. */
-struct mesh_program {
-    GLuint program;
-    GLint apex, device_from_world, parallel, resolution;
-    GLint direction_from_place, origin_from_place, first_pixel; /* of `first` only */
-    GLint pixels;                                               /* of `all` only   */
-};
-
 struct mesh_pass {
     const struct mesh *const *meshes; /* a copy of the caller's array, by object */
     struct clusters clusters;
     struct slot slots[SLOT_LIMIT]; /* the first slot_count have a cull; one always has */
     size_t slot_count, slot_limit;
-    size_t batch, portion;          /* triangles that are settled, and that are drawn, at once */
-    struct mesh_program first, all; /* all: made when first needed */
+    size_t batch, portion; /* triangles that are settled, and that are drawn, at once */
+    GLuint first, all;     /* programs; all: made when first needed */
     GLuint vertices, position_buffer, corner_buffer, positions, corners;
     struct target target; /* without pixels: results go to the buffer */
     GLuint pixel_buffer;
-    uint32_t *pixels;   /* [pixel_slots n n][2 + capacity]: the shader's nearest, count and triangles */
+    uint32_t *pixels; /* [pixel_slots n n][2 + capacity]: the shader's nearest, count and triangles; as they go up, */
+    const uint32_t *drawn; /* and as they come down */
+    struct readback readback;
     size_t pixel_slots; /* that many are drawn and read at once */
     uint32_t capacity;  /* triangles that a pixel can note in one batch */
     GLsizei *draw_counts;
@@ -62,7 +60,7 @@ struct mesh_pass {
     struct shader_list hits; /* of pixel and triangle */
 };
 
-static conus_status create_program(struct mesh_program *out, const struct program_shader *fragment, uint32_t capacity)
+static conus_status create_program(GLuint *out, const struct program_shader *fragment, uint32_t capacity)
 {
     const struct program_define defines[] = {{"CAPACITY", capacity},
                                              {"PIXEL_BUFFER", PIXEL_BUFFER},
@@ -73,51 +71,30 @@ static conus_status create_program(struct mesh_program *out, const struct progra
                                           .fragment = *fragment,
                                           .defines = defines,
                                           .define_count = sizeof defines / sizeof defines[0]};
-    GLuint program = 0;
-    conus_status status = program_create(&program, &source);
-    if (status) {
-        return status;
-    }
-    out->program = program;
-    out->apex = program_uniform(program, "apex");
-    out->device_from_world = program_uniform(program, "device_from_world");
-    out->parallel = program_uniform(program, "parallel");
-    out->resolution = program_uniform(program, "resolution");
-    return CONUS_OK;
+    return program_create(out, &source);
 }
 
 /* The program of the nearest triangles, with this capacity in every pixel. */
 static conus_status create_first(struct mesh_pass *pass, uint32_t capacity)
 {
     const struct program_shader fragment = {"mesh_id.frag.glsl", shader_mesh_id_frag};
-    struct mesh_program first = {.pixels = -1};
+    GLuint first = 0;
     conus_status status = create_program(&first, &fragment, capacity);
-    if (status) {
-        return status;
+    if (!status) {
+        glDeleteProgram(pass->first);
+        pass->first = first;
+        pass->capacity = capacity;
     }
-    first.direction_from_place = program_uniform(first.program, "direction_from_place");
-    first.origin_from_place = program_uniform(first.program, "origin_from_place");
-    first.first_pixel = program_uniform(first.program, "first_pixel");
-    glDeleteProgram(pass->first.program);
-    pass->first = first;
-    pass->capacity = capacity;
-    return CONUS_OK;
+    return status;
 }
 
 /* The program for all hits, and its list. */
 static conus_status create_all(struct mesh_pass *pass)
 {
     const struct program_shader fragment = {"mesh_hits.frag.glsl", shader_mesh_hits_frag};
-    struct mesh_program all = {.direction_from_place = -1, .origin_from_place = -1, .first_pixel = -1};
-    conus_status status = shader_list_init(&pass->hits, 2 * sizeof(uint32_t), FIRST_HITS);
-    status = status ? status : create_program(&all, &fragment, 0);
-    if (status) {
-        shader_list_finish(&pass->hits);
-        return status;
-    }
-    all.pixels = program_uniform(all.program, "pixels");
-    pass->all = all;
-    return CONUS_OK;
+    conus_status status =
+        pass->hits.buffer ? CONUS_OK : shader_list_init(&pass->hits, 2 * sizeof(uint32_t), FIRST_HITS);
+    return status ? status : create_program(&pass->all, &fragment, 0);
 }
 
 /* A buffer, and the texture through which shaders see it. */
@@ -173,12 +150,10 @@ static conus_status make_slots(struct mesh_pass *pass, size_t wanted)
 
 static conus_status allocate_pass(struct mesh_pass *pass, const struct mesh *const *meshes, size_t count)
 {
-    const struct mesh **copy = memory_raw(count, sizeof(void *));
-    if (!copy) {
+    pass->meshes = memory_copy(meshes, count, sizeof(void *));
+    if (!pass->meshes) {
         return CONUS_ERROR_MEMORY;
     }
-    memcpy(copy, meshes, count * sizeof(void *));
-    pass->meshes = copy;
     pass->batch = gl_is_software() ? SOFTWARE_BATCH : BATCH;
     pass->portion = gl_is_software() ? SOFTWARE_PORTION : SIZE_MAX;
     conus_status status = clusters_init(&pass->clusters, meshes, count);
@@ -224,10 +199,11 @@ void mesh_pass_destroy(struct mesh_pass *pass)
     glDeleteTextures(2, textures);
     glDeleteBuffers(3, buffers);
     glDeleteVertexArrays(1, &pass->vertices);
-    glDeleteProgram(pass->first.program);
-    glDeleteProgram(pass->all.program);
+    glDeleteProgram(pass->first);
+    glDeleteProgram(pass->all);
     target_finish(&pass->target);
     shader_list_finish(&pass->hits);
+    readback_finish(&pass->readback);
     for (size_t i = 0; i < pass->slot_count; i++) {
         mesh_cull_destroy(pass->slots[i].cull);
     }
@@ -244,10 +220,10 @@ static size_t pixel_count(const struct mesh_pass *pass)
     return (size_t)pass->target.width * pass->target.height;
 }
 
-/* A pixel of slot number `place` among those drawn at once. */
-static uint32_t *pixel_at(const struct mesh_pass *pass, size_t place, size_t pixel)
+/* Where a pixel of slot number `place` is among those drawn at once. */
+static size_t pixel_at(const struct mesh_pass *pass, size_t place, size_t pixel)
 {
-    return pass->pixels + (place * pixel_count(pass) + pixel) * (2 + (size_t)pass->capacity);
+    return (place * pixel_count(pass) + pixel) * (2 + (size_t)pass->capacity);
 }
 
 /* Bytes of the pixels of `slots` slots. */
@@ -291,7 +267,7 @@ static void weigh(const struct mesh_pass *pass, const struct mesh_pixels *pixels
     uint32_t object = clusters_find(&pass->clusters, drawn)->object;
     uint64_t triangle = pass->clusters.triangle[drawn];
     const struct mesh *mesh = pass->meshes[object - 1];
-    double t = mesh_distance(mesh, (size_t)triangle, pixels->origins[pixel], pixels->directions[pixel]);
+    double t = mesh_distance(mesh, (size_t)triangle, pixels->rays[pixel].origin, pixels->rays[pixel].direction);
     double known = pixels->distances[pixel];
     uint32_t holder = pixels->objects[pixel];
     bool wins_tie = object < holder || (object == holder && triangle < pixels->triangles[pixel]);
@@ -302,28 +278,39 @@ static void weigh(const struct mesh_pass *pass, const struct mesh_pixels *pixels
     }
 }
 
-static void use_program(const struct mesh_program *program, const struct mesh_view *view)
+/* Where the vertex shader places corners. */
+static void use_program(GLuint program, const struct mesh_view *view)
 {
     const double *m = view->world_from_device;
-    bool parallel = view->radius > 0;
-    double width = parallel ? view->radius : view->slope; /* half the buffer's edge, at depth 1 */
-    double narrow[9], wide[9], sideways[6];
+    const bool parallel = view->radius > 0;
+    const double width = parallel ? view->radius : view->slope; /* half the buffer's edge, at depth 1 */
+    double rows[9];
     for (int a = 0; a < 3; a++) {
-        narrow[a] = m[a] / width;
-        narrow[3 + a] = m[4 + a] / width;
-        wide[a] = m[a] * view->slope;
-        wide[3 + a] = m[4 + a] * view->slope;
-        narrow[6 + a] = wide[6 + a] = -m[8 + a];
-        sideways[a] = m[a] * view->radius;
-        sideways[3 + a] = m[4 + a] * view->radius;
+        rows[a] = m[a] / width;
+        rows[3 + a] = m[4 + a] / width;
+        rows[6 + a] = -m[8 + a];
     }
-    glUseProgram(program->program);
-    glUniform3dv(program->apex, 1, m + 12);
-    glUniformMatrix3dv(program->device_from_world, 1, GL_TRUE, narrow);
-    glUniform1i(program->parallel, parallel);
-    glUniformMatrix3dv(program->direction_from_place, 1, GL_FALSE, wide);
-    glUniformMatrix2x3dv(program->origin_from_place, 1, GL_FALSE, sideways);
-    glUniform1i(program->resolution, (GLint)view->resolution);
+    glUseProgram(program);
+    glUniform3dv(APEX, 1, m + 12);
+    glUniformMatrix3dv(DEVICE_FROM_WORLD, 1, GL_TRUE, rows);
+    glUniform1i(PARALLEL, parallel);
+    glUniform1i(RESOLUTION, (GLint)view->resolution);
+}
+
+/* The rays of `first`. */
+static void set_rays(const struct mesh_view *view)
+{
+    const double *m = view->world_from_device;
+    double direction[9], origin[6];
+    for (int a = 0; a < 3; a++) {
+        direction[a] = m[a] * view->slope;
+        direction[3 + a] = m[4 + a] * view->slope;
+        direction[6 + a] = -m[8 + a];
+        origin[a] = m[a] * view->radius;
+        origin[3 + a] = m[4 + a] * view->radius;
+    }
+    glUniformMatrix3dv(DIRECTION_FROM_PLACE, 1, GL_FALSE, direction);
+    glUniformMatrix2x3dv(ORIGIN_FROM_PLACE, 1, GL_FALSE, origin);
 }
 
 /* Draws with the program in use. */
@@ -391,21 +378,23 @@ static conus_status draw_batches(struct mesh_pass *pass, const struct slot *slot
     for (size_t i = 0; i < count; i++) {
         for (size_t pixel = 0; pixel < pixel_count(pass); pixel++) {
             float nearest = (float)slots[i].query->pixels.distances[pixel];
-            memcpy(pixel_at(pass, i, pixel), &nearest, sizeof nearest);
-            pixel_at(pass, i, pixel)[1] = 0;
+            uint32_t *first = pass->pixels + pixel_at(pass, i, pixel);
+            memcpy(first, &nearest, sizeof nearest);
+            first[1] = 0;
         }
     }
     glNamedBufferSubData(pass->pixel_buffer, 0, (GLsizeiptr)pixels_size(pass, count), pass->pixels);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PIXEL_BUFFER, pass->pixel_buffer);
     for (size_t i = 0; i < count; i++) {
-        use_program(&pass->first, &slots[i].query->view);
-        glUniform1i(pass->first.first_pixel, (GLint)(i * pixel_count(pass)));
+        use_program(pass->first, &slots[i].query->view);
+        set_rays(&slots[i].query->view);
+        glUniform1i(FIRST_PIXEL, (GLint)(i * pixel_count(pass)));
         draw_batch(pass, slots[i].batch, slots[i].count);
     }
-    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    glFinish();
-    glGetNamedBufferSubData(pass->pixel_buffer, 0, (GLsizeiptr)pixels_size(pass, count), pass->pixels);
-    return gl_check("mesh ID pass");
+    struct readback_part part = {pass->pixel_buffer, pixels_size(pass, count), NULL};
+    conus_status status = readback_wait(&pass->readback, &part, 1, "mesh ID pass");
+    pass->drawn = part.data;
+    return status;
 }
 
 /* Settles the triangles that the driver noted in the slots' pixels. A batch is drawn again if a pixel had more
@@ -417,7 +406,7 @@ static conus_status settle_batches(struct mesh_pass *pass, struct slot *slots, s
     for (size_t i = 0; i < count; i++) {
         uint32_t most = 0; /* that one pixel noted */
         for (size_t n = 0; n < pixel_count(pass); n++) {
-            const uint32_t *pixel = pixel_at(pass, i, n);
+            const uint32_t *pixel = pass->drawn + pixel_at(pass, i, n);
             uint32_t noted = pixel[1];
             most = noted > most ? noted : most;
             for (uint32_t k = 0; k < noted && k < pass->capacity; k++) {
@@ -462,64 +451,47 @@ conus_status mesh_pass_render(struct mesh_pass *pass, const struct mesh_query *q
     return status;
 }
 
-struct piercing {
-    struct mesh_pass *pass;
-    const struct mesh_view *view;
-    const uint32_t *batch; /* clusters */
-    size_t count;
-    mesh_pass_take take;
-    void *user;
-};
-
-static conus_status draw_hits(void *user, uint32_t first, uint32_t end)
+/* Draws clusters until all their hits are taken. */
+static conus_status pierce_batch(struct mesh_pass *pass, const struct mesh_view *view, const uint32_t *batch,
+                                 size_t batch_count, mesh_pass_take take, void *user)
 {
-    const struct piercing *piercing = user;
-    const struct mesh_program *all = &piercing->pass->all;
-    use_program(all, piercing->view);
-    glUniform2i(all->pixels, (GLint)first, (GLint)end);
-    draw_batch(piercing->pass, piercing->batch, piercing->count);
-    return gl_check("mesh pass of all layers");
-}
-
-static conus_status take_hits(void *user, const void *records, uint32_t count)
-{
-    const struct piercing *piercing = user;
-    const struct clusters *clusters = &piercing->pass->clusters;
-    const uint32_t(*record)[2] = (const uint32_t(*)[2])records;
+    struct shader_list *list = &pass->hits;
     conus_status status = CONUS_OK;
-    for (uint32_t i = 0; i < count && !status; i++) {
-        uint32_t drawn = record[i][1];
-        const struct mesh_pass_hit hit = {record[i][0], clusters_find(clusters, drawn)->object,
-                                          clusters->triangle[drawn]};
-        status = piercing->take(piercing->user, &hit);
+    uint32_t per_pixel = 0;
+    for (size_t i = 0; i < batch_count; i++) {
+        per_pixel += pass->clusters.cluster[batch[i]].count;
+    }
+    shader_list_begin(list, view->resolution * view->resolution, per_pixel);
+    while (!status && shader_list_next(list, HIT_BUFFER)) {
+        const void *records = NULL;
+        uint32_t count = 0;
+        use_program(pass->all, view);
+        glUniform2i(PIXELS, (GLint)list->first, (GLint)list->end);
+        draw_batch(pass, batch, batch_count);
+        status = shader_list_read(list, &records, &count);
+        for (uint32_t i = 0; i < count && !status; i++) {
+            const uint32_t *record = (const uint32_t *)records + 2 * (size_t)i;
+            const struct mesh_pass_hit hit = {record[0], clusters_find(&pass->clusters, record[1])->object,
+                                              pass->clusters.triangle[record[1]]};
+            status = take(user, &hit);
+        }
     }
     return status;
 }
 
 conus_status mesh_pass_pierce(struct mesh_pass *pass, const struct mesh_view *view, mesh_pass_take take, void *user)
 {
-    struct piercing piercing = {.pass = pass, .view = view, .count = 1, .take = take, .user = user};
     uint32_t pixels = view->resolution * view->resolution;
     size_t countable = UINT32_MAX / pixels - CLUSTER_TRIANGLES; /* at once for all pixels, see shader_list.h */
     size_t triangles = countable < PIERCE_BATCH ? countable : PIERCE_BATCH;
-    conus_status status = pass->all.program ? CONUS_OK : create_all(pass);
+    conus_status status = pass->all ? CONUS_OK : create_all(pass);
     status = status ? status : set_resolution(pass, view->resolution);
     struct mesh_cull *cull = pass->slots[0].cull;
+    const uint32_t *batch;
     mesh_cull_begin(cull, view);
     mesh_cull_hide(cull, NULL);
-    while (piercing.count && !status) {
-        uint32_t per_pixel = 0;
-        piercing.count = mesh_cull_batch(&piercing.batch, cull, triangles);
-        for (size_t i = 0; i < piercing.count; i++) {
-            per_pixel += pass->clusters.cluster[piercing.batch[i]].count;
-        }
-        const struct shader_list_job job = {.binding = HIT_BUFFER,
-                                            .draw = draw_hits,
-                                            .take = take_hits,
-                                            .user = &piercing,
-                                            .pixels = pixels,
-                                            .per_pixel = per_pixel};
-        status = shader_list_collect(&pass->hits, &job);
+    for (size_t count; !status && (count = mesh_cull_batch(&batch, cull, triangles)) > 0;) {
+        status = pierce_batch(pass, view, batch, count, take, user);
     }
     return status;
 }

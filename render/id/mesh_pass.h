@@ -17,13 +17,17 @@
 
 struct mesh_pass;
 
+/** A pixel's ray in the world; direction is a unit vector. */
+struct mesh_ray {
+    double origin[3], direction[3];
+};
+
 /** The first hit of each pixel's ray so far; bottom row first, [n n] each. */
 struct mesh_pixels {
-    const double (*origins)[3];    /**< In the world, those of the view's pixels.              */
-    const double (*directions)[3]; /**< Unit vectors in the world, likewise.                   */
-    uint32_t *objects;             /**< In and out: 0 = none.                                  */
-    double *distances;             /**< In and out: mm; INFINITY = none.                       */
-    uint64_t *triangles;           /**< Out, where a mesh is hit first.                        */
+    const struct mesh_ray *rays; /**< Those of the view's pixels.      */
+    uint32_t *objects;           /**< In and out: 0 = none.            */
+    double *distances;           /**< In and out: mm; INFINITY = none. */
+    uint64_t *triangles;         /**< Out, where a mesh is hit first.  */
 };
 
 /** One view, and the pixels to fill. */

@@ -45,9 +45,10 @@ layout(std430, binding = HEAD_BUFFER) restrict buffer Heads
     uvec2 heads[]; // of each part: its first row, and how many
 };
 
-uniform uint ray_count;                                  // of a cone
-uniform bool has_known, is_last;                         // volumes before, and none after this one
-uniform dvec3 index_x, index_y, index_z, index_origin;   // columns of the volume's voxel_from_world
+layout(location = 2) uniform uint ray_count; // of a cone
+layout(location = 3) uniform bool has_known; // volumes before this one
+layout(location = 4) uniform bool is_last;   // and none after it
+layout(location = 5) uniform dmat4 index_from_world;
 
 const uint KEYS = 2u * uint(GROUP);
 const uint BORDER = 0x80000000u;
@@ -98,28 +99,15 @@ double reciprocal(double d)
 // As mat4_direction().
 dvec3 into_index_space(dvec3 v)
 {
-    precise dvec3 sum = index_x * v.x + index_y * v.y + index_z * v.z;
+    precise dvec3 sum = index_from_world[0].xyz * v.x + index_from_world[1].xyz * v.y + index_from_world[2].xyz * v.z;
     return sum;
 }
 
 // As mat4_point().
 dvec3 place_in_index_space(dvec3 p)
 {
-    precise dvec3 sum = into_index_space(p) + index_origin;
+    precise dvec3 sum = into_index_space(p) + index_from_world[3].xyz;
     return sum;
-}
-
-// As vec3_add_scaled().
-dvec3 add_scaled(dvec3 a, double s, dvec3 b)
-{
-    precise dvec3 sum = a + s * b;
-    return sum;
-}
-
-double times_of(double a, double b)
-{
-    precise double product = a * b;
-    return product;
 }
 
 // As cone_rays_from(), cone_origin() and traverse_ray_init(), operation by operation.
@@ -131,8 +119,10 @@ Ray make_ray(Cone cone, Aim aim)
     dvec3 start = dvec3(cone.apex_x, cone.apex_y, cone.apex_z);
     precise dvec3 world = right * aim.right + up * aim.up - back * aim.forward;
     if (cone.radius > 0.0lf) {
-        start = add_scaled(start, times_of(aim.u, cone.radius), right);
-        start = add_scaled(start, times_of(aim.v, cone.radius), up);
+        precise double u = aim.u * cone.radius, v = aim.v * cone.radius;
+        precise dvec3 beside = start + u * right;
+        precise dvec3 above = beside + v * up;
+        start = above;
     }
     dvec3 origin = place_in_index_space(start);
     dvec3 direction = into_index_space(world);
@@ -227,10 +217,14 @@ void main()
     values[gl_GlobalInvocationID.x] = reciprocal(values[gl_GlobalInvocationID.x]);
 }
 #elif MAKE
-layout(std430, binding = LIST_BUFFER) restrict readonly buffer List { uint list[]; }; // which rays: of all cones
-layout(std430, binding = RAY_BUFFER) restrict writeonly buffer Made { double parts[]; }; // struct id_ray
+struct MadeRay { // struct id_ray
+    double origin[3], direction[3], inverse[3], unused;
+};
 
-uniform uint list_count;
+layout(std430, binding = LIST_BUFFER) restrict readonly buffer List { uint list[]; }; // which rays: of all cones
+layout(std430, binding = RAY_BUFFER) restrict writeonly buffer Made { MadeRay made_rays[]; };
+
+layout(location = 6) uniform uint list_count;
 
 void main()
 {
@@ -238,16 +232,9 @@ void main()
     if (at < list_count) {
         Cone cone = cones[list[at] / ray_count];
         Ray ray = make_ray(cone, aims[cone.shape * ray_count + list[at] % ray_count]);
-        uint first = 10u * at;
-        parts[first] = ray.origin.x;
-        parts[first + 1u] = ray.origin.y;
-        parts[first + 2u] = ray.origin.z;
-        parts[first + 3u] = ray.direction.x;
-        parts[first + 4u] = ray.direction.y;
-        parts[first + 5u] = ray.direction.z;
-        parts[first + 6u] = ray.inverse.x;
-        parts[first + 7u] = ray.inverse.y;
-        parts[first + 8u] = ray.inverse.z;
+        made_rays[at] = MadeRay(double[](ray.origin.x, ray.origin.y, ray.origin.z),
+                                double[](ray.direction.x, ray.direction.y, ray.direction.z),
+                                double[](ray.inverse.x, ray.inverse.y, ray.inverse.z), 0.0lf);
     }
 }
 #else

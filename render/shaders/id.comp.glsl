@@ -1,7 +1,7 @@
 // The ID pass: per ray, the first voxel along it that belongs to an object (Eq. 5), or the first of the planes of Eq. 7
 // on which it samples one. In double precision and `precise`, so that it takes the very cells that the CPU takes. Rays
 // come prepared from the CPU, of as many pixels and cones as there are. Dispatched once per volume; a later volume
-// (has_hits) only overwrites what is farther. PIERCE appends every interval of the ray inside an object to a list instead
+// only overwrites what is farther. PIERCE appends every interval of the ray inside an object to a list instead
 // (Eq. 10).
 //
 // With CONES it has no main(): cones.comp.glsl follows, which makes the rays itself.
@@ -10,16 +10,16 @@
 
 layout(local_size_x = GROUP) in;
 
-layout(binding = OBJECTS_UNIT) uniform usampler3D objects;
-layout(binding = IDENTIFIER_UNIT) uniform usamplerBuffer identifiers;
+layout(binding = ID_OBJECTS_UNIT) uniform usampler3D objects;
+layout(binding = ID_IDENTIFIER_UNIT) uniform usamplerBuffer identifiers;
 #if !CONES
 layout(binding = RAY_UNIT) uniform usamplerBuffer rays; // struct id_ray, two doubles per texel
-uniform ivec2 range;                                    // of rays: the first, and the first not to trace
+layout(location = 2) uniform ivec3 range; // of rays: the first, and the first not to trace; not 0 behind other volumes
 #endif
 
 #if !SLICES
-layout(binding = DISTANCE_UNIT) uniform usampler3D distances; // codes: 0 = an object; else 1 + voxels to skip each way
-uniform ivec3 first_cell, last_cell;                  // the box of the voxels with objects
+layout(binding = ID_DISTANCE_UNIT) uniform usampler3D distances; // codes: 0 = an object; else 1 + voxels to skip each way
+layout(location = 0) uniform ivec3 box[2]; // the first and the last cell with objects
 #endif
 
 #if PIERCE
@@ -41,8 +41,6 @@ struct Found { // struct id_hit
 };
 
 layout(std430, binding = OUT_BUFFER) restrict buffer Hits { Found hits[]; };
-
-uniform bool has_hits; // of the volumes before
 #endif
 
 #define NEVER packDouble2x32(uvec2(0u, 0x7ff00000u)) // infinity; to glslang not a constant
@@ -176,19 +174,19 @@ dvec3 catch_up(Ray ray, Crossing crossing, dvec3 from, dvec3 end)
 // The first cell beyond the box in the ray's direction.
 dvec3 end_of(Ray ray)
 {
-    return mix(dvec3(last_cell + 1), dvec3(first_cell - 1), lessThan(ray.sign, dvec3(0.0)));
+    return mix(dvec3(box[1] + 1), dvec3(box[0] - 1), lessThan(ray.sign, dvec3(0.0)));
 }
 
 bool is_in_box(dvec3 cell)
 {
-    return all(greaterThanEqual(cell, dvec3(first_cell))) && all(lessThanEqual(cell, dvec3(last_cell)));
+    return all(greaterThanEqual(cell, dvec3(box[0]))) && all(lessThanEqual(cell, dvec3(box[1])));
 }
 
 // The first place in the box: the origin's, or behind the last crossing that brings the ray in. False: it misses.
 bool enter(Ray ray, out Place at)
 {
     Crossing last = Crossing(0.0, -1);
-    dvec3 first = mix(dvec3(first_cell), dvec3(last_cell), lessThan(ray.sign, dvec3(0.0)));
+    dvec3 first = mix(dvec3(box[0]), dvec3(box[1]), lessThan(ray.sign, dvec3(0.0)));
     dvec3 end = end_of(ray);
     dvec3 entry = crossing_times(ray, first, -0.5);
     at.cell = cell_of(ray.origin);
@@ -240,7 +238,7 @@ uint code_at(Place at)
 // of the inner loop, because lanes in step go both ways of every branch, but leave a loop when all are done.
 bool find_object(Ray ray, double limit, inout Place at)
 {
-    dvec3 t_end = crossing_times(ray, mix(dvec3(last_cell), dvec3(first_cell), lessThan(ray.sign, dvec3(0.0))), 0.5);
+    dvec3 t_end = crossing_times(ray, mix(dvec3(box[1]), dvec3(box[0]), lessThan(ray.sign, dvec3(0.0))), 0.5);
     double stop = min(min(t_end.x, t_end.y), min(t_end.z, limit));
     bool is_under_way = at.t <= limit;
     while (is_under_way) {
@@ -330,6 +328,7 @@ void main()
 #if PIERCE
     pierce(ray, uint(number));
 #else
+    bool has_hits = range.z != 0;
     double limit = has_hits ? hits[number].t : NEVER;
     Hit hit = walk(ray, limit);
     if (has_hits && (hit.id == 0u || (hit.place.t == limit && hits[number].id < hit.id))) {

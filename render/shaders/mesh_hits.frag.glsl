@@ -8,8 +8,8 @@ layout(std430, binding = HIT_BUFFER) restrict buffer Hits // see shader_list.h
     uvec2 hits[]; // pixel, triangle
 };
 
-uniform int resolution;
-uniform ivec2 pixels; // the first, and the first that is not to be drawn
+layout(location = 3) uniform int resolution;
+layout(location = 4) uniform ivec2 pixels; // the first, and the first that is not to be drawn
 
 void main()
 {

@@ -16,10 +16,12 @@ layout(std430, binding = PIXEL_BUFFER) restrict buffer Pixels
 layout(binding = POSITION_UNIT) uniform samplerBuffer positions;
 layout(binding = CORNER_UNIT) uniform usamplerBuffer corners;
 
-uniform dvec3 apex;
-uniform dmat3 direction_from_place; // columns: right and up, times the tangent of half the angle; forward
-uniform dmat2x3 origin_from_place;  // columns: right and up, times a cylinder's radius
-uniform int resolution, first_pixel;
+layout(location = 0) uniform dvec3 apex;
+layout(location = 3) uniform int resolution;
+layout(location = 6) uniform int first_pixel;
+// columns: right and up, times the tangent of half the angle; forward
+layout(location = 4) uniform dmat3 direction_from_place;
+layout(location = 5) uniform dmat2x3 origin_from_place; // columns: right and up, times a cylinder's radius
 
 const float SLACK = 1.000001;
 const double BEHIND = -1e-3; // mm: far more than rounding

@@ -2,9 +2,10 @@
 // far from the world's origin, and far from the device, a corner falls where it does nearby.
 layout(location = 0) in vec3 position; // world mm
 
-uniform dvec3 apex;
-uniform dmat3 device_from_world; // rows: right and up, over the tangent of half the angle or the radius; forward
-uniform bool parallel;           // a cylinder's rays
+layout(location = 0) uniform dvec3 apex;
+// rows: right and up, over the tangent of half the angle or the radius; forward
+layout(location = 1) uniform dmat3 device_from_world;
+layout(location = 2) uniform bool parallel; // a cylinder's rays
 
 flat out uint triangle;
 

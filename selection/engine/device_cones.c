@@ -16,17 +16,17 @@ enum { KEPT_RAYS = 1 << 20 }; /* of shapes; a block that finds more of them begi
 struct shapes {
     size_t rays; /* of each */
     size_t count;
-    double *angles;          /* [count] */
-    struct cone_aim *aims;   /* [count * rays] */
-    struct cone_spot *spots; /* likewise; NULL where none is counted */
-    size_t angle_capacity, aim_capacity, spot_capacity;
+    double *angles; /* [count] */
+    size_t capacity;
 };
 
 struct device_cones {
     const conus_atlas *atlas;
     struct cone_pass *device;
     struct cone_place *places; /* [place_capacity] */
-    size_t place_capacity;
+    struct cone_aim *aims;     /* [aim_capacity] of the shape that is added; */
+    struct cone_spot *spots;   /* [spot_capacity] and its spots, if it is counted */
+    size_t place_capacity, aim_capacity, spot_capacity;
     bool has_groups;
     struct shapes counted; /* of pixels in the cone, */
     uint32_t resolution;   /* of those n x n */
@@ -36,35 +36,23 @@ struct device_cones {
     size_t listed;
 };
 
-static void finish_shapes(struct shapes *shapes)
-{
-    memory_free(shapes->angles);
-    memory_free(shapes->aims);
-    memory_free(shapes->spots);
-}
-
 void device_cones_destroy(struct device_cones *cones)
 {
     if (cones) {
         cone_pass_destroy(cones->device);
         memory_free(cones->places);
-        finish_shapes(&cones->counted);
-        finish_shapes(&cones->whole);
+        memory_free(cones->aims);
+        memory_free(cones->spots);
+        memory_free(cones->counted.angles);
+        memory_free(cones->whole.angles);
         memory_free(cones);
     }
 }
 
-conus_status device_cones_create(struct device_cones **out, const conus_atlas *atlas, struct id_pass *pass,
-                                 const size_t *volumes, size_t volume_count)
+conus_status device_cones_create(struct device_cones **out, const conus_atlas *atlas, struct id_pass *pass)
 {
     struct device_cones *cones = memory_zeroed(1, sizeof *cones);
-    const double **matrices = memory_raw(volume_count, sizeof(double *));
-    conus_status status = cones && matrices ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; i < volume_count && !status; i++) {
-        matrices[i] = atlas->volumes[volumes[i]].voxel_from_world;
-    }
-    status = status ? status : cone_pass_create(&cones->device, pass, matrices, volume_count);
-    memory_free((void *)matrices);
+    conus_status status = cones ? cone_pass_create(&cones->device, pass) : CONUS_ERROR_MEMORY;
     if (status || !cones->device) {
         device_cones_destroy(cones);
         cones = NULL;
@@ -116,50 +104,52 @@ static void keep_shapes(struct shapes *shapes, bool are_alike, size_t rays)
     shapes->rays = rays;
 }
 
-/* Makes room for the rays of one more. */
-static bool reserve_shape(struct shapes *shapes, double angle)
+/* The pixels in the cone, as the aperture has them. */
+static conus_status fill_counted(struct device_cones *cones, const struct cone *cone, struct aperture *aperture)
 {
-    if (!memory_reserve(&shapes->angles, &shapes->angle_capacity, shapes->count + 1, sizeof *shapes->angles) ||
-        !memory_reserve(&shapes->aims, &shapes->aim_capacity, (shapes->count + 1) * shapes->rays,
-                        sizeof *shapes->aims)) {
-        return false;
-    }
-    shapes->angles[shapes->count] = angle;
-    return true;
-}
-
-static conus_status add_counted(struct shapes *shapes, const struct aperture *aperture)
-{
-    size_t rays = shapes->rays;
-    size_t start = shapes->count * rays;
-    if (!reserve_shape(shapes, aperture->angle) ||
-        !memory_reserve(&shapes->spots, &shapes->spot_capacity, start + rays, sizeof *shapes->spots)) {
+    conus_status status = aperture_prepare(aperture, cone);
+    const size_t rays = cones->counted.rays;
+    if (!memory_reserve(&cones->spots, &cones->spot_capacity, rays, sizeof *cones->spots)) {
         return CONUS_ERROR_MEMORY;
     }
-    for (size_t first = 0; first < rays; first += CONE_PART) {
+    for (size_t first = 0; first < rays && !status; first += CONE_PART) {
         size_t count = rays - first < CONE_PART ? rays - first : CONE_PART;
-        fill_part(shapes->aims + start + first, shapes->spots + start + first, aperture, first, count);
+        fill_part(cones->aims + first, cones->spots + first, aperture, first, count);
     }
-    shapes->count++;
-    return CONUS_OK;
+    return status;
 }
 
-/* All rays of the cone's shape, row-major. */
-static conus_status add_whole(struct shapes *shapes, const struct cone *cone)
+/* All pixels, row-major. */
+static void fill_whole(struct cone_aim *aim, const struct cone *cone)
 {
     const uint32_t n = cone->resolution;
-    if (!reserve_shape(shapes, cone->angle)) {
-        return CONUS_ERROR_MEMORY;
-    }
-    struct cone_aim *aim = shapes->aims + shapes->count * shapes->rays;
     for (uint32_t pixel = 0; pixel < n * n; pixel++, aim++) {
         const double u = cone_coordinate(pixel % n, n);
         const double v = cone_coordinate(pixel / n, n);
         *aim = (struct cone_aim){.u = u, .v = v};
         cone_device_rays(&aim->right, &aim->up, &aim->forward, cone, &u, &v, 1);
     }
-    shapes->count++;
-    return CONUS_OK;
+}
+
+/* Gives the device the cone's shape. */
+static conus_status add_shape(struct device_cones *cones, struct shapes *shapes, const struct cone *cone,
+                              struct aperture *aperture)
+{
+    conus_status status = CONUS_OK;
+    if (!memory_reserve(&shapes->angles, &shapes->capacity, shapes->count + 1, sizeof *shapes->angles) ||
+        !memory_reserve(&cones->aims, &cones->aim_capacity, shapes->rays, sizeof *cones->aims)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    if (aperture) {
+        status = fill_counted(cones, cone, aperture);
+    } else {
+        fill_whole(cones->aims, cone);
+    }
+    status = status ? status
+                    : cone_pass_add_shape(cones->device, cones->aims, aperture ? cones->spots : NULL, shapes->rays,
+                                          shapes->count);
+    shapes->angles[shapes->count++] = cone->angle;
+    return status;
 }
 
 /* The number of the shape of that angle; the number of shapes if there is none. `near` may be it. */
@@ -185,18 +175,14 @@ static conus_status place_cones(struct device_cones *cones, struct shapes *shape
         struct cone_place *place = &cones->places[c];
         const double *m = in[c]->pose.world_from_device;
         shape = find_shape(shapes, in[c]->angle, shape);
-        if (shape == shapes->count && aperture) {
-            status = aperture_prepare(aperture, in[c]);
-            status = status ? status : add_counted(shapes, aperture);
-        } else if (shape == shapes->count) {
-            status = add_whole(shapes, in[c]);
+        if (shape == shapes->count) {
+            status = add_shape(cones, shapes, in[c], aperture);
         }
         place->radius = in[c]->radius;
         place->shape = (uint32_t)shape;
-        memcpy(place->right, m, sizeof place->right);
-        memcpy(place->up, m + 4, sizeof place->up);
-        memcpy(place->back, m + 8, sizeof place->back);
-        memcpy(place->apex, m + 12, sizeof place->apex);
+        for (int column = 0; column < 4; column++) {
+            memcpy(place->columns[column], m + 4 * column, sizeof place->columns[column]);
+        }
     }
     return status;
 }
@@ -236,13 +222,6 @@ static conus_status set_groups(struct device_cones *cones, const uint32_t *group
     return status;
 }
 
-/* After a failure the device may have lost all. */
-static void forget(struct device_cones *cones)
-{
-    cones->counted.count = cones->whole.count = cones->listed = 0;
-    cones->has_groups = false;
-}
-
 conus_status device_cones_count(struct device_cones *cones, struct hit_counts *const *out, const struct cone *const *in,
                                 size_t count, struct aperture *aperture, const uint32_t *group)
 {
@@ -256,40 +235,31 @@ conus_status device_cones_count(struct device_cones *cones, struct hit_counts *c
                 aperture->rays.count);
     cones->resolution = aperture->resolution;
     cones->aperture = aperture->shape;
-    const size_t known = shapes->count;
     conus_status status = set_groups(cones, group);
     status = status ? status : place_cones(cones, shapes, in, count, aperture);
     if (!status) {
-        const struct cone_shapes given = {shapes->aims, shapes->spots, (uint32_t)shapes->rays, known, shapes->count};
-        status = cone_pass_count(cones->device, &given, cones->places, (uint32_t)count, &heads, &rows);
+        status = cone_pass_count(cones->device, cones->places, (uint32_t)count, (uint32_t)shapes->rays, &heads, &rows);
     }
     for (size_t i = 0; i < count * parts && !status; i++) {
         status = take_rows(out[i / parts], rows + heads[i].first, heads[i].count);
-    }
-    if (status) {
-        forget(cones);
     }
     return status;
 }
 
 conus_status device_cones_list(struct device_cones *cones, const struct cone *const *in, size_t count,
-                               const uint32_t *list, uint32_t ray_count, bool is_whole)
+                               const uint32_t *list, uint32_t ray_count)
 {
     struct shapes *shapes = &cones->whole;
     const uint32_t n = in[0]->resolution;
+    const bool is_whole = ray_count == count * n * n;
     keep_shapes(shapes, true, (size_t)n * n);
-    const size_t known = shapes->count;
     const size_t listed = is_whole && cones->listed_resolution == n ? cones->listed : 0;
     conus_status status = place_cones(cones, shapes, in, count, NULL);
     if (!status) {
-        const struct cone_shapes given = {shapes->aims, NULL, (uint32_t)shapes->rays, known, shapes->count};
-        status = cone_pass_list(cones->device, &given, cones->places, (uint32_t)count, list, listed, ray_count);
+        status = cone_pass_list(cones->device, cones->places, (uint32_t)count, n * n, list, listed, ray_count);
     }
     cones->listed_resolution = n;
     cones->listed = is_whole ? (listed > ray_count ? listed : ray_count) : 0;
-    if (status) {
-        forget(cones);
-    }
     return status;
 }
 

@@ -8,12 +8,12 @@
 #include "selection/cone/aperture.h"
 #include "selection/evidence/counts.h"
 
+/** After a failure all but its end is lost. */
 struct device_cones;
 
-/** @p pass has @p volumes of @p atlas, of those numbers. Both must outlive them. @p out is NULL on a driver that does
- * not round as it must. */
-conus_status device_cones_create(struct device_cones **out, const conus_atlas *atlas, struct id_pass *pass,
-                                 const size_t *volumes, size_t volume_count);
+/** @p pass has the volumes of @p atlas. Both must outlive them. @p out is NULL on a driver that does not round as it
+ * must. */
+conus_status device_cones_create(struct device_cones **out, const conus_atlas *atlas, struct id_pass *pass);
 /** NULL is fine. */
 void device_cones_destroy(struct device_cones *cones);
 
@@ -24,10 +24,10 @@ conus_status device_cones_count(struct device_cones *cones, struct hit_counts *c
                                 size_t count, struct aperture *aperture, const uint32_t *group);
 
 /** Says which rays device_cones_make_rays() makes: those of @p ray_count pixels, of which number k is pixel
- * list[k] % n^2 of cone list[k] / n^2; the cones have n x n pixels. @p is_whole: these are all pixels, one cone after
- * the other, in an order that n tells. */
+ * list[k] % n^2 of cone list[k] / n^2; the cones have n x n pixels. All pixels are listed one cone after the
+ * other, in an order that n tells. */
 conus_status device_cones_list(struct device_cones *cones, const struct cone *const *in, size_t count,
-                               const uint32_t *list, uint32_t ray_count, bool is_whole);
+                               const uint32_t *list, uint32_t ray_count);
 
 /** Makes them in volume number @p volume of the pass, which takes them from there. */
 conus_status device_cones_make_rays(struct device_cones *cones, size_t volume);

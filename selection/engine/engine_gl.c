@@ -29,24 +29,19 @@ struct gl_engine {
     struct mesh_pass *mesh_pass; /* NULL where there are no meshes                 */
     struct engine *wide;         /* what finds meshes in wide cones; NULL before the first one */
     struct engine *bundles;      /* what finds streamlines; NULL where there are none */
-    double (*origins)[3];        /* [pixel_capacity] of all pixels of all cones in view */
-    double (*directions)[3];
-    uint32_t *traced;           /* [ray_count] pixels whose rays are traced through volumes, neighbours together */
-    struct mesh_query *queries; /* [cone_capacity] */
-    size_t pixel_capacity, cone_capacity;
+    struct mesh_ray *rays;       /* of all pixels of all cones in view, where the CPU needs them */
+    uint32_t *traced;            /* [ray_count] pixels whose rays are traced through volumes, neighbours together */
+    struct mesh_query *queries;
+    size_t ray_capacity, traced_capacity, query_capacity;
     uint32_t ray_count;
     struct mesh_intervals intervals;
-    conus_sampling sampling;
-    uint32_t slices;
-    double slice_fraction;
+    struct engine_options options;
     size_t *volumes; /* [volume_count] of the atlas, in the order in which the pass has them */
     size_t volume_count;
     struct device_cones *cones; /* whose rays the device makes; NULL before the first one, and where the driver */
     bool cannot_make;           /* does not round as it must, which is to be said                               */
     bool shall_say;
     bool makes_rays; /* those that are traced now */
-    conus_log log;   /* may be NULL */
-    void *log_user;
 };
 
 static void destroy(struct engine *engine)
@@ -63,8 +58,7 @@ static void destroy(struct engine *engine)
     engine_destroy(gl->wide);
     engine_destroy(gl->bundles);
     mesh_intervals_finish(&gl->intervals);
-    memory_free(gl->origins);
-    memory_free(gl->directions);
+    memory_free(gl->rays);
     memory_free(gl->traced);
     memory_free(gl->queries);
     memory_free(gl->volumes);
@@ -88,11 +82,11 @@ static conus_status enter(struct gl_engine *gl, struct gl_current *previous)
 static void leave(struct gl_engine *gl, const struct gl_current *previous)
 {
     gl_current_restore(previous);
-    if (gl->shall_say && gl->log) {
+    if (gl->shall_say && gl->options.log) {
         const conus_note note = {.severity = CONUS_SEVERITY_WARNING,
                                  .line = "OpenGL: this driver does not round double numbers as GLSL says; conus makes "
                                          "rays and adds hits up without it"};
-        gl->log(gl->log_user, &note);
+        gl->options.log(gl->options.log_user, &note);
     }
     gl->shall_say = false;
     pthread_mutex_unlock(&gl->lock);
@@ -104,8 +98,18 @@ static conus_status need_cones(struct gl_engine *gl)
     if (gl->cones || gl->cannot_make) {
         return CONUS_OK;
     }
-    conus_status status = device_cones_create(&gl->cones, gl->atlas, gl->pass, gl->volumes, gl->volume_count);
+    conus_status status = device_cones_create(&gl->cones, gl->atlas, gl->pass);
     gl->cannot_make = gl->shall_say = !status && !gl->cones;
+    return status;
+}
+
+/* After a failure they are made anew: who knows which buffers the driver has. */
+static conus_status check_cones(struct gl_engine *gl, conus_status status)
+{
+    if (status) {
+        device_cones_destroy(gl->cones);
+        gl->cones = NULL;
+    }
     return status;
 }
 
@@ -122,36 +126,15 @@ static struct view view_of(const struct cone *const *cones, struct evidence *con
     return (struct view){cones, out, count, cones[0]->resolution * cones[0]->resolution};
 }
 
-static conus_status reserve(struct gl_engine *gl, const struct view *view)
-{
-    size_t pixels = view->count * view->pixels;
-    if (gl->pixel_capacity >= pixels && gl->cone_capacity >= view->count) {
-        return CONUS_OK;
-    }
-    memory_free(gl->origins);
-    memory_free(gl->directions);
-    memory_free(gl->traced);
-    memory_free(gl->queries);
-    gl->pixel_capacity = gl->cone_capacity = 0;
-    gl->origins = memory_raw(pixels, sizeof *gl->origins);
-    gl->directions = memory_raw(pixels, sizeof *gl->directions);
-    gl->traced = memory_raw(pixels, sizeof *gl->traced);
-    gl->queries = memory_raw(view->count, sizeof *gl->queries);
-    if (!gl->origins || !gl->directions || !gl->traced || !gl->queries) {
-        return CONUS_ERROR_MEMORY;
-    }
-    gl->pixel_capacity = pixels;
-    gl->cone_capacity = view->count;
-    return CONUS_OK;
-}
-
-/* Lists the wanted pixels of all cones, tile by tile. Returns whether they are all. */
-static bool list_traced(struct gl_engine *gl, const struct view *view)
+/* Lists the wanted pixels of all cones, tile by tile. */
+static conus_status list_traced(struct gl_engine *gl, const struct view *view)
 {
     const uint32_t n = view->cones[0]->resolution;
     const uint32_t across = (n + TILE_WIDTH - 1) / TILE_WIDTH;
     const uint32_t tiles = across * ((n + TILE_HEIGHT - 1) / TILE_HEIGHT);
-    gl->ray_count = 0;
+    if (!memory_reserve(&gl->traced, &gl->traced_capacity, view->count * view->pixels, sizeof *gl->traced)) {
+        return CONUS_ERROR_MEMORY;
+    }
     for (size_t c = 0; c < view->count; c++) {
         const bool *wanted = view->cones[c]->tracing.wanted;
         for (uint32_t k = 0; k < tiles * TILE_WIDTH * TILE_HEIGHT; k++) {
@@ -163,36 +146,42 @@ static bool list_traced(struct gl_engine *gl, const struct view *view)
             }
         }
     }
-    return gl->ray_count == view->count * view->pixels;
+    return CONUS_OK;
 }
 
-/* Lists the rays. The device makes those through volumes, where it can; the CPU makes others, of all pixels, in the
- * world. */
+/* Makes the rays of all pixels, in the world. */
+static conus_status make_rays(struct gl_engine *gl, const struct view *view)
+{
+    const uint32_t n = view->cones[0]->resolution;
+    if (!memory_reserve(&gl->rays, &gl->ray_capacity, view->count * view->pixels, sizeof *gl->rays)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    struct mesh_ray *ray = gl->rays;
+    for (size_t c = 0; c < view->count; c++) {
+        for (uint32_t pixel = 0; pixel < view->pixels; pixel++, ray++) {
+            cone_origin(ray->origin, view->cones[c], pixel % n, pixel / n);
+            cone_ray(ray->direction, view->cones[c], pixel % n, pixel / n);
+        }
+    }
+    return CONUS_OK;
+}
+
+/* Lists the rays through volumes, which the device makes where it can. The CPU makes others, and those that meshes
+ * need. */
 static conus_status aim(struct gl_engine *gl, const struct view *view)
 {
-    conus_status status = reserve(gl, view);
     gl->makes_rays = false;
     gl->ray_count = 0;
-    if (status) {
-        return status;
-    }
-    const bool is_whole = list_traced(gl, view);
-    if (gl->pass && gl->sampling == CONUS_SAMPLING_EXACT && gl->ray_count) {
+    conus_status status = gl->pass ? list_traced(gl, view) : CONUS_OK;
+    if (!status && gl->ray_count && gl->options.sampling == CONUS_SAMPLING_EXACT) {
         status = need_cones(gl);
         gl->makes_rays = !status && gl->cones;
     }
     if (gl->makes_rays) {
-        status = device_cones_list(gl->cones, view->cones, view->count, gl->traced, gl->ray_count, is_whole);
+        status = check_cones(gl, device_cones_list(gl->cones, view->cones, view->count, gl->traced, gl->ray_count));
     }
-    for (size_t c = 0; c < view->count && !status && !(gl->makes_rays && !gl->mesh_pass); c++) {
-        const struct cone *cone = view->cones[c];
-        size_t first = c * view->pixels;
-        for (uint32_t pixel = 0; pixel < view->pixels; pixel++) {
-            cone_origin(gl->origins[first + pixel], cone, pixel % cone->resolution, pixel / cone->resolution);
-            cone_ray(gl->directions[first + pixel], cone, pixel % cone->resolution, pixel / cone->resolution);
-        }
-    }
-    return status;
+    bool needs_rays = gl->mesh_pass || (gl->ray_count && !gl->makes_rays);
+    return !status && needs_rays ? make_rays(gl, view) : status;
 }
 
 /* Sets the planes (Eq. 7) of the rays of one cone. */
@@ -203,9 +192,9 @@ static void prepare_planes(const struct gl_engine *gl, const struct volume *volu
     double axis[3];
     vec3_scale(axis, cone->pose.world_from_device + 8, -1); /* the device looks down its -z */
     struct slices slices = slices_over(dim, volume->info.world_from_voxel, cone->pose.world_from_device + 12, axis,
-                                       slices_of_id_pass(gl->slices, gl->slice_fraction, dim));
+                                       slices_of_id_pass(gl->options.slices, gl->options.slice_fraction, dim));
     for (size_t r = 0; r < count; r++) {
-        double per_depth = 1 / vec3_dot(gl->directions[traced[r]], axis);
+        double per_depth = 1 / vec3_dot(gl->rays[traced[r]].direction, axis);
         rays[r].planes.start = slices.start;
         rays[r].planes.spacing = slices.spacing;
         rays[r].planes.count = per_depth > 0 ? slices.count : 0; /* none is before a ray that goes back */
@@ -227,9 +216,9 @@ static conus_status prepare_rays(struct gl_engine *gl, size_t index, const struc
     for (uint32_t r = 0; r < gl->ray_count; r++) {
         double origin[3];
         double direction[3];
-        mat4_point(origin, volume->voxel_from_world, gl->origins[gl->traced[r]]);
-        mat4_direction(direction, volume->voxel_from_world, gl->directions[gl->traced[r]]);
-        if (gl->sampling == CONUS_SAMPLING_EXACT) {
+        mat4_point(origin, volume->voxel_from_world, gl->rays[gl->traced[r]].origin);
+        mat4_direction(direction, volume->voxel_from_world, gl->rays[gl->traced[r]].direction);
+        if (gl->options.sampling == CONUS_SAMPLING_EXACT) {
             struct traverse_ray ray;
             traverse_ray_init(&ray, origin, direction);
             memcpy(rays[r].origin, ray.origin, sizeof rays[r].origin);
@@ -240,7 +229,7 @@ static conus_status prepare_rays(struct gl_engine *gl, size_t index, const struc
             memcpy(rays[r].direction, direction, sizeof direction);
         }
     }
-    for (uint32_t first = 0, end; first < gl->ray_count && gl->sampling == CONUS_SAMPLING_SLICES; first = end) {
+    for (uint32_t first = 0, end; first < gl->ray_count && gl->options.sampling == CONUS_SAMPLING_SLICES; first = end) {
         uint32_t c = gl->traced[first] / view->pixels;
         for (end = first; end < gl->ray_count && gl->traced[end] / view->pixels == c;) {
             end++;
@@ -260,9 +249,6 @@ static uint64_t linear_index(const conus_atlas *atlas, uint32_t object, const ui
 static conus_status trace_volumes(struct gl_engine *gl, const struct view *view)
 {
     const struct id_hit *hits = NULL;
-    if (!gl->ray_count) {
-        return CONUS_OK;
-    }
     conus_status status = id_pass_begin(gl->pass, gl->ray_count);
     for (size_t i = 0; i < gl->volume_count && !status; i++) {
         status = prepare_rays(gl, i, view);
@@ -309,11 +295,12 @@ static conus_status prepare_queries(struct gl_engine *gl, const struct view *vie
 {
     conus_status status = CONUS_OK;
     *count = 0;
+    if (!memory_reserve(&gl->queries, &gl->query_capacity, view->count, sizeof *gl->queries)) {
+        return CONUS_ERROR_MEMORY;
+    }
     for (size_t c = 0; c < view->count && !status; c++) {
         struct evidence *out = view->out[c];
-        const struct mesh_pixels pixels = {(const double(*)[3])gl->origins + c * view->pixels,
-                                           (const double(*)[3])gl->directions + c * view->pixels, out->object,
-                                           out->distance, out->voxel};
+        const struct mesh_pixels pixels = {gl->rays + c * view->pixels, out->object, out->distance, out->voxel};
         if (cone_is_wide(view->cones[c])) {
             status = prepare_wide(gl);
             status = status ? status : engine_rays_trace_on(gl->wide, out, view->cones[c]);
@@ -362,7 +349,7 @@ static conus_status trace_many(struct engine *engine, struct evidence *const *ou
         evidence_clear(out[c]);
     }
     status = aim(gl, &view);
-    status = !status && gl->pass ? trace_volumes(gl, &view) : status;
+    status = !status && gl->ray_count ? trace_volumes(gl, &view) : status;
     status = !status && gl->mesh_pass ? trace_meshes(gl, &view) : status;
     status = !status && gl->bundles ? trace_tracts(gl, &view) : status;
     leave(gl, &previous);
@@ -387,7 +374,7 @@ static conus_status count_many(struct engine *engine, bool *is_counted, struct h
     }
     status = need_cones(gl);
     if (!status && gl->cones) {
-        status = device_cones_count(gl->cones, out, cones, count, aperture, group);
+        status = check_cones(gl, device_cones_count(gl->cones, out, cones, count, aperture, group));
         *is_counted = true;
     }
     leave(gl, &previous);
@@ -416,8 +403,8 @@ static conus_status take_intervals(void *user, const struct id_interval *interva
 static conus_status pierce_volumes(struct gl_engine *gl, struct layers *out, const struct view *view)
 {
     struct piercing piercing = {gl, out};
-    conus_status status = gl->ray_count ? id_pass_begin(gl->pass, gl->ray_count) : CONUS_OK;
-    for (size_t i = 0; i < gl->volume_count && gl->ray_count && !status; i++) {
+    conus_status status = id_pass_begin(gl->pass, gl->ray_count);
+    for (size_t i = 0; i < gl->volume_count && !status; i++) {
         status = prepare_rays(gl, i, view);
         status = status ? status : id_pass_pierce(gl->pass, i, take_intervals, &piercing);
     }
@@ -428,8 +415,9 @@ static conus_status take_hit(void *user, const struct mesh_pass_hit *hit)
 {
     struct gl_engine *gl = user;
     const struct mesh *mesh = atlas_object_mesh(gl->atlas, hit->object);
+    const struct mesh_ray *ray = &gl->rays[hit->pixel];
     int side = 0;
-    double t = mesh_crossing(&side, mesh, hit->triangle, gl->origins[hit->pixel], gl->directions[hit->pixel]);
+    double t = mesh_crossing(&side, mesh, hit->triangle, ray->origin, ray->direction);
     const struct crossing crossing = {hit->pixel, hit->object, hit->triangle, side, t};
     return t >= 0 ? mesh_intervals_add(&gl->intervals, &crossing) : CONUS_OK;
 }
@@ -457,7 +445,7 @@ static conus_status pierce(struct engine *engine, struct layers *out, const stru
         return status;
     }
     status = aim(gl, &view);
-    status = !status && gl->pass ? pierce_volumes(gl, out, &view) : status;
+    status = !status && gl->ray_count ? pierce_volumes(gl, out, &view) : status;
     status = !status && gl->mesh_pass ? pierce_meshes(gl, out, cone) : status;
     status = !status && gl->bundles ? gl->bundles->functions->pierce(gl->bundles, out, cone) : status;
     leave(gl, &previous);
@@ -477,7 +465,7 @@ static conus_status create_pass(struct gl_engine *gl)
         identifiers[i] = (uint32_t)i;
     }
     identifiers[count - 1] = VOLUME_BLOCKER;
-    conus_status status = id_pass_create(&gl->pass, gl->sampling, identifiers, count);
+    conus_status status = id_pass_create(&gl->pass, gl->options.sampling, identifiers, count);
     memory_free(identifiers);
     return status;
 }
@@ -506,15 +494,16 @@ static conus_status upload_volume(struct gl_engine *gl, const struct volume *vol
     conus_status status = CONUS_OK;
     if (volume->step_count) { /* textures are dense */
         status = volume_spread(&spread, volume, (const size_t[3]){0}, volume->info.dim);
+        memcpy(spread.voxel_from_world, volume->voxel_from_world, sizeof spread.voxel_from_world);
         volume = &spread;
     }
-    if (!status && gl->sampling == CONUS_SAMPLING_EXACT) {
+    if (!status && gl->options.sampling == CONUS_SAMPLING_EXACT) {
         status = distance_map_init(&map, volume);
         status = status ? status : make_codes(&codes, &map);
         distances.codes = codes;
         for (int a = 0; a < 3; a++) {
-            distances.first[a] = (int)map.first[a];
-            distances.last[a] = (int)map.last[a];
+            distances.box[0][a] = (int)map.first[a];
+            distances.box[1][a] = (int)map.last[a];
         }
     }
     status = status ? status : id_pass_add_volume(gl->pass, volume, &distances, memory_left);
@@ -538,13 +527,11 @@ static conus_status upload_meshes(struct gl_engine *gl, uint64_t *memory_left)
     return status;
 }
 
-static conus_status fill_engine(struct gl_engine *gl, const struct engine_options *options)
+static conus_status fill_engine(struct gl_engine *gl)
 {
     gl->volumes = memory_raw(gl->atlas->volume_count, sizeof *gl->volumes);
-    if (!gl->volumes) {
-        return CONUS_ERROR_MEMORY;
-    }
-    conus_status status = gl_context_create(&gl->context, options->log, options->log_user);
+    conus_status status = gl->volumes ? CONUS_OK : CONUS_ERROR_MEMORY;
+    status = status ? status : gl_context_create(&gl->context, gl->options.log, gl->options.log_user);
     if (status) {
         return status;
     }
@@ -577,7 +564,7 @@ static bool has_volumes_only(const struct gl_engine *gl)
         const size_t *dim = gl->atlas->volumes[gl->volumes[i]].info.dim;
         fits = fits && dim[0] * dim[1] * (uint64_t)dim[2] < UINT32_MAX;
     }
-    return fits && gl->pass && !gl->mesh_pass && !gl->bundles && gl->sampling == CONUS_SAMPLING_EXACT;
+    return fits && gl->pass && !gl->mesh_pass && !gl->bundles && gl->options.sampling == CONUS_SAMPLING_EXACT;
 }
 
 conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, const struct engine_options *options)
@@ -593,13 +580,9 @@ conus_status engine_gl_create(struct engine **out, const conus_atlas *atlas, con
     gl->base.functions = &functions;
     pthread_mutex_init(&gl->lock, NULL);
     gl->atlas = atlas;
-    gl->sampling = options->sampling;
-    gl->slices = options->slices;
-    gl->slice_fraction = options->slice_fraction;
-    gl->log = options->log;
-    gl->log_user = options->log_user;
+    gl->options = *options;
     mesh_intervals_init(&gl->intervals, atlas);
-    conus_status status = fill_engine(gl, options);
+    conus_status status = fill_engine(gl);
     if (status) {
         destroy(&gl->base);
         return status;

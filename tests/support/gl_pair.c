@@ -25,6 +25,43 @@ int gl_pair_messages(void)
     return messages;
 }
 
+static PFNGLCLIENTWAITSYNCPROC driver_wait;
+static PFNGLFINISHPROC driver_finish;
+static PFNGLGETNAMEDBUFFERSUBDATAPROC driver_read;
+static int waits;
+
+static GLenum GLAPIENTRY wait_and_count(GLsync fence, GLbitfield flags, GLuint64 limit)
+{
+    GLenum answer = driver_wait(fence, flags, limit);
+    waits += answer != GL_TIMEOUT_EXPIRED; /* else it is not over */
+    return answer;
+}
+
+static void GLAPIENTRY finish_and_count(void)
+{
+    waits++;
+    driver_finish();
+}
+
+static void GLAPIENTRY read_and_count(GLuint buffer, GLintptr first, GLsizeiptr size, void *data)
+{
+    waits++;
+    driver_read(buffer, first, size, data);
+}
+
+int gl_pair_waits(void)
+{
+    if (!driver_wait) {
+        driver_wait = glClientWaitSync;
+        driver_finish = glFinish;
+        driver_read = glGetNamedBufferSubData;
+        glClientWaitSync = wait_and_count;
+        glFinish = finish_and_count;
+        glGetNamedBufferSubData = read_and_count;
+    }
+    return waits;
+}
+
 void the_driver_was_silent(void **state)
 {
     (void)state;

@@ -35,6 +35,9 @@ void gl_pair_log(void *user, const conus_note *note);
 /** Number of lines that drivers have logged so far. */
 int gl_pair_messages(void);
 
+/** How often the CPU has waited for the device, in this process, since the first call. */
+int gl_pair_waits(void);
+
 /** A test that runs last: asserts that no driver has logged anything. */
 void the_driver_was_silent(void **state);
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Lists that shaders append to: they grow, take turns or refuse. */
+#include "gl_pair.h"
 #include "render/gl/program.h"
 #include "render/gl/shader_list.h"
 #include "render/gl/shaders.h"
@@ -58,39 +59,40 @@ static void drawing_finish(struct drawing *drawing)
     test_gl_leave(&drawing->gl);
 }
 
-static conus_status draw_records(void *user, uint32_t first, uint32_t end)
+static void draw_records(struct drawing *drawing, uint32_t first, uint32_t end)
 {
-    struct drawing *drawing = user;
     target_bind(&drawing->target);
     glBindVertexArray(drawing->vertices);
     glUseProgram(drawing->program);
     glUniform2i(drawing->pixels, (GLint)first, (GLint)end);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     drawing->draws++;
-    return gl_check("test");
 }
 
 /* Asserts that everything comes once, and the records of one pixel in their order. */
-static conus_status take_records(void *user, const void *records, uint32_t count)
+static void take_records(struct drawing *drawing, const uint32_t (*record)[2], uint32_t count)
 {
-    struct drawing *drawing = user;
-    const uint32_t(*record)[2] = (const uint32_t(*)[2])records;
     for (uint32_t i = 0; i < count; i++) {
         assert_in_range(record[i][0], 0, PIXELS - 1);
         assert_int_equal(record[i][1], drawing->next[record[i][0]]++);
     }
-    drawing->portions++;
-    return CONUS_OK;
+    drawing->portions += count > 0;
 }
 
-static struct shader_list_job job_of(struct drawing *drawing)
+static conus_status collect(struct shader_list *list, struct drawing *drawing, uint32_t per_pixel)
 {
-    return (struct shader_list_job){.binding = BINDING,
-                                    .draw = draw_records,
-                                    .take = take_records,
-                                    .user = drawing,
-                                    .pixels = PIXELS,
-                                    .per_pixel = MANY};
+    conus_status status = CONUS_OK;
+    shader_list_begin(list, PIXELS, per_pixel);
+    while (!status && shader_list_next(list, BINDING)) {
+        const void *records = NULL;
+        uint32_t count = 0;
+        draw_records(drawing, list->first, list->end);
+        status = shader_list_read(list, &records, &count);
+        if (!status) {
+            take_records(drawing, (const uint32_t(*)[2])records, count);
+        }
+    }
+    return status;
 }
 
 static void assert_complete(struct drawing *drawing)
@@ -107,15 +109,16 @@ static void a_list_grows_until_all_fits(void **state)
     struct shader_list list;
     struct drawing drawing;
     drawing_init(&drawing);
-    const struct shader_list_job job = job_of(&drawing);
+    const int before = gl_pair_waits();
     assert_ok(shader_list_init(&list, 8, 1));
-    assert_ok(shader_list_collect(&list, &job));
+    assert_ok(collect(&list, &drawing, MANY));
     assert_complete(&drawing);
     assert_int_equal(drawing.draws, 2);
     assert_int_equal(drawing.portions, 1);
-    assert_ok(shader_list_collect(&list, &job)); /* once it has grown, it fits */
+    assert_ok(collect(&list, &drawing, MANY)); /* once it has grown, it fits */
     assert_complete(&drawing);
     assert_int_equal(drawing.draws, 3);
+    assert_int_equal(gl_pair_waits() - before, 3);
     shader_list_finish(&list);
     drawing_finish(&drawing);
 }
@@ -126,13 +129,12 @@ static void a_list_at_its_limit_takes_turns(void **state)
     (void)state;
     struct drawing drawing;
     drawing_init(&drawing);
-    const struct shader_list_job job = job_of(&drawing);
     for (uint32_t limit = 100; limit < 5000; limit *= 2) {
         struct shader_list list;
         assert_ok(shader_list_init(&list, 8, 50));
         list.limit = limit;
         drawing.portions = 0;
-        assert_ok(shader_list_collect(&list, &job));
+        assert_ok(collect(&list, &drawing, MANY));
         assert_complete(&drawing);
         assert_in_range(drawing.portions, PIXELS * 2 / limit, PIXELS);
         assert_int_equal(list.capacity, limit < 3100 ? limit : list.capacity);
@@ -147,10 +149,9 @@ static void one_pixel_too_many_is_refused(void **state)
     struct shader_list list;
     struct drawing drawing;
     drawing_init(&drawing);
-    const struct shader_list_job job = job_of(&drawing);
     assert_ok(shader_list_init(&list, 8, 50));
     list.limit = 99;
-    assert_fails(shader_list_collect(&list, &job), CONUS_ERROR_UNSUPPORTED);
+    assert_fails(collect(&list, &drawing, MANY), CONUS_ERROR_UNSUPPORTED);
     shader_list_finish(&list);
     drawing_finish(&drawing);
 }
@@ -162,14 +163,11 @@ static void the_counter_cannot_run_over(void **state)
     struct shader_list list;
     struct drawing drawing;
     drawing_init(&drawing);
-    struct shader_list_job job = job_of(&drawing);
-    job.per_pixel = UINT32_MAX / 100;
     assert_ok(shader_list_init(&list, 8, 500));
-    assert_ok(shader_list_collect(&list, &job));
+    assert_ok(collect(&list, &drawing, UINT32_MAX / 100));
     assert_complete(&drawing);
     assert_int_equal(drawing.portions, PIXELS / 100);
-    job.per_pixel = 0;
-    assert_ok(shader_list_collect(&list, &job));
+    assert_ok(collect(&list, &drawing, 0));
     assert_int_equal(drawing.portions, PIXELS / 100);
     shader_list_finish(&list);
     drawing_finish(&drawing);

@@ -15,7 +15,7 @@ static uint16_t row_objects[RAYS];
 static const struct volume row = {.info = {.dim = {RAYS, 1, 1}}, .voxel_count = RAYS, .objects16 = row_objects};
 
 static uint8_t row_codes[RAYS];
-static const struct id_distances row_distances = {.codes = row_codes, .last = {RAYS - 1, 0, 0}};
+static const struct id_distances row_distances = {.codes = row_codes, .box = {{0}, {RAYS - 1, 0, 0}}};
 
 /* Aims the pass. With sampling on planes there are `planes` of them from depth 10 on, 1 mm apart. */
 static void aim_from_above(struct id_pass *pass, double height, conus_sampling sampling, double planes)
