@@ -161,6 +161,14 @@ static inline uint32_t volume_object(const struct volume *volume, size_t voxel)
                                : volume_object_of(volume, value_map_at(&volume->map, voxel));
 }
 
+/** Index along each axis of voxel number @p voxel of a grid. */
+static inline void grid_index(double out[3], const size_t dim[3], size_t voxel)
+{
+    out[0] = (double)(voxel % dim[0]);
+    out[1] = (double)(voxel / dim[0] % dim[1]);
+    out[2] = (double)(voxel / dim[0] / dim[1]);
+}
+
 /** The object of a voxel that has one. */
 static inline uint32_t volume_occupant(const struct volume *volume, size_t voxel)
 {

@@ -538,31 +538,15 @@ static uint32_t nearest_object(const struct scene *scene, four place)
     return object_of(&scene->pass->objects, at[0] + dim[0] * (at[1] + dim[1] * at[2]));
 }
 
-/* The depth at which the object begins that is found at `inside` and not at `outside`. */
+/* The depth at which the object, 0 = any, begins that is found at `inside` and not at `outside`. */
 static float object_depth(const struct scene *scene, const struct track *areas, uint32_t object, float outside,
                           float inside)
 {
     for (int n = 0; n < REFINING; n++) {
         const float middle = 0.5F * (outside + inside);
         struct voxels voxels;
-        const bool found = shows_area(&voxels, scene, place_on(areas, middle)) && object_among(&voxels) == object;
-        inside = found ? middle : inside;
-        outside = found ? outside : middle;
-    }
-    return inside;
-}
-
-/* The depth at which an area begins between depth `outside`, where none is, and `inside`; NEVER if there is one at
- * both. */
-static float surface_depth(const struct scene *scene, const struct track *areas, float outside, float inside)
-{
-    struct voxels voxels;
-    if (shows_area(&voxels, scene, place_on(areas, outside))) {
-        return NEVER;
-    }
-    for (int n = 0; n < REFINING; n++) {
-        const float middle = 0.5F * (outside + inside);
-        const bool found = shows_area(&voxels, scene, place_on(areas, middle));
+        const bool found =
+            shows_area(&voxels, scene, place_on(areas, middle)) && (!object || object_among(&voxels) == object);
         inside = found ? middle : inside;
         outside = found ? outside : middle;
     }
@@ -1090,9 +1074,9 @@ static four with_rest(four sum, struct events *events, const struct surface *sol
  * not be that of the plane behind. */
 static float entry_depth(struct walk *walk, const struct scene *scene)
 {
-    const float depth = walk->before ? NEVER : surface_depth(scene, &walk->areas, walk->depth, walk->t);
-    if (depth < NEVER) {
-        struct voxels voxels;
+    struct voxels voxels;
+    if (!walk->before && !shows_area(&voxels, scene, place_on(&walk->areas, walk->depth))) {
+        const float depth = object_depth(scene, &walk->areas, 0, walk->depth, walk->t);
         find_voxels(&voxels, scene, place_on(&walk->areas, depth));
         const uint32_t object = visible(scene, object_among(&voxels));
         if (object && !is_seen(walk, object)) {

@@ -163,10 +163,9 @@ conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const u
         volume_finish(&joint);
         return status ? status : CONUS_ERROR_MEMORY;
     }
-    const size_t *dim = grid.info.dim;
     for (size_t v = 0; v < joint.voxel_count; v++) {
-        const size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
-        double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
+        double p[3];
+        grid_index(p, grid.info.dim, v);
         mat4_point(p, grid.info.world_from_voxel, p);
         uint32_t area = areas ? area_at(atlas, &choice, p) : 0;
         uint32_t scalar = area && !is_under(&choice, area) ? 0 : scalar_at(atlas, &choice, p);

@@ -36,7 +36,7 @@ static double extinction_at(const struct sight *sight, uint32_t number, const do
         return 0;
     }
     transfer_at(rgba, &sight->picture->hazy->transfers[number], (double)volume_value(volume, voxel));
-    return -log2(1 - fmin(rgba[3], 1 - 0x1p-24));
+    return transfer_extinction(rgba[3]);
 }
 
 /* Shares the light that comes through a step of so many mm; the rest of it. */
