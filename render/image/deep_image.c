@@ -7,7 +7,6 @@
 #include "base/order.h"
 #include "render/image/exr_stream.h"
 
-#include <stdio.h>
 #include <string.h>
 #include <zlib.h>
 
@@ -64,19 +63,10 @@ void deep_image_destroy(struct deep_image *image)
 conus_status deep_image_add_channel(struct deep_image *image, const char *name, enum image_type type,
                                     struct image_channel **out)
 {
-    struct image_channel *channels = memory_resize(image->channels, image->channel_count + 1, sizeof *channels);
-    if (!channels) {
-        return CONUS_ERROR_MEMORY;
-    }
-    image->channels = channels;
-    struct image_channel channel = {.type = type, .floats = memory_zeroed(image->sample_count, sizeof(float))};
-    if (!channel.floats) {
-        return CONUS_ERROR_MEMORY;
-    }
-    snprintf(channel.name, sizeof channel.name, "%s", name);
-    channels[image->channel_count] = channel;
-    *out = &channels[image->channel_count++];
-    return CONUS_OK;
+    conus_status status =
+        image_append_channel(&image->channels, &image->channel_count, name, type, image->sample_count);
+    *out = status ? *out : &image->channels[image->channel_count - 1];
+    return status;
 }
 
 enum {

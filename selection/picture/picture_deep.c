@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Everything in the cone as a deep image: a sample for each interval of a pixel's ray inside an object. */
+#include "base/buffer.h"
 #include "base/memory.h"
 #include "base/order.h"
 #include "render/image/deep_image.h"
@@ -8,13 +9,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-
-static size_t pixel_from_top(const conus_selection *selection, uint32_t x, uint32_t y)
-{
-    uint32_t n = selection->cone.resolution;
-    return (size_t)(n - 1 - y) * n + x;
-}
 
 static conus_status count_samples(struct deep_image **out, const conus_selection *selection, const size_t *first)
 {
@@ -25,7 +19,7 @@ static conus_status count_samples(struct deep_image **out, const conus_selection
     }
     for (uint32_t y = 0; y < n; y++) {
         for (uint32_t x = 0; x < n; x++) {
-            size_t pixel = pixel_from_top(selection, x, y);
+            size_t pixel = picture_pixel_from_top(n, x, y);
             counts[(size_t)y * n + x] = (uint32_t)(first[pixel + 1] - first[pixel]);
         }
     }
@@ -44,7 +38,7 @@ static void fill_channels(struct deep_image *image, const conus_selection *selec
     size_t sample = 0;
     for (uint32_t y = 0; y < n; y++) {
         for (uint32_t x = 0; x < n; x++) {
-            size_t pixel = pixel_from_top(selection, x, y);
+            size_t pixel = picture_pixel_from_top(n, x, y);
             for (size_t i = first[pixel]; i < first[pixel + 1]; i++) {
                 const conus_interval *interval = &selection->layers.intervals[i];
                 double per_depth = cone_per_depth(&selection->cone, interval->pixel % n, interval->pixel / n);
@@ -100,13 +94,13 @@ struct names {
     const char **of_numbers;    /* [3 * count] name, label, kind */
     const char **of_labels;     /* [count] */
     char (*digits)[12];         /* [count] labels of the objects as texts */
-    char **joined;              /* [count] owned */
+    struct buffer *joined;      /* [count] names of labels */
 };
 
 static void names_finish(struct names *names, size_t count)
 {
     for (size_t i = 0; names->joined && i < count; i++) {
-        memory_free(names->joined[i]);
+        buffer_finish(&names->joined[i]);
     }
     memory_free(names->joined);
     memory_free(names->numbers);
@@ -134,28 +128,20 @@ static conus_status names_init(struct names *out, size_t count)
 /* Names for the labels of `named`, which is sorted by them; gives how many in *labels. */
 static conus_status name_labels(struct names *names, size_t *labels, const struct named *named, size_t count)
 {
+    conus_status status = CONUS_OK;
     *labels = 0;
-    for (size_t i = 0; i < count; i++) {
-        size_t at = *labels;
+    for (size_t i = 0; i < count && !status; i++) {
         const conus_object *object = named[i].object;
-        if (at == 0 || names->labels[at - 1] != object->label) {
-            names->labels[at] = object->label;
-            names->of_labels[at] = object->name;
-            (*labels)++;
-            continue;
-        }
+        const bool is_new = i == 0 || named[i - 1].object->label != object->label;
+        *labels += is_new;
+        struct buffer *name = &names->joined[*labels - 1];
         /* "Hippocampus / fornix": an area and a pathway may have one label. */
-        size_t size = strlen(names->of_labels[at - 1]) + strlen(object->name) + 4;
-        char *joined = memory_raw(size, 1);
-        if (!joined) {
-            return CONUS_ERROR_MEMORY;
-        }
-        snprintf(joined, size, "%s / %s", names->of_labels[at - 1], object->name);
-        memory_free(names->joined[at - 1]);
-        names->joined[at - 1] = joined;
-        names->of_labels[at - 1] = joined;
+        buffer_format(name, "%s%s", is_new ? "" : " / ", object->name);
+        names->labels[*labels - 1] = object->label;
+        names->of_labels[*labels - 1] = name->data;
+        status = buffer_status(name);
     }
-    return CONUS_OK;
+    return status;
 }
 
 static conus_status format_names(struct bytes *out, struct names *names, struct named *named, size_t count)

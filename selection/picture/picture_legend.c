@@ -256,13 +256,6 @@ conus_status picture_rank(struct picture *picture, bool on_dark)
     return picture->rgb && picture->line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-void picture_rank_finish(struct picture *picture)
-{
-    memory_free(picture->ranks);
-    memory_free(picture->rgb);
-    memory_free(picture->line_rgb);
-}
-
 /* sRGB of a function between its first point, part 0, and its last, 1. */
 static void transfer_part_colour(uint8_t rgb[3], const struct transfer *transfer, double part)
 {

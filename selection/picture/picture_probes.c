@@ -217,6 +217,13 @@ static bool project(double at[2], const struct picture *picture, const double po
     return camera_project(&at[0], &at[1], &depth, &picture->camera, &picture->frame, point);
 }
 
+/* The ends of a probe's line in the picture; whether it is before the camera. */
+static bool project_ends(double from[2], double to[2], const struct picture *picture, size_t index)
+{
+    double ends[2][3];
+    return picture_probe_ends(ends, picture, index) && project(from, picture, ends[0]) && project(to, picture, ends[1]);
+}
+
 /* A line, without what of it lies right of the drawing. */
 static void draw_in_drawing(struct draw_list *list, const struct picture *picture, double from[2], double to[2],
                             double width, const float rgba[4])
@@ -238,10 +245,8 @@ static void draw_line_of(struct draw_list *list, const struct picture *picture, 
 {
     const conus_segments *segments = picture->options.probes[index].segments;
     const double width = 0.3 * picture->em;
-    double ends[2][3];
     double from[2], to[2];
-    if (!picture_probe_ends(ends, picture, index) || !project(from, picture, ends[0]) ||
-        !project(to, picture, ends[1])) {
+    if (!project_ends(from, to, picture, index)) {
         return;
     }
     draw_in_drawing(list, picture, from, to, width + fmax(2, 0.14 * picture->em), CASING);
@@ -265,10 +270,8 @@ static void write_line_name(struct draw_list *list, const struct picture *pictur
 {
     const double em = picture->em;
     const char *name = picture->options.probes[index].name;
-    double ends[2][3];
     double from[2], to[2];
-    if (!name || !name[0] || !picture_probe_ends(ends, picture, index) || !project(from, picture, ends[0]) ||
-        !project(to, picture, ends[1])) {
+    if (!name || !name[0] || !project_ends(from, to, picture, index)) {
         return;
     }
     const double width = font_width(picture->font, em, name);
