@@ -1188,31 +1188,12 @@ static void draw_pixel(struct scene *scene, const struct surface_band *band, uin
     }
 }
 
-/* Whether any pixel of the tiles in these rows is drawn. */
-static bool has_tiles(const struct scene *scene, size_t first_row)
-{
-    const size_t across = (scene->width + COLOUR_TILE - 1) / COLOUR_TILE;
-    const size_t upward = (scene->height + COLOUR_TILE - 1) / COLOUR_TILE;
-    const size_t first = first_row / COLOUR_TILE;
-    const size_t end = first + SURFACE_BAND / COLOUR_TILE;
-    bool any = !scene->rays->tiles;
-    for (size_t i = first * across; i < (end < upward ? end : upward) * across && !any; i++) {
-        any = scene->rays->tiles[i];
-    }
-    return any;
-}
-
 static void draw_band(struct scene *scene, struct surface_band *surfaces, size_t number, const double shift[2])
 {
     const size_t across = (scene->width + COLOUR_TILE - 1) / COLOUR_TILE;
     const uint32_t first = (uint32_t)(number * SURFACE_BAND);
     const float part = 1.0F / (float)scene->rays->count;
-    if (!has_tiles(scene, first)) {
-        return;
-    }
-    if (surfaces) {
-        surface_rays_fill(surfaces, scene->device->surfaces, number, shift);
-    }
+    bool is_filled = !surfaces; /* else with the first pixel that is drawn */
     for (uint32_t n = 0; n < SURFACE_BAND * across * COLOUR_TILE; n++) { /* tile by tile: they see the same voxels */
         const uint32_t tile = n / (COLOUR_TILE * SURFACE_BAND);
         const uint32_t column = tile * COLOUR_TILE + n % COLOUR_TILE;
@@ -1220,6 +1201,10 @@ static void draw_band(struct scene *scene, struct surface_band *surfaces, size_t
         const size_t number_of_tile = row / COLOUR_TILE * across + tile;
         if (row < scene->height && column < scene->width &&
             (!scene->rays->tiles || scene->rays->tiles[number_of_tile])) {
+            if (!is_filled) {
+                surface_rays_fill(surfaces, scene->device->surfaces, number, shift);
+                is_filled = true;
+            }
             draw_pixel(scene, surfaces, column, row, part);
         }
     }

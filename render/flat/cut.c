@@ -734,26 +734,30 @@ static void draw_tile(const struct cone_drawing *drawing, uint32_t left, uint32_
     }
 }
 
-double cut_cone_distance(const struct cut_place *place, const struct cut_cone *cone, double column, double row)
+static void cone_drawing_init(struct cone_drawing *out, const struct cut_place *place, const struct cut_cone *cone)
 {
     double identity[16];
-    struct cone_drawing drawing = {.place = place, .cone = cone, .secant = sqrt(1 + cone->slope * cone->slope)};
+    *out = (struct cone_drawing){.place = place, .cone = cone, .secant = sqrt(1 + cone->slope * cone->slope)};
     mat4_identity(identity);
-    walk_init(&drawing.walk, place, identity);
+    walk_init(&out->walk, place, identity);
+}
+
+double cut_cone_distance(const struct cut_place *place, const struct cut_cone *cone, double column, double row)
+{
+    struct cone_drawing drawing;
+    cone_drawing_init(&drawing, place, cone);
     return distance_to_wall(&drawing, column, row);
 }
 
 void cut_draw_cone(uint8_t *rgba, const struct cut_place *place, const struct cut_cone *cone)
 {
-    double identity[16];
-    struct cone_drawing drawing = {
-        .rgba = rgba, .place = place, .cone = cone, .secant = sqrt(1 + cone->slope * cone->slope)};
+    struct cone_drawing drawing;
+    cone_drawing_init(&drawing, place, cone);
+    drawing.rgba = rgba;
     for (int level = 0; level < 256; level++) {
         memset(drawing.tinted[level], level, 3);
         blend(drawing.tinted[level], cone_rgb, tint);
     }
-    mat4_identity(identity);
-    walk_init(&drawing.walk, place, identity);
     for (uint32_t top = 0; top < place->height; top += TILE) {
         for (uint32_t left = 0; left < place->width; left += TILE) {
             draw_tile(&drawing, left, top);

@@ -97,9 +97,6 @@ conus_status picture_cut_init(struct picture *picture, const conus_cut_view *vie
 /** Frees what a picture holds. */
 void picture_finish(struct picture *picture);
 
-/** Linear light, premultiplied, and opacity of the background, @p part of the way down. */
-void picture_background(float out[4], const conus_view *options, float part);
-
 /** Lays it over the whole image. */
 void picture_lay_background(conus_image *image, const conus_view *options);
 
@@ -187,12 +184,6 @@ void picture_describe_cone(char out[2][PICTURE_TEXT], const struct cone *cone, c
 void picture_lower(struct picture *picture, uint32_t height);
 
 void picture_legend_draw(struct draw_list *list, const struct picture *picture);
-
-/** Whether a table of first hits lists @p result. */
-static inline bool picture_lists(const conus_result *result)
-{
-    return !result->object || result->pixels > 0;
-}
 
 /** Pixel of a device with @p n rows, the lowest first, that is at (x, y) of its image, which begins at the top. */
 static inline size_t picture_pixel_from_top(uint32_t n, uint32_t x, uint32_t y)

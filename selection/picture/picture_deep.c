@@ -28,9 +28,9 @@ static conus_status count_samples(struct deep_image **out, const conus_selection
     return status;
 }
 
-enum { ID, OBJECT, Z, Z_BACK, T, T_BACK, A, CHANNEL_COUNT };
+enum { A, Z, Z_BACK, ID, OBJECT, T, T_BACK, CHANNEL_COUNT };
 
-static const char *const CHANNELS[CHANNEL_COUNT] = {"id", "object", "Z", "ZBack", "t", "tBack", "A"};
+static const char *const CHANNELS[CHANNEL_COUNT] = {"A", "Z", "ZBack", "id", "object", "t", "tBack"};
 
 static void fill_channels(struct deep_image *image, const conus_selection *selection, const size_t *first)
 {
@@ -199,7 +199,7 @@ static conus_status create_image(struct deep_image **out, const conus_selection 
     conus_status status = first ? count_samples(&image, selection, first) : CONUS_ERROR_MEMORY;
     for (int c = 0; !status && c < CHANNEL_COUNT; c++) {
         struct image_channel *channel = NULL;
-        status = deep_image_add_channel(image, CHANNELS[c], c < Z ? IMAGE_UINT : IMAGE_FLOAT, &channel);
+        status = deep_image_add_channel(image, CHANNELS[c], c == ID || c == OBJECT ? IMAGE_UINT : IMAGE_FLOAT, &channel);
     }
     if (!status) {
         fill_channels(image, selection, first);

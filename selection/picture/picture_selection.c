@@ -167,10 +167,7 @@ static conus_status add_names(conus_image *image, const conus_selection *selecti
                           object->name);
         }
     }
-    conus_status status = buffer_status(&text);
-    status = status ? status : image_add_text(image, "conus:objects", text.data);
-    buffer_finish(&text);
-    return status;
+    return add_buffer(image, "conus:objects", &text);
 }
 
 conus_status picture_add_selection(conus_image *image, const conus_selection *selection)
@@ -256,7 +253,7 @@ static conus_status draw_legend(struct draw_list *panel, const conus_selection *
     conus_status status = rows && details ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < results; i++) {
         const conus_result *result = conus_selection_result(selection, i);
-        if (!picture_lists(result)) {
+        if (result->object && !result->pixels) { /* behind others */
             continue;
         }
         const conus_object *object = conus_atlas_object(selection->atlas, result->object);

@@ -468,7 +468,8 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
     return CONUS_OK;
 }
 
-void picture_background(float out[4], const conus_view *options, float part)
+/* Linear light, premultiplied, and opacity of the background, `part` of the way down. */
+static void find_background(float out[4], const conus_view *options, float part)
 {
     bool transparent = options->background == CONUS_BACKGROUND_TRANSPARENT;
     for (int c = 0; c < 3; c++) {
@@ -484,7 +485,7 @@ void picture_lay_background(conus_image *image, const conus_view *options)
     const struct image_rgba to = image_rgba(image);
     for (uint32_t row = 0; row < image->height; row++) {
         float under[4];
-        picture_background(under, options, (float)row / (float)image->height);
+        find_background(under, options, (float)row / (float)image->height);
         for (uint32_t column = 0; column < image->width; column++) {
             image_lay(&to, (size_t)image->width * row + column, under);
         }
@@ -530,8 +531,8 @@ static double background_light(const conus_view *options)
 {
     float top[4];
     float bottom[4];
-    picture_background(top, options, 0);
-    picture_background(bottom, options, 1);
+    find_background(top, options, 0);
+    find_background(bottom, options, 1);
     return top[3] > 0 ? fmin(light_of(top), light_of(bottom)) : 1;
 }
 
