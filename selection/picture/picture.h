@@ -185,10 +185,11 @@ void picture_lower(struct picture *picture, uint32_t height);
 
 void picture_legend_draw(struct draw_list *list, const struct picture *picture);
 
-/** Pixel of a device with @p n rows, the lowest first, that is at (x, y) of its image, which begins at the top. */
-static inline size_t picture_pixel_from_top(uint32_t n, uint32_t x, uint32_t y)
+/** Pixel of a device of n x n, the lowest row first, that a pixel of its image shows, which begins at the top; and the
+ * other way round. */
+static inline size_t picture_flipped(uint32_t n, size_t pixel)
 {
-    return (size_t)(n - 1 - y) * n + x;
+    return (n - 1 - pixel / n) * n + pixel % n;
 }
 
 /** Adds paths and SHA-256 of the atlas's files to the image's header; those of the context only if @p context. */

@@ -10,47 +10,25 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static conus_status count_samples(struct deep_image **out, const conus_selection *selection, const size_t *first)
-{
-    uint32_t n = selection->cone.resolution;
-    uint32_t *counts = memory_raw((size_t)n * n, sizeof *counts);
-    if (!counts) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (uint32_t y = 0; y < n; y++) {
-        for (uint32_t x = 0; x < n; x++) {
-            size_t pixel = picture_pixel_from_top(n, x, y);
-            counts[(size_t)y * n + x] = (uint32_t)(first[pixel + 1] - first[pixel]);
-        }
-    }
-    conus_status status = deep_image_create(out, n, n, counts);
-    memory_free(counts);
-    return status;
-}
-
 enum { A, Z, Z_BACK, ID, OBJECT, T, T_BACK, CHANNEL_COUNT };
 
 static const char *const CHANNELS[CHANNEL_COUNT] = {"A", "Z", "ZBack", "id", "object", "t", "tBack"};
 
-static void fill_channels(struct deep_image *image, const conus_selection *selection, const size_t *first)
+/* `next` has the first sample of each pixel of the image. */
+static void fill_channels(struct deep_image *image, const conus_selection *selection, size_t *next)
 {
     uint32_t n = selection->cone.resolution;
-    size_t sample = 0;
-    for (uint32_t y = 0; y < n; y++) {
-        for (uint32_t x = 0; x < n; x++) {
-            size_t pixel = picture_pixel_from_top(n, x, y);
-            for (size_t i = first[pixel]; i < first[pixel + 1]; i++) {
-                const conus_interval *interval = &selection->layers.intervals[i];
-                double per_depth = cone_per_depth(&selection->cone, interval->pixel % n, interval->pixel / n);
-                image->channels[ID].uints[sample] = conus_atlas_object(selection->atlas, interval->object)->label;
-                image->channels[OBJECT].uints[sample] = interval->object;
-                image->channels[Z].floats[sample] = (float)(interval->entry / per_depth);
-                image->channels[Z_BACK].floats[sample] = (float)(interval->exit / per_depth);
-                image->channels[T].floats[sample] = (float)interval->entry;
-                image->channels[T_BACK].floats[sample] = (float)interval->exit;
-                image->channels[A].floats[sample++] = 1;
-            }
-        }
+    for (size_t i = 0; i < selection->layers.count; i++) {
+        const conus_interval *interval = &selection->layers.intervals[i];
+        double per_depth = cone_per_depth(&selection->cone, interval->pixel % n, interval->pixel / n);
+        size_t sample = next[picture_flipped(n, interval->pixel)]++;
+        image->channels[ID].uints[sample] = conus_atlas_object(selection->atlas, interval->object)->label;
+        image->channels[OBJECT].uints[sample] = interval->object;
+        image->channels[Z].floats[sample] = (float)(interval->entry / per_depth);
+        image->channels[Z_BACK].floats[sample] = (float)(interval->exit / per_depth);
+        image->channels[T].floats[sample] = (float)interval->entry;
+        image->channels[T_BACK].floats[sample] = (float)interval->exit;
+        image->channels[A].floats[sample] = 1;
     }
 }
 
@@ -187,16 +165,18 @@ static conus_status add_names(struct deep_image *image, const conus_selection *s
 static conus_status create_image(struct deep_image **out, const conus_selection *selection)
 {
     struct deep_image *image = NULL;
-    /* Samples of pixel (x, y) of the image, which begins at its top, begin at this interval. */
-    size_t pixels = (size_t)selection->cone.resolution * selection->cone.resolution;
+    const uint32_t n = selection->cone.resolution;
+    const size_t pixels = (size_t)n * n;
+    uint32_t *counts = memory_zeroed(pixels, sizeof *counts);
     size_t *first = memory_zeroed(pixels + 1, sizeof *first);
-    for (size_t i = 0; first && i < selection->layers.count; i++) {
-        first[selection->layers.intervals[i].pixel + 1]++;
+    const bool fits = counts && first;
+    for (size_t i = 0; fits && i < selection->layers.count; i++) {
+        counts[picture_flipped(n, selection->layers.intervals[i].pixel)]++;
     }
-    for (size_t i = 0; first && i < pixels; i++) {
-        first[i + 1] += first[i];
+    for (size_t p = 0; fits && p < pixels; p++) {
+        first[p + 1] = first[p] + counts[p];
     }
-    conus_status status = first ? count_samples(&image, selection, first) : CONUS_ERROR_MEMORY;
+    conus_status status = fits ? deep_image_create(&image, n, n, counts) : CONUS_ERROR_MEMORY;
     for (int c = 0; !status && c < CHANNEL_COUNT; c++) {
         struct image_channel *channel = NULL;
         status = deep_image_add_channel(image, CHANNELS[c], c == ID || c == OBJECT ? IMAGE_UINT : IMAGE_FLOAT, &channel);
@@ -206,6 +186,7 @@ static conus_status create_image(struct deep_image **out, const conus_selection 
         status = add_names(image, selection);
     }
     status = status ? status : picture_add_selection(image->header, selection);
+    memory_free(counts);
     memory_free(first);
     if (status) {
         deep_image_destroy(image);

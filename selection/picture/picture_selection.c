@@ -47,19 +47,16 @@ static conus_status add_channels(conus_image *image, const conus_selection *sele
         status = image_add_channel(image, names[c], c < X ? IMAGE_UINT : IMAGE_FLOAT, NULL);
     }
     const struct image_channel *channels = image->channels;
-    for (uint32_t y = 0, n = evidence->resolution; !status && y < n; y++) {
-        for (uint32_t x = 0; x < n; x++) {
-            size_t from = picture_pixel_from_top(n, x, y);
-            size_t to = (size_t)y * n + x;
-            double position[3];
-            conus_selection_position(position, selection, from);
-            channels[ID].uints[to] = label_of(selection->atlas, evidence->object[from]);
-            channels[OBJECT].uints[to] = evidence->object[from];
-            for (int c = 0; c < 3; c++) {
-                channels[X + c].floats[to] = (float)position[c];
-            }
-            channels[T].floats[to] = (float)evidence->distance[from];
+    for (size_t to = 0; !status && to < (size_t)image->width * image->height; to++) {
+        size_t from = picture_flipped(evidence->resolution, to);
+        double position[3];
+        conus_selection_position(position, selection, from);
+        channels[ID].uints[to] = label_of(selection->atlas, evidence->object[from]);
+        channels[OBJECT].uints[to] = evidence->object[from];
+        for (int c = 0; c < 3; c++) {
+            channels[X + c].floats[to] = (float)position[c];
         }
+        channels[T].floats[to] = (float)evidence->distance[from];
     }
     return status;
 }
@@ -223,7 +220,7 @@ static void draw_pixels(conus_image *picture, const conus_selection *selection, 
     }
     for (uint32_t y = 0; y < n; y++) {
         for (uint32_t x = 0; x < n; x++) {
-            size_t pixel = picture_pixel_from_top(n, x, y);
+            size_t pixel = picture_flipped(n, (size_t)y * n + x);
             const conus_object *object = conus_atlas_object(selection->atlas, selection->evidence.object[pixel]);
             draw_colour(colour, object ? object->rgb : NOTHING, 1);
             shade(colour, selection->in_cone[pixel] ? 1 : HIDDEN_SHADE);
