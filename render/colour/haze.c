@@ -193,7 +193,7 @@ conus_status haze_fill(struct haze_field *out, const conus_atlas *atlas, const s
                        uint64_t max_memory)
 {
     struct extent extent = {0};
-    struct haze_field field = {0};
+    *out = (struct haze_field){0};
     for (size_t i = 0; i < atlas->volume_count; i++) {
         const struct volume *volume = &atlas->volumes[i];
         size_t first = is_used(volume) ? volume_next(volume, 0) : volume->voxel_count;
@@ -206,18 +206,13 @@ conus_status haze_fill(struct haze_field *out, const conus_atlas *atlas, const s
     if (!extent.first) {
         return CONUS_OK;
     }
-    conus_status status = init_field(&field, &extent, max_memory);
+    conus_status status = init_field(out, &extent, max_memory);
     for (size_t i = 0; i < atlas->volume_count && !status; i++) {
         if (is_used(&atlas->volumes[i])) {
-            add_volume(&field, &atlas->volumes[i], choice);
+            add_volume(out, &atlas->volumes[i], choice);
         }
     }
-    if (status) {
-        haze_field_finish(&field);
-        return status;
-    }
-    *out = field;
-    return CONUS_OK;
+    return status;
 }
 
 void haze_field_finish(struct haze_field *field)
