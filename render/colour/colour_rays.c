@@ -1193,7 +1193,7 @@ static void draw_band(struct scene *scene, struct surface_band *surfaces, size_t
     const size_t across = (scene->width + COLOUR_TILE - 1) / COLOUR_TILE;
     const uint32_t first = (uint32_t)(number * SURFACE_BAND);
     const float part = 1.0F / (float)scene->rays->count;
-    bool is_filled = !surfaces; /* else with the first pixel that is drawn */
+    bool is_filled = !surfaces;                                          /* else with the first pixel that is drawn */
     for (uint32_t n = 0; n < SURFACE_BAND * across * COLOUR_TILE; n++) { /* tile by tile: they see the same voxels */
         const uint32_t tile = n / (COLOUR_TILE * SURFACE_BAND);
         const uint32_t column = tile * COLOUR_TILE + n % COLOUR_TILE;

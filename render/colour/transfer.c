@@ -158,8 +158,8 @@ conus_status transfer_copy(struct transfer *out, const conus_transfer_point *poi
     struct transfer transfer = {0};
     conus_status status = count ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "transfer function without points");
     for (size_t i = 0; i < count && !status; i++) {
-        status = check_point(&transfer, &points[i], "point", i + 1) ? CONUS_ERROR_ARGUMENT
-                                                                    : append(&transfer, &points[i]);
+        status =
+            check_point(&transfer, &points[i], "point", i + 1) ? CONUS_ERROR_ARGUMENT : append(&transfer, &points[i]);
     }
     if (status) {
         transfer_finish(&transfer);

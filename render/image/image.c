@@ -77,8 +77,8 @@ conus_status image_add_channel(conus_image *image, const char *name, enum image_
         return fail(CONUS_ERROR_MEMORY, "image of %u x %u pixels and more than %zu channels, allowed are %llu bytes",
                     image->width, image->height, image->channel_count, (unsigned long long)IMAGE_MAX_BYTES);
     }
-    conus_status status = image_append_channel(&image->channels, &image->channel_count, name, type,
-                                               (size_t)image->width * image->height);
+    conus_status status =
+        image_append_channel(&image->channels, &image->channel_count, name, type, (size_t)image->width * image->height);
     if (!status && out) {
         *out = &image->channels[image->channel_count - 1];
     }

@@ -179,7 +179,8 @@ static conus_status create_image(struct deep_image **out, const conus_selection 
     conus_status status = fits ? deep_image_create(&image, n, n, counts) : CONUS_ERROR_MEMORY;
     for (int c = 0; !status && c < CHANNEL_COUNT; c++) {
         struct image_channel *channel = NULL;
-        status = deep_image_add_channel(image, CHANNELS[c], c == ID || c == OBJECT ? IMAGE_UINT : IMAGE_FLOAT, &channel);
+        status =
+            deep_image_add_channel(image, CHANNELS[c], c == ID || c == OBJECT ? IMAGE_UINT : IMAGE_FLOAT, &channel);
     }
     if (!status) {
         fill_channels(image, selection, first);

@@ -50,7 +50,7 @@ struct picture_legend {
     const char **prefixes; /* of conus_atlas_prefixes() */
     char **texts;          /* [text_count] what say() gave */
     size_t text_count, text_capacity;
-    bool failed;        /* a text found no memory */
+    bool failed;                               /* a text found no memory */
     uint8_t bars[2][MARKS - 1][LEGEND_BAR][3]; /* of the ramp of numbers, and of haze */
     uint8_t ramp[LEGEND_BAR][3];               /* the chip of the only haze that is coloured by its values */
     uint8_t tubes[LEGEND_BAR][3];              /* that of streamlines that are not coloured by bundle */
@@ -385,9 +385,7 @@ static void add_not_hit(struct picture_legend *out, const struct picture *pictur
         }
     }
     if (count > PATHWAY_ROWS) {
-        const char *kind = !bundles           ? "pathways"
-                           : bundles == count ? "bundles"
-                                              : "pathways and bundles";
+        const char *kind = !bundles ? "pathways" : bundles == count ? "bundles" : "pathways and bundles";
         out->legend.count = first;
         struct legend_row *row = add_row(out, say(out, "%zu %s", count, kind));
         row->plain = true;
@@ -532,9 +530,7 @@ static void add_haze(struct picture_legend *out, const struct picture *picture)
         }
     }
     if (first) {
-        const char *what = is_same          ? unit
-                           : is_probability ? "probability, % of range"
-                                            : "value, % of range";
+        const char *what = is_same ? unit : is_probability ? "probability, % of range" : "value, % of range";
         add_row(out, say(out, "Pathways by %s", what))->heading = true;
         add_bar(out, is_same ? span[0] : 0, is_same ? span[1] : 100, first);
     }

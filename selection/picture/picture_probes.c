@@ -123,7 +123,8 @@ uint8_t *picture_probe_emphasis(const struct picture *picture)
 static const char *name_of(char out[PICTURE_TEXT], const struct picture *picture, uint32_t number)
 {
     const conus_object *object = &picture->atlas->objects[number - 1];
-    return picture->probes->is_short && object->abbreviation[0] ? object->abbreviation : picture_name(out, picture->atlas, number);
+    return picture->probes->is_short && object->abbreviation[0] ? object->abbreviation
+                                                                : picture_name(out, picture->atlas, number);
 }
 
 /* Finds the width of the names of each probe's areas, at most `limit`, and gives their sum. */

@@ -128,8 +128,7 @@ static conus_status see_selection(struct picture *picture, const conus_selection
 {
     const size_t objects = picture->atlas->object_count + 1;
     const conus_evidence first = conus_selection_evidence(seen);
-    struct sight sight = {
-        .picture = picture, .cone = &seen->cone, .part = memory_zeroed(objects, sizeof *sight.part)};
+    struct sight sight = {.picture = picture, .cone = &seen->cone, .part = memory_zeroed(objects, sizeof *sight.part)};
     conus_status status = !sight.part ? CONUS_ERROR_MEMORY : seen->has_layers ? see_layers(&sight, seen) : CONUS_OK;
     double rays = 0;
     for (uint32_t p = 0; p < first.resolution * first.resolution; p++) {
