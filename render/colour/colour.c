@@ -300,16 +300,12 @@ static void find_visible(bool visible[COLOUR_TABLE_ENTRIES], float table[COLOUR_
     }
 }
 
-/* The field that colour_upload_context() needs; `volume` may be NULL. CONUS_ERROR_MEMORY. */
-static conus_status colour_context_task(struct field_task *out, const struct volume *volume,
-                                        const struct transfer *transfer)
+/* The field that colour_upload_context() needs; `volume` may be NULL. The function is not relative. */
+static struct field_task colour_context_task(const struct volume *volume, const struct transfer *transfer)
 {
     struct field_task task = {.volume = volume, .is_values = true};
     if (volume) {
-        conus_status status = transfer_span(&task.scale.low, &task.scale.high, transfer, volume);
-        if (status) {
-            return status;
-        }
+        transfer_span(&task.scale.low, &task.scale.high, transfer);
         float table[COLOUR_TABLE_ENTRIES * 4];
         bool visible[COLOUR_TABLE_ENTRIES];
         int entry = 0;
@@ -319,8 +315,7 @@ static conus_status colour_context_task(struct field_task *out, const struct vol
         }
         task.scale.unseen = entry ? (entry - 1) / TABLE_PER_LEVEL : -1;
     }
-    *out = task;
-    return CONUS_OK;
+    return task;
 }
 
 static conus_status colour_upload_context(struct colour_pass *pass, struct field_task *task,
@@ -366,15 +361,12 @@ static conus_status make_palette(struct colour_pass *pass, const conus_atlas *at
     return CONUS_OK;
 }
 
-conus_status colour_fields_start(struct colour_fields *out, const conus_atlas *atlas, const struct transfer *transfer)
+void colour_fields_start(struct colour_fields *out, const conus_atlas *atlas, const struct transfer *transfer)
 {
-    *out = (struct colour_fields){.objects = colour_objects_task(atlas)};
-    conus_status status = colour_context_task(&out->context, atlas_context(atlas), transfer);
-    if (!status) {
-        field_task_start(&out->objects);
-        field_task_start(&out->context);
-    }
-    return status;
+    *out = (struct colour_fields){.objects = colour_objects_task(atlas),
+                                  .context = colour_context_task(atlas_context(atlas), transfer)};
+    field_task_start(&out->objects);
+    field_task_start(&out->context);
 }
 
 void colour_fields_end(struct colour_fields *fields)
@@ -541,9 +533,8 @@ conus_status colour_pass_set_transfer(struct colour_pass *pass, const conus_atla
                                       const struct transfer *transfer, uint64_t max_memory)
 {
     struct colour_pass fresh = {.device = pass->device};
-    struct field_task task = {0};
-    conus_status status = colour_context_task(&task, atlas_context(atlas), transfer);
-    status = status || !task.volume ? status : colour_upload_context(&fresh, &task, transfer, &max_memory);
+    struct field_task task = colour_context_task(atlas_context(atlas), transfer);
+    conus_status status = task.volume ? colour_upload_context(&fresh, &task, transfer, &max_memory) : CONUS_OK;
     status = status ? status : fill_texels(&fresh, &fresh.context, &task);
     field_task_end(&task);
     if (!status && task.volume) {

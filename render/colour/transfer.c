@@ -237,22 +237,11 @@ conus_status transfer_window(double *low, double *high, const struct volume *vol
     return CONUS_OK;
 }
 
-conus_status transfer_span(double *low, double *high, const struct transfer *transfer, const struct volume *volume)
+void transfer_span(double *low, double *high, const struct transfer *transfer)
 {
-    double first = transfer->points[0].value;
-    double last = transfer->points[transfer->count - 1].value;
-    if (transfer->relative) {
-        double from, to;
-        conus_status status = transfer_window(&from, &to, volume);
-        if (status) {
-            return status;
-        }
-        first = from + first * (to - from);
-        last = from + last * (to - from);
-    }
-    *low = first;
-    *high = last > first ? last : first + 1;
-    return CONUS_OK;
+    const double last = transfer->points[transfer->count - 1].value;
+    *low = transfer->points[0].value;
+    *high = last > *low ? last : *low + 1;
 }
 
 void transfer_table(float *rgbe, size_t count, const struct transfer *transfer)

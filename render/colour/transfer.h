@@ -44,8 +44,8 @@ static inline double transfer_extinction(double opacity)
  * that a few bright voxels do not darken the rest. high > low, always. */
 conus_status transfer_window(double *low, double *high, const struct volume *volume);
 
-/** The values over which @p transfer changes, for @p volume: from its first to its last point. high > low, always. */
-conus_status transfer_span(double *low, double *high, const struct transfer *transfer, const struct volume *volume);
+/** The values over which @p transfer changes: from its first to its last point. high > low, always. */
+void transfer_span(double *low, double *high, const struct transfer *transfer);
 
 /** Fills @p count entries, evenly spaced over the span from first to last point, with linear R, G, B and the
  * extinction per mm. */
