@@ -441,25 +441,21 @@ bool colour_pass_has_layers(const struct colour_pass *pass, const struct colour_
     return view->opacity || pass->has_haze || pass->around_count;
 }
 
-/* Replaces the points that came from voxels before by `fresh`. */
-static conus_status exchange_content(struct colour_pass *pass, const struct colour_pass *fresh)
+/* Replaces the points that came from voxels before by those of `fresh`, which has the old ones then. */
+static conus_status exchange_content(struct colour_pass *pass, struct colour_pass *fresh)
 {
-    size_t kept = pass->content_count - pass->object_points;
-    size_t count = fresh->content_count + kept;
-    double(*points)[3] = memory_raw(count + 1, sizeof *points);
-    if (!points) {
+    double(*old)[3] = pass->content;
+    size_t count = fresh->content_count;
+    if (!reserve_content(fresh, pass->content_count - pass->object_points)) {
         return CONUS_ERROR_MEMORY;
     }
-    for (size_t i = 0; i < count; i++) {
-        bool is_fresh = i < fresh->content_count;
-        const double *from =
-            is_fresh ? fresh->content[i] : pass->content[i - fresh->content_count + pass->object_points];
-        memcpy(points[i], from, sizeof points[i]);
+    for (size_t i = pass->object_points; i < pass->content_count; i++) {
+        memcpy(fresh->content[count++], old[i], sizeof *old);
     }
-    memory_free(pass->content);
-    pass->content = points;
+    pass->content = fresh->content;
     pass->content_count = count;
     pass->object_points = fresh->content_count;
+    fresh->content = old;
     return CONUS_OK;
 }
 

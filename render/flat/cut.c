@@ -611,13 +611,12 @@ static void draw_run(void *user, const struct tract_run *run, bool inside)
     const struct frame *frame = user;
     uint32_t object = frame->objects[run->streamline];
     for (uint32_t k = 0; object && (k < run->segments || k == 0); k++) {
-        double world[2][3];
+        double world[3];
         double ends[2][3];
-        tractogram_run_point(world[0], frame->tractogram, run, k);
-        tractogram_run_point(world[1], frame->tractogram, run, k < run->segments ? k + 1 : k);
-        for (int n = 0; n < 2; n++) {
+        for (uint32_t n = 0; n < 2; n++) {
+            tractogram_run_point(world, frame->tractogram, run, k < run->segments ? k + n : k);
             for (int a = 0; a < 3; a++) {
-                ends[n][a] = along(frame, a, world[n]);
+                ends[n][a] = along(frame, a, world);
             }
         }
         draw_segment(frame, ends[0], ends[1], object);
