@@ -161,6 +161,15 @@ static inline uint32_t volume_object(const struct volume *volume, size_t voxel)
                                : volume_object_of(volume, value_map_at(&volume->map, voxel));
 }
 
+/** Index along each axis of voxel number @p voxel of a grid. */
+static inline void grid_index(double out[3], const size_t dim[3], size_t voxel)
+{
+    const size_t at[3] = {voxel % dim[0], voxel / dim[0] % dim[1], voxel / dim[0] / dim[1]};
+    for (int a = 0; a < 3; a++) {
+        out[a] = (double)at[a];
+    }
+}
+
 /** The object of a voxel that has one. */
 static inline uint32_t volume_occupant(const struct volume *volume, size_t voxel)
 {

@@ -46,17 +46,23 @@ static bool corner_shows(const struct bricks *bricks, const size_t corner[3])
     return shows;
 }
 
+/* Makes room for so many points more. */
+static bool reserve_content(struct colour_pass *pass, size_t more)
+{
+    double(*points)[3] = memory_resize(pass->content, pass->content_count + more + 1, sizeof *points);
+    pass->content = points ? points : pass->content;
+    return points;
+}
+
 /* Appends the corners of all visible bricks, each once. */
 static conus_status add_content(struct colour_pass *pass, const struct bricks *bricks,
                                 const struct colour_volume *volume)
 {
     const size_t dim[3] = {bricks->dim[0] + 1, bricks->dim[1] + 1, bricks->dim[2] + 1};
     size_t count = dim[0] * dim[1] * dim[2];
-    double(*points)[3] = memory_resize(pass->content, pass->content_count + count + 1, sizeof *points);
-    if (!points) {
+    if (!reserve_content(pass, count)) {
         return CONUS_ERROR_MEMORY;
     }
-    pass->content = points;
     for (size_t c = 0; c < count; c++) {
         const size_t corner[3] = {c % dim[0], c / dim[0] % dim[1], c / dim[0] / dim[1]};
         if (corner_shows(bricks, corner)) {
@@ -65,7 +71,7 @@ static conus_status add_content(struct colour_pass *pass, const struct bricks *b
                 size_t edge = volume->first[a] + corner[a] * BRICKS_EDGE;
                 voxel[a] = (double)(edge < volume->dim[a] ? edge : volume->dim[a]) - 0.5;
             }
-            mat4_point(points[pass->content_count++], volume->world_from_voxel, voxel);
+            mat4_point(pass->content[pass->content_count++], volume->world_from_voxel, voxel);
         }
     }
     return CONUS_OK;
@@ -74,17 +80,15 @@ static conus_status add_content(struct colour_pass *pass, const struct bricks *b
 /* Appends the corners of the whole grid: for an atlas in which nothing is visible. */
 static conus_status colour_add_corners(struct colour_pass *pass, const struct colour_volume *volume)
 {
-    double(*points)[3] = memory_resize(pass->content, pass->content_count + 8, sizeof *points);
-    if (!points) {
+    if (!reserve_content(pass, 8)) {
         return CONUS_ERROR_MEMORY;
     }
-    pass->content = points;
     for (int n = 0; n < 8; n++) {
         double corner[3];
         for (int a = 0; a < 3; a++) {
             corner[a] = n >> a & 1 ? (double)volume->dim[a] - 0.5 : -0.5;
         }
-        mat4_point(points[pass->content_count++], volume->world_from_voxel, corner);
+        mat4_point(pass->content[pass->content_count++], volume->world_from_voxel, corner);
     }
     return CONUS_OK;
 }
@@ -252,16 +256,14 @@ static conus_status add_mesh_content(struct colour_pass *pass, const conus_atlas
         vertices += mesh ? mesh->vertex_count : 0;
     }
     size_t step = vertices / MESH_POINTS + 1;
-    double(*points)[3] = memory_resize(pass->content, pass->content_count + vertices / step + last + 1, sizeof *points);
-    if (!points) {
+    if (!reserve_content(pass, vertices / step + last)) {
         return CONUS_ERROR_MEMORY;
     }
-    pass->content = points;
     for (size_t number = 1; number <= last; number++) {
         const struct mesh *mesh = shown_mesh(atlas, number);
         for (size_t v = 0; mesh && v < mesh->vertex_count; v += step) {
             for (size_t a = 0; a < 3; a++) {
-                points[pass->content_count][a] = (double)mesh->positions[3 * v + a];
+                pass->content[pass->content_count][a] = (double)mesh->positions[3 * v + a];
             }
             pass->content_count++;
         }
@@ -277,15 +279,12 @@ static conus_status add_bundle_content(struct colour_pass *pass, const conus_atl
         total += atlas->tractograms[i].point_count;
     }
     uint64_t step = total / MESH_POINTS + 1;
-    double(*points)[3] =
-        memory_resize(pass->content, pass->content_count + total / step + atlas->tractogram_count + 1, sizeof *points);
-    if (!points) {
+    if (!reserve_content(pass, total / step + atlas->tractogram_count)) {
         return CONUS_ERROR_MEMORY;
     }
-    pass->content = points;
     for (size_t i = 0; i < atlas->tractogram_count; i++) {
         for (uint64_t at = 0; at < atlas->tractograms[i].point_count; at += step) {
-            tractogram_point(points[pass->content_count++], &atlas->tractograms[i], at);
+            tractogram_point(pass->content[pass->content_count++], &atlas->tractograms[i], at);
         }
     }
     return CONUS_OK;
@@ -301,16 +300,12 @@ static void find_visible(bool visible[COLOUR_TABLE_ENTRIES], float table[COLOUR_
     }
 }
 
-/* The field that colour_upload_context() needs; `volume` may be NULL. CONUS_ERROR_MEMORY. */
-static conus_status colour_context_task(struct field_task *out, const struct volume *volume,
-                                        const struct transfer *transfer)
+/* The field that colour_upload_context() needs; `volume` may be NULL. The function is not relative. */
+static struct field_task colour_context_task(const struct volume *volume, const struct transfer *transfer)
 {
     struct field_task task = {.volume = volume, .is_values = true};
     if (volume) {
-        conus_status status = transfer_span(&task.scale.low, &task.scale.high, transfer, volume);
-        if (status) {
-            return status;
-        }
+        transfer_span(&task.scale.low, &task.scale.high, transfer);
         float table[COLOUR_TABLE_ENTRIES * 4];
         bool visible[COLOUR_TABLE_ENTRIES];
         int entry = 0;
@@ -320,8 +315,7 @@ static conus_status colour_context_task(struct field_task *out, const struct vol
         }
         task.scale.unseen = entry ? (entry - 1) / TABLE_PER_LEVEL : -1;
     }
-    *out = task;
-    return CONUS_OK;
+    return task;
 }
 
 static conus_status colour_upload_context(struct colour_pass *pass, struct field_task *task,
@@ -356,10 +350,8 @@ static conus_status make_palette(struct colour_pass *pass, const conus_atlas *at
         return CONUS_ERROR_MEMORY;
     }
     for (size_t number = 1; number < count; number++) {
-        for (size_t c = 0; c < 3; c++) {
-            uint8_t level = number <= atlas->object_count ? atlas->objects[number - 1].rgb[c] : around_rgb[c];
-            pass->colours[4 * number + c] = (float)linear_from_srgb(level / 255.0);
-        }
+        draw_colour(pass->colours + 4 * number,
+                    number <= atlas->object_count ? atlas->objects[number - 1].rgb : around_rgb, 0);
     }
     for (size_t i = 0; i < pass->around_count; i++) {
         pass->around[i] = (float)atlas->context_surfaces[i].opacity;
@@ -369,15 +361,12 @@ static conus_status make_palette(struct colour_pass *pass, const conus_atlas *at
     return CONUS_OK;
 }
 
-conus_status colour_fields_start(struct colour_fields *out, const conus_atlas *atlas, const struct transfer *transfer)
+void colour_fields_start(struct colour_fields *out, const conus_atlas *atlas, const struct transfer *transfer)
 {
-    *out = (struct colour_fields){.objects = colour_objects_task(atlas)};
-    conus_status status = colour_context_task(&out->context, atlas_context(atlas), transfer);
-    if (!status) {
-        field_task_start(&out->objects);
-        field_task_start(&out->context);
-    }
-    return status;
+    *out = (struct colour_fields){.objects = colour_objects_task(atlas),
+                                  .context = colour_context_task(atlas_context(atlas), transfer)};
+    field_task_start(&out->objects);
+    field_task_start(&out->context);
 }
 
 void colour_fields_end(struct colour_fields *fields)
@@ -452,25 +441,21 @@ bool colour_pass_has_layers(const struct colour_pass *pass, const struct colour_
     return view->opacity || pass->has_haze || pass->around_count;
 }
 
-/* Replaces the points that came from voxels before by `fresh`. */
-static conus_status exchange_content(struct colour_pass *pass, const struct colour_pass *fresh)
+/* Replaces the points that came from voxels before by those of `fresh`, which has the old ones then. */
+static conus_status exchange_content(struct colour_pass *pass, struct colour_pass *fresh)
 {
-    size_t kept = pass->content_count - pass->object_points;
-    size_t count = fresh->content_count + kept;
-    double(*points)[3] = memory_raw(count + 1, sizeof *points);
-    if (!points) {
+    double(*old)[3] = pass->content;
+    size_t count = fresh->content_count;
+    if (!reserve_content(fresh, pass->content_count - pass->object_points)) {
         return CONUS_ERROR_MEMORY;
     }
-    for (size_t i = 0; i < count; i++) {
-        bool is_fresh = i < fresh->content_count;
-        const double *from =
-            is_fresh ? fresh->content[i] : pass->content[i - fresh->content_count + pass->object_points];
-        memcpy(points[i], from, sizeof points[i]);
+    for (size_t i = pass->object_points; i < pass->content_count; i++) {
+        memcpy(fresh->content[count++], old[i], sizeof *old);
     }
-    memory_free(pass->content);
-    pass->content = points;
+    pass->content = fresh->content;
     pass->content_count = count;
     pass->object_points = fresh->content_count;
+    fresh->content = old;
     return CONUS_OK;
 }
 
@@ -482,21 +467,20 @@ conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atl
     status = status ? status : fill_texels(&fresh, &fresh.areas, &task);
     field_task_end(&task);
     status = status ? status : exchange_content(pass, &fresh);
-    if (!status) {
-        struct colour_pass old = {.areas = pass->areas, .objects = pass->objects, .haze = pass->haze};
-        pass->areas = fresh.areas;
-        pass->haze = fresh.haze;
-        pass->has_haze = fresh.has_haze;
-        pass->objects = fresh.objects;
-        pass->has_areas = fresh.has_areas;
-        fresh.areas = old.areas;
-        fresh.haze = old.haze;
-        fresh.objects = old.objects;
-        status = colour_pass_paint_streamlines(pass, atlas, NULL, NULL);
-    }
-    release_all(&fresh);
     memory_free(fresh.content);
-    return status;
+    if (status) {
+        release_all(&fresh);
+        return status;
+    }
+    struct colour_pass old = {
+        .device = pass->device, .areas = pass->areas, .objects = pass->objects, .haze = pass->haze};
+    pass->areas = fresh.areas;
+    pass->haze = fresh.haze;
+    pass->has_haze = fresh.has_haze;
+    pass->objects = fresh.objects;
+    pass->has_areas = fresh.has_areas;
+    release_all(&old);
+    return colour_pass_paint_streamlines(pass, atlas, NULL, NULL);
 }
 
 conus_status colour_pass_paint_streamlines(struct colour_pass *pass, const conus_atlas *atlas,
@@ -545,17 +529,16 @@ conus_status colour_pass_set_transfer(struct colour_pass *pass, const conus_atla
                                       const struct transfer *transfer, uint64_t max_memory)
 {
     struct colour_pass fresh = {.device = pass->device};
-    struct field_task task = {0};
-    conus_status status = colour_context_task(&task, atlas_context(atlas), transfer);
-    status = status || !task.volume ? status : colour_upload_context(&fresh, &task, transfer, &max_memory);
+    struct field_task task = colour_context_task(atlas_context(atlas), transfer);
+    conus_status status = task.volume ? colour_upload_context(&fresh, &task, transfer, &max_memory) : CONUS_OK;
     status = status ? status : fill_texels(&fresh, &fresh.context, &task);
     field_task_end(&task);
     if (!status && task.volume) {
-        struct colour_pass old = {.context = pass->context, .transfer = pass->transfer};
-        pass->context = fresh.context;
-        pass->transfer = fresh.transfer;
-        fresh.context = old.context;
-        fresh.transfer = old.transfer;
+        const struct colour_pass made = fresh;
+        fresh.context = pass->context;
+        fresh.transfer = pass->transfer;
+        pass->context = made.context;
+        pass->transfer = made.transfer;
     }
     release_all(&fresh);
     memory_free(fresh.content);
@@ -595,8 +578,8 @@ void colour_pass_look(const struct colour_pass *pass, const struct colour_view *
         bool is_object = number <= pass->object_count;
         size_t from = view->group && is_object ? view->group[number] : number;
         memcpy(pass->shown + 4 * number, pass->colours + 4 * from, 3 * sizeof *pass->shown);
-        for (size_t c = 0; c < 3 && view->rgb && is_object; c++) {
-            pass->shown[4 * number + c] = (float)linear_from_srgb(view->rgb[number][c] / 255.0);
+        if (view->rgb && is_object) {
+            draw_colour(pass->shown + 4 * number, view->rgb[number], 0);
         }
         enum emphasis own = is_object ? EMPHASIS_FULL : EMPHASIS_GLASS;
         enum emphasis shown = view->emphasis && is_object ? view->emphasis[number] : own;

@@ -160,8 +160,8 @@ struct colour_fields {
 };
 
 /** Begins to make the fields on threads of their own, which read the atlas until colour_fields_end(). Needs no GL.
- * CONUS_ERROR_MEMORY. */
-conus_status colour_fields_start(struct colour_fields *out, const conus_atlas *atlas, const struct transfer *transfer);
+ * The transfer function is not relative. */
+void colour_fields_start(struct colour_fields *out, const conus_atlas *atlas, const struct transfer *transfer);
 void colour_fields_end(struct colour_fields *fields);
 
 /** Takes @p device, which is entered, and @p hazy over on success. Waits for @p fields. */

@@ -540,31 +540,15 @@ static uint32_t nearest_object(const struct scene *scene, four place)
     return object_of(&scene->pass->objects, at[0] + dim[0] * (at[1] + dim[1] * at[2]));
 }
 
-/* The depth at which the object begins that is found at `inside` and not at `outside`. */
+/* The depth at which the object, 0 = any, begins that is found at `inside` and not at `outside`. */
 static float object_depth(const struct scene *scene, const struct track *areas, uint32_t object, float outside,
                           float inside)
 {
     for (int n = 0; n < REFINING; n++) {
         const float middle = 0.5F * (outside + inside);
         struct voxels voxels;
-        const bool found = shows_area(&voxels, scene, place_on(areas, middle)) && object_among(&voxels) == object;
-        inside = found ? middle : inside;
-        outside = found ? outside : middle;
-    }
-    return inside;
-}
-
-/* The depth at which an area begins between depth `outside`, where none is, and `inside`; NEVER if there is one at
- * both. */
-static float surface_depth(const struct scene *scene, const struct track *areas, float outside, float inside)
-{
-    struct voxels voxels;
-    if (shows_area(&voxels, scene, place_on(areas, outside))) {
-        return NEVER;
-    }
-    for (int n = 0; n < REFINING; n++) {
-        const float middle = 0.5F * (outside + inside);
-        const bool found = shows_area(&voxels, scene, place_on(areas, middle));
+        const bool found =
+            shows_area(&voxels, scene, place_on(areas, middle)) && (!object || object_among(&voxels) == object);
         inside = found ? middle : inside;
         outside = found ? outside : middle;
     }
@@ -1092,9 +1076,9 @@ static four with_rest(four sum, struct events *events, const struct surface *sol
  * not be that of the plane behind. */
 static float entry_depth(struct walk *walk, const struct scene *scene)
 {
-    const float depth = walk->before ? NEVER : surface_depth(scene, &walk->areas, walk->depth, walk->t);
-    if (depth < NEVER) {
-        struct voxels voxels;
+    struct voxels voxels;
+    if (!walk->before && !shows_area(&voxels, scene, place_on(&walk->areas, walk->depth))) {
+        const float depth = object_depth(scene, &walk->areas, 0, walk->depth, walk->t);
         find_voxels(&voxels, scene, place_on(&walk->areas, depth));
         const uint32_t object = visible(scene, object_among(&voxels));
         if (object && !is_seen(walk, object)) {
@@ -1206,36 +1190,21 @@ static void draw_pixel(struct scene *scene, const struct surface_band *band, uin
     }
 }
 
-/* Whether any pixel of the tiles in these rows is drawn. */
-static bool has_tiles(const struct scene *scene, size_t first_row)
-{
-    const size_t across = edges_across(scene->width);
-    const size_t upward = edges_across(scene->height);
-    const size_t first = first_row / COLOUR_TILE;
-    const size_t end = first + SURFACE_BAND / COLOUR_TILE;
-    bool any = !scene->tiles;
-    for (size_t i = first * across; i < (end < upward ? end : upward) * across && !any; i++) {
-        any = scene->tiles[i];
-    }
-    return any;
-}
-
 static void draw_band(struct scene *scene, struct surface_band *surfaces, size_t number, const double shift[2])
 {
     const size_t across = edges_across(scene->width);
     const uint32_t first = (uint32_t)(number * SURFACE_BAND);
-    if (!has_tiles(scene, first)) {
-        return;
-    }
-    if (surfaces) {
-        surface_rays_fill(surfaces, scene->device->surfaces, number, shift);
-    }
+    bool is_filled = !surfaces;                                          /* else with the first pixel that is drawn */
     for (uint32_t n = 0; n < SURFACE_BAND * across * COLOUR_TILE; n++) { /* tile by tile: they see the same voxels */
         const uint32_t tile = n / (COLOUR_TILE * SURFACE_BAND);
         const uint32_t column = tile * COLOUR_TILE + n % COLOUR_TILE;
         const uint32_t row = first + n / COLOUR_TILE % SURFACE_BAND;
         const size_t number_of_tile = row / COLOUR_TILE * across + tile;
         if (row < scene->height && column < scene->width && (!scene->tiles || scene->tiles[number_of_tile])) {
+            if (!is_filled) {
+                surface_rays_fill(surfaces, scene->device->surfaces, number, shift);
+                is_filled = true;
+            }
             draw_pixel(scene, surfaces, column, row);
         }
     }

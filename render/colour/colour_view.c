@@ -58,16 +58,6 @@ static void set_volume(float from_camera[16], float bricks[4], const struct colo
     bricks[3] = 1;
 }
 
-/* Linear light of an sRGB colour. */
-static void set_colour(float out[4], const uint8_t rgb[3], double w)
-{
-    double linear[3];
-    for (int c = 0; c < 3; c++) {
-        linear[c] = linear_from_srgb(rgb[c] / 255.0);
-    }
-    set4(out, linear, w);
-}
-
 void colour_view_pack(struct colour_view_block *block, const struct colour_pass *pass, const struct colour_view *view)
 {
     static const uint8_t amber[3] = {LOOK_RGB(LOOK_CONE)};
@@ -104,7 +94,7 @@ void colour_view_pack(struct colour_view_block *block, const struct colour_pass 
         set4(block->axis, axis, view->cone_length);
         const double reach = view->cone_reach > 0 ? view->cone_reach : 1e9;
         set4(block->cone_shape, (double[]){view->cone_radius, view->cone_start, reach}, 1);
-        set_colour(block->cone_colour, amber, 0.09);
+        draw_colour(block->cone_colour, amber, 0.09F);
     }
     size_t count = view->marker_count < COLOUR_MARKER_LIMIT ? view->marker_count : COLOUR_MARKER_LIMIT;
     for (size_t i = 0; i < count; i++) {
@@ -112,10 +102,10 @@ void colour_view_pack(struct colour_view_block *block, const struct colour_pass 
         double centre[3];
         mat4_point(centre, camera_from_world, marker->centre);
         set4(block->markers[i], centre, marker->radius);
-        set_colour(block->marker_colours[i], marker->rgb, 0);
+        draw_colour(block->marker_colours[i], marker->rgb, 0);
     }
     if (view->pale_rgb) {
-        set_colour(block->pale, view->pale_rgb, 1);
+        draw_colour(block->pale, view->pale_rgb, 1);
     }
     block->counts[0] = (int32_t)count;
 }

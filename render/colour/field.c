@@ -384,25 +384,20 @@ static conus_status find_ranges(struct field *field)
 
 conus_status field_of_values(struct field *out, const struct volume *volume, const struct field_scale *scale)
 {
-    struct field field = {.density = memory_raw(volume->voxel_count, 1)};
-    conus_status status = field.density ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status) {
-        const double span = scale->high - scale->low;
-        for (size_t v = 0; v < volume->voxel_count; v++) {
-            double part = ((double)volume->values[v] - scale->low) / span;
-            part = part > 0 ? part : 0; /* quicker than fmax() */
-            part = part < 1 ? part : 1;
-            field.density[v] = (uint8_t)rounded(part * (FIELD_LEVELS - 1));
-        }
-        status = start_field(&field, field.density, volume, scale->unseen, VALUES_MARGIN);
+    uint8_t *density = memory_raw(volume->voxel_count, 1);
+    *out = (struct field){.density = density};
+    if (!density) {
+        return CONUS_ERROR_MEMORY;
     }
-    status = status ? status : find_ranges(&field);
-    if (status) {
-        field_finish(&field);
-        return status;
+    const double span = scale->high - scale->low;
+    for (size_t v = 0; v < volume->voxel_count; v++) {
+        double part = ((double)volume->values[v] - scale->low) / span;
+        part = part > 0 ? part : 0; /* quicker than fmax() */
+        part = part < 1 ? part : 1;
+        density[v] = (uint8_t)rounded(part * (FIELD_LEVELS - 1));
     }
-    *out = field;
-    return CONUS_OK;
+    conus_status status = start_field(out, density, volume, scale->unseen, VALUES_MARGIN);
+    return status ? status : find_ranges(out);
 }
 
 static uint8_t blurred(int far_before, int before, int here, int after, int far_after)
@@ -503,54 +498,50 @@ static void hold_sides(uint8_t *restrict out, const uint8_t *restrict blurred, s
 
 conus_status field_of_objects(struct field *out, const struct volume *volume)
 {
-    struct field field = {.slopes = memory_raw(volume->voxel_count, 1)};
-    conus_status status = field.slopes ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status) {
-        find_occupied(field.slopes, volume);
-        status = start_field(&field, field.slopes, volume, 0, OBJECTS_MARGIN);
+    *out = (struct field){.slopes = memory_raw(volume->voxel_count, 1)};
+    if (!out->slopes) {
+        return CONUS_ERROR_MEMORY;
     }
-    size_t count = field.dim[0] * field.dim[1] * field.dim[2];
-    uint8_t *once = status ? NULL : memory_raw(count, 1);
-    field.density = status ? NULL : memory_raw(count, 1);
-    status = status || (once && field.density) ? status : CONUS_ERROR_MEMORY;
-    if (!status) {
-        memcpy(field.density, field.slopes, count);
-        blur(once, field.slopes, field.dim);
-        hold_sides(field.density, once, count);
-        blur(field.slopes, once, field.dim);
-        status = find_ranges(&field);
-    }
-    memory_free(once);
+    find_occupied(out->slopes, volume);
+    conus_status status = start_field(out, out->slopes, volume, 0, OBJECTS_MARGIN);
     if (status) {
-        field_finish(&field);
         return status;
     }
-    *out = field;
-    return CONUS_OK;
+    size_t count = out->dim[0] * out->dim[1] * out->dim[2];
+    uint8_t *once = memory_raw(count, 1);
+    out->density = memory_raw(count, 1);
+    status = once && out->density ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status) {
+        memcpy(out->density, out->slopes, count);
+        blur(once, out->slopes, out->dim);
+        hold_sides(out->density, once, count);
+        blur(out->slopes, once, out->dim);
+        status = find_ranges(out);
+    }
+    memory_free(once);
+    return status;
 }
 
 conus_status field_bricks(struct bricks *out, const struct field *field, const bool *visible, size_t per_level)
 {
     size_t entries = (FIELD_LEVELS - 1) * per_level + 1;
     uint32_t *before = memory_raw(entries + 1, sizeof *before); /* visible entries before each */
-    struct bricks bricks = {.distance = memory_raw(brick_count(field), 1)};
-    if (!before || !bricks.distance) {
+    *out = (struct bricks){.distance = memory_raw(brick_count(field), 1)};
+    if (!before || !out->distance) {
         memory_free(before);
-        bricks_finish(&bricks);
         return CONUS_ERROR_MEMORY;
     }
-    memcpy(bricks.dim, field->brick_dim, sizeof bricks.dim);
+    memcpy(out->dim, field->brick_dim, sizeof out->dim);
     before[0] = 0;
     for (size_t i = 0; i < entries; i++) {
         before[i + 1] = before[i] + visible[i];
     }
     for (size_t b = 0; b < brick_count(field); b++) {
         bool seen = before[field->high[b] * per_level + 1] > before[field->low[b] * per_level];
-        bricks.distance[b] = seen ? 0 : UINT8_MAX;
+        out->distance[b] = seen ? 0 : UINT8_MAX;
     }
     memory_free(before);
-    bricks_spread(&bricks);
-    *out = bricks;
+    bricks_spread(out);
     return CONUS_OK;
 }
 

@@ -48,7 +48,7 @@ struct field_scale {
                        */
 };
 
-/** Grey values; central differences. */
+/** Grey values; central differences. @p out is the caller's to finish in any case, as below. */
 conus_status field_of_values(struct field *out, const struct volume *volume, const struct field_scale *scale);
 
 /** Voxels of any object: their blurred occupancy (binomial, sigma 1 voxel), held above FIELD_SURFACE in voxels of
@@ -63,8 +63,8 @@ void field_finish(struct field *field);
 void field_texels(uint8_t *out, const struct field *field, size_t first, size_t count);
 
 /** Bricks and their distances to the next one with a density that @p visible names. It has @p per_level entries for
- * each step between densities and one for the last: entry i is density i / per_level. @p out is the caller's to finish.
- */
+ * each step between densities and one for the last: entry i is density i / per_level. @p out is the caller's to finish
+ * in any case. */
 conus_status field_bricks(struct bricks *out, const struct field *field, const bool *visible, size_t per_level);
 
 /** Some slices of texels (field_texels()). */

@@ -128,22 +128,13 @@ struct extent {
     long low[3], high[3];
 };
 
-/* Index of the n-th voxel. */
-static void find_index(double out[3], const size_t dim[3], size_t n)
-{
-    const size_t index[3] = {n % dim[0], n / dim[0] % dim[1], n / dim[0] / dim[1]};
-    for (int a = 0; a < 3; a++) {
-        out[a] = (double)index[a];
-    }
-}
-
 static void extend(struct extent *extent, const struct volume *volume, size_t voxel)
 {
     double p[3];
     if (!extent->first) {
         *extent = (struct extent){volume, {LONG_MAX, LONG_MAX, LONG_MAX}, {LONG_MIN, LONG_MIN, LONG_MIN}};
     }
-    find_index(p, volume->info.dim, voxel);
+    grid_index(p, volume->info.dim, voxel);
     if (volume != extent->first) {
         mat4_point(p, volume->info.world_from_voxel, p);
         mat4_point(p, extent->first->voxel_from_world, p);
@@ -181,7 +172,7 @@ static void add_volume(struct haze_field *field, const struct volume *volume, co
     for (size_t n = 0; n < dim[0] * dim[1] * dim[2]; n++) {
         double p[3];
         size_t voxel = 0;
-        find_index(p, dim, n);
+        grid_index(p, dim, n);
         mat4_point(p, field->info.world_from_voxel, p);
         uint32_t object = volume_find_voxel(&voxel, volume, p) ? hazy_at(volume, choice, voxel) : 0;
         if (object) {
@@ -189,7 +180,7 @@ static void add_volume(struct haze_field *field, const struct volume *volume, co
             const double value = (double)volume_value(volume, voxel);
             double rgba[4];
             transfer_at(rgba, &choice->transfers[object], value);
-            double extinction = -log2(1 - fmin(rgba[3], 1 - 0x1p-24)); /* as transfer_table() */
+            const double extinction = transfer_extinction(rgba[3]);
             for (int c = 0; c < 3; c++) {
                 texel[c] += (float)(extinction * linear_from_srgb(rgba[c]));
             }
@@ -202,7 +193,7 @@ conus_status haze_fill(struct haze_field *out, const conus_atlas *atlas, const s
                        uint64_t max_memory)
 {
     struct extent extent = {0};
-    struct haze_field field = {0};
+    *out = (struct haze_field){0};
     for (size_t i = 0; i < atlas->volume_count; i++) {
         const struct volume *volume = &atlas->volumes[i];
         size_t first = is_used(volume) ? volume_next(volume, 0) : volume->voxel_count;
@@ -215,18 +206,13 @@ conus_status haze_fill(struct haze_field *out, const conus_atlas *atlas, const s
     if (!extent.first) {
         return CONUS_OK;
     }
-    conus_status status = init_field(&field, &extent, max_memory);
+    conus_status status = init_field(out, &extent, max_memory);
     for (size_t i = 0; i < atlas->volume_count && !status; i++) {
         if (is_used(&atlas->volumes[i])) {
-            add_volume(&field, &atlas->volumes[i], choice);
+            add_volume(out, &atlas->volumes[i], choice);
         }
     }
-    if (status) {
-        haze_field_finish(&field);
-        return status;
-    }
-    *out = field;
-    return CONUS_OK;
+    return status;
 }
 
 void haze_field_finish(struct haze_field *field)

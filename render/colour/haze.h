@@ -31,7 +31,7 @@ static inline bool haze_is(const struct haze_choice *choice, size_t number)
 }
 
 /** The field of all chosen pathways that are not hidden, on the grid of the first, with a margin of one voxel without
- * haze. No texels if there are none. @p max_memory limits the texels. */
+ * haze. No texels if there are none. @p max_memory limits the texels. Call haze_field_finish() in any case. */
 conus_status haze_fill(struct haze_field *out, const conus_atlas *atlas, const struct haze_choice *choice,
                        uint64_t max_memory);
 void haze_field_finish(struct haze_field *field);

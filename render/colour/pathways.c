@@ -153,25 +153,20 @@ conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const u
 {
     const struct volume *first = pathways_first(atlas);
     struct joint grid;
-    struct volume joint = {0};
+    *out = (struct volume){0};
     const struct choice choice = {.all = !pathways_shown(atlas), .drawn = drawn, .hazy = hazy};
     const bool areas = (choice.all || drawn) && atlas_parcellation_count(atlas);
     find_joint(&grid, atlas, first ? first : find_finest(atlas), areas);
-    conus_status status = volume_init(&joint, &grid.info);
-    joint.objects32 = status ? NULL : memory_raw(joint.voxel_count, sizeof *joint.objects32);
-    if (!joint.objects32) {
-        volume_finish(&joint);
-        return status ? status : CONUS_ERROR_MEMORY;
-    }
-    const size_t *dim = grid.info.dim;
-    for (size_t v = 0; v < joint.voxel_count; v++) {
-        const size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
-        double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
+    conus_status status = volume_init(out, &grid.info);
+    out->objects32 = status ? NULL : memory_raw(out->voxel_count, sizeof *out->objects32);
+    status = status || out->objects32 ? status : CONUS_ERROR_MEMORY;
+    for (size_t v = 0; !status && v < out->voxel_count; v++) {
+        double p[3];
+        grid_index(p, grid.info.dim, v);
         mat4_point(p, grid.info.world_from_voxel, p);
         uint32_t area = areas ? area_at(atlas, &choice, p) : 0;
         uint32_t scalar = area && !is_under(&choice, area) ? 0 : scalar_at(atlas, &choice, p);
-        joint.objects32[v] = area && scalar <= atlas->area_count ? area : scalar;
+        out->objects32[v] = area && scalar <= atlas->area_count ? area : scalar;
     }
-    *out = joint;
-    return CONUS_OK;
+    return status;
 }

@@ -22,7 +22,8 @@ bool pathways_shown(const conus_atlas *atlas);
 /** Makes a volume without values, on the grid of pathways_first(), extended; where there is none, on that of one of the
  * parcellations. It holds all pathways but those in @p hazy, and the areas that @p drawn [object_count + 1] of enum
  * pathways_area names (NULL = none), or all areas where no pathway or bundle is shown. A voxel of several belongs to
- * the first parcellation's area, the most probable area, or the first pathway, in this order. */
+ * the first parcellation's area, the most probable area, or the first pathway, in this order.
+ * @p out is the caller's to volume_finish() in any case. */
 conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const uint8_t *drawn,
                            const struct haze_choice *hazy);
 

@@ -87,7 +87,9 @@ conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atla
     const char *own = renderer->atlas->transfer ? renderer->atlas->transfer : "brain";
     conus_status status = transfer_load(&renderer->transfer, options->transfer ? options->transfer : own);
     status = status ? status : make_absolute(&renderer->transfer, atlas_context(renderer->atlas));
-    status = status ? status : colour_fields_start(&fields, atlas, &renderer->transfer);
+    if (!status) {
+        colour_fields_start(&fields, atlas, &renderer->transfer);
+    }
     status = status ? status : create_device(&device, options);
     status = status ? status : create_pass(renderer, device, options, &fields);
     colour_fields_end(&fields);

@@ -72,13 +72,11 @@ static conus_status append(struct transfer *transfer, const conus_transfer_point
     if (transfer->count == TRANSFER_POINT_LIMIT) {
         return fail(CONUS_ERROR_DATA, "more than %d points", TRANSFER_POINT_LIMIT);
     }
-    if (transfer->count % 64 == 0) {
-        conus_transfer_point *points = memory_resize(transfer->points, transfer->count + 64, sizeof *points);
-        if (!points) {
-            return CONUS_ERROR_MEMORY;
-        }
-        transfer->points = points;
+    conus_transfer_point *points = memory_resize(transfer->points, transfer->count + 1, sizeof *points);
+    if (!points) {
+        return CONUS_ERROR_MEMORY;
     }
+    transfer->points = points;
     transfer->points[transfer->count++] = *point;
     return CONUS_OK;
 }
@@ -160,8 +158,8 @@ conus_status transfer_copy(struct transfer *out, const conus_transfer_point *poi
     struct transfer transfer = {0};
     conus_status status = count ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "transfer function without points");
     for (size_t i = 0; i < count && !status; i++) {
-        status = check_point(&transfer, &points[i], "point", i + 1);
-        status = status ? CONUS_ERROR_ARGUMENT : append(&transfer, &points[i]);
+        status =
+            check_point(&transfer, &points[i], "point", i + 1) ? CONUS_ERROR_ARGUMENT : append(&transfer, &points[i]);
     }
     if (status) {
         transfer_finish(&transfer);
@@ -176,15 +174,11 @@ conus_status transfer_load(struct transfer *out, const char *name)
     for (size_t i = 0; i < PRESETS; i++) {
         const struct transfer_preset *preset = &presets[i];
         if (strcmp(name, preset->name) == 0) {
-            struct transfer transfer = {.relative = true};
-            for (size_t k = 0; k < preset->count; k++) {
-                if (append(&transfer, &preset->points[k])) {
-                    transfer_finish(&transfer);
-                    return CONUS_ERROR_MEMORY;
-                }
+            conus_status status = transfer_copy(out, preset->points, preset->count);
+            if (!status) {
+                out->relative = true;
             }
-            *out = transfer;
-            return CONUS_OK;
+            return status;
         }
     }
     struct bytes bytes = {0};
@@ -243,22 +237,11 @@ conus_status transfer_window(double *low, double *high, const struct volume *vol
     return CONUS_OK;
 }
 
-conus_status transfer_span(double *low, double *high, const struct transfer *transfer, const struct volume *volume)
+void transfer_span(double *low, double *high, const struct transfer *transfer)
 {
-    double first = transfer->points[0].value;
-    double last = transfer->points[transfer->count - 1].value;
-    if (transfer->relative) {
-        double from, to;
-        conus_status status = transfer_window(&from, &to, volume);
-        if (status) {
-            return status;
-        }
-        first = from + first * (to - from);
-        last = from + last * (to - from);
-    }
-    *low = first;
-    *high = last > first ? last : first + 1;
-    return CONUS_OK;
+    const double last = transfer->points[transfer->count - 1].value;
+    *low = transfer->points[0].value;
+    *high = last > *low ? last : *low + 1;
 }
 
 void transfer_table(float *rgbe, size_t count, const struct transfer *transfer)
@@ -271,7 +254,7 @@ void transfer_table(float *rgbe, size_t count, const struct transfer *transfer)
         for (int c = 0; c < 3; c++) {
             rgbe[4 * i + (size_t)c] = (float)linear_from_srgb(rgba[c]);
         }
-        rgbe[4 * i + 3] = (float)-log2(fmax(1 - rgba[3], 0x1p-24));
+        rgbe[4 * i + 3] = (float)transfer_extinction(rgba[3]);
     }
 }
 

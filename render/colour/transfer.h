@@ -8,6 +8,8 @@
 #include "atlas/volume.h"
 #include "conus/picture.h"
 
+#include <math.h>
+
 enum { TRANSFER_POINT_LIMIT = 4096 };
 
 struct transfer {
@@ -32,15 +34,21 @@ void transfer_finish(struct transfer *transfer);
 /** sRGB and opacity at @p value, clamped at both ends (Eq. 8). */
 void transfer_at(double rgba[4], const struct transfer *transfer, double value);
 
+/** Extinction per mm of an opacity per mm (Eq. 8); 1 is taken as 1 - 2^-24. */
+static inline double transfer_extinction(double opacity)
+{
+    return -log2(1 - fmin(opacity, 1 - 0x1p-24));
+}
+
 /** The grey values that span @p volume's contrast: from its minimum to the 99.5th percentile of the values above it, so
  * that a few bright voxels do not darken the rest. high > low, always. */
 conus_status transfer_window(double *low, double *high, const struct volume *volume);
 
-/** The values over which @p transfer changes, for @p volume: from its first to its last point. high > low, always. */
-conus_status transfer_span(double *low, double *high, const struct transfer *transfer, const struct volume *volume);
+/** The values over which @p transfer changes: from its first to its last point. high > low, always. */
+void transfer_span(double *low, double *high, const struct transfer *transfer);
 
 /** Fills @p count entries, evenly spaced over the span from first to last point, with linear R, G, B and the
- * extinction per mm, -log2(1 - opacity); an opacity of 1 is taken as 1 - 2^-24. */
+ * extinction per mm. */
 void transfer_table(float *rgbe, size_t count, const struct transfer *transfer);
 
 #endif

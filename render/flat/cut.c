@@ -611,13 +611,12 @@ static void draw_run(void *user, const struct tract_run *run, bool inside)
     const struct frame *frame = user;
     uint32_t object = frame->objects[run->streamline];
     for (uint32_t k = 0; object && (k < run->segments || k == 0); k++) {
-        double world[2][3];
+        double world[3];
         double ends[2][3];
-        tractogram_run_point(world[0], frame->tractogram, run, k);
-        tractogram_run_point(world[1], frame->tractogram, run, k < run->segments ? k + 1 : k);
-        for (int n = 0; n < 2; n++) {
+        for (uint32_t n = 0; n < 2; n++) {
+            tractogram_run_point(world, frame->tractogram, run, k < run->segments ? k + n : k);
             for (int a = 0; a < 3; a++) {
-                ends[n][a] = along(frame, a, world[n]);
+                ends[n][a] = along(frame, a, world);
             }
         }
         draw_segment(frame, ends[0], ends[1], object);
@@ -734,26 +733,30 @@ static void draw_tile(const struct cone_drawing *drawing, uint32_t left, uint32_
     }
 }
 
-double cut_cone_distance(const struct cut_place *place, const struct cut_cone *cone, double column, double row)
+static void cone_drawing_init(struct cone_drawing *out, const struct cut_place *place, const struct cut_cone *cone)
 {
     double identity[16];
-    struct cone_drawing drawing = {.place = place, .cone = cone, .secant = sqrt(1 + cone->slope * cone->slope)};
+    *out = (struct cone_drawing){.place = place, .cone = cone, .secant = sqrt(1 + cone->slope * cone->slope)};
     mat4_identity(identity);
-    walk_init(&drawing.walk, place, identity);
+    walk_init(&out->walk, place, identity);
+}
+
+double cut_cone_distance(const struct cut_place *place, const struct cut_cone *cone, double column, double row)
+{
+    struct cone_drawing drawing;
+    cone_drawing_init(&drawing, place, cone);
     return distance_to_wall(&drawing, column, row);
 }
 
 void cut_draw_cone(uint8_t *rgba, const struct cut_place *place, const struct cut_cone *cone)
 {
-    double identity[16];
-    struct cone_drawing drawing = {
-        .rgba = rgba, .place = place, .cone = cone, .secant = sqrt(1 + cone->slope * cone->slope)};
+    struct cone_drawing drawing;
+    cone_drawing_init(&drawing, place, cone);
+    drawing.rgba = rgba;
     for (int level = 0; level < 256; level++) {
         memset(drawing.tinted[level], level, 3);
         blend(drawing.tinted[level], cone_rgb, tint);
     }
-    mat4_identity(identity);
-    walk_init(&drawing.walk, place, identity);
     for (uint32_t top = 0; top < place->height; top += TILE) {
         for (uint32_t left = 0; left < place->width; left += TILE) {
             draw_tile(&drawing, left, top);

@@ -4,10 +4,8 @@
 #include "render/image/deep_image.h"
 
 #include "base/memory.h"
-#include "base/order.h"
 #include "render/image/exr_stream.h"
 
-#include <stdio.h>
 #include <string.h>
 #include <zlib.h>
 
@@ -64,18 +62,18 @@ void deep_image_destroy(struct deep_image *image)
 conus_status deep_image_add_channel(struct deep_image *image, const char *name, enum image_type type,
                                     struct image_channel **out)
 {
-    struct image_channel *channels = memory_resize(image->channels, image->channel_count + 1, sizeof *channels);
-    if (!channels) {
-        return CONUS_ERROR_MEMORY;
+    conus_status status =
+        image_append_channel(&image->channels, &image->channel_count, name, type, image->sample_count);
+    if (status) {
+        return status;
     }
-    image->channels = channels;
-    struct image_channel channel = {.type = type, .floats = memory_zeroed(image->sample_count, sizeof(float))};
-    if (!channel.floats) {
-        return CONUS_ERROR_MEMORY;
+    size_t at = image->channel_count - 1;
+    const struct image_channel added = image->channels[at];
+    for (; at > 0 && strcmp(image->channels[at - 1].name, name) > 0; at--) {
+        image->channels[at] = image->channels[at - 1];
     }
-    snprintf(channel.name, sizeof channel.name, "%s", name);
-    channels[image->channel_count] = channel;
-    *out = &channels[image->channel_count++];
+    image->channels[at] = added;
+    *out = &image->channels[at];
     return CONUS_OK;
 }
 
@@ -122,11 +120,8 @@ static exr_result_t row_init(struct row *out, const struct deep_image *image)
                         .filtered = memory_raw(plain, 1),
                         .counts = {memory_raw(compressBound(counts), 1), 0},
                         .samples = {memory_raw(compressBound(samples), 1), 0}};
-    if (!out->plain || !out->filtered || !out->counts.data || !out->samples.data) {
-        row_finish(out);
-        return EXR_ERR_OUT_OF_MEMORY;
-    }
-    return EXR_ERR_SUCCESS;
+    return out->plain && out->filtered && out->counts.data && out->samples.data ? EXR_ERR_SUCCESS
+                                                                                : EXR_ERR_OUT_OF_MEMORY;
 }
 
 /* ZIPS of `size` bytes of row->plain: even bytes, then odd ones, each as its difference to the one before, deflated. Or
@@ -165,21 +160,15 @@ static exr_result_t pack_counts(struct row *row, const struct deep_image *image,
 }
 
 /* The row's samples, channel by channel. */
-static exr_result_t pack_samples(struct row *row, const struct deep_image *image, const struct image_channel *order,
-                                 size_t first, size_t count)
+static exr_result_t pack_samples(struct row *row, const struct deep_image *image, size_t first, size_t count)
 {
     uint8_t *out = row->plain;
     for (size_t c = 0; c < image->channel_count; c++) {
         for (size_t i = 0; i < count; i++, out += sizeof(uint32_t)) {
-            put_u32(out, order[c].uints[first + i]);
+            put_u32(out, image->channels[c].uints[first + i]);
         }
     }
     return deflate_row(&row->samples, row, (size_t)(out - row->plain));
-}
-
-static int by_name(const void *a, const void *b)
-{
-    return strcmp(((const struct image_channel *)a)->name, ((const struct image_channel *)b)->name);
 }
 
 /* Declares the attribute first: else exr_attr_set_user() of 3.1.5 crashes where there is no memory for it. OpenEXR's
@@ -231,29 +220,19 @@ conus_status deep_image_format(struct bytes *out, const struct deep_image *image
     exr_context_t file = NULL;
     exr_result_t code = exr_stream_write(&file, &stream);
     code = code ? code : write_header(file, image);
-    if (!code) {
-        struct row row;
-        struct image_channel *order = memory_raw(image->channel_count, sizeof *order);
-        if (order) {
-            memcpy(order, image->channels, image->channel_count * sizeof *order);
-            order_sort(order, image->channel_count, sizeof *order, by_name);
-        }
-        code = order ? row_init(&row, image) : EXR_ERR_OUT_OF_MEMORY;
-        if (!code) {
-            size_t first = 0;
-            for (uint32_t y = 0; !code && y < image->header->height; y++) {
-                size_t count = (size_t)samples_of_row(image->counts, image->header->width, y);
-                code = pack_counts(&row, image, y);
-                code = code ? code : pack_samples(&row, image, order, first, count);
-                code = code ? code
-                            : openexr.write_deep_scanline_chunk(file, 0, (int)y, row.samples.data, row.samples.size,
-                                                                count * image->channel_count * sizeof(uint32_t),
-                                                                row.counts.data, row.counts.size);
-                first += count;
-            }
-            row_finish(&row);
-        }
-        memory_free(order);
+    struct row row = {0};
+    code = code ? code : row_init(&row, image);
+    size_t first = 0;
+    for (uint32_t y = 0; !code && y < image->header->height; y++) {
+        size_t count = (size_t)samples_of_row(image->counts, image->header->width, y);
+        code = pack_counts(&row, image, y);
+        code = code ? code : pack_samples(&row, image, first, count);
+        code = code ? code
+                    : openexr.write_deep_scanline_chunk(file, 0, (int)y, row.samples.data, row.samples.size,
+                                                        count * image->channel_count * sizeof(uint32_t),
+                                                        row.counts.data, row.counts.size);
+        first += count;
     }
+    row_finish(&row);
     return exr_stream_end(out, file, &stream, code);
 }

@@ -11,7 +11,7 @@ struct deep_image {
     uint32_t *counts;      /**< [width * height] samples of each pixel, top row first.                           */
     size_t sample_count;   /**< Their sum.                                                                       */
     struct bytes manifest; /**< From id_manifest_format(); its data is NULL if there is none.                    */
-    struct image_channel *channels; /**< Arrays of sample_count values, pixel by pixel.                         */
+    struct image_channel *channels; /**< Arrays of sample_count values, pixel by pixel; sorted by their names. */
     size_t channel_count;
 };
 

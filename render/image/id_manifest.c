@@ -54,6 +54,14 @@ static void put_varint(struct buffer *out, uint64_t value)
     } while (value);
 }
 
+/* Moves `from` to the end of `out`. */
+static void take(struct buffer *out, struct buffer *from)
+{
+    buffer_append(out, from->data, from->size);
+    out->failed = out->failed || from->failed;
+    buffer_finish(from);
+}
+
 static int by_text(const void *a, const void *b)
 {
     return strcmp(((const struct use *)a)->text, ((const struct use *)b)->text);
@@ -140,35 +148,22 @@ static void put_words(struct buffer *out, const struct dictionary *dictionary)
         put_varint(out, head + rest);
         before = text;
     }
-    buffer_append(out, bytes.data, bytes.size);
-    out->failed = out->failed || bytes.failed;
-    buffer_finish(&bytes);
-}
-
-struct runs {
-    struct buffer pairs;
-    uint32_t count;
-};
-
-static void put_run(struct runs *runs, uint32_t first, uint32_t last)
-{
-    put_u32(&runs->pairs, first);
-    put_u32(&runs->pairs, last);
-    runs->count++;
+    take(out, &bytes);
 }
 
 /* The runs of indices that the ranks make. A run skips words of earlier runs. As in OpenEXR's own encoder, the first
  * run goes on only where it begins with word 0. */
 static void put_ranks(struct buffer *out, const struct dictionary *dictionary)
 {
-    struct runs runs = {0};
+    struct buffer runs = {0};
     uint32_t first = dictionary->count ? dictionary->words[0].index : 0;
     uint32_t last = first;
     uint32_t next = 1; /* the index that would lengthen the run */
     for (size_t i = 1; i < dictionary->count; i++) {
         uint32_t index = dictionary->words[i].index;
         if (index != next) {
-            put_run(&runs, first, last);
+            put_u32(&runs, first);
+            put_u32(&runs, last);
             first = index;
         }
         last = index;
@@ -178,12 +173,11 @@ static void put_ranks(struct buffer *out, const struct dictionary *dictionary)
         }
     }
     if (dictionary->count) {
-        put_run(&runs, first, last);
+        put_u32(&runs, first);
+        put_u32(&runs, last);
     }
-    put_u32(out, runs.count);
-    buffer_append(out, runs.pairs.data, runs.pairs.size);
-    out->failed = out->failed || runs.pairs.failed;
-    buffer_finish(&runs.pairs);
+    put_u32(out, (uint32_t)(runs.size / (2 * sizeof first)));
+    take(out, &runs);
 }
 
 static void put_pascal(struct buffer *out, const char *text)

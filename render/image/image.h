@@ -78,4 +78,16 @@ struct image_rgba {
 };
 struct image_rgba image_rgba(const conus_image *image);
 
+/** Lays @p over, linear and premultiplied, over a pixel of an image that has all four. */
+static inline void image_lay(const struct image_rgba *to, size_t pixel, const float over[4])
+{
+    for (int c = 0; c < 4; c++) {
+        to->plane[c][pixel] = over[c] + (1 - over[3]) * to->plane[c][pixel];
+    }
+}
+
+/** image_add_channel() for a list of @p count channels of so many values each, without its checks. */
+conus_status image_append_channel(struct image_channel **channels, size_t *count, const char *name,
+                                  enum image_type type, size_t values);
+
 #endif

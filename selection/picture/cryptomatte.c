@@ -5,7 +5,7 @@
 #include "base/buffer.h"
 #include "base/memory.h"
 #include "render/image/image.h"
-#include "selection/selection.h"
+#include "selection/picture/picture.h"
 
 #include <jansson.h>
 #include <stdio.h>
@@ -75,14 +75,10 @@ static void fill_channels(conus_image *image, const struct layer *layer, const c
 {
     float *id = image_find(image, LAYER "00.R")->floats;
     float *coverage = image_find(image, LAYER "00.G")->floats;
-    uint32_t n = selection->evidence.resolution;
-    for (uint32_t y = 0; y < n; y++) {
-        for (uint32_t x = 0; x < n; x++) {
-            size_t to = (size_t)y * n + x;
-            uint32_t number = selection->evidence.object[(size_t)(n - 1 - y) * n + x];
-            memcpy(&id[to], &layer->hash_of[number], sizeof id[to]);
-            coverage[to] = number ? 1 : 0;
-        }
+    for (size_t to = 0; to < (size_t)image->width * image->height; to++) {
+        uint32_t number = selection->evidence.object[picture_flipped(selection->evidence.resolution, to)];
+        memcpy(&id[to], &layer->hash_of[number], sizeof id[to]);
+        coverage[to] = number ? 1 : 0;
     }
 }
 

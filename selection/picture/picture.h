@@ -91,12 +91,11 @@ double picture_covered(const struct picture *picture, const struct draw_box *box
 conus_status picture_check_sheet(const conus_view *view);
 
 /** Sets up the picture of cuts of its atlas: all areas show, also beside pathways. Of @p view count width, height,
- * selection and chosen. What it holds is the caller's to picture_cut_finish() in any case. */
+ * selection and chosen. What it holds is the caller's to picture_finish() in any case. */
 conus_status picture_cut_init(struct picture *picture, const conus_cut_view *view, const conus_view *sheet);
-void picture_cut_finish(struct picture *picture);
 
-/** Linear light, premultiplied, and opacity of the background, @p part of the way down. */
-void picture_background(float out[4], const conus_view *options, float part);
+/** Frees what a picture holds. */
+void picture_finish(struct picture *picture);
 
 /** Lays it over the whole image. */
 void picture_lay_background(conus_image *image, const conus_view *options);
@@ -109,10 +108,8 @@ bool picture_is_dark(const conus_view *options);
 conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory, conus_log log, void *log_user);
 
 /** Gives ranks and their colours to the picture of a selection, unless its objects have their own colours; the picture
- * has its areas and opacities. What it holds is the caller's to picture_rank_finish() in any case.
- * CONUS_ERROR_MEMORY. */
+ * has its areas and opacities. CONUS_ERROR_MEMORY. */
 conus_status picture_rank(struct picture *picture, bool on_dark);
-void picture_rank_finish(struct picture *picture);
 
 /** sRGB of an object in the picture; of the only haze that is coloured by its values, the one half way between them. */
 void picture_colour(uint8_t out[3], const struct picture *picture, size_t number);
@@ -188,10 +185,11 @@ void picture_lower(struct picture *picture, uint32_t height);
 
 void picture_legend_draw(struct draw_list *list, const struct picture *picture);
 
-/** Whether a table of first hits lists @p result. */
-static inline bool picture_lists(const conus_result *result)
+/** Pixel of a device of n x n, the lowest row first, that a pixel of its image shows, which begins at the top; and the
+ * other way round. */
+static inline size_t picture_flipped(uint32_t n, size_t pixel)
 {
-    return !result->object || result->pixels > 0;
+    return (n - 1 - pixel / n) * n + pixel % n;
 }
 
 /** Adds paths and SHA-256 of the atlas's files to the image's header; those of the context only if @p context. */

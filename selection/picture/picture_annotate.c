@@ -306,7 +306,6 @@ static void draw_key(struct draw_list *list, const struct picture *picture)
 static void find_peak(double out[3], const conus_atlas *atlas, uint32_t number)
 {
     const struct volume *volume = atlas_object_volume(atlas, number);
-    const size_t *dim = volume->info.dim;
     double most = -INFINITY;
     size_t best = 0;
     for (size_t v = volume_next(volume, 0); v < volume->voxel_count; v = volume_next(volume, v + 1)) {
@@ -314,9 +313,8 @@ static void find_peak(double out[3], const conus_atlas *atlas, uint32_t number)
         best = value > most ? v : best;
         most = fmax(most, value);
     }
-    const size_t index[3] = {best % dim[0], best / dim[0] % dim[1], best / dim[0] / dim[1]};
-    const double voxel[3] = {(double)index[0], (double)index[1], (double)index[2]};
-    mat4_point(out, volume->info.world_from_voxel, voxel);
+    grid_index(out, volume->info.dim, best);
+    mat4_point(out, volume->info.world_from_voxel, out);
 }
 
 /* Where the cone comes to the object first; the middle of one that it does not hit. */

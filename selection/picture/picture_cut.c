@@ -6,7 +6,6 @@
 #include "base/options.h"
 #include "render/colour/pathways.h"
 #include "render/image/image.h"
-#include "render/image/image_srgb.h"
 #include "selection/picture/picture.h"
 #include "selection/picture/picture_cutter.h"
 
@@ -59,25 +58,15 @@ conus_status picture_cut_init(struct picture *picture, const conus_cut_view *vie
     return status ? status : picture_prepare_sheet(picture, memory_limit(0), NULL, NULL);
 }
 
-void picture_cut_finish(struct picture *picture)
-{
-    picture_legend_finish(picture);
-    font_destroy(picture->font);
-    memory_free(picture->emphasis);
-    picture_rank_finish(picture);
-    memory_free(picture->areas);
-    memory_free(picture->rgba);
-}
-
 static void lay_out(conus_image *image, const struct picture *picture, const uint8_t *rgba)
 {
     const struct image_rgba to = image_rgba(image);
     picture_lay_background(image, &picture->options);
     for (uint32_t row = 0; row < picture->drawing[1]; row++) {
         for (uint32_t column = 0; column < picture->drawing[0]; column++, rgba += 4) {
-            for (int c = 0; c < 4; c++) {
-                to.plane[c][(size_t)image->width * row + column] = c < 3 ? (float)linear_from_srgb(rgba[c] / 255.0) : 1;
-            }
+            float over[4];
+            draw_colour(over, rgba, 1);
+            image_lay(&to, (size_t)image->width * row + column, over);
         }
     }
 }
@@ -165,6 +154,6 @@ conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const 
     }
     status = status ? status : make_image(out, &picture, &what, conus_cutter_rgba(cutter));
     conus_cutter_destroy(cutter);
-    picture_cut_finish(&picture);
+    picture_finish(&picture);
     return status;
 }

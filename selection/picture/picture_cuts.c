@@ -8,7 +8,6 @@
 #include "conus/atlas_info.h"
 #include "render/flat/cut_trace.h"
 #include "render/image/image.h"
-#include "render/image/image_srgb.h"
 #include "selection/picture/picture.h"
 #include "selection/picture/picture_cutter.h"
 
@@ -316,10 +315,7 @@ static conus_status lay_out(struct sheet *sheet)
 static void lay_pixel(const struct sheet *sheet, const struct image_rgba *to, long x, long y, const float over[4])
 {
     if (x >= 0 && y >= 0 && x < (long)sheet->image->width && y < (long)sheet->image->height) {
-        size_t at = (size_t)y * sheet->image->width + (size_t)x;
-        for (int c = 0; c < 4; c++) {
-            to->plane[c][at] = over[c] + (1 - over[3]) * to->plane[c][at];
-        }
+        image_lay(to, (size_t)y * sheet->image->width + (size_t)x, over);
     }
 }
 
@@ -375,11 +371,9 @@ static void lay_cut(const struct sheet *sheet, const struct panel *panel)
     for (long y = 0; y < panel->size[1]; y++) {
         for (long x = 0; x < panel->size[0]; x++) {
             const uint8_t *from = sheet->rgba + 4 * ((size_t)panel->size[0] * (size_t)y + (size_t)x);
-            float over[4] = {0, 0, 0, 1};
-            for (int c = 0; c < 3; c++) {
-                over[c] = (float)linear_from_srgb(from[c] / 255.0);
-            }
             if (from[3]) {
+                float over[4];
+                draw_colour(over, from, 1);
                 lay_pixel(sheet, &to, panel->at[0] + x, panel->at[1] + y, over);
             }
         }
@@ -711,7 +705,7 @@ conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const
     } else {
         *out = of.image;
     }
-    picture_cut_finish(&of.picture);
+    picture_finish(&of.picture);
     conus_cutter_destroy(of.cutter);
     memory_free(of.panels);
     return status;

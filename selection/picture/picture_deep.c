@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Everything in the cone as a deep image: a sample for each interval of a pixel's ray inside an object. */
+#include "base/buffer.h"
 #include "base/memory.h"
 #include "base/order.h"
 #include "render/image/deep_image.h"
@@ -8,55 +9,26 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-static size_t pixel_from_top(const conus_selection *selection, uint32_t x, uint32_t y)
+enum { A, Z, Z_BACK, ID, OBJECT, T, T_BACK, CHANNEL_COUNT };
+
+static const char *const CHANNELS[CHANNEL_COUNT] = {"A", "Z", "ZBack", "id", "object", "t", "tBack"};
+
+/* `next` has the first sample of each pixel of the image. */
+static void fill_channels(struct deep_image *image, const conus_selection *selection, size_t *next)
 {
     uint32_t n = selection->cone.resolution;
-    return (size_t)(n - 1 - y) * n + x;
-}
-
-static conus_status count_samples(struct deep_image **out, const conus_selection *selection, const size_t *first)
-{
-    uint32_t n = selection->cone.resolution;
-    uint32_t *counts = memory_raw((size_t)n * n, sizeof *counts);
-    if (!counts) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (uint32_t y = 0; y < n; y++) {
-        for (uint32_t x = 0; x < n; x++) {
-            size_t pixel = pixel_from_top(selection, x, y);
-            counts[(size_t)y * n + x] = (uint32_t)(first[pixel + 1] - first[pixel]);
-        }
-    }
-    conus_status status = deep_image_create(out, n, n, counts);
-    memory_free(counts);
-    return status;
-}
-
-enum { ID, OBJECT, Z, Z_BACK, T, T_BACK, A, CHANNEL_COUNT };
-
-static const char *const CHANNELS[CHANNEL_COUNT] = {"id", "object", "Z", "ZBack", "t", "tBack", "A"};
-
-static void fill_channels(struct deep_image *image, const conus_selection *selection, const size_t *first)
-{
-    uint32_t n = selection->cone.resolution;
-    size_t sample = 0;
-    for (uint32_t y = 0; y < n; y++) {
-        for (uint32_t x = 0; x < n; x++) {
-            size_t pixel = pixel_from_top(selection, x, y);
-            for (size_t i = first[pixel]; i < first[pixel + 1]; i++) {
-                const conus_interval *interval = &selection->layers.intervals[i];
-                double per_depth = cone_per_depth(&selection->cone, interval->pixel % n, interval->pixel / n);
-                image->channels[ID].uints[sample] = conus_atlas_object(selection->atlas, interval->object)->label;
-                image->channels[OBJECT].uints[sample] = interval->object;
-                image->channels[Z].floats[sample] = (float)(interval->entry / per_depth);
-                image->channels[Z_BACK].floats[sample] = (float)(interval->exit / per_depth);
-                image->channels[T].floats[sample] = (float)interval->entry;
-                image->channels[T_BACK].floats[sample] = (float)interval->exit;
-                image->channels[A].floats[sample++] = 1;
-            }
-        }
+    for (size_t i = 0; i < selection->layers.count; i++) {
+        const conus_interval *interval = &selection->layers.intervals[i];
+        double per_depth = cone_per_depth(&selection->cone, interval->pixel % n, interval->pixel / n);
+        size_t sample = next[picture_flipped(n, interval->pixel)]++;
+        image->channels[ID].uints[sample] = conus_atlas_object(selection->atlas, interval->object)->label;
+        image->channels[OBJECT].uints[sample] = interval->object;
+        image->channels[Z].floats[sample] = (float)(interval->entry / per_depth);
+        image->channels[Z_BACK].floats[sample] = (float)(interval->exit / per_depth);
+        image->channels[T].floats[sample] = (float)interval->entry;
+        image->channels[T_BACK].floats[sample] = (float)interval->exit;
+        image->channels[A].floats[sample] = 1;
     }
 }
 
@@ -100,13 +72,13 @@ struct names {
     const char **of_numbers;    /* [3 * count] name, label, kind */
     const char **of_labels;     /* [count] */
     char (*digits)[12];         /* [count] labels of the objects as texts */
-    char **joined;              /* [count] owned */
+    struct buffer *joined;      /* [count] names of labels */
 };
 
 static void names_finish(struct names *names, size_t count)
 {
     for (size_t i = 0; names->joined && i < count; i++) {
-        memory_free(names->joined[i]);
+        buffer_finish(&names->joined[i]);
     }
     memory_free(names->joined);
     memory_free(names->numbers);
@@ -134,28 +106,20 @@ static conus_status names_init(struct names *out, size_t count)
 /* Names for the labels of `named`, which is sorted by them; gives how many in *labels. */
 static conus_status name_labels(struct names *names, size_t *labels, const struct named *named, size_t count)
 {
+    conus_status status = CONUS_OK;
     *labels = 0;
-    for (size_t i = 0; i < count; i++) {
-        size_t at = *labels;
+    for (size_t i = 0; i < count && !status; i++) {
         const conus_object *object = named[i].object;
-        if (at == 0 || names->labels[at - 1] != object->label) {
-            names->labels[at] = object->label;
-            names->of_labels[at] = object->name;
-            (*labels)++;
-            continue;
-        }
+        const bool is_new = i == 0 || named[i - 1].object->label != object->label;
+        *labels += is_new;
+        struct buffer *name = &names->joined[*labels - 1];
         /* "Hippocampus / fornix": an area and a pathway may have one label. */
-        size_t size = strlen(names->of_labels[at - 1]) + strlen(object->name) + 4;
-        char *joined = memory_raw(size, 1);
-        if (!joined) {
-            return CONUS_ERROR_MEMORY;
-        }
-        snprintf(joined, size, "%s / %s", names->of_labels[at - 1], object->name);
-        memory_free(names->joined[at - 1]);
-        names->joined[at - 1] = joined;
-        names->of_labels[at - 1] = joined;
+        buffer_format(name, "%s%s", is_new ? "" : " / ", object->name);
+        names->labels[*labels - 1] = object->label;
+        names->of_labels[*labels - 1] = name->data;
+        status = buffer_status(name);
     }
-    return CONUS_OK;
+    return status;
 }
 
 static conus_status format_names(struct bytes *out, struct names *names, struct named *named, size_t count)
@@ -201,25 +165,29 @@ static conus_status add_names(struct deep_image *image, const conus_selection *s
 static conus_status create_image(struct deep_image **out, const conus_selection *selection)
 {
     struct deep_image *image = NULL;
-    /* Samples of pixel (x, y) of the image, which begins at its top, begin at this interval. */
-    size_t pixels = (size_t)selection->cone.resolution * selection->cone.resolution;
+    const uint32_t n = selection->cone.resolution;
+    const size_t pixels = (size_t)n * n;
+    uint32_t *counts = memory_zeroed(pixels, sizeof *counts);
     size_t *first = memory_zeroed(pixels + 1, sizeof *first);
-    for (size_t i = 0; first && i < selection->layers.count; i++) {
-        first[selection->layers.intervals[i].pixel + 1]++;
+    const bool fits = counts && first;
+    for (size_t i = 0; fits && i < selection->layers.count; i++) {
+        counts[picture_flipped(n, selection->layers.intervals[i].pixel)]++;
     }
-    for (size_t i = 0; first && i < pixels; i++) {
-        first[i + 1] += first[i];
+    for (size_t p = 0; fits && p < pixels; p++) {
+        first[p + 1] = first[p] + counts[p];
     }
-    conus_status status = first ? count_samples(&image, selection, first) : CONUS_ERROR_MEMORY;
+    conus_status status = fits ? deep_image_create(&image, n, n, counts) : CONUS_ERROR_MEMORY;
     for (int c = 0; !status && c < CHANNEL_COUNT; c++) {
         struct image_channel *channel = NULL;
-        status = deep_image_add_channel(image, CHANNELS[c], c < Z ? IMAGE_UINT : IMAGE_FLOAT, &channel);
+        status =
+            deep_image_add_channel(image, CHANNELS[c], c == ID || c == OBJECT ? IMAGE_UINT : IMAGE_FLOAT, &channel);
     }
     if (!status) {
         fill_channels(image, selection, first);
         status = add_names(image, selection);
     }
     status = status ? status : picture_add_selection(image->header, selection);
+    memory_free(counts);
     memory_free(first);
     if (status) {
         deep_image_destroy(image);

@@ -2,7 +2,6 @@
 /* The legend of a picture: its rows, and the place beside or below the drawing that it takes. */
 #include "selection/picture/picture.h"
 
-#include "base/buffer.h"
 #include "base/geometry/math3.h"
 #include "base/look.h"
 #include "base/memory.h"
@@ -11,15 +10,14 @@
 #include "render/draw/legend.h"
 #include "selection/measure/tract_census.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
 enum {
     TEXT_SIZE = PICTURE_TEXT,
-    CELL_SIZE = 24,
     PATHWAY_ROWS = 4, /* that are not hit */
     OTHER_ROWS = 2 * PATHWAY_ROWS + 1,
-    COLOURS = 3,
     MARKS = 5,
     COLOUR_ROWS = MARKS + 2,
     KEYS = 3
@@ -46,26 +44,46 @@ static const double NO_SHARE = 0.0005;
 
 static const char BEHIND[] = "behind";
 
-/* The words of one row, which legend_row points to. */
-struct cells {
-    char share[CELL_SIZE], distance[CELL_SIZE];
-};
-
 struct picture_legend {
     struct legend legend;
     struct legend_row *rows;
-    struct cells *cells;
     const char **prefixes; /* of conus_atlas_prefixes() */
-    struct buffer *names;  /* [name_count] names with a prefix, of objects that share theirs */
-    size_t name_count;
-    char subtitle[2][TEXT_SIZE], whole[2 * TEXT_SIZE], words[2][TEXT_SIZE], more[TEXT_SIZE],
-        colours[KEYS * COLOUR_ROWS][TEXT_SIZE];
+    char **texts;          /* [text_count] what say() gave */
+    size_t text_count, text_capacity;
+    bool failed;                               /* a text found no memory */
     uint8_t bars[2][MARKS - 1][LEGEND_BAR][3]; /* of the ramp of numbers, and of haze */
     uint8_t ramp[LEGEND_BAR][3];               /* the chip of the only haze that is coloured by its values */
     uint8_t tubes[LEGEND_BAR][3];              /* that of streamlines that are not coloured by bundle */
     double size[2];                            /* pixels of the image */
     bool is_right;                             /* of the drawing, not below it */
 };
+
+/* A text that lasts as long as the legend. */
+static __attribute__((format(printf, 2, 3))) const char *say(struct picture_legend *legend, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    const int length = vsnprintf(NULL, 0, format, args);
+    va_end(args);
+    char *text = memory_raw((size_t)length + 1, 1);
+    if (!text ||
+        !memory_reserve(&legend->texts, &legend->text_capacity, legend->text_count + 1, sizeof *legend->texts)) {
+        memory_free(text);
+        legend->failed = true;
+        return "";
+    }
+    va_start(args, format);
+    vsnprintf(text, (size_t)length + 1, format, args);
+    va_end(args);
+    return legend->texts[legend->text_count++] = text;
+}
+
+static struct legend_row *add_row(struct picture_legend *legend, const char *name)
+{
+    struct legend_row *row = &legend->rows[legend->legend.count++];
+    *row = (struct legend_row){.name = name};
+    return row;
+}
 
 /* A cut has no colouring. */
 static bool colours_streamlines(const struct picture *picture)
@@ -200,24 +218,18 @@ const char *picture_name(char out[PICTURE_TEXT], const conus_atlas *atlas, uint3
 }
 
 /* Writes an object's name: behind its number in the picture, with its kind or side where another object has that name,
- * and saying so where it is hidden. Without memory the name alone. */
+ * and saying so where it is hidden. */
 static const char *name_of(struct picture_legend *legend, const struct picture *picture, uint32_t number, bool hidden)
 {
     const char *own = picture->atlas->objects[number - 1].name;
     const char *word = legend->prefixes[number];
     char text[PICTURE_TEXT];
     const char *name = word[0] ? own : picture_name(text, picture->atlas, number);
-    struct buffer *whole = &legend->names[legend->name_count];
-    size_t tag = picture_tag(picture, number);
-    if (!word[0] && !tag && !hidden && name == own) {
-        return own;
+    char tag[PICTURE_NUMBER] = "";
+    if (picture_tag(picture, number)) {
+        snprintf(tag, sizeof tag, "%zu  ", picture_tag(picture, number));
     }
-    if (tag) {
-        buffer_format(whole, "%zu  ", tag);
-    }
-    buffer_format(whole, "%s%s%s%s", word, word[0] ? " " : "", name, hidden ? " (not seen)" : "");
-    legend->name_count++;
-    return whole->failed ? own : whole->data;
+    return say(legend, "%s%s%s%s%s", tag, word, word[0] ? " " : "", name, hidden ? " (not seen)" : "");
 }
 
 /* Objects that are listed though the cone does not hit them have the ranks behind those that it does, in the order of
@@ -254,13 +266,6 @@ conus_status picture_rank(struct picture *picture, bool on_dark)
         picture->line_rgb = picture_rank_colours(picture->ranks, picture->atlas, LOOK_OUTLINE);
     }
     return picture->rgb && picture->line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
-void picture_rank_finish(struct picture *picture)
-{
-    memory_free(picture->ranks);
-    memory_free(picture->rgb);
-    memory_free(picture->line_rgb);
 }
 
 /* sRGB of a function between its first point, part 0, and its last, 1. */
@@ -318,22 +323,17 @@ static void set_chip(struct legend_row *row, struct picture_legend *out, const s
 }
 
 /* With all layers, from the apex to where the cone enters it, whether or not it is hit first. */
-static void fill_row(struct picture_legend *out, size_t index, const struct picture *picture,
-                     const conus_result *result)
+static void add_result(struct picture_legend *out, const struct picture *picture, const conus_result *result)
 {
     const bool is_entry = picture->options.selection->has_layers;
-    struct legend_row *row = &out->rows[index];
-    struct cells *cells = &out->cells[index];
+    struct legend_row *row = add_row(out, "unassigned");
     bool is_behind = result->object && !result->pixels;
-    snprintf(cells->share, sizeof cells->share, "%.1f %%", 100 * result->share);
-    snprintf(cells->distance, sizeof cells->distance, "%.1f mm", is_entry ? result->entry : result->distance);
-    row->detail[0] = is_behind ? BEHIND : cells->share;
+    row->detail[0] = is_behind ? BEHIND : say(out, "%.1f %%", 100 * result->share);
     row->plain = !result->object;
-    row->name = "unassigned";
     if (result->object) {
         row->name = name_of(out, picture, result->object, result->pixels && picture_is_hidden(picture, result->object));
         set_chip(row, out, picture, result->object);
-        row->detail[1] = cells->distance;
+        row->detail[1] = say(out, "%.1f mm", is_entry ? result->entry : result->distance);
     }
 }
 
@@ -363,21 +363,21 @@ static bool is_entered(const struct picture *picture, uint32_t number)
 
 /* Adds rows for pathways and bundles that are shown but not hit, while they are few: those of which streamlines are
  * coloured in the cone, or the others. */
-static size_t add_not_hit(struct picture_legend *out, struct legend_row *rows, const struct picture *picture,
-                          bool entered)
+static void add_not_hit(struct picture_legend *out, const struct picture *picture, bool entered)
 {
     const conus_atlas *atlas = picture->atlas;
     const char *detail = entered ? "inside" : "not hit";
+    const size_t first = out->legend.count;
     size_t count = 0;
     size_t bundles = 0;
-    for (size_t number = atlas->area_count + 1; number <= atlas->object_count; number++) {
-        if (picture_draws(picture, (uint32_t)number) && !is_listed(picture, (uint32_t)number) &&
-            picture->emphasis[number] == EMPHASIS_PALE && is_entered(picture, (uint32_t)number) == entered) {
+    for (uint32_t number = (uint32_t)atlas->area_count + 1; number <= atlas->object_count; number++) {
+        if (picture_draws(picture, number) && !is_listed(picture, number) &&
+            picture->emphasis[number] == EMPHASIS_PALE && is_entered(picture, number) == entered) {
             bundles += atlas->objects[number - 1].kind == CONUS_KIND_BUNDLE;
             if (count++ < PATHWAY_ROWS) {
-                struct legend_row *row = &rows[count - 1];
-                *row = (struct legend_row){.name = name_of(out, picture, (uint32_t)number, false), .detail = {detail}};
-                set_chip(row, out, picture, (uint32_t)number);
+                struct legend_row *row = add_row(out, name_of(out, picture, number, false));
+                row->detail[0] = detail;
+                set_chip(row, out, picture, number);
                 if (entered) {
                     set_tube_chip(row, out, picture);
                 }
@@ -385,32 +385,30 @@ static size_t add_not_hit(struct picture_legend *out, struct legend_row *rows, c
         }
     }
     if (count > PATHWAY_ROWS) {
-        snprintf(out->words[entered], TEXT_SIZE, "%zu %s", count,
-                 !bundles           ? "pathways"
-                 : bundles == count ? "bundles"
-                                    : "pathways and bundles");
-        rows[0] = (struct legend_row){.name = out->words[entered], .plain = true, .detail = {detail}};
-        count = 1;
+        const char *kind = !bundles ? "pathways" : bundles == count ? "bundles" : "pathways and bundles";
+        out->legend.count = first;
+        struct legend_row *row = add_row(out, say(out, "%zu %s", count, kind));
+        row->plain = true;
+        row->detail[0] = detail;
     }
-    return count;
 }
 
 /* Adds rows for what is shown but not hit, and one that says that other areas are left out. */
-static size_t add_pathways(struct picture_legend *out, struct legend_row *rows, const struct picture *picture)
+static void add_pathways(struct picture_legend *out, const struct picture *picture)
 {
     const conus_atlas *atlas = picture->atlas;
-    size_t count = add_not_hit(out, rows, picture, true);
-    count += add_not_hit(out, rows + count, picture, false);
+    add_not_hit(out, picture, true);
+    add_not_hit(out, picture, false);
     if ((pathways_first(atlas) || pathways_shown(atlas)) && atlas_parcellation_count(atlas) && leaves_out(picture)) {
-        rows[count++] = (struct legend_row){.name = "other areas", .plain = true, .detail = {"not drawn"}};
+        struct legend_row *row = add_row(out, "other areas");
+        row->plain = true;
+        row->detail[0] = "not drawn";
     }
-    return count;
 }
 
 /* Adds a bar of numbers, the largest above, with the colours of `transfer` from its first point to its last, or without
  * one those of tube_scalar_colour(). */
-static size_t add_bar(struct legend_row rows[MARKS], char words[MARKS][TEXT_SIZE], struct picture_legend *out,
-                      double low, double high, const struct transfer *transfer)
+static void add_bar(struct picture_legend *out, double low, double high, const struct transfer *transfer)
 {
     uint8_t(*bars)[LEGEND_BAR][3] = out->bars[transfer ? 1 : 0];
     double step = (high - low) / (MARKS - 1);
@@ -419,8 +417,9 @@ static size_t add_bar(struct legend_row rows[MARKS], char words[MARKS][TEXT_SIZE
     bool is_plain = step > 0 && largest < 1e6 && decimals < 6; /* as many decimals at each mark */
     for (int i = 0; i < MARKS; i++) {
         double part = 1 - i / (MARKS - 1.0);
-        snprintf(words[i], TEXT_SIZE, is_plain ? "%.*f" : "%.*g", is_plain ? decimals : 4, low + part * (high - low));
-        rows[i] = (struct legend_row){.name = words[i], .mark = true};
+        struct legend_row *row =
+            add_row(out, say(out, is_plain ? "%.*f" : "%.*g", is_plain ? decimals : 4, low + part * (high - low)));
+        row->mark = true;
         for (int k = 0; k < LEGEND_BAR && i; k++) {
             double at = part + (1 - (k + 0.5) / LEGEND_BAR) / (MARKS - 1);
             if (transfer) {
@@ -429,29 +428,28 @@ static size_t add_bar(struct legend_row rows[MARKS], char words[MARKS][TEXT_SIZE
                 tube_scalar_colour(bars[i - 1][k], at);
             }
         }
-        rows[i].bar = i ? (const uint8_t(*)[3])bars[i - 1] : NULL;
+        row->bar = i ? (const uint8_t(*)[3])bars[i - 1] : NULL;
     }
-    return MARKS;
 }
 
 /* Explains the colours of streamlines where these are not their bundles': a heading, and colours. */
-static size_t add_streamlines(struct legend_row rows[COLOUR_ROWS], char words[COLOUR_ROWS][TEXT_SIZE],
-                              struct picture_legend *out, const struct picture *picture)
+static void add_streamlines(struct picture_legend *out, const struct picture *picture)
 {
+    static const char *const directions[] = {"left to right", "back to front", "down to up"};
     const struct tube_colouring *colouring = picture->streamlines;
     if (!colours_streamlines(picture)) {
-        return 0;
+        return;
     }
-    snprintf(words[0], TEXT_SIZE, "Streamlines by %.*s", TEXT_SIZE / 2,
-             colouring->by == TUBE_BY_DIRECTION ? "direction" : colouring->scalar);
-    rows[0] = (struct legend_row){.name = words[0], .heading = true};
+    add_row(out, say(out, "Streamlines by %.*s", TEXT_SIZE / 2,
+                     colouring->by == TUBE_BY_DIRECTION ? "direction" : colouring->scalar))
+        ->heading = true;
     if (colouring->by == TUBE_BY_SCALAR && colouring->low > colouring->high) {
-        rows[1] = (struct legend_row){.name = "not known"};
-        tube_scalar_colour(rows[1].rgb, NAN);
-        return 2;
+        tube_scalar_colour(add_row(out, "not known")->rgb, NAN);
+        return;
     }
     if (colouring->by == TUBE_BY_SCALAR) {
-        return 1 + add_bar(rows + 1, words + 1, out, colouring->low, colouring->high, NULL);
+        add_bar(out, colouring->low, colouring->high, NULL);
+        return;
     }
     bool has_points = false;
     for (size_t i = 0; i < picture->atlas->tractogram_count; i++) {
@@ -460,16 +458,12 @@ static size_t add_streamlines(struct legend_row rows[COLOUR_ROWS], char words[CO
             has_points = tractogram->first[k + 1] - tractogram->first[k] == 1;
         }
     }
+    for (int i = 0; i < 3; i++) {
+        add_row(out, directions[i])->rgb[i] = 255;
+    }
     if (has_points) {
-        rows[1 + COLOURS] = (struct legend_row){.name = "none: one point"};
-        tube_direction_colour(rows[1 + COLOURS].rgb, (const double[3]){0, 0, 0});
+        tube_direction_colour(add_row(out, "none: one point")->rgb, (const double[3]){0, 0, 0});
     }
-    for (int i = 0; i < COLOURS; i++) {
-        static const char *const directions[COLOURS] = {"left to right", "back to front", "down to up"};
-        rows[1 + i] = (struct legend_row){.name = directions[i]};
-        rows[1 + i].rgb[i] = 255;
-    }
-    return 1 + COLOURS + has_points;
 }
 
 /* "leeway_mm" becomes "leeway, mm". */
@@ -493,22 +487,20 @@ static void describe_map(char out[TEXT_SIZE], const char *name)
 }
 
 /* Explains the colours of a surface that has a map. */
-static size_t add_map(struct legend_row rows[COLOUR_ROWS], char words[COLOUR_ROWS][TEXT_SIZE],
-                      struct picture_legend *out, const struct picture *picture)
+static void add_map(struct picture_legend *out, const struct picture *picture)
 {
     const struct context_surface *surface = atlas_mapped_surface(picture->atlas);
-    if (!surface) {
-        return 0;
+    if (surface) {
+        char words[TEXT_SIZE];
+        describe_map(words, surface->map_name);
+        add_row(out, say(out, "%s", words))->heading = true;
+        add_bar(out, surface->low, surface->high, NULL);
     }
-    describe_map(words[0], surface->map_name);
-    rows[0] = (struct legend_row){.name = words[0], .heading = true};
-    return 1 + add_bar(rows + 1, words + 1, out, surface->low, surface->high, NULL);
 }
 
 /* Explains the colours of haze by values: as values where they stand for the same ones in all such pathways, else as
  * parts of the way from where each pathway begins to its largest value. */
-static size_t add_haze(struct legend_row rows[COLOUR_ROWS], char words[COLOUR_ROWS][TEXT_SIZE],
-                       struct picture_legend *out, const struct picture *picture)
+static void add_haze(struct picture_legend *out, const struct picture *picture)
 {
     const struct transfer *first = NULL;
     const char *unit = NULL;
@@ -537,31 +529,11 @@ static size_t add_haze(struct legend_row rows[COLOUR_ROWS], char words[COLOUR_RO
             memcpy(span, ends, sizeof span);
         }
     }
-    if (!first) {
-        return 0;
+    if (first) {
+        const char *what = is_same ? unit : is_probability ? "probability, % of range" : "value, % of range";
+        add_row(out, say(out, "Pathways by %s", what))->heading = true;
+        add_bar(out, is_same ? span[0] : 0, is_same ? span[1] : 100, first);
     }
-    snprintf(words[0], TEXT_SIZE, "Pathways by %s",
-             is_same          ? unit
-             : is_probability ? "probability, % of range"
-                              : "value, % of range");
-    rows[0] = (struct legend_row){.name = words[0], .heading = true};
-    return 1 + add_bar(rows + 1, words + 1, out, is_same ? span[0] : 0, is_same ? span[1] : 100, first);
-}
-
-/* The bars of streamlines and of a map are of the same colours: each has its own numbers beside it. */
-static size_t add_colours(struct legend_row rows[KEYS * COLOUR_ROWS], struct picture_legend *out,
-                          const struct picture *picture)
-{
-    size_t count = add_map(rows, out->colours, out, picture);
-    count += add_haze(rows + count, out->colours + 2 * COLOUR_ROWS, out, picture);
-    return count + add_streamlines(rows + count, out->colours + COLOUR_ROWS, out, picture);
-}
-
-/* Adds a row for whoever reads sides off the names, where these and the places contradict each other. */
-static size_t add_exchanged(struct legend_row *row, const conus_atlas *atlas)
-{
-    *row = (struct legend_row){.name = "left and right are exchanged", .plain = true};
-    return conus_atlas_exchanged(atlas) != NULL;
 }
 
 /* Digits after the point with which a number was given; -1 = more than six: it was computed. */
@@ -637,23 +609,20 @@ static uint32_t listed_at(const struct picture *picture, size_t i, const bool *d
 
 /* Adds what is listed though the cone does not hit it, areas of one level once. Those that are hit are marked in `done`
  * [object_count + 1]. */
-static size_t add_listed(struct picture_legend *out, struct legend_row *rows, const struct picture *picture, bool *done)
+static void add_listed(struct picture_legend *out, const struct picture *picture, bool *done)
 {
     const conus_selection *selection = picture->options.selection;
-    const conus_atlas *atlas = picture->atlas;
-    size_t count = 0;
-    for (size_t i = 0; i < atlas->object_count; i++) {
+    for (size_t i = 0; i < picture->atlas->object_count; i++) {
         uint32_t number = listed_at(picture, i, done);
         uint32_t shown = selection && selection->group ? selection->group[number] : number;
         bool was_done = done[shown];
         done[shown] = done[shown] || !selection || is_listed(picture, number);
         if (!was_done && is_listed(picture, number)) {
-            rows[count] = (struct legend_row){.name = name_of(out, picture, shown, picture_is_hidden(picture, shown))};
-            rows[count].detail[0] = selection ? "not hit" : NULL;
-            set_chip(&rows[count++], out, picture, shown);
+            struct legend_row *row = add_row(out, name_of(out, picture, shown, picture_is_hidden(picture, shown)));
+            row->detail[0] = selection ? "not hit" : NULL;
+            set_chip(row, out, picture, shown);
         }
     }
-    return count;
 }
 
 static const char *title_of(const struct picture *picture)
@@ -695,13 +664,13 @@ static void leave_out(struct picture_legend *out, size_t kept, bool only_behind)
         all_behind = all_behind && rows[i].detail[0] == BEHIND;
         if (!more) {
             more = &rows[count++];
-            *more = (struct legend_row){.name = out->more, .plain = true};
+            *more = (struct legend_row){.plain = true};
         }
     }
     if (more) {
+        more->name = say(out, "\u2026 and %zu more", left_out);
         more->detail[0] = all_behind ? BEHIND : NULL;
     }
-    snprintf(out->more, sizeof out->more, "\u2026 and %zu more", left_out);
     out->legend.count = count;
 }
 
@@ -711,7 +680,6 @@ static conus_status fill_rows(struct picture_legend *out, const struct picture *
     static const char *const titles[][2] = {{"First hits of the cone", "Hits of the cone"},
                                             {"First hits of the cylinder", "Hits of the cylinder"}};
     const conus_selection *selection = picture->options.selection;
-    size_t count = 0;
     bool *done = memory_zeroed(picture->atlas->object_count + 1, sizeof *done);
     if (!done) {
         return CONUS_ERROR_MEMORY;
@@ -719,27 +687,35 @@ static conus_status fill_rows(struct picture_legend *out, const struct picture *
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (result->object ? result->pixels || result->pierced : result->share >= NO_SHARE) {
-            fill_row(out, count, picture, result);
+            add_result(out, picture, result);
             done[result->object] = true;
-            count++;
         }
     }
-    count += add_listed(out, out->rows + count, picture, done);
+    add_listed(out, picture, done);
     memory_free(done);
-    count += selection ? add_pathways(out, out->rows + count, picture) : 0;
-    size_t tail = count ? add_exchanged(out->rows + count, picture->atlas) : 0;
-    tail += add_colours(out->rows + count + tail, out, picture);
-    out->legend = (struct legend){.rows = out->rows, .count = count + tail, .tail = tail};
     if (selection) {
-        picture_describe_cone(out->subtitle, &selection->cone, picture->options.frame);
+        add_pathways(out, picture);
+    }
+    const size_t count = out->legend.count;
+    if (count && conus_atlas_exchanged(picture->atlas)) { /* for whoever reads sides off the names */
+        add_row(out, "left and right are exchanged")->plain = true;
+    }
+    add_map(out, picture); /* the bars of streamlines and of a map are of the same colours, with their own numbers */
+    add_haze(out, picture);
+    add_streamlines(out, picture);
+    out->legend.rows = out->rows;
+    out->legend.tail = out->legend.count - count;
+    if (selection) {
+        char subtitle[2][PICTURE_TEXT];
+        picture_describe_cone(subtitle, &selection->cone, picture->options.frame);
         out->legend.title = titles[selection->cone.radius > 0][selection->has_layers];
-        out->legend.subtitle[0] = out->subtitle[0];
-        out->legend.subtitle[1] = out->subtitle[1];
+        out->legend.subtitle[0] = say(out, "%s", subtitle[0]);
+        out->legend.subtitle[1] = say(out, "%s", subtitle[1]);
         out->legend.header[0] = "share";
         out->legend.header[1] = selection->has_layers ? "entry" : "distance";
     } else if (count) {
         out->legend.title = title_of(picture);
-    } else if (tail) { /* without a cone, the heading of the colours is the title */
+    } else if (out->legend.tail) { /* without a cone, the heading of the colours is the title */
         out->legend.title = out->rows[0].name;
         out->legend.rows++;
         out->legend.count--;
@@ -811,8 +787,7 @@ static void join_subtitle(struct picture_legend *legend, const struct picture *p
     if (!joined.subtitle[1]) {
         return;
     }
-    snprintf(legend->whole, sizeof legend->whole, "%s %s", joined.subtitle[0], joined.subtitle[1]);
-    joined.subtitle[0] = legend->whole;
+    joined.subtitle[0] = say(legend, "%s %s", joined.subtitle[0], joined.subtitle[1]);
     joined.subtitle[1] = NULL;
     joined.count = joined.tail = 0;
     legend_fit(size, &joined, picture->font, any, picture->em, picture->em);
@@ -846,23 +821,18 @@ static void place(struct picture_legend *legend, struct picture *picture)
     drawn->faint = (double)picture->dim;
 }
 
-static void legend_destroy(struct picture_legend *legend)
-{
-    if (legend) {
-        for (size_t i = 0; i < legend->name_count; i++) {
-            buffer_finish(&legend->names[i]);
-        }
-        memory_free(legend->names);
-        memory_free((void *)legend->prefixes);
-        memory_free(legend->rows);
-        memory_free(legend->cells);
-        memory_free(legend);
-    }
-}
-
 void picture_legend_finish(struct picture *picture)
 {
-    legend_destroy(picture->legend);
+    struct picture_legend *legend = picture->legend;
+    for (size_t i = 0; legend && i < legend->text_count; i++) {
+        memory_free(legend->texts[i]);
+    }
+    if (legend) {
+        memory_free(legend->texts);
+        memory_free((void *)legend->prefixes);
+        memory_free(legend->rows);
+    }
+    memory_free(legend);
     picture->legend = NULL;
 }
 
@@ -870,26 +840,19 @@ conus_status picture_legend_init(struct picture *picture)
 {
     size_t results = conus_selection_count(picture->options.selection);
     size_t most = results + picture->atlas->object_count + OTHER_ROWS;
-    struct picture_legend *legend = memory_zeroed(1, sizeof *legend);
+    struct picture_legend *legend = picture->legend = memory_zeroed(1, sizeof *legend);
     if (legend) {
         legend->rows = memory_zeroed(most + 1 + KEYS * COLOUR_ROWS, sizeof *legend->rows);
-        legend->cells = memory_zeroed(results + 1, sizeof *legend->cells);
-        legend->names = memory_zeroed(most, sizeof *legend->names);
         legend->prefixes = memory_zeroed(picture->atlas->object_count + 1, sizeof *legend->prefixes);
     }
-    if (!legend || !legend->rows || !legend->cells || !legend->names || !legend->prefixes ||
-        conus_atlas_prefixes(legend->prefixes, picture->atlas)) {
-        legend_destroy(legend);
+    if (!legend || !legend->rows || !legend->prefixes || conus_atlas_prefixes(legend->prefixes, picture->atlas)) {
         return CONUS_ERROR_MEMORY;
     }
     conus_status status = fill_rows(legend, picture);
-    if (status) {
-        legend_destroy(legend);
-        return status;
+    if (!status) {
+        place(legend, picture);
     }
-    place(legend, picture);
-    picture->legend = legend;
-    return CONUS_OK;
+    return legend->failed ? CONUS_ERROR_MEMORY : status;
 }
 
 void picture_lower(struct picture *picture, uint32_t height)

@@ -120,23 +120,31 @@ uint8_t *picture_probe_emphasis(const struct picture *picture)
     return emphasis;
 }
 
-static const char *name_of(char out[PICTURE_TEXT], const struct picture *picture, uint32_t number, bool is_short)
+static const char *name_of(char out[PICTURE_TEXT], const struct picture *picture, uint32_t number)
 {
     const conus_object *object = &picture->atlas->objects[number - 1];
-    return is_short && object->abbreviation[0] ? object->abbreviation : picture_name(out, picture->atlas, number);
+    return picture->probes->is_short && object->abbreviation[0] ? object->abbreviation
+                                                                : picture_name(out, picture->atlas, number);
 }
 
-/* Width of the names of a probe's areas in letters of `size` pixels. */
-static double names_width(const struct picture *picture, double size, const conus_segments *segments, bool is_short)
+/* Finds the width of the names of each probe's areas, at most `limit`, and gives their sum. */
+static double measure_names(const struct picture *picture, double limit)
 {
-    double widest = LEAST_NAMES * size;
-    for (size_t i = 0; i < conus_segments_count(segments); i++) {
-        uint32_t number = conus_segments_segment(segments, i)->object;
-        char text[PICTURE_TEXT];
-        const char *name = number ? name_of(text, picture, number, is_short) : "";
-        widest = fmax(widest, font_width(picture->font, size, name));
+    const struct picture_probes *probes = picture->probes;
+    double sum = 0;
+    for (size_t n = 0; n < picture->options.probe_count; n++) {
+        const conus_segments *segments = picture->options.probes[n].segments;
+        double widest = LEAST_NAMES * probes->letters;
+        for (size_t i = 0; i < conus_segments_count(segments); i++) {
+            uint32_t number = conus_segments_segment(segments, i)->object;
+            char text[PICTURE_TEXT];
+            const char *name = number ? name_of(text, picture, number) : "";
+            widest = fmax(widest, font_width(picture->font, probes->letters, name));
+        }
+        probes->names[n] = fmin(widest, limit);
+        sum += probes->names[n];
     }
-    return widest;
+    return sum;
 }
 
 void picture_probes_finish(struct picture *picture)
@@ -165,11 +173,7 @@ conus_status picture_probes_init(struct picture *picture)
     double total = INFINITY;
     for (int pass = 0; pass < 2 && total > limit; pass++) {
         out->is_short = pass;
-        total = fixed;
-        for (size_t i = 0; i < count; i++) {
-            out->names[i] = names_width(picture, em, picture->options.probes[i].segments, out->is_short);
-            total += out->names[i];
-        }
+        total = fixed + measure_names(picture, INFINITY);
     }
     if (total > limit) {
         double each = (limit - fixed) / (double)count;
@@ -179,13 +183,7 @@ conus_status picture_probes_init(struct picture *picture)
         }
         double part = fmax(SMALLEST, fmin((limit - fixed) / (total - fixed), 1));
         out->letters = part * em;
-        total = fixed;
-        for (size_t i = 0; i < count; i++) {
-            /* measured again, since letters have some sizes only */
-            out->names[i] = names_width(picture, out->letters, picture->options.probes[i].segments, out->is_short);
-            out->names[i] = part > SMALLEST ? out->names[i] : fmin(out->names[i], each);
-            total += out->names[i];
-        }
+        total = fixed + measure_names(picture, part > SMALLEST ? INFINITY : each); /* letters have some sizes only */
     }
     out->from = INFINITY;
     out->to = -INFINITY;
@@ -217,6 +215,13 @@ static bool project(double at[2], const struct picture *picture, const double po
     return camera_project(&at[0], &at[1], &depth, &picture->camera, &picture->frame, point);
 }
 
+/* The ends of a probe's line in the picture; whether it is before the camera. */
+static bool project_ends(double from[2], double to[2], const struct picture *picture, size_t index)
+{
+    double ends[2][3];
+    return picture_probe_ends(ends, picture, index) && project(from, picture, ends[0]) && project(to, picture, ends[1]);
+}
+
 /* A line, without what of it lies right of the drawing. */
 static void draw_in_drawing(struct draw_list *list, const struct picture *picture, double from[2], double to[2],
                             double width, const float rgba[4])
@@ -238,10 +243,8 @@ static void draw_line_of(struct draw_list *list, const struct picture *picture, 
 {
     const conus_segments *segments = picture->options.probes[index].segments;
     const double width = 0.3 * picture->em;
-    double ends[2][3];
     double from[2], to[2];
-    if (!picture_probe_ends(ends, picture, index) || !project(from, picture, ends[0]) ||
-        !project(to, picture, ends[1])) {
+    if (!project_ends(from, to, picture, index)) {
         return;
     }
     draw_in_drawing(list, picture, from, to, width + fmax(2, 0.14 * picture->em), CASING);
@@ -265,10 +268,8 @@ static void write_line_name(struct draw_list *list, const struct picture *pictur
 {
     const double em = picture->em;
     const char *name = picture->options.probes[index].name;
-    double ends[2][3];
     double from[2], to[2];
-    if (!name || !name[0] || !picture_probe_ends(ends, picture, index) || !project(from, picture, ends[0]) ||
-        !project(to, picture, ends[1])) {
+    if (!name || !name[0] || !project_ends(from, to, picture, index)) {
         return;
     }
     const double width = font_width(picture->font, em, name);
@@ -369,8 +370,7 @@ static conus_status write_labels(struct draw_list *list, const struct picture *p
     for (size_t i = 0; i < count; i++) {
         char name[TEXT_SIZE], whole[PICTURE_TEXT];
         double x = left + (STRIP + LEADER) * em;
-        font_shorten(name, sizeof name, picture->font, letters,
-                     name_of(whole, picture, labels[i].object, picture->probes->is_short),
+        font_shorten(name, sizeof name, picture->font, letters, name_of(whole, picture, labels[i].object),
                      picture->probes->names[index] + 0.01);
         draw_line(list, (double[]){left + STRIP * em, labels[i].wanted}, (double[]){x - 0.25 * em, labels[i].y},
                   picture->line, faint);

@@ -17,7 +17,6 @@ struct sight {
     struct picture *picture;
     const struct cone *cone;
     double *part;       /* [object_count + 1] of the ray's light, all 0 between rays */
-    double *steps;      /* [object_count + 1] mm of a voxel of what is haze */
     double *extinction; /* per mm at a point of each interval of a ray */
 };
 
@@ -36,7 +35,7 @@ static double extinction_at(const struct sight *sight, uint32_t number, const do
         return 0;
     }
     transfer_at(rgba, &sight->picture->hazy->transfers[number], (double)volume_value(volume, voxel));
-    return -log2(1 - fmin(rgba[3], 1 - 0x1p-24));
+    return transfer_extinction(rgba[3]);
 }
 
 /* Shares the light that comes through a step of so many mm; the rest of it. */
@@ -69,12 +68,15 @@ static void see_ray(const struct sight *sight, const conus_interval *intervals, 
     double to = 0;
     double step = INFINITY;
     double light = 1;
-    while (before < count &&
-           (is_haze(sight, &intervals[before]) || !picture_draws(picture, intervals[before].object))) {
-        const conus_interval *at = &intervals[before++];
-        from = is_haze(sight, at) ? fmin(from, at->entry) : from;
-        to = is_haze(sight, at) ? fmax(to, at->exit) : to;
-        step = is_haze(sight, at) ? fmin(step, sight->steps[at->object]) : step;
+    for (; before < count; before++) {
+        const conus_interval *at = &intervals[before];
+        if (is_haze(sight, at)) {
+            from = fmin(from, at->entry);
+            to = fmax(to, at->exit);
+            step = fmin(step, vec3_length(atlas_object_volume(picture->atlas, at->object)->info.world_from_voxel));
+        } else if (picture_draws(picture, at->object)) {
+            break;
+        }
     }
     to = before < count ? fmin(to, intervals[before].entry) : to;
     while (from < to && light >= LEAST_SEEN) {
@@ -92,8 +94,16 @@ static void see_ray(const struct sight *sight, const conus_interval *intervals, 
     }
 }
 
+/* Whether a ray of a square around the picture is in it. */
+static bool is_inside(const struct camera *camera, uint32_t across, uint32_t pixel)
+{
+    const double slope = fmax(camera->slope[0], camera->slope[1]);
+    return fabs(cone_coordinate(pixel % across, across)) * slope <= camera->slope[0] &&
+           fabs(cone_coordinate(pixel / across, across)) * slope <= camera->slope[1];
+}
+
 /* All that rays meet, since areas are left out beside pathways, and haze lets light through. */
-static conus_status see_layers(struct sight *sight, const conus_selection *seen, const bool *is_in)
+static conus_status see_layers(struct sight *sight, const conus_selection *seen)
 {
     size_t count = 0;
     const conus_interval *intervals = conus_selection_intervals(&count, seen);
@@ -105,7 +115,7 @@ static conus_status see_layers(struct sight *sight, const conus_selection *seen,
         for (end = first + 1; end < count && intervals[end].pixel == intervals[first].pixel;) {
             end++;
         }
-        if (is_in[intervals[first].pixel]) {
+        if (is_inside(&sight->picture->camera, sight->cone->resolution, intervals[first].pixel)) {
             see_ray(sight, intervals + first, end - first);
         }
     }
@@ -113,48 +123,23 @@ static conus_status see_layers(struct sight *sight, const conus_selection *seen,
     return CONUS_OK;
 }
 
-/* Which rays of a square around the picture are in it, and how many. */
-static size_t find_inside(bool *out, const struct camera *camera, uint32_t across)
-{
-    const double slope = fmax(camera->slope[0], camera->slope[1]);
-    size_t count = 0;
-    for (uint32_t p = 0; p < across * across; p++) {
-        out[p] = fabs(cone_coordinate(p % across, across)) * slope <= camera->slope[0] &&
-                 fabs(cone_coordinate(p / across, across)) * slope <= camera->slope[1];
-        count += out[p];
-    }
-    return count;
-}
-
 /* What the rays of a selection from the camera say. */
 static conus_status see_selection(struct picture *picture, const conus_selection *seen)
 {
     const size_t objects = picture->atlas->object_count + 1;
     const conus_evidence first = conus_selection_evidence(seen);
-    const size_t pixels = (size_t)first.resolution * first.resolution;
-    bool *is_in = memory_raw(pixels, sizeof *is_in);
-    struct sight sight = {.picture = picture,
-                          .cone = &seen->cone,
-                          .part = memory_zeroed(objects, sizeof(double)),
-                          .steps = memory_zeroed(objects, sizeof(double))};
-    conus_status status = sight.part && sight.steps && is_in ? CONUS_OK : CONUS_ERROR_MEMORY;
-    const double rays = status ? 1 : (double)find_inside(is_in, &picture->camera, first.resolution);
-    for (uint32_t n = 1; !status && n < objects; n++) {
-        const struct volume *volume = haze_is(picture->hazy, n) ? atlas_object_volume(picture->atlas, n) : NULL;
-        sight.steps[n] = volume ? vec3_length(volume->info.world_from_voxel) : 0;
-    }
-    if (!status && seen->has_layers) {
-        status = see_layers(&sight, seen, is_in);
-    }
-    for (size_t p = 0; !status && p < pixels && !seen->has_layers; p++) {
-        picture->seen[first.object[p]] += is_in[p];
+    struct sight sight = {.picture = picture, .cone = &seen->cone, .part = memory_zeroed(objects, sizeof *sight.part)};
+    conus_status status = !sight.part ? CONUS_ERROR_MEMORY : seen->has_layers ? see_layers(&sight, seen) : CONUS_OK;
+    double rays = 0;
+    for (uint32_t p = 0; p < first.resolution * first.resolution; p++) {
+        const bool is_in = is_inside(&picture->camera, first.resolution, p);
+        rays += is_in;
+        picture->seen[first.object[p]] += is_in && !seen->has_layers;
     }
     for (size_t n = 0; n < objects; n++) {
         picture->seen[n] /= rays;
     }
-    memory_free(is_in);
     memory_free(sight.part);
-    memory_free(sight.steps);
     return status;
 }
 

@@ -30,50 +30,33 @@ static const float LETTER_INK[4] = {LOOK_LEGEND_TEXT, 1};
 static const float HIDDEN_SHADE = 0.15F; /* for pixels that the aperture hides: linear light */
 static const float LINE_SHADE = 0.72F;
 
-/* Row of the evidence that row `y` of the image shows: the image begins at the top. */
-static size_t evidence_pixel(uint32_t n, uint32_t x, uint32_t y)
-{
-    return (size_t)(n - 1 - y) * n + x;
-}
-
 static uint32_t label_of(const conus_atlas *atlas, uint32_t number)
 {
     const conus_object *object = conus_atlas_object(atlas, number);
     return object ? object->label : 0;
 }
 
-static const char *const UINT_CHANNELS[] = {"id", "object"};
-static const char *const FLOAT_CHANNELS[] = {"X", "Y", "Z", "t"};
-
+/* To an image without channels. */
 static conus_status add_channels(conus_image *image, const conus_selection *selection)
 {
+    enum { ID, OBJECT, X, T = X + 3, COUNT };
+    static const char *const names[COUNT] = {"id", "object", "X", "Y", "Z", "t"};
     const struct evidence *evidence = &selection->evidence;
-    uint32_t *uints[2];
-    float *floats[4];
     conus_status status = CONUS_OK;
-    for (int c = 0; !status && c < 6; c++) {
-        struct image_channel *channel = NULL;
-        status = image_add_channel(image, c < 2 ? UINT_CHANNELS[c] : FLOAT_CHANNELS[c - 2],
-                                   c < 2 ? IMAGE_UINT : IMAGE_FLOAT, &channel);
-        if (!status && c < 2) {
-            uints[c] = channel->uints;
-        } else if (!status) {
-            floats[c - 2] = channel->floats;
-        }
+    for (int c = 0; !status && c < COUNT; c++) {
+        status = image_add_channel(image, names[c], c < X ? IMAGE_UINT : IMAGE_FLOAT, NULL);
     }
-    for (uint32_t y = 0, n = evidence->resolution; !status && y < n; y++) {
-        for (uint32_t x = 0; x < n; x++) {
-            size_t from = evidence_pixel(n, x, y);
-            size_t to = (size_t)y * n + x;
-            double position[3];
-            conus_selection_position(position, selection, from);
-            uints[0][to] = label_of(selection->atlas, evidence->object[from]);
-            uints[1][to] = evidence->object[from];
-            for (int c = 0; c < 3; c++) {
-                floats[c][to] = (float)position[c];
-            }
-            floats[3][to] = (float)evidence->distance[from];
+    const struct image_channel *channels = image->channels;
+    for (size_t to = 0; !status && to < (size_t)image->width * image->height; to++) {
+        size_t from = picture_flipped(evidence->resolution, to);
+        double position[3];
+        conus_selection_position(position, selection, from);
+        channels[ID].uints[to] = label_of(selection->atlas, evidence->object[from]);
+        channels[OBJECT].uints[to] = evidence->object[from];
+        for (int c = 0; c < 3; c++) {
+            channels[X + c].floats[to] = (float)position[c];
         }
+        channels[T].floats[to] = (float)evidence->distance[from];
     }
     return status;
 }
@@ -181,10 +164,7 @@ static conus_status add_names(conus_image *image, const conus_selection *selecti
                           object->name);
         }
     }
-    conus_status status = buffer_status(&text);
-    status = status ? status : image_add_text(image, "conus:objects", text.data);
-    buffer_finish(&text);
-    return status;
+    return add_buffer(image, "conus:objects", &text);
 }
 
 conus_status picture_add_selection(conus_image *image, const conus_selection *selection)
@@ -228,13 +208,6 @@ static void shade(float colour[4], float factor)
     }
 }
 
-static void set_pixel(const struct image_rgba *planes, size_t pixel, const float colour[4])
-{
-    for (int c = 0; c < 4; c++) {
-        planes->plane[c][pixel] = colour[c];
-    }
-}
-
 /* The device's pixels on the left, the background beside them. */
 static void draw_pixels(conus_image *picture, const conus_selection *selection, uint32_t factor)
 {
@@ -243,11 +216,11 @@ static void draw_pixels(conus_image *picture, const conus_selection *selection, 
     float colour[4];
     draw_colour(colour, BACKGROUND, 1);
     for (size_t pixel = 0; pixel < (size_t)picture->width * picture->height; pixel++) {
-        set_pixel(&planes, pixel, colour);
+        image_lay(&planes, pixel, colour);
     }
     for (uint32_t y = 0; y < n; y++) {
         for (uint32_t x = 0; x < n; x++) {
-            size_t pixel = evidence_pixel(n, x, y);
+            size_t pixel = picture_flipped(n, (size_t)y * n + x);
             const conus_object *object = conus_atlas_object(selection->atlas, selection->evidence.object[pixel]);
             draw_colour(colour, object ? object->rgb : NOTHING, 1);
             shade(colour, selection->in_cone[pixel] ? 1 : HIDDEN_SHADE);
@@ -257,7 +230,7 @@ static void draw_pixels(conus_image *picture, const conus_selection *selection, 
             for (uint32_t j = 0; j < factor; j++) {
                 for (uint32_t i = 0; i < factor; i++) {
                     size_t to = ((size_t)y * factor + j) * picture->width + (size_t)x * factor + i;
-                    set_pixel(&planes, to, factor >= GRID && (i == 0 || j == 0) ? shaded : colour);
+                    image_lay(&planes, to, factor >= GRID && (i == 0 || j == 0) ? shaded : colour);
                 }
             }
         }
@@ -277,7 +250,7 @@ static conus_status draw_legend(struct draw_list *panel, const conus_selection *
     conus_status status = rows && details ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < results; i++) {
         const conus_result *result = conus_selection_result(selection, i);
-        if (!picture_lists(result)) {
+        if (result->object && !result->pixels) { /* behind others */
             continue;
         }
         const conus_object *object = conus_atlas_object(selection->atlas, result->object);

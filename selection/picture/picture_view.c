@@ -33,6 +33,21 @@ static const double GLASS = 0.1;
 /* Radius of the ball at the apex, as a part of the atlas's. */
 static const double DEVICE = 0.022;
 
+void picture_finish(struct picture *picture)
+{
+    picture_legend_finish(picture);
+    picture_probes_finish(picture);
+    font_destroy(picture->font);
+    memory_free(picture->emphasis);
+    memory_free(picture->ranks);
+    memory_free(picture->rgb);
+    memory_free(picture->line_rgb);
+    memory_free(picture->opacity);
+    memory_free(picture->areas);
+    memory_free(picture->seen);
+    memory_free(picture->rgba);
+}
+
 static bool has_frustum(const conus_view *view)
 {
     const double *f = view->frustum;
@@ -453,7 +468,8 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
     return CONUS_OK;
 }
 
-void picture_background(float out[4], const conus_view *options, float part)
+/* Linear light, premultiplied, and opacity of the background, `part` of the way down. */
+static void find_background(float out[4], const conus_view *options, float part)
 {
     bool transparent = options->background == CONUS_BACKGROUND_TRANSPARENT;
     for (int c = 0; c < 3; c++) {
@@ -469,11 +485,9 @@ void picture_lay_background(conus_image *image, const conus_view *options)
     const struct image_rgba to = image_rgba(image);
     for (uint32_t row = 0; row < image->height; row++) {
         float under[4];
-        picture_background(under, options, (float)row / (float)image->height);
+        find_background(under, options, (float)row / (float)image->height);
         for (uint32_t column = 0; column < image->width; column++) {
-            for (int c = 0; c < 4; c++) {
-                to.plane[c][(size_t)image->width * row + column] = under[c];
-            }
+            image_lay(&to, (size_t)image->width * row + column, under);
         }
     }
 }
@@ -487,10 +501,7 @@ static void lay_over_background(conus_image *image, const struct picture *pictur
     picture_lay_background(image, &picture->options);
     for (uint32_t row = drawing[1]; row-- > 0;) {
         for (uint32_t column = 0; column < drawing[0]; column++, pixel += 4) {
-            for (int c = 0; c < 4; c++) {
-                float *level = &to.plane[c][(size_t)image->width * row + column];
-                *level = pixel[c] + (1 - pixel[3]) * *level;
-            }
+            image_lay(&to, (size_t)image->width * row + column, pixel);
         }
     }
 }
@@ -520,8 +531,8 @@ static double background_light(const conus_view *options)
 {
     float top[4];
     float bottom[4];
-    picture_background(top, options, 0);
-    picture_background(bottom, options, 1);
+    find_background(top, options, 0);
+    find_background(bottom, options, 1);
     return top[3] > 0 ? fmin(light_of(top), light_of(bottom)) : 1;
 }
 
@@ -891,15 +902,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     status = status ? status : place_camera(&picture, &renderer->colour);
     status = status ? status : draw(&picture, renderer);
     status = status ? status : make_image(out, &picture, renderer);
-    picture_legend_finish(&picture);
-    picture_probes_finish(&picture);
-    font_destroy(picture.font);
-    memory_free(picture.emphasis);
-    picture_rank_finish(&picture);
-    memory_free(picture.opacity);
-    memory_free(picture.areas);
-    memory_free(picture.seen);
-    memory_free(picture.rgba);
+    picture_finish(&picture);
     return status;
 }
 
