@@ -17,6 +17,7 @@ enum {
     TILE_BUFFER = 1, /* where all shaders have it */
     EDGE_GROUP = 8
 };
+enum edge_work { FIND_EDGES, TAKE_MEANS, MIX_CORNERS };
 
 /* Everything but the context is of it. */
 struct colour_gl {
@@ -26,12 +27,12 @@ struct colour_gl {
     GLuint program;             /* Over one triangle on the screen. */
     GLuint layer_program;       /* The same for translucent pictures; 0 until one is drawn. */
     GLuint view, palette, opacities, vertices;
-    GLuint find_edges, mix_edges; /* Programs; 0 until a picture is smooth. */
-    GLuint tiles;                 /* Of the last smooth picture. */
-    bool is_tiled;                /* What is drawn: only they. */
-    struct mesh_layer *meshes;    /* NULL if there are none. */
-    struct target target;         /* of the last picture, */
-    struct target drawn;          /* and of what was drawn again to smooth it */
+    GLuint edge_program;       /* 0 until a picture is smooth. */
+    GLuint tiles;              /* Of the last smooth picture. */
+    bool is_tiled;             /* What is drawn: only they. */
+    struct mesh_layer *meshes; /* NULL if there are none. */
+    struct target target;      /* of the last picture, */
+    struct target drawn;       /* and of what was drawn again to smooth it */
 };
 
 static struct colour_gl *gl_of(const struct colour_pass *pass)
@@ -219,61 +220,48 @@ static conus_status resize_target(struct target *target, const struct colour_vie
     return target_init(target, view->width, view->height, &colour, 1);
 }
 
-static conus_status need_edge_program(GLuint *program, bool finds)
+static conus_status need_edge_program(struct colour_gl *gl)
 {
-    const struct program_define defines[] = {
-        {"FIND", finds}, {"TILE", COLOUR_TILE}, {"GROUP", EDGE_GROUP}, {"TILE_BUFFER", TILE_BUFFER}};
+    const struct program_define defines[] = {{"TILE", COLOUR_TILE},
+                                             {"GROUP", EDGE_GROUP},
+                                             {"TILE_BUFFER", TILE_BUFFER},
+                                             {"FIND_EDGES", FIND_EDGES},
+                                             {"MIX_CORNERS", MIX_CORNERS}};
     const struct program_source source = {.compute = {"edges.comp.glsl", shader_edges_comp},
                                           .defines = defines,
                                           .define_count = sizeof defines / sizeof *defines};
-    return *program ? CONUS_OK : program_create(program, &source);
+    return gl->edge_program ? CONUS_OK : program_create(&gl->edge_program, &source);
 }
 
-/* Runs the bound program for a grid of so many places. */
-static void dispatch_over(size_t across, size_t upward)
-{
-    glDispatchCompute((GLuint)((across + EDGE_GROUP - 1) / EDGE_GROUP),
-                      (GLuint)((upward + EDGE_GROUP - 1) / EDGE_GROUP), 1);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
-}
-
-static void bind_edges(const struct colour_gl *gl, GLuint program)
+/* Marks tiles, each by an invocation, or mixes what was drawn into the target, pixel by pixel. */
+static void work_on_edges(const struct colour_gl *gl, enum edge_work work, size_t across, size_t upward)
 {
     glBindImageTexture(0, target_texture(&gl->target, "colour"), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
     glBindImageTexture(1, target_texture(&gl->drawn, "colour"), 0, GL_FALSE, 0, GL_READ_ONLY, GL_RGBA32F);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, TILE_BUFFER, gl->tiles);
-    glUseProgram(program);
-}
-
-/* Marks the tiles with edges in the target, of which there are `across` times `upward`. */
-static void find_edges(struct colour_gl *gl, size_t across, size_t upward)
-{
-    glDeleteBuffers(1, &gl->tiles);
-    glCreateBuffers(1, &gl->tiles);
-    glNamedBufferData(gl->tiles, (GLsizeiptr)(across * upward * sizeof(uint32_t)), NULL, GL_DYNAMIC_COPY);
-    bind_edges(gl, gl->find_edges);
-    glUniform1f(program_uniform(gl->find_edges, "threshold"), COLOUR_EDGE);
-    dispatch_over(across, upward);
-}
-
-static void mix_edges(const struct colour_gl *gl, const struct colour_view *view, const struct colour_edges *edges)
-{
-    bind_edges(gl, gl->mix_edges);
-    glUniform1i(program_uniform(gl->mix_edges, "is_corner"), edges->is_corner);
-    dispatch_over(view->width, view->height);
+    glUseProgram(gl->edge_program);
+    glUniform1i(0, work);
+    glUniform1f(1, COLOUR_EDGE);
+    glDispatchCompute((GLuint)((across + EDGE_GROUP - 1) / EDGE_GROUP),
+                      (GLuint)((upward + EDGE_GROUP - 1) / EDGE_GROUP), 1);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
 }
 
 /* Draws the tiles with edges again; the picture stays on the device. */
 static conus_status smooth(struct colour_gl *gl, const struct colour_pass *pass, const struct colour_view *view,
                            const struct colour_edges *edges)
 {
-    conus_status status = need_edge_program(&gl->find_edges, true);
-    status = status ? status : need_edge_program(&gl->mix_edges, false);
+    const size_t across = edges_across(view->width);
+    const size_t upward = edges_across(view->height);
+    conus_status status = need_edge_program(gl);
     status = status ? status : resize_target(&gl->drawn, view);
     if (status) {
         return status;
     }
-    find_edges(gl, edges_across(view->width), edges_across(view->height));
+    glDeleteBuffers(1, &gl->tiles);
+    glCreateBuffers(1, &gl->tiles);
+    glNamedBufferData(gl->tiles, (GLsizeiptr)(across * upward * sizeof(uint32_t)), NULL, GL_DYNAMIC_COPY);
+    work_on_edges(gl, FIND_EDGES, across, upward);
     target_clear(&gl->drawn);
     gl->is_tiled = true;
     for (size_t n = 0; n < edges->count && !status; n++) {
@@ -284,7 +272,7 @@ static conus_status smooth(struct colour_gl *gl, const struct colour_pass *pass,
     }
     gl->is_tiled = false;
     if (!status) {
-        mix_edges(gl, view, edges);
+        work_on_edges(gl, edges->is_corner ? MIX_CORNERS : TAKE_MEANS, view->width, view->height);
     }
     return status ? status : gl_check("smooth edges");
 }
@@ -323,8 +311,7 @@ static void destroy(struct colour_device *device)
         glDeleteVertexArrays(1, &gl->vertices);
         glDeleteProgram(gl->program);
         glDeleteProgram(gl->layer_program);
-        glDeleteProgram(gl->find_edges);
-        glDeleteProgram(gl->mix_edges);
+        glDeleteProgram(gl->edge_program);
         leave(device);
     }
     gl_context_destroy(gl->context);

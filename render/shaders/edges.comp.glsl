@@ -1,5 +1,5 @@
-// Smooths the edges of a picture, as render/colour/edges.c does on the CPU, to the bit. FIND marks the squares of TILE
-// pixels that are drawn again, an invocation each; else what was drawn of them is mixed in, pixel by pixel.
+// Smooths the edges of a picture, as render/colour/edges.c does on the CPU, to the bit. FIND_EDGES marks the squares of
+// TILE pixels that are drawn again, an invocation each; else what was drawn of them is mixed in, pixel by pixel.
 
 layout(local_size_x = GROUP, local_size_y = GROUP) in;
 
@@ -7,8 +7,8 @@ layout(rgba32f, binding = 0) uniform restrict image2D picture;
 layout(rgba32f, binding = 1) uniform restrict readonly image2D drawn;
 layout(std430, binding = TILE_BUFFER) restrict buffer Tiles { uint tiles[]; };
 
-uniform float threshold;
-uniform bool is_corner;
+layout(location = 0) uniform int work;
+layout(location = 1) uniform float threshold;
 
 uint tile_of(ivec2 pixel, ivec2 size)
 {
@@ -16,18 +16,14 @@ uint tile_of(ivec2 pixel, ivec2 size)
     return uint(tile.y * ((size.x + TILE - 1) / TILE) + tile.x);
 }
 
-#if FIND
-
 bool differ(vec4 a, vec4 b)
 {
     vec4 gap = abs(a - b);
     return max(max(gap.x, gap.y), max(gap.z, gap.w)) > threshold;
 }
 
-void main()
+void find(ivec2 first, ivec2 size)
 {
-    ivec2 size = imageSize(picture);
-    ivec2 first = ivec2(gl_GlobalInvocationID.xy) * TILE;
     ivec2 end = min(first + TILE, size);
     bool found = false;
     for (int y = first.y; y < end.y && !found; y++) {
@@ -42,8 +38,6 @@ void main()
     }
 }
 
-#else
-
 // The ray at the lower left corner of a pixel, which may be beyond the picture's end; `own` where none was drawn.
 vec4 corner_at(ivec2 pixel, ivec2 size, vec4 own)
 {
@@ -51,15 +45,13 @@ vec4 corner_at(ivec2 pixel, ivec2 size, vec4 own)
     return tiles[tile_of(pixel, size)] != 0u ? imageLoad(drawn, pixel) : own;
 }
 
-void main()
+void take(ivec2 pixel, ivec2 size)
 {
-    ivec2 size = imageSize(picture);
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (pixel.x >= size.x || pixel.y >= size.y || tiles[tile_of(pixel, size)] == 0u) {
         return;
     }
     vec4 colour = imageLoad(drawn, pixel);
-    if (is_corner) {
+    if (work == MIX_CORNERS) {
         vec4 own = imageLoad(picture, pixel);
         precise vec4 sum = 4.0 * own + colour;
         sum += corner_at(pixel + ivec2(1, 0), size, own);
@@ -70,4 +62,13 @@ void main()
     imageStore(picture, pixel, colour);
 }
 
-#endif
+void main()
+{
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 size = imageSize(picture);
+    if (work == FIND_EDGES) {
+        find(at * TILE, size);
+    } else {
+        take(at, size);
+    }
+}
