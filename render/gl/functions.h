@@ -17,7 +17,7 @@
     F(epoxy_, eglGetPlatformDisplayEXT) F(epoxy_, eglInitialize) F(epoxy_, eglMakeCurrent) F(epoxy_, eglQueryAPI)      \
     F(epoxy_, eglQueryDeviceStringEXT) F(epoxy_, eglQueryDevicesEXT) F(epoxy_, eglQueryString)                         \
     F(epoxy_, glAttachShader) F(epoxy_, glBeginQuery) F(epoxy_, glBindBufferBase) F(epoxy_, glBindFramebuffer)         \
-    F(epoxy_, glBindImageTexture)                                                                                      \
+    F(epoxy_, glBindBuffer) F(epoxy_, glBindImageTexture)                                                              \
     F(epoxy_, glBindTextureUnit) F(epoxy_, glBindTextures) F(epoxy_, glBindVertexArray) F(epoxy_, glBlendColor)        \
     F(epoxy_, glBlendFunc) F(epoxy_, glCheckNamedFramebufferStatus) F(epoxy_, glClearBufferfv)                         \
     F(epoxy_, glClearBufferuiv) F(epoxy_, glClientWaitSync) F(epoxy_, glClipControl) F(epoxy_, glColorMask)            \
@@ -33,8 +33,9 @@
     F(epoxy_, glFenceSync) F(epoxy_, glFinish) F(epoxy_, glFlush) F(epoxy_, glGetError) F(epoxy_, glGetIntegerv)       \
     F(epoxy_, glGetNamedBufferSubData) F(epoxy_, glGetProgramInfoLog) F(epoxy_, glGetProgramiv)                        \
     F(epoxy_, glGetQueryObjectuiv) F(epoxy_, glGetShaderInfoLog) F(epoxy_, glGetShaderiv) F(epoxy_, glGetString)       \
-    F(epoxy_, glGetTextureImage) F(epoxy_, glGetUniformLocation) F(epoxy_, glLinkProgram)                              \
-    F(epoxy_, glMapNamedBufferRange) F(epoxy_, glMemoryBarrier) F(epoxy_, glMultiDrawElements)                         \
+    F(epoxy_, glGetTextureImage) F(epoxy_, glGetTextureSubImage) F(epoxy_, glGetUniformLocation)                       \
+    F(epoxy_, glLinkProgram) F(epoxy_, glMapNamedBufferRange) F(epoxy_, glMemoryBarrier)                               \
+    F(epoxy_, glMultiDrawElements)                                                                                     \
     F(epoxy_, glMultiDrawElementsBaseVertex) F(epoxy_, glNamedBufferData) F(epoxy_, glNamedBufferStorage)              \
     F(epoxy_, glNamedBufferSubData) F(epoxy_, glNamedFramebufferDrawBuffers) F(epoxy_, glNamedFramebufferParameteri)   \
     F(epoxy_, glNamedFramebufferTexture) F(epoxy_, glPixelStorei) F(epoxy_, glPolygonMode)                             \

@@ -61,3 +61,19 @@ conus_status readback_wait(struct readback *readback, struct readback_part *part
     }
     return status ? status : wait_for_device(what);
 }
+
+conus_status readback_wait_for_rows(struct readback *readback, const struct readback_rows *rows, const void **data,
+                                    const char *what)
+{
+    conus_status status = reserve(readback, rows->size);
+    if (!status) {
+        glPixelStorei(GL_PACK_ALIGNMENT, 4);
+        glBindBuffer(GL_PIXEL_PACK_BUFFER, readback->buffer);
+        glGetTextureSubImage(rows->texture, 0, 0, rows->first, 0, rows->width, rows->count, 1, rows->layout, rows->type,
+                             (GLsizei)rows->size, NULL);
+        glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+        status = wait_for_device(what);
+        *data = readback->mapped;
+    }
+    return status;
+}

@@ -26,6 +26,18 @@ struct readback_part {
 
 /** Waits for what was drawn and dispatched, and sets the data of @p count parts. Errors name @p what was done. */
 conus_status readback_wait(struct readback *readback, struct readback_part *parts, size_t count, const char *what);
+
+/** Likewise for rows of a texture of two dimensions: @p count from @p first on, @p width texels of the size that
+ * @p layout and @p type say, which is @p size together. */
+struct readback_rows {
+    GLuint texture;
+    GLsizei width, first, count;
+    GLenum layout, type;
+    size_t size;
+};
+conus_status readback_wait_for_rows(struct readback *readback, const struct readback_rows *rows, const void **data,
+                                    const char *what);
+
 void readback_finish(struct readback *readback);
 
 #endif

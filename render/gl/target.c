@@ -7,6 +7,8 @@
 #include <assert.h>
 #include <string.h>
 
+enum { STRIP = 1 << 23 }; /* bytes that are read at once */
+
 /* GL's names of a target_format. */
 struct format {
     GLenum internal, layout, type;
@@ -72,6 +74,7 @@ void target_finish(struct target *target)
     if (target->framebuffer) {
         glDeleteFramebuffers(1, &target->framebuffer);
         glDeleteTextures((GLsizei)target->count, target->textures);
+        readback_finish(&target->readback);
     }
     *target = (struct target){0};
 }
@@ -132,12 +135,27 @@ GLuint target_texture(const struct target *target, const char *name)
     return target->textures[find_attachment(target, name)];
 }
 
-conus_status target_read(const struct target *target, const char *name, void *pixels)
+conus_status target_read(struct target *target, const char *name, void *pixels)
 {
     size_t index = find_attachment(target, name);
     const struct format *format = &formats[target->attachments[index].format];
-    GLsizei size = format->size * (GLsizei)target->width * (GLsizei)target->height;
-    glPixelStorei(GL_PACK_ALIGNMENT, 4);
-    glGetTextureImage(target->textures[index], 0, format->layout, format->type, size, pixels);
-    return gl_check("reading the framebuffer");
+    const size_t row = (size_t)format->size * target->width;
+    const size_t strip = row < STRIP ? STRIP / row : 1; /* rows */
+    conus_status status = CONUS_OK;
+    for (size_t first = 0, count; first < target->height && !status; first += count) {
+        const void *data = NULL;
+        count = target->height - first < strip ? target->height - first : strip;
+        const struct readback_rows rows = {.texture = target->textures[index],
+                                           .width = (GLsizei)target->width,
+                                           .first = (GLsizei)first,
+                                           .count = (GLsizei)count,
+                                           .layout = format->layout,
+                                           .type = format->type,
+                                           .size = count * row};
+        status = readback_wait_for_rows(&target->readback, &rows, &data, "reading the framebuffer");
+        if (!status) {
+            memcpy((uint8_t *)pixels + first * row, data, rows.size);
+        }
+    }
+    return status;
 }

@@ -7,6 +7,7 @@
 
 #include "base/status.h"
 #include "render/gl/functions.h"
+#include "render/gl/readback.h"
 
 #include <stdint.h>
 
@@ -30,6 +31,7 @@ struct target {
     struct target_attachment attachments[TARGET_ATTACHMENT_LIMIT]; /**< Colours are outputs 0, 1, ... in this order. */
     GLuint textures[TARGET_ATTACHMENT_LIMIT];                      /**< One per attachment, NEAREST.               */
     size_t count;
+    struct readback readback; /**< Of target_read(). */
 };
 
 /** Makes a target; at most one attachment is a depth, the last; without any, shaders write to buffers. CONUS_ERROR_GL
@@ -50,6 +52,6 @@ GLuint target_texture(const struct target *target, const char *name);
 
 /** Copies attachment @p name to @p pixels, bottom row first, waiting for the drawing: width * height * the format's
  * size in bytes. */
-conus_status target_read(const struct target *target, const char *name, void *pixels);
+conus_status target_read(struct target *target, const char *name, void *pixels);
 
 #endif

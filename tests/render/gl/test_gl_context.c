@@ -269,6 +269,35 @@ static void constants_of_c_are_defines(void **state)
     test_gl_leave(&gl);
 }
 
+/* In two strips, the second shorter; and whole. */
+static void a_target_is_read_strip_by_strip(void **state)
+{
+    (void)state;
+    static const uint32_t sizes[][2] = {{1024, 1100}, {16000, 70}, {1, 3}};
+    const struct target_attachment attachments[] = {{"other", TARGET_UINT}, {"pairs", TARGET_UINT2}};
+    struct test_gl gl;
+    test_gl_enter(&gl);
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        const size_t count = (size_t)2 * sizes[i][0] * sizes[i][1];
+        struct target target;
+        uint32_t *wanted = memory_raw(count, sizeof *wanted);
+        uint32_t *pixels = memory_zeroed(count, sizeof *pixels);
+        assert_true(wanted && pixels);
+        for (size_t k = 0; k < count; k++) {
+            wanted[k] = (uint32_t)(k * 2654435761U);
+        }
+        assert_ok(target_init(&target, sizes[i][0], sizes[i][1], attachments, 2));
+        glTextureSubImage2D(target_texture(&target, "pairs"), 0, 0, 0, (GLsizei)sizes[i][0], (GLsizei)sizes[i][1],
+                            GL_RG_INTEGER, GL_UNSIGNED_INT, wanted);
+        assert_ok(target_read(&target, "pairs", pixels));
+        assert_memory_equal(pixels, wanted, count * sizeof *wanted);
+        target_finish(&target);
+        memory_free(wanted);
+        memory_free(pixels);
+    }
+    test_gl_leave(&gl);
+}
+
 static void integer_textures_keep_every_bit(void **state)
 {
     (void)state;
@@ -324,6 +353,7 @@ TEST_GROUP(gl_context)
         cmocka_unit_test(failing_allocations_are_reported),
         cmocka_unit_test(compile_errors_name_file_and_line),
         cmocka_unit_test(constants_of_c_are_defines),
+        cmocka_unit_test(a_target_is_read_strip_by_strip),
         cmocka_unit_test(integer_textures_keep_every_bit),
         cmocka_unit_test(textures_beyond_memory_or_driver_are_refused),
     };
