@@ -35,6 +35,7 @@ conus_status picture_cut_init(struct picture *picture, const conus_cut_view *vie
                                     .height = view->height,
                                     .selection = view->selection,
                                     .legend = sheet->legend,
+                                    .legend_rows = sheet->legend_rows,
                                     .no_legend = sheet->no_legend,
                                     .background = sheet->background,
                                     .dpi = sheet->dpi,

@@ -186,6 +186,21 @@ END
     grep -qF '>Hits of the cylinder<' title.svg
 }
 
+# The cone hits the U and the ball behind its opening.
+@test "a legend beside cuts has as many rows as it is asked for" {
+    answers phantom u-shape -o .
+    for cuts in axial axial,sagittal 3d,axial; do
+        answers render u-shape.nii.gz --cuts "$cuts" --origin=-90,20,20 --toward 0,0,0 --angle 30 -q -o all.svg
+        grep -qF '>U<' all.svg
+        grep -qF '>Ball<' all.svg
+        answers render u-shape.nii.gz --cuts "$cuts" --origin=-90,20,20 --toward 0,0,0 --angle 30 --legend-rows 1 -q \
+            -o one.svg
+        grep -qF '>U<' one.svg
+        grep -qF '>… and 1 more<' one.svg
+        [ "$(grep -cF '>Ball<' one.svg)" -eq 0 ]
+    done
+}
+
 # The cone of 20 degrees comes from 100 mm to the left and is 35 mm wide where it passes the middle of the ball: it
 # leaves what is hit, and the hollow in it, as they are above and below it.
 @test "a cone changes neither the colour of an area in a cut nor the background" {
