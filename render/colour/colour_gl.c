@@ -31,8 +31,8 @@ struct colour_gl {
     GLuint tiles;              /* Of the last smooth picture. */
     bool is_tiled;             /* What is drawn: only they. */
     struct mesh_layer *meshes; /* NULL if there are none. */
-    struct target target;      /* of the last picture, */
-    struct target drawn;       /* and of what was drawn again to smooth it */
+    struct target target;      /* of the last picture */
+    struct target drawn;       /* of what is drawn again to smooth it; empty in between */
 };
 
 static struct colour_gl *gl_of(const struct colour_pass *pass)
@@ -274,6 +274,7 @@ static conus_status smooth(struct colour_gl *gl, const struct colour_pass *pass,
     if (!status) {
         work_on_edges(gl, edges->is_corner ? MIX_CORNERS : TAKE_MEANS, view->width, view->height);
     }
+    target_finish(&gl->drawn); /* as large as the picture */
     return status ? status : gl_check("smooth edges");
 }
 
@@ -306,7 +307,6 @@ static void destroy(struct colour_device *device)
         const GLuint buffers[] = {gl->view, gl->palette, gl->opacities, gl->tiles};
         mesh_layer_destroy(gl->meshes);
         target_finish(&gl->target);
-        target_finish(&gl->drawn);
         glDeleteBuffers(sizeof buffers / sizeof *buffers, buffers);
         glDeleteVertexArrays(1, &gl->vertices);
         glDeleteProgram(gl->program);
