@@ -50,7 +50,7 @@ typedef struct conus_reading {
  * @param[out] out The counts; end them with conus_aims_destroy().
  * @param selector Must outlive the counts.
  * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
- * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @threads One at a time for each @p selector.
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_aims_create(conus_aims **out, const conus_selector *selector);
@@ -102,7 +102,7 @@ CONUS_API const conus_astray *conus_aims_found(const conus_aims *aims);
  * @param found Counts of poses.
  * @param selector That for which they were counted.
  * @return #CONUS_OK, also without such a way; only #CONUS_ERROR_MEMORY and errors of the engine are expected.
- * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @threads One at a time for each @p selector.
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_aims_reading(conus_reading *out, const conus_astray *found, conus_selector *selector);

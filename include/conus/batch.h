@@ -26,7 +26,7 @@ typedef struct conus_batch conus_batch; /**< Threads made ready to answer poses 
 typedef struct conus_batch_options {
     size_t struct_size; /**< Its size, as #CONUS_BATCH_OPTIONS_INIT sets it; 0 = that of this version. */
     uint32_t threads;   /**< Threads that answer poses, up to 1024; 0 = as many as processors that the process may use.
-                           With the gl engine there is one, the caller's. */
+                           With the gl engine one of them has the device at a time. */
     uint32_t block;     /**< Poses per block, up to 65536; 0 = 256. Memory grows with threads times block. */
     double angle;       /**< For poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0. */
     conus_report_options report; /**< Its format is neither #CONUS_FORMAT_TABLE nor #CONUS_FORMAT_JSON. A probe,
@@ -62,7 +62,7 @@ typedef bool (*conus_batch_sink)(void *user, const conus_batch_block *block);
  * @param selector Must outlive the batch and is not to be used during a run.
  * @param options Its report names the format, which must be given. Its strings must outlive the batch.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range.
- * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @threads One at a time for each @p selector.
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_batch_create(conus_batch **out, conus_selector *selector,
@@ -76,7 +76,7 @@ CONUS_CHECKED conus_status conus_batch_create(conus_batch **out, conus_selector 
  * @param atlas Its name for the column `atlas`. Copied.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a name that is missing or another's, and for a selector with other
  * options. The batch is unchanged then.
- * @threads One at a time for each @p batch and @p selector. With the gl engine, the one that made it.
+ * @threads One at a time for each @p batch and @p selector.
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_batch_add(conus_batch *batch, conus_selector *selector, const char *atlas);
@@ -229,7 +229,7 @@ typedef bool (*conus_answer_sink)(void *user, const conus_answers *answers);
  * @param user Passed to @p sink.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range, and for arrays that are missing;
  * #CONUS_ERROR_CANCELLED where @p sink ends the run; the errors of conus_select() but those of a pose.
- * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @threads One at a time for each @p selector.
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_select_many(conus_astray *astray, conus_selector *selector,

@@ -60,7 +60,7 @@ typedef struct conus_chance {
  * @param options The errors; must be given.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range; #CONUS_ERROR_CANCELLED; the errors of
  * conus_select().
- * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @threads One at a time for each @p selector.
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_jitter_create(conus_jitter **out, conus_selector *selector, const conus_pose *pose,

@@ -108,7 +108,7 @@ typedef struct conus_report_options {
  * @param selector Must outlive the report.
  * @param options NULL = defaults. Its strings must outlive the report.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for options that do not go together.
- * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @threads One at a time for each @p selector.
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_create(conus_report **out, const conus_selector *selector,

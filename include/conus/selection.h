@@ -106,7 +106,7 @@ CONUS_CHECKED conus_status conus_selector_set_range(conus_selector *selector, co
 /**
  * Ends a selector. Objects made for it must be destroyed before.
  * @param selector NULL is allowed.
- * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @threads One at a time for each @p selector.
  * @since 0.1
  */
 CONUS_API void conus_selector_destroy(conus_selector *selector);
@@ -115,7 +115,7 @@ CONUS_API void conus_selector_destroy(conus_selector *selector);
  * Names the engine in use.
  * @param selector The selector.
  * @return "rays, avx512", "gl, llvmpipe (LLVM 15.0.6, 256 bits)". Borrowed from the selector.
- * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @threads One at a time for each @p selector.
  * @since 0.1
  */
 CONUS_API const char *conus_selector_engine(const conus_selector *selector);
@@ -128,7 +128,7 @@ CONUS_API const char *conus_selector_engine(const conus_selector *selector);
  * @param angle Full opening, radians, in (0, pi); 0 for a cylinder.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another angle or a pose that is not rigid; #CONUS_ERROR_GL where the
  * driver fails.
- * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @threads One at a time for each @p selector.
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_select(conus_selection **out, conus_selector *selector, const conus_pose *pose,
@@ -150,7 +150,7 @@ CONUS_CHECKED conus_status conus_select(conus_selection **out, conus_selector *s
  * around all objects, rounded down to 1, 2 or 5 times a power of ten, doubled until one is found.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number out of its range, and with a selector that has a range;
  * #CONUS_ERROR_DATA with the radius 0 for an atlas without objects.
- * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @threads One at a time for each @p selector.
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_select_ball(conus_selection **out, conus_selector *selector, const double centre[3],

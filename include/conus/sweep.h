@@ -38,7 +38,7 @@ typedef struct conus_admission {
  * @param pose Apex and axis.
  * @param widest Full opening to grow to, radians, in (0, pi).
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another opening, and for a selector with a square aperture or a radius.
- * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @threads One at a time for each @p selector.
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_sweep_create(conus_sweep **out, const conus_selector *selector, const conus_pose *pose,

@@ -40,7 +40,7 @@ typedef struct conus_tracker_options {
  * @param selector Must outlive the tracker.
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an option out of its range.
- * @threads One at a time for each @p selector. With the gl engine, the one that made it.
+ * @threads One at a time for each @p selector.
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_tracker_create(conus_tracker **out, conus_selector *selector,

@@ -9,7 +9,7 @@
 #include <pthread.h>
 #include <stdio.h>
 
-enum { STACK = 8 << 20 }; /* bytes of a thread, in which a driver may compile */
+enum { STACK = 1 << 20 }; /* bytes of a thread */
 
 struct slot {
     bool is_answered;
