@@ -1194,8 +1194,9 @@ static void draw_band(struct scene *scene, struct surface_band *surfaces, size_t
 {
     const size_t across = edges_across(scene->width);
     const uint32_t first = (uint32_t)(number * SURFACE_BAND);
-    bool is_filled = !surfaces;                                          /* else with the first pixel that is drawn */
-    for (uint32_t n = 0; n < SURFACE_BAND * across * COLOUR_TILE; n++) { /* tile by tile: they see the same voxels */
+    bool is_filled = !surfaces;
+    /* Tile by tile: they see the same voxels. Surfaces are found with the first pixel that is drawn. */
+    for (uint32_t n = 0; n < SURFACE_BAND * across * COLOUR_TILE; n++) {
         const uint32_t tile = n / (COLOUR_TILE * SURFACE_BAND);
         const uint32_t column = tile * COLOUR_TILE + n % COLOUR_TILE;
         const uint32_t row = first + n / COLOUR_TILE % SURFACE_BAND;

@@ -5,6 +5,12 @@
 #include <math.h>
 #include <string.h>
 
+/* The number of the square that a pixel is in. */
+static size_t tile_of(size_t x, size_t y, uint32_t width)
+{
+    return y / COLOUR_TILE * edges_across(width) + x / COLOUR_TILE;
+}
+
 static bool differ(const float *a, const float *b)
 {
     float most = 0;
@@ -16,16 +22,15 @@ static bool differ(const float *a, const float *b)
 
 bool edges_find(uint32_t *tiles, const float *rgba, uint32_t width, uint32_t height)
 {
-    const size_t across = edges_across(width);
     bool found = false;
-    memset(tiles, 0, across * edges_across(height) * sizeof *tiles);
+    memset(tiles, 0, edges_across(width) * edges_across(height) * sizeof *tiles);
     for (size_t y = 0; y < height; y++) {
         for (size_t x = 0; x < width; x++) {
             const float *pixel = rgba + 4 * (y * width + x);
             bool right = x + 1 < width && differ(pixel, pixel + 4);
             bool above = y + 1 < height && differ(pixel, pixel + 4 * (size_t)width);
             if (right || above) {
-                tiles[y / COLOUR_TILE * across + x / COLOUR_TILE] = 1;
+                tiles[tile_of(x, y, width)] = 1;
                 found = true;
             }
         }
@@ -46,7 +51,7 @@ static void mix_corners(float *rgba, const float *drawn, const uint32_t *tiles, 
     for (size_t n = 0; n < 4; n++) {
         const size_t right = x + (n % 2 && x + 1 < view->width);
         const size_t up = y + (n / 2 && y + 1 < view->height);
-        const bool is_drawn = tiles[up / COLOUR_TILE * edges_across(view->width) + right / COLOUR_TILE];
+        const bool is_drawn = tiles[tile_of(right, up, view->width)];
         for (size_t c = 0; c < 4; c++) {
             sum[c] += is_drawn ? drawn[4 * (up * view->width + right) + c] : pixel[c];
         }
@@ -62,9 +67,12 @@ void edges_mix(float *rgba, const float *drawn, const uint32_t *tiles, const str
     for (size_t y = 0; y < view->height; y++) {
         for (size_t x = 0; x < view->width; x++) {
             const size_t pixel = 4 * (y * view->width + x);
-            if (tiles[y / COLOUR_TILE * edges_across(view->width) + x / COLOUR_TILE] && edges->is_corner) {
+            if (!tiles[tile_of(x, y, view->width)]) {
+                continue;
+            }
+            if (edges->is_corner) {
                 mix_corners(rgba, drawn, tiles, view, x, y);
-            } else if (tiles[y / COLOUR_TILE * edges_across(view->width) + x / COLOUR_TILE]) {
+            } else {
                 memcpy(rgba + pixel, drawn + pixel, 4 * sizeof *rgba);
             }
         }
