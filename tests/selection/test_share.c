@@ -90,6 +90,11 @@ static void check_threads(conus_selector_options options)
         check_same(&shared[i], &alone);
         conus_selector_destroy(shared[i].selector);
     }
+    struct answers again = {.selector = alone.selector}; /* by a thread that did not make it */
+    assert_int_equal(pthread_create(&threads[0], NULL, ask_all, &again), 0);
+    pthread_join(threads[0], NULL);
+    assert_int_equal(again.status, CONUS_OK);
+    check_same(&again, &alone);
     assert_true(alone.counts[0] > 1); /* an area and unassigned */
     conus_selector_destroy(alone.selector);
     conus_atlas_destroy(atlas);
