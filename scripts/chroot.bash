@@ -17,7 +17,8 @@ make_wheel() {
     /usr/bin/python3 packaging/wheel/complete.py plain/*.whl dist
 }
 
-# step NAME COMMAND...: what the command says goes to NAME.log; its last line says what came of it.
+# step NAME COMMAND...: what the command says goes to NAME.log; its last line says what came of it. Where it fails, its
+# end is said, too: a machine that only shows this output may not keep the log.
 step() {
     local name=$1 begun=$SECONDS status log=$results/$1.log
     shift
@@ -25,7 +26,10 @@ step() {
     (set -ex; "$@") >"$log" 2>&1 </dev/null
     status=$?
     set -e
-    [ $status = 0 ] || fail "$name has failed: $(tail -n 1 "$log") (${log#"$PWD/"})"
+    [ $status = 0 ] || {
+        tail -n 40 "$log" >&2
+        fail "$name has failed (${log#"$PWD/"})"
+    }
     printf '%-9s %4d s  %s\n' "$name" $((SECONDS - begun)) "$(tail -n 1 "$log")"
 }
 
