@@ -269,12 +269,6 @@ const char *gl_context_renderer(const struct gl_context *context)
     return context->renderer;
 }
 
-bool gl_is_software(void)
-{
-    const char *renderer = (const char *)glGetString(GL_RENDERER);
-    return renderer && (strstr(renderer, "llvmpipe") || strstr(renderer, "softpipe"));
-}
-
 conus_status gl_check(const char *what)
 {
     GLenum error = glGetError();

@@ -37,9 +37,6 @@ void gl_current_restore(const struct gl_current *previous);
 /** GL_RENDERER: "llvmpipe (LLVM 15.0.6, 256 bits)". */
 const char *gl_context_renderer(const struct gl_context *context);
 
-/** Whether the current context draws on the CPU: Mesa's llvmpipe or softpipe. */
-bool gl_is_software(void);
-
 /** CONUS_ERROR_GL, naming @p what, when GL has recorded an error in the current context since the last check. */
 conus_status gl_check(const char *what);
 

@@ -9,6 +9,7 @@ extern const char shader_common[];
 extern const char shader_cones_comp[];
 extern const char shader_edges_comp[];
 extern const char shader_id_comp[];
+extern const char shader_mesh_cull_comp[];
 extern const char shader_mesh_frag[];
 extern const char shader_mesh_hits_frag[];
 extern const char shader_mesh_id_frag[];

@@ -15,8 +15,9 @@ struct middle {
     uint32_t triangle;
 };
 
-/* Scratch space for the largest mesh. */
+/* Scratch space: of the largest mesh, and the order of meshes. */
 struct scratch {
+    struct middle *order; /* `triangle` is the mesh's place */
     struct middle *middles;
     uint32_t *vertex_of; /* a mesh's vertex -> one of its numbers when drawn */
 };
@@ -89,27 +90,29 @@ static const float *corner_position(const struct clusters *clusters, size_t corn
     return &clusters->positions[3 * (size_t)clusters->corners[corner]];
 }
 
-/* A ball around the middle of the bounds of the triangles drawn as first, first + 1, ... */
-static void find_ball(double centre[3], double *radius, const struct clusters *clusters, size_t first, size_t count)
+/* A ball around the middle of the bounds of the triangles drawn as first, first + 1, ...: centre and radius. */
+static void find_ball(float ball[4], const struct clusters *clusters, size_t first, size_t count)
 {
-    double low[3] = {INFINITY, INFINITY, INFINITY};
-    double high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    float low[3] = {INFINITY, INFINITY, INFINITY};
+    float high[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (size_t k = 3 * first; k < 3 * (first + count); k++) {
         for (int a = 0; a < 3; a++) {
-            low[a] = fmin(low[a], (double)corner_position(clusters, k)[a]);
-            high[a] = fmax(high[a], (double)corner_position(clusters, k)[a]);
+            low[a] = fminf(low[a], corner_position(clusters, k)[a]);
+            high[a] = fmaxf(high[a], corner_position(clusters, k)[a]);
         }
     }
     double farthest = 0;
     for (int a = 0; a < 3; a++) {
-        centre[a] = (low[a] + high[a]) / 2;
+        ball[a] = low[a] / 2 + high[a] / 2;
     }
     for (size_t k = 3 * first; k < 3 * (first + count); k++) {
-        const float *p = corner_position(clusters, k);
-        const double offset[3] = {(double)p[0] - centre[0], (double)p[1] - centre[1], (double)p[2] - centre[2]};
+        double offset[3];
+        for (int a = 0; a < 3; a++) {
+            offset[a] = (double)corner_position(clusters, k)[a] - (double)ball[a];
+        }
         farthest = fmax(farthest, vec3_dot(offset, offset));
     }
-    *radius = sqrt(farthest) * (1 + 1e-12);
+    ball[3] = nextafterf((float)(sqrt(farthest) * (1 + 1e-12)), INFINITY);
 }
 
 static uint32_t new_vertex(struct clusters *clusters, const struct mesh *mesh, uint32_t vertex, size_t number)
@@ -150,34 +153,36 @@ static void lay_out(struct clusters *clusters, const struct mesh *mesh, const st
     }
 }
 
-static void add_clusters(struct clusters *clusters, size_t mesh, uint32_t object, size_t first, size_t count)
+static void add_clusters(struct clusters *clusters, uint32_t object, size_t first, size_t count)
 {
-    size_t next = clusters->first_cluster[mesh];
-    double centre[3];
-    find_ball(centre, &clusters->ball[3][mesh], clusters, first, count);
-    for (int a = 0; a < 3; a++) {
-        clusters->ball[a][mesh] = centre[a];
-    }
     for (size_t at = 0; at < count; at += CLUSTER_TRIANGLES) {
-        struct cluster *cluster = &clusters->cluster[next++];
-        size_t size = count - at < CLUSTER_TRIANGLES ? count - at : CLUSTER_TRIANGLES;
-        find_ball(cluster->centre, &cluster->radius, clusters, first + at, size);
+        struct cluster *cluster = &clusters->cluster[clusters->cluster_count];
         cluster->first = (uint32_t)(first + at);
-        cluster->count = (uint32_t)size;
+        cluster->count = (uint32_t)(count - at < CLUSTER_TRIANGLES ? count - at : CLUSTER_TRIANGLES);
         cluster->object = object;
+        find_ball(&clusters->balls[4 * clusters->cluster_count++], clusters, cluster->first, cluster->count);
     }
-    clusters->first_cluster[mesh + 1] = next;
+}
+
+/* A ball around each `step` clusters in a row. */
+static void find_balls(float *balls, const struct clusters *clusters, size_t step)
+{
+    for (size_t at = 0; at < clusters->cluster_count; at += step, balls += 4) {
+        const size_t first = clusters->cluster[at].first;
+        const bool is_last = clusters->cluster_count - at <= step;
+        const size_t end = is_last ? clusters->triangle_count : clusters->cluster[at + step].first;
+        find_ball(balls, clusters, first, end - first);
+    }
 }
 
 static conus_status reserve_clusters(struct clusters *clusters, struct scratch *scratch,
                                      const struct mesh *const *meshes, size_t count)
 {
-    size_t mesh_count = 0, cluster_count = 0, triangles = 0, vertices = 0;
+    size_t cluster_count = 0, triangles = 0, vertices = 0;
     size_t most_triangles = 0, most_vertices = 0; /* of one mesh */
     for (size_t i = 0; i < count; i++) {
         const struct mesh *mesh = meshes[i];
         if (mesh) {
-            mesh_count++;
             cluster_count += (mesh->triangle_count + CLUSTER_TRIANGLES - 1) / CLUSTER_TRIANGLES;
             triangles += mesh->triangle_count;
             vertices += mesh->triangle_count + mesh->vertex_count; /* at most */
@@ -189,22 +194,53 @@ static conus_status reserve_clusters(struct clusters *clusters, struct scratch *
         return fail(CONUS_ERROR_UNSUPPORTED, "%zu triangles: the gl engine takes up to 1e9", triangles);
     }
     clusters->vertex_count = triangles; /* the last corners; more come with lay_out() */
-    bool done = true;
-    for (int k = 0; k < 4; k++) {
-        clusters->ball[k] = memory_raw(mesh_count, sizeof *clusters->ball[k]);
-        done = done && clusters->ball[k];
-    }
-    clusters->first_cluster = memory_zeroed(mesh_count + 1, sizeof *clusters->first_cluster);
     clusters->cluster = memory_raw(cluster_count, sizeof *clusters->cluster);
+    clusters->group_count = (cluster_count + CLUSTER_GROUP - 1) / CLUSTER_GROUP;
+    clusters->range_count = (cluster_count + CLUSTER_RANGE - 1) / CLUSTER_RANGE;
+    clusters->balls = memory_raw(cluster_count + clusters->group_count, 4 * sizeof *clusters->balls);
+    clusters->range_balls = memory_raw(clusters->range_count, 4 * sizeof *clusters->range_balls);
     clusters->triangle = memory_raw(triangles, sizeof *clusters->triangle);
     clusters->positions = memory_raw(vertices, 3 * sizeof *clusters->positions);
     clusters->corners = memory_raw(triangles, 3 * sizeof *clusters->corners);
+    scratch->order = memory_raw(count, sizeof *scratch->order);
     scratch->middles = memory_raw(most_triangles, sizeof *scratch->middles);
     scratch->vertex_of = memory_raw(most_vertices, sizeof *scratch->vertex_of);
-    return done && clusters->first_cluster && clusters->cluster && clusters->triangle && clusters->positions &&
-                   clusters->corners && scratch->middles && scratch->vertex_of
+    return clusters->cluster && clusters->balls && clusters->range_balls && clusters->triangle && clusters->positions &&
+                   clusters->corners && scratch->order && scratch->middles && scratch->vertex_of
                ? CONUS_OK
                : CONUS_ERROR_MEMORY;
+}
+
+/* Lists the meshes, neighbours together. Returns how many there are. */
+static size_t order_meshes(struct middle *order, const struct mesh *const *meshes, size_t count)
+{
+    size_t listed = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (meshes[i] && meshes[i]->triangle_count) {
+            const float *first = &meshes[i]->positions[3 * (size_t)meshes[i]->triangles[0]];
+            order[listed++] = (struct middle){{first[0], first[1], first[2]}, (uint32_t)i};
+        }
+    }
+    gather_neighbours(order, listed);
+    return listed;
+}
+
+/* Adds a mesh behind those that there are. */
+static void add_mesh(struct clusters *clusters, const struct scratch *scratch, const struct mesh *mesh, uint32_t object)
+{
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        const uint32_t *corners = &mesh->triangles[3 * t];
+        scratch->middles[t].triangle = (uint32_t)t;
+        for (size_t a = 0; a < 3; a++) {
+            scratch->middles[t].at[a] = mesh->positions[3 * (size_t)corners[0] + a] +
+                                        mesh->positions[3 * (size_t)corners[1] + a] +
+                                        mesh->positions[3 * (size_t)corners[2] + a];
+        }
+    }
+    gather_neighbours(scratch->middles, mesh->triangle_count);
+    lay_out(clusters, mesh, scratch, clusters->triangle_count);
+    add_clusters(clusters, object, clusters->triangle_count, mesh->triangle_count);
+    clusters->triangle_count += mesh->triangle_count;
 }
 
 conus_status clusters_init(struct clusters *out, const struct mesh *const *meshes, size_t count)
@@ -212,41 +248,28 @@ conus_status clusters_init(struct clusters *out, const struct mesh *const *meshe
     struct clusters clusters = {0};
     struct scratch scratch = {0};
     conus_status status = reserve_clusters(&clusters, &scratch, meshes, count);
-    for (size_t i = 0; i < count && !status; i++) {
-        if (meshes[i]) {
-            for (size_t t = 0; t < meshes[i]->triangle_count; t++) {
-                const uint32_t *corners = &meshes[i]->triangles[3 * t];
-                scratch.middles[t].triangle = (uint32_t)t;
-                for (size_t a = 0; a < 3; a++) {
-                    scratch.middles[t].at[a] = meshes[i]->positions[3 * (size_t)corners[0] + a] +
-                                               meshes[i]->positions[3 * (size_t)corners[1] + a] +
-                                               meshes[i]->positions[3 * (size_t)corners[2] + a];
-                }
-            }
-            gather_neighbours(scratch.middles, meshes[i]->triangle_count);
-            lay_out(&clusters, meshes[i], &scratch, clusters.triangle_count);
-            add_clusters(&clusters, clusters.mesh_count++, (uint32_t)i + 1, clusters.triangle_count,
-                         meshes[i]->triangle_count);
-            clusters.triangle_count += meshes[i]->triangle_count;
-        }
+    const size_t listed = status ? 0 : order_meshes(scratch.order, meshes, count);
+    for (size_t i = 0; i < listed; i++) {
+        const uint32_t place = scratch.order[i].triangle;
+        add_mesh(&clusters, &scratch, meshes[place], place + 1);
     }
+    memory_free(scratch.order);
     memory_free(scratch.middles);
     memory_free(scratch.vertex_of);
     if (status) {
         clusters_finish(&clusters);
         return status;
     }
+    find_balls(clusters.balls + 4 * clusters.cluster_count, &clusters, CLUSTER_GROUP);
+    find_balls(clusters.range_balls, &clusters, CLUSTER_RANGE);
     *out = clusters;
     return CONUS_OK;
 }
 
 void clusters_finish(struct clusters *clusters)
 {
-    for (int k = 0; k < 4; k++) {
-        memory_free(clusters->ball[k]);
-    }
-    memory_free(clusters->first_cluster);
     memory_free(clusters->cluster);
+    memory_free(clusters->range_balls);
     memory_free(clusters->triangle);
     clusters_drop_triangles(clusters);
     *clusters = (struct clusters){0};
@@ -254,15 +277,17 @@ void clusters_finish(struct clusters *clusters)
 
 void clusters_drop_triangles(struct clusters *clusters)
 {
+    memory_free(clusters->balls);
     memory_free(clusters->positions);
     memory_free(clusters->corners);
+    clusters->balls = NULL;
     clusters->positions = NULL;
     clusters->corners = NULL;
 }
 
 const struct cluster *clusters_find(const struct clusters *clusters, uint32_t triangle)
 {
-    size_t end = clusters->first_cluster[clusters->mesh_count];
+    size_t end = clusters->cluster_count;
     size_t low = triangle / CLUSTER_TRIANGLES; /* not beyond it, and seldom far before it */
     size_t step = 1;
     assert(triangle < clusters->triangle_count);

@@ -1,109 +1,116 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Draws batches of clusters, reads the proposed triangles and decides which is nearest. */
+/* Lets the device draw the clusters that a view can show, reads the proposed triangles and decides which is nearest. */
 #include "render/id/mesh_pass.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "render/gl/context.h"
 #include "render/gl/program.h"
 #include "render/gl/shader_list.h"
 #include "render/gl/shaders.h"
 #include "render/gl/target.h"
+#include "render/id/clusters.h"
 
 #include <string.h>
 
-enum { POSITION_UNIT, CORNER_UNIT };
-enum { PIXEL_BUFFER, HIT_BUFFER };
-/* Locations of uniforms: of both programs, of `first`, and of `all`. */
+enum kind { CULL, FIRST, ALL, KIND_COUNT }; /* of programs; ALL: made when first needed */
+
+/* Buffers that shaders see as textures, of the units of the same numbers; and others, which they see as blocks of these
+ * numbers, of which OpenGL promises 8. The list of hits has the first. */
+enum {
+    POSITIONS,
+    CORNERS,
+    BALLS,
+    CLUSTERS,
+    TEXTURE_COUNT,
+    PIXELS = TEXTURE_COUNT,
+    INDICES, /* what is drawn now */
+    SHOWN,   /* ranges, and */
+    DRAWS,   /* draws, as below */
+    BUFFER_COUNT
+};
+enum { HITS };
+
+/* Locations of uniforms: of all programs, of CULL, of FIRST, and of ALL. */
 enum { APEX, DEVICE_FROM_WORLD, PARALLEL, RESOLUTION, OWN };
-enum { DIRECTION_FROM_PLACE = OWN, ORIGIN_FROM_PLACE, FIRST_PIXEL };
-enum { PIXELS = OWN };
-enum { FIRST_CAPACITY = 6, CAPACITY_STEP = 8 };
-/* Triangles of a batch. On a GPU each batch is waited for. On the CPU waiting costs nothing, so batches are smaller:
- * fewer triangles are drawn that earlier ones occlude. */
-enum { BATCH = 4096, SOFTWARE_BATCH = 1024, PIERCE_BATCH = 65536, FIRST_HITS = 1024 };
+enum { SHAPE = OWN, KNOWN, CULLED, CLUSTER_COUNT };
+enum { DIRECTION_FROM_PLACE = OWN, ORIGIN_FROM_PLACE, FIRST_PIXEL, NOTES };
+enum { DRAWN_PIXELS = OWN };
+enum { FIRST_CAPACITY = 6, CAPACITY_STEP = 8, FIRST_HITS = 1024 };
 
-/* llvmpipe keeps triangles until it rasterises, in memory that it returns to the system afterwards. By page faults
- * thousands of them cost two to three times as much each as hundreds. So it is made to begin after SOFTWARE_PORTION. */
-enum { SOFTWARE_PORTION = 1024 };
+/* Ranges of clusters that are culled and drawn at once, at most. */
+enum { BATCH = 512 };
 
-/* Queries are under way side by side while their culling takes at most SLOT_MEMORY bytes. They are drawn and read at
- * once while their pixels take at most PIXEL_MEMORY bytes. */
-enum { SLOT_LIMIT = 256, SLOT_MEMORY = 1 << 28, PIXEL_MEMORY = 1 << 24 };
+/* Of a query, batches of 1, 2, 4, ... BATCH ranges, nearest first, so that those behind are culled by what is known by
+ * then; and one for the notes. Each BATCH more ranges make one more of both. */
+enum { BATCHES_OF_QUERY = 10 + 1 + 1 };
 
-/* A query under way. */
-struct slot {
-    const struct mesh_query *query;
-    struct mesh_cull *cull;
-    const uint32_t *batch; /* clusters, borrowed from cull; count 0 = all of the last batch is settled */
-    size_t count;
-    uint32_t attempts; /* draws of it that had too little capacity */
+/* Queries are drawn and read at once while their pixels take at most so many bytes. */
+enum { PIXEL_MEMORY = 1 << 24 };
+
+/* A range of clusters that a query can show. */
+struct shown {
+    double nearest; /* mm: a lower bound of its distance from the apex */
+    uint32_t range;
+};
+
+/* A command of glDrawElementsIndirect(). */
+struct draw {
+    uint32_t count, instances, first, base, base_instance;
 };
 
 struct mesh_pass {
     const struct mesh *const *meshes; /* a copy of the caller's array, by object */
     struct clusters clusters;
-    struct slot slots[SLOT_LIMIT]; /* the first slot_count have a cull; one always has */
-    size_t slot_count, slot_limit;
-    size_t batch, portion; /* triangles that are settled, and that are drawn, at once */
-    GLuint first, all;     /* programs; all: made when first needed */
-    GLuint vertices, position_buffer, corner_buffer, positions, corners;
+    GLuint programs[KIND_COUNT], buffers[BUFFER_COUNT], textures[TEXTURE_COUNT];
+    GLuint vertices;
     struct target target; /* without pixels: results go to the buffer */
-    GLuint pixel_buffer;
     uint32_t *pixels; /* [pixel_slots n n][2 + capacity]: the shader's nearest, count and triangles; as they go up, */
     const uint32_t *drawn; /* and as they come down */
     struct readback readback;
-    size_t pixel_slots; /* that many are drawn and read at once */
-    uint32_t capacity;  /* triangles that a pixel can note in one batch */
-    GLsizei *draw_counts;
-    const void **draw_offsets;
+    size_t pixel_slots;  /* queries that are drawn and read at once */
+    uint32_t capacity;   /* triangles that a pixel can note */
+    struct shown *shown; /* [range_count] of one query, nearest first */
+    uint32_t *ranges;    /* those of all queries that are drawn at once, query after query */
+    size_t *ends;        /* of each query */
+    struct draw *draws;  /* of each batch of them */
+    size_t range_capacity, end_capacity, draw_capacity;
     struct shader_list hits; /* of pixel and triangle */
 };
 
-static conus_status create_program(GLuint *out, const struct program_shader *fragment, uint32_t capacity)
+/* Makes a program; FIRST has this capacity in every pixel. */
+static conus_status create_program(struct mesh_pass *pass, enum kind kind, uint32_t capacity)
 {
+    static const struct program_source shaders[KIND_COUNT] = {
+        [CULL] = {.compute = {"mesh_cull.comp.glsl", shader_mesh_cull_comp}},
+        [FIRST] = {.vertex = {"mesh_id.vert.glsl", shader_mesh_id_vert},
+                   .fragment = {"mesh_id.frag.glsl", shader_mesh_id_frag}},
+        [ALL] = {.vertex = {"mesh_id.vert.glsl", shader_mesh_id_vert},
+                 .fragment = {"mesh_hits.frag.glsl", shader_mesh_hits_frag}}};
     const struct program_define defines[] = {{"CAPACITY", capacity},
-                                             {"PIXEL_BUFFER", PIXEL_BUFFER},
-                                             {"HIT_BUFFER", HIT_BUFFER},
-                                             {"POSITION_UNIT", POSITION_UNIT},
-                                             {"CORNER_UNIT", CORNER_UNIT}};
-    const struct program_source source = {.vertex = {"mesh_id.vert.glsl", shader_mesh_id_vert},
-                                          .fragment = *fragment,
-                                          .defines = defines,
-                                          .define_count = sizeof defines / sizeof defines[0]};
-    return program_create(out, &source);
-}
-
-/* The program of the nearest triangles, with this capacity in every pixel. */
-static conus_status create_first(struct mesh_pass *pass, uint32_t capacity)
-{
-    const struct program_shader fragment = {"mesh_id.frag.glsl", shader_mesh_id_frag};
-    GLuint first = 0;
-    conus_status status = create_program(&first, &fragment, capacity);
+                                             {"CLUSTER_RANGE", CLUSTER_RANGE},
+                                             {"CLUSTER_GROUP", CLUSTER_GROUP},
+                                             {"PIXEL_BUFFER", PIXELS},
+                                             {"HIT_BUFFER", HITS},
+                                             {"INDEX_BUFFER", INDICES},
+                                             {"SHOWN_BUFFER", SHOWN},
+                                             {"DRAW_BUFFER", DRAWS},
+                                             {"POSITION_UNIT", POSITIONS},
+                                             {"CORNER_UNIT", CORNERS},
+                                             {"BALL_UNIT", BALLS},
+                                             {"CLUSTER_UNIT", CLUSTERS}};
+    struct program_source source = shaders[kind];
+    source.defines = defines;
+    source.define_count = sizeof defines / sizeof defines[0];
+    GLuint program = 0;
+    conus_status status = program_create(&program, &source);
     if (!status) {
-        glDeleteProgram(pass->first);
-        pass->first = first;
-        pass->capacity = capacity;
+        glDeleteProgram(pass->programs[kind]);
+        pass->programs[kind] = program;
+        pass->capacity = kind == FIRST ? capacity : pass->capacity;
     }
     return status;
-}
-
-/* The program for all hits, and its list. */
-static conus_status create_all(struct mesh_pass *pass)
-{
-    const struct program_shader fragment = {"mesh_hits.frag.glsl", shader_mesh_hits_frag};
-    conus_status status =
-        pass->hits.buffer ? CONUS_OK : shader_list_init(&pass->hits, 2 * sizeof(uint32_t), FIRST_HITS);
-    return status ? status : create_program(&pass->all, &fragment, 0);
-}
-
-/* A buffer, and the texture through which shaders see it. */
-static void upload_buffer(GLuint *buffer, GLuint *texture, GLenum format, const void *data, size_t size)
-{
-    glCreateBuffers(1, buffer);
-    glNamedBufferStorage(*buffer, (GLsizeiptr)size, data, 0);
-    glCreateTextures(GL_TEXTURE_BUFFER, 1, texture);
-    glTextureBuffer(*texture, format, *buffer);
 }
 
 /* Uploads the triangles; afterwards only the driver has them. */
@@ -112,7 +119,22 @@ static conus_status upload_triangles(struct mesh_pass *pass, uint64_t *memory_le
     struct clusters *clusters = &pass->clusters;
     GLint limit = 0;
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
-    uint64_t size = (clusters->vertex_count + clusters->triangle_count) * UINT64_C(12);
+    const size_t listed = clusters->range_count < BATCH ? clusters->range_count : BATCH;
+    const size_t index_size = listed * CLUSTER_RANGE * CLUSTER_TRIANGLES * 3 * sizeof(uint32_t);
+    const struct {
+        GLenum format;
+        const void *data;
+        size_t size;
+    } parts[TEXTURE_COUNT] = {
+        [POSITIONS] = {GL_RGB32F, clusters->positions, clusters->vertex_count * 3 * sizeof *clusters->positions},
+        [CORNERS] = {GL_RGB32UI, clusters->corners, clusters->triangle_count * 3 * sizeof *clusters->corners},
+        [BALLS] = {GL_RGBA32F, clusters->balls,
+                   (clusters->cluster_count + clusters->group_count) * 4 * sizeof *clusters->balls},
+        [CLUSTERS] = {GL_RGB32UI, clusters->cluster, clusters->cluster_count * sizeof *clusters->cluster}};
+    uint64_t size = index_size;
+    for (int i = 0; i < TEXTURE_COUNT; i++) {
+        size += parts[i].size;
+    }
     if (clusters->vertex_count > (size_t)limit) {
         return fail(CONUS_ERROR_GL, "meshes of %zu triangles: this driver allows some %d", clusters->triangle_count,
                     limit);
@@ -122,53 +144,21 @@ static conus_status upload_triangles(struct mesh_pass *pass, uint64_t *memory_le
                     clusters->triangle_count, (unsigned long long)size, (unsigned long long)*memory_left);
     }
     *memory_left -= size;
-    upload_buffer(&pass->position_buffer, &pass->positions, GL_RGB32F, clusters->positions,
-                  clusters->vertex_count * 3 * sizeof *clusters->positions);
-    upload_buffer(&pass->corner_buffer, &pass->corners, GL_RGB32UI, clusters->corners,
-                  clusters->triangle_count * 3 * sizeof *clusters->corners);
-    glCreateBuffers(1, &pass->pixel_buffer);
+    glCreateBuffers(BUFFER_COUNT, pass->buffers);
+    glCreateTextures(GL_TEXTURE_BUFFER, TEXTURE_COUNT, pass->textures);
+    for (int i = 0; i < TEXTURE_COUNT; i++) {
+        glNamedBufferStorage(pass->buffers[i], (GLsizeiptr)parts[i].size, parts[i].data, 0);
+        glTextureBuffer(pass->textures[i], parts[i].format, pass->buffers[i]);
+    }
+    glNamedBufferStorage(pass->buffers[INDICES], (GLsizeiptr)index_size, NULL, 0);
     glCreateVertexArrays(1, &pass->vertices);
-    glVertexArrayVertexBuffer(pass->vertices, 0, pass->position_buffer, 0, 3 * sizeof *clusters->positions);
-    glVertexArrayElementBuffer(pass->vertices, pass->corner_buffer);
+    glVertexArrayVertexBuffer(pass->vertices, 0, pass->buffers[POSITIONS], 0, 3 * sizeof *clusters->positions);
+    glVertexArrayElementBuffer(pass->vertices, pass->buffers[INDICES]);
     glVertexArrayAttribFormat(pass->vertices, 0, 3, GL_FLOAT, GL_FALSE, 0);
     glVertexArrayAttribBinding(pass->vertices, 0, 0);
     glEnableVertexArrayAttrib(pass->vertices, 0);
     clusters_drop_triangles(clusters);
     return gl_check("meshes");
-}
-
-/* Makes slots for `wanted` queries, or as many as are allowed. */
-static conus_status make_slots(struct mesh_pass *pass, size_t wanted)
-{
-    conus_status status = CONUS_OK;
-    while (pass->slot_count < wanted && pass->slot_count < pass->slot_limit && !status) {
-        status = mesh_cull_create(&pass->slots[pass->slot_count].cull, &pass->clusters);
-        pass->slot_count += !status;
-    }
-    return status;
-}
-
-static conus_status allocate_pass(struct mesh_pass *pass, const struct mesh *const *meshes, size_t count)
-{
-    pass->meshes = memory_copy(meshes, count, sizeof(void *));
-    if (!pass->meshes) {
-        return CONUS_ERROR_MEMORY;
-    }
-    pass->batch = gl_is_software() ? SOFTWARE_BATCH : BATCH;
-    pass->portion = gl_is_software() ? SOFTWARE_PORTION : SIZE_MAX;
-    conus_status status = clusters_init(&pass->clusters, meshes, count);
-    if (!status) {
-        size_t fitting = SLOT_MEMORY / mesh_cull_size(&pass->clusters);
-        pass->slot_limit = fitting < 1 ? 1 : fitting < SLOT_LIMIT ? fitting : SLOT_LIMIT;
-        status = make_slots(pass, 1);
-    }
-    if (!status) {
-        size_t clusters = pass->clusters.first_cluster[pass->clusters.mesh_count];
-        pass->draw_counts = memory_raw(clusters, sizeof *pass->draw_counts);
-        pass->draw_offsets = memory_raw(clusters, sizeof *pass->draw_offsets);
-        status = pass->draw_counts && pass->draw_offsets ? CONUS_OK : CONUS_ERROR_MEMORY;
-    }
-    return status;
 }
 
 conus_status mesh_pass_create(struct mesh_pass **out, const struct mesh *const *meshes, size_t count,
@@ -178,8 +168,14 @@ conus_status mesh_pass_create(struct mesh_pass **out, const struct mesh *const *
     if (!pass) {
         return CONUS_ERROR_MEMORY;
     }
-    conus_status status = allocate_pass(pass, meshes, count);
-    status = status ? status : create_first(pass, FIRST_CAPACITY);
+    pass->meshes = memory_copy(meshes, count, sizeof(void *));
+    conus_status status = pass->meshes ? clusters_init(&pass->clusters, meshes, count) : CONUS_ERROR_MEMORY;
+    if (!status) {
+        pass->shown = memory_raw(pass->clusters.range_count, sizeof *pass->shown);
+        status = pass->shown ? create_program(pass, CULL, 0) : CONUS_ERROR_MEMORY;
+    }
+    status = status ? status : create_program(pass, FIRST, FIRST_CAPACITY);
+    status = status ? status : shader_list_init(&pass->hits, 2 * sizeof(uint32_t), FIRST_HITS);
     status = status ? status : upload_triangles(pass, memory_left);
     if (status) {
         mesh_pass_destroy(pass);
@@ -194,24 +190,22 @@ void mesh_pass_destroy(struct mesh_pass *pass)
     if (!pass) {
         return;
     }
-    const GLuint buffers[] = {pass->position_buffer, pass->corner_buffer, pass->pixel_buffer};
-    const GLuint textures[] = {pass->positions, pass->corners};
-    glDeleteTextures(2, textures);
-    glDeleteBuffers(3, buffers);
+    glDeleteTextures(TEXTURE_COUNT, pass->textures);
+    glDeleteBuffers(BUFFER_COUNT, pass->buffers);
     glDeleteVertexArrays(1, &pass->vertices);
-    glDeleteProgram(pass->first);
-    glDeleteProgram(pass->all);
+    for (int kind = 0; kind < KIND_COUNT; kind++) {
+        glDeleteProgram(pass->programs[kind]);
+    }
     target_finish(&pass->target);
     shader_list_finish(&pass->hits);
     readback_finish(&pass->readback);
-    for (size_t i = 0; i < pass->slot_count; i++) {
-        mesh_cull_destroy(pass->slots[i].cull);
-    }
     clusters_finish(&pass->clusters);
     memory_free((void *)pass->meshes);
     memory_free(pass->pixels);
-    memory_free(pass->draw_counts);
-    memory_free(pass->draw_offsets);
+    memory_free(pass->shown);
+    memory_free(pass->ranges);
+    memory_free(pass->ends);
+    memory_free(pass->draws);
     memory_free(pass);
 }
 
@@ -220,19 +214,19 @@ static size_t pixel_count(const struct mesh_pass *pass)
     return (size_t)pass->target.width * pass->target.height;
 }
 
-/* Where a pixel of slot number `place` is among those drawn at once. */
+/* Where a pixel of query number `place` is among those drawn at once. */
 static size_t pixel_at(const struct mesh_pass *pass, size_t place, size_t pixel)
 {
     return (place * pixel_count(pass) + pixel) * (2 + (size_t)pass->capacity);
 }
 
-/* Bytes of the pixels of `slots` slots. */
+/* Bytes of the pixels of `slots` queries. */
 static size_t pixels_size(const struct mesh_pass *pass, size_t slots)
 {
     return slots * pixel_count(pass) * (2 + (size_t)pass->capacity) * sizeof *pass->pixels;
 }
 
-/* Reserves the pixels of `slots` slots, or of as many as are allowed. */
+/* Reserves the pixels of `slots` queries, or of as many as are allowed. */
 static conus_status make_pixels(struct mesh_pass *pass, size_t slots)
 {
     size_t fitting = PIXEL_MEMORY / pixels_size(pass, 1);
@@ -247,7 +241,7 @@ static conus_status make_pixels(struct mesh_pass *pass, size_t slots)
         return CONUS_ERROR_MEMORY;
     }
     pass->pixel_slots = slots;
-    glNamedBufferData(pass->pixel_buffer, (GLsizeiptr)pixels_size(pass, slots), NULL, GL_DYNAMIC_COPY);
+    glNamedBufferData(pass->buffers[PIXELS], (GLsizeiptr)pixels_size(pass, slots), NULL, GL_DYNAMIC_COPY);
     return gl_check("pixels");
 }
 
@@ -278,16 +272,16 @@ static void weigh(const struct mesh_pass *pass, const struct mesh_pixels *pixels
     }
 }
 
-/* Where the vertex shader places corners. */
-static void use_program(GLuint program, const struct mesh_view *view)
+/* Where the device is, and where it looks, for a program. */
+static void set_view(GLuint program, const struct mesh_view *view)
 {
     const double *m = view->world_from_device;
     const bool parallel = view->radius > 0;
-    const double width = parallel ? view->radius : view->slope; /* half the buffer's edge, at depth 1 */
+    const double edge = parallel ? view->radius : view->slope; /* half the buffer's, at depth 1 */
     double rows[9];
     for (int a = 0; a < 3; a++) {
-        rows[a] = m[a] / width;
-        rows[3 + a] = m[4 + a] / width;
+        rows[a] = m[a] / edge;
+        rows[3 + a] = m[4 + a] / edge;
         rows[6 + a] = -m[8 + a];
     }
     glUseProgram(program);
@@ -297,8 +291,19 @@ static void use_program(GLuint program, const struct mesh_view *view)
     glUniform1i(RESOLUTION, (GLint)view->resolution);
 }
 
-/* The rays of `first`. */
-static void set_rays(const struct mesh_view *view)
+/* What CULL leaves out: `known` is the first pixel of the query, and the words of each; 0 where nothing is known. */
+static void set_culling(const struct mesh_pass *pass, const struct mesh_view *view, GLint first_pixel, GLint stride)
+{
+    const double cosine = 1 / sqrt(1 + view->slope * view->slope);
+    const double shape[3] = {view->radius > 0 ? view->radius : view->slope, cosine, view->slope * cosine};
+    set_view(pass->programs[CULL], view);
+    glUniform3dv(SHAPE, 1, shape);
+    glUniform2i(KNOWN, first_pixel, stride);
+    glUniform1i(CLUSTER_COUNT, (GLint)pass->clusters.cluster_count);
+}
+
+/* The rays of FIRST. */
+static void set_first(const struct mesh_pass *pass, const struct mesh_view *view, GLint first_pixel)
 {
     const double *m = view->world_from_device;
     double direction[9], origin[6];
@@ -309,165 +314,192 @@ static void set_rays(const struct mesh_view *view)
         origin[a] = m[a] * view->radius;
         origin[3 + a] = m[4 + a] * view->radius;
     }
+    set_view(pass->programs[FIRST], view);
     glUniformMatrix3dv(DIRECTION_FROM_PLACE, 1, GL_FALSE, direction);
     glUniformMatrix2x3dv(ORIGIN_FROM_PLACE, 1, GL_FALSE, origin);
+    glUniform1i(FIRST_PIXEL, first_pixel);
 }
 
-/* Draws with the program in use. */
-static void draw_batch(const struct mesh_pass *pass, const uint32_t *batch, size_t count)
+static int nearest_first(const void *a, const void *b)
+{
+    return compare_double(((const struct shown *)a)->nearest, ((const struct shown *)b)->nearest);
+}
+
+/* Lists the ranges that a view can show as pass->shown. Returns how many there are. */
+static size_t list_shown(const struct mesh_pass *pass, const struct mesh_view *view)
+{
+    const double *m = view->world_from_device;
+    const double cosine = 1 / sqrt(1 + view->slope * view->slope);
+    size_t count = 0;
+    for (size_t range = 0; range < pass->clusters.range_count; range++) {
+        const float *ball = &pass->clusters.range_balls[4 * range];
+        const double radius = (double)ball[3];
+        const double at[3] = {(double)ball[0] - m[12], (double)ball[1] - m[13], (double)ball[2] - m[14]};
+        const double depth = -vec3_dot(at, m + 8);
+        const double outside = fmax(fabs(vec3_dot(at, m)), fabs(vec3_dot(at, m + 4))) - view->radius;
+        if (depth > -radius && outside * cosine - depth * view->slope * cosine < radius) {
+            pass->shown[count++] = (struct shown){vec3_length(at) - radius, (uint32_t)range};
+        }
+    }
+    order_sort(pass->shown, count, sizeof *pass->shown, nearest_first);
+    return count;
+}
+
+/* Sends the ranges of queries to the device, and empty draws for as many batches as they can make. */
+static conus_status upload_ranges(struct mesh_pass *pass, const struct mesh_query *queries, size_t count)
+{
+    size_t end = 0;
+    if (!memory_reserve(&pass->ends, &pass->end_capacity, count, sizeof *pass->ends)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < count; i++) {
+        const size_t added = list_shown(pass, &queries[i].view);
+        if (!memory_reserve(&pass->ranges, &pass->range_capacity, end + added, sizeof *pass->ranges)) {
+            return CONUS_ERROR_MEMORY;
+        }
+        for (size_t k = 0; k < added; k++) {
+            pass->ranges[end++] = pass->shown[k].range;
+        }
+        pass->ends[i] = end;
+    }
+    const size_t draws = count * BATCHES_OF_QUERY + 2 * (end / BATCH);
+    if (!memory_reserve(&pass->draws, &pass->draw_capacity, draws, sizeof *pass->draws)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < draws; i++) {
+        pass->draws[i] = (struct draw){.instances = 1};
+    }
+    glNamedBufferData(pass->buffers[SHOWN], (GLsizeiptr)(end * sizeof *pass->ranges), pass->ranges, GL_DYNAMIC_COPY);
+    glNamedBufferData(pass->buffers[DRAWS], (GLsizeiptr)(draws * sizeof *pass->draws), pass->draws, GL_DYNAMIC_COPY);
+    return gl_check("ranges of triangles");
+}
+
+/* What culling and drawing read and write. */
+static void bind_all(const struct mesh_pass *pass)
 {
     target_bind(&pass->target);
     glProvokingVertex(GL_LAST_VERTEX_CONVENTION);
-    glBindTextureUnit(POSITION_UNIT, pass->positions);
-    glBindTextureUnit(CORNER_UNIT, pass->corners);
     glBindVertexArray(pass->vertices);
-    for (size_t i = 0, portion; i < count; i += portion) {
-        size_t triangles = 0;
-        for (portion = 0; i + portion < count && triangles < pass->portion; portion++) {
-            const struct cluster *cluster = &pass->clusters.cluster[batch[i + portion]];
-            pass->draw_counts[portion] = (GLsizei)(3 * cluster->count);
-            pass->draw_offsets[portion] = (const void *)((uintptr_t)cluster->first * 3 * sizeof(uint32_t));
-            triangles += cluster->count;
-        }
-        glMultiDrawElements(GL_TRIANGLES, pass->draw_counts, GL_UNSIGNED_INT, pass->draw_offsets, (GLsizei)portion);
-        if (pass->portion < SIZE_MAX) {
-            glFlush();
-        }
+    for (GLuint i = 0; i < TEXTURE_COUNT; i++) {
+        glBindTextureUnit(i, pass->textures[i]);
     }
+    for (GLuint i = TEXTURE_COUNT; i < BUFFER_COUNT; i++) {
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, i, pass->buffers[i]);
+    }
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, pass->buffers[DRAWS]);
 }
 
-/* Queries that have not begun. */
-struct queue {
-    const struct mesh_query *next, *end;
-};
-
-/* Gives the slot its query's next batch, or the first one of the next query; false when there is none. */
-static bool feed(struct slot *slot, struct queue *queue, size_t batch)
+/* Lists for a draw what the view set shows of ranges. */
+static void cull_batch(const struct mesh_pass *pass, size_t first, size_t count, size_t draw)
 {
-    while (!slot->count && (slot->query || queue->next < queue->end)) {
-        if (!slot->query) {
-            slot->query = queue->next++;
-            mesh_cull_begin(slot->cull, &slot->query->view);
-        }
-        mesh_cull_hide(slot->cull, slot->query->pixels.distances);
-        slot->count = mesh_cull_batch(&slot->batch, slot->cull, batch);
-        slot->attempts = 0;
-        slot->query = slot->count ? slot->query : NULL;
-    }
-    return slot->count > 0;
+    glUseProgram(pass->programs[CULL]);
+    glUniform2i(CULLED, (GLint)first, (GLint)(draw * sizeof(struct draw) / sizeof(uint32_t)));
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    glDispatchCompute((GLuint)count, 1, 1);
+    glMemoryBarrier(GL_ELEMENT_ARRAY_BARRIER_BIT | GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
-/* Feeds the slots, moves those under way to the front, and returns how many they are. */
-static size_t feed_all(struct mesh_pass *pass, size_t slots, struct queue *queue)
+/* Draws what was listed with a program. */
+static void draw_batch(GLuint program, size_t draw)
 {
-    for (size_t i = 0; i < slots;) {
-        if (feed(&pass->slots[i], queue, pass->batch)) {
-            i++;
-        } else {
-            struct slot idle = pass->slots[i];
-            pass->slots[i] = pass->slots[--slots];
-            pass->slots[slots] = idle;
-        }
-    }
-    return slots;
+    glUseProgram(program);
+    glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, (const void *)(uintptr_t)(draw * sizeof(struct draw)));
 }
 
-/* Draws the slots' batches and reads the pixels. */
-static conus_status draw_batches(struct mesh_pass *pass, const struct slot *slots, size_t count)
+/* Sends the pixels of queries to the device, with what is known of their distances. */
+static void upload_pixels(struct mesh_pass *pass, const struct mesh_query *queries, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         for (size_t pixel = 0; pixel < pixel_count(pass); pixel++) {
-            float nearest = (float)slots[i].query->pixels.distances[pixel];
+            float nearest = (float)queries[i].pixels.distances[pixel];
             uint32_t *first = pass->pixels + pixel_at(pass, i, pixel);
             memcpy(first, &nearest, sizeof nearest);
             first[1] = 0;
         }
     }
-    glNamedBufferSubData(pass->pixel_buffer, 0, (GLsizeiptr)pixels_size(pass, count), pass->pixels);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PIXEL_BUFFER, pass->pixel_buffer);
-    for (size_t i = 0; i < count; i++) {
-        use_program(pass->first, &slots[i].query->view);
-        set_rays(&slots[i].query->view);
-        glUniform1i(FIRST_PIXEL, (GLint)(i * pixel_count(pass)));
-        draw_batch(pass, slots[i].batch, slots[i].count);
+    glNamedBufferSubData(pass->buffers[PIXELS], 0, (GLsizeiptr)pixels_size(pass, count), pass->pixels);
+}
+
+/* Draws queries and reads their pixels. Each is drawn twice: for the distances, and to note who is that near. */
+static conus_status draw_queries(struct mesh_pass *pass, const struct mesh_query *queries, size_t count)
+{
+    conus_status status = upload_ranges(pass, queries, count);
+    if (status) {
+        return status;
     }
-    struct readback_part part = {pass->pixel_buffer, pixels_size(pass, count), NULL};
-    conus_status status = readback_wait(&pass->readback, &part, 1, "mesh ID pass");
+    upload_pixels(pass, queries, count);
+    bind_all(pass);
+    size_t draw = 0;
+    for (size_t i = 0; i < count; i++) {
+        const size_t first_pixel = i * pixel_count(pass);
+        const GLint stride = 2 + (GLint)pass->capacity;
+        set_culling(pass, &queries[i].view, (GLint)first_pixel * stride, stride);
+        set_first(pass, &queries[i].view, (GLint)first_pixel);
+        for (int notes = 0; notes < 2; notes++) {
+            size_t size = notes ? BATCH : 1;
+            glUseProgram(pass->programs[FIRST]);
+            glUniform1i(NOTES, notes);
+            for (size_t k = i ? pass->ends[i - 1] : 0, batch; k < pass->ends[i]; k += batch, draw++) {
+                batch = size < pass->ends[i] - k ? size : pass->ends[i] - k;
+                cull_batch(pass, k, batch, draw);
+                draw_batch(pass->programs[FIRST], draw);
+                size = 2 * size < BATCH ? 2 * size : BATCH;
+            }
+        }
+    }
+    struct readback_part part = {pass->buffers[PIXELS], pixels_size(pass, count), NULL};
+    status = readback_wait(&pass->readback, &part, 1, "mesh ID pass");
     pass->drawn = part.data;
     return status;
 }
 
-/* Settles the triangles that the driver noted in the slots' pixels. A batch is drawn again if a pixel had more
- * triangles than its capacity. The hits known by then leave most of them out; if that is not enough, the capacity
- * grows. */
-static conus_status settle_batches(struct mesh_pass *pass, struct slot *slots, size_t count)
+/* Settles the triangles that the driver noted in the queries' pixels. Returns how many one pixel has at most. */
+static uint32_t settle_queries(struct mesh_pass *pass, const struct mesh_query *queries, size_t count)
 {
-    uint32_t wanted = 0;
+    uint32_t most = 0;
     for (size_t i = 0; i < count; i++) {
-        uint32_t most = 0; /* that one pixel noted */
         for (size_t n = 0; n < pixel_count(pass); n++) {
             const uint32_t *pixel = pass->drawn + pixel_at(pass, i, n);
-            uint32_t noted = pixel[1];
-            most = noted > most ? noted : most;
-            for (uint32_t k = 0; k < noted && k < pass->capacity; k++) {
-                weigh(pass, &slots[i].query->pixels, n, pixel[2 + k]);
+            most = pixel[1] > most ? pixel[1] : most;
+            for (uint32_t k = 0; k < pixel[1] && k < pass->capacity; k++) {
+                weigh(pass, &queries[i].pixels, n, pixel[2 + k]);
             }
         }
-        if (most <= pass->capacity) {
-            slots[i].count = 0;
-        } else if (++slots[i].attempts > 1 && most > wanted) {
-            wanted = most;
-        }
     }
-    if (!wanted) {
-        return CONUS_OK;
-    }
-    size_t places = pass->pixel_slots;
-    conus_status status = create_first(pass, (wanted + 2 + CAPACITY_STEP - 1) / CAPACITY_STEP * CAPACITY_STEP - 2);
-    pass->pixel_slots = 0; /* those are too small */
-    return status ? status : make_pixels(pass, places);
+    return most;
 }
 
 conus_status mesh_pass_render(struct mesh_pass *pass, const struct mesh_query *queries, size_t count)
 {
-    struct queue queue = {queries, queries + count};
     conus_status status = count ? set_resolution(pass, queries->view.resolution) : CONUS_OK;
-    status = status ? status : make_slots(pass, count);
-    size_t slots = count < pass->slot_count ? count : pass->slot_count;
-    if (!status && pass->pixel_slots < slots) {
-        status = make_pixels(pass, slots);
-    }
-    for (size_t i = 0; i < slots; i++) { /* left over from a query that failed */
-        pass->slots[i].query = NULL;
-        pass->slots[i].count = 0;
-    }
-    while (!status && (slots = feed_all(pass, slots, &queue)) > 0) {
-        for (size_t first = 0, together; first < slots && !status; first += together) {
-            together = slots - first < pass->pixel_slots ? slots - first : pass->pixel_slots;
-            status = draw_batches(pass, &pass->slots[first], together);
-            status = status ? status : settle_batches(pass, &pass->slots[first], together);
+    for (size_t first = 0, together; first < count && !status; first += together) {
+        uint32_t most = 0;
+        status = pass->pixel_slots < count - first ? make_pixels(pass, count - first) : CONUS_OK;
+        together = pass->pixel_slots < count - first ? pass->pixel_slots : count - first;
+        status = status ? status : draw_queries(pass, queries + first, together);
+        most = status ? 0 : settle_queries(pass, queries + first, together);
+        if (most > pass->capacity) { /* they are drawn again */
+            status = create_program(pass, FIRST, (most + 2 + CAPACITY_STEP - 1) / CAPACITY_STEP * CAPACITY_STEP - 2);
+            pass->pixel_slots = 0; /* those are too small */
+            together = 0;
         }
     }
     return status;
 }
 
-/* Draws clusters until all their hits are taken. */
-static conus_status pierce_batch(struct mesh_pass *pass, const struct mesh_view *view, const uint32_t *batch,
-                                 size_t batch_count, mesh_pass_take take, void *user)
+/* Draws what was listed, of which a pixel may have `triangles`, until all hits are taken. */
+static conus_status take_hits(struct mesh_pass *pass, const struct mesh_view *view, size_t draw, uint32_t triangles,
+                              mesh_pass_take take, void *user)
 {
     struct shader_list *list = &pass->hits;
     conus_status status = CONUS_OK;
-    uint32_t per_pixel = 0;
-    for (size_t i = 0; i < batch_count; i++) {
-        per_pixel += pass->clusters.cluster[batch[i]].count;
-    }
-    shader_list_begin(list, view->resolution * view->resolution, per_pixel);
-    while (!status && shader_list_next(list, HIT_BUFFER)) {
+    shader_list_begin(list, view->resolution * view->resolution, triangles);
+    while (!status && shader_list_next(list, HITS)) {
         const void *records = NULL;
         uint32_t count = 0;
-        use_program(pass->all, view);
-        glUniform2i(PIXELS, (GLint)list->first, (GLint)list->end);
-        draw_batch(pass, batch, batch_count);
+        glUseProgram(pass->programs[ALL]);
+        glUniform2i(DRAWN_PIXELS, (GLint)list->first, (GLint)list->end);
+        draw_batch(pass->programs[ALL], draw);
         status = shader_list_read(list, &records, &count);
         for (uint32_t i = 0; i < count && !status; i++) {
             const uint32_t *record = (const uint32_t *)records + 2 * (size_t)i;
@@ -481,17 +513,23 @@ static conus_status pierce_batch(struct mesh_pass *pass, const struct mesh_view 
 
 conus_status mesh_pass_pierce(struct mesh_pass *pass, const struct mesh_view *view, mesh_pass_take take, void *user)
 {
-    uint32_t pixels = view->resolution * view->resolution;
-    size_t countable = UINT32_MAX / pixels - CLUSTER_TRIANGLES; /* at once for all pixels, see shader_list.h */
-    size_t triangles = countable < PIERCE_BATCH ? countable : PIERCE_BATCH;
-    conus_status status = pass->all ? CONUS_OK : create_all(pass);
+    const struct mesh_query query = {.view = *view};
+    conus_status status = pass->programs[ALL] ? CONUS_OK : create_program(pass, ALL, 0);
     status = status ? status : set_resolution(pass, view->resolution);
-    struct mesh_cull *cull = pass->slots[0].cull;
-    const uint32_t *batch;
-    mesh_cull_begin(cull, view);
-    mesh_cull_hide(cull, NULL);
-    for (size_t count; !status && (count = mesh_cull_batch(&batch, cull, triangles)) > 0;) {
-        status = pierce_batch(pass, view, batch, count, take, user);
+    status = status ? status : upload_ranges(pass, &query, 1);
+    if (status) {
+        return status;
+    }
+    bind_all(pass);
+    set_culling(pass, view, 0, 0);
+    set_view(pass->programs[ALL], view);
+    for (size_t k = 0, draw = 0, batch; k < pass->ends[0] && !status; k += batch, draw++) {
+        struct readback_part part = {pass->buffers[DRAWS], (draw + 1) * sizeof *pass->draws, NULL};
+        batch = BATCH < pass->ends[0] - k ? BATCH : pass->ends[0] - k;
+        cull_batch(pass, k, batch, draw);
+        status = readback_wait(&pass->readback, &part, 1, "culling");
+        status =
+            status ? status : take_hits(pass, view, draw, ((const struct draw *)part.data)[draw].count / 3, take, user);
     }
     return status;
 }

@@ -2,20 +2,29 @@
 /** @file
  * The mesh ID pass (Eq. 9): which triangle each pixel of n x n buffers hits first. Needs a current context throughout.
  *
- * Clusters of triangles are drawn front to back in batches (mesh_cull.h), each batch with one call; the driver proposes
- * the triangles that cover a pixel's centre and are the nearest within rounding, and mesh_distance() settles in double
- * precision which of them is: nearest first; of equally near ones that of the lower object, then the lower triangle.
+ * The device leaves out the clusters of triangles that a view cannot show, and draws the others, which the CPU never
+ * sees. The driver proposes the triangles that cover a pixel's centre and are the nearest within rounding, and
+ * mesh_distance() settles in double precision which of them is: nearest first; of equally near ones that of the lower
+ * object, then the lower triangle.
  *
- * Many queries are answered side by side, in rounds: in each, every query that is under way draws its next batch, and
- * all of them are read back at once. What a query draws, and where on the driver's grid, does not depend on its
+ * Many queries are read back at once. What a query draws, and where on the driver's grid, does not depend on its
  * neighbours.
  */
 #ifndef CONUS_RENDER_ID_MESH_PASS_H
 #define CONUS_RENDER_ID_MESH_PASS_H
 
-#include "render/id/mesh_cull.h"
+#include "atlas/surface/mesh.h"
+#include "base/status.h"
 
 struct mesh_pass;
+
+/** Where the buffer looks from (Eq. 1, Eq. 3): either slope or radius is 0. */
+struct mesh_view {
+    const double *world_from_device; /**< [16] rigid; looks down its -z.                          */
+    double slope;                    /**< Tangent of half the opening angle.                      */
+    double radius;                   /**< A cylinder's parallel rays: half the buffer's edge, mm. */
+    uint32_t resolution;             /**< n                                                       */
+};
 
 /** A pixel's ray in the world; direction is a unit vector. */
 struct mesh_ray {

@@ -269,7 +269,7 @@ static conus_status trace_volumes(struct gl_engine *gl, const struct view *view)
 
 static struct mesh_view mesh_view_of(const struct cone *cone)
 {
-    return (struct mesh_view){cone->pose.world_from_device, tan(cone->angle / 2), cone->radius, cone->resolution, 0};
+    return (struct mesh_view){cone->pose.world_from_device, tan(cone->angle / 2), cone->radius, cone->resolution};
 }
 
 /* To the rays of pixels that are not wanted. */

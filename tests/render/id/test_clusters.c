@@ -1,15 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Clusters hold every triangle once, and culling removes nothing visible. */
+/* Clusters hold every triangle once. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
-#include "render/id/mesh_cull.h"
-#include "selection/cone/cone.h"
+#include "render/id/clusters.h"
 #include "test.h"
 
-#include <string.h>
-
-enum { MESHES = 5, N = 16 };
+enum { MESHES = 5 };
 
 struct scene {
     conus_atlas *atlas;
@@ -32,12 +29,13 @@ static struct scene make_scene(uint64_t *random)
     return scene;
 }
 
-static void assert_in_ball(const struct cluster *cluster, const float *position)
+static void assert_in_ball(const float *ball, const float *position)
 {
-    const double p[3] = {(double)position[0], (double)position[1], (double)position[2]};
     double offset[3];
-    vec3_sub(offset, p, cluster->centre);
-    assert_true(vec3_length(offset) <= cluster->radius);
+    for (int a = 0; a < 3; a++) {
+        offset[a] = (double)position[a] - (double)ball[a];
+    }
+    assert_true(vec3_length(offset) <= (double)ball[3]);
 }
 
 static bool is_same_place(const struct clusters *clusters, uint32_t vertex, const struct mesh *mesh, uint32_t wanted)
@@ -75,7 +73,8 @@ static void check_cluster(const struct clusters *clusters, const struct cluster 
         check_triangle(clusters, scene->meshes[cluster->object - 1], drawn);
         assert_ptr_equal(clusters_find(clusters, drawn), cluster);
         for (size_t k = 0; k < 3; k++) {
-            assert_in_ball(cluster, &clusters->positions[3 * (size_t)clusters->corners[3 * (size_t)drawn + k]]);
+            assert_in_ball(&clusters->balls[4 * (cluster - clusters->cluster)],
+                           &clusters->positions[3 * (size_t)clusters->corners[3 * (size_t)drawn + k]]);
         }
     }
 }
@@ -88,10 +87,9 @@ static void clusters_hold_every_triangle_once(void **state)
     struct scene scene = make_scene(&random);
     struct clusters clusters;
     assert_ok(clusters_init(&clusters, scene.meshes, MESHES));
-    assert_int_equal(clusters.mesh_count, 4);
     assert_int_equal(clusters.triangle_count, 700 + 480 + 1 + 129);
     size_t next = 0;
-    for (size_t c = 0; c < clusters.first_cluster[4]; c++) {
+    for (size_t c = 0; c < clusters.cluster_count; c++) {
         assert_int_equal(clusters.cluster[c].first, next);
         check_cluster(&clusters, &clusters.cluster[c], &scene, seen);
         next += clusters.cluster[c].count;
@@ -114,95 +112,10 @@ static void closed_meshes_need_few_more_vertices(void **state)
     mesh_finish(&torus);
 }
 
-struct truth {
-    double distances[N * N]; /* as far as they are known yet */
-    struct mesh_hit first[N * N];
-};
-
-static void find_truth(struct truth *truth, const struct scene *scene, const struct cone *cone)
-{
-    for (uint32_t i = 0; i < N * N; i++) {
-        double origin[3], direction[3];
-        cone_origin(origin, cone, i % N, i / N);
-        cone_ray(direction, cone, i % N, i / N);
-        truth->first[i] = mesh_scene_first(scene->atlas, origin, direction);
-        truth->distances[i] = INFINITY;
-    }
-}
-
-/* The distances of a cluster's triangles are known from now on. */
-static void learn(struct truth *truth, const struct clusters *clusters, const struct cluster *cluster)
-{
-    for (int i = 0; i < N * N; i++) {
-        bool mine = truth->first[i].object && truth->first[i].object + 1 == cluster->object; /* after the one without */
-        for (uint32_t k = cluster->first; mine && k < cluster->first + cluster->count; k++) {
-            truth->distances[i] =
-                clusters->triangle[k] == truth->first[i].triangle ? truth->first[i].t : truth->distances[i];
-        }
-    }
-}
-
-/* The first triangle of every ray is given, whatever is culled on the way. Returns the number of clusters given. */
-static size_t check_cone(struct mesh_cull *cull, const struct clusters *clusters, const struct scene *scene,
-                         const struct cone *cone)
-{
-    static struct truth truth;
-    const struct mesh_view view = {cone->pose.world_from_device, tan(cone->angle / 2), cone->radius, N, 0};
-    size_t given = 0;
-    const uint32_t *batch;
-    find_truth(&truth, scene, cone);
-    mesh_cull_begin(cull, &view);
-    mesh_cull_hide(cull, truth.distances);
-    for (size_t count; (count = mesh_cull_batch(&batch, cull, 200)) > 0; given += count) {
-        for (size_t i = 0; i < count; i++) {
-            learn(&truth, clusters, &clusters->cluster[batch[i]]);
-        }
-        mesh_cull_hide(cull, truth.distances);
-    }
-    for (int i = 0; i < N * N; i++) {
-        assert_true(truth.distances[i] == truth.first[i].t);
-    }
-    return given;
-}
-
-static void nothing_visible_is_culled(void **state)
-{
-    (void)state;
-    uint64_t random = 2;
-    struct scene scene = make_scene(&random);
-    struct clusters clusters;
-    struct mesh_cull *cull = NULL;
-    assert_ok(clusters_init(&clusters, scene.meshes, MESHES));
-    assert_ok(mesh_cull_create(&cull, &clusters));
-    size_t given = 0;
-    for (int pose = 0; pose < 60; pose++) {
-        double from[3], to[3];
-        for (int a = 0; a < 3; a++) {
-            from[a] = test_random(&random, -60, 60);
-            to[a] = test_random(&random, -30, 30);
-        }
-        struct cone cone = {.angle = radians_from_degrees(test_random(&random, 1, pose % 3 ? 20 : 120)),
-                            .resolution = N};
-        assert_ok(conus_pose_toward(&cone.pose, from, to, NULL));
-        if (pose % 4 == 1) {
-            cone.angle = 0;
-            cone.radius = test_random(&random, 0.1, 30);
-        }
-        given += check_cone(cull, &clusters, &scene, &cone);
-    }
-    assert_true(given > 0 && given < 60 * clusters.first_cluster[4] * 3 / 4); /* and much of the rest is */
-    mesh_cull_destroy(cull);
-    clusters_finish(&clusters);
-    conus_atlas_destroy(scene.atlas);
-}
-
 static conus_status make_and_free(void *scene)
 {
     struct clusters clusters = {0};
-    struct mesh_cull *cull = NULL;
     conus_status status = clusters_init(&clusters, ((struct scene *)scene)->meshes, MESHES);
-    status = status ? status : mesh_cull_create(&cull, &clusters);
-    mesh_cull_destroy(cull);
     clusters_finish(&clusters);
     return status;
 }
@@ -221,7 +134,6 @@ TEST_GROUP(clusters)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(clusters_hold_every_triangle_once),
         cmocka_unit_test(closed_meshes_need_few_more_vertices),
-        cmocka_unit_test(nothing_visible_is_culled),
         cmocka_unit_test(every_failing_allocation_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -218,7 +218,7 @@ static void blocks_do_not_move_the_edges_of_meshes(void **state)
 }
 
 /* Equal surfaces, of which a pixel lists more than it can hold, and so many that they do not fit into the buffer at
- * once. */
+ * once. What does is waited for once. */
 static void many_cones_are_what_they_are_alone(void **state)
 {
     (void)state;
@@ -242,7 +242,11 @@ static void many_cones_are_what_they_are_alone(void **state)
         out[i] = &together[i];
         assert_ok(evidence_init(&together[i], EDGE));
     }
+    const int before = gl_pair_waits();
     assert_ok(pair.gl->functions->trace_many(pair.gl, out, in, COUNT));
+    assert_int_equal(gl_pair_waits() - before, 4); /* with too little room in a pixel, then by 32 cones, which fit */
+    assert_ok(pair.gl->functions->trace_many(pair.gl, out, in, 32));
+    assert_int_equal(gl_pair_waits() - before, 5);
     for (int i = 0; i < COUNT; i++) {
         struct evidence alone = gl_pair_trace(pair.gl, &cones[i]);
         gl_pair_same_evidence(&together[i], &alone);
