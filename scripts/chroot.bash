@@ -57,7 +57,7 @@ inside() {
 # first_answer: README.md's question.
 first_answer() {
     conus query /usr/share/mricron/templates/aal.nii.gz --origin=-90,20,20 --toward=0,-10,10 --angle 20 --no-cache | tee rows
-    [ "$(awk '$2 ~ /_[LR]$/ { print $2, $6 }' rows)" = $'Frontal_Inf_Oper_L 188\nPrecentral_L 16\nPostcentral_L 4' ]
+    [ "$(awk '$2 ~ /_[LR]$/ { print $2, $6 }' rows)" = $'Frontal_Inf_Oper_L 2921\nPrecentral_L 238\nPostcentral_L 69' ]
 }
 
 # first_answer_of_python PYTHON...: the same, by a wheel.
@@ -66,7 +66,7 @@ first_answer_of_python() {
 import conus
 rows = [(hit.name, hit.pixels) for hit in conus.load("aal").select((-90, 20, 20), toward=(0, -10, 10), angle=20) if hit.pixels]
 print(rows)
-assert rows == [("Frontal_Inf_Oper_L", 188), ("Precentral_L", 16), ("Postcentral_L", 4)], rows
+assert rows == [("Frontal_Inf_Oper_L", 2921), ("Precentral_L", 238), ("Postcentral_L", 69)], rows
 '
 }
 

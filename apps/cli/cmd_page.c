@@ -78,7 +78,7 @@ static const struct option page_options[] = {
     {.name = "resolution",
      OPTION_AT(struct page_settings, resolution),
      .value = "N",
-     .help = "rays along a side of the buffer, 1 to 256 (default 16)",
+     .help = "rays along a side of the buffer, 1 to 256 (default " OPTION_DIGITS(CONUS_RESOLUTION_DEFAULT) ")",
      OPTION_FROM_TO(1, 256),
      .needs = "origin"},
     {.name = "context",
@@ -499,7 +499,7 @@ int page_write(struct page_settings settings, const struct arguments *arguments,
     char *template = NULL;
     struct system_text text = {0};
     settings.angle = settings.angle > 0 ? settings.angle : 20;
-    settings.resolution = settings.resolution ? settings.resolution : 16;
+    settings.resolution = settings.resolution ? settings.resolution : CONUS_RESOLUTION_DEFAULT;
     if (!settings.force && system_allows(settings.output, 0)) {
         return print_usage_error("%s is there already; --force replaces it", settings.output);
     }

@@ -9,6 +9,10 @@
 #include <stdint.h>
 #include <stdio.h>
 
+/** The digits of a constant, for the text of a help. */
+#define OPTION_DIGITS(constant) OPTION_DIGITS_OF(constant)
+#define OPTION_DIGITS_OF(digits) #digits
+
 /** The kind of an option's value, and the C type of the field that receives it. */
 enum option_type {
     OPTION_FLAG,   /**< No value; bool.                                          */

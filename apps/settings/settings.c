@@ -254,7 +254,7 @@ const struct option pixel_options[] = {
     {.name = "resolution",
      FIELD(engine_settings, resolution),
      .value = "N",
-     .help = "trace N x N rays, one per pixel, N from 1 to 1024 (default 16)",
+     .help = "trace N x N rays, one per pixel, N from 1 to 1024 (default " OPTION_DIGITS(CONUS_RESOLUTION_DEFAULT) ")",
      OPTION_FROM_TO(1, 1024),
      .words = "rays",
      .flags = OPTION_OF_RAYS},

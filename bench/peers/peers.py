@@ -72,7 +72,7 @@ def conus_rows(conus, atlas, poses, folder, name):
         file.write("x\ty\tz\ttx\tty\ttz\n")
         file.writelines("\t".join("%.3f" % x for x in pose) + "\n" for pose in poses)
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([conus, "batch", atlas, "--poses", path, "--angle", str(ANGLE), "--threads", "1", "-q", "-o", out], check=True)
+    subprocess.run([conus, "batch", atlas, "--poses", path, "--angle", str(ANGLE), "--resolution", "16", "--threads", "1", "-q", "-o", out], check=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     answers = [{} for _ in poses]
     with open(out) as file:

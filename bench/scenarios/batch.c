@@ -42,6 +42,9 @@ struct contender {
     conus_status status;
 };
 
+/* What the holds of docs/benchmarks.md were measured with. */
+static const conus_selector_options held = {.resolution = BENCH_RESOLUTION};
+
 /* Creates a selector with `engine` in the place of its own. */
 static conus_status create_with(conus_selector **out, const conus_atlas *atlas, const conus_selector_options *options,
                                 struct engine *engine)
@@ -65,7 +68,7 @@ static conus_status make_scene(struct scene *scene, const struct bench *bench)
         status = program_write_poses(scene->path, bench->options.poses, &scene->atlas->volumes[0].info,
                                      bench->options.angle);
     }
-    status = status ? status : conus_selector_create(&scene->selector, scene->atlas, NULL);
+    status = status ? status : conus_selector_create(&scene->selector, scene->atlas, &held);
     scene->angle = radians_from_degrees(bench->options.angle);
     return status;
 }
@@ -182,14 +185,14 @@ static conus_status measure_ways(struct bench *bench, const char *scenario, cons
 conus_status bench_batch(struct bench *bench)
 {
     enum { NO_ROWS, TRACE, RAYS, RAYS_2, GL_ALONE, GL_BLOCKS, WAYS };
-    const conus_selector_options by_gl = {.engine = CONUS_ENGINE_GL};
+    const conus_selector_options by_gl = {.engine = CONUS_ENGINE_GL, .resolution = BENCH_RESOLUTION};
     struct scene scene = {0};
     struct engine *engine = NULL;
     conus_selector *plain = NULL, *gl = NULL;
     struct bench_variant v[WAYS];
     conus_status status = make_scene(&scene, bench);
     status = status ? status : plain_engine_create(&engine, scene.atlas);
-    status = status ? status : create_with(&plain, scene.atlas, NULL, engine);
+    status = status ? status : create_with(&plain, scene.atlas, &held, engine);
     status = status ? status : conus_selector_create(&gl, scene.atlas, &by_gl);
     status = status == CONUS_ERROR_GL ? bench_leave_out(bench, "batches by OpenGL") : status;
     const struct way ways[WAYS] = {{"plain scalar traversal, no rows", plain, NULL, 1, false, true},
@@ -222,12 +225,16 @@ static const struct question {
     const char *ratio;
     size_t over;
 } questions[] = {
-    {"first hits", {0}, NULL, 0},
-    {"first hits, --range 0,250", {.range = {0, 250}}, "range_over_cone", 0},
-    {"first hits, --range 200,300", {.range = {200, 300}}, "near_range_over_cone", 0},
-    {"first hits, --radius 0.65", {.radius = 0.65}, "cylinder_over_cone", 0},
-    {"all layers", {.layers = CONUS_LAYERS_ALL}, "layers_over_visible_aal", 0},
-    {"all layers, --radius 0.65", {.layers = CONUS_LAYERS_ALL, .radius = 0.65}, "cylinder_layers_over_cone_layers", 4}};
+    {"first hits", {.resolution = BENCH_RESOLUTION}, NULL, 0},
+    {"first hits, --range 0,250", {.resolution = BENCH_RESOLUTION, .range = {0, 250}}, "range_over_cone", 0},
+    {"first hits, --range 200,300", {.resolution = BENCH_RESOLUTION, .range = {200, 300}}, "near_range_over_cone", 0},
+    {"first hits, --radius 0.65", {.resolution = BENCH_RESOLUTION, .radius = 0.65}, "cylinder_over_cone", 0},
+    {"all layers", {.resolution = BENCH_RESOLUTION, .layers = CONUS_LAYERS_ALL}, "layers_over_visible_aal", 0},
+    {"all layers, --radius 0.65",
+     {.resolution = BENCH_RESOLUTION, .layers = CONUS_LAYERS_ALL, .radius = 0.65},
+     "cylinder_layers_over_cone_layers",
+     4},
+    {"first hits, default resolution", {0}, "default_rays_over_16", 0}};
 enum { QUESTIONS = sizeof questions / sizeof questions[0] };
 
 conus_status bench_batch_layers(struct bench *bench)
@@ -279,11 +286,11 @@ conus_status bench_batch_mesh(struct bench *bench)
     snprintf(folder, sizeof folder, "%s/surfaces", bench->folder);
     status = status ? status : conus_atlas_write_meshes(scene.atlas, folder, NULL); /* as `conus mesh` makes them */
     status = status ? status : conus_atlas_load(&surfaces, folder, NULL);
-    status = status ? status : conus_selector_create(&surface, surfaces, NULL);
+    status = status ? status : conus_selector_create(&surface, surfaces, &held);
 #if CONUS_EMBREE
     struct engine *engine = NULL;
     status = status ? status : bare_embree_create(&engine, surfaces);
-    status = status ? status : create_with(&bare, surfaces, NULL, engine);
+    status = status ? status : create_with(&bare, surfaces, &held, engine);
 #endif
     const struct way ways[WAYS] = {{"surfaces, rays, batch, 1 thread", surface, NULL, 1, false, false},
                                    {"surfaces, rays, batch, 2 threads", surface, surface, 2, false, false},

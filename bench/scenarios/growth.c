@@ -274,7 +274,7 @@ static void work_finish(struct work *work)
 
 static conus_status work_init(struct work *work, const struct bench_options *options)
 {
-    const conus_selector_options all = {.layers = CONUS_LAYERS_ALL};
+    const conus_selector_options all = {.resolution = BENCH_RESOLUTION, .layers = CONUS_LAYERS_ALL};
     work->count = options->poses;
     work->cones = memory_zeroed(work->count, sizeof *work->cones);
     if (!work->cones) {

@@ -79,7 +79,9 @@ conus_status bench_plan(struct bench *bench)
     snprintf(path, sizeof path, "%s/needles.tsv", bench->folder);
     bench->one_thread = true;
     conus_status status = bench_load_labels(&atlas, bench->options.atlas);
-    status = status ? status : conus_selector_create(&selector, atlas, &(conus_selector_options){.radius = 0.65});
+    status = status ? status
+                    : conus_selector_create(&selector, atlas,
+                                            &(conus_selector_options){.resolution = BENCH_RESOLUTION, .radius = 0.65});
     uint32_t reached = status ? 0 : (uint32_t)atlas->object_count / 2;
     status = status ? status : write_needles(path, &atlas->volumes[0], reached, bench->options.poses);
     for (int w = 0; w < 2 && !status; w++) {

@@ -101,9 +101,10 @@ static void run_select_many(void *data)
 static void run_batch(void *data)
 {
     struct scene *scene = data;
-    char *arguments[] = {scene->program, "batch",      (char *)scene->atlas, "--poses", scene->poses,
-                         "--angle",      scene->angle, "--progress",         "none",    "-q",
-                         "--force",      "-o",         scene->rows,          NULL};
+    char *arguments[] = {
+        scene->program, "batch", (char *)scene->atlas, "--poses", scene->poses, "--angle", scene->angle,
+        "--resolution", "16",    "--progress",         "none",    "-q",         "--force", "-o",
+        scene->rows,    NULL};
     keep_first_error(scene, program_run(arguments));
 }
 

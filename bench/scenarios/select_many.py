@@ -18,7 +18,7 @@ FRAMES = {}
 
 def many():
     poses = np.loadtxt(POSES, skiprows=1, ndmin=2)
-    answers = conus.load(ATLAS).select_many(poses[:, :3], poses[:, 3:] - poses[:, :3], angle=float(ANGLE))
+    answers = conus.load(ATLAS).select_many(poses[:, :3], poses[:, 3:] - poses[:, :3], angle=float(ANGLE), resolution=16)
     FRAMES["many"] = answers.to_dataframe()
     return "done"
 

@@ -53,6 +53,8 @@ static void run_query(void *data)
                          "--toward=0,-10,10",
                          "--angle",
                          "10",
+                         "--resolution",
+                         "16",
                          NULL};
     setenv("CONUS_CACHE", job->cache, 1);
     keep_first_error(job, program_run(arguments));

@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SIZES = 4, SMALLEST = 1000, POINTS = 100 /* of each streamline */, SEED = 18, RESOLUTION = 16 };
+enum { SIZES = 4, SMALLEST = 1000, POINTS = 100 /* of each streamline */, SEED = 18 };
 
 /* Random walks in an ellipsoid of a brain's size, where neighbours run in all directions; and straight lines and
  * helices of one turn round the z axis, within 12 mm of it, as `conus phantom bundle` has them, where neighbours run
@@ -128,7 +128,7 @@ static conus_status aim_rays(struct rays *out, size_t count, enum kind kind, dou
     uint64_t random = SEED + 1;
     for (size_t i = 0; i < count; i++) {
         double away[3], target[3], ray[3];
-        struct cone cone = {.angle = radians_from_degrees(degrees), .resolution = RESOLUTION};
+        struct cone cone = {.angle = radians_from_degrees(degrees), .resolution = BENCH_RESOLUTION};
         random_direction(away, &random);
         vec3_scale(out[i].origin, away, bench_random(&random, 150, 200));
         for (int a = 0; a < 3; a++) {

@@ -21,6 +21,9 @@ struct bench_options {
     bool check;     /**< Everything small: only equality of answers counts. */
 };
 
+/** Rays along a side of all cones of scenarios that a ratio is held of: that of the paper, whatever the default is. */
+enum { BENCH_RESOLUTION = 16 };
+
 /** Everything measured, as it goes into the JSON. */
 struct bench {
     struct bench_options options;

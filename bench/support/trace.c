@@ -11,8 +11,6 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { RESOLUTION = 16 }; /* of the cones made here */
-
 conus_status trace_init(struct trace *out, struct engine *engine, const struct cone *cones, size_t count)
 {
     *out = (struct trace){.engine = engine, .cones = cones, .count = count};
@@ -260,7 +258,7 @@ void cones_round_grid(struct cone *out, size_t count, const conus_volume_info *i
         double turn = bench_random(&seed, 0, 2 * MATH3_PI);
         const double outward[3] = {sqrt(1 - z * z) * cos(turn), sqrt(1 - z * z) * sin(turn), z};
         vec3_add_scaled(from, middle, bench_random(&seed, 200, 300), outward);
-        out[i] = (struct cone){.angle = radians_from_degrees(angle_deg), .resolution = RESOLUTION};
+        out[i] = (struct cone){.angle = radians_from_degrees(angle_deg), .resolution = BENCH_RESOLUTION};
         out[i].slope = cone_slope(&out[i]); /* which a selector finds once for all its poses */
         conus_status status = conus_pose_toward(&out[i].pose, from, target, NULL);
         assert(!status);

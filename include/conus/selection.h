@@ -45,13 +45,16 @@ typedef enum conus_layers {
     CONUS_LAYERS_ALL          /**< Also all intervals behind it (Eq. 10). */
 } conus_layers;
 
+/** Rays along a side of the buffer where no resolution is asked for. */
+#define CONUS_RESOLUTION_DEFAULT 64
+
 /** How a selector answers. */
 typedef struct conus_selector_options {
     size_t struct_size;      /**< Its size, as #CONUS_SELECTOR_OPTIONS_INIT sets it; 0 = that of this version. */
     conus_engine engine;     /**< The engine that traces the rays. */
     conus_aperture aperture; /**< Which pixels count as the cone (Eq. 3). */
     conus_sampling sampling; /**< Exact cells (Eq. 5) or the paper's slices (Eq. 7). */
-    uint32_t resolution;     /**< n of the n x n buffer, 1 to 1024; 0 = 16. */
+    uint32_t resolution;     /**< n of the n x n buffer, 1 to 1024; 0 = #CONUS_RESOLUTION_DEFAULT. */
     uint32_t slices;         /**< N of Eq. 7; the ID pass takes slice_fraction of them. 0 = default. */
     conus_layers layers;     /**< Whether only the first hits of the pixels' rays count, or all (Eq. 10). */
     double range[2];   /**< Nearest and farthest depth along the axis, mm from the apex: what lies outside is as if it

@@ -548,7 +548,7 @@ class Selector(Guarded):
     layers
         "visible", what rays hit first, or "all" that they pass, with volumes and path lengths.
     resolution
-        n of the n x n rays, 1 to 1024.
+        n of the n x n rays, 1 to 1024; 0 = the default, 64.
     range
         (nearest, farthest) depth along the axis, mm.
     radius
@@ -1471,7 +1471,7 @@ class Atlas:
         )
 
     def plan(self, reach: Any = (), avoid: Any = (), *, radius: float = 0, range: Any = (0, 0), space: str = "ras",
-             bregma: Any = None, layers: str = "visible", resolution: int = 16, **options: Any) -> Plan:
+             bregma: Any = None, layers: str = "visible", resolution: int = 0, **options: Any) -> Plan:
         """Lists the poses that reach some structures and stay clear of others: see :meth:`Selector.plan`."""
         selector = self._selector({"radius": radius, "range": range, "space": space, "bregma": bregma, "layers": layers,
                                    "resolution": resolution})

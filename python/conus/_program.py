@@ -146,7 +146,7 @@ def page(
     toward: Optional[Sequence[float]] = None,
     angle: float = 20.0,
     layers: str = "visible",
-    resolution: int = 16,
+    resolution: int = 0,
     context: Optional[Path] = None,
     template: Optional[Path] = None,
 ) -> str:
@@ -161,7 +161,7 @@ def page(
     if origin is not None and toward is not None:
         points = {"origin": origin, "toward": toward}
         words += [f"--{name}={','.join(repr(float(x)) for x in point)}" for name, point in points.items()]
-        words += [f"--angle={float(angle)!r}", f"--layers={layers}", f"--resolution={int(resolution)}"]
+        words += [f"--angle={float(angle)!r}", f"--layers={layers}"] + ([f"--resolution={int(resolution)}"] if resolution else [])
     elif origin is not None or toward is not None:
         raise ArgumentError("origin and toward: both are needed, or none")
     words += [f"--{name}={_word(name, path)}" for name, path in (("context", context), ("template", template)) if path]

@@ -31,6 +31,8 @@ static void write_chance(struct buffer *out, const conus_report *report, const s
 {
     char rank[16] = "";
     char label[TABLE_LABEL_SIZE];
+    char share[TABLE_SHARE_SIZE];
+    char varies[TABLE_SHARE_SIZE];
     const conus_chance *chance = &row->chance;
     if (chance->rank) {
         snprintf(rank, sizeof rank, "%u", chance->rank);
@@ -44,7 +46,8 @@ static void write_chance(struct buffer *out, const conus_report *report, const s
     } else if (report->selector.layers) {
         buffer_format(out, "  %8s", "");
     }
-    buffer_format(out, "  %6.2f %%  %6.2f %%\n", 100 * chance->share, 100 * chance->share_deviation);
+    buffer_format(out, "  %6s %%  %6s %%\n", table_share(share, chance->share, report->selector.resolution),
+                  table_share(varies, chance->share_deviation, report->selector.resolution));
 }
 
 static void write_rows_of(struct buffer *out, const conus_report *report, size_t index, int width)
@@ -105,7 +108,8 @@ static void write_shares_row(struct buffer *out, const conus_report *report, con
     buffer_format(out, "  %10s", table_label(label, report, row->result.object));
     for (size_t i = 0; i < shares->block.end - shares->block.first; i++) {
         if (line->at[i]) {
-            buffer_format(out, "  %6.2f", 100 * line->at[i]->share);
+            char share[TABLE_SHARE_SIZE];
+            buffer_format(out, "  %6s", table_share(share, line->at[i]->share, report->selector.resolution));
         } else {
             buffer_format(out, "  %6s", "");
         }

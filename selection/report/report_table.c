@@ -173,8 +173,9 @@ static void write_rank(struct buffer *out, const conus_report *report, const con
 
 static void write_label(struct buffer *out, const conus_report *report, const conus_result *result, int width)
 {
+    char share[TABLE_SHARE_SIZE];
     write_rank(out, report, result, width);
-    buffer_format(out, "  %6.2f %%  %6u", 100 * result->share, result->pixels);
+    buffer_format(out, "  %6s %%  %6u", table_share(share, result->share, report->selector.resolution), result->pixels);
 }
 
 /* A number in a column of this width behind two spaces, "-" if it is none; then the unit, or nothing. */
@@ -185,6 +186,16 @@ static void write_number(struct buffer *out, int width, int digits, double value
     } else {
         buffer_format(out, "  %*s%*s", width, "-", (int)strlen(unit), "");
     }
+}
+
+const char *table_share(char out[TABLE_SHARE_SIZE], double share, uint32_t resolution)
+{
+    const int digits = resolution >= 32;
+    const double least = digits ? 0.1 : 1;
+    const double percent = 100 * share;
+    bool is_less = percent > 0 && percent < least / 2;
+    snprintf(out, TABLE_SHARE_SIZE, "%s%.*f", is_less ? "<" : "", digits, is_less ? least : percent);
+    return out;
 }
 
 const char *table_volume(char out[TABLE_VOLUME_SIZE], double volume)

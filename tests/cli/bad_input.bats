@@ -28,7 +28,7 @@ refuses() {
 @test "the volume that the others are made from is good" {
     ball
     run -0 --separate-stderr "$CONUS" query ball.nii --origin 0,0,90 --toward 0,0,0 --angle 2 --quiet --format tsv
-    [ "$(cell pixels 1)" = 208 ]
+    [ "$(cell pixels 1)" = 3228 ]
 }
 
 @test "a file that is not there, a folder, a device" {

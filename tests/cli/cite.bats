@@ -34,7 +34,7 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     conus query nested.nii.gz $aim --range 70,95 -o a.tsv
     cites a.tsv
     has 'a cone about the device'"'"'s axis, with its apex at the device'"'"'s position and a full opening angle of 30°, were determined for one pose'
-    has 'filled with 208 rays, one through the centre of each pixel in the round aperture of 16 × 16 pixels'
+    has 'filled with 3228 rays, one through the centre of each pixel in the round aperture of 64 × 64 pixels'
     has 'two depths along the axis counted: 70 mm and 95 mm'
     has 'to the first object that it hits'
     has 'ranked by their share.'

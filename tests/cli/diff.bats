@@ -168,12 +168,12 @@ result() {
     conus query sphere.nii.gz $aim --angle 30 --image d.exr --resolution 8
     conus query sphere.nii.gz $aim --angle 30 --image a.png
     answers diff a.exr b.exr
-    [ "$output" = "0 of 256 pixels differ" ]
+    [ "$output" = "0 of 4096 pixels differ" ]
     answers diff a.png a.png
     run -1 conus diff a.exr c.exr
-    [[ "$output" =~ ^[1-9][0-9]*\ of\ 256\ pixels\ differ\ by\ more\ than\ 0\;.*channel ]]
+    [[ "$output" =~ ^[1-9][0-9]*\ of\ 4096\ pixels\ differ\ by\ more\ than\ 0\;.*channel ]]
     run -1 conus diff a.exr d.exr
-    [ "$output" = "the first is 16 x 16 pixels, the second 8 x 8" ]
+    [ "$output" = "the first is 64 x 64 pixels, the second 8 x 8" ]
     run -1 conus diff c.exr a.exr --tolerance 1e-9
     fails 2 'a.exr is a picture and out.txt is not' diff a.exr out.txt
     fails 3 'none.png: cannot open' diff a.png none.png

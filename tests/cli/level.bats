@@ -7,7 +7,7 @@ nested() {
     conus phantom nested -o .
     printf 'index\tname\tabbreviation\tparent_id\n' >tree.tsv
     printf '1\tOuter, the\tO\t20\n300\tInner\tI\t20\n20\tShell\tS\t40\n4000000001\tCore\tC\t40\n40\tBall\tB\tn/a\n' >>tree.tsv
-    view=(query nested.nii.gz --labels tree.tsv --origin 0,-100,0 --toward 0,0,0 --angle 30 --format tsv -q)
+    view=(query nested.nii.gz --labels tree.tsv --origin 0,-100,0 --toward 0,0,0 --angle 30 --resolution 16 --format tsv -q)
 }
 
 @test "a depth and a list give the same union" {

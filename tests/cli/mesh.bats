@@ -136,6 +136,6 @@ volume_of() {
     for format in gii vtp obj ply stl; do
         conus mesh sphere.nii.gz -o out --format $format
         run -0 "$CONUS" query out/1_Sphere.$format --origin 0,0,90 --toward 0,0,0 --angle 2 --quiet --format tsv
-        [ "$(cell pixels 1)" = 208 ]
+        [ "$(cell pixels 1)" = 3228 ]
     done
 }

@@ -35,7 +35,7 @@ inside() {
     conus query slabs.nii.gz --origin 3,4,40 --toward 3,4,0 --angle 30 --layers all --format ndjson --quiet >rows
     sed -n 's|^<script type="application/json" id="question">\(.*\)</script>$|\1|p' page.html >question
     jq -j .rows question | cmp - rows
-    [ "$(jq -r .fragment question)" = "v=1&origin=3,4,40&toward=3,4,0&angle=30&layers=all&resolution=16" ]
+    [ "$(jq -r .fragment question)" = "v=1&origin=3,4,40&toward=3,4,0&angle=30&layers=all&resolution=64" ]
     [ "conus $(jq -r .version question)" = "$(conus --version | head -n 1)" ]
 }
 

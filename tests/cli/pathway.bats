@@ -12,7 +12,7 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 2 --quiet --format tsv'
 @test "a pathway is an object like an area, named after its file" {
     scene
     answers query slabs.nii.gz $AIM --pathway sphere.nii.gz
-    [ "$(cell kind 1)/$(cell index 1)/$(cell name 1)/$(cell pixels 1)" = pathway/1/sphere/208 ]
+    [ "$(cell kind 1)/$(cell index 1)/$(cell name 1)/$(cell pixels 1)" = pathway/1/sphere/3228 ]
 }
 
 @test "a pathway's default threshold is said in a note" {
@@ -150,13 +150,13 @@ scaled() {
 @test "a context that blocks hides what is behind it" {
     scene
     answers query slabs.nii.gz $AIM --context sphere.nii.gz --context-blocks 0.5
-    [ "$(cell kind 1)/$(cell pixels 1)/$(cell share 1)" = unassigned/208/1 ]
+    [ "$(cell kind 1)/$(cell pixels 1)/$(cell share 1)" = unassigned/3228/1 ]
     answers query slabs.nii.gz $AIM --pathway sphere.nii.gz --context sphere.nii.gz --context-blocks 0.5
-    [ "$(cell kind 1)/$(cell pixels 1)" = pathway/208 ]
+    [ "$(cell kind 1)/$(cell pixels 1)" = pathway/3228 ]
     printf '{"conus_atlas": 1, "parcellation": "slabs.nii.gz",
              "context": {"file": "sphere.nii.gz", "blocks": 0.5}}' >m.atlas.json
     answers query m.atlas.json $AIM
-    [ "$(cell kind 1)/$(cell pixels 1)" = unassigned/208 ]
+    [ "$(cell kind 1)/$(cell pixels 1)" = unassigned/3228 ]
     answers info m.atlas.json
     has 'blocks       from 0.5 on'
     answers query slabs.nii.gz ${AIM/tsv/json} --context sphere.nii.gz --context-blocks 0.5

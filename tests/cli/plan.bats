@@ -359,7 +359,7 @@ END
     cmp wanted found
 }
 
-# The same for the rows of a cone; pierced is the part of its 208 pixels. Needles from the side towards the ball at (0,
+# The same for the rows of a cone; pierced is the part of its 3228 pixels. Needles from the side towards the ball at (0,
 # 0, 5); the fourth misses it.
 @test "measures of a cone or cylinder are those of batch" {
     needles
@@ -371,7 +371,7 @@ END
         echo "$output" >plan.tsv
         answers batch u-shape.nii.gz --poses needles.tsv $shape --layers all -q -o all.tsv --force
         awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
-            $at["name"] == "Ball" && $at["pierced"] { printf "%s %s %.9g %s %s\n", $1, $at["share"], $at["pierced"] / 208, $at["volume_mm3"], $at["fraction"] }' all.tsv |
+            $at["name"] == "Ball" && $at["pierced"] { printf "%s %s %.9g %s %s\n", $1, $at["share"], $at["pierced"] / 3228, $at["volume_mm3"], $at["fraction"] }' all.tsv |
             sort >wanted
         awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
             $at["reach2_pierced"] > 0 { print $1, $at["reach1_share"], $at["reach2_pierced"], $at["reach3_mm3"], $at["reach4_fraction"] }' plan.tsv |

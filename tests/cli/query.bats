@@ -4,9 +4,9 @@ load helpers
 
 # The same pixels and distance by numpy: the label of the nearest voxel along each of the 208 rays, in steps of 0.002
 # mm.
-@test "AAL from the left: the answer of the README" {
+@test "AAL from the left, by 16 x 16 rays" {
     need_aal
-    answers query "$aal" --origin=-90,20,20 --toward=0,-10,10 --angle 20 --format tsv
+    answers query "$aal" --origin=-90,20,20 --toward=0,-10,10 --angle 20 --resolution 16 --format tsv
     [ "${#lines[@]}" -eq 5 ]
     [ "$(cell name 1)/$(cell pixels 1)/$(cell index 1)" = Frontal_Inf_Oper_L/188/11 ]
     [[ "$(cell distance_mm 1)" == 25.5313* ]]
@@ -23,7 +23,7 @@ load helpers
     answers query --toward 0,-10,10 --angle 20 "$aal" --format tsv --origin -90,20,20
     [ "$output" = "$equals" ]
     answers query "$aal" --origin -90,20,20 --direction 9,-3,-1 --angle 20 --format tsv
-    [ "$(cell pixels 1)" = 188 ]
+    [ "$(cell pixels 1)" = 2921 ]
 }
 
 @test "LPS positions are the mirrored RAS ones, given and reported" {
@@ -36,13 +36,13 @@ load helpers
     has 'from (90.00, 0.00, 10.00) along (-1.0000, 0.0000, 0.0000), LPS mm'
     printf 'x\ty\tz\ttx\tty\ttz\tangle\n90\t-20\t20\t0\t10\t10\t20\n' >poses.tsv
     answers query "$aal" --pose poses.tsv --format tsv --space lps
-    [ "$(cell contact_x 1)/$(cell pixels 1)" = "${x#-}/188" ]
+    [ "$(cell contact_x 1)/$(cell pixels 1)" = "${x#-}/2921" ]
 }
 
 @test "a ball of 20 mm is hit at 80 mm from 100 mm away" {
     sphere --size 64
     answers query sphere.nii.gz --origin 0,0,100 --direction 0,0,-1 --angle 5 --format tsv
-    [ "$(cell name 1)/$(cell pixels 1)/$(cell share 1)" = Sphere/208/1 ]
+    [ "$(cell name 1)/$(cell pixels 1)/$(cell share 1)" = Sphere/3228/1 ]
     awk -v d="$(cell distance_mm 1)" 'BEGIN { exit !(d > 79 && d < 81) }'
 }
 
@@ -52,7 +52,7 @@ load helpers
     has 'cone of 40 degrees from (0.00, 0.00, 100.00)'
     has 'Sphere'
     has '(nothing hit)'
-    has '208 pixels in the cone'
+    has '3228 pixels in the cone'
     has 'atlas sphere.nii.gz, placed by sform, code 1'
 }
 
@@ -268,11 +268,11 @@ END
     sphere --size 32
     local aim='--origin 0,0,100 --toward 0,0,0 --angle 2 --format tsv'
     answers query sphere.nii.gz $aim --aperture square
-    [ "$(cell pixels 1)" = 256 ]
+    [ "$(cell pixels 1)" = 4096 ]
     answers query sphere.nii.gz $aim --resolution 1
     [ "$(cell pixels 1)" = 1 ]
-    answers query sphere.nii.gz $aim --resolution 64 --aperture square
-    [ "$(cell pixels 1)" = 4096 ]
+    answers query sphere.nii.gz $aim --resolution 16 --aperture square
+    [ "$(cell pixels 1)" = 256 ]
 }
 
 # Eq. 15: beyond 120 degrees. The corners of the buffer are not in the pyramid of 170 degrees.
@@ -287,7 +287,7 @@ END
     [[ "$output" != *'"spread"'* ]]
     answers query sphere.nii.gz $aim --angle 150 --format json
     [ "$(jq -r '.Queries[0].spread' <<<"$output")" = even ]
-    answers query sphere.nii.gz $aim --angle 170 --aperture square --format json
+    answers query sphere.nii.gz $aim --angle 170 --aperture square --resolution 16 --format json
     [ "$(jq '.Queries[0].cone_pixels' <<<"$output")" -lt 230 ]
     answers query sphere.nii.gz $aim --angle 150 -o wide.tsv --image wide.exr
     [ "$(jq -r '.Queries[0].spread' wide.json)" = even ]

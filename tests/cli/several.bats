@@ -188,7 +188,7 @@ END
     atlases
     run --separate-stderr conus query ball.nii.gz --atlas slabs.nii.gz --origin 900,0,0 --direction 1,0,0 --format tsv
     [ "$(grep -c 'the cone points away from the atlas' <<<"$stderr")" -eq 2 ]
-    [[ "$stderr" == *"it would hit Sphere first (ball)"* && "$stderr" == *"the atlas (slabs)"* ]]
+    [[ "$stderr" == *"it would hit Sphere first (ball)"* && "$stderr" == *"Slab anterior first (slabs)"* ]]
     run --separate-stderr conus query ball.nii.gz --atlas ball.nii.gz --origin 0,0,0 --direction 1,0,0 --format tsv
     [ "$stderr" = "conus: note: the device lies inside Sphere" ]
     run --separate-stderr conus query ball.nii.gz --atlas slabs.nii.gz --origin 0,0,19 --direction 1,0,0 --format tsv -q

@@ -35,7 +35,7 @@ labels() {
 # the disc, 7.5 and 2.5 pixels off the middle, at 30 sqrt(1 + t^2 62.5/64) = 30.027911.
 @test "a surface is one area, called as its file" {
     square | gifti >lh.pial.surf.gii
-    run -0 --separate-stderr "$CONUS" query lh.pial.surf.gii --origin 5,5,30 --toward 5,5,0 --angle 5 --format tsv
+    run -0 --separate-stderr "$CONUS" query lh.pial.surf.gii --origin 5,5,30 --toward 5,5,0 --angle 5 --resolution 16 --format tsv
     # shellcheck disable=SC2154 # bats sets stderr
     [ "$stderr" = "conus: note: lh.pial.surf.gii: the surface is not closed" ]
     [ "$(cut -f 2-4,8,13-16 <<<"${lines[1]}")" = "area	1	lh.pial	208	30.0002234	4.91813573	4.91813573	0" ]
@@ -43,7 +43,7 @@ labels() {
 
 @test "in all layers an open surface is pierced, and said to have no inside" {
     square | gifti >lh.pial.surf.gii
-    run -0 --separate-stderr "$CONUS" query lh.pial.surf.gii --origin 5,5,30 --toward 5,5,0 --angle 5 --format tsv --layers all
+    run -0 --separate-stderr "$CONUS" query lh.pial.surf.gii --origin 5,5,30 --toward 5,5,0 --angle 5 --resolution 16 --format tsv --layers all
     # shellcheck disable=SC2154 # bats sets stderr
     [[ "$stderr" = *"note: 1 of 1 surfaces are not closed: paths count only where a ray goes in and comes out"* ]]
     # pierced, entry, exit, path, volume, fraction

@@ -24,7 +24,7 @@ skips() {
 @test "every step has the rows of a query, and time, selected and confirmed" {
     sphere --size 16
     hand '0 0' '0.1 0' '0.2 80 1'
-    answers track sphere.nii.gz --poses hand.tsv --score intenselect_plus --format tsv
+    answers track sphere.nii.gz --poses hand.tsv --score intenselect_plus --resolution 16 --format tsv
     [ "${#lines[@]}" -eq 7 ]
     conus query sphere.nii.gz --origin 0,0,90 --toward 0,0,0 --format tsv | head -1 >columns
     [ "${lines[0]}" = "$(cat columns)"$'\ttime_s\tselected\tconfirmed' ]

@@ -160,8 +160,8 @@ says() {
 
 @test "rows that were edited are named, in every format" {
     study
-    sed -i '2s/0.797241093/0.797241094/' out/q.tsv
-    says 1 'line 2, query 1, Sphere: score: 0.797241094, answered again: 0.797241093' out/q.tsv
+    sed -i '2s/0.818221158/0.818221159/' out/q.tsv
+    says 1 'line 2, query 1, Sphere: score: 0.818221159, answered again: 0.818221158' out/q.tsv
     has '1 of 3 lines differ'
     has 'why: out/q.tsv was changed after conus wrote it: it has another SHA-256 than out/q.json records'
     sed -i 2d out/layers.tsv
@@ -234,10 +234,10 @@ says() {
     sed -i 's/--angle 30/--angle 31/' out/q.json
     says 1 'why: out/q.json was changed after conus wrote it: its Checksum does not fit' out/q.tsv
     has 'Queries[0].angle_deg is 30.0 there, and 31.0 when it is answered again'
-    has 'line 2, query 1, Sphere: score: 0.797241093, answered again: 0.7'
+    has 'line 2, query 1, Sphere: score: 0.818221158, answered again: 0.7'
     study
-    sed -i 's/"resolution": 16/"resolution": 17/' out/q.json
-    says 1 'Settings.resolution is 17 there, and 16 when it is answered again' out/q.tsv
+    sed -i 's/"resolution": 64/"resolution": 65/' out/q.json
+    says 1 'Settings.resolution is 65 there, and 64 when it is answered again' out/q.tsv
     has 'its Checksum does not fit'
     sum=$(jq -r '.Atlas.volumes[0].sha256' out/range.json)
     sed -i "s/$sum/0${sum:1}/" out/range.json
@@ -274,7 +274,7 @@ says() {
 # A changed question with a new checksum.
 @test "a forged sidecar is not identical" {
     study
-    jq '.Space = {orientation: "LPS", units: "cm"} | .Settings.resolution = 64 | .Settings.engine = "gl" |
+    jq '.Space = {orientation: "LPS", units: "cm"} | .Settings.resolution = 16 | .Settings.engine = "gl" |
         .Atlas.volumes[0].transform = "sform, code 4 (MNI 152)"' out/q.json >forged.json
     sum=$(python3 "$BATS_TEST_DIRNAME/leaves.py" --seal forged.json)
     jq --arg sum "$sum" '.Checksum = $sum' forged.json >out/q.json

@@ -32,13 +32,13 @@ def test_identical(rows):
 
 def test_different(rows):
     text = rows.read_bytes()
-    assert text.count(b"\t208\t") == 1
-    rows.write_bytes(text.replace(b"\t208\t", b"\t207\t"))
+    assert text.count(b"\t3228\t") == 1
+    rows.write_bytes(text.replace(b"\t3228\t", b"\t3227\t"))
     found = conus.verify("rows.tsv")
     assert not found and found.verdict == "different"
     (difference,) = found.differences
     assert difference.line == 2 and difference.where.endswith(": pixels")
-    assert (difference.recorded, difference.again) == ("207", "208")
+    assert (difference.recorded, difference.again) == ("3227", "3228")
     assert "was changed after conus wrote it" in found.why[0]
 
 

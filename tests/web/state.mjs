@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Links: what is written is read again, and what is not known is refused.
 import assert from "node:assert";
+import { readFileSync } from "node:fs";
 import test from "node:test";
 import { START, fromFragment, inPage, toCommand, toFragment } from "../../apps/web/page/state.js";
 import { candidates } from "../../apps/web/page/files.js";
@@ -18,6 +19,11 @@ test("10,000 random questions come back from their links", () => {
     assert.deepEqual(fromFragment(`#${text}`), { question, atlas, embed: false }, text);
     assert.ok(atlas.length > 30 || text.length <= 300, text);
   }
+});
+
+test("the page begins with the rays of all programs", () => {
+  const header = readFileSync(new URL("../../include/conus/selection.h", import.meta.url), "utf8");
+  assert.equal(START.resolution, Number(/CONUS_RESOLUTION_DEFAULT (\d+)/.exec(header)[1]));
 });
 
 test("an empty link is the start, embed is a mode", () => {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The panel of the cone: what moves it, its pose, shape and score, and which hits count. */
 #include "conus/score.h"
+#include "conus/selection.h"
 #include "settings/station_settings.h"
 #include "viewer/model/query_settings.h"
 #include "viewer/model/search.h"
@@ -208,7 +209,7 @@ static bool choose_slices(conus_selector_options *options)
 static bool choose_look(struct viewer *viewer)
 {
     conus_selector_options *options = &viewer->cone.options;
-    uint32_t resolution = options->resolution ? options->resolution : 16;
+    uint32_t resolution = options->resolution ? options->resolution : CONUS_RESOLUTION_DEFAULT;
     size_t aperture = (size_t)options->aperture;
     size_t sampling = (size_t)options->sampling;
     size_t engine = options->engine == CONUS_ENGINE_GL;

@@ -7,7 +7,7 @@
  */
 
 /** @type {Question} */
-export const START = { origin: [-90, 20, 20], toward: [0, -10, 10], angle: 20, layers: "visible", resolution: 16, cut: null };
+export const START = { origin: [-90, 20, 20], toward: [0, -10, 10], angle: 20, layers: "visible", resolution: 64, cut: null };
 
 /** A number with the digits that a person would type. @param {number} x */
 export const digits = (x) => String(Number(x.toFixed(3)));
