@@ -124,7 +124,7 @@ static void check_against_table(struct viewer *viewer, const size_t *columns, si
             const char *wanted = result_cell(cell, viewer, viewer->drawn, columns[c],
                                              conus_selection_result(viewer_selection(viewer), i));
             at += strspn(at, " ");
-            wanted = strcmp(wanted, "behind") == 0 ? "0.00 %" : wanted;
+            wanted = strcmp(wanted, "behind") == 0 ? "0.0 %" : wanted;
             assert_memory_equal(at, wanted, strlen(wanted));
             at += strlen(wanted);
             assert_true(*at == ' ' || *at == '\n');

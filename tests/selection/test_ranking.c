@@ -75,13 +75,16 @@ static conus_volume_info grid_at(const size_t dim[3], const double corner[3])
     return scene_plain_grid(dim, m);
 }
 
+/* By 16 x 16 rays where none are said. */
 static double score_of(const conus_atlas *atlas, const conus_selector_options *options, const conus_pose *pose,
                        double degrees, uint32_t object)
 {
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
     double score = NAN;
-    assert_ok(conus_selector_create(&selector, atlas, options));
+    conus_selector_options of16 = *options;
+    of16.resolution = of16.resolution ? of16.resolution : 16;
+    assert_ok(conus_selector_create(&selector, atlas, &of16));
     assert_ok(conus_select(&selection, selector, pose, radians_from_degrees(degrees)));
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
@@ -255,7 +258,7 @@ static conus_atlas *padded(const conus_atlas *atlas, size_t by)
 static void assert_same_scores(const conus_atlas *a, const conus_atlas *b, const conus_pose *pose)
 {
     for (uint32_t object = 1; object <= a->object_count; object++) {
-        const conus_selector_options options = {.score = "nearness"};
+        const conus_selector_options options = {.score = "nearness", .resolution = 16};
         double x = score_of(a, &options, pose, 40, object);
         double y = score_of(b, &options, pose, 40, object);
         assert_true(!isnan(x) == !isnan(y));
@@ -331,7 +334,7 @@ static void nearness_in_aal(void **state)
     conus_pose pose;
     assert_ok(conus_atlas_load(&atlas, test_mricron("aal.nii.gz"), NULL));
     assert_ok(conus_pose_toward(&pose, (double[]){-90, 20, 20}, (double[]){0, -10, 10}, NULL));
-    const conus_selector_options options = {.score = "nearness"};
+    const conus_selector_options options = {.score = "nearness", .resolution = 16};
     assert_near(score_of(atlas, &options, &pose, 20, 11), 0.9558161, 5e-8);
     conus_atlas_destroy(atlas);
 }

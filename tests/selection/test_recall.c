@@ -82,9 +82,10 @@ enum { CENSUS, RAYS, FIFTH, PLANES, WAYS };
 static void make_selectors(conus_selector *selectors[WAYS], const conus_atlas *atlas)
 {
     static const conus_selector_options options[WAYS] = {
-        [CENSUS] = {.layers = CONUS_LAYERS_ALL},
-        [FIFTH] = {.sampling = CONUS_SAMPLING_SLICES},
-        [PLANES] = {.sampling = CONUS_SAMPLING_SLICES, .slices = 5 * 90}};
+        [CENSUS] = {.resolution = 16, .layers = CONUS_LAYERS_ALL},
+        [RAYS] = {.resolution = 16},
+        [FIFTH] = {.resolution = 16, .sampling = CONUS_SAMPLING_SLICES},
+        [PLANES] = {.resolution = 16, .sampling = CONUS_SAMPLING_SLICES, .slices = 5 * 90}};
     for (int way = 0; way < WAYS; way++) {
         selectors[way] = NULL;
         assert_ok(conus_selector_create(&selectors[way], atlas, &options[way]));

@@ -33,7 +33,7 @@ static void draw_pins(struct window *window)
             ui_cell();
             ui_name_cut(viewer_pin_title(title, viewer, pin), ui_room());
             ui_cell();
-            panel_number("%.2f %%", 100 * pin->share);
+            panel_number("%.1f %%", 100 * pin->share);
             for (size_t c = 2; c < shown && c < 4; c++) {
                 ui_cell();
                 panel_number("%.2f", c == 2 ? pin->distance : pin->apart);

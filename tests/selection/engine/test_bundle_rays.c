@@ -326,7 +326,7 @@ static void a_straight_streamline_has_a_closed_form(void **state)
         }
     }
     for (int slices = 0; slices < 2; slices++) {
-        conus_selector_options options = {.struct_size = sizeof options, .radius = 4};
+        conus_selector_options options = {.struct_size = sizeof options, .resolution = 16, .radius = 4};
         options.layers = slices ? CONUS_LAYERS_VISIBLE : CONUS_LAYERS_ALL;
         options.sampling = slices ? CONUS_SAMPLING_SLICES : CONUS_SAMPLING_EXACT;
         conus_selection *selection = mesh_scene_select(atlas, &options, &cone);

@@ -202,7 +202,7 @@ static void a_cylinder_has_parallel_rays(void **state)
     }
     conus_atlas *atlas = scene_parcellation(&grid, labels);
     assert_ok(conus_pose_along(&cone.pose, (double[]){4.5, 4.5, 50}, (double[]){0, 0, -1}, NULL));
-    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .radius = 4};
+    const conus_selector_options options = {.resolution = 16, .layers = CONUS_LAYERS_ALL, .radius = 4};
     conus_selection *selection = mesh_scene_select(atlas, &options, &cone);
     const conus_result *box = conus_selection_result(selection, 0);
     assert_int_equal(box->pixels, 208);

@@ -9,7 +9,7 @@
 
 #define CENTRE ((double[]){0, 0, 0})
 
-static const conus_selector_options all_layers = {.layers = CONUS_LAYERS_ALL};
+static const conus_selector_options all_layers = {.resolution = 16, .layers = CONUS_LAYERS_ALL};
 
 static conus_atlas *atlas_of(struct mesh mesh)
 {

@@ -89,6 +89,7 @@ struct view {
     conus_selection *selection;
 };
 
+/* By 16 x 16 rays where none are said. */
 static void select_from(struct view *view, const conus_selector_options *options, const conus_pose *pose,
                         double degrees)
 {
@@ -96,7 +97,9 @@ static void select_from(struct view *view, const conus_selector_options *options
     conus_selection_destroy(view->selection);
     view->selector = NULL;
     view->selection = NULL;
-    assert_ok(conus_selector_create(&view->selector, view->atlas, options));
+    conus_selector_options of16 = *options;
+    of16.resolution = of16.resolution ? of16.resolution : 16;
+    assert_ok(conus_selector_create(&view->selector, view->atlas, &of16));
     assert_ok(conus_select(&view->selection, view->selector, pose, radians_from_degrees(degrees)));
 }
 
