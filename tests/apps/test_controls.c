@@ -357,7 +357,7 @@ static void a_session_has_the_study(void **state)
     assert_int_equal(viewer.study.settings.kind, STUDY_JITTER);
     assert_true(viewer.study.settings.angles[2] == 30 && viewer.study.settings.samples == 64);
     assert_int_equal(viewer.cone.order, CONUS_ORDER_DEPTH);
-    char *at = strstr(strstr(text, "\"samples\""), "64.0");
+    char *at = strstr(strstr(text, "\"jitter\""), "64.0");
     assert_non_null(at);
     at[1] = '5';
     assert_false(session_parse(&window, text, strlen(text), why));

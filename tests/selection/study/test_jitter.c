@@ -282,13 +282,14 @@ static void the_error_falls_faster_than_by_chance(void **state)
 static void without_errors_there_is_one_answer(void **state)
 {
     (void)state;
+    const conus_selector_options rays_of_16 = {.resolution = 16}; /* the deviation is rounded to 1e-7 */
     uint64_t seed = 12;
     conus_atlas *atlas = scene_atlas(&seed, 14, 1);
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
     conus_pose pose = scene_generic_pose(&seed, atlas);
-    conus_jitter *jitter = jitter_of(atlas, NULL, &pose, 60, &(conus_jitter_options){0});
-    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    conus_jitter *jitter = jitter_of(atlas, &rays_of_16, &pose, 60, &(conus_jitter_options){0});
+    assert_ok(conus_selector_create(&selector, atlas, &rays_of_16));
     assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(60)));
     check_rows(jitter, false);
     assert_int_equal(conus_jitter_count(jitter), conus_selection_count(selection));
