@@ -26,9 +26,9 @@ conus_status pose_nibs_parse(conus_pose_list *list, struct text text, const conu
 /** Whether @p line is the header of such a table. */
 bool pose_nibs_header(struct text line);
 
-/** The space that a *_coordsystem.json of BIDS names: CONUS_ERROR_DATA for a space that is no image's world, and for
- * units that are no lengths. */
-conus_status pose_coordsystem_parse(struct pose_space *out, struct text text);
+/** The space that a *_coordsystem.json of BIDS names: that of the first of the @p modalities that it has, "iEEG/EEG", or
+ * else of its only one. CONUS_ERROR_DATA for a space that is no image's world, and for units that are no lengths. */
+conus_status pose_coordsystem_parse(struct pose_space *out, struct text text, const char *modalities);
 /** Sets list->space from the *_coordsystem.json beside the table @p path, and list->coordsystem to its path; without
  * that file from the table's name, with a note. */
 conus_status pose_coordsystem_find(conus_pose_list *list, const char *path);
