@@ -55,6 +55,8 @@ static const struct {
     [CONUS_POSE_FORMAT_LEAD_DBS_NATIVE] = {"lead-dbs-native", pose_lead_dbs_parse_native},
     [CONUS_POSE_FORMAT_IBL] = {"ibl", pose_ibl_parse},
     [CONUS_POSE_FORMAT_NWB] = {"nwb", pose_nwb_parse},
+    [CONUS_POSE_FORMAT_FREESURFER] = {"freesurfer", pose_freesurfer_parse},
+    [CONUS_POSE_FORMAT_CAP] = {"cap", pose_cap_parse},
 };
 
 enum { FORMATS = sizeof formats / sizeof formats[0] };
@@ -105,6 +107,9 @@ static conus_pose_format guess_format(struct text text, bool all, size_t *used)
         }
         if (pose_fcsv_line(line)) {
             return CONUS_POSE_FORMAT_MARKUPS;
+        }
+        if (pose_cap_line(line) || pose_freesurfer_line(line)) {
+            return pose_cap_line(line) ? CONUS_POSE_FORMAT_CAP : CONUS_POSE_FORMAT_FREESURFER;
         }
         if (trimmed.size && trimmed.data[0] != '#') {
             return format_of(trimmed);
@@ -266,6 +271,10 @@ static conus_status find_format(conus_pose_stream *stream)
         if (found == CONUS_POSE_FORMAT_AUTO) {
             status = pose_lines_fill(lines, lines->size + 1);
         }
+    }
+    if (!status && found == CONUS_POSE_FORMAT_POINTS && (lines->seekable || lines->ended)) { /* its end says more */
+        status = pose_lines_fill(lines, POSE_LINE_LIMIT);
+        found = pose_freesurfer_dat((struct text){lines->data, lines->size}) ? CONUS_POSE_FORMAT_FREESURFER : found;
     }
     const char *kind = status ? NULL : why_no_poses((struct text){lines->data, lines->size});
     if (kind) {

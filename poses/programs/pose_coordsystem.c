@@ -69,7 +69,10 @@ static conus_status set_space(struct pose_space *out, struct text name)
     *out = pose_space_named(name, brain_of(name));
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         if (text_equal_ignoring_case(name, others[i])) {
-            return fail(CONUS_ERROR_DATA, "CoordinateSystem \"%s\" is not the world of an image", others[i]);
+            return fail(CONUS_ERROR_DATA,
+                        "CoordinateSystem \"%s\" is not the world of an image, but a head's, a device's or a "
+                        "photograph's own: positions in the scan's space or in MNI are needed",
+                        others[i]);
         }
     }
     return CONUS_OK;
@@ -178,8 +181,7 @@ static conus_status load_system(conus_pose_list *list, const char *path, const c
     conus_status status = file_read(&bytes, path, FILE_LIMIT);
     if (!status) {
         file_sha256(list->coordsystem_sha256, &bytes);
-        status = pose_coordsystem_parse(&list->space, (struct text){(const char *)bytes.data, bytes.size},
-                                        modalities);
+        status = pose_coordsystem_parse(&list->space, (struct text){(const char *)bytes.data, bytes.size}, modalities);
         status = status ? fail_in(status, path) : CONUS_OK;
     }
     bytes_finish(&bytes);

@@ -30,6 +30,8 @@ struct reading {
     struct marker marker;
 };
 
+static const char own[] = "the patient's own scan, as Localite tracks it";
+
 static conus_status begin_list(struct reading *reading, const struct xml_event *event)
 {
     const char *space = xml_attribute(event, "coordinateSpace");
@@ -40,6 +42,7 @@ static conus_status begin_list(struct reading *reading, const struct xml_event *
     }
     if (!space) {
         reading->lps = reading->options->space == CONUS_SPACE_LPS;
+        reading->list->space = pose_space_named(text_from(own), POSE_BRAIN_SUBJECT);
         return notes_warn(&reading->list->notes, "<%s> names no coordinateSpace; taken as %s", event->name,
                           reading->lps ? "LPS" : "RAS");
     }
@@ -52,6 +55,7 @@ static conus_status begin_list(struct reading *reading, const struct xml_event *
                                                          "tracked");
     }
     reading->lps = text_equal_ignoring_case(text_from(space), "LPS");
+    reading->list->space = pose_space_named(text_from(own), POSE_BRAIN_SUBJECT);
     return reading->lps || text_equal_ignoring_case(text_from(space), "RAS")
                ? pose_note_space(&reading->list->notes, reading->options, reading->lps)
                : fail(CONUS_ERROR_DATA, "line %zu: coordinateSpace \"%.40s\", allowed are RAS, LPS and MNI",

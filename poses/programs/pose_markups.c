@@ -33,10 +33,16 @@ static conus_status read_space_and_units(struct markup *markup)
     const json_t *value = json_object_get(markup->json, "coordinateUnits");
     value = json_is_array(value) ? json_array_get(value, 0) : value;
     struct text units = value ? json_text_of(value) : text_from("mm");
-    markup->scale = text_equal(units, "um") ? 1e-3 : 1;
-    return text_equal(units, "um") || text_equal(units, "mm")
+    static const struct {
+        const char *name;
+        double scale;
+    } scales[] = {{"mm", 1}, {"um", 1e-3}, {"cm", 10}, {"m", 1000}};
+    for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++) {
+        markup->scale = text_equal(units, scales[i].name) ? scales[i].scale : markup->scale;
+    }
+    return markup->scale > 0
                ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "markups[%zu]: coordinateUnits \"%.*s\", allowed are mm and um",
+               : fail(CONUS_ERROR_DATA, "markups[%zu]: coordinateUnits \"%.*s\", allowed are um, mm, cm and m",
                       markup->number - 1, POSE_QUOTE(units));
 }
 
@@ -152,10 +158,11 @@ conus_status pose_json_find(conus_pose_format *out, struct text text)
     json_t *root = NULL;
     conus_status status = json_text_load(&root, text);
     bool is_ibl = pose_ibl_is(root);
-    if (!status && !is_ibl && !json_is_array(json_object_get(root, "markups"))) {
+    bool is_freesurfer = pose_freesurfer_json(root);
+    if (!status && !is_ibl && !is_freesurfer && !json_is_array(json_object_get(root, "markups"))) {
         status = refuse_json(root);
     }
-    *out = is_ibl ? CONUS_POSE_FORMAT_IBL : CONUS_POSE_FORMAT_MARKUPS;
+    *out = is_ibl ? CONUS_POSE_FORMAT_IBL : is_freesurfer ? CONUS_POSE_FORMAT_FREESURFER : CONUS_POSE_FORMAT_MARKUPS;
     json_decref(root);
     return status;
 }

@@ -56,6 +56,21 @@ conus_status pose_lead_dbs_parse_native(conus_pose_list *list, struct text text,
 conus_status pose_lead_dbs_find(bool *found, conus_pose_list *list, struct text text,
                                 const conus_pose_options *options);
 
+/** Caps of electrodes: ASA's .elc, BESA's .sfp, EEGLAB's .ced, SimNIBS's .csv. They name no space: CONUS_ERROR_DATA
+ * unless the names that are positions (positions.h) lie on the head of MNI 152. */
+conus_status pose_cap_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+/** Whether @p line is the first of a cap. */
+bool pose_cap_line(struct text line);
+
+/** FreeSurfer's points: .label, the .dat of control points, Freeview's .json; in the scanner's space, or in tkRAS. */
+conus_status pose_freesurfer_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+/** Whether @p line is the first of a .label. */
+bool pose_freesurfer_line(struct text line);
+/** Whether @p text, of lines of x y z, is a .dat: it says useRealRAS. */
+bool pose_freesurfer_dat(struct text text);
+/** Whether @p root is a point set of Freeview's. */
+bool pose_freesurfer_json(const json_t *root);
+
 /** Localite's markers, InstrumentMarker*.xml and TriggerMarkers*.xml. */
 conus_status pose_localite_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
 

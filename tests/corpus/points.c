@@ -3,9 +3,9 @@
  * (README.md): how many rows, the first and the last one, whose brain, or a part of the refusal. Then it reads every
  * prefix, and the file with every allocation failing. */
 #include "base/files/file.h"
+#include "builders/nifti_builder.h"
 #include "conus/conus.h"
 #include "poses/rows/pose_list.h"
-#include "builders/nifti_builder.h"
 #include "test.h"
 
 #include <jansson.h>
@@ -265,8 +265,8 @@ static void take_options(struct entry *entry)
 
 static void check_keys(const struct entry *entry)
 {
-    static const char *const keys[] = {"is",   "source", "space", "format", "word", "beside", "rows",   "bad",
-                                       "first", "last",  "brain", "note",   "refused", "pending"};
+    static const char *const keys[] = {"is",  "source", "space", "format", "word", "beside",  "rows",
+                                       "bad", "first",  "last",  "brain",  "note", "refused", "pending"};
     const char *key;
     json_t *value;
     json_object_foreach(entry->facts, key, value)

@@ -493,7 +493,7 @@ static void lines_may_be_looked_along_either_way(void **state)
            "no axis (-z)");
     refuse("{\"markups\":7}", NULL, "no list \"markups\"");
     refuse("{\"markups\":[{\"type\":\"Line\",\"coordinateSystem\":\"IJK\"}]}", NULL, "coordinateSystem \"IJK\"");
-    refuse("{\"markups\":[{\"type\":\"Line\",\"coordinateUnits\":\"m\"}]}", NULL, "coordinateUnits \"m\"");
+    refuse("{\"markups\":[{\"type\":\"Line\",\"coordinateUnits\":\"pixel\"}]}", NULL, "coordinateUnits \"pixel\"");
     parse_none("{\"markups\":[]}");
     list = parse("{\"markups\":[7,{\"type\":\"Fiducial\",\"controlPoints\":[{\"position\":[1,2]},{\"position\":"
                  "[1,2,\"3\"]},4]}]}",
