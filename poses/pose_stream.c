@@ -55,8 +55,7 @@ static const struct {
     [CONUS_POSE_FORMAT_LEAD_DBS_NATIVE] = {"lead-dbs-native", pose_lead_dbs_parse_native},
     [CONUS_POSE_FORMAT_IBL] = {"ibl", pose_ibl_parse},
     [CONUS_POSE_FORMAT_NWB] = {"nwb", pose_nwb_parse},
-    [CONUS_POSE_FORMAT_FREESURFER] = {"freesurfer", pose_freesurfer_parse},
-    [CONUS_POSE_FORMAT_CAP] = {"cap", pose_cap_parse},
+    [CONUS_POSE_FORMAT_LIST] = {"list", pose_lists_parse},
 };
 
 enum { FORMATS = sizeof formats / sizeof formats[0] };
@@ -107,9 +106,6 @@ static conus_pose_format guess_format(struct text text, bool all, size_t *used)
         }
         if (pose_fcsv_line(line)) {
             return CONUS_POSE_FORMAT_MARKUPS;
-        }
-        if (pose_cap_line(line) || pose_freesurfer_line(line)) {
-            return pose_cap_line(line) ? CONUS_POSE_FORMAT_CAP : CONUS_POSE_FORMAT_FREESURFER;
         }
         if (trimmed.size && trimmed.data[0] != '#') {
             return format_of(trimmed);
@@ -272,15 +268,15 @@ static conus_status find_format(conus_pose_stream *stream)
             status = pose_lines_fill(lines, lines->size + 1);
         }
     }
-    if (!status && found == CONUS_POSE_FORMAT_POINTS && (lines->seekable || lines->ended)) { /* its end says more */
-        status = pose_lines_fill(lines, POSE_LINE_LIMIT);
-        found = pose_freesurfer_dat((struct text){lines->data, lines->size}) ? CONUS_POSE_FORMAT_FREESURFER : found;
-    }
+    bool is_there = lines->seekable || lines->ended; /* of a pipe only what tells its format is read */
+    status = status || !is_there ? status : pose_lines_fill(lines, POSE_LINE_LIMIT);
+    struct text head = {lines->data, is_there && lines->size < POSE_LINE_LIMIT ? lines->size : used};
+    found = !status && pose_lists_know(head, stream->path) ? CONUS_POSE_FORMAT_LIST : found;
     const char *kind = status ? NULL : why_no_poses((struct text){lines->data, lines->size});
     if (kind) {
         return fail(CONUS_ERROR_DATA, "%s", kind);
     }
-    if (!status && used && memchr(lines->data, '\0', used)) {
+    if (!status && used && found != CONUS_POSE_FORMAT_LIST && memchr(lines->data, '\0', used)) {
         status = fail(CONUS_ERROR_DATA, "a zero byte: not a text of poses");
     }
     stream->format = stream->options.format ? stream->options.format : found;

@@ -158,11 +158,11 @@ conus_status pose_json_find(conus_pose_format *out, struct text text)
     json_t *root = NULL;
     conus_status status = json_text_load(&root, text);
     bool is_ibl = pose_ibl_is(root);
-    bool is_freesurfer = pose_freesurfer_json(root);
+    bool is_freesurfer = text_equal(json_text_of(json_object_get(root, "data_type")), "fs_pointset");
     if (!status && !is_ibl && !is_freesurfer && !json_is_array(json_object_get(root, "markups"))) {
         status = refuse_json(root);
     }
-    *out = is_ibl ? CONUS_POSE_FORMAT_IBL : is_freesurfer ? CONUS_POSE_FORMAT_FREESURFER : CONUS_POSE_FORMAT_MARKUPS;
+    *out = is_ibl ? CONUS_POSE_FORMAT_IBL : is_freesurfer ? CONUS_POSE_FORMAT_LIST : CONUS_POSE_FORMAT_MARKUPS;
     json_decref(root);
     return status;
 }

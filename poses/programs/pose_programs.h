@@ -56,20 +56,19 @@ conus_status pose_lead_dbs_parse_native(conus_pose_list *list, struct text text,
 conus_status pose_lead_dbs_find(bool *found, conus_pose_list *list, struct text text,
                                 const conus_pose_options *options);
 
-/** Caps of electrodes: ASA's .elc, BESA's .sfp, EEGLAB's .ced, SimNIBS's .csv. They name no space: CONUS_ERROR_DATA
- * unless the names that are positions (positions.h) lie on the head of MNI 152. */
-conus_status pose_cap_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
-/** Whether @p line is the first of a cap. */
-bool pose_cap_line(struct text line);
+/** Points of programs whose lists have their columns in known places (pose_lists.c), FreeSurfer's and caps among them. A
+ * list that is known, but holds no positions of a brain, is CONUS_ERROR_DATA. */
+conus_status pose_lists_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+/** Whether a text with this @p head is such a list, by its words or by how the name @p path ends; NULL: it has none. */
+bool pose_lists_know(struct text head, const char *path);
 
-/** FreeSurfer's points: .label, the .dat of control points, Freeview's .json; in the scanner's space, or in tkRAS. */
-conus_status pose_freesurfer_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
-/** Whether @p line is the first of a .label. */
-bool pose_freesurfer_line(struct text line);
-/** Whether @p text, of lines of x y z, is a .dat: it says useRealRAS. */
-bool pose_freesurfer_dat(struct text text);
-/** Whether @p root is a point set of Freeview's. */
-bool pose_freesurfer_json(const json_t *root);
+/** The electrodes of ASA's .elc, checked. */
+conus_status pose_cap_parse(conus_pose_list *list, struct text text);
+/** Whether @p text begins as an .elc. */
+bool pose_cap_line(struct text text);
+/** Checks the rows of a cap, which names no space: CONUS_ERROR_DATA unless the names that are positions (positions.h)
+ * lie on the head of MNI 152. @p scale is mm per unit, 0 = the cap names none. */
+conus_status pose_cap_check(conus_pose_list *list, double scale);
 
 /** Localite's markers, InstrumentMarker*.xml and TriggerMarkers*.xml. */
 conus_status pose_localite_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
