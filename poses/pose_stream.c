@@ -14,6 +14,7 @@
 #include "base/system/system.h"
 #include "base/text.h"
 #include "conus/file.h"
+#include "poses/caps.h"
 #include "poses/pose_candidates.h"
 #include "poses/pose_table.h"
 #include "poses/programs/pose_programs.h"
@@ -382,6 +383,7 @@ static conus_status read_whole(conus_pose_stream *stream)
                       conus_pose_format_name(stream->format), conus_space_name((size_t)stream->options.space));
     }
     status = status || is_read ? status : formats[stream->format].parse(&stream->list, text, &stream->options);
+    status = status || !stream->list.is_cap ? status : cap_check(&stream->list);
     if (!status && stream->format == CONUS_POSE_FORMAT_ELECTRODES) {
         /* The table as it is, for an answer that adds columns to it. */
         bool is_text = !text.size || !memchr(text.data, '\0', text.size);

@@ -112,9 +112,16 @@ static const struct layout *find_layout(struct text head, const char *path)
     return found;
 }
 
+/* ASA's .elc. */
+static bool is_elc(struct text text)
+{
+    return text_starts(text, "# ASA electrode file") || text_starts(text, "ReferenceLabel") ||
+           text_starts(text, "NumberPositions=");
+}
+
 bool pose_lists_know(struct text head, const char *path)
 {
-    return pose_cap_line(head) || find_layout(head, path);
+    return is_elc(head) || find_layout(head, path);
 }
 
 /* MNI 305 to MNI 152 (FreeSurfer's wiki, CoordinateSystems, 8b). */
@@ -254,19 +261,78 @@ static conus_status parse_json(conus_pose_list *list, struct text text)
     return status;
 }
 
+/* The first word of @p text behind the line that begins with @p key; "" where there is no such line. */
+static struct text section(struct text text, const char *key)
+{
+    struct text line;
+    bool found = false;
+    while (!found && text_line(&text, &line)) {
+        found = text_starts(line, key);
+    }
+    return found ? text : (struct text){"", 0};
+}
+
+/* "x y z" or "name : x y z"; false for a line that is neither. */
+static bool read_electrode(double point[3], struct text *name, struct text line)
+{
+    const char *colon = memchr(line.data, ':', line.size);
+    *name = colon ? text_trim((struct text){line.data, (size_t)(colon - line.data)}) : (struct text){"", 0};
+    struct text rest = colon ? (struct text){colon + 1, line.size - (size_t)(colon + 1 - line.data)} : line;
+    struct text word;
+    bool fine = true;
+    for (int i = 0; fine && i < 3; i++) {
+        fine = text_word(&rest, &word) && text_to_double(word, &point[i]) && isfinite(point[i]);
+    }
+    return fine;
+}
+
+static conus_status parse_elc(conus_pose_list *list, struct text text)
+{
+    static const char unit_key[] = "UnitPosition";
+    const char *unit_at = text_find(text, unit_key);
+    struct text unit =
+        unit_at ? (struct text){unit_at, text.size - (size_t)(unit_at - text.data)} : (struct text){"", 0};
+    (void)text_line(&unit, &unit);
+    unit =
+        text_trim(unit.size ? (struct text){unit.data + sizeof unit_key - 1, unit.size - sizeof unit_key + 1} : unit);
+    double scale = text_equal(unit, "mm") ? 1 : text_equal(unit, "cm") ? 10 : text_equal(unit, "m") ? 1000 : 0;
+    struct text labels = section(text, "Labels");
+    struct text positions = section(text, "Positions");
+    struct text line;
+    conus_status status =
+        scale > 0 ? CONUS_OK
+                  : fail(CONUS_ERROR_DATA, "UnitPosition \"%.*s\", allowed are mm, cm and m", POSE_QUOTE(unit));
+    for (size_t i = 0; !status && text_line(&positions, &line) && !text_starts(line, "Labels"); i++) {
+        conus_pose_row row = pose_row_at(i + 1);
+        struct text name = {"", 0};
+        struct text label = {"", 0};
+        double point[3];
+        bool is_read = read_electrode(point, &name, line);
+        if (!text_trim(line).size) {
+            continue;
+        }
+        (void)text_word(&labels, &label); /* in the order of the positions */
+        row.is_point = true;
+        conus_status bad = is_read ? pose_of_point(&row.pose, point) : fail(CONUS_ERROR_DATA, "x y z are needed");
+        status = pose_list_add(list, &row, name.size ? name : label, bad ? conus_message() : NULL);
+    }
+    list->is_cap = true;
+    list->space.scale = scale;
+    return status;
+}
+
 conus_status pose_lists_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     const char *path = list->sink.path;
-    bool is_elc = pose_cap_line(text);
     bool is_json = text_trim(text).size && text_trim(text).data[0] == '{';
-    const struct layout *layout = is_elc || is_json ? NULL : find_layout(text, path);
+    const struct layout *layout = is_elc(text) || is_json ? NULL : find_layout(text, path);
     bool is_lps = layout && (layout->flags & (IS_LPS | NEEDS_LPS));
     if (options->axis != CONUS_AXIS_OF_FORMAT) {
         return fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",
                     pose_axis_name(options->axis));
     }
-    if (is_elc || is_json) {
-        return is_elc ? pose_cap_parse(list, text) : parse_json(list, text);
+    if (is_elc(text) || is_json) {
+        return is_json ? parse_json(list, text) : parse_elc(list, text);
     }
     if (!layout || layout->refused) {
         return fail(CONUS_ERROR_DATA, "%s", layout ? layout->refused : "a list of no program that conus knows");
@@ -282,7 +348,7 @@ conus_status pose_lists_parse(conus_pose_list *list, struct text text, const con
     status = status ? status : read_points(list, layout, text, is_lps);
     status = status ? status : check_count(list, layout, text);
     status = status || !(layout->flags & NEEDS_MINUS) ? status : check_minus(list, path);
-    status = status || !(layout->flags & IS_CAP) ? status : pose_cap_check(list, 0);
+    list->is_cap = layout->flags & IS_CAP;
     return status || !(layout->flags & IS_MNI305)
                ? status
                : notes_add(&list->notes,

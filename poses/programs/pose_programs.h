@@ -62,14 +62,6 @@ conus_status pose_lists_parse(conus_pose_list *list, struct text text, const con
 /** Whether a text with this @p head is such a list, by its words or by how the name @p path ends; NULL: it has none. */
 bool pose_lists_know(struct text head, const char *path);
 
-/** The electrodes of ASA's .elc, checked. */
-conus_status pose_cap_parse(conus_pose_list *list, struct text text);
-/** Whether @p text begins as an .elc. */
-bool pose_cap_line(struct text text);
-/** Checks the rows of a cap, which names no space: CONUS_ERROR_DATA unless the names that are positions (positions.h)
- * lie on the head of MNI 152. @p scale is mm per unit, 0 = the cap names none. */
-conus_status pose_cap_check(conus_pose_list *list, double scale);
-
 /** Localite's markers, InstrumentMarker*.xml and TriggerMarkers*.xml. */
 conus_status pose_localite_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
 

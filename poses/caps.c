@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Caps of electrodes, which name no space. They are taken as MNI only where their names lie on the head of MNI 152
  * (Okamoto's published cap: at most 14.7 mm off, half of it within 9.2). */
-#include "poses/programs/pose_programs.h"
+#include "poses/caps.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
+#include "base/text.h"
 #include "poses/positions.h"
-#include "poses/rows/pose_row.h"
 
 #include <math.h>
 #include <string.h>
@@ -145,8 +145,9 @@ static size_t find_pairs(struct pair *pairs, const conus_pose_list *list, bool a
     return count;
 }
 
-conus_status pose_cap_check(conus_pose_list *list, double scale)
+conus_status cap_check(conus_pose_list *list)
 {
+    const double scale = list->space.scale;
     struct pair *pairs = memory_raw(list->count + 1, sizeof *pairs);
     if (!pairs) {
         return CONUS_ERROR_MEMORY;
@@ -174,68 +175,4 @@ conus_status pose_cap_check(conus_pose_list *list, double scale)
     list->space = pose_space_named(text_from("a cap on the head of MNI 152"), POSE_BRAIN_MNI152);
     memory_free(pairs);
     return status;
-}
-
-bool pose_cap_line(struct text text)
-{
-    return text_starts(text, "# ASA electrode file") || text_starts(text, "ReferenceLabel") ||
-           text_starts(text, "NumberPositions=");
-}
-
-/* The first word of @p text behind the line that begins with @p key; "" where there is no such line. */
-static struct text section(struct text text, const char *key)
-{
-    struct text line;
-    bool found = false;
-    while (!found && text_line(&text, &line)) {
-        found = text_starts(line, key);
-    }
-    return found ? text : (struct text){"", 0};
-}
-
-/* "x y z" or "name : x y z"; false for a line that is neither. */
-static bool read_electrode(double point[3], struct text *name, struct text line)
-{
-    const char *colon = memchr(line.data, ':', line.size);
-    *name = colon ? text_trim((struct text){line.data, (size_t)(colon - line.data)}) : (struct text){"", 0};
-    struct text rest = colon ? (struct text){colon + 1, line.size - (size_t)(colon + 1 - line.data)} : line;
-    struct text word;
-    bool fine = true;
-    for (int i = 0; fine && i < 3; i++) {
-        fine = text_word(&rest, &word) && text_to_double(word, &point[i]) && isfinite(point[i]);
-    }
-    return fine;
-}
-
-conus_status pose_cap_parse(conus_pose_list *list, struct text text)
-{
-    static const char unit_key[] = "UnitPosition";
-    const char *unit_at = text_find(text, unit_key);
-    struct text unit =
-        unit_at ? (struct text){unit_at, text.size - (size_t)(unit_at - text.data)} : (struct text){"", 0};
-    (void)text_line(&unit, &unit);
-    unit =
-        text_trim(unit.size ? (struct text){unit.data + sizeof unit_key - 1, unit.size - sizeof unit_key + 1} : unit);
-    double scale = text_equal(unit, "mm") ? 1 : text_equal(unit, "cm") ? 10 : text_equal(unit, "m") ? 1000 : 0;
-    struct text labels = section(text, "Labels");
-    struct text positions = section(text, "Positions");
-    struct text line;
-    conus_status status =
-        scale > 0 ? CONUS_OK
-                  : fail(CONUS_ERROR_DATA, "UnitPosition \"%.*s\", allowed are mm, cm and m", POSE_QUOTE(unit));
-    for (size_t i = 0; !status && text_line(&positions, &line) && !text_starts(line, "Labels"); i++) {
-        conus_pose_row row = pose_row_at(i + 1);
-        struct text name = {"", 0};
-        struct text label = {"", 0};
-        double point[3];
-        bool is_read = read_electrode(point, &name, line);
-        if (!text_trim(line).size) {
-            continue;
-        }
-        (void)text_word(&labels, &label); /* in the order of the positions */
-        row.is_point = true;
-        conus_status bad = is_read ? pose_of_point(&row.pose, point) : fail(CONUS_ERROR_DATA, "x y z are needed");
-        status = pose_list_add(list, &row, name.size ? name : label, bad ? conus_message() : NULL);
-    }
-    return status ? status : pose_cap_check(list, scale);
 }
