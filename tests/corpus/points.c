@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 enum { PREFIXES = 4096, FEW = 512, FAILURES = 4000, SHORT = 16, PATH_SIZE = 1024, LARGEST = 1 << 20 };
 
@@ -193,6 +194,7 @@ static size_t trials(size_t all)
 
 static void write_file(const struct entry *entry, const char *path, const void *data, size_t size)
 {
+    unlink(path); /* ext4 waits for the disk where a file is emptied */
     FILE *file = fopen(path, "wb");
     bool whole = file && fwrite(data, 1, size, file) == size;
     if (!file || fclose(file) || !whole) {
