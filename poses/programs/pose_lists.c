@@ -12,12 +12,13 @@
 #include <strings.h>
 
 enum flags {
-    IS_LPS = 1,      /* x grows to the left, y to the back */
-    IS_CAP = 2,      /* names no space */
-    IS_MNI305 = 4,   /* moved to MNI 152 */
-    NEEDS_MINUS = 8, /* voxels, unless a number is negative, or the name has _std */
-    NEEDS_LPS = 16,  /* the caller must say so */
-    ENDS_EARLY = 32  /* rows end at the line "info" */
+    IS_LPS = 1,          /* x grows to the left, y to the back */
+    IS_CAP = 2,          /* names no space */
+    IS_MNI305 = 4,       /* moved to MNI 152 */
+    NEEDS_MINUS = 8,     /* voxels, unless a number is negative, or the name has _std */
+    NEEDS_LPS = 16,      /* the caller must say so */
+    BEGINS_AT_ONCE = 64, /* the first line is a row, or it is no such list */
+    ENDS_EARLY = 32      /* rows end at the line "info" */
 };
 
 /* A list is of the first row whose `ending` is that of the file's name and whose `mark` stands in its head. */
@@ -56,6 +57,7 @@ static const struct layout {
     /* FSL */
     {"", "^Cluster Index\tValue\tx\ty\tz", .x = 2, .flags = NEEDS_MINUS},
     {"", "^Cluster Index\tZ\tx\ty\tz", .x = 2, .flags = NEEDS_MINUS},
+    {"", "\tZ-MAX\tZ-MAX X (mm)\t", .separator = '\t', .x = 5}, /* FEAT: before COPE-MAX */
     /* Peaks and foci */
     {"", "\nPeak MNI coordinate:", .rows = "Peak MNI coordinate:", .space = "MNI (xjView)", .brain = POSE_BRAIN_MNI152,
      .x = 3, .name = -1},
@@ -67,9 +69,9 @@ static const struct layout {
     {".sfp", "", .x = 1, .flags = IS_CAP},
     {"", "^FidNz", .x = 1, .flags = IS_CAP},
     {"", "^Number\tlabels\ttheta\tradius\tX\tY\tZ", .separator = '\t', .x = 4, .name = 1, .flags = IS_CAP},
-    {"", "^Electrode,", .separator = ',', .x = 1, .name = 4, .flags = IS_CAP}, /* SimNIBS */
-    {"", "^Fiducial,", .separator = ',', .x = 1, .name = 4, .flags = IS_CAP},
-    {"", "^ReferenceElectrode,", .separator = ',', .x = 1, .name = 4, .flags = IS_CAP},
+    {"", "^Electrode,", .separator = ',', .x = 1, .name = 4, .flags = IS_CAP | BEGINS_AT_ONCE}, /* SimNIBS */
+    {"", "^Fiducial,", .separator = ',', .x = 1, .name = 4, .flags = IS_CAP | BEGINS_AT_ONCE},
+    {"", "^ReferenceElectrode,", .separator = ',', .x = 1, .name = 4, .flags = IS_CAP | BEGINS_AT_ONCE},
     {".hpts", "",
      .refused =
          "digitised points of a head (.hpts) are in a head's own space: bring them to MNI in MNE, and save name,x,y,z"},
@@ -97,31 +99,11 @@ static const struct layout {
     {"", "\\toprule", .refused = "a table of LaTeX: take its commands and & out, or save it as CSV"},
 };
 
-static const struct layout *find_layout(struct text head, const char *path)
-{
-    const struct layout *found = NULL;
-    const size_t size = path ? strlen(path) : 0;
-    for (size_t i = 0; !found && i < sizeof layouts / sizeof layouts[0]; i++) {
-        const struct layout *layout = &layouts[i];
-        const char *mark = layout->mark;
-        const size_t ending = strlen(layout->ending);
-        bool is_named = ending <= size && strcasecmp((path ? path : "") + size - ending, layout->ending) == 0;
-        bool is_first = (mark[0] == '\n' || mark[0] == '^') && text_starts(head, mark + 1);
-        found = is_named && (is_first || (mark[0] != '^' && text_find(head, mark))) ? layout : NULL;
-    }
-    return found;
-}
-
 /* ASA's .elc. */
 static bool is_elc(struct text text)
 {
     return text_starts(text, "# ASA electrode file") || text_starts(text, "ReferenceLabel") ||
            text_starts(text, "NumberPositions=");
-}
-
-bool pose_lists_know(struct text head, const char *path)
-{
-    return is_elc(head) || find_layout(head, path);
 }
 
 /* MNI 305 to MNI 152 (FreeSurfer's wiki, CoordinateSystems, 8b). */
@@ -161,6 +143,33 @@ static bool read_line(double point[3], struct text *name, const struct layout *l
         }
     }
     return fine;
+}
+
+static const struct layout *find_layout(struct text head, const char *path)
+{
+    const struct layout *found = NULL;
+    const size_t size = path ? strlen(path) : 0;
+    for (size_t i = 0; !found && i < sizeof layouts / sizeof layouts[0]; i++) {
+        const struct layout *layout = &layouts[i];
+        const char *mark = layout->mark;
+        const size_t ending = strlen(layout->ending);
+        bool is_named = ending <= size && strcasecmp((path ? path : "") + size - ending, layout->ending) == 0;
+        bool is_first = (mark[0] == '\n' || mark[0] == '^') && text_starts(head, mark + 1);
+        struct text rest = head;
+        struct text line = {"", 0};
+        struct text name;
+        double point[3];
+        (void)text_line(&rest, &line);
+        found = is_named && (is_first || (mark[0] != '^' && text_find(head, mark))) ? layout : NULL;
+        bool begins = !(layout->flags & BEGINS_AT_ONCE) || read_line(point, &name, layout, line);
+        found = begins ? found : NULL;
+    }
+    return found;
+}
+
+bool pose_lists_know(struct text head, const char *path)
+{
+    return is_elc(head) || find_layout(head, path);
 }
 
 static bool is_passed_over(const struct layout *layout, struct text line)
