@@ -158,7 +158,7 @@ conus_status cap_check(conus_pose_list *list)
                               ? CONUS_OK
                               : fail(CONUS_ERROR_DATA,
                                      "a cap without a unit: half of its positions lie within %.3g of their middle, so "
-                                     "these are %s, and mm are needed",
+                                     "these are %s; save it in mm",
                                      radius, radius > HEAD_OF_M ? "centimetres" : "metres, or a sphere of radius 1");
     for (size_t i = 0; scale > 0 && i < list->count; i++) {
         double *p = list->rows[i].pose.world_from_device + 12;
@@ -168,7 +168,8 @@ conus_status cap_check(conus_pose_list *list)
     if (!status && count < LEAST) {
         status = fail(CONUS_ERROR_DATA,
                       "a cap that names no space: %zu of its %zu names are landmarks or positions of the 10-10 system; "
-                      "%d are needed to see whether it lies on the head of MNI 152",
+                      "%d are needed to see whether it lies on the head of MNI 152; a table name,x,y,z is read "
+                      "as it is",
                       count, list->count, LEAST);
     }
     status = status ? status : check_pairs(&list->notes, pairs, count);

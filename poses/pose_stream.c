@@ -319,7 +319,7 @@ static bool is_read_whole(const conus_pose_stream *stream)
 
 static bool is_of_rodents(conus_pose_format format)
 {
-    return format == CONUS_POSE_FORMAT_IBL || format == CONUS_POSE_FORMAT_NWB;
+    return format == CONUS_POSE_FORMAT_IBL || format == CONUS_POSE_FORMAT_NWB || format == CONUS_POSE_FORMAT_LIST;
 }
 
 /* Warns where a head in metres would be as small: all positions lie within 1 mm of the origin, but not at it, or three

@@ -57,6 +57,8 @@ static const struct layout {
     /* FSL */
     {"", "^Cluster Index\tValue\tx\ty\tz", .x = 2, .flags = NEEDS_MINUS},
     {"", "^Cluster Index\tZ\tx\ty\tz", .x = 2, .flags = NEEDS_MINUS},
+    {"", "MAX X (vox)",
+     .refused = "clusters of FSL in voxels: run cluster again with --mm, or take FEAT's cluster_*_std.txt"},
     {"", "\tZ-MAX\tZ-MAX X (mm)\t", .separator = '\t', .x = 5}, /* FEAT: before COPE-MAX */
     /* Peaks and foci */
     {"", "\nPeak MNI coordinate:", .rows = "Peak MNI coordinate:", .space = "MNI (xjView)", .brain = POSE_BRAIN_MNI152,
@@ -169,7 +171,9 @@ static const struct layout *find_layout(struct text head, const char *path)
 
 bool pose_lists_know(struct text head, const char *path)
 {
-    return is_elc(head) || find_layout(head, path);
+    struct text begin = text_trim(head);
+    bool is_json = begin.size && begin.data[0] == '[' && text_find(begin, "{");
+    return is_elc(head) || is_json || pose_brackets_begin(head) || find_layout(head, path);
 }
 
 static bool is_passed_over(const struct layout *layout, struct text line)
@@ -333,9 +337,18 @@ static conus_status parse_elc(conus_pose_list *list, struct text text)
 conus_status pose_lists_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     const char *path = list->sink.path;
-    bool is_json = text_trim(text).size && text_trim(text).data[0] == '{';
+    bool is_json = text_find(text, "\"fs_pointset\"") && text_trim(text).data[0] == '{';
+    bool is_in_brackets =
+        !is_json && (pose_brackets_begin(text) || (text_trim(text).size && memchr("{[", text_trim(text).data[0], 2)));
     const struct layout *layout = is_elc(text) || is_json ? NULL : find_layout(text, path);
     bool is_lps = layout && (layout->flags & (IS_LPS | NEEDS_LPS));
+    if (is_in_brackets) {
+        return pose_brackets_parse(list, text, options);
+    }
+    if (options->space >= CONUS_SPACE_CCF) {
+        return fail(CONUS_ERROR_DATA, "lists of other programs are of people, and not in space %s",
+                    conus_space_name((size_t)options->space));
+    }
     if (options->axis != CONUS_AXIS_OF_FORMAT) {
         return fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",
                     pose_axis_name(options->axis));

@@ -144,13 +144,13 @@ static conus_status refuse_json(const json_t *root)
 {
     bool is_probe = text_equal(json_text_of(json_object_get(root, "specification")), "probeinterface");
     bool is_pinpoint = json_object_get(root, "atlasName");
-    return is_probe
-               ? fail(CONUS_ERROR_DATA, "a probe of ProbeInterface says where contacts are on it, and not where it "
-                                        "lies: its poses are another file")
-               : fail(CONUS_ERROR_DATA,
-                      "%s: no list \"markups\" of 3D Slicer's, and neither \"xyz_picks\" nor \"channel_N\" of "
-                      "IBL's",
-                      is_pinpoint ? "a scene of Pinpoint, which is not read" : "JSON of no known program");
+    return fail(CONUS_ERROR_DATA, "%s",
+                is_probe      ? "a probe of ProbeInterface says where contacts are on it, and not where it lies: its "
+                                "poses are another file"
+                : is_pinpoint ? "a scene of Pinpoint is not read: save the tips and angles of its probes as a table "
+                                "(probe,AP,ML,DV,phi,theta)"
+                              : "JSON of no known program: no list \"markups\" of 3D Slicer's, neither \"xyz_picks\" "
+                                "nor \"channel_N\" of IBL's, and no names with three numbers each");
 }
 
 conus_status pose_json_find(conus_pose_format *out, struct text text)
@@ -158,11 +158,12 @@ conus_status pose_json_find(conus_pose_format *out, struct text text)
     json_t *root = NULL;
     conus_status status = json_text_load(&root, text);
     bool is_ibl = pose_ibl_is(root);
-    bool is_freesurfer = text_equal(json_text_of(json_object_get(root, "data_type")), "fs_pointset");
-    if (!status && !is_ibl && !is_freesurfer && !json_is_array(json_object_get(root, "markups"))) {
+    bool is_list =
+        text_equal(json_text_of(json_object_get(root, "data_type")), "fs_pointset") || pose_brackets_json(root);
+    if (!status && !is_ibl && !is_list && !json_is_array(json_object_get(root, "markups"))) {
         status = refuse_json(root);
     }
-    *out = is_ibl ? CONUS_POSE_FORMAT_IBL : is_freesurfer ? CONUS_POSE_FORMAT_LIST : CONUS_POSE_FORMAT_MARKUPS;
+    *out = is_ibl ? CONUS_POSE_FORMAT_IBL : is_list ? CONUS_POSE_FORMAT_LIST : CONUS_POSE_FORMAT_MARKUPS;
     json_decref(root);
     return status;
 }
