@@ -1347,15 +1347,22 @@ bool columns_plain_matrix(conus_pose_row *row, conus_status *bad, struct text te
 {
     const struct columns columns = {.has = {[ROLE_M00] = true}, .space = options->space, .scale = 1};
     double values[ROLE_NAME] = {[ROLE_SPACE] = NAN};
+    struct text line;
     struct text word;
     size_t count = 0;
-    while (text_word(&text, &word)) {
-        if (count == MATRIX_NUMBERS || !text_to_double(word, &values[ROLE_M00 + count])) {
-            return false;
+    size_t lines = 0;
+    bool is_one = true; /* in one line, or in four of four */
+    while (text_line(&text, &line)) {
+        lines += text_trim(line).size > 0;
+        while (text_word(&line, &word)) {
+            if (count == MATRIX_NUMBERS || !text_to_double(word, &values[ROLE_M00 + count])) {
+                return false;
+            }
+            count++;
         }
-        count++;
+        is_one = is_one && (count == 4 * lines || count == MATRIX_NUMBERS);
     }
-    if (count != MATRIX_NUMBERS) {
+    if (count != MATRIX_NUMBERS || !is_one) { /* two rows of a tracker's eight numbers are none */
         return false;
     }
     *bad = pose_from_values(&row->pose, &columns, values, options);

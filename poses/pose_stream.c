@@ -250,7 +250,8 @@ static conus_status find_format(conus_pose_stream *stream)
     status = status || !is_there ? status : pose_lines_fill(lines, POSE_LINE_LIMIT);
     struct text head = {lines->data, is_there && lines->size < POSE_LINE_LIMIT ? lines->size : used};
     found = !status && pose_lists_know(head, stream->path) ? CONUS_POSE_FORMAT_LIST : found;
-    const char *kind = status ? NULL : forms_why_none((struct text){lines->data, lines->size});
+    const char *kind =
+        status || found == CONUS_POSE_FORMAT_LIST ? NULL : forms_why_none((struct text){lines->data, lines->size});
     if (kind) {
         return fail(CONUS_ERROR_DATA, "%s", kind);
     }

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Parses numbers in brackets, as Python prints and stores them and MATLAB writes them: lists of points or matrices, and
- * JSON whose names or objects are points. */
+/* Parses numbers in brackets: lists of points or matrices, as Python prints and stores them and MATLAB writes them;
+ * JSON whose names or objects are points; and lines of "name: (x, y, z)". */
 #include "poses/programs/pose_programs.h"
 
 #include "base/formats/json_text.h"
+#include "base/formats/table.h"
 #include "poses/rows/pose_row.h"
 
 #include <math.h>
@@ -131,6 +132,105 @@ static conus_status parse_numbers(struct reading *reading, struct text text)
     return status;
 }
 
+/* "(x, y, z)" at the begin of @p rest, which is what is behind it then. */
+static bool take_triple(double point[3], struct text *rest)
+{
+    const struct table plain = {0};
+    const char *end = rest->size && rest->data[0] == '(' ? memchr(rest->data, ')', rest->size) : NULL;
+    if (!end) {
+        return false;
+    }
+    struct text inside = {rest->data + 1, (size_t)(end - rest->data) - 1};
+    bool commas = memchr(inside.data, ',', inside.size);
+    struct text word;
+    size_t count = 0;
+    bool fine = true;
+    for (bool more = true; fine && (commas ? text_field(&inside, ',', &more, &word) : text_word(&inside, &word));
+         count++) {
+        fine = count < 3 && table_number(&point[count < 3 ? count : 2], &plain, table_trim(word)) &&
+               isfinite(point[count < 3 ? count : 2]);
+    }
+    *rest = table_trim((struct text){end + 1, rest->size - (size_t)(end + 1 - rest->data)});
+    return fine && count == 3;
+}
+
+/* A line "name: (x, y, z)", "(x, y, z) name" or "(x, y, z) -> (x, y, z)", from entry to target. */
+struct spoken {
+    struct text name;
+    double point[3], target[3];
+    bool has_target;
+};
+
+static bool read_spoken(struct spoken *out, struct text line)
+{
+    const char *open = memchr(line.data, '(', line.size);
+    struct text before = table_trim((struct text){line.data, open ? (size_t)(open - line.data) : 0});
+    struct text rest = open ? (struct text){open, line.size - (size_t)(open - line.data)} : (struct text){"", 0};
+    *out = (struct spoken){{"", 0}, {0}, {0}, false};
+    if (!take_triple(out->point, &rest)) {
+        return false;
+    }
+    const size_t arrow = text_starts(rest, "->") ? 2 : text_starts(rest, "\xe2\x86\x92") ? 3 : 0;
+    if (arrow) {
+        rest = table_trim((struct text){rest.data + arrow, rest.size - arrow});
+        out->has_target = take_triple(out->target, &rest);
+    }
+    bool is_mark = before.size && memchr(":=", before.data[before.size - 1], 2);
+    before.size -= is_mark;
+    before = table_trim(before);
+    double number;
+    struct text first = rest;
+    struct text word = {"", 0};
+    (void)text_word(&first, &word);
+    bool is_name = rest.size && !text_to_double(word, &number) && !memchr(rest.data, '(', rest.size) &&
+                   !memchr(",;\t", rest.data[0], 3);
+    out->name = before.size ? before : rest;
+    return (!arrow || out->has_target) && (!rest.size || (!before.size && is_name)) &&
+           (!before.size || !memchr(before.data, '"', before.size));
+}
+
+bool pose_brackets_are_spoken(struct text text)
+{
+    struct text line;
+    struct text inside;
+    struct spoken spoken;
+    bool found = false;
+    while (text_line(&text, &line)) {
+        if (!table_is_blank(line) && !table_is_comment(&inside, line)) {
+            found = read_spoken(&spoken, line);
+            break;
+        }
+    }
+    return found;
+}
+
+static conus_status parse_spoken(conus_pose_list *list, struct text text, const conus_pose_options *options)
+{
+    struct text line;
+    struct text inside;
+    conus_status status = CONUS_OK;
+    for (size_t number = 1; !status && text_line(&text, &line); number++) {
+        struct spoken spoken;
+        conus_pose_row row = pose_row_at(number);
+        double ends[2][3];
+        if (table_is_blank(line) || table_is_comment(&inside, line)) {
+            continue;
+        }
+        bool fine = read_spoken(&spoken, line);
+        conus_status bad = fine ? CONUS_OK
+                                : fail(CONUS_ERROR_DATA, "not as the first line: (x, y, z) and a name, or "
+                                                         "(x, y, z) -> (x, y, z)");
+        bad = bad ? bad : conus_frame_to_world(ends[0], options->frame, spoken.point);
+        bad = bad || !spoken.has_target ? bad : conus_frame_to_world(ends[1], options->frame, spoken.target);
+        row.is_point = !spoken.has_target;
+        bad = bad            ? bad
+              : row.is_point ? pose_of_point(&row.pose, ends[0])
+                             : conus_pose_toward(&row.pose, ends[0], ends[1], NULL);
+        status = pose_list_add(list, &row, spoken.name, bad ? conus_message() : NULL);
+    }
+    return status;
+}
+
 /* Three numbers of a list. */
 static conus_status read_triple(double point[3], const json_t *list)
 {
@@ -181,6 +281,9 @@ conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const 
     struct reading reading = {.list = list, .options = options};
     if (pose_brackets_begin(text)) {
         return parse_numbers(&reading, opened(text));
+    }
+    if (pose_brackets_are_spoken(text)) {
+        return parse_spoken(list, text, options);
     }
     conus_status status = json_text_load(&root, text);
     for (void *at = json_object_iter(root); !status && at; at = json_object_iter_next(root, at)) {

@@ -173,7 +173,8 @@ bool pose_lists_know(struct text head, const char *path)
 {
     struct text begin = text_trim(head);
     bool is_json = begin.size && begin.data[0] == '[' && text_find(begin, "{");
-    return is_elc(head) || is_json || pose_brackets_begin(head) || find_layout(head, path);
+    return is_elc(head) || is_json || pose_brackets_begin(head) || pose_brackets_are_spoken(head) ||
+           find_layout(head, path);
 }
 
 static bool is_passed_over(const struct layout *layout, struct text line)
@@ -338,8 +339,8 @@ conus_status pose_lists_parse(conus_pose_list *list, struct text text, const con
 {
     const char *path = list->sink.path;
     bool is_json = text_find(text, "\"fs_pointset\"") && text_trim(text).data[0] == '{';
-    bool is_in_brackets =
-        !is_json && (pose_brackets_begin(text) || (text_trim(text).size && memchr("{[", text_trim(text).data[0], 2)));
+    bool is_in_brackets = !is_json && (pose_brackets_begin(text) || pose_brackets_are_spoken(text) ||
+                                       (text_trim(text).size && memchr("{[", text_trim(text).data[0], 2)));
     const struct layout *layout = is_elc(text) || is_json ? NULL : find_layout(text, path);
     bool is_lps = layout && (layout->flags & (IS_LPS | NEEDS_LPS));
     if (is_in_brackets) {

@@ -62,10 +62,13 @@ conus_status pose_lists_parse(conus_pose_list *list, struct text text, const con
 /** Whether a text with this @p head is such a list, by its words or by how the name @p path ends; NULL: it has none. */
 bool pose_lists_know(struct text head, const char *path);
 
-/** Numbers in brackets (Python, MATLAB, JSON), points or matrices, and JSON of names or objects that are points. */
+/** Numbers in brackets (Python, MATLAB, JSON), points or matrices; JSON of names or objects that are points; lines of
+ * "name: (x, y, z)". */
 conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
 /** Whether @p text begins as numbers in brackets, "NAME =" in front or not. */
 bool pose_brackets_begin(struct text text);
+/** Whether the first line of @p text is "name: (x, y, z)", "(x, y, z) name" or "(x, y, z) -> (x, y, z)". */
+bool pose_brackets_are_spoken(struct text text);
 /** Whether @p root is an object whose values all are three numbers. */
 bool pose_brackets_json(json_t *root);
 
