@@ -597,3 +597,17 @@ matsimnibs() { printf '%s %s 0 -40\n%s %s 0 -20\n0 0 -1 90\n0 0 0 1\n' "-$2" "$1
     fails 3 'cut.mat: HDF5: cannot open it: ' query sphere.nii.gz --pose cut.mat --angle 20
     CONUS_HDF5=$PWD/none fails 3 'CONUS_HDF5' query sphere.nii.gz --pose coil.mat --angle 20
 }
+
+@test "lists of other programs: a cap on the head of MNI, tkRAS, and what is no list of positions" {
+    local points=$BATS_TEST_DIRNAME/../corpus/points
+    sphere --size 16
+    answers query sphere.nii.gz --pose "$points/cap-mni.elc" --radius 200 --format tsv -q
+    [ "$(cell query 1)" = LPA ]
+    run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose "$points/cap-mni.elc" --radius 200 --format tsv
+    [[ "$stderr" == *'a cap that names no space; taken as MNI 152'* ]]
+    fails 3 'cap-nose.elc: a cap that names no space, and does not lie on the head of MNI 152' \
+        query sphere.nii.gz --pose "$points/cap-nose.elc" --radius 200
+    fails 3 'whereami.txt: AFNI' query sphere.nii.gz --pose "$points/whereami.txt" --radius 200
+    answers query sphere.nii.gz --pose "$points/3dclust-rai.1D" --poses-format list --radius 200 --format tsv
+    answers query sphere.nii.gz --pose - --radius 200 --format tsv <"$points/3dclust-rai.1D"
+}
