@@ -242,14 +242,30 @@ static conus_status read_triple(double point[3], const json_t *list)
     return fine ? CONUS_OK : fail(CONUS_ERROR_DATA, "three numbers are needed");
 }
 
-bool pose_brackets_json(json_t *root)
+enum pose_brackets pose_brackets_json(json_t *root)
 {
     bool all = json_object_size(root) > 0;
     double point[3];
+    if (text_equal(json_text_of(json_object_get(root, "data_type")), "fs_pointset")) {
+        return BRACKETS_FREEVIEW;
+    }
     for (void *at = json_object_iter(root); all && at; at = json_object_iter_next(root, at)) {
         all = read_triple(point, json_object_iter_value(at)) == CONUS_OK;
     }
-    return all;
+    return all ? BRACKETS_NAMES : BRACKETS_NONE;
+}
+
+/* Freeview's point sets say in which space they are. */
+static conus_status set_freeview_space(conus_pose_list *list, const json_t *root)
+{
+    struct text system = json_text_of(json_object_get(root, "vox2ras"));
+    bool is_scanner = text_equal(system, "scanner_ras");
+    list->space =
+        is_scanner ? pose_space_named(text_from("FreeSurfer scanner RAS"), POSE_BRAIN_SUBJECT)
+                   : pose_space_named(text_from("FreeSurfer tkRAS (Freeview can save scanner RAS)"), POSE_BRAIN_OTHER);
+    return is_scanner || text_equal(system, "tkreg")
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "vox2ras \"%.*s\", allowed are scanner_ras and tkreg", POSE_QUOTE(system));
 }
 
 /* {"name": "M1", "x": 1, "y": 2, "z": 3}, in any case; another key of a direction would be lost. */
@@ -286,15 +302,26 @@ conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const 
         return parse_spoken(list, text, options);
     }
     conus_status status = json_text_load(&root, text);
-    for (void *at = json_object_iter(root); !status && at; at = json_object_iter_next(root, at)) {
+    bool is_freeview = pose_brackets_json(root) == BRACKETS_FREEVIEW;
+    status = status || !is_freeview ? status : set_freeview_space(list, root);
+    json_t *objects = is_freeview ? json_object_get(root, "points") : root;
+    for (void *at = is_freeview ? NULL : json_object_iter(root); !status && at; at = json_object_iter_next(root, at)) {
         double point[3] = {0};
+        struct text key = text_from(json_object_iter_key(at));
         conus_status bad = read_triple(point, json_object_iter_value(at));
-        status = add_point(list, options, point, text_from(json_object_iter_key(at)), bad);
+        if (text_is_one_of(key, "x/y/z", false)) { /* of three points, by columns */
+            status = fail(CONUS_ERROR_DATA, "the names x, y and z: a table on its side; save it by rows "
+                                            "(orient=\"records\")");
+            break;
+        }
+        status = add_point(list, options, point, key, bad);
     }
-    for (size_t i = 0; !status && i < json_array_size(root); i++) {
+    for (size_t i = 0; !status && i < json_array_size(objects); i++) {
         struct text id = {"", 0};
         double point[3] = {0};
-        conus_status bad = read_object(point, &id, json_array_get(root, i));
+        json_t *object = json_array_get(objects, i);
+        json_t *inner = json_object_get(object, "coordinates");
+        conus_status bad = read_object(point, &id, inner ? inner : object);
         status = add_point(list, options, point, id, bad);
     }
     json_decref(root);

@@ -3,7 +3,6 @@
  * positions of a brain have a row, too, with the reason. */
 #include "poses/programs/pose_programs.h"
 
-#include "base/formats/json_text.h"
 #include "poses/rows/pose_row.h"
 
 #include <math.h>
@@ -190,7 +189,7 @@ static conus_status read_points(conus_pose_list *list, const struct layout *layo
     conus_status status = CONUS_OK;
     for (size_t number = 1; !status && text_line(&text, &line); number++) {
         double point[3];
-        struct text name;
+        struct text name = {"", 0};
         if ((layout->flags & ENDS_EARLY) && text_equal(text_trim(line), "info")) {
             break;
         }
@@ -241,38 +240,6 @@ static conus_status check_minus(const conus_pose_list *list, const char *path)
     return is_mm ? CONUS_OK
                  : fail(CONUS_ERROR_DATA, "local maxima of FSL's cluster without a unit, none of them negative: these "
                                           "are voxels; run cluster with --mm, or take FEAT's lmax_*_std.txt");
-}
-
-/* Freeview's points. */
-static conus_status parse_json(conus_pose_list *list, struct text text)
-{
-    json_t *root = NULL;
-    conus_status status = json_text_load(&root, text);
-    const json_t *points = json_object_get(root, "points");
-    struct text system = json_text_of(json_object_get(root, "vox2ras"));
-    bool is_scanner = text_equal(system, "scanner_ras");
-    list->space =
-        is_scanner ? pose_space_named(text_from("FreeSurfer scanner RAS"), POSE_BRAIN_SUBJECT)
-                   : pose_space_named(text_from("FreeSurfer tkRAS (Freeview can save scanner RAS)"), POSE_BRAIN_OTHER);
-    if (!status && !is_scanner && !text_equal(system, "tkreg")) {
-        status = fail(CONUS_ERROR_DATA, "vox2ras \"%.*s\", allowed are scanner_ras and tkreg", POSE_QUOTE(system));
-    }
-    for (size_t i = 0; !status && i < json_array_size(points); i++) {
-        const json_t *at = json_object_get(json_array_get(points, i), "coordinates");
-        conus_pose_row row = pose_row_at(i + 1);
-        double point[3];
-        conus_status bad = CONUS_OK;
-        row.is_point = true;
-        for (int k = 0; !bad && k < 3; k++) {
-            const json_t *value = json_object_get(at, (const char[]){"xyz"[k], '\0'});
-            point[k] = json_number_value(value);
-            bad = json_is_number(value) ? CONUS_OK : fail(CONUS_ERROR_DATA, "%c: a number is needed", "xyz"[k]);
-        }
-        bad = bad ? bad : pose_of_point(&row.pose, point);
-        status = pose_list_add(list, &row, text_from(""), bad ? conus_message() : NULL);
-    }
-    json_decref(root);
-    return status;
 }
 
 /* The first word of @p text behind the line that begins with @p key; "" where there is no such line. */
@@ -338,10 +305,10 @@ static conus_status parse_elc(conus_pose_list *list, struct text text)
 conus_status pose_lists_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     const char *path = list->sink.path;
-    bool is_json = text_find(text, "\"fs_pointset\"") && text_trim(text).data[0] == '{';
-    bool is_in_brackets = !is_json && (pose_brackets_begin(text) || pose_brackets_are_spoken(text) ||
-                                       (text_trim(text).size && memchr("{[", text_trim(text).data[0], 2)));
-    const struct layout *layout = is_elc(text) || is_json ? NULL : find_layout(text, path);
+    struct text begin = text_trim(text);
+    bool is_in_brackets =
+        pose_brackets_begin(text) || pose_brackets_are_spoken(text) || (begin.size && memchr("{[", begin.data[0], 2));
+    const struct layout *layout = is_elc(text) || is_in_brackets ? NULL : find_layout(text, path);
     bool is_lps = layout && (layout->flags & (IS_LPS | NEEDS_LPS));
     if (is_in_brackets) {
         return pose_brackets_parse(list, text, options);
@@ -354,8 +321,8 @@ conus_status pose_lists_parse(conus_pose_list *list, struct text text, const con
         return fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",
                     pose_axis_name(options->axis));
     }
-    if (is_elc(text) || is_json) {
-        return is_json ? parse_json(list, text) : parse_elc(list, text);
+    if (is_elc(text)) {
+        return parse_elc(list, text);
     }
     if (!layout || layout->refused) {
         return fail(CONUS_ERROR_DATA, "%s", layout ? layout->refused : "a list of no program that conus knows");

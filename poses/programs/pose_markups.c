@@ -158,8 +158,7 @@ conus_status pose_json_find(conus_pose_format *out, struct text text)
     json_t *root = NULL;
     conus_status status = json_text_load(&root, text);
     bool is_ibl = pose_ibl_is(root);
-    bool is_list =
-        text_equal(json_text_of(json_object_get(root, "data_type")), "fs_pointset") || pose_brackets_json(root);
+    bool is_list = pose_brackets_json(root) != BRACKETS_NONE;
     if (!status && !is_ibl && !is_list && !json_is_array(json_object_get(root, "markups"))) {
         status = refuse_json(root);
     }
