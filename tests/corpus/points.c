@@ -162,8 +162,9 @@ static void compare_list(const struct entry *entry, const conus_pose_list *list)
         compare_row(entry, "first", conus_pose_list_row(list, 0), json_object_get(entry->facts, "first"));
         compare_row(entry, "last", conus_pose_list_row(list, count - 1), json_object_get(entry->facts, "last"));
     }
-    if (brain && strcmp(brain, brains[list->space.brain]) != 0) {
-        report(entry, "its brain is %s (\"%s\"), its facts say %s", brains[list->space.brain], list->space.name, brain);
+    if (brain && (!brains[list->space.brain] || strcmp(brain, brains[list->space.brain]) != 0)) {
+        report(entry, "its brain is %s (\"%s\"), its facts say %s",
+               brains[list->space.brain] ? brains[list->space.brain] : "another", list->space.name, brain);
     }
     if (note && !has_note(list, note)) {
         report(entry, "no note says \"%s\"", note);
