@@ -246,9 +246,7 @@ static conus_status find_format(conus_pose_stream *stream)
             status = pose_lines_fill(lines, lines->size + 1);
         }
     }
-    bool is_there = lines->seekable || lines->ended; /* of a pipe only what tells its format is read */
-    status = status || !is_there ? status : pose_lines_fill(lines, POSE_LINE_LIMIT);
-    struct text head = {lines->data, is_there && lines->size < POSE_LINE_LIMIT ? lines->size : used};
+    struct text head = {lines->data, lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT};
     found = !status && pose_lists_know(head, stream->path) ? CONUS_POSE_FORMAT_LIST : found;
     const char *kind =
         status || found == CONUS_POSE_FORMAT_LIST ? NULL : forms_why_none((struct text){lines->data, lines->size});

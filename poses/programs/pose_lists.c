@@ -17,6 +17,7 @@ enum flags {
     NEEDS_MINUS = 8,     /* voxels, unless a number is negative, or the name has _std */
     NEEDS_LPS = 16,      /* the caller must say so */
     BEGINS_AT_ONCE = 64, /* the first line is a row, or it is no such list */
+    FOLLOWS_SPACE = 128, /* x and y are as the caller says */
     ENDS_EARLY = 32      /* rows end at the line "info" */
 };
 
@@ -65,7 +66,7 @@ static const struct layout {
     {"", "\n//Reference=MNI", .space = "MNI (Sleuth)", .brain = POSE_BRAIN_MNI152, .name = -1},
     {"", "\n// Reference=MNI", .space = "MNI (Sleuth)", .brain = POSE_BRAIN_MNI152, .name = -1},
     {"", "Reference=Talairach", .refused = "foci in Talairach's space: GingerALE converts them to MNI"},
-    {".node", "", .name = 5}, /* BrainNet Viewer */
+    {".node", "", .name = 5, .flags = FOLLOWS_SPACE}, /* BrainNet Viewer */
     /* Caps */
     {".sfp", "", .x = 1, .flags = IS_CAP},
     {"", "^FidNz", .x = 1, .flags = IS_CAP},
@@ -238,8 +239,10 @@ static conus_status check_minus(const conus_pose_list *list, const char *path)
         is_mm = !list->rows[i].error && (p[0] < 0 || p[1] < 0 || p[2] < 0);
     }
     return is_mm ? CONUS_OK
-                 : fail(CONUS_ERROR_DATA, "local maxima of FSL's cluster without a unit, none of them negative: these "
-                                          "are voxels; run cluster with --mm, or take FEAT's lmax_*_std.txt");
+                 : fail(CONUS_ERROR_DATA,
+                        "local maxima of FSL's cluster without a unit, none of them negative: these "
+                        "are voxels; run cluster with --mm, or take FEAT's lmax_*_std.txt; if they are mm, call the "
+                        "columns x (mm), y (mm), z (mm)");
 }
 
 /* The first word of @p text behind the line that begins with @p key; "" where there is no such line. */
@@ -309,7 +312,8 @@ conus_status pose_lists_parse(conus_pose_list *list, struct text text, const con
     bool is_in_brackets =
         pose_brackets_begin(text) || pose_brackets_are_spoken(text) || (begin.size && memchr("{[", begin.data[0], 2));
     const struct layout *layout = is_elc(text) || is_in_brackets ? NULL : find_layout(text, path);
-    bool is_lps = layout && (layout->flags & (IS_LPS | NEEDS_LPS));
+    bool follows = layout && (layout->flags & FOLLOWS_SPACE);
+    bool is_lps = layout && ((layout->flags & (IS_LPS | NEEDS_LPS)) || (follows && options->space == CONUS_SPACE_LPS));
     if (is_in_brackets) {
         return pose_brackets_parse(list, text, options);
     }
