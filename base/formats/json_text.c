@@ -2,6 +2,10 @@
 /* Parses JSON through jansson, after a count of the values bounds the memory. */
 #include "base/formats/json_text.h"
 
+#include "base/memory.h"
+
+#include <string.h>
+
 /* At most what jansson takes for the text: an empty object 256 bytes, an array 128, an entry of either 64. */
 static uint64_t memory_of(struct text text)
 {
@@ -13,6 +17,34 @@ static uint64_t memory_of(struct text text)
     return memory;
 }
 
+/* Python writes NaN, Infinity and -Infinity, which JSON does not have. A copy of the text with null or, in the three
+ * letters of NaN, an empty text in their place, which are no numbers either; *out stays NULL if there are none. */
+static conus_status replace_no_numbers(char **out, struct text text)
+{
+    static const char *const words[][2] = {{"NaN", "\"\" "}, {"-Infinity", "null     "}, {"Infinity", "null    "}};
+    char *copy = NULL;
+    bool quoted = false;
+    for (size_t at = 0; at < text.size; at++) {
+        const char c = text.data[at];
+        at += quoted && c == '\\';
+        quoted = quoted != (c == '"');
+        const struct text rest = {text.data + at, at < text.size ? text.size - at : 0};
+        for (size_t i = 0; !quoted && i < sizeof words / sizeof words[0]; i++) {
+            if (text_starts(rest, words[i][0])) {
+                copy = copy ? copy : memory_text(text.data, text.size);
+                if (!copy) {
+                    return CONUS_ERROR_MEMORY;
+                }
+                memcpy(copy + at, words[i][1], strlen(words[i][1]));
+                at += strlen(words[i][0]) - 1;
+                break;
+            }
+        }
+    }
+    *out = copy;
+    return CONUS_OK;
+}
+
 conus_status json_text_load(json_t **out, struct text text)
 {
     json_error_t error;
@@ -22,6 +54,13 @@ conus_status json_text_load(json_t **out, struct text text)
                     text.size, (unsigned long long)memory_of(text), JSON_TEXT_MEMORY);
     }
     json_t *root = json_loadb(text.data, text.size, JSON_REJECT_DUPLICATES, &error);
+    char *other = NULL;
+    bool is_tried = root || json_error_code(&error) == json_error_out_of_memory;
+    if (!is_tried && replace_no_numbers(&other, text)) {
+        return fail(CONUS_ERROR_MEMORY, "no memory for the JSON text");
+    }
+    root = other ? json_loadb(other, text.size, JSON_REJECT_DUPLICATES, &error) : root;
+    memory_free(other);
     if (root) {
         *out = root;
         return CONUS_OK;

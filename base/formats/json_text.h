@@ -10,7 +10,8 @@
 
 enum { JSON_TEXT_MEMORY = 1 << 28 }; /**< Bytes that a text may become. */
 
-/** Parses @p text, in which no key may stand twice in an object; CONUS_ERROR_DATA with line and column,
+/** Parses @p text, in which no key may stand twice in an object, and NaN and Infinity, as Python writes them, are no
+ * numbers, but no errors either; CONUS_ERROR_DATA with line and column,
  * CONUS_ERROR_MEMORY if it has so many entries that it could take more than JSON_TEXT_MEMORY. *out is the caller's to
  * json_decref(). */
 conus_status json_text_load(json_t **out, struct text text);

@@ -49,7 +49,8 @@ typedef enum conus_pose_format {
     CONUS_POSE_FORMAT_LEAD_DBS_NATIVE, /**< The same in the patient's own space. */
     CONUS_POSE_FORMAT_IBL, /**< The International Brain Laboratory's xyz_picks.json and channel_locations.json:
                                      points, in #CONUS_SPACE_CCF or #CONUS_SPACE_BREGMA only. */
-    CONUS_POSE_FORMAT_NWB  /**< Electrodes of Neurodata Without Borders: points, in the same spaces only. */
+    CONUS_POSE_FORMAT_NWB, /**< Electrodes of Neurodata Without Borders: points, in the same spaces only. */
+    CONUS_POSE_FORMAT_LIST /**< Lists of other programs whose columns are known by their place: points. */
 } conus_pose_format;
 
 /**

@@ -57,11 +57,16 @@ bool pose_brainsight_line(struct text line)
     return found;
 }
 
-/* NIfTI:Scanner, NIfTI:S:Scanner (of the sform), World: the image's world in mm. */
+/* NIfTI:Scanner, NIfTI:S:Scanner (of the sform), World: the image's world in mm. MNI-152 and Talairach stand alone,
+ * too, where the project's image is no NIfTI. */
 static conus_status read_space(struct reading *reading, struct text name)
 {
     struct text rest;
     bool nifti = has_prefix(name, "NIfTI:", &rest);
+    if (text_is_one_of(name, "MNI-152/Talairach", true)) {
+        nifti = true;
+        rest = name;
+    }
     if (nifti && !has_prefix(rest, "S:", &rest)) {
         (void)has_prefix(rest, "Q:", &rest);
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds and parses the *_coordsystem.json of a table of electrodes, or of markers of NIBS-BIDS. */
+/* Finds and parses the *_coordsystem.json of a table of electrodes, optodes or markers, of any modality. */
 #include "poses/programs/pose_programs.h"
 
 #include "base/buffer.h"
@@ -13,7 +13,13 @@
 #include <string.h>
 #include <strings.h>
 
-static const char *const table_endings[] = {"electrodes.tsv", "markers.tsv"};
+/* Tables of positions, and whose system theirs is where a file has several, the first best. */
+static const struct {
+    const char *ending, *modalities;
+} tables[] = {{"electrodes.tsv", "iEEG/EEG/EMG"}, {"optodes.tsv", "NIRS"}, {"markers.tsv", "NIBS"}};
+
+enum { TABLES = sizeof tables / sizeof tables[0] };
+
 static const char system_ending[] = "coordsystem.json";
 
 enum { FILE_LIMIT = 1 << 20 };
@@ -63,48 +69,82 @@ static conus_status set_space(struct pose_space *out, struct text name)
     *out = pose_space_named(name, brain_of(name));
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         if (text_equal_ignoring_case(name, others[i])) {
-            return fail(CONUS_ERROR_DATA, "CoordinateSystem \"%s\" is not the world of an image", others[i]);
+            return fail(CONUS_ERROR_DATA,
+                        "CoordinateSystem \"%s\" is not the world of an image, but a head's, a device's or a "
+                        "photograph's own: positions in the scan's space or in MNI are needed",
+                        others[i]);
         }
     }
     return CONUS_OK;
 }
 
-/* The key of intracranial electrodes, or else that of EEG's, or that of stimulation. */
-static struct text find_text(const json_t *root, const char *key)
+/* The modality of a key such as "EEGCoordinateSystem" with a text: "EEG". "" of others, and of points that are in no
+ * table. */
+static struct text modality_of(const char *key, const json_t *value)
 {
-    static const char *const modalities[] = {"iEEG", "EEG", "NIBS"};
-    char name[64];
-    for (size_t i = 0; i < sizeof modalities / sizeof modalities[0]; i++) {
-        snprintf(name, sizeof name, "%s%s", modalities[i], key);
-        const json_t *value = json_object_get(root, name);
-        if (json_is_string(value)) {
-            return json_text_of(value);
-        }
-    }
-    return (struct text){"", 0};
+    static const char ending[] = "CoordinateSystem";
+    const size_t size = strlen(key);
+    const size_t skipped = sizeof ending - 1;
+    struct text modality = {key, size > skipped && strcmp(key + size - skipped, ending) == 0 ? size - skipped : 0};
+    bool is_of_table = json_is_string(value) &&
+                       !text_is_one_of(modality, "Fiducials/AnatomicalLandmark/HeadCoil/DigitizedHeadPoints", true);
+    return is_of_table ? modality : (struct text){"", 0};
 }
 
-conus_status pose_coordsystem_parse(struct pose_space *out, struct text text)
+/* "" where there is no such text. */
+static struct text value_of(const json_t *root, struct text modality, const char *key)
+{
+    char name[64];
+    snprintf(name, sizeof name, "%.*s%s", TEXT_SHOW(modality, POSE_QUOTE_LIMIT), key);
+    return json_text_of(json_object_get(root, name));
+}
+
+/* The modality whose system is that of the table: of the first of @p best that there is, or else the only one. */
+static conus_status find_modality(struct text *out, json_t *root, const char *best)
+{
+    struct text rest = text_from(best);
+    struct text modality;
+    struct text found = {"", 0};
+    for (bool more = true; !found.size && text_field(&rest, '/', &more, &modality);) {
+        found = value_of(root, modality, "CoordinateSystem").size ? modality : found;
+    }
+    bool is_best = found.size;
+    for (void *at = json_object_iter(root); at && !is_best; at = json_object_iter_next(root, at)) {
+        modality = modality_of(json_object_iter_key(at), json_object_iter_value(at));
+        if (modality.size && found.size) {
+            return fail(CONUS_ERROR_DATA,
+                        "%.*sCoordinateSystem and %.*sCoordinateSystem, and no %.*sCoordinateSystem: which of them is "
+                        "the table's?",
+                        POSE_QUOTE(found), POSE_QUOTE(modality), (int)strcspn(best, "/"), best);
+        }
+        found = modality.size ? modality : found;
+    }
+    *out = found;
+    return found.size ? CONUS_OK
+                      : fail(CONUS_ERROR_DATA, "no %.*sCoordinateSystem, nor that of another modality",
+                             (int)strcspn(best, "/"), best);
+}
+
+conus_status pose_coordsystem_parse(struct pose_space *out, struct text text, const char *modalities)
 {
     json_t *root = NULL;
     struct pose_space space = {0};
+    struct text modality = {"", 0};
     conus_status status = json_text_load(&root, text);
-    struct text name = find_text(root, "CoordinateSystem");
-    if (!status && !name.size) {
-        status = fail(CONUS_ERROR_DATA, "no iEEGCoordinateSystem, EEGCoordinateSystem or NIBSCoordinateSystem");
-    }
-    status = status ? status : set_space(&space, name);
+    status = status ? status : find_modality(&modality, root, modalities);
+    status = status ? status : set_space(&space, value_of(root, modality, "CoordinateSystem"));
     static const struct {
         const char *name;
         double scale;
     } scales[] = {{"mm", 1}, {"cm", 10}, {"m", 1000}};
-    struct text units = find_text(root, "CoordinateUnits");
+    struct text units = status ? (struct text){"", 0} : value_of(root, modality, "CoordinateUnits");
     space.scale = 0;
     for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++) {
         space.scale = text_equal(units, scales[i].name) ? scales[i].scale : space.scale;
     }
     if (!status && space.scale == 0) {
-        status = fail(CONUS_ERROR_DATA, "CoordinateUnits \"%.*s\", allowed are mm, cm and m", POSE_QUOTE(units));
+        status = fail(CONUS_ERROR_DATA, "%.*sCoordinateUnits \"%.*s\", allowed are mm, cm and m", POSE_QUOTE(modality),
+                      POSE_QUOTE(units));
     }
     json_decref(root);
     *out = status ? *out : space;
@@ -135,13 +175,13 @@ static char *system_path(const char *path, int candidate)
     return found;
 }
 
-static conus_status load_system(conus_pose_list *list, const char *path)
+static conus_status load_system(conus_pose_list *list, const char *path, const char *modalities)
 {
     struct bytes bytes = {0};
     conus_status status = file_read(&bytes, path, FILE_LIMIT);
     if (!status) {
         file_sha256(list->coordsystem_sha256, &bytes);
-        status = pose_coordsystem_parse(&list->space, (struct text){(const char *)bytes.data, bytes.size});
+        status = pose_coordsystem_parse(&list->space, (struct text){(const char *)bytes.data, bytes.size}, modalities);
         status = status ? fail_in(status, path) : CONUS_OK;
     }
     bytes_finish(&bytes);
@@ -176,19 +216,20 @@ static conus_status note_other_space(conus_pose_list *list, const char *path)
 conus_status pose_coordsystem_find(conus_pose_list *list, const char *path)
 {
     const size_t size = strlen(path);
-    bool is_bids = false;
-    for (size_t i = 0; i < sizeof table_endings / sizeof table_endings[0]; i++) {
-        size_t ending = strlen(table_endings[i]);
-        is_bids = is_bids || (size > ending && strcmp(path + size - ending, table_endings[i]) == 0);
+    const char *modalities = NULL; /* of no table of BIDS */
+    for (size_t i = 0; i < TABLES; i++) {
+        size_t ending = strlen(tables[i].ending);
+        bool ends = size > ending && strcmp(path + size - ending, tables[i].ending) == 0;
+        modalities = ends ? tables[i].modalities : modalities;
     }
-    for (int candidate = 0; is_bids && candidate < CANDIDATES; candidate++) {
+    for (int candidate = 0; modalities && candidate < CANDIDATES; candidate++) {
         char *beside = system_path(path, candidate);
         if (!beside) {
             return CONUS_ERROR_MEMORY;
         }
         if (file_exists(beside)) {
             list->coordsystem = beside;
-            conus_status status = load_system(list, beside);
+            conus_status status = load_system(list, beside, modalities);
             return status ? status : note_other_space(list, path);
         }
         memory_free(beside);

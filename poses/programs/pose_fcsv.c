@@ -9,8 +9,10 @@ enum column { LABEL, X, Y, Z, COLUMNS };
 
 static const char *const names[COLUMNS] = {"label", "x", "y", "z"};
 
-/* The columns that Slicer assumes where a file does not name them. */
-static const char usual[] = "id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID";
+/* The columns that Slicer assumes where a file does not name them; since 5 rows have two more than it names. */
+static const char named[] = "id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID";
+static const char usual[] = "id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID,positionStatus,autoCreated";
+enum { FIELDS_OF_5 = 16 };
 static const char usual_once[] = "label,x,y,z,sel,vis"; /* in Slicer 3 */
 
 struct reading {
@@ -47,7 +49,7 @@ static bool take_key(struct text *value, struct text line, const char *key)
 
 static conus_status read_columns(struct reading *reading, struct text value)
 {
-    conus_status status = pose_columns_find(&reading->columns, value);
+    conus_status status = pose_columns_find(&reading->columns, text_equal(value, named) ? text_from(usual) : value);
     for (size_t i = X; !status && i <= Z; i++) {
         if (!pose_columns_has(&reading->columns, i)) {
             status = fail(CONUS_ERROR_DATA, "columns: \"%.*s\", x, y and z are needed", POSE_QUOTE(value));
@@ -87,6 +89,18 @@ static conus_status end_head(struct reading *reading)
                                         reading->lps ? "LPS" : "RAS");
 }
 
+/* The last field but one of a row as Slicer 5 writes it; "" of others. */
+static struct text status_of(struct text line, size_t fields)
+{
+    struct text field = {"", 0};
+    struct text before = {"", 0};
+    size_t count = 0;
+    for (bool more = true; text_field(&line, ',', &more, &field); count++) {
+        before = count + 2 == fields ? field : before;
+    }
+    return count == fields && fields == FIELDS_OF_5 ? before : (struct text){"", 0};
+}
+
 static conus_status read_point(struct reading *reading, struct text line, size_t number)
 {
     struct text fields[COLUMNS];
@@ -94,6 +108,10 @@ static conus_status read_point(struct reading *reading, struct text line, size_t
     conus_pose_row row = pose_row_at(number);
     row.is_point = true;
     conus_status bad = pose_columns_split(fields, &reading->columns, line);
+    struct text status = status_of(line, reading->columns.field_count);
+    if (!bad && status.size && !text_equal(status, "2")) { /* vtkMRMLMarkupsNode::PositionDefined */
+        bad = fail(CONUS_ERROR_DATA, "position status \"%.*s\", not 2: the point was not placed", POSE_QUOTE(status));
+    }
     bad = bad ? bad : pose_columns_point(point, &reading->columns, fields, X, 1);
     if (!bad && reading->lps) {
         pose_flip_point(point);

@@ -33,10 +33,16 @@ static conus_status read_space_and_units(struct markup *markup)
     const json_t *value = json_object_get(markup->json, "coordinateUnits");
     value = json_is_array(value) ? json_array_get(value, 0) : value;
     struct text units = value ? json_text_of(value) : text_from("mm");
-    markup->scale = text_equal(units, "um") ? 1e-3 : 1;
-    return text_equal(units, "um") || text_equal(units, "mm")
+    static const struct {
+        const char *name;
+        double scale;
+    } scales[] = {{"mm", 1}, {"um", 1e-3}, {"cm", 10}, {"m", 1000}};
+    for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++) {
+        markup->scale = text_equal(units, scales[i].name) ? scales[i].scale : markup->scale;
+    }
+    return markup->scale > 0
                ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "markups[%zu]: coordinateUnits \"%.*s\", allowed are mm and um",
+               : fail(CONUS_ERROR_DATA, "markups[%zu]: coordinateUnits \"%.*s\", allowed are um, mm, cm and m",
                       markup->number - 1, POSE_QUOTE(units));
 }
 
@@ -138,13 +144,13 @@ static conus_status refuse_json(const json_t *root)
 {
     bool is_probe = text_equal(json_text_of(json_object_get(root, "specification")), "probeinterface");
     bool is_pinpoint = json_object_get(root, "atlasName");
-    return is_probe
-               ? fail(CONUS_ERROR_DATA, "a probe of ProbeInterface says where contacts are on it, and not where it "
-                                        "lies: its poses are another file")
-               : fail(CONUS_ERROR_DATA,
-                      "%s: no list \"markups\" of 3D Slicer's, and neither \"xyz_picks\" nor \"channel_N\" of "
-                      "IBL's",
-                      is_pinpoint ? "a scene of Pinpoint, which is not read" : "JSON of no known program");
+    return fail(CONUS_ERROR_DATA, "%s",
+                is_probe      ? "a probe of ProbeInterface says where contacts are on it, and not where it lies: its "
+                                "poses are another file"
+                : is_pinpoint ? "a scene of Pinpoint is not read: save the tips and angles of its probes as a table "
+                                "(probe,AP,ML,DV,phi,theta)"
+                              : "JSON of no known program: no list \"markups\" of 3D Slicer's, neither \"xyz_picks\" "
+                                "nor \"channel_N\" of IBL's, and no names with three numbers each");
 }
 
 conus_status pose_json_find(conus_pose_format *out, struct text text)
@@ -152,10 +158,11 @@ conus_status pose_json_find(conus_pose_format *out, struct text text)
     json_t *root = NULL;
     conus_status status = json_text_load(&root, text);
     bool is_ibl = pose_ibl_is(root);
-    if (!status && !is_ibl && !json_is_array(json_object_get(root, "markups"))) {
+    bool is_list = pose_brackets_json(root) != BRACKETS_NONE;
+    if (!status && !is_ibl && !is_list && !json_is_array(json_object_get(root, "markups"))) {
         status = refuse_json(root);
     }
-    *out = is_ibl ? CONUS_POSE_FORMAT_IBL : CONUS_POSE_FORMAT_MARKUPS;
+    *out = is_ibl ? CONUS_POSE_FORMAT_IBL : is_list ? CONUS_POSE_FORMAT_LIST : CONUS_POSE_FORMAT_MARKUPS;
     json_decref(root);
     return status;
 }

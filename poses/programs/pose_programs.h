@@ -26,9 +26,9 @@ conus_status pose_nibs_parse(conus_pose_list *list, struct text text, const conu
 /** Whether @p line is the header of such a table. */
 bool pose_nibs_header(struct text line);
 
-/** The space that a *_coordsystem.json of BIDS names: CONUS_ERROR_DATA for a space that is no image's world, and for
- * units that are no lengths. */
-conus_status pose_coordsystem_parse(struct pose_space *out, struct text text);
+/** The space that a *_coordsystem.json of BIDS names: that of the first of the @p modalities that it has, "iEEG/EEG",
+ * or else of its only one. CONUS_ERROR_DATA for a space that is no image's world, and for units that are no lengths. */
+conus_status pose_coordsystem_parse(struct pose_space *out, struct text text, const char *modalities);
 /** Sets list->space from the *_coordsystem.json beside the table @p path, and list->coordsystem to its path; without
  * that file from the table's name, with a note. */
 conus_status pose_coordsystem_find(conus_pose_list *list, const char *path);
@@ -55,6 +55,23 @@ conus_status pose_lead_dbs_parse_native(conus_pose_list *list, struct text text,
  * is set on failure, too. */
 conus_status pose_lead_dbs_find(bool *found, conus_pose_list *list, struct text text,
                                 const conus_pose_options *options);
+
+/** Points of programs whose lists have their columns in known places (pose_lists.c), FreeSurfer's and caps among them.
+ * A list that is known, but holds no positions of a brain, is CONUS_ERROR_DATA. */
+conus_status pose_lists_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+/** Whether a text with this @p head is such a list, by its words or by how the name @p path ends; NULL: it has none. */
+bool pose_lists_know(struct text head, const char *path);
+
+/** Numbers in brackets (Python, MATLAB, JSON), points or matrices; JSON of names or objects that are points; lines of
+ * "name: (x, y, z)". */
+conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+/** Whether @p text begins as numbers in brackets, "NAME =" in front or not. */
+bool pose_brackets_begin(struct text text);
+/** Whether the first line of @p text is "name: (x, y, z)", "(x, y, z) name" or "(x, y, z) -> (x, y, z)". */
+bool pose_brackets_are_spoken(struct text text);
+/** What an object of JSON is: a point set of Freeview's, or names whose values all are three numbers. */
+enum pose_brackets { BRACKETS_NONE, BRACKETS_FREEVIEW, BRACKETS_NAMES };
+enum pose_brackets pose_brackets_json(json_t *root);
 
 /** Localite's markers, InstrumentMarker*.xml and TriggerMarkers*.xml. */
 conus_status pose_localite_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);

@@ -40,6 +40,7 @@ struct conus_pose_list {
     struct note_sink sink; /**< Where the notes go. */
     char *name;            /**< Path of the sink; owned, NULL while it is the stream's. */
     struct pose_space space;
+    bool is_cap;       /**< Of electrodes, which is checked when it is whole (caps.h). */
     char *electrodes;  /**< The text of a table of electrodes; owned, NULL of other formats. */
     char *coordsystem; /**< Path of the file that says what the space is; owned, NULL if there is none. */
     char coordsystem_sha256[65];

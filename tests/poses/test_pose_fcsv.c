@@ -69,8 +69,8 @@ static void fiducials_are_read_strictly(void **state)
                                      "id,1,2,3,0,0,0,1,1,1,0\n"
                                      "id,1,n/a,3,0,0,0,1,1,1,0,P,,\n"),
                            NULL);
-    assert_row_fails(list, 0, "1", "17 fields, the header has 14");
-    assert_row_fails(list, 1, "2", "11 fields, the header has 14");
+    assert_row_fails(list, 0, "1", "17 fields, the header has 16");
+    assert_row_fails(list, 1, "2", "11 fields, the header has 16");
     assert_row_fails(list, 2, "P", "y: \"n/a\" is not a finite number");
     conus_pose_list_destroy(list);
 }

@@ -387,11 +387,11 @@ static void coordinate_systems_are_read_strictly(void **state)
                  {"{\"iEEGCoordinateSystem\":\"ACPC\",\"iEEGCoordinateUnits\":\"inch\"}", "\"inch\", allowed are mm"}};
     struct pose_space space;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        assert_fails(pose_coordsystem_parse(&space, text_from(cases[i].json)), CONUS_ERROR_DATA);
+        assert_fails(pose_coordsystem_parse(&space, text_from(cases[i].json), "iEEG/EEG"), CONUS_ERROR_DATA);
         assert_non_null(strstr(conus_message(), cases[i].part));
     }
     assert_ok(pose_coordsystem_parse(
-        &space, text_from("{\"iEEGCoordinateSystem\":\"ScanRAS\",\"iEEGCoordinateUnits\":\"m\"}")));
+        &space, text_from("{\"iEEGCoordinateSystem\":\"ScanRAS\",\"iEEGCoordinateUnits\":\"m\"}"), "iEEG"));
     assert_near(space.scale, 1000, 0);
     assert_int_equal(space.brain, POSE_BRAIN_SUBJECT);
 }
@@ -429,7 +429,7 @@ static void whose_brain_a_name_means(void **state)
         char json[128];
         struct pose_space space;
         snprintf(json, sizeof json, "{\"iEEGCoordinateSystem\":\"%s\",\"iEEGCoordinateUnits\":\"mm\"}", cases[i].name);
-        assert_ok(pose_coordsystem_parse(&space, text_from(json)));
+        assert_ok(pose_coordsystem_parse(&space, text_from(json), "iEEG"));
         if (space.brain != cases[i].brain) {
             fail_msg("%s: %d", cases[i].name, (int)space.brain);
         }
@@ -493,7 +493,7 @@ static void lines_may_be_looked_along_either_way(void **state)
            "no axis (-z)");
     refuse("{\"markups\":7}", NULL, "no list \"markups\"");
     refuse("{\"markups\":[{\"type\":\"Line\",\"coordinateSystem\":\"IJK\"}]}", NULL, "coordinateSystem \"IJK\"");
-    refuse("{\"markups\":[{\"type\":\"Line\",\"coordinateUnits\":\"m\"}]}", NULL, "coordinateUnits \"m\"");
+    refuse("{\"markups\":[{\"type\":\"Line\",\"coordinateUnits\":\"pixel\"}]}", NULL, "coordinateUnits \"pixel\"");
     parse_none("{\"markups\":[]}");
     list = parse("{\"markups\":[7,{\"type\":\"Fiducial\",\"controlPoints\":[{\"position\":[1,2]},{\"position\":"
                  "[1,2,\"3\"]},4]}]}",

@@ -30,7 +30,7 @@ static void formats_are_found(void **state)
     assert_int_equal(format_of("markers.tsv"), CONUS_POSE_FORMAT_NIBS);
     assert_int_equal(format_of("electrodes.tsv"), CONUS_POSE_FORMAT_ELECTRODES);
     assert_string_equal(conus_pose_format_name(CONUS_POSE_FORMAT_LEAD_DBS_NATIVE), "lead-dbs-native");
-    assert_null(conus_pose_format_name(CONUS_POSE_FORMAT_NWB + 1));
+    assert_null(conus_pose_format_name(CONUS_POSE_FORMAT_LIST + 1));
 }
 
 static void invesalius_markers(void **state)

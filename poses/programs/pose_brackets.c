@@ -1,0 +1,329 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses numbers in brackets: lists of points or matrices, as Python prints and stores them and MATLAB writes them;
+ * JSON whose names or objects are points; and lines of "name: (x, y, z)". */
+#include "poses/programs/pose_programs.h"
+
+#include "base/formats/json_text.h"
+#include "base/formats/table.h"
+#include "poses/rows/pose_row.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MATRIX = 16, ROW = 4 };
+
+/* Behind "NAME =" and white space, the first bracket; an empty text where there is none. */
+static struct text opened(struct text text)
+{
+    static const char name[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+    struct text rest = text_trim(text);
+    const char *equals = rest.size ? memchr(rest.data, '=', rest.size) : NULL;
+    struct text before = {rest.data, equals ? (size_t)(equals - rest.data) : 0};
+    if (equals && text_has_only(text_trim(before), name)) {
+        rest = text_trim((struct text){equals + 1, rest.size - before.size - 1});
+    }
+    return rest.size && rest.data[0] == '[' ? rest : (struct text){"", 0};
+}
+
+bool pose_brackets_begin(struct text text)
+{
+    struct text rest = opened(text);
+    while (rest.size && memchr("[ \t\r\n", rest.data[0], 5)) {
+        rest = (struct text){rest.data + 1, rest.size - 1};
+    }
+    return rest.size && memchr("+-.0123456789", rest.data[0], 13);
+}
+
+struct reading {
+    conus_pose_list *list;
+    const conus_pose_options *options;
+    double numbers[MATRIX];
+    size_t count, width; /* numbers of this row; of each, 0 = not known yet */
+    size_t rows;
+};
+
+static conus_status add_point(conus_pose_list *list, const conus_pose_options *options, const double point[3],
+                              struct text id, conus_status bad)
+{
+    conus_pose_row row = pose_row_at(list->count + 1);
+    double world[3];
+    row.is_point = true;
+    bad = bad ? bad : conus_frame_to_world(world, options->frame, point);
+    bad = bad ? bad : pose_of_point(&row.pose, world);
+    return pose_list_add(list, &row, id, bad ? conus_message() : NULL);
+}
+
+/* Three numbers are a point; four rows of four a matrix. */
+static conus_status end_row(struct reading *reading)
+{
+    size_t width = reading->width == ROW ? reading->count - ROW * (reading->rows % ROW) : reading->count;
+    conus_status status = CONUS_OK;
+    if (width == 0) { /* brackets around rows */
+        return CONUS_OK;
+    }
+    if ((width != 3 && width != ROW) || (reading->width && width != reading->width)) {
+        return fail(CONUS_ERROR_DATA,
+                    "row %zu in brackets has %zu numbers; points have three, matrices four rows of four",
+                    reading->rows + 1, width);
+    }
+    reading->width = width;
+    reading->rows++;
+    if (width == 3) {
+        status = add_point(reading->list, reading->options, reading->numbers, text_from(""), CONUS_OK);
+        reading->count = 0;
+    } else if (reading->rows % ROW == 0) {
+        conus_pose_row row = pose_row_at(reading->rows / ROW);
+        double m[MATRIX];
+        for (size_t i = 0; i < MATRIX; i++) {
+            m[i] = reading->numbers[4 * (i % 4) + i / 4];
+        }
+        conus_status bad =
+            pose_of_matrix(&row.pose, m, reading->options->space == CONUS_SPACE_LPS, reading->options->axis);
+        status = pose_list_add(reading->list, &row, text_from(""), bad ? conus_message() : NULL);
+        reading->count = 0;
+    }
+    return status;
+}
+
+static conus_status add_number(struct reading *reading, struct text word)
+{
+    double number;
+    if (text_find(word, "...")) {
+        return fail(CONUS_ERROR_DATA, "\"...\" in brackets: what was printed is not all of it; save it as a file "
+                                      "(numpy.savetxt, writematrix)");
+    }
+    if (!text_to_double(word, &number) || !isfinite(number)) {
+        return fail(CONUS_ERROR_DATA, "\"%.*s\" in brackets is no number", POSE_QUOTE(word));
+    }
+    if (reading->count == MATRIX) {
+        return fail(CONUS_ERROR_DATA,
+                    "a row in brackets of more than 16 numbers; points have three, matrices four rows "
+                    "of four");
+    }
+    reading->numbers[reading->count++] = number;
+    return CONUS_OK;
+}
+
+/* A row ends at its own bracket, or in the only one at a semicolon or the line's end. */
+static conus_status parse_numbers(struct reading *reading, struct text text)
+{
+    static const char marks[] = "[] \t\r\n,;";
+    size_t depth = 0;
+    conus_status status = CONUS_OK;
+    for (size_t at = 0; !status && at < text.size;) {
+        const char c = text.data[at];
+        size_t size = 0;
+        while (at + size < text.size && !memchr(marks, text.data[at + size], sizeof marks - 1)) {
+            size++;
+        }
+        if (size) {
+            status = depth ? add_number(reading, (struct text){text.data + at, size})
+                           : fail(CONUS_ERROR_DATA, "\"%.*s\" behind the brackets",
+                                  POSE_QUOTE(((struct text){text.data + at, size})));
+        } else if (c == ']' || (depth == 1 && (c == ';' || c == '\n'))) {
+            status = c == ']' && !depth ? fail(CONUS_ERROR_DATA, "a bracket ] that was not opened") : end_row(reading);
+        }
+        depth = c == '[' ? depth + 1 : c == ']' && depth ? depth - 1 : depth;
+        at += size ? size : 1;
+    }
+    if (!status && (depth || reading->count)) {
+        status = fail(CONUS_ERROR_DATA, depth ? "a bracket [ that is not closed" : "the last matrix is not whole");
+    }
+    return status;
+}
+
+/* "(x, y, z)" at the begin of @p rest, which is what is behind it then. */
+static bool take_triple(double point[3], struct text *rest)
+{
+    const struct table plain = {0};
+    const char *end = rest->size && rest->data[0] == '(' ? memchr(rest->data, ')', rest->size) : NULL;
+    if (!end) {
+        return false;
+    }
+    struct text inside = {rest->data + 1, (size_t)(end - rest->data) - 1};
+    bool commas = memchr(inside.data, ',', inside.size);
+    struct text word;
+    size_t count = 0;
+    bool fine = true;
+    for (bool more = true; fine && (commas ? text_field(&inside, ',', &more, &word) : text_word(&inside, &word));
+         count++) {
+        fine = count < 3 && table_number(&point[count < 3 ? count : 2], &plain, table_trim(word)) &&
+               isfinite(point[count < 3 ? count : 2]);
+    }
+    *rest = table_trim((struct text){end + 1, rest->size - (size_t)(end + 1 - rest->data)});
+    return fine && count == 3;
+}
+
+/* A line "name: (x, y, z)", "(x, y, z) name" or "(x, y, z) -> (x, y, z)", from entry to target. */
+struct spoken {
+    struct text name;
+    double point[3], target[3];
+    bool has_target;
+};
+
+static bool read_spoken(struct spoken *out, struct text line)
+{
+    const char *open = memchr(line.data, '(', line.size);
+    struct text before = table_trim((struct text){line.data, open ? (size_t)(open - line.data) : 0});
+    struct text rest = open ? (struct text){open, line.size - (size_t)(open - line.data)} : (struct text){"", 0};
+    *out = (struct spoken){{"", 0}, {0}, {0}, false};
+    if (!take_triple(out->point, &rest)) {
+        return false;
+    }
+    const size_t arrow = text_starts(rest, "->") ? 2 : text_starts(rest, "\xe2\x86\x92") ? 3 : 0;
+    if (arrow) {
+        rest = table_trim((struct text){rest.data + arrow, rest.size - arrow});
+        out->has_target = take_triple(out->target, &rest);
+    }
+    bool is_mark = before.size && memchr(":=", before.data[before.size - 1], 2);
+    before.size -= is_mark;
+    before = table_trim(before);
+    double number;
+    struct text first = rest;
+    struct text word = {"", 0};
+    (void)text_word(&first, &word);
+    bool is_name = rest.size && !text_to_double(word, &number) && !memchr(rest.data, '(', rest.size) &&
+                   !memchr(",;\t", rest.data[0], 3);
+    out->name = before.size ? before : rest;
+    return (!arrow || out->has_target) && (!rest.size || (!before.size && is_name)) &&
+           (!before.size || !memchr(before.data, '"', before.size));
+}
+
+bool pose_brackets_are_spoken(struct text text)
+{
+    struct text line;
+    struct text inside;
+    struct spoken spoken;
+    bool found = false;
+    while (text_line(&text, &line)) {
+        if (!table_is_blank(line) && !table_is_comment(&inside, line)) {
+            found = read_spoken(&spoken, line);
+            break;
+        }
+    }
+    return found;
+}
+
+static conus_status parse_spoken(conus_pose_list *list, struct text text, const conus_pose_options *options)
+{
+    struct text line;
+    struct text inside;
+    conus_status status = CONUS_OK;
+    for (size_t number = 1; !status && text_line(&text, &line); number++) {
+        struct spoken spoken;
+        conus_pose_row row = pose_row_at(number);
+        double ends[2][3];
+        if (table_is_blank(line) || table_is_comment(&inside, line)) {
+            continue;
+        }
+        bool fine = read_spoken(&spoken, line);
+        conus_status bad = fine ? CONUS_OK
+                                : fail(CONUS_ERROR_DATA, "not as the first line: (x, y, z) and a name, or "
+                                                         "(x, y, z) -> (x, y, z)");
+        bad = bad ? bad : conus_frame_to_world(ends[0], options->frame, spoken.point);
+        bad = bad || !spoken.has_target ? bad : conus_frame_to_world(ends[1], options->frame, spoken.target);
+        row.is_point = !spoken.has_target;
+        bad = bad            ? bad
+              : row.is_point ? pose_of_point(&row.pose, ends[0])
+                             : conus_pose_toward(&row.pose, ends[0], ends[1], NULL);
+        status = pose_list_add(list, &row, spoken.name, bad ? conus_message() : NULL);
+    }
+    return status;
+}
+
+/* Three numbers of a list. */
+static conus_status read_triple(double point[3], const json_t *list)
+{
+    bool fine = json_array_size(list) == 3;
+    for (size_t k = 0; fine && k < 3; k++) {
+        point[k] = json_number_value(json_array_get(list, k));
+        fine = json_is_number(json_array_get(list, k));
+    }
+    return fine ? CONUS_OK : fail(CONUS_ERROR_DATA, "three numbers are needed");
+}
+
+enum pose_brackets pose_brackets_json(json_t *root)
+{
+    bool all = json_object_size(root) > 0;
+    double point[3];
+    if (text_equal(json_text_of(json_object_get(root, "data_type")), "fs_pointset")) {
+        return BRACKETS_FREEVIEW;
+    }
+    for (void *at = json_object_iter(root); all && at; at = json_object_iter_next(root, at)) {
+        all = read_triple(point, json_object_iter_value(at)) == CONUS_OK;
+    }
+    return all ? BRACKETS_NAMES : BRACKETS_NONE;
+}
+
+/* Freeview's point sets say in which space they are. */
+static conus_status set_freeview_space(conus_pose_list *list, const json_t *root)
+{
+    struct text system = json_text_of(json_object_get(root, "vox2ras"));
+    bool is_scanner = text_equal(system, "scanner_ras");
+    list->space =
+        is_scanner ? pose_space_named(text_from("FreeSurfer scanner RAS"), POSE_BRAIN_SUBJECT)
+                   : pose_space_named(text_from("FreeSurfer tkRAS (Freeview can save scanner RAS)"), POSE_BRAIN_OTHER);
+    return is_scanner || text_equal(system, "tkreg")
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "vox2ras \"%.*s\", allowed are scanner_ras and tkreg", POSE_QUOTE(system));
+}
+
+/* {"name": "M1", "x": 1, "y": 2, "z": 3}, in any case; another key of a direction would be lost. */
+static conus_status read_object(double point[3], struct text *id, json_t *object)
+{
+    static const char *const names[] = {"x", "y", "z"};
+    bool found[3] = {false, false, false};
+    for (void *at = json_object_iter(object); at; at = json_object_iter_next(object, at)) {
+        struct text key = text_from(json_object_iter_key(at));
+        const json_t *value = json_object_iter_value(at);
+        for (size_t k = 0; k < 3; k++) {
+            if (text_equal_ignoring_case(key, names[k]) && json_is_number(value)) {
+                point[k] = json_number_value(value);
+                found[k] = true;
+            }
+        }
+        *id = text_is_one_of(key, "name/label/id", false) && json_is_string(value) ? json_text_of(value) : *id;
+        if (text_is_one_of(key, "tx/dx/nx/qw/qx/angle/depth", false)) {
+            return fail(CONUS_ERROR_DATA, "an object with the key \"%.*s\": save these poses as a table",
+                        POSE_QUOTE(key));
+        }
+    }
+    return found[0] && found[1] && found[2] ? CONUS_OK : fail(CONUS_ERROR_DATA, "the numbers x, y and z are needed");
+}
+
+conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
+{
+    json_t *root = NULL;
+    struct reading reading = {.list = list, .options = options};
+    if (pose_brackets_begin(text)) {
+        return parse_numbers(&reading, opened(text));
+    }
+    if (pose_brackets_are_spoken(text)) {
+        return parse_spoken(list, text, options);
+    }
+    conus_status status = json_text_load(&root, text);
+    bool is_freeview = pose_brackets_json(root) == BRACKETS_FREEVIEW;
+    status = status || !is_freeview ? status : set_freeview_space(list, root);
+    json_t *objects = is_freeview ? json_object_get(root, "points") : root;
+    for (void *at = is_freeview ? NULL : json_object_iter(root); !status && at; at = json_object_iter_next(root, at)) {
+        double point[3] = {0};
+        struct text key = text_from(json_object_iter_key(at));
+        conus_status bad = read_triple(point, json_object_iter_value(at));
+        if (text_is_one_of(key, "x/y/z", false)) { /* of three points, by columns */
+            status = fail(CONUS_ERROR_DATA, "the names x, y and z: a table on its side; save it by rows "
+                                            "(orient=\"records\")");
+            break;
+        }
+        status = add_point(list, options, point, key, bad);
+    }
+    for (size_t i = 0; !status && i < json_array_size(objects); i++) {
+        struct text id = {"", 0};
+        double point[3] = {0};
+        json_t *object = json_array_get(objects, i);
+        json_t *inner = json_object_get(object, "coordinates");
+        conus_status bad = read_object(point, &id, inner ? inner : object);
+        status = add_point(list, options, point, id, bad);
+    }
+    json_decref(root);
+    return status;
+}

@@ -1,0 +1,350 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses lists of programs whose columns are known by their place: one row of a table each. Those that hold no
+ * positions of a brain have a row, too, with the reason. */
+#include "poses/programs/pose_programs.h"
+
+#include "poses/rows/pose_row.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+enum flags {
+    IS_LPS = 1,          /* x grows to the left, y to the back */
+    IS_CAP = 2,          /* names no space */
+    IS_MNI305 = 4,       /* moved to MNI 152 */
+    NEEDS_MINUS = 8,     /* voxels, unless a number is negative, or the name has _std */
+    NEEDS_LPS = 16,      /* the caller must say so */
+    BEGINS_AT_ONCE = 64, /* the first line is a row, or it is no such list */
+    FOLLOWS_SPACE = 128, /* x and y are as the caller says */
+    ENDS_EARLY = 32      /* rows end at the line "info" */
+};
+
+/* A list is of the first row whose `ending` is that of the file's name and whose `mark` stands in its head. */
+static const struct layout {
+    const char *ending;  /* "" = any */
+    const char *mark;    /* "" = none; "^": only where the text begins, "\n": where a line does */
+    const char *refused; /* why it is not read; NULL = it is, by these: */
+    const char *rows;    /* what lines of points begin with; "" = all, but comments and titles */
+    const char *count;   /* the number behind it says how many points there are; NULL = none does */
+    const char *space;   /* NULL = it names none */
+    enum pose_brain brain;
+    char separator;      /* 0: white space */
+    signed char x, name; /* fields of x and of the name, -1 = none */
+    unsigned flags;
+} layouts[] = {
+    /* AFNI: letters say which way a column grows. */
+    {"", "MI RL  MI AP  MI IS", .x = 13, .name = -1, .flags = IS_LPS},
+    {"", "MI LR  MI PA  MI IS", .x = 13, .name = -1},
+    {"", "Coordinate order = RAI\n#Voxels  CM x   CM y   CM z  Peak x", .x = 4, .name = -1, .flags = IS_LPS},
+    {"", "Coordinate order = LPI\n#Voxels  CM x   CM y   CM z  Peak x", .x = 4, .name = -1},
+    {"", "Focus point (LPI)",
+     .refused =
+         "AFNI's whereami says one point in several spaces: put the x y z of one of them into a line of their own"},
+    /* FreeSurfer */
+    {"", "Size(mm^2)  MNIX   MNIY   MNIZ", .x = 4, .name = -1, .flags = IS_MNI305},
+    {"", "Size(mm^2)  TalX   TalY   TalZ",
+     .refused = "clusters in Talairach's space (FixMNI = 1): run mri_surfcluster again with --nofixmni"},
+    {"", "vox2ras=scanner", .count = "\n", .space = "FreeSurfer scanner RAS", .brain = POSE_BRAIN_SUBJECT, .x = 1},
+    {"", "^#!ascii label", .count = "\n", .space = "FreeSurfer tkRAS (Freeview can save scanner RAS)",
+     .brain = POSE_BRAIN_OTHER, .x = 1},
+    {"", "\nuseRealRAS 1", .count = "numpoints ", .space = "FreeSurfer scanner RAS", .brain = POSE_BRAIN_SUBJECT,
+     .name = -1, .flags = ENDS_EARLY},
+    {"", "\nuseRealRAS 0", .count = "numpoints ", .space = "FreeSurfer tkRAS (Freeview can save scanner RAS)",
+     .brain = POSE_BRAIN_OTHER, .name = -1, .flags = ENDS_EARLY},
+    {".LEPTO", "", .space = "FreeSurfer tkRAS (iELVis)", .brain = POSE_BRAIN_OTHER, .name = -1},
+    /* FSL */
+    {"", "^Cluster Index\tValue\tx\ty\tz", .x = 2, .flags = NEEDS_MINUS},
+    {"", "^Cluster Index\tZ\tx\ty\tz", .x = 2, .flags = NEEDS_MINUS},
+    {"", "MAX X (vox)",
+     .refused = "clusters of FSL in voxels: run cluster again with --mm, or take FEAT's cluster_*_std.txt"},
+    {"", "\tZ-MAX\tZ-MAX X (mm)\t", .separator = '\t', .x = 5}, /* FEAT: before COPE-MAX */
+    /* Peaks and foci */
+    {"", "\nPeak MNI coordinate:", .rows = "Peak MNI coordinate:", .space = "MNI (xjView)", .brain = POSE_BRAIN_MNI152,
+     .x = 3, .name = -1},
+    {"", "\n//Reference=MNI", .space = "MNI (Sleuth)", .brain = POSE_BRAIN_MNI152, .name = -1},
+    {"", "\n// Reference=MNI", .space = "MNI (Sleuth)", .brain = POSE_BRAIN_MNI152, .name = -1},
+    {"", "Reference=Talairach", .refused = "foci in Talairach's space: GingerALE converts them to MNI"},
+    {".node", "", .name = 5, .flags = FOLLOWS_SPACE}, /* BrainNet Viewer */
+    /* Caps */
+    {".sfp", "", .x = 1, .flags = IS_CAP},
+    {"", "^FidNz", .x = 1, .flags = IS_CAP},
+    {"", "^Number\tlabels\ttheta\tradius\tX\tY\tZ", .separator = '\t', .x = 4, .name = 1, .flags = IS_CAP},
+    {"", "^Electrode,", .separator = ',', .x = 1, .name = 4, .flags = IS_CAP | BEGINS_AT_ONCE}, /* SimNIBS */
+    {"", "^Fiducial,", .separator = ',', .x = 1, .name = 4, .flags = IS_CAP | BEGINS_AT_ONCE},
+    {"", "^ReferenceElectrode,", .separator = ',', .x = 1, .name = 4, .flags = IS_CAP | BEGINS_AT_ONCE},
+    {".hpts", "",
+     .refused =
+         "digitised points of a head (.hpts) are in a head's own space: bring them to MNI in MNE, and save name,x,y,z"},
+    {".pos", "",
+     .refused = "points of a head by a Polhemus tracker (.pos), in a head's own space: bring them to MNI, and save "
+                "name,x,y,z"},
+    {".elp", "",
+     .refused = "angles on a sphere (.elp) are no positions: save the cap with x, y, z in mm on the head of MNI"},
+    {".locs", "",
+     .refused = "angles of a drawing (.locs) are no positions: save the cap with x, y, z in mm on the head of MNI"},
+    {".loc", "",
+     .refused = "angles of a drawing (.loc) are no positions: save the cap with x, y, z in mm on the head of MNI"},
+    {".fif", "",
+     .refused = "a file of MNE's (.fif): save its positions from Python as name,x,y,z, in mm and in MNI or the scan"},
+    {".snirf", "",
+     .refused = "a recording (SNIRF): its positions are a head's own; save them as a table of BIDS (optodes.tsv)"},
+    /* Others */
+    {"", "^x,y,z,t,label", .separator = ',', .name = 4, .flags = NEEDS_LPS}, /* ANTs */
+    {"", "; InputIndex = [",
+     .refused =
+         "elastix's outputpoints.txt has each point before and after a transform, in LPS: put the three numbers of "
+         "OutputPoint into lines of their own, and say --space lps"},
+    {"", "ITK-SNAP Annotation File", .refused = "landmarks of ITK-SNAP are voxels of an image, not positions in mm"},
+    {"", "\\begin{tabular}", .refused = "a table of LaTeX: take its commands and & out, or save it as CSV"},
+    {"", "\\toprule", .refused = "a table of LaTeX: take its commands and & out, or save it as CSV"},
+};
+
+/* ASA's .elc. */
+static bool is_elc(struct text text)
+{
+    return text_starts(text, "# ASA electrode file") || text_starts(text, "ReferenceLabel") ||
+           text_starts(text, "NumberPositions=");
+}
+
+/* MNI 305 to MNI 152 (FreeSurfer's wiki, CoordinateSystems, 8b). */
+static void move_to_mni152(double p[3])
+{
+    static const double m[3][4] = {
+        {0.9975, -0.0073, 0.0176, -0.0429}, {0.0146, 1.0009, -0.0024, 1.5496}, {-0.0130, -0.0093, 0.9971, 1.1840}};
+    const double q[3] = {p[0], p[1], p[2]};
+    for (int i = 0; i < 3; i++) {
+        p[i] = m[i][0] * q[0] + m[i][1] * q[1] + m[i][2] * q[2] + m[i][3];
+    }
+}
+
+/* The point and the name of a line; false if its three fields are no numbers, with a message. */
+static bool read_line(double point[3], struct text *name, const struct layout *layout, struct text line)
+{
+    struct text fields[3] = {{"", 0}, {"", 0}, {"", 0}};
+    struct text field;
+    bool more = true;
+    *name = (struct text){"", 0};
+    for (size_t at = 0;
+         layout->separator ? text_field(&line, layout->separator, &more, &field) : text_word(&line, &field); at++) {
+        size_t i = at - (size_t)layout->x;
+        *name = (int)at == layout->name ? text_trim(field) : *name;
+        if (i < 3) {
+            fields[i] = text_trim(field);
+        }
+    }
+    bool fine = layout->name < layout->x || name->size;
+    if (!fine) {
+        (void)fail(CONUS_ERROR_DATA, "fewer than %d fields", layout->name + 1);
+    }
+    for (size_t i = 0; fine && i < 3; i++) {
+        fine = text_to_double(fields[i], &point[i]) && isfinite(point[i]);
+        if (!fine) {
+            (void)pose_no_number((const char[]){"xyz"[i], '\0'}, fields[i]);
+        }
+    }
+    return fine;
+}
+
+static const struct layout *find_layout(struct text head, const char *path)
+{
+    const struct layout *found = NULL;
+    const size_t size = path ? strlen(path) : 0;
+    for (size_t i = 0; !found && i < sizeof layouts / sizeof layouts[0]; i++) {
+        const struct layout *layout = &layouts[i];
+        const char *mark = layout->mark;
+        const size_t ending = strlen(layout->ending);
+        bool is_named = ending <= size && strcasecmp((path ? path : "") + size - ending, layout->ending) == 0;
+        bool is_first = (mark[0] == '\n' || mark[0] == '^') && text_starts(head, mark + 1);
+        struct text rest = head;
+        struct text line = {"", 0};
+        struct text name;
+        double point[3];
+        (void)text_line(&rest, &line);
+        found = is_named && (is_first || (mark[0] != '^' && text_find(head, mark))) ? layout : NULL;
+        bool begins = !(layout->flags & BEGINS_AT_ONCE) || read_line(point, &name, layout, line);
+        found = begins ? found : NULL;
+    }
+    return found;
+}
+
+bool pose_lists_know(struct text head, const char *path)
+{
+    struct text begin = text_trim(head);
+    bool is_json = begin.size && begin.data[0] == '[' && text_find(begin, "{");
+    return is_elc(head) || is_json || pose_brackets_begin(head) || pose_brackets_are_spoken(head) ||
+           find_layout(head, path);
+}
+
+static bool is_passed_over(const struct layout *layout, struct text line)
+{
+    line = text_trim(line);
+    return !line.size || line.data[0] == '#' || text_starts(line, "//") ||
+           (layout->rows && !text_starts(line, layout->rows));
+}
+
+static conus_status read_points(conus_pose_list *list, const struct layout *layout, struct text text, bool is_lps)
+{
+    struct text line;
+    conus_status status = CONUS_OK;
+    for (size_t number = 1; !status && text_line(&text, &line); number++) {
+        double point[3];
+        struct text name = {"", 0};
+        if ((layout->flags & ENDS_EARLY) && text_equal(text_trim(line), "info")) {
+            break;
+        }
+        bool is_read = !is_passed_over(layout, line) && read_line(point, &name, layout, line);
+        if (is_passed_over(layout, line) || (!is_read && !list->count)) { /* or a title, or names of columns */
+            continue;
+        }
+        conus_pose_row row = pose_row_at(number);
+        row.is_point = true;
+        if (is_read && is_lps) {
+            pose_flip_point(point);
+        }
+        if (is_read && (layout->flags & IS_MNI305)) {
+            move_to_mni152(point);
+        }
+        conus_status bad = is_read ? pose_of_point(&row.pose, point) : CONUS_ERROR_DATA;
+        bool is_none = name.size && name.data[0] == '-'; /* as a vertex -1 */
+        status = pose_list_add(list, &row, is_none ? text_from("") : name, bad ? conus_message() : NULL);
+    }
+    return status;
+}
+
+static conus_status check_count(const conus_pose_list *list, const struct layout *layout, struct text text)
+{
+    const char *at = layout->count ? text_find(text, layout->count) : NULL;
+    struct text rest = at ? (struct text){at, text.size - (size_t)(at - text.data)} : (struct text){"", 0};
+    struct text line = {"", 0};
+    uint64_t stated = list->count;
+    if (at) {
+        rest.data += strlen(layout->count);
+        rest.size -= strlen(layout->count);
+        (void)text_line(&rest, &line);
+    }
+    return !at || (text_to_uint(text_trim(line), UINT64_MAX, &stated) && stated == list->count)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "numpoints: it says \"%.*s\" points, there are %zu: the file is not whole",
+                      POSE_QUOTE(line), list->count);
+}
+
+/* FSL's maxima: numbers of voxels count from 0. */
+static conus_status check_minus(const conus_pose_list *list, const char *path)
+{
+    bool is_mm = path && strstr(path, "_std");
+    for (size_t i = 0; !is_mm && i < list->count; i++) {
+        const double *p = list->rows[i].pose.world_from_device + 12;
+        is_mm = !list->rows[i].error && (p[0] < 0 || p[1] < 0 || p[2] < 0);
+    }
+    return is_mm ? CONUS_OK
+                 : fail(CONUS_ERROR_DATA,
+                        "local maxima of FSL's cluster without a unit, none of them negative: these "
+                        "are voxels; run cluster with --mm, or take FEAT's lmax_*_std.txt; if they are mm, call the "
+                        "columns x (mm), y (mm), z (mm)");
+}
+
+/* The first word of @p text behind the line that begins with @p key; "" where there is no such line. */
+static struct text section(struct text text, const char *key)
+{
+    struct text line;
+    bool found = false;
+    while (!found && text_line(&text, &line)) {
+        found = text_starts(line, key);
+    }
+    return found ? text : (struct text){"", 0};
+}
+
+/* "x y z" or "name : x y z"; false for a line that is neither. */
+static bool read_electrode(double point[3], struct text *name, struct text line)
+{
+    const char *colon = memchr(line.data, ':', line.size);
+    *name = colon ? text_trim((struct text){line.data, (size_t)(colon - line.data)}) : (struct text){"", 0};
+    struct text rest = colon ? (struct text){colon + 1, line.size - (size_t)(colon + 1 - line.data)} : line;
+    struct text word;
+    bool fine = true;
+    for (int i = 0; fine && i < 3; i++) {
+        fine = text_word(&rest, &word) && text_to_double(word, &point[i]) && isfinite(point[i]);
+    }
+    return fine;
+}
+
+static conus_status parse_elc(conus_pose_list *list, struct text text)
+{
+    static const char unit_key[] = "UnitPosition";
+    const char *unit_at = text_find(text, unit_key);
+    struct text unit =
+        unit_at ? (struct text){unit_at, text.size - (size_t)(unit_at - text.data)} : (struct text){"", 0};
+    (void)text_line(&unit, &unit);
+    unit =
+        text_trim(unit.size ? (struct text){unit.data + sizeof unit_key - 1, unit.size - sizeof unit_key + 1} : unit);
+    double scale = text_equal(unit, "mm") ? 1 : text_equal(unit, "cm") ? 10 : text_equal(unit, "m") ? 1000 : 0;
+    struct text labels = section(text, "Labels");
+    struct text positions = section(text, "Positions");
+    struct text line;
+    conus_status status =
+        scale > 0 ? CONUS_OK
+                  : fail(CONUS_ERROR_DATA, "UnitPosition \"%.*s\", allowed are mm, cm and m", POSE_QUOTE(unit));
+    for (size_t i = 0; !status && text_line(&positions, &line) && !text_starts(line, "Labels"); i++) {
+        conus_pose_row row = pose_row_at(i + 1);
+        struct text name = {"", 0};
+        struct text label = {"", 0};
+        double point[3];
+        bool is_read = read_electrode(point, &name, line);
+        if (!text_trim(line).size) {
+            continue;
+        }
+        (void)text_word(&labels, &label); /* in the order of the positions */
+        row.is_point = true;
+        conus_status bad = is_read ? pose_of_point(&row.pose, point) : fail(CONUS_ERROR_DATA, "x y z are needed");
+        status = pose_list_add(list, &row, name.size ? name : label, bad ? conus_message() : NULL);
+    }
+    list->is_cap = true;
+    list->space.scale = scale;
+    return status;
+}
+
+conus_status pose_lists_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
+{
+    const char *path = list->sink.path;
+    struct text begin = text_trim(text);
+    bool is_in_brackets =
+        pose_brackets_begin(text) || pose_brackets_are_spoken(text) || (begin.size && memchr("{[", begin.data[0], 2));
+    const struct layout *layout = is_elc(text) || is_in_brackets ? NULL : find_layout(text, path);
+    bool follows = layout && (layout->flags & FOLLOWS_SPACE);
+    bool is_lps = layout && ((layout->flags & (IS_LPS | NEEDS_LPS)) || (follows && options->space == CONUS_SPACE_LPS));
+    if (is_in_brackets) {
+        return pose_brackets_parse(list, text, options);
+    }
+    if (options->space >= CONUS_SPACE_CCF) {
+        return fail(CONUS_ERROR_DATA, "lists of other programs are of people, and not in space %s",
+                    conus_space_name((size_t)options->space));
+    }
+    if (options->axis != CONUS_AXIS_OF_FORMAT) {
+        return fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",
+                    pose_axis_name(options->axis));
+    }
+    if (is_elc(text)) {
+        return parse_elc(list, text);
+    }
+    if (!layout || layout->refused) {
+        return fail(CONUS_ERROR_DATA, "%s", layout ? layout->refused : "a list of no program that conus knows");
+    }
+    if ((layout->flags & NEEDS_LPS) && options->space != CONUS_SPACE_LPS) {
+        return fail(CONUS_ERROR_DATA, "x,y,z,t,label is how ANTs has points, which are LPS: --space lps reads them so; "
+                                      "if these are RAS, take the column t out");
+    }
+    if (layout->space) {
+        list->space = pose_space_named(text_from(layout->space), layout->brain);
+    }
+    conus_status status = pose_note_space(&list->notes, options, is_lps);
+    status = status ? status : read_points(list, layout, text, is_lps);
+    status = status ? status : check_count(list, layout, text);
+    status = status || !(layout->flags & NEEDS_MINUS) ? status : check_minus(list, path);
+    list->is_cap = layout->flags & IS_CAP;
+    return status || !(layout->flags & IS_MNI305)
+               ? status
+               : notes_add(&list->notes,
+                           "positions in MNI 305, as of fsaverage, moved to MNI 152 by FreeSurfer's matrix");
+}
