@@ -40,6 +40,7 @@ static conus_status begin_list(struct reading *reading, const struct xml_event *
     }
     if (!space) {
         reading->lps = reading->options->space == CONUS_SPACE_LPS;
+        reading->list->space = pose_space_named(text_from("Localite, no coordinateSpace"), POSE_BRAIN_SUBJECT);
         return notes_warn(&reading->list->notes, "<%s> names no coordinateSpace; taken as %s", event->name,
                           reading->lps ? "LPS" : "RAS");
     }
@@ -51,7 +52,9 @@ static conus_status begin_list(struct reading *reading, const struct xml_event *
                                                          "MNI space; a list in RAS or LPS has them as they were "
                                                          "tracked");
     }
-    reading->lps = text_equal_ignoring_case(text_from(space), "LPS");
+    reading->lps = text_equal_ignoring_case(text_from(space), "LPS"); /* either is of the scan that was loaded */
+    reading->list->space =
+        pose_space_named(text_from(reading->lps ? "Localite LPS" : "Localite RAS"), POSE_BRAIN_SUBJECT);
     return reading->lps || text_equal_ignoring_case(text_from(space), "RAS")
                ? pose_note_space(&reading->list->notes, reading->options, reading->lps)
                : fail(CONUS_ERROR_DATA, "line %zu: coordinateSpace \"%.40s\", allowed are RAS, LPS and MNI",
