@@ -62,6 +62,7 @@ struct conus_atlas {
     size_t warp_count;
     char *last_transform;    /**< The file that points go through after one that comes next; owned, NULL = none. */
     bool last_is_inverse;    /**< In the other direction than the file says. */
+    conus_brain brain;       /**< Whose it is, as stated; 0 = by its files. */
     bool has_ccf;            /**< Its files say that it is the Allen CCF.                             */
     double own_from_ccf[16]; /**< If so: from AP, DV, ML in micrometres to where its files have it. */
     char *path;              /**< As the user gave it; NULL = the atlas was not loaded. */
@@ -166,6 +167,9 @@ conus_status atlas_add_file(conus_atlas *atlas, const char *path, const struct b
 /** Reads the file @p path again and records it like atlas_add_file(). CONUS_ERROR_IO if it is not as it was @p before,
  * when somebody else read it. */
 conus_status atlas_note_file(conus_atlas *atlas, const char *path, const struct file_state *before);
+
+/** Marks the atlas as moved: whose brain it was says no longer where it lies, unless it is one person's own. */
+void atlas_note_move(conus_atlas *atlas);
 
 /** The context volume, or NULL. */
 const struct volume *atlas_context(const conus_atlas *atlas);

@@ -116,7 +116,7 @@ conus_status atlas_move(conus_atlas *atlas, const double atlas_from_world[16], c
         } else {
             memcpy(atlas->own_from_world, atlas_from_world, sizeof atlas->own_from_world);
         }
-        atlas->is_moved = true;
+        atlas_note_move(atlas);
     } else {
         notes_cut(&atlas->notes, note_count);
     }

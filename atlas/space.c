@@ -126,6 +126,106 @@ const char *space_code_name(int code)
     return code >= 0 && code < (int)(sizeof names / sizeof names[0]) ? names[code] : "unknown";
 }
 
+static const char *const brain_words[] = {"unknown", "one person's own", "MNI 152",         "Colin 27",
+                                          "MNI 305", "Talairach",        "another template"};
+
+/* The editions of MNI 152 that differ by millimetres. Linear and NLin6 lie on the same grids. */
+static const char newest[] = "NLin2009";
+static const char earlier[] = "earlier";
+
+/* Grids on which a template is published, by voxels along x, y and z, mm, and the lowest voxel centre. What a person's
+ * own scan is resampled to (256^3 of FreeSurfer) is none. */
+static const struct {
+    uint16_t dim[3];
+    double spacing, low[3];
+    conus_brain brain;
+    const char *edition;
+} template_grids[] = {
+    {{182, 218, 182}, 1, {-91, -126, -72}, CONUS_BRAIN_MNI152, earlier}, /* FSL, TemplateFlow's NLin6Asym */
+    {{91, 109, 91}, 2, {-90, -126, -72}, CONUS_BRAIN_MNI152, earlier},   /* and SPM's avg152 */
+    {{364, 436, 364}, 0.5, {-91.5, -126, -72}, CONUS_BRAIN_MNI152, earlier},
+    {{181, 217, 181}, 1, {-90, -126, -72}, CONUS_BRAIN_MNI152, ""},   /* the MNI's Lin, NLin6, and its Colin 27 */
+    {{121, 145, 121}, 1.5, {-90, -126, -72}, CONUS_BRAIN_MNI152, ""}, /* SPM 12 */
+    {{157, 189, 156}, 1, {-78, -112, -70}, CONUS_BRAIN_MNI152, ""},   /* the box to which SPM 12 normalises */
+    {{79, 95, 79}, 2, {-78, -112, -70}, CONUS_BRAIN_MNI152, ""},
+    {{157, 189, 136}, 1, {-78, -112, -50}, CONUS_BRAIN_MNI152, ""}, /* and earlier ones */
+    {{79, 95, 69}, 2, {-78, -112, -50}, CONUS_BRAIN_MNI152, ""},
+    {{79, 95, 68}, 2, {-78, -112, -50}, CONUS_BRAIN_MNI152, ""},
+    {{193, 229, 193}, 1, {-96, -132, -78}, CONUS_BRAIN_MNI152, newest}, /* 2009c, TemplateFlow's, too */
+    {{97, 115, 97}, 2, {-96.5, -132.5, -78.5}, CONUS_BRAIN_MNI152, newest},
+    {{197, 233, 189}, 1, {-98, -134, -72}, CONUS_BRAIN_MNI152, newest}, /* 2009a, nilearn's, too */
+    {{99, 117, 95}, 2, {-98, -134, -72}, CONUS_BRAIN_MNI152, newest},
+    {{394, 466, 378}, 0.5, {-98, -134, -72}, CONUS_BRAIN_MNI152, newest}, /* 2009b */
+    {{157, 197, 165}, 1, {-78, -115, -78}, CONUS_BRAIN_MNI152, newest},   /* Julich-Brain 3.1, cropped */
+    {{181, 217, 181}, 1, {-90, -125, -71}, CONUS_BRAIN_COLIN27, ""},      /* MRIcron's ch2, and AAL on it */
+    {{301, 370, 316}, 0.5, {-75, -107, -69.5}, CONUS_BRAIN_COLIN27, ""},  /* its ch2better */
+    {{362, 434, 362}, 0.5, {-90, -126, -72}, CONUS_BRAIN_COLIN27, ""},    /* the MNI's of 2008 */
+};
+
+/* Whether the axes of the grid are the world's, in any order and direction, with these voxels. */
+static bool is_template_grid(const conus_volume_info *info, size_t which)
+{
+    const double *m = info->world_from_voxel;
+    double spacing = template_grids[which].spacing;
+    bool same = true;
+    for (int world = 0; world < 3 && same; world++) {
+        int voxel = 0;
+        while (voxel < 2 && fabs(m[4 * voxel + world]) < spacing / 2) {
+            voxel++;
+        }
+        double step = m[4 * voxel + world];
+        double reach = step * ((double)info->dim[voxel] - 1);
+        double low = m[12 + world] + (step < 0 ? reach : 0);
+        same = info->dim[voxel] == template_grids[which].dim[world] && fabs(fabs(step) - spacing) < 0.001 * spacing &&
+               fabs(low - template_grids[which].low[world]) < 0.01;
+        for (int other = 0; other < 3; other++) {
+            same = same && (other == voxel || fabs(m[4 * other + world]) < 0.001 * spacing);
+        }
+    }
+    return same;
+}
+
+conus_brain_view space_brain_stated(conus_brain brain)
+{
+    return (conus_brain_view){.brain = brain, .edition = "", .source = "stated", .words = brain_words[brain]};
+}
+
+conus_brain_view space_brain(const conus_volume_info *info)
+{
+    static const conus_brain of_code[] = {[SPACE_TALAIRACH] = CONUS_BRAIN_TALAIRACH,
+                                          [SPACE_MNI] = CONUS_BRAIN_MNI152,
+                                          [SPACE_TEMPLATE] = CONUS_BRAIN_TEMPLATE};
+    conus_brain_view view = {.edition = "", .source = "header"};
+    bool has_code = info->space_code >= SPACE_TALAIRACH && info->space_code <= SPACE_TEMPLATE;
+    view.brain = has_code ? of_code[info->space_code] : CONUS_BRAIN_UNKNOWN;
+    size_t count = sizeof template_grids / sizeof template_grids[0];
+    for (size_t i = 0; i < count && (view.brain == CONUS_BRAIN_UNKNOWN || view.brain == CONUS_BRAIN_MNI152); i++) {
+        if (is_template_grid(info, i)) {
+            view.brain = template_grids[i].brain;
+            view.edition = template_grids[i].edition;
+            view.source = has_code && view.brain == CONUS_BRAIN_MNI152 ? "header" : "grid";
+            break;
+        }
+    }
+    view.source = view.brain ? view.source : "";
+    view.words = view.edition == newest    ? "MNI 152, NLin2009"
+                 : view.edition == earlier ? "MNI 152, earlier than NLin2009"
+                                           : brain_words[view.brain];
+    return view;
+}
+
+bool space_brain_parse(conus_brain *out, struct text word)
+{
+    static const char *const words[] = {"none", "mni152", "colin27", "mni305"}; /* from CONUS_BRAIN_OWN on */
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        if (text_equal(word, words[i])) {
+            *out = (conus_brain)(CONUS_BRAIN_OWN + i);
+            return true;
+        }
+    }
+    return false;
+}
+
 conus_grid_view space_grid(const conus_volume_info *info)
 {
     conus_grid_view view = {.count = info->dim[0] * info->dim[1] * info->dim[2]};

@@ -4,10 +4,12 @@
 #define CONUS_ATLAS_SPACE_H
 
 #include "base/status.h"
+#include "base/text.h"
+#include "conus/atlas_info.h"
 #include "conus/mask.h"
 
-/** NIfTI's codes of a scanner's own space, of one that is aligned to something, and of the MNI's. */
-enum { SPACE_SCANNER = 1, SPACE_ALIGNED = 2, SPACE_MNI = 4 };
+/** NIfTI's codes of a scanner's own space, of one that is aligned to something, and of templates. */
+enum { SPACE_SCANNER = 1, SPACE_ALIGNED = 2, SPACE_TALAIRACH = 3, SPACE_MNI = 4, SPACE_TEMPLATE = 5 };
 
 /** What the matrix of a grid, and one that moves an atlas, may be. Microscopy has voxels of 1e-7 mm; beyond these ends
  * a double no longer tells neighbouring voxels apart, or rays would never come out of one. */
@@ -37,6 +39,15 @@ bool space_is_guess(const conus_volume_info *info);
 
 /** Name of a NIfTI xform code, "unknown" outside 0..5. */
 const char *space_code_name(int code);
+
+/** Whose brain a volume is of, by its header and its grid; for an atlas conus_atlas_brain() says it. */
+conus_brain_view space_brain(const conus_volume_info *info);
+
+/** The same of a brain that is stated. */
+conus_brain_view space_brain_stated(conus_brain brain);
+
+/** The brain that `template` states: mni152, colin27, mni305, or none for one person's own. False for other words. */
+bool space_brain_parse(conus_brain *out, struct text word);
 
 struct conus_grid {
     conus_grid_view view; /**< data and description are owned.                                            */

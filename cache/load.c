@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_atlas_load() and conus_atlas_add_streamlines(): from the cache, else from the files. */
 #include "loaders/scene/load.h"
+#include "atlas/space.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "base/path.h"
 #include "cache/atlas_cache.h"
 #include "loaders/maps/atlas_on_job.h"
 #include "loaders/scene/load_streamlines.h"
+
+#include <string.h>
 
 /* The kinds of entries: streamlines in each conus_file_space, which are other ones, and an atlas. */
 static const char *const kinds[] = {"streamlines", "streamlines in RAS", "streamlines in LPS", "atlas"};
@@ -49,12 +53,42 @@ static conus_status find_or_load(conus_atlas **out, const char *path, int kind, 
     return atlas_give(out, atlas, status);
 }
 
+/* Copies `path` without the ",template=WORD" that says whose brain the atlas is, if it has one. */
+static conus_status cut_template(char **plain, conus_brain *brain, const char *path)
+{
+    static const char key[] = ",template=";
+    const char *at = strstr(path_base(path), key);
+    const char *behind = at ? at + strlen(key) + strcspn(at + strlen(key), ",") : NULL;
+    if (at && !space_brain_parse(brain, (struct text){at + strlen(key), (size_t)(behind - at) - strlen(key)})) {
+        return fail(
+            CONUS_ERROR_ARGUMENT,
+            "%.*s: template: found \"%.*s\", allowed are mni152, colin27, mni305, and none for one person's own "
+            "brain",
+            (int)(at - path), path, (int)((size_t)(behind - at) - strlen(key)), at + strlen(key));
+    }
+    *plain = memory_text(path, strlen(path));
+    if (*plain && at) {
+        memmove(*plain + (at - path), behind, strlen(behind) + 1);
+    }
+    return *plain ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
 conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options)
 {
     if (!out || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_load: a result and a path are needed");
     }
-    return find_or_load(out, path, ATLAS, options_of(conus_load_options, options));
+    char *plain = NULL;
+    conus_brain brain = CONUS_BRAIN_UNKNOWN;
+    conus_atlas *atlas = NULL;
+    conus_status status = cut_template(&plain, &brain, path);
+    status = status ? status : find_or_load(&atlas, plain, ATLAS, options_of(conus_load_options, options));
+    memory_free(plain);
+    if (!status) {
+        atlas->brain = brain ? brain : atlas->brain;
+        *out = atlas;
+    }
+    return status;
 }
 
 /* The streamlines of a file, in an atlas of their own. */

@@ -197,7 +197,13 @@ static void put_volumes(FILE *out, const conus_atlas *atlas)
             /* Names of all volumes of labels have one source, which stands with the last. */
             const conus_volume_info *next = conus_atlas_volume(atlas, i + 1);
             if (!next || next->role != CONUS_ROLE_PARCELLATION) {
+                const conus_brain_view brain = conus_atlas_brain(atlas);
                 fprintf(out, "  labels       %s\n", conus_atlas_label_source(atlas));
+                fprintf(out, "  brain        %s%s%s\n", brain.words, brain.brain ? ", by " : "",
+                        strcmp(brain.source, "stated") == 0 ? "what is stated"
+                        : strcmp(brain.source, "grid") == 0 ? "its grid"
+                        : brain.brain                       ? "its header"
+                                                            : "");
             }
         } else if (info->role != CONUS_ROLE_CONTEXT) {
             put_objects(out, atlas, i);

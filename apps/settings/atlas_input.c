@@ -3,6 +3,7 @@
 #include "settings/atlas_input.h"
 
 #include "base/system/system.h"
+#include "base/text.h"
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/output.h"
@@ -444,18 +445,26 @@ int atlas_name_find(struct atlas_name *out, const char *text)
     if (conus_atlas_is_path(text)) {
         return EXIT_DONE;
     }
+    const char *key = strstr(text, ",template=");
+    char *name = key ? text_copy(text, (size_t)(key - text)) : NULL;
     conus_status status = conus_catalogue_create(&out->catalogue, NULL);
-    status = status ? status : conus_catalogue_find(&out->atlas, out->catalogue, text);
+    status = status ? status : conus_catalogue_find(&out->atlas, out->catalogue, name ? name : text);
+    free(name);
     if (status) {
         return print_status(status);
     }
-    out->path = out->atlas->path;
+    if (key && asprintf(&out->owned, "%s%s", out->atlas->path, key) < 0) {
+        out->owned = NULL;
+        return print_no_memory();
+    }
+    out->path = key ? out->owned : out->atlas->path;
     return EXIT_DONE;
 }
 
 void atlas_name_finish(struct atlas_name *name)
 {
     conus_catalogue_destroy(name->catalogue);
+    free(name->owned);
     *name = (struct atlas_name){0};
 }
 

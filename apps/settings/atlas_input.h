@@ -11,6 +11,7 @@ struct atlas_name {
     conus_catalogue *catalogue;   /**< The atlas is one of its entries; NULL if there was no need to look. */
     const conus_installed *atlas; /**< NULL: what was given is a path. */
     const char *path;             /**< For conus_atlas_load(). */
+    char *owned;                  /**< That path with a ",template=" behind it; NULL without one. */
 };
 
 /** Finds out what @p text means: a file or folder of that path, or else the installed atlas of that name. @p text must

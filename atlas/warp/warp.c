@@ -172,7 +172,7 @@ conus_status atlas_warp(conus_atlas *atlas, struct deformation *fields, size_t c
         atlas->warp_count += count;
         memset(fields, 0, count * sizeof *fields);
         mat4_identity(atlas->own_from_world);
-        atlas->is_moved = true;
+        atlas_note_move(atlas);
     } else {
         notes_cut(&atlas->notes, note_count);
     }

@@ -214,6 +214,39 @@ CONUS_API double conus_atlas_context_depth(const conus_atlas *atlas, const doubl
  */
 CONUS_API void conus_atlas_own_point(double out[3], const conus_atlas *atlas, const double point[3]);
 
+/** Whose brain an atlas is. */
+typedef enum conus_brain {
+    CONUS_BRAIN_UNKNOWN = 0, /**< Nothing says. */
+    CONUS_BRAIN_OWN,         /**< One person's own, in the space of that person's scan. */
+    CONUS_BRAIN_MNI152,      /**< The MNI's average of 152 people, of any edition. */
+    CONUS_BRAIN_COLIN27,     /**< One person's, averaged over 27 scans and brought to the MNI's space. */
+    CONUS_BRAIN_MNI305,      /**< The MNI's average of 305 people, as fsaverage has it. */
+    CONUS_BRAIN_TALAIRACH,   /**< That of Talairach and Tournoux. */
+    CONUS_BRAIN_TEMPLATE     /**< Another template, also of an animal. */
+} conus_brain;
+
+/** Whose brain an atlas is, and how that is known. */
+typedef struct conus_brain_view {
+    conus_brain brain;   /**< Whose. */
+    const char *edition; /**< Of MNI 152: "NLin2009", or "earlier" for those before it; "" = not known. Static. */
+    const char *source;  /**< "stated", "header", "grid", "CCF"; "" of an unknown one. Static. */
+    const char *words;   /**< "MNI 152, NLin2009", "Colin 27", "one person's own". Static. */
+    bool is_moved;       /**< A transform has moved it since: it lies in another space, which is unknown unless
+                            stated. */
+} conus_brain_view;
+
+/**
+ * Tells whose brain an atlas is: what is stated (",template=" of conus_atlas_load(), "template" of a manifest), else
+ * what the header of its first volume says (NIfTI's codes 3, 4 and 5), else what its grid says, which also tells Colin
+ * 27 and editions of MNI 152 from each other. FreeSurfer's grid of 256^3 mm is anybody's. An atlas that was moved since
+ * is unknown, but one person's own stays so.
+ * @param atlas The atlas.
+ * @return The brain. Its texts are static.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API conus_brain_view conus_atlas_brain(const conus_atlas *atlas);
+
 /** Where the areas of an atlas lie: those that are not hidden, of voxels, or else of surfaces. */
 typedef struct conus_placement {
     size_t struct_size; /**< Its size, as #CONUS_PLACEMENT_INIT sets it; 0 = that of this version. */

@@ -354,6 +354,8 @@ static const struct schema_field manifest_keys[] = {
      .keys = parcellation_keys, .most = MANIFEST_FEW},
     {"areas", schema_list, SCHEMA_ENTRIES(manifest, areas), .each = read_area},
     {"space", schema_word, AT(manifest, space), WORDS("ras", "lps"), .first = MESH_SPACE_RAS},
+    {"template", schema_word, AT(manifest, brain), WORDS("none", "mni152", "colin27", "mni305"),
+     .first = CONUS_BRAIN_OWN},
     {"ccf", schema_word, AT(manifest, ccf), WORDS("asr", "asl"), .first = MANIFEST_CCF_ASR},
     {"prefer", schema_word, AT(manifest, prefer), WORDS("areas", "parcellation"), .first = MANIFEST_PREFER_AREAS},
     {"tree", schema_list, SCHEMA_ENTRIES(manifest, tree), .each = schema_object, .keys = node_keys},

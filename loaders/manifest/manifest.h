@@ -108,6 +108,7 @@ struct manifest {
     bool single; /**< There is one, which the manifest has as "parcellation", not in a list. */
     LIST(struct manifest_context) contexts; /**< At most one volume, and surfaces. */
     enum mesh_space space; /**< The space of the surfaces' coordinates; unstated = as each file says. */
+    conus_brain brain;     /**< Whose the scene is, where poses are; 0 = unsaid. */
     enum manifest_ccf ccf;
     enum manifest_preference prefer;
     LIST(struct manifest_area) areas;

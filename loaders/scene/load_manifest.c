@@ -489,6 +489,9 @@ static void load_scene(struct scene *scene)
         add_entry(scene, "transform", i - 1, !manifest->single_transform, move_by);
     }
     add_others(scene, false);
+    if (job_ok(scene->job) && manifest->brain) {
+        load->atlas->brain = manifest->brain;
+    }
     job_out(&load->job, place);
     load_put_back(load, &aside);
 }

@@ -31,8 +31,8 @@ static const struct {
     enum pose_brain brain;
 } spaces[] = {
     {"MNI152", POSE_BRAIN_MNI152},      {"Talairach", POSE_BRAIN_TALAIRACH},
-    {"MNI305", POSE_BRAIN_TEMPLATE},    {"MNIColin27", POSE_BRAIN_TEMPLATE},
-    {"fsaverage", POSE_BRAIN_TEMPLATE}, {"fsLR", POSE_BRAIN_TEMPLATE},
+    {"MNI305", POSE_BRAIN_MNI305},      {"MNIColin27", POSE_BRAIN_COLIN27},
+    {"fsaverage", POSE_BRAIN_MNI305},   {"fsLR", POSE_BRAIN_TEMPLATE},
     {"ICBM452", POSE_BRAIN_TEMPLATE},   {"IXI549", POSE_BRAIN_TEMPLATE},
     {"NIHPD", POSE_BRAIN_TEMPLATE},     {"OASIS30", POSE_BRAIN_TEMPLATE},
     {"UNCInfant", POSE_BRAIN_TEMPLATE}, {"ScanRAS", POSE_BRAIN_SUBJECT},

@@ -105,38 +105,102 @@ struct pose_space pose_space_named(struct text name, enum pose_brain brain)
     return space;
 }
 
-conus_status pose_space_match(struct notes *notes, const struct pose_space *space, const conus_atlas *atlas)
+/* Whose brain the atlas is, and how that is known. */
+static void describe_brain(char *out, size_t size, const conus_brain_view *brain, const conus_atlas *atlas)
 {
-    if (!space->name[0]) {
-        return CONUS_OK;
-    }
     const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
     const char *transform = volume ? volume->transform : "it has no volume";
-    if (strstr(transform, ", moved") || strstr(transform, ", warped")) {
-        /* A moved atlas lies where its header does not say: in the space of the poses, as the caller means it. */
-        return space->brain == POSE_BRAIN_SUBJECT
-                   ? CONUS_OK
-                   : notes_warn(notes, "positions are in \"%s\"; they must be where the atlas was moved to (%s)",
-                                space->name, transform);
+    const char *source = brain->source;
+    if (!brain->brain || (strcmp(source, "header") == 0 && !brain->edition[0])) {
+        snprintf(out, size, "%s", transform);
+    } else if (strcmp(source, "header") == 0) {
+        snprintf(out, size, "%s: %s", brain->words, transform);
+    } else {
+        snprintf(out, size, "%s%s", brain->words,
+                 strcmp(source, "stated") == 0 ? ", as stated"
+                 : strcmp(source, "grid") == 0 ? ", by its grid"
+                                               : "");
     }
-    /* From a NIfTI header's code. 1 and 2 are anybody's scan, but many programs write them for a template, too. */
-    enum pose_brain brain = strstr(transform, "(MNI 152)")          ? POSE_BRAIN_MNI152
-                            : strstr(transform, "(Talairach)")      ? POSE_BRAIN_TALAIRACH
-                            : strstr(transform, "(other template)") ? POSE_BRAIN_TEMPLATE
-                                                                    : POSE_BRAIN_UNKNOWN;
-    if (space->brain == POSE_BRAIN_UNKNOWN || brain == POSE_BRAIN_UNKNOWN) {
-        return notes_warn(notes, "positions are in \"%s\"; it is not known whether the atlas (%s) is in the same space",
-                          space->name, transform);
+}
+
+/* The edition of MNI 152 that a name has. */
+static const char *edition_of(const char *name)
+{
+    struct text text = text_from(name);
+    return text_mentions(text, "2009") ? "NLin2009" : text_mentions(text, "Lin") ? "earlier" : "";
+}
+
+static bool is_of_mni(conus_brain brain)
+{
+    return brain == CONUS_BRAIN_MNI152 || brain == CONUS_BRAIN_COLIN27 || brain == CONUS_BRAIN_MNI305;
+}
+
+/* How far apart the templates of poses and atlas are. */
+enum apart { SAME, NEARLY_SAME, SOME_MM, OTHER_BRAIN };
+
+static enum apart compare_templates(conus_brain a, const char *edition, const conus_brain_view *b)
+{
+    bool both_mni = is_of_mni(a) && is_of_mni(b->brain);
+    if (a == CONUS_BRAIN_MNI152 && b->brain == CONUS_BRAIN_MNI152) {
+        return edition[0] && b->edition[0] && strcmp(edition, b->edition) != 0 ? SOME_MM : SAME;
     }
-    if (space->brain == brain && brain != POSE_BRAIN_TEMPLATE) {
+    if (a == b->brain && a != CONUS_BRAIN_TEMPLATE) {
+        return SAME;
+    }
+    if (both_mni) {
+        return a == CONUS_BRAIN_MNI305 || b->brain == CONUS_BRAIN_MNI305 ? SOME_MM : NEARLY_SAME;
+    }
+    bool is_animal = strcmp(b->source, "CCF") == 0;
+    bool has_template = a == CONUS_BRAIN_TEMPLATE || b->brain == CONUS_BRAIN_TEMPLATE;
+    return has_template && !is_animal ? SOME_MM : OTHER_BRAIN;
+}
+
+conus_status pose_space_match(struct notes *notes, const struct pose_space *space, const conus_atlas *atlas)
+{
+    static const conus_brain brains[] = {
+        [POSE_BRAIN_UNKNOWN] = CONUS_BRAIN_UNKNOWN,   [POSE_BRAIN_SUBJECT] = CONUS_BRAIN_OWN,
+        [POSE_BRAIN_MNI152] = CONUS_BRAIN_MNI152,     [POSE_BRAIN_TALAIRACH] = CONUS_BRAIN_TALAIRACH,
+        [POSE_BRAIN_TEMPLATE] = CONUS_BRAIN_TEMPLATE, [POSE_BRAIN_COLIN27] = CONUS_BRAIN_COLIN27,
+        [POSE_BRAIN_MNI305] = CONUS_BRAIN_MNI305,     [POSE_BRAIN_OTHER] = CONUS_BRAIN_OWN};
+    char words[192];
+    conus_brain brain = brains[space->brain];
+    const conus_brain_view view = conus_atlas_brain(atlas);
+    if (!space->name[0] ||
+        (space->brain == POSE_BRAIN_SUBJECT && (view.brain == CONUS_BRAIN_OWN || (!view.brain && view.is_moved)))) {
+        return CONUS_OK; /* a moved atlas lies where its header does not say: where the poses are, as the caller means
+                          */
+    }
+    describe_brain(words, sizeof words, &view, atlas);
+    if (!view.brain && view.is_moved) {
+        return notes_warn(notes, "positions are in \"%s\"; they must be where the atlas was moved to (%s)", space->name,
+                          words);
+    }
+    if (!view.brain || !brain) {
+        return notes_warn(
+            notes, "positions are in \"%s\"; it is not known whether the atlas (%s) is in the same space%s",
+            space->name, words,
+            brain == CONUS_BRAIN_OWN ? "; ',template=none' behind ATLAS says that it is this person's" : "");
+    }
+    if (view.brain == CONUS_BRAIN_OWN && brain == CONUS_BRAIN_OWN) {
+        return notes_warn(notes,
+                          "positions are in \"%s\"; they must be in the world of the person's scan, as the atlas is",
+                          space->name);
+    }
+    enum apart apart = brain == CONUS_BRAIN_OWN || view.brain == CONUS_BRAIN_OWN
+                           ? OTHER_BRAIN
+                           : compare_templates(brain, edition_of(space->name), &view);
+    switch (apart) {
+    case SAME:
         return CONUS_OK;
-    }
-    bool is_own = space->brain == POSE_BRAIN_SUBJECT || space->brain == POSE_BRAIN_OTHER;
-    if (space->brain == POSE_BRAIN_TEMPLATE || (brain == POSE_BRAIN_TEMPLATE && !is_own)) {
+    case NEARLY_SAME:
+        return notes_add(notes, "positions are in \"%s\", the atlas is %s: areas differ by some mm", space->name,
+                         words);
+    case SOME_MM:
         return notes_warn(notes, "positions are in \"%s\", the atlas in another template (%s): some mm may lie between",
-                          space->name, transform);
+                          space->name, words);
+    default:
+        return fail(CONUS_ERROR_DATA,
+                    "positions are in \"%s\", the atlas in another space (%s): the areas named would be wrong",
+                    space->name, words);
     }
-    return fail(CONUS_ERROR_DATA,
-                "positions are in \"%s\", the atlas in another space (%s): the areas named would be wrong", space->name,
-                transform);
 }

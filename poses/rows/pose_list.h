@@ -14,7 +14,9 @@ enum pose_brain {
     POSE_BRAIN_MNI152,
     POSE_BRAIN_TALAIRACH,
     POSE_BRAIN_TEMPLATE, /**< Another template. */
-    POSE_BRAIN_OTHER     /**< Somebody's own, but not, or not surely, in the world of its scan: tkRAS, n/a. */
+    POSE_BRAIN_COLIN27,
+    POSE_BRAIN_MNI305,
+    POSE_BRAIN_OTHER /**< Somebody's own, but not, or not surely, in the world of its scan: tkRAS, n/a. */
 };
 
 /** All 0: the file names none. */
@@ -26,8 +28,9 @@ struct pose_space {
 
 struct pose_space pose_space_named(struct text name, enum pose_brain brain);
 
-/** CONUS_ERROR_DATA where file and atlas name different brains; a note where one of them names none. A subject's own
- * scan fits an atlas that was moved; a note names another space. */
+/** CONUS_ERROR_DATA where file and atlas (conus_atlas_brain()) are of different brains; a warning where one of them is
+ * unknown, and where some mm lie between two templates; a note between MNI 152 and Colin 27. A subject's own scan fits
+ * an atlas that is one person's, or was moved; a warning names another space. */
 conus_status pose_space_match(struct notes *notes, const struct pose_space *space, const conus_atlas *atlas);
 
 struct conus_pose_list {

@@ -185,9 +185,21 @@ def _find(source: Path, labels: Any) -> tuple[Path, Any]:
     if not isinstance(source, str) or lib.conus_atlas_is_path(path_of("source", source)):
         return source, labels
     found, out = _catalogue(), ffi.new("conus_installed **")
-    check(lib.conus_catalogue_find(out, found, path_of("source", source)))
+    name, key, word = source.partition(",template=")
+    check(lib.conus_catalogue_find(out, found, path_of("source", name)))
     atlas = _installed(out[0])
-    return atlas.path, atlas.labels if labels is None else labels
+    return os.fspath(atlas.path) + key + word, atlas.labels if labels is None else labels
+
+
+def _stated(source: Any, template: Optional[str]) -> Any:
+    """The path with what is stated about its brain."""
+    if template is None:
+        return source
+    if not isinstance(source, (str, bytes, os.PathLike)):
+        raise ArgumentError("template: of a path only; the space of an image or array is that of its header")
+    if not isinstance(template, str):
+        raise ArgumentError(f"template: {template!r}, allowed are mni152, colin27, mni305 and none")
+    return os.fsdecode(source) + ",template=" + template
 
 
 def _from_file(
@@ -249,6 +261,7 @@ def load(
     safe_colours: bool = False,
     palette: Union[str, Sequence[str]] = (),
     cache: bool = True,
+    template: Optional[str] = None,
 ) -> Atlas:
     """Loads an atlas.
 
@@ -309,6 +322,9 @@ def load(
         next time, as the programs do (``conus cache``; ``$CONUS_CACHE`` may be "off" or a size; else ArgumentError).
         For each packed 4-D file of which one volume is taken: keeps where its volumes lie, too.
         Answers are the same.
+    template
+        Whose brain it is, of a path, whatever its header says: "mni152", "colin27", "mni305", or "none" for one
+        person's own, in the space of that person's scan. ``Atlas.brain`` says what is known.
 
     Returns
     -------
@@ -325,6 +341,7 @@ def load(
         For what is larger than ``max_memory``.
     """
     max_memory, probability = byte_count("max_memory", max_memory), real("probability", probability)
+    source = _stated(source, template)
     if isinstance(source, (str, bytes, os.PathLike)):
         source, labels = _find(source, labels)
         raw = _from_file(source, labels, labels_anyway, max_memory, progress, probability, cache)
@@ -1266,6 +1283,11 @@ class Atlas:
     def notes(self) -> list[str]:
         """Notes from loading the atlas."""
         return [python_words(text(lib.conus_atlas_note(self._p, i))) for i in range(lib.conus_atlas_note_count(self._p))]
+
+    @property
+    def brain(self) -> str:
+        """Whose brain it is, as far as that is known: "Colin 27", "MNI 152, NLin2009", "one person's own", "unknown"."""
+        return text(lib.conus_atlas_brain(self._p).words)
 
     @property
     def exchanged(self) -> Optional[str]:

@@ -541,10 +541,18 @@ static void pass_files_and_notes(struct pack_walk *walk, conus_atlas *atlas, con
         pack_bytes(walk, atlas->files.items[i].sha256, sizeof atlas->files.items[i].sha256);
         pack_text(walk, &atlas->files.items[i].path);
     }
-    atlas->notes.lines = pack_reserve(walk, atlas->notes.lines, counts->notes.count, sizeof *atlas->notes.lines);
+    struct notes *notes = &atlas->notes;
+    notes->lines = pack_reserve(walk, notes->lines, counts->notes.count, sizeof *notes->lines);
+    notes->marks = pack_reserve(walk, notes->marks, counts->notes.count, sizeof *notes->marks);
     for (size_t i = 0; i < counts->notes.count && !walk->status; i++) {
-        atlas->notes.count = i + 1;
-        pack_text(walk, &atlas->notes.lines[i]);
+        uint8_t severity = walk->mode == PACK_ATTACH ? 0 : (uint8_t)notes->marks[i].severity;
+        pack_bytes(walk, &severity, 1);
+        pack_check(walk, severity >= CONUS_SEVERITY_NOTE && severity <= CONUS_SEVERITY_WARNING);
+        if (walk->mode == PACK_ATTACH && !walk->status) {
+            notes->marks[i] = (struct note_mark){(conus_severity)severity, true};
+        }
+        notes->count = i + 1;
+        pack_text(walk, &notes->lines[i]);
     }
 }
 
@@ -579,6 +587,7 @@ static void pass_atlas(struct pack_walk *walk, conus_atlas *atlas)
 {
     conus_atlas plain = bare_atlas(atlas);
     pack_bytes(walk, &plain, sizeof plain);
+    pack_check(walk, (unsigned)plain.brain <= CONUS_BRAIN_TEMPLATE);
     const conus_atlas counts = plain;
     if (walk->mode == PACK_ATTACH && !walk->status) {
         *atlas = bare_atlas(&plain);

@@ -313,6 +313,38 @@ same_answers() {
     [ "$(cell query 1)" = 'target/M1 left' ]
 }
 
+@test "poses of a person's own scan are refused on templates, warned of on unknown brains, and taken on that person's" {
+    need_aal
+    sphere --size 16
+    local places='<InstrumentMarker><Marker description="a"><Matrix4D data00="0" data01="0" data02="1" data03="-90"
+data10="0" data11="1" data12="0" data13="0" data20="-1" data21="0" data22="0" data23="10" data30="0" data31="0"
+data32="0" data33="1"/></Marker></InstrumentMarker>'
+    local space list words
+    for space in ' coordinateSpace="RAS"' ' coordinateSpace="LPS"' ''; do
+        list="<InstrumentMarkerList$space>$places</InstrumentMarkerList>"
+        printf '%s\n' "$list" >list.xml
+        words=$(sed -n 's/.*="\(.*\)"/Localite \1/p' <<<"$space")
+        words="positions are in \"${words:-Localite, no coordinateSpace}\""
+        for atlas in "$aal" HarvardOxford-cort-maxprob-thr0-1mm JHU-WhiteMatter-labels-1mm; do
+            fails 3 "list.xml: $words, the atlas in another space (" query "$atlas" --pose list.xml -q
+            fails 3 "list.xml: $words, the atlas in another space (" batch "$atlas" --poses list.xml -q
+        done
+        run -0 --separate-stderr "$CONUS" query "$aal" --pose list.xml --any-space -q
+        run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose list.xml
+        [[ "$stderr" == *"$words; it is not known whether the atlas"*"',template=none' behind ATLAS says"* ]]
+        run -0 --separate-stderr "$CONUS" query sphere.nii.gz,template=none --pose list.xml
+        [[ "$stderr" != *"$words"* ]]
+        run -0 --separate-stderr "$CONUS" query aal,template=none --pose list.xml
+        [[ "$stderr" != *"$words"* ]]
+        fails 3 'the atlas in another space (MNI 305, as stated)' query sphere.nii.gz,template=mni305 --pose list.xml
+    done
+    printf '<InstrumentMarkerList coordinateSpace="MNI">%s</InstrumentMarkerList>\n' "$places" >list.xml
+    fails 3 "the atlas in another space (one person's own, as stated)" query aal,template=none --pose list.xml
+    run -0 --separate-stderr "$CONUS" query "$aal" --pose list.xml
+    [[ "$stderr" == *'note: list.xml: positions are in "Localite MNI", the atlas is Colin 27, by its grid'* ]]
+    fails 2 'template: found "MNI", allowed are mni152, colin27, mni305, and none' info aal,template=MNI
+}
+
 # Contacts of a head, 0.06 to 0.1 m from the origin, in a table in mm.
 @test "electrodes in metres that are said to be in mm have a note, in query and in batch" {
     sphere --size 16

@@ -419,7 +419,8 @@ static void whose_brain_a_name_means(void **state)
                  {"surfaceRAS", POSE_BRAIN_OTHER},
                  {"FreeSurferTkReg", POSE_BRAIN_OTHER},
                  {"n/a", POSE_BRAIN_OTHER},
-                 {"fsaverage", POSE_BRAIN_TEMPLATE},
+                 {"fsaverage", POSE_BRAIN_MNI305},
+                 {"MNIColin27", POSE_BRAIN_COLIN27},
                  {"MNI152NLin6Asym", POSE_BRAIN_MNI152},
                  {"mni152lin", POSE_BRAIN_MNI152},
                  {"Talairach", POSE_BRAIN_TALAIRACH},
@@ -535,31 +536,121 @@ static void spaces_must_fit(void **state)
     assert_non_null(strstr(notes.lines[0], "they must be where the atlas was moved to"));
     assert_non_null(strstr(notes.lines[1], "they must be where the atlas was moved to"));
     notes_finish(&notes);
-    char *words = plain->volumes[0].info.transform; /* by a field only: it is where the poses are, too */
-    snprintf(words, sizeof plain->volumes[0].info.transform, "sform, code 4 (MNI 152), warped");
+    plain->brain = CONUS_BRAIN_OWN;
     assert_ok(pose_space_match(&notes, &scan, plain));
-    assert_int_equal(notes.count, 0);
-    static const char *const templates[] = {"(MNI 152)", "(Talairach)", "(other template)"};
-    for (size_t i = 0; i < sizeof templates / sizeof templates[0]; i++) {
-        snprintf(words, sizeof plain->volumes[0].info.transform, "sform, code 4 %s", templates[i]);
-        assert_fails(pose_space_match(&notes, &scan, plain), CONUS_ERROR_DATA);
-        assert_fails(pose_space_match(&notes, &surface, plain), CONUS_ERROR_DATA);
-    }
     assert_int_equal(notes.count, 0);
     conus_atlas_destroy(plain);
     assert_ok(conus_atlas_load(&template, test_mricron("aal.nii.gz"), NULL));
-    const char *transform = conus_atlas_volume(template, 0)->transform;
-    print_message("[   NOTE   ] aal: %s\n", transform);
-    const struct pose_space other = pose_space_named(text_from("fsaverage"), POSE_BRAIN_TEMPLATE);
-    if (strstr(transform, "MNI 152")) {
-        assert_fails(pose_space_match(&notes, &scan, template), CONUS_ERROR_DATA);
-        assert_ok(pose_space_match(&notes, &mni, template));
-        assert_int_equal(notes.count, 0);
-        assert_ok(pose_space_match(&notes, &other, template));
-        assert_int_equal(notes.count, 1);
-    }
+    assert_fails(pose_space_match(&notes, &scan, template), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "(Colin 27, by its grid)"));
+    assert_ok(pose_space_match(&notes, &mni, template));
+    assert_int_equal(notes.count, 1);
+    assert_non_null(strstr(notes.lines[0], "the atlas is Colin 27, by its grid: areas differ by some mm"));
     notes_finish(&notes);
     conus_atlas_destroy(template);
+}
+
+/* What becomes of positions in each space on each brain: nothing is said, a note, a warning, or they are refused. */
+static void each_brain_against_each(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        enum pose_brain brain;
+        const char *wanted; /* on an unknown one, one person's own, MNI 152, Colin 27, MNI 305, Talairach, another */
+    } cases[] = {{"NIfTI:Scanner", POSE_BRAIN_SUBJECT, "w-xxxxx"},
+                 {"tkRAS", POSE_BRAIN_OTHER, "wwxxxxx"},
+                 {"NIfTI:Aligned", POSE_BRAIN_UNKNOWN, "wwwwwww"},
+                 {"MNI152Lin", POSE_BRAIN_MNI152, "wx-nwxw"},
+                 {"MNIColin27", POSE_BRAIN_COLIN27, "wxn-wxw"},
+                 {"fsaverage", POSE_BRAIN_MNI305, "wxww-xw"},
+                 {"Talairach", POSE_BRAIN_TALAIRACH, "wxxxx-w"},
+                 {"fsLR", POSE_BRAIN_TEMPLATE, "wxwwwww"},
+                 {"", POSE_BRAIN_UNKNOWN, "-------"}};
+    conus_atlas *atlas = NULL;
+    char path[4096];
+    assert_ok(conus_phantom_write("sphere", test_scratch("each"), &(conus_phantom_options){.size = 16}));
+    snprintf(path, sizeof path, "%s/sphere.nii.gz", test_scratch("each"));
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const struct pose_space space = pose_space_named(text_from(cases[i].name), cases[i].brain);
+        for (int brain = CONUS_BRAIN_UNKNOWN; brain <= CONUS_BRAIN_TEMPLATE; brain++) {
+            struct notes notes = {0};
+            atlas->brain = (conus_brain)brain;
+            conus_status status = pose_space_match(&notes, &space, atlas);
+            char found = status                                              ? 'x'
+                         : !notes.count                                      ? '-'
+                         : notes.marks[0].severity == CONUS_SEVERITY_WARNING ? 'w'
+                                                                             : 'n';
+            if (found != cases[i].wanted[brain]) {
+                fail_msg("%s on %d: %c", cases[i].name, brain, found);
+            }
+            notes_finish(&notes);
+        }
+    }
+    conus_atlas_destroy(atlas);
+}
+
+/* NLin2009 and the editions before it lie some mm apart; an edition that is not known is not held against anybody. */
+static void editions_are_told_apart(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        int warnings[3]; /* on an edition that is not known, an earlier one, NLin2009 */
+    } cases[] = {{"MNI152NLin2009cAsym", {0, 1, 0}},
+                 {"MNI152NLin6Asym", {0, 0, 1}},
+                 {"MNI152Lin", {0, 0, 1}},
+                 {"NIfTI:MNI-152", {0, 0, 0}}};
+    static const size_t dims[3][3] = {{16, 16, 16}, {182, 218, 182}, {193, 229, 193}};
+    static const double lows[3][3] = {{0, 0, 0}, {-91, -126, -72}, {-96, -132, -78}};
+    conus_atlas *atlas = NULL;
+    char path[4096];
+    assert_ok(conus_phantom_write("sphere", test_scratch("editions"), &(conus_phantom_options){.size = 16}));
+    snprintf(path, sizeof path, "%s/sphere.nii.gz", test_scratch("editions"));
+    assert_ok(conus_atlas_load(&atlas, path, NULL));
+    conus_volume_info *info = &atlas->volumes[0].info;
+    const conus_volume_info before = *info;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const struct pose_space space = pose_space_named(text_from(cases[i].name), POSE_BRAIN_MNI152);
+        for (size_t k = 0; k < 3; k++) {
+            struct notes notes = {0};
+            info->space_code = 4;
+            memcpy(info->dim, dims[k], sizeof info->dim);
+            for (int axis = 0; axis < 3; axis++) {
+                info->world_from_voxel[5 * axis] = 1;
+                info->world_from_voxel[12 + axis] = lows[k][axis];
+            }
+            assert_ok(pose_space_match(&notes, &space, atlas));
+            assert_int_equal(notes.count, cases[i].warnings[k]);
+            assert_true(!notes.count || notes.marks[0].severity == CONUS_SEVERITY_WARNING);
+            notes_finish(&notes);
+        }
+    }
+    *info = before;
+    conus_atlas_destroy(atlas);
+}
+
+/* Localite's RAS and LPS are of the scan that was loaded, and so are lists without a word; MNI is not. */
+static void localite_says_whose_brain(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *space, *name;
+        enum pose_brain brain;
+    } cases[] = {{" coordinateSpace=\"RAS\"", "Localite RAS", POSE_BRAIN_SUBJECT},
+                 {" coordinateSpace=\"lps\"", "Localite LPS", POSE_BRAIN_SUBJECT},
+                 {"", "Localite, no coordinateSpace", POSE_BRAIN_SUBJECT},
+                 {" coordinateSpace=\"MNI\"", "Localite MNI", POSE_BRAIN_MNI152}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char text[256];
+        snprintf(text, sizeof text, "<InstrumentMarkerList%s></InstrumentMarkerList>", cases[i].space);
+        conus_pose_list list = {0};
+        assert_ok(pose_localite_parse(&list, text_from(text), &(conus_pose_options){0}));
+        assert_string_equal(list.space.name, cases[i].name);
+        assert_int_equal(list.space.brain, cases[i].brain);
+        pose_list_finish(&list);
+    }
 }
 
 struct heard {
@@ -741,6 +832,9 @@ TEST_GROUP(pose_files)
         cmocka_unit_test(markups_are_lines_and_points),
         cmocka_unit_test(lines_may_be_looked_along_either_way),
         cmocka_unit_test(spaces_must_fit),
+        cmocka_unit_test(each_brain_against_each),
+        cmocka_unit_test(editions_are_told_apart),
+        cmocka_unit_test(localite_says_whose_brain),
         cmocka_unit_test(notes_are_heard),
         cmocka_unit_test(equal_names_are_noted),
         cmocka_unit_test(every_prefix_is_refused_or_shorter),

@@ -62,6 +62,18 @@ def test_notes_go_to_the_logger(caplog, tmp_path):
     assert heard(caplog) == [("conus", logging.INFO, f"{tmp_path / 'p.nii'}: {words}")]
 
 
+def test_the_brain_may_be_stated(tmp_path):
+    path = tmp_path / "v.nii"
+    nibabel.save(nibabel.Nifti1Image(plates(), AFFINE), path)
+    assert conus.load(path).brain == "unknown"
+    assert conus.load(path, template="none").brain == "one person's own"
+    assert conus.load(f"{path},template=colin27").brain == "Colin 27"
+    with pytest.raises(conus.ArgumentError, match="template"):
+        conus.load(path, template="mni")
+    with pytest.raises(conus.ArgumentError, match="template: of a path only"):
+        conus.load(plates(), AFFINE, template="none")
+
+
 def test_exchanged_sides_have_a_note():
     labels = np.arange(1, 7, dtype=np.uint8).reshape(6, 1, 1)  # x grows to the right
     for sides, said in (("LLLRRR", None), ("RRRLLL", "3 of 3 pairs of a left and a right area lie the other way round")):

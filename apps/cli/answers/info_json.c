@@ -372,12 +372,13 @@ char *info_json(const conus_atlas *atlas, const conus_installed *installed)
     }
     conus_frame frame; /* from AP, DV, ML in micrometres; null where the atlas is not the Allen CCF */
     bool is_ccf = conus_frame_find(&frame, atlas, CONUS_SPACE_CCF, NULL) == CONUS_OK;
-    json_t *root = json_pack("{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "conus", conus_version(), "installed",
+    const conus_brain_view brain = conus_atlas_brain(atlas);
+    json_t *root = json_pack("{s:s,s:o,s:o,s:s,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "conus", conus_version(), "installed",
                              installed ? info_json_installed(installed) : json_null(), "labels",
-                             info_json_bytes(conus_atlas_label_source(atlas)), "volumes", volumes, "tractograms",
-                             tractograms(atlas), "context_surfaces", around(atlas), "world_from_ccf",
-                             is_ccf ? matrix(frame.world_from_space) : json_null(), "moved", placement(atlas), "notes",
-                             notes, "objects", objects);
+                             info_json_bytes(conus_atlas_label_source(atlas)), "brain", brain.words, "brain_source",
+                             brain.source, "volumes", volumes, "tractograms", tractograms(atlas), "context_surfaces",
+                             around(atlas), "world_from_ccf", is_ccf ? matrix(frame.world_from_space) : json_null(),
+                             "moved", placement(atlas), "notes", notes, "objects", objects);
     char *text = whole && root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(DIGITS)) : NULL;
     json_decref(root);
     char *line = NULL;

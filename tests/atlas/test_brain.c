@@ -1,0 +1,208 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Whose brain an atlas is: stated, by its header, by its grid. */
+#include "atlas/space.h"
+#include "base/files/file.h"
+#include "conus/phantom.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* A grid along the axes: voxel axis `order[w]` runs along the world's w, backwards where `turned` has its bit. */
+static conus_volume_info grid_of(const size_t dim[3], double spacing, const double low[3], const int order[3],
+                                 int turned)
+{
+    conus_volume_info info = {0};
+    info.world_from_voxel[15] = 1;
+    for (int world = 0; world < 3; world++) {
+        int voxel = order[world];
+        bool back = turned >> world & 1;
+        info.dim[voxel] = dim[world];
+        info.world_from_voxel[4 * voxel + world] = back ? -spacing : spacing;
+        info.world_from_voxel[12 + world] = low[world] + (back ? spacing * ((double)dim[world] - 1) : 0);
+    }
+    return info;
+}
+
+static const struct {
+    size_t dim[3];
+    double spacing, low[3];
+    conus_brain brain;
+    const char *words;
+} grids[] = {
+    {{182, 218, 182}, 1, {-91, -126, -72}, CONUS_BRAIN_MNI152, "MNI 152, earlier than NLin2009"},
+    {{91, 109, 91}, 2, {-90, -126, -72}, CONUS_BRAIN_MNI152, "MNI 152, earlier than NLin2009"},
+    {{193, 229, 193}, 1, {-96, -132, -78}, CONUS_BRAIN_MNI152, "MNI 152, NLin2009"},
+    {{394, 466, 378}, 0.5, {-98, -134, -72}, CONUS_BRAIN_MNI152, "MNI 152, NLin2009"},
+    {{121, 145, 121}, 1.5, {-90, -126, -72}, CONUS_BRAIN_MNI152, "MNI 152"},
+    {{181, 217, 181}, 1, {-90, -125, -71}, CONUS_BRAIN_COLIN27, "Colin 27"},
+    {{256, 256, 256}, 1, {-127, -145, -147}, CONUS_BRAIN_UNKNOWN, "unknown"},
+    {{256, 256, 256}, 1, {-128, -127, -128}, CONUS_BRAIN_UNKNOWN, "unknown"}, /* FreeSurfer's: anybody's */
+};
+
+static void a_grid_tells_in_every_order_and_direction(void **state)
+{
+    (void)state;
+    static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    for (size_t i = 0; i < sizeof grids / sizeof grids[0]; i++) {
+        for (int way = 0; way < 48; way++) {
+            conus_volume_info info = grid_of(grids[i].dim, grids[i].spacing, grids[i].low, orders[way / 8], way % 8);
+            conus_brain_view brain = space_brain(&info);
+            assert_int_equal(brain.brain, grids[i].brain);
+            assert_string_equal(brain.words, grids[i].words);
+            assert_string_equal(brain.source, brain.brain ? "grid" : "");
+        }
+    }
+}
+
+/* A grid that is off by half a voxel, by a voxel more, by a per cent or by a turn is no template's. */
+static void a_grid_nearby_does_not_tell(void **state)
+{
+    (void)state;
+    static const int order[3] = {0, 1, 2};
+    for (int axis = 0; axis < 3; axis++) {
+        conus_volume_info info = grid_of(grids[0].dim, 1, grids[0].low, order, 1);
+        info.world_from_voxel[12 + axis] += 0.5;
+        assert_int_equal(space_brain(&info).brain, CONUS_BRAIN_UNKNOWN);
+        info = grid_of(grids[0].dim, 1, grids[0].low, order, 0);
+        info.dim[axis]++;
+        assert_int_equal(space_brain(&info).brain, CONUS_BRAIN_UNKNOWN);
+        info = grid_of(grids[0].dim, 1, grids[0].low, order, 0);
+        info.world_from_voxel[5 * axis] *= 1.01;
+        assert_int_equal(space_brain(&info).brain, CONUS_BRAIN_UNKNOWN);
+        info = grid_of(grids[0].dim, 1, grids[0].low, order, 0);
+        info.world_from_voxel[4 * axis + (axis + 1) % 3] = 0.01;
+        assert_int_equal(space_brain(&info).brain, CONUS_BRAIN_UNKNOWN);
+    }
+}
+
+static void the_header_comes_before_the_grid(void **state)
+{
+    (void)state;
+    static const int order[3] = {0, 1, 2};
+    static const struct {
+        size_t grid;
+        int code;
+        conus_brain brain;
+        const char *edition, *source;
+    } cases[] = {{0, 0, CONUS_BRAIN_MNI152, "earlier", "grid"},
+                 {0, 1, CONUS_BRAIN_MNI152, "earlier", "grid"},
+                 {0, 2, CONUS_BRAIN_MNI152, "earlier", "grid"},
+                 {0, 3, CONUS_BRAIN_TALAIRACH, "", "header"},
+                 {0, 4, CONUS_BRAIN_MNI152, "earlier", "header"},
+                 {0, 5, CONUS_BRAIN_TEMPLATE, "", "header"},
+                 {2, 4, CONUS_BRAIN_MNI152, "NLin2009", "header"},
+                 {5, 4, CONUS_BRAIN_COLIN27, "", "grid"}, /* AAL */
+                 {5, 3, CONUS_BRAIN_TALAIRACH, "", "header"},
+                 {7, 4, CONUS_BRAIN_MNI152, "", "header"},
+                 {7, 1, CONUS_BRAIN_UNKNOWN, "", ""},
+                 {7, 6, CONUS_BRAIN_UNKNOWN, "", ""}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_volume_info info =
+            grid_of(grids[cases[i].grid].dim, grids[cases[i].grid].spacing, grids[cases[i].grid].low, order, 0);
+        info.space_code = cases[i].code;
+        conus_brain_view brain = space_brain(&info);
+        assert_int_equal(brain.brain, cases[i].brain);
+        assert_string_equal(brain.edition, cases[i].edition);
+        assert_string_equal(brain.source, cases[i].source);
+    }
+}
+
+/* A statement comes before the header; a move makes it void, unless the brain is one person's own. */
+static void what_is_stated_holds_until_the_atlas_is_moved(void **state)
+{
+    (void)state;
+    static const double shift[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1};
+    static const struct {
+        const char *word;
+        conus_brain brain, moved;
+    } cases[] = {{"", CONUS_BRAIN_UNKNOWN, CONUS_BRAIN_UNKNOWN},
+                 {",template=mni152", CONUS_BRAIN_MNI152, CONUS_BRAIN_UNKNOWN},
+                 {",template=colin27", CONUS_BRAIN_COLIN27, CONUS_BRAIN_UNKNOWN},
+                 {",template=mni305", CONUS_BRAIN_MNI305, CONUS_BRAIN_UNKNOWN},
+                 {",template=none", CONUS_BRAIN_OWN, CONUS_BRAIN_OWN},
+                 {",template=none,volume=0", CONUS_BRAIN_OWN, CONUS_BRAIN_OWN},
+                 {",volume=0,template=none", CONUS_BRAIN_OWN, CONUS_BRAIN_OWN}};
+    static const char *const wrong[] = {",template=", ",template=MNI", ",template=talairach"};
+    char path[4096];
+    conus_atlas *atlas = NULL;
+    assert_ok(conus_phantom_write("sphere", test_scratch("brain"), &(conus_phantom_options){.size = 16}));
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        snprintf(path, sizeof path, "%s/sphere.nii.gz%s", test_scratch("brain"), cases[i].word);
+        assert_ok(conus_atlas_load(&atlas, path, NULL));
+        assert_int_equal(conus_atlas_brain(atlas).brain, cases[i].brain);
+        assert_false(conus_atlas_brain(atlas).is_moved);
+        assert_ok(conus_atlas_move(atlas, shift));
+        assert_int_equal(conus_atlas_brain(atlas).brain, cases[i].moved);
+        assert_true(conus_atlas_brain(atlas).is_moved);
+        conus_atlas_destroy(atlas);
+        atlas = NULL;
+    }
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        snprintf(path, sizeof path, "%s/sphere.nii.gz%s", test_scratch("brain"), wrong[i]);
+        assert_fails(conus_atlas_load(&atlas, path, NULL), CONUS_ERROR_ARGUMENT);
+        assert_null(atlas);
+    }
+}
+
+/* A manifest states whose brain its scene is where poses are, so behind its own transform. */
+static void a_manifest_states_it(void **state)
+{
+    (void)state;
+    static const char *const keys[] = {"", ",\"template\":\"colin27\"",
+                                       ",\"template\":\"mni152\",\"transform\":\"shift.txt\""};
+    static const conus_brain brains[] = {CONUS_BRAIN_UNKNOWN, CONUS_BRAIN_COLIN27, CONUS_BRAIN_MNI152};
+    static const char matrix[] = "1 0 0 5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n";
+    char path[4096];
+    char text[512];
+    conus_atlas *atlas = NULL;
+    assert_ok(conus_phantom_write("sphere", test_scratch("brain"), &(conus_phantom_options){.size = 16}));
+    snprintf(path, sizeof path, "%s/shift.txt", test_scratch("brain"));
+    assert_ok(file_write(path, matrix, strlen(matrix)));
+    snprintf(path, sizeof path, "%s/scene.atlas.json", test_scratch("brain"));
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+        snprintf(text, sizeof text, "{\"conus_atlas\":1,\"parcellation\":\"sphere.nii.gz\"%s}", keys[i]);
+        assert_ok(file_write(path, text, strlen(text)));
+        assert_ok(conus_atlas_load(&atlas, path, NULL));
+        assert_int_equal(conus_atlas_brain(atlas).brain, brains[i]);
+        conus_atlas_destroy(atlas);
+        atlas = NULL;
+    }
+    snprintf(text, sizeof text, "{\"conus_atlas\":1,\"parcellation\":\"sphere.nii.gz\",\"template\":\"mni\"}");
+    assert_ok(file_write(path, text, strlen(text)));
+    assert_fails(conus_atlas_load(&atlas, path, NULL), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "template"));
+}
+
+static void real_atlases_are_known(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *file;
+        const char *words;
+    } cases[] = {{"aal.nii.gz", "Colin 27"},
+                 {"AICHAmc.nii.gz", "MNI 152, earlier than NLin2009"},
+                 {"HarvardOxford-cort-maxprob-thr0-1mm.nii.gz", "MNI 152, earlier than NLin2009"},
+                 {"JHU-WhiteMatter-labels-1mm.nii.gz", "MNI 152, earlier than NLin2009"},
+                 {"natbrainlab.nii.gz", "MNI 152"},
+                 {"inia19-NeuroMaps.nii.gz", "unknown"}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_atlas *atlas = NULL;
+        assert_ok(conus_atlas_load(&atlas, test_mricron(cases[i].file), NULL));
+        assert_string_equal(conus_atlas_brain(atlas).words, cases[i].words);
+        conus_atlas_destroy(atlas);
+    }
+}
+
+TEST_GROUP(brain)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_grid_tells_in_every_order_and_direction),
+        cmocka_unit_test(a_grid_nearby_does_not_tell),
+        cmocka_unit_test(the_header_comes_before_the_grid),
+        cmocka_unit_test(what_is_stated_holds_until_the_atlas_is_moved),
+        cmocka_unit_test(a_manifest_states_it),
+        cmocka_unit_test(real_atlases_are_known),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
