@@ -140,6 +140,7 @@ struct command {
     const char *summary;                 /**< One line, no final period. */
     const char *operands[OPERAND_LIMIT]; /**< "ATLAS"; NULL where there are fewer. */
     bool optional;                       /**< The operands may be missing. */
+    bool optional_last;                  /**< The last one may. */
     bool answers;                        /**< Its results can be verified: asked again by the command line. */
     bool repeats;                        /**< The last operand may stand any number of times. */
     const char *form;                    /**< Text that must follow the operands; may be NULL. */

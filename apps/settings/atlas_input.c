@@ -422,12 +422,44 @@ static char *join_lists(const struct option_list *lists)
     return lists->count ? system_text_close(&joined) : NULL;
 }
 
+static bool is_bundle(const conus_atlas *atlas, size_t number)
+{
+    return conus_atlas_object(atlas, number)->kind == CONUS_KIND_BUNDLE;
+}
+
+/* Shows objects where bundles are what is asked about: a list to keep that names none of them is about areas, and all
+ * bundles stay but those of `hide`. */
+static conus_status show_with_bundles(conus_atlas *atlas, const char *only, const char *hide)
+{
+    size_t count = conus_atlas_object_count(atlas);
+    bool *hidden = calloc(count + 1, sizeof *hidden);
+    bool names_bundle = false;
+    conus_status status = hidden ? conus_atlas_show(atlas, only, NULL) : CONUS_ERROR_MEMORY;
+    for (size_t number = 1; !status && number <= count; number++) {
+        names_bundle = names_bundle || (is_bundle(atlas, number) && !conus_atlas_is_hidden(atlas, number));
+    }
+    status = status || names_bundle ? status : conus_atlas_show(atlas, NULL, hide);
+    for (size_t number = 1; !status && number <= count; number++) {
+        hidden[number] = conus_atlas_is_hidden(atlas, number);
+    }
+    status = status ? status : conus_atlas_show(atlas, only, hide);
+    for (size_t number = 1; !status && number <= count; number++) {
+        hidden[number] =
+            is_bundle(atlas, number) && !names_bundle ? hidden[number] : conus_atlas_is_hidden(atlas, number);
+    }
+    status = status ? status : conus_atlas_set_hidden(atlas, hidden);
+    free(hidden);
+    return status;
+}
+
 static int show_objects(conus_atlas *atlas, const struct atlas_settings *settings)
 {
     char *only = join_lists(&settings->only);
     char *hide = join_lists(&settings->hide);
     bool failed = (settings->only.count && !only) || (settings->hide.count && !hide);
-    conus_status status = failed ? CONUS_ERROR_MEMORY : conus_atlas_show(atlas, only, hide);
+    conus_status status = failed                     ? CONUS_ERROR_MEMORY
+                          : only && settings->shared ? show_with_bundles(atlas, only, hide)
+                                                     : conus_atlas_show(atlas, only, hide);
     free(only);
     free(hide);
     return failed ? print_no_memory() : print_status(status);
