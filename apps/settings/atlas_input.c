@@ -470,19 +470,33 @@ bool atlas_input_is_image(const char *why)
     return strstr(why, "--context draws");
 }
 
-int atlas_name_find(struct atlas_name *out, const char *text)
+typedef conus_status (*catalogue_search)(const conus_installed **out, const conus_catalogue *catalogue,
+                                         const char *name);
+
+static int find_named(struct atlas_name *out, const char *text, bool is_path, catalogue_search find)
 {
     *out = (struct atlas_name){.path = text};
-    if (conus_atlas_is_path(text)) {
+    if (is_path) {
         return EXIT_DONE;
     }
     conus_status status = conus_catalogue_create(&out->catalogue, NULL);
-    status = status ? status : conus_catalogue_find(&out->atlas, out->catalogue, text);
+    status = status ? status : find(&out->atlas, out->catalogue, text);
     if (status) {
         return print_status(status);
     }
     out->path = out->atlas->path;
     return EXIT_DONE;
+}
+
+int atlas_name_find(struct atlas_name *out, const char *text)
+{
+    return find_named(out, text, conus_atlas_is_path(text), conus_catalogue_find);
+}
+
+int context_name_find(struct atlas_name *out, const char *text)
+{
+    return find_named(out, text, conus_context_is_surface(text) || conus_atlas_is_path(text),
+                      conus_catalogue_find_image);
 }
 
 void atlas_name_finish(struct atlas_name *name)
@@ -560,12 +574,21 @@ int atlas_input_load(conus_atlas **out, const char *path, const struct atlas_set
     return code;
 }
 
+static int set_context(conus_atlas *atlas, const char *given, const conus_context_options *options)
+{
+    struct atlas_name name;
+    int code = context_name_find(&name, given);
+    conus_status status = code ? CONUS_OK : conus_atlas_set_context(atlas, name.path, options);
+    code = code ? code : print_status(status);
+    atlas_name_finish(&name);
+    return code;
+}
+
 int atlas_input_load_context(conus_atlas *atlas, const char *path, double blocks, const struct atlas_settings *settings)
 {
     const conus_context_options options = {
         .block_threshold = blocks, .max_memory = settings->max_memory, .cache = !settings->no_cache};
-    conus_status status = path ? conus_atlas_set_context(atlas, path, &options) : CONUS_OK;
-    return print_status(status);
+    return path ? set_context(atlas, path, &options) : EXIT_DONE;
 }
 
 /* One volume, and an opacity only with surfaces. */
@@ -644,8 +667,7 @@ int context_choice_load(conus_atlas *atlas, const struct context_choice *choice,
         const conus_context_options options = {.opacity = conus_context_is_surface(path) ? choice->opacity : 0,
                                                .max_memory = settings->max_memory,
                                                .cache = !settings->no_cache};
-        conus_status status = conus_atlas_set_context(atlas, path, &options);
-        code = print_status(status);
+        code = set_context(atlas, path, &options);
     }
     return code ? code : load_map(atlas, choice, settings);
 }

@@ -190,6 +190,16 @@ def _find(source: Path, labels: Any) -> tuple[Path, Any]:
     return atlas.path, atlas.labels if labels is None else labels
 
 
+def _find_image(source: Any) -> Any:
+    """The path of a context, which may be the name of an installed image."""
+    path = path_of("context", source)
+    if not isinstance(source, str) or lib.conus_context_is_surface(path) or lib.conus_atlas_is_path(path):
+        return path
+    found, out = _catalogue(), ffi.new("conus_installed **")
+    check(lib.conus_catalogue_find_image(out, found, path))
+    return path_of("context", _installed(out[0]).path)
+
+
 def _from_file(
     path: Path, labels: Any, labels_anyway: bool, max_memory: int, progress: Any, probability: float, cache: bool
 ) -> Any:
@@ -273,8 +283,8 @@ def load(
         a file that does not state them, and "moves": True of streamlines in the space of the atlas's files, which
         ``transforms`` move, too.
     context, context_blocks, context_opacity
-        The context drawn around the areas: a path or nibabel image of a volume, the path of a surface, or a
-        list of these with at most one volume. Its voxels with values from ``context_blocks`` on block
+        The context drawn around the areas: a path or nibabel image of a volume, the name of an installed one
+        ("ch2bet"), the path of a surface, or a list of these with at most one volume. Its voxels with values from ``context_blocks`` on block
         rays (0 = none); surfaces have ``context_opacity``, above 0 to 1 (0 = 0.25), and block nothing.
     shell
         Draws a glass shell around all areas of voxels and the head in the context volume. A picture with
@@ -454,7 +464,7 @@ def _set_context(atlas: Any, source: Any, blocks: float, opacity: float, max_mem
         voxels, _alive = _fill_voxels(*_image_parts(source))
         state.check(lib.conus_atlas_set_context_values(atlas, voxels, options))
     else:
-        state.check(lib.conus_atlas_set_context(atlas, path_of("context", source), options))
+        state.check(lib.conus_atlas_set_context(atlas, _find_image(source), options))
 
 
 def _is_surface(source: Any) -> bool:
