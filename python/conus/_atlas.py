@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, 
 
 import numpy as np
 
-from ._answers import Answers, Array, Jitter, Objects, Overlap, Selection, Sweep, Track, kind_word
+from ._answers import Answers, Array, Clusters, Jitter, Objects, Overlap, Selection, Sweep, Track, kind_word
 from ._axis import Clearances, Segments
 from ._callback import Callback, load_progress, receive
 from ._candidates import candidates_stream, depth_of
@@ -1082,6 +1082,18 @@ class Selector(Guarded):
         overlap: Overlap = self._place(Overlap(self.atlas, out[0]))
         return overlap
 
+    def clusters(self, roi: Any, threshold: float = 0, *, max_memory: int = 0, cache: bool = True) -> Clusters:
+        """The clusters of a region of interest, what each covers, and its local maxima: ``conus overlap --clusters``.
+
+        Voxels with a face, an edge or a corner in common are one cluster. Parameters are those of :meth:`overlap`; a
+        region of tetrahedra has no clusters.
+        """
+        region = _region(roi, threshold, byte_count("max_memory", max_memory), flag("cache", cache))
+        out = ffi.new("conus_clusters **")
+        self._call(lib.conus_clusters_create, out, self._p, region)
+        clusters: Clusters = self._place(Clusters(self.atlas, out[0]))
+        return clusters
+
     def select_many(
         self,
         origins: Any = None,
@@ -1517,6 +1529,11 @@ class Atlas:
                 **options: Any) -> Overlap:
         """Which objects a region of interest covers: see :meth:`Selector.overlap`."""
         return self._selector(options).overlap(roi, threshold, max_memory=max_memory, cache=cache)
+
+    def clusters(self, roi: Any, threshold: float = 0, *, max_memory: int = 0, cache: bool = True,
+                 **options: Any) -> Clusters:
+        """The clusters of a region of interest, with areas and maxima: see :meth:`Selector.clusters`."""
+        return self._selector(options).clusters(roi, threshold, max_memory=max_memory, cache=cache)
 
 
 # Pickling

@@ -79,7 +79,8 @@ int rows_file_write(const struct rows_file *file, const struct provenance *prove
     struct provenance own = *provenance;
     own.option = file->kind->option;
     own.question.rows = file->kind->word;
-    own.question.region = file->kind->rows == CONUS_ROWS_CONNECTIONS ? own.question.region : "axis";
+    bool is_of_axis = file->kind->rows != CONUS_ROWS_CONNECTIONS && file->kind->rows != CONUS_ROWS_CLUSTERS;
+    own.question.region = is_of_axis ? "axis" : own.question.region;
     return answer_write(file->reports[0], file->path, file->sidecar, &own);
 }
 
