@@ -19,6 +19,7 @@ struct object_place {
     bool is_mesh;
     bool is_bundle; /**< The index is that of a tractogram. */
     bool is_hidden; /**< Hidden by conus_atlas_set_hidden(). */
+    uint32_t named; /**< Its place, from 1, among those that conus_atlas_show() was told to show; 0 = not named. */
     size_t index;
     size_t group;       /**< A bundle's group of the tractogram, or BUNDLE_OF_ALL. */
     uint8_t own_rgb[3]; /**< The object's original colour while the atlas uses a palette. */

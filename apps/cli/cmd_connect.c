@@ -70,34 +70,59 @@ static int answer_connect(struct connect *connect)
                                &provenance);
 }
 
+/* The tractograms behind ATLAS, and those of --streamlines. NULL without memory. */
+static const char **list_tractograms(struct option_list *out, const struct arguments *arguments)
+{
+    const struct option_list given = *out;
+    const struct option_list *more = &arguments->more;
+    const char **items = malloc((1 + more->count + given.count) * sizeof *items);
+    *out = (struct option_list){.items = items};
+    for (size_t i = 1; items && i < arguments->operand_count; i++) {
+        items[out->count++] = arguments->operands[i];
+    }
+    for (size_t i = 0; items && i < more->count; i++) {
+        items[out->count++] = more->items[i];
+    }
+    for (size_t i = 0; items && i < given.count; i++) {
+        items[out->count++] = given.items[i];
+    }
+    return items;
+}
+
 static int run_connect(const void *given, const struct arguments *arguments)
 {
-    const struct connect_settings *settings = given;
-    struct connect connect = {.settings = settings};
-    if (!ends_check(&settings->ends, arguments)) {
+    struct connect_settings settings = *(const struct connect_settings *)given;
+    struct connect connect = {.settings = &settings};
+    if (!ends_check(&settings.ends, arguments)) {
         return EXIT_USAGE;
     }
-    int code = request_init(&connect.request, &settings->request, arguments);
-    code = code ? code : matrix_file_init(&connect.matrix, settings->ends.connectivity);
+    const char **tractograms = list_tractograms(&settings.request.atlas.streamlines, arguments);
+    int code = tractograms ? request_init(&connect.request, &settings.request, arguments) : print_no_memory();
+    code = code ? code : matrix_file_init(&connect.matrix, settings.ends.connectivity);
     connect.request.atlases.shares_streamlines = true;
     code = code ? code : answer_connect(&connect);
     matrix_file_finish(&connect.matrix);
     request_finish(&connect.request);
+    free((void *)tractograms);
     return code;
 }
 
 const struct command cmd_connect = {
     .name = "connect",
     .summary = "list which areas the streamlines of bundles connect",
-    .operands = {"ATLAS"},
+    .operands = {"ATLAS", "FILE"},
+    .optional_last = true,
+    .repeats = true,
     .description =
-        "Finds the areas at both ends of every streamline of --streamlines and reports for each bundle and pair of\n"
-        "areas how many streamlines connect them and how long these are. An end in no area has the nearest one\n"
-        "within --endpoint-radius. The streamlines are those of every --atlas, too. conus query --endpoints does so\n"
-        "for the streamlines in a cone or ball.",
-    .examples = "  conus connect aal --streamlines arcuate.trk\n"
-                "  conus connect aal --streamlines whole.tck -o rows.tsv --connectivity matrix.tsv\n"
-                "  conus connect aal --atlas brodmann --streamlines whole.tck -o rows.tsv\n",
+        "FILE is a tractogram, with the keys of --streamlines behind it if need be; it is left out where ATLAS has\n"
+        "bundles. Finds the areas at both ends of every streamline and reports for each bundle and pair of areas how\n"
+        "many streamlines connect them and how long these are. An end in no area has the nearest one within\n"
+        "--endpoint-radius. The streamlines are those of every --atlas, too. conus query --endpoints does so for the\n"
+        "streamlines in a cone or ball.",
+    .examples = "  conus connect aal arcuate.trk\n"
+                "  conus connect aal whole.tck -o rows.tsv --connectivity matrix.tsv\n"
+                "  conus connect aal whole.tck --only @areas.txt --connectivity matrix.tsv\n"
+                "  conus connect aal whole.tck --atlas brodmann -o rows.tsv\n",
     .answers = true,
     .groups = groups,
     .settings_size = sizeof(struct connect_settings),

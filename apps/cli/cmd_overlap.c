@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus overlap: which areas and pathways regions of interest cover. */
+#include "cli/answers/ends.h"
 #include "cli/commands.h"
 #include "cli/request.h"
 #include "options/messages.h"
@@ -10,6 +11,7 @@
 struct overlap_settings {
     struct request_settings request; /* first */
     double threshold;
+    const char *clusters;
 };
 
 #define FIELD(member) OPTION_AT(struct overlap_settings, member)
@@ -26,12 +28,26 @@ static const struct option region_options[] = {
     {0},
 };
 
+static const struct option cluster_options[] = {
+    {.name = "clusters",
+     FIELD(clusters),
+     .value = "FILE",
+     .help =
+         "write a table of the region's clusters, the largest first: each with its size, peak, centre of mass and the "
+         "areas that it covers, and with its local maxima",
+     .words = "cluster table, peaks, local maxima",
+     .common = true,
+     .role = OPTION_WRITES_ROWS},
+    {0},
+};
+
 static const struct option_group groups[] = {
     {"What the region is", region_options, 0},
     {"", space_options, REQUEST_FIELD(aim.space)},
     {"What it may cover", atlas_options, REQUEST_FIELD(atlas)},
     REQUEST_NO_POSE_ATLAS_GROUPS,
     REQUEST_OUTPUT_GROUPS,
+    {"", cluster_options, 0},
     {"", quiet_options, REQUEST_FIELD(common)},
     {0},
 };
@@ -40,6 +56,7 @@ static const struct option_group groups[] = {
 struct overlap {
     const struct overlap_settings *settings;
     struct request request;
+    struct rows_file clusters;
 };
 
 static const char *region_path(const struct overlap *overlap, size_t index)
@@ -124,6 +141,12 @@ static int add_answer(struct overlap *overlap, size_t index, const char *path, c
         say_place(overlap, index, roi, coverages);
     }
     conus_overlap_destroy(coverages);
+    if (!status && overlap->clusters.path) {
+        conus_clusters *clusters = NULL;
+        status = conus_clusters_create(&clusters, answerer->selector, roi);
+        status = status ? status : conus_report_add_clusters(overlap->clusters.reports[index], path, clusters);
+        conus_clusters_destroy(clusters);
+    }
     return print_status(status);
 }
 
@@ -158,6 +181,12 @@ static int answer_overlap(struct overlap *overlap)
     report.rows = CONUS_ROWS_COVERAGES;
     report.no_voxels = true;
     code = code ? code : request_start_without_rays(request, &report);
+    for (size_t i = 0; !code && i < request->atlases.count; i++) {
+        conus_report_options own = report;
+        own.atlas = request->atlases.items[i].name;
+        conus_status status = rows_file_report(&overlap->clusters, request->answerers[i].selector, &own);
+        code = print_status(status);
+    }
     code = code ? code : request_check_outputs(request);
     for (size_t i = 0; !code && i <= request->arguments->more.count; i++) {
         code = add_region(overlap, region_path(overlap, i));
@@ -170,6 +199,11 @@ static int answer_overlap(struct overlap *overlap)
     request_list_inputs(&provenance, request);
     provenance.question.rows = "coverages";
     provenance.question.region = "volume";
+    code = rows_file_write(&overlap->clusters, &provenance);
+    if (code) {
+        return code;
+    }
+    provenance_add_outputs(&provenance, request->arguments);
     return answer_write(request->answerers[0].report, request->settings->answer.output, request->sidecar, &provenance);
 }
 
@@ -183,8 +217,15 @@ static int run_overlap(const void *given, const struct arguments *arguments)
     if (!space_settings_check(arguments, &settings->request.aim.space)) {
         return EXIT_USAGE;
     }
+    static const struct rows_kind clusters = {"clusters", CONUS_ROWS_CLUSTERS, "clusters"};
     int code = request_init(&overlap.request, &settings->request, arguments);
+    if (settings->clusters && output_is_stdout(settings->clusters)) {
+        code = code ? code : print_usage_error("--clusters needs a file: the answer is on standard output");
+    }
+    code = code ? code : rows_file_init(&overlap.clusters, &clusters, settings->clusters, CONUS_FORMAT_TABLE);
+    outputs_add_sidecar(&overlap.request.outputs, "clusters", overlap.clusters.sidecar);
     code = code ? code : answer_overlap(&overlap);
+    rows_file_finish(&overlap.clusters);
     request_finish(&overlap.request);
     return code;
 }

@@ -84,7 +84,8 @@ static const struct option page_options[] = {
     {.name = "context",
      OPTION_AT(struct page_settings, context),
      .value = "FILE",
-     .help = "an image that the cuts show below the areas, put into the page, too",
+     .help = "an image that the cuts show below the areas, put into the page, too: a file, or the name of an installed "
+             "one",
      .words = "T1, MRI"},
     {.name = "template",
      OPTION_AT(struct page_settings, template),
@@ -496,6 +497,7 @@ int page_write(struct page_settings settings, const struct arguments *arguments,
     const struct atlas_settings atlas_settings = {.no_cache = true}; /* which has inputs in another order */
     struct page page = {.settings = &settings};
     struct atlas_name name = {0};
+    struct atlas_name context = {0};
     char *template = NULL;
     struct system_text text = {0};
     settings.angle = settings.angle > 0 ? settings.angle : 20;
@@ -510,8 +512,9 @@ int page_write(struct page_settings settings, const struct arguments *arguments,
     code = code ? code : atlas_name_find(&name, arguments->operands[0]);
     code = code ? code : atlas_input_load(&page.atlas, arguments->operands[0], &atlas_settings);
     code = code ? code : list_files(&page, name.path, false);
-    code = code ? code : atlas_input_load_context(page.atlas, settings.context, 0, &atlas_settings);
-    code = code || !settings.context ? code : list_files(&page, settings.context, true);
+    code = code || !settings.context ? code : context_name_find(&context, settings.context);
+    code = code ? code : atlas_input_load_context(page.atlas, context.path, 0, &atlas_settings);
+    code = code || !context.path ? code : list_files(&page, context.path, true);
     place_context(&page);
     code = code || output_spares_inputs("--output", settings.output) ? code : EXIT_USAGE;
     code = code ? code : check_size(&page);
@@ -532,6 +535,7 @@ int page_write(struct page_settings settings, const struct arguments *arguments,
         free(page.files[i].whole);
     }
     atlas_name_finish(&name);
+    atlas_name_finish(&context);
     conus_atlas_destroy(page.atlas);
     return code;
 }

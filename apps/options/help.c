@@ -13,8 +13,10 @@ void help_usage(FILE *out, const struct command *command)
     fprintf(out, "%s %s", command->program ? command->program : "conus", command->name);
     bool may_be_missing = command->optional && !command->form; /* a form is that with all operands */
     for (size_t i = 0; i < OPERAND_LIMIT && command->operands[i]; i++) {
-        bool repeats = command->repeats && (i + 1 == OPERAND_LIMIT || !command->operands[i + 1]);
-        fprintf(out, may_be_missing ? " [%s%s]" : " %s%s", command->operands[i], repeats ? "..." : "");
+        bool is_last = i + 1 == OPERAND_LIMIT || !command->operands[i + 1];
+        bool repeats = command->repeats && is_last;
+        fprintf(out, may_be_missing || (command->optional_last && is_last) ? " [%s%s]" : " %s%s", command->operands[i],
+                repeats ? "..." : "");
     }
     fprintf(out, "%s%s [options]", command->form ? " " : "", command->form ? command->form : "");
 }

@@ -42,6 +42,7 @@ enum option_role {
     OPTION_LIVE,           /**< Poses come from a tracker, which cannot be asked again. */
     OPTION_READS,          /**< A file that is read, perhaps with keys behind it. */
     OPTION_READS_ATLAS,    /**< An atlas, by its file or name. */
+    OPTION_READS_IMAGE,    /**< Likewise a volume that is no atlas, or a surface. */
     OPTION_READS_POSES,    /**< A file of poses, or - for standard input. */
     OPTION_WRITES_ANSWER,  /**< The file of the answer. */
     OPTION_WRITES_SIDECAR, /**< The .json that describes it. */
@@ -144,6 +145,7 @@ struct command {
     const char *summary;                 /**< One line, no final period. */
     const char *operands[OPERAND_LIMIT]; /**< "ATLAS"; NULL where there are fewer. */
     bool optional;                       /**< The operands may be missing. */
+    bool optional_last;                  /**< The last one may. */
     bool answers;                        /**< Its results can be verified: asked again by the command line. */
     bool repeats;                        /**< The last operand may stand any number of times. */
     const char *form;                    /**< Text that must follow the operands; may be NULL. */

@@ -423,12 +423,44 @@ static char *join_lists(const struct option_list *lists)
     return lists->count ? system_text_close(&joined) : NULL;
 }
 
+static bool is_bundle(const conus_atlas *atlas, size_t number)
+{
+    return conus_atlas_object(atlas, number)->kind == CONUS_KIND_BUNDLE;
+}
+
+/* Shows objects where bundles are what is asked about: a list to keep that names none of them is about areas, and all
+ * bundles stay but those of `hide`. */
+static conus_status show_with_bundles(conus_atlas *atlas, const char *only, const char *hide)
+{
+    size_t count = conus_atlas_object_count(atlas);
+    bool *hidden = calloc(count + 1, sizeof *hidden);
+    bool names_bundle = false;
+    conus_status status = hidden ? conus_atlas_show(atlas, only, NULL) : CONUS_ERROR_MEMORY;
+    for (size_t number = 1; !status && number <= count; number++) {
+        names_bundle = names_bundle || (is_bundle(atlas, number) && !conus_atlas_is_hidden(atlas, number));
+    }
+    status = status || names_bundle ? status : conus_atlas_show(atlas, NULL, hide);
+    for (size_t number = 1; !status && number <= count; number++) {
+        hidden[number] = conus_atlas_is_hidden(atlas, number);
+    }
+    status = status ? status : conus_atlas_show(atlas, only, hide);
+    for (size_t number = 1; !status && number <= count; number++) {
+        hidden[number] =
+            is_bundle(atlas, number) && !names_bundle ? hidden[number] : conus_atlas_is_hidden(atlas, number);
+    }
+    status = status ? status : conus_atlas_set_hidden(atlas, hidden);
+    free(hidden);
+    return status;
+}
+
 static int show_objects(conus_atlas *atlas, const struct atlas_settings *settings)
 {
     char *only = join_lists(&settings->only);
     char *hide = join_lists(&settings->hide);
     bool failed = (settings->only.count && !only) || (settings->hide.count && !hide);
-    conus_status status = failed ? CONUS_ERROR_MEMORY : conus_atlas_show(atlas, only, hide);
+    conus_status status = failed                     ? CONUS_ERROR_MEMORY
+                          : only && settings->shared ? show_with_bundles(atlas, only, hide)
+                                                     : conus_atlas_show(atlas, only, hide);
     free(only);
     free(hide);
     return failed ? print_no_memory() : print_status(status);
@@ -439,16 +471,19 @@ bool atlas_input_is_image(const char *why)
     return strstr(why, "--context draws");
 }
 
-int atlas_name_find(struct atlas_name *out, const char *text)
+typedef conus_status (*catalogue_search)(const conus_installed **out, const conus_catalogue *catalogue,
+                                         const char *name);
+
+static int find_named(struct atlas_name *out, const char *text, bool is_path, catalogue_search find)
 {
     *out = (struct atlas_name){.path = text};
-    if (conus_atlas_is_path(text)) {
+    if (is_path) {
         return EXIT_DONE;
     }
     const char *key = strstr(text, ",template=");
     char *name = key ? text_copy(text, (size_t)(key - text)) : NULL;
     conus_status status = conus_catalogue_create(&out->catalogue, NULL);
-    status = status ? status : conus_catalogue_find(&out->atlas, out->catalogue, name ? name : text);
+    status = status ? status : find(&out->atlas, out->catalogue, name ? name : text);
     free(name);
     if (status) {
         return print_status(status);
@@ -459,6 +494,17 @@ int atlas_name_find(struct atlas_name *out, const char *text)
     }
     out->path = key ? out->owned : out->atlas->path;
     return EXIT_DONE;
+}
+
+int atlas_name_find(struct atlas_name *out, const char *text)
+{
+    return find_named(out, text, conus_atlas_is_path(text), conus_catalogue_find);
+}
+
+int context_name_find(struct atlas_name *out, const char *text)
+{
+    return find_named(out, text, conus_context_is_surface(text) || conus_atlas_is_path(text),
+                      conus_catalogue_find_image);
 }
 
 void atlas_name_finish(struct atlas_name *name)
@@ -537,12 +583,21 @@ int atlas_input_load(conus_atlas **out, const char *path, const struct atlas_set
     return code;
 }
 
+static int set_context(conus_atlas *atlas, const char *given, const conus_context_options *options)
+{
+    struct atlas_name name;
+    int code = context_name_find(&name, given);
+    conus_status status = code ? CONUS_OK : conus_atlas_set_context(atlas, name.path, options);
+    code = code ? code : print_status(status);
+    atlas_name_finish(&name);
+    return code;
+}
+
 int atlas_input_load_context(conus_atlas *atlas, const char *path, double blocks, const struct atlas_settings *settings)
 {
     const conus_context_options options = {
         .block_threshold = blocks, .max_memory = settings->max_memory, .cache = !settings->no_cache};
-    conus_status status = path ? conus_atlas_set_context(atlas, path, &options) : CONUS_OK;
-    return print_status(status);
+    return path ? set_context(atlas, path, &options) : EXIT_DONE;
 }
 
 /* One volume, and an opacity only with surfaces. */
@@ -621,8 +676,7 @@ int context_choice_load(conus_atlas *atlas, const struct context_choice *choice,
         const conus_context_options options = {.opacity = conus_context_is_surface(path) ? choice->opacity : 0,
                                                .max_memory = settings->max_memory,
                                                .cache = !settings->no_cache};
-        conus_status status = conus_atlas_set_context(atlas, path, &options);
-        code = print_status(status);
+        code = set_context(atlas, path, &options);
     }
     return code ? code : load_map(atlas, choice, settings);
 }

@@ -7,8 +7,9 @@
 #include "conus/catalogue.h"
 #include "settings/settings.h"
 
+/** An atlas, or an image, as it was given. */
 struct atlas_name {
-    conus_catalogue *catalogue;   /**< The atlas is one of its entries; NULL if there was no need to look. */
+    conus_catalogue *catalogue;   /**< It is one of its entries; NULL if there was no need to look. */
     const conus_installed *atlas; /**< NULL: what was given is a path. */
     const char *path;             /**< For conus_atlas_load(). */
     char *owned;                  /**< That path with a ",template=" behind it; NULL without one. */
@@ -18,6 +19,8 @@ struct atlas_name {
  * outlive @p out. Returns the exit code and prints an error unless it is 0; @p out is the caller's to finish in every
  * case. */
 int atlas_name_find(struct atlas_name *out, const char *text);
+/** The same of a context: a surface is always a path. */
+int context_name_find(struct atlas_name *out, const char *text);
 void atlas_name_finish(struct atlas_name *name);
 
 /** The labels to load it with: those of --labels, @p given, or else those of the installed atlas; NULL = none. */

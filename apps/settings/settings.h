@@ -24,7 +24,8 @@ struct atlas_settings {
     bool labels_anyway;
     double probability; /* 0 = not given */
     struct option_list pathways, streamlines;
-    conus_tractogram **shared; /* [streamlines.count]: those that several atlases get, NULL until one has; else NULL */
+    conus_tractogram **shared; /* [streamlines.count]: those that several atlases get, NULL until one has; else NULL.
+                                  Where there are such, bundles are asked about: --only without one keeps them all */
     size_t hemispheres;        /* conus_hemispheres */
     struct option_list only, hide;
     struct option_list transforms;

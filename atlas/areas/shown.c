@@ -170,9 +170,15 @@ bool atlas_has_meshes(const conus_atlas *atlas)
 
 struct naming {
     conus_atlas *atlas;
-    bool *named; /* [object_count + 1] */
+    uint32_t *named; /* [object_count + 1] its place in the list, from 1; 0 = it is not named */
+    uint32_t count;
     struct object_index index;
 };
+
+static void mark_named(struct naming *naming, uint32_t number)
+{
+    naming->named[number] = naming->named[number] ? naming->named[number] : ++naming->count;
+}
 
 static conus_status name_object(void *user, struct text name)
 {
@@ -180,12 +186,13 @@ static conus_status name_object(void *user, struct text name)
     uint32_t halves[2];
     uint32_t found = object_index_find(&naming->index, name);
     if (!found && area_find_halves(halves, naming->atlas, name)) {
-        naming->named[halves[0]] = naming->named[halves[1]] = true;
+        mark_named(naming, halves[0]);
+        mark_named(naming, halves[1]);
         return CONUS_OK;
     }
     conus_status status = found ? CONUS_OK : object_find(&found, naming->atlas, name);
     if (!status) {
-        naming->named[found] = true;
+        mark_named(naming, found);
     }
     return status;
 }
@@ -197,24 +204,25 @@ static conus_status note_list(void *user, const char *path, const struct bytes *
     return atlas_add_file(naming->atlas, path, content);
 }
 
-/* Hides the objects that @p list names, or all others, among those that are not hidden yet. */
-static conus_status hide_list(bool *hidden, conus_atlas *atlas, const char *list, bool others, const char *what)
+/* Hides the objects that @p list names, or all others, among those that are not hidden yet. `named`, of zeros, gets
+ * their places in the list. */
+static conus_status hide_list(bool *hidden, uint32_t *named, conus_atlas *atlas, const char *list, bool others,
+                              const char *what)
 {
-    struct naming naming = {.atlas = atlas, .named = memory_zeroed(atlas->object_count + 1, sizeof *naming.named)};
-    conus_status status = naming.named ? object_index_init(&naming.index, atlas) : CONUS_ERROR_MEMORY;
+    struct naming naming = {.atlas = atlas, .named = named};
+    conus_status status = object_index_init(&naming.index, atlas);
     if (!status) {
         status = area_list_read(text_from(list), name_object, note_list, &naming);
         status = status ? fail_in(status, what) : status;
     }
     for (uint32_t number = 1; number <= atlas->object_count && !status; number++) {
-        uint32_t named = number; /* an area below a named one is named, too */
-        while (named && !naming.named[named]) {
-            named = atlas->objects[named - 1].parent;
+        uint32_t above = number; /* an area below a named one is named, too */
+        while (above && !named[above]) {
+            above = atlas->objects[above - 1].parent;
         }
-        hidden[number] = hidden[number] || (named != 0) != others;
+        hidden[number] = hidden[number] || (above != 0) != others;
     }
     object_index_finish(&naming.index);
-    memory_free(naming.named);
     return status;
 }
 
@@ -226,10 +234,12 @@ static bool has_shape(const conus_object *object)
 conus_status conus_atlas_show(conus_atlas *atlas, const char *only, const char *hide)
 {
     size_t files = atlas->files.count;
-    bool *hidden = memory_zeroed(atlas->object_count + 1, sizeof *hidden);
-    conus_status status = hidden ? CONUS_OK : CONUS_ERROR_MEMORY;
-    status = !status && only ? hide_list(hidden, atlas, only, true, "only") : status;
-    status = !status && hide ? hide_list(hidden, atlas, hide, false, "hide") : status;
+    size_t count = atlas->object_count + 1;
+    bool *hidden = memory_zeroed(count, sizeof *hidden);
+    uint32_t *named = memory_zeroed(2 * count, sizeof *named); /* of only, then of hide */
+    conus_status status = hidden && named ? CONUS_OK : CONUS_ERROR_MEMORY;
+    status = !status && only ? hide_list(hidden, named, atlas, only, true, "only") : status;
+    status = !status && hide ? hide_list(hidden, named + count, atlas, hide, false, "hide") : status;
     bool is_something_left = !only && !hide;
     for (size_t i = 0; !status && i < atlas->object_count; i++) {
         is_something_left = is_something_left || (!hidden[i + 1] && has_shape(&atlas->objects[i]));
@@ -239,10 +249,14 @@ conus_status conus_atlas_show(conus_atlas *atlas, const char *only, const char *
                       "everything is hidden: nothing is left that has voxels, triangles or streamlines");
     }
     status = status ? status : set_hidden(atlas, hidden);
+    for (size_t i = 0; !status && i < atlas->object_count; i++) {
+        atlas->places[i].named = named[i + 1];
+    }
     if (status) {
         file_sums_cut(&atlas->files, files);
     }
     memory_free(hidden);
+    memory_free(named);
     return status;
 }
 

@@ -92,8 +92,21 @@ CONUS_CHECKED conus_status conus_catalogue_find(const conus_installed **out, con
                                                 const char *name);
 
 /**
- * Says whether what a user gave as an atlas is a path, which then is no name: it has a '/', or there is such a file or
- * folder, also where ",volume=K", ",map=K" and the like stand behind it.
+ * Finds the one image that is called @p name, as conus_catalogue_find() finds an atlas: a volume in the folders of the
+ * catalogue that counts as no labels, such as mricron's ch2 or FSL's MNI152_T1_1mm.
+ * @param[out] out Borrowed from the catalogue; without labels.
+ * @param catalogue The catalogue.
+ * @param name What to find: the file's name without its ending.
+ * @return As conus_catalogue_find().
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_catalogue_find_image(const conus_installed **out, const conus_catalogue *catalogue,
+                                                      const char *name);
+
+/**
+ * Says whether what a user gave as an atlas or image is a path, which then is no name: it has a '/', or there is such a
+ * file or folder, also where ",volume=K", ",map=K" and the like stand behind it.
  * @param text What the user gave.
  * @return Whether it is a path for conus_atlas_load(). If not, ask conus_catalogue_find().
  * @threads Any.

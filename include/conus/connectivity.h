@@ -105,8 +105,11 @@ CONUS_API const conus_connection *conus_connectivity_pair(const conus_connectivi
 
 /** The pairs as a table, area by area. */
 typedef struct conus_connection_matrix {
-    size_t count; /**< Number of areas that have an end, and one more for ends in no area, where there are any. */
-    const uint32_t *areas;       /**< [count] Their numbers, ascending; 0, the ends without an area, is last. */
+    size_t count; /**< Number of areas that have voxels or triangles and are not hidden, with ends or without, and one
+                     more for ends in no area. It is the same for all bundles. */
+    const uint32_t *areas;       /**< [count] Their numbers, as they are reported (level), ascending; after
+                                    conus_atlas_show() with names, the areas named in the order of the names, also those
+                                    without voxels and triangles. 0, the ends without an area, is last. */
     const uint64_t *streamlines; /**< [count count] How many connect the two, symmetric. On the diagonal: both ends are
                                     in the area. */
     const double *length;        /**< [count count] Their mean length, mm; NaN where there are none. */

@@ -42,6 +42,7 @@
 #include <conus/candidates.h>
 #include <conus/catalogue.h>
 #include <conus/clearance.h>
+#include <conus/clusters.h>
 #include <conus/connectivity.h>
 #include <conus/export.h>
 #include <conus/file.h>

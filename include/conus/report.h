@@ -7,10 +7,10 @@
 #define CONUS_PUBLIC_REPORT_H
 
 #include <conus/clearance.h>
+#include <conus/clusters.h>
 #include <conus/connectivity.h>
 #include <conus/jitter.h>
 #include <conus/mask.h>
-#include <conus/overlap.h>
 #include <conus/plan.h>
 #include <conus/pose_file.h>
 #include <conus/probe.h>
@@ -59,7 +59,8 @@ typedef enum conus_rows {
     CONUS_ROWS_PLAN,        /**< From conus_report_add_plan(), a row for each pose that is listed. */
     CONUS_ROWS_CONSTRAINTS, /**< From the same, a row for each of them and each constraint. */
     CONUS_ROWS_PROFILE,     /**< From conus_report_add_profile(). */
-    CONUS_ROWS_TOLERANCE    /**< From conus_report_add_tolerance(). */
+    CONUS_ROWS_TOLERANCE,   /**< From conus_report_add_tolerance(). */
+    CONUS_ROWS_CLUSTERS     /**< From conus_report_add_clusters(). */
 } conus_rows;
 
 /** The order of the answers to a query. */
@@ -186,6 +187,18 @@ CONUS_CHECKED conus_status conus_report_matrix(const char **text, size_t *size, 
  */
 CONUS_CHECKED conus_status conus_report_add_overlap(conus_report *report, const char *query_id,
                                                     const conus_overlap *overlap);
+
+/**
+ * Adds the clusters of a region of interest.
+ * @param report The report.
+ * @param query_id As for conus_report_add().
+ * @param clusters May end afterwards.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_add_clusters(conus_report *report, const char *query_id,
+                                                     const conus_clusters *clusters);
 
 /**
  * Adds what an axis passes: to #CONUS_ROWS_SEGMENTS a row for each segment. To #CONUS_FORMAT_SPIKEGLX and

@@ -55,20 +55,24 @@ void catalogue_add(struct job *job, conus_catalogue *catalogue, const struct cat
 {
     struct job *own = &catalogue->job;
     struct catalogue_item item = *found;
+    catalogue_items *items = item.is_image ? &catalogue->images : &catalogue->items;
+    size_t first = item.is_image ? catalogue->source.first_image : catalogue->source.first;
     const char *name = item.atlas.name;
     if (!job_step(job) || identify(&item.id, item.atlas.path) == CATALOGUE_NOTHING) {
         return;
     }
     /* The same file by the same name. Two names of one file are two: datalad keeps files of equal content once. */
-    for (size_t i = catalogue->source.first; i < catalogue->items.count; i++) {
-        const struct catalogue_item *known = &catalogue->items.at[i];
+    for (size_t i = first; i < items->count; i++) {
+        const struct catalogue_item *known = &items->at[i];
         if (is_same(&known->id, &item.id) &&
             (strcmp(known->atlas.name, name) == 0 || (known->alias && strcmp(known->alias, name) == 0))) {
             return;
         }
     }
-    if (catalogue->items.count - catalogue->source.first == CATALOGUE_ATLASES) {
-        stop_here(catalogue, "atlases", CATALOGUE_ATLASES);
+    if (items->count - first == CATALOGUE_ATLASES) {
+        if (!item.is_image) { /* so many images may lie before an atlas */
+            stop_here(catalogue, "atlases", CATALOGUE_ATLASES);
+        }
         return;
     }
     item.atlas.source = catalogue->source.name;
@@ -76,7 +80,7 @@ void catalogue_add(struct job *job, conus_catalogue *catalogue, const struct cat
     item.atlas.path = job_copy(own, text_from(item.atlas.path));
     item.atlas.labels = item.atlas.labels ? job_copy(own, text_from(item.atlas.labels)) : NULL;
     item.alias = item.alias ? plain_name(own, item.alias) : NULL;
-    *LIST_ADD(own, &catalogue->items) = item;
+    *LIST_ADD(own, items) = item;
 }
 
 const char *catalogue_join(struct job *job, const char *folder, const char *name)

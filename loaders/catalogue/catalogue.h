@@ -8,7 +8,8 @@
 #include "conus/catalogue.h"
 
 enum {
-    CATALOGUE_ATLASES = 4096, /**< At most so many atlases of one source; the others are left out, with a note. */
+    CATALOGUE_ATLASES = 4096, /**< At most so many atlases of one source; the others are left out, with a note. So are
+                                 as many images, without one. */
     CATALOGUE_ENTRIES = 20000 /**< Files and folders that are looked at for one source. */
 };
 
@@ -21,27 +22,31 @@ struct catalogue_item {
     conus_installed atlas;
     const char *alias;      /**< Another name, or NULL. */
     struct catalogue_id id; /**< Of atlas.path, once it is added. */
+    bool is_image;          /**< A volume that counts as no labels. */
 };
 
 /** The source that is looked at. */
 struct catalogue_source {
     const char *name;
-    size_t first;                      /**< Its first item. */
+    size_t first, first_image;         /**< Its first items. */
     size_t seen;                       /**< Files and folders so far. */
     bool full;                         /**< A limit is reached, as a note says. */
     LIST(struct catalogue_id) folders; /**< That were listed, each once: no link leads around in circles. */
 };
 
+typedef LIST(struct catalogue_item) catalogue_items;
+
 struct conus_catalogue {
     struct job job; /**< Owns all texts and lists, and has the notes. */
     struct note_sink sink;
-    LIST(struct catalogue_item) items;
+    catalogue_items items;  /**< Atlases. */
+    catalogue_items images; /**< Volumes beside them, for conus_catalogue_find_image(). */
     LIST(conus_catalogue_place) places;
     struct catalogue_source source;
 };
 
-/** Adds a copy of an atlas whose path is there, with names made plain, unless the source has this file by this name
- * already. */
+/** Adds a copy of an atlas, or image, whose path is there, with names made plain, unless the source has this file by
+ * this name already. */
 void catalogue_add(struct job *job, conus_catalogue *catalogue, const struct catalogue_item *found);
 
 enum catalogue_kind { CATALOGUE_NOTHING, CATALOGUE_FILE, CATALOGUE_FOLDER };
@@ -65,7 +70,8 @@ struct folder_rule {
     bool versions;               /**< It holds atlases of BrainGlobe's third release. */
 };
 
-/** Adds the labelled volumes, manifests, FSL atlases and BrainGlobe folders in a folder and in those below it. */
+/** Adds the labelled volumes, manifests, FSL atlases and BrainGlobe folders in a folder and in those below it, and all
+ * other volumes as images. */
 void folder_look(struct job *job, conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule);
 
 /** Adds the atlases of BrainGlobe's third release in @p folder: of each the newest version by its name, and the others

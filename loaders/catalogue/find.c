@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds the atlas that a name means, and the names that were perhaps meant. */
+/* Finds the atlas, or the image, that a name means, and the names that were perhaps meant. */
 #include "base/memory.h"
 #include "base/path.h"
 #include "base/system/system.h"
@@ -77,16 +77,23 @@ static bool is_same_name(const struct catalogue_item *a, const struct catalogue_
     return a->id.device == b->id.device && a->id.inode == b->id.inode && strcmp(one, other) == 0;
 }
 
+/** Where a name is looked for, and the word for what is there: "atlas", "image". */
+struct searched {
+    const catalogue_items *items;
+    const char *what, *plural;
+    const char *hint; /* how they are listed */
+};
+
 /** The atlases that a name may mean. */
 struct candidates {
     const struct catalogue_item *items[CANDIDATES];
     size_t count; /* may be more than there is room for */
 };
 
-static void find_candidates(struct candidates *out, const conus_catalogue *catalogue, const char *name, bool folded)
+static void find_candidates(struct candidates *out, const catalogue_items *items, const char *name, bool folded)
 {
-    for (size_t i = 0; i < catalogue->items.count; i++) {
-        const struct catalogue_item *item = &catalogue->items.at[i];
+    for (size_t i = 0; i < items->count; i++) {
+        const struct catalogue_item *item = &items->at[i];
         bool is = is_called(item, name, folded);
         for (size_t j = 0; is && j < out->count && j < CANDIDATES; j++) {
             is = !is_same_name(item, out->items[j]);
@@ -98,7 +105,8 @@ static void find_candidates(struct candidates *out, const conus_catalogue *catal
     }
 }
 
-static conus_status refuse_ambiguous(const char *name, const struct candidates *candidates)
+static conus_status refuse_ambiguous(const struct searched *searched, const char *name,
+                                     const struct candidates *candidates)
 {
     struct job job = {0};
     const char *list = "";
@@ -108,8 +116,8 @@ static conus_status refuse_ambiguous(const char *name, const struct candidates *
         one_source = one_source && strcmp(atlas->source, candidates->items[0]->atlas.source) == 0;
         list = job_format(&job, "%s%s%s:%s (%s)", list, i ? ", " : "", atlas->source, atlas->name, atlas->path);
     }
-    job_fail(&job, CONUS_ERROR_ARGUMENT, "%s: %zu atlases have that name: %s%s; give %s", name, candidates->count, list,
-             candidates->count > CANDIDATES ? ", ..." : "",
+    job_fail(&job, CONUS_ERROR_ARGUMENT, "%s: %zu %s have that name: %s%s; give %s", name, candidates->count,
+             searched->plural, list, candidates->count > CANDIDATES ? ", ..." : "",
              one_source ? "the path of one" : "one with its source, or a path");
     return job_close(&job, NULL, NULL);
 }
@@ -135,7 +143,7 @@ static void rank(struct near nearest[NEAR], const conus_installed *atlas, size_t
     }
 }
 
-static conus_status refuse_unknown(const conus_catalogue *catalogue, const char *name)
+static conus_status refuse_unknown(const struct searched *searched, const char *name)
 {
     struct near nearest[NEAR] = {0};
     struct job job = {0};
@@ -143,8 +151,8 @@ static conus_status refuse_unknown(const conus_catalogue *catalogue, const char 
     size_t most = (strlen(name) + 2) / 3;
     const char *colon = strchr(name, ':');
     const struct text wanted = text_from(colon ? colon + 1 : name);
-    for (size_t i = 0; i < catalogue->items.count; i++) {
-        const conus_installed *atlas = &catalogue->items.at[i].atlas;
+    for (size_t i = 0; i < searched->items->count; i++) {
+        const conus_installed *atlas = &searched->items->at[i].atlas;
         struct text own = text_from(atlas->name);
         bool contains = wanted.size >= 3 && text_contains(own, wanted); /* then it is near */
         size_t far = contains ? 1 : text_distance(wanted, own);
@@ -156,25 +164,39 @@ static conus_status refuse_unknown(const conus_catalogue *catalogue, const char 
         list = job_format(&job, "%s%s%s", list, i ? " or " : "; did you mean ", nearest[i].atlas->name);
     }
     job_fail(&job, CONUS_ERROR_IO,
-             "%s: cannot open: No such file or directory, and no installed atlas has that name ('conus atlases' lists "
-             "them)%s%s",
-             name, list, nearest[0].atlas ? "?" : "");
+             "%s: cannot open: No such file or directory, and no installed %s has that name%s%s%s", name,
+             searched->what, searched->hint, list, nearest[0].atlas ? "?" : "");
     return job_close(&job, NULL, NULL);
 }
 
-conus_status conus_catalogue_find(const conus_installed **out, const conus_catalogue *catalogue, const char *name)
+static conus_status find_item(const conus_installed **out, const struct searched *searched, const char *name)
 {
     struct candidates candidates = {0};
-    if (!out || !catalogue || !name) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_catalogue_find: a result, a catalogue and a name are needed");
-    }
-    find_candidates(&candidates, catalogue, name, false);
+    find_candidates(&candidates, searched->items, name, false);
     if (!candidates.count) {
-        find_candidates(&candidates, catalogue, name, true);
+        find_candidates(&candidates, searched->items, name, true);
     }
     if (candidates.count == 1) {
         *out = &candidates.items[0]->atlas;
         return CONUS_OK;
     }
-    return candidates.count ? refuse_ambiguous(name, &candidates) : refuse_unknown(catalogue, name);
+    return candidates.count ? refuse_ambiguous(searched, name, &candidates) : refuse_unknown(searched, name);
+}
+
+conus_status conus_catalogue_find(const conus_installed **out, const conus_catalogue *catalogue, const char *name)
+{
+    if (!out || !catalogue || !name) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_catalogue_find: a result, a catalogue and a name are needed");
+    }
+    const struct searched atlases = {&catalogue->items, "atlas", "atlases", " ('conus atlases' lists them)"};
+    return find_item(out, &atlases, name);
+}
+
+conus_status conus_catalogue_find_image(const conus_installed **out, const conus_catalogue *catalogue, const char *name)
+{
+    if (!out || !catalogue || !name) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_catalogue_find_image: a result, a catalogue and a name are needed");
+    }
+    const struct searched images = {&catalogue->images, "image", "images", ""};
+    return find_item(out, &images, name);
 }

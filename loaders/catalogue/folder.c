@@ -32,10 +32,9 @@ static void take_file(struct job *job, conus_catalogue *catalogue, struct catalo
     const char *name = path_base(path);
     if (volume_marks_is_volume(name)) {
         found->atlas.kind = "volume";
-        if ((!rule->patterns || volume_marks_fit(name, rule->patterns, 0)) &&
-            volume_marks_find(job, found->atlas.spacing, path, rule->patterns != NULL)) {
-            add_named(job, catalogue, found, volume_stem_length(name), rule->cut);
-        }
+        found->is_image = !((!rule->patterns || volume_marks_fit(name, rule->patterns, 0)) &&
+                            volume_marks_find(job, found->atlas.spacing, path, rule->patterns != NULL));
+        add_named(job, catalogue, found, volume_stem_length(name), found->is_image ? NULL : rule->cut);
     } else if (path_ends_in(name, manifest_ending)) {
         found->atlas.kind = "scene";
         add_named(job, catalogue, found, strlen(name) - strlen(manifest_ending), NULL);

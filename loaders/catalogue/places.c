@@ -28,6 +28,8 @@ static const struct place places[] = {
     {"mricron", "$XDG_DATA_DIRS/mricron/templates", {0}},
     {"fsl", "$FSLDIR/data/atlases", {.depth = 1}},
     {"fsl", "$XDG_DATA_DIRS/fsl/data/atlases", {.depth = 1}},
+    {"fsl", "$FSLDIR/data/standard", {0}},
+    {"fsl", "$XDG_DATA_DIRS/fsl/data/standard", {0}},
     {"freesurfer", "$SUBJECTS_DIR", {.subjects = true}},
     {"freesurfer", "$FREESURFER_HOME/subjects", {.subjects = true}},
     {"brainglobe", "$HOME/.brainglobe", {.depth = 1}},
@@ -195,7 +197,8 @@ conus_status conus_catalogue_create(conus_catalogue **out, const conus_catalogue
     for (size_t i = 0; !status && i < sizeof places / sizeof places[0]; i++) {
         const char *source = catalogue->source.name;
         if (!source || strcmp(source, places[i].source) != 0) {
-            catalogue->source = (struct catalogue_source){.name = places[i].source, .first = catalogue->items.count};
+            catalogue->source = (struct catalogue_source){
+                .name = places[i].source, .first = catalogue->items.count, .first_image = catalogue->images.count};
         }
         status = look_at_place(catalogue, &places[i]);
     }

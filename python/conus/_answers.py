@@ -10,7 +10,7 @@ import numpy as np
 
 from ._conus import ffi, lib
 from ._library import (
-    ADMISSION, CHANCE, COVERAGE, RESULT, STEP, Bound, Error, array_of, check, choice, owned, path_of, text, utf8, whole,
+    ADMISSION, CHANCE, CLUSTER, COVERAGE, RESULT, STEP, Bound, Error, array_of, check, choice, owned, path_of, text, utf8, whole,
 )
 
 if TYPE_CHECKING:
@@ -668,3 +668,38 @@ class Overlap(_Study):
             "peak": self.records["peak"],
             **points_of("peak_", self.records["peak_point"], self.space),
         }
+
+
+class Clusters(_Study):
+    """The clusters of a region of interest, the largest first: of each a record of the whole, of its part in each
+    object, and of its local maxima, told apart by ``part``."""
+
+    def __init__(self, atlas: Atlas, pointer: Any) -> None:
+        clusters = owned(pointer, lib.conus_clusters_destroy)
+        count = lib.conus_clusters_count(clusters)
+        super().__init__(atlas, array_of(lib.conus_clusters_row(clusters, 0), count, CLUSTER))
+
+    def __repr__(self) -> str:
+        return f"<conus.Clusters: {(self.records['part'] == lib.CONUS_CLUSTER_WHOLE).sum()} clusters>"
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The rows of ``conus overlap --clusters``, without the column ``query``."""
+        import pandas
+
+        records = self.records
+        whole, maximum = (records["part"] == part for part in (lib.CONUS_CLUSTER_WHOLE, lib.CONUS_CLUSTER_MAXIMUM))
+        columns = identity_of(self.atlas.objects, records)
+        kind = np.select([whole, maximum], ["cluster", "maximum"], columns["kind"].astype(object))
+        return pandas.DataFrame({
+            "cluster": records["cluster"],
+            "kind": pandas.Categorical(kind),
+            "index": columns["index"],
+            "name": pandas.Categorical(np.where(whole, None, columns["name"].astype(object))),
+            "volume_mm3": records["volume"],
+            "fraction": records["fraction"],
+            "cluster_fraction": records["cluster_fraction"],
+            "peak": records["peak"],
+            **points_of("peak_", records["peak_point"], self.space),
+            "voxels": counts(records["voxels"].astype("i8"), ~whole),
+            **points_of("centre_", records["centre"], self.space),
+        })

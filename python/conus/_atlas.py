@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, 
 
 import numpy as np
 
-from ._answers import Answers, Array, Jitter, Objects, Overlap, Selection, Sweep, Track, kind_word
+from ._answers import Answers, Array, Clusters, Jitter, Objects, Overlap, Selection, Sweep, Track, kind_word
 from ._axis import Clearances, Segments
 from ._callback import Callback, load_progress, receive
 from ._candidates import candidates_stream, depth_of
@@ -202,6 +202,16 @@ def _stated(source: Any, template: Optional[str]) -> Any:
     return os.fsdecode(source) + ",template=" + template
 
 
+def _find_image(source: Any) -> Any:
+    """The path of a context, which may be the name of an installed image."""
+    path = path_of("context", source)
+    if not isinstance(source, str) or lib.conus_context_is_surface(path) or lib.conus_atlas_is_path(path):
+        return path
+    found, out = _catalogue(), ffi.new("conus_installed **")
+    check(lib.conus_catalogue_find_image(out, found, path))
+    return path_of("context", _installed(out[0]).path)
+
+
 def _from_file(
     path: Path, labels: Any, labels_anyway: bool, max_memory: int, progress: Any, probability: float, cache: bool
 ) -> Any:
@@ -286,8 +296,8 @@ def load(
         a file that does not state them, and "moves": True of streamlines in the space of the atlas's files, which
         ``transforms`` move, too.
     context, context_blocks, context_opacity
-        The context drawn around the areas: a path or nibabel image of a volume, the path of a surface, or a
-        list of these with at most one volume. Its voxels with values from ``context_blocks`` on block
+        The context drawn around the areas: a path or nibabel image of a volume, the name of an installed one
+        ("ch2bet"), the path of a surface, or a list of these with at most one volume. Its voxels with values from ``context_blocks`` on block
         rays (0 = none); surfaces have ``context_opacity``, above 0 to 1 (0 = 0.25), and block nothing.
     shell
         Draws a glass shell around all areas of voxels and the head in the context volume. A picture with
@@ -471,7 +481,7 @@ def _set_context(atlas: Any, source: Any, blocks: float, opacity: float, max_mem
         voxels, _alive = _fill_voxels(*_image_parts(source))
         state.check(lib.conus_atlas_set_context_values(atlas, voxels, options))
     else:
-        state.check(lib.conus_atlas_set_context(atlas, path_of("context", source), options))
+        state.check(lib.conus_atlas_set_context(atlas, _find_image(source), options))
 
 
 def _is_surface(source: Any) -> bool:
@@ -1089,6 +1099,18 @@ class Selector(Guarded):
         overlap: Overlap = self._place(Overlap(self.atlas, out[0]))
         return overlap
 
+    def clusters(self, roi: Any, threshold: float = 0, *, max_memory: int = 0, cache: bool = True) -> Clusters:
+        """The clusters of a region of interest, what each covers, and its local maxima: ``conus overlap --clusters``.
+
+        Voxels with a face, an edge or a corner in common are one cluster. Parameters are those of :meth:`overlap`; a
+        region of tetrahedra has no clusters.
+        """
+        region = _region(roi, threshold, byte_count("max_memory", max_memory), flag("cache", cache))
+        out = ffi.new("conus_clusters **")
+        self._call(lib.conus_clusters_create, out, self._p, region)
+        clusters: Clusters = self._place(Clusters(self.atlas, out[0]))
+        return clusters
+
     def select_many(
         self,
         origins: Any = None,
@@ -1529,6 +1551,11 @@ class Atlas:
                 **options: Any) -> Overlap:
         """Which objects a region of interest covers: see :meth:`Selector.overlap`."""
         return self._selector(options).overlap(roi, threshold, max_memory=max_memory, cache=cache)
+
+    def clusters(self, roi: Any, threshold: float = 0, *, max_memory: int = 0, cache: bool = True,
+                 **options: Any) -> Clusters:
+        """The clusters of a region of interest, with areas and maxima: see :meth:`Selector.clusters`."""
+        return self._selector(options).clusters(roi, threshold, max_memory=max_memory, cache=cache)
 
 
 # Pickling

@@ -33,7 +33,9 @@ class Connectivity:
     ``records`` has the connections of each bundle and ``pairs`` those of all bundles together, each
     streamline once, as the library's own records: numbers of objects (0 = unassigned), counts, lengths in mm.
     ``areas`` has the numbers of the areas of ``streamlines`` and ``lengths_mm``, which are symmetric tables
-    of areas by areas: how many connect them, and their mean length, NaN where there are none.
+    of areas by areas: how many connect them, and their mean length, NaN where there are none. They have all areas
+    with voxels or triangles, or, of an atlas loaded with ``only``, its areas in that order: tables of several
+    subjects have one size.
     """
 
     def __init__(self, atlas: Atlas, pointer: Any) -> None:
@@ -51,7 +53,7 @@ class Connectivity:
 
     @property
     def areas(self) -> Array:
-        """(n,) numbers of the areas of the tables, ascending; 0, the ends in no area, is last."""
+        """(n,) numbers of the areas of the tables, ascending or in the order of ``only``; 0, ends in no area, is last."""
         matrix = self._matrix()
         return array_of(matrix.areas, matrix.count, np.dtype("u4")).copy()
 

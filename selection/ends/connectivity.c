@@ -313,7 +313,8 @@ conus_status conus_connectivity_create(conus_connectivity **out, conus_selector 
         connectivity->cone = selection->cone;
         connectivity->ball = is_ball ? selection->region.radius : 0;
     }
-    conus_status status = build(connectivity, selector, selection ? &selection->region : NULL);
+    conus_status status = connection_areas_list(connectivity, selector);
+    status = status ? status : build(connectivity, selector, selection ? &selection->region : NULL);
     if (status) {
         conus_connectivity_destroy(connectivity);
         return status;

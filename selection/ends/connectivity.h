@@ -15,10 +15,13 @@ struct conus_connectivity {
     bool is_whole; /**< All streamlines; else those in */
     struct cone cone;
     double ball;     /**< radius of a ball around the cone's origin; 0 of a cone. */
-    uint32_t *areas; /**< Areas of the matrix; NULL until it is asked for. */
+    uint32_t *areas; /**< [area_count] Areas of the matrix, and 0 for ends in none. */
     size_t area_count;
-    uint64_t *streamlines;
+    uint64_t *streamlines; /**< The matrix; NULL until it is asked for. */
     double *length;
 };
+
+/** Lists the areas of the matrix, before any is asked for. CONUS_ERROR_MEMORY. */
+conus_status connection_areas_list(conus_connectivity *connectivity, const conus_selector *selector);
 
 #endif

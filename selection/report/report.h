@@ -82,6 +82,7 @@ struct report_row {
         conus_admission admission;
         conus_chance chance;
         conus_coverage coverage;
+        conus_cluster_row cluster;
         conus_segment segment;
         conus_clearance clearance;
         struct report_connection connection;
@@ -98,7 +99,7 @@ struct report_query {
     bool is_axis;                /**< Its rows describe the cone's axis: segments, clearances. */
     conus_step step;             /**< In a report on a track. */
     conus_jitter_options jitter; /**< For chances. */
-    struct report_roi roi;       /**< For coverages. */
+    struct report_roi roi;       /**< For coverages and clusters. */
     double end_radius;           /**< For connections, mm. */
     bool is_whole;               /**< These are of all streamlines, whatever the cone. */
     size_t first_row;

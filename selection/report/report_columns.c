@@ -263,6 +263,50 @@ static const struct report_column coverage_columns[] = {
     {"peak_z", "mm", "the same, z", OF_ROW(Z, coverage.peak_point)},
 };
 
+static struct cell get_cluster_kind(const conus_report *report, const struct report_row *row)
+{
+    static const char *const words[] = {[CONUS_CLUSTER_WHOLE] = "cluster", [CONUS_CLUSTER_MAXIMUM] = "maximum"};
+    conus_cluster_part part = row->cluster.part;
+    return part == CONUS_CLUSTER_COVERAGE ? get_kind(report, row) : text_cell(words[part]);
+}
+
+static struct cell get_cluster_name(const conus_report *report, const struct report_row *row)
+{
+    return row->cluster.part == CONUS_CLUSTER_WHOLE ? no_cell() : get_name(report, row);
+}
+
+static struct cell get_cluster_voxels(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return row->cluster.part == CONUS_CLUSTER_WHOLE ? integer_cell(row->cluster.voxels) : no_cell();
+}
+
+static const struct report_column cluster_columns[] = {
+    {"query", NULL, "the region", NAMED(get_query)},
+    {"cluster", NULL, "number of the cluster, 1 is the largest", OF_ROW(COUNT, cluster.cluster)},
+    {"kind", NULL, "cluster: all of it; area, pathway or unassigned: its part there; maximum: a local maximum",
+     NAMED(get_cluster_kind)},
+    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway", NAMED(get_index)},
+    {"name", NULL, "name of the area or pathway; of a maximum that with most of its voxel", NAMED(get_cluster_name)},
+    {"volume_mm3", "mm^3", "volume of the cluster, or of the part of it that is there", OF_ROW(NUMBER, cluster.volume)},
+    {"fraction", NULL, "that part of the area or pathway, 0 to 1", OF_ROW(NUMBER, cluster.fraction)},
+    {"cluster_fraction", NULL, "that part of the cluster, 0 to 1", OF_ROW(NUMBER, cluster.cluster_fraction)},
+    {"peak", NULL, "the value farthest from 0 there; of a maximum its value", OF_ROW(NUMBER, cluster.peak)},
+    {"peak_x", "mm", "centre of the voxel that has it, x", OF_ROW(X, cluster.peak_point)},
+    {"peak_y", "mm", "the same, y", OF_ROW(Y, cluster.peak_point)},
+    {"peak_z", "mm", "the same, z", OF_ROW(Z, cluster.peak_point)},
+    {"voxels", NULL, "voxels of the cluster", .get = get_cluster_voxels},
+    {"centre_x", "mm", "centre of mass of the cluster, its voxels weighted by value, x", OF_ROW(X, cluster.centre)},
+    {"centre_y", "mm", "the same, y", OF_ROW(Y, cluster.centre)},
+    {"centre_z", "mm", "the same, z", OF_ROW(Z, cluster.centre)},
+};
+
+static const struct report_column cluster_error_columns[] = {
+    {"volume_error_mm3", "mm^3",
+     "the volume is no farther off, estimated, where lines decide what is in several surfaces; 0 where it is exact",
+     OF_ROW(NUMBER, cluster.volume_error)},
+};
+
 static const struct report_column error_columns[] = {
     {"volume_error_mm3", "mm^3",
      "the volume is no farther off, estimated, where lines decide what is in several surfaces; 0 where it is exact",
@@ -274,7 +318,9 @@ static bool has_errors(const conus_report *report)
 {
     bool has = false;
     for (size_t i = 0; i < report->row_count; i++) {
-        has = has || report->rows[i].coverage.volume_error > 0;
+        const struct report_row *row = &report->rows[i];
+        bool of_cluster = report->options.rows == CONUS_ROWS_CLUSTERS;
+        has = has || (of_cluster ? row->cluster.volume_error : row->coverage.volume_error) > 0;
     }
     return has || (report->next && has_errors(report->next));
 }
@@ -931,6 +977,12 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
             list_table(out, report, error_columns, COUNT_OF(error_columns));
         }
         break;
+    case CONUS_ROWS_CLUSTERS:
+        list_table(out, report, cluster_columns, COUNT_OF(cluster_columns));
+        if (has_errors(report)) {
+            list_table(out, report, cluster_error_columns, COUNT_OF(cluster_error_columns));
+        }
+        break;
     case CONUS_ROWS_SEGMENTS:
         list_table(out, report, segment_columns, COUNT_OF(segment_columns));
         break;
@@ -990,7 +1042,7 @@ bool conus_column_is_number(const char *name)
         ALL_OF(chance_columns),     ALL_OF(coverage_columns),   ALL_OF(segment_columns),   ALL_OF(clearance_columns),
         ALL_OF(connection_columns), ALL_OF(summary_columns),    ALL_OF(electrode_columns), ALL_OF(voxel_columns),
         ALL_OF(plan_columns),       ALL_OF(constraint_columns), ALL_OF(profile_columns),   ALL_OF(tolerance_columns),
-        ALL_OF(probe_columns),      ALL_OF(bep032_columns),     ALL_OF(error_columns)};
+        ALL_OF(probe_columns),      ALL_OF(bep032_columns),     ALL_OF(error_columns),     ALL_OF(cluster_columns)};
     for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (size_t k = 0; k < tables[i].count; k++) {
             if (strcmp(tables[i].columns[k].name, name) == 0) {

@@ -345,7 +345,7 @@ static json_t *json_from_settings(const conus_report *report)
     const conus_selector_options *options = &report->selector;
     conus_rows rows = report->options.rows;
     bool has_axes = report_is_of_axes(rows) || rows == CONUS_ROWS_CONNECTIONS || report->plan.count > 0;
-    if (has_axes || rows == CONUS_ROWS_COVERAGES) { /* which have no rays of pixels */
+    if (has_axes || rows == CONUS_ROWS_COVERAGES || rows == CONUS_ROWS_CLUSTERS) { /* which have no rays of pixels */
         json_t *few = json_object();
         bool level_is_there = has_axes && report->name; /* in that of each atlas */
         return whole_or_null(few, (!has_axes || add_range(few, options)) && add_shape(few, report) &&

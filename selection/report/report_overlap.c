@@ -26,21 +26,26 @@ static void write_coverage(struct buffer *out, const conus_report *report, const
                   100 * coverage->roi_fraction, coverage->peak, digits, at[0], digits, at[1], digits, at[2]);
 }
 
+void table_write_region(struct buffer *out, const struct report_query *query)
+{
+    char threshold[TEXT_NUMBER_SIZE];
+    char volume[TABLE_VOLUME_SIZE];
+    const struct report_roi *roi = &query->roi;
+    buffer_format(out, "region %s: ", query->id);
+    if (roi->threshold == 0) {
+        buffer_text(out, "mask");
+    } else {
+        buffer_format(out, "values of %s and %s", text_number(threshold, roi->threshold),
+                      roi->threshold > 0 ? "more" : "less");
+    }
+    buffer_format(out, ", %s mm^3\n", table_volume(volume, roi->volume_mm3));
+}
+
 void report_write_overlap(struct buffer *out, const conus_report *report)
 {
     int width = table_name_width(report);
     for (size_t i = 0; i < report->query_count; i++) {
-        char threshold[TEXT_NUMBER_SIZE];
-        char volume[TABLE_VOLUME_SIZE];
-        const struct report_roi *roi = &report->queries[i].roi;
-        buffer_format(out, "region %s: ", report->queries[i].id);
-        if (roi->threshold == 0) {
-            buffer_text(out, "mask");
-        } else {
-            buffer_format(out, "values of %s and %s", text_number(threshold, roi->threshold),
-                          roi->threshold > 0 ? "more" : "less");
-        }
-        buffer_format(out, ", %s mm^3\n", table_volume(volume, roi->volume_mm3));
+        table_write_region(out, &report->queries[i]);
         for (const conus_report *of = report; of && i < of->query_count; of = of->next) {
             table_write_atlas(out, of);
             char axes[TABLE_AXES_SIZE];

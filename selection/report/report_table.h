@@ -55,6 +55,9 @@ void table_write_space(struct buffer *out, const conus_report *report);
 /** Writes the line above the answers of one of several atlases; nothing where there is one. */
 void table_write_atlas(struct buffer *out, const conus_report *report);
 
+/** Writes the line that says what the region of a query is. */
+void table_write_region(struct buffer *out, const struct report_query *query);
+
 /** Writes the line of a query without an answer. */
 void table_write_error(struct buffer *out, const struct report_query *query, bool more);
 

@@ -20,6 +20,7 @@ void report_each_row(const conus_report *report, report_take_row *take, void *us
 /* Tables for people. */
 void report_write_table(struct buffer *out, const conus_report *report);       /**< Answers.          */
 void report_write_track(struct buffer *out, const conus_report *report);       /**< A track.          */
+void report_write_clusters(struct buffer *out, const conus_report *report);    /**< Clusters of regions. */
 void report_write_overlap(struct buffer *out, const conus_report *report);     /**< Coverages.        */
 void report_write_segments(struct buffer *out, const conus_report *report);    /**< Segments.        */
 void report_write_clearances(struct buffer *out, const conus_report *report);  /**< Clearances.        */

@@ -57,13 +57,45 @@ struct counting {
     unsigned quarter;             /* of the line under way */
     struct crossed *crossed;      /* [object_count] */
     size_t crossed_count;
-    size_t voxel;   /* the one under way, or the tetrahedron */
-    uint64_t piece; /* likewise, from 1 */
+    size_t voxel;           /* the one under way, or the tetrahedron */
+    uint64_t piece;         /* likewise, from 1 */
+    double low[3], high[3]; /* bounds of the region in the world, with a voxel more on each side */
 };
 
 static const struct mesh *closed_mesh(const conus_atlas *atlas, uint32_t number)
 {
     return atlas->objects[number - 1].closed ? atlas_object_mesh(atlas, number) : NULL;
+}
+
+static void find_bounds(struct counting *counting)
+{
+    const conus_roi *roi = counting->roi;
+    for (int a = 0; a < 3; a++) {
+        counting->low[a] = INFINITY;
+        counting->high[a] = -INFINITY;
+    }
+    for (int corner = 0; corner < 8; corner++) {
+        double at[3];
+        for (int a = 0; a < 3; a++) {
+            at[a] = corner >> a & 1 ? (double)roi->high[a] + 1.5 : (double)roi->low[a] - 1.5;
+        }
+        mat4_point(at, roi->volume.info.world_from_voxel, at);
+        for (int a = 0; a < 3; a++) {
+            counting->low[a] = fmin(counting->low[a], at[a]);
+            counting->high[a] = fmax(counting->high[a], at[a]);
+        }
+    }
+}
+
+/* A closed mesh that may have something in the region; else NULL. Regions are small where they are clusters. */
+static const struct mesh *near_mesh(const struct counting *counting, uint32_t number)
+{
+    const struct mesh *mesh = closed_mesh(counting->selector->atlas, number);
+    for (int a = 0; mesh && a < 3; a++) {
+        bool is_near = mesh->shape.low[a] <= counting->high[a] && mesh->shape.high[a] >= counting->low[a];
+        mesh = is_near ? mesh : NULL;
+    }
+    return mesh;
 }
 
 static conus_status cross_meshes(struct counting *counting)
@@ -89,7 +121,7 @@ static conus_status cross_meshes(struct counting *counting)
         counting->lines.count[a] = (counting->roi->high[a] - counting->roi->low[a] + 1) * counting->per_voxel;
     }
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
-        const struct mesh *mesh = closed_mesh(atlas, number);
+        const struct mesh *mesh = near_mesh(counting, number);
         size_t count = mesh ? mesh->triangle_count : 0;
         for (size_t i = 0; !status && i < count; i++) {
             status = mesh_lines_cross(&counting->lines, number, mesh, i, frame);
@@ -368,7 +400,7 @@ static conus_status measure_meshes(struct counting *counting)
     const conus_atlas *atlas = counting->selector->atlas;
     conus_status status = CONUS_OK;
     for (uint32_t number = 1; !status && number <= atlas->object_count; number++) {
-        const struct mesh *mesh = closed_mesh(atlas, number);
+        const struct mesh *mesh = near_mesh(counting, number);
         if (mesh && mesh->shape.has_volume) {
             struct measured *measured = &counting->is_measured[number];
             measured->of_group = !selector_lies_in_mesh(counting->selector, number, false);
@@ -440,26 +472,33 @@ static int compare_rows(const void *a, const void *b)
     return order ? order : compare_unsigned(x->object, y->object);
 }
 
-static conus_status build(struct conus_overlap *overlap, const conus_selector *selector, const conus_roi *roi)
+conus_status overlap_describe(struct conus_overlap *out, const conus_roi *roi)
 {
     const conus_volume_info *info = &roi->volume.info;
+    out->threshold = info->threshold;
+    out->volume = info->volume;
+    out->volume_mm3 = roi->mm3;
+    out->tetrahedra = roi->nodes ? roi->voxels : 0;
+    memcpy(out->sha256, info->sha256, sizeof out->sha256);
+    out->path = memory_text(info->path, strlen(info->path));
+    return out->path ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status build(struct conus_overlap *overlap, const conus_selector *selector, const conus_roi *roi)
+{
     size_t count = selector->atlas->object_count + 1;
     struct counting counting = {.selector = selector, .roi = roi, .overlap = overlap};
-    overlap->threshold = info->threshold;
-    overlap->volume = info->volume;
-    overlap->volume_mm3 = roi->mm3;
-    overlap->tetrahedra = roi->nodes ? roi->voxels : 0;
-    memcpy(overlap->sha256, info->sha256, sizeof overlap->sha256);
-    overlap->path = memory_text(info->path, strlen(info->path));
+    conus_status status = overlap_describe(overlap, roi);
     overlap->rows = memory_raw(count, sizeof *overlap->rows);
     counting.tallies = memory_zeroed(count, sizeof *counting.tallies);
     counting.crossed = memory_raw(count, sizeof *counting.crossed);
     counting.is_measured = memory_zeroed(count, sizeof *counting.is_measured);
-    bool fits = overlap->path && overlap->rows && counting.tallies && counting.crossed && counting.is_measured;
-    conus_status status =
-        fits ? shares_init(&counting.shares, selector->atlas, info->world_from_voxel, count) : CONUS_ERROR_MEMORY;
+    bool fits = !status && overlap->rows && counting.tallies && counting.crossed && counting.is_measured;
+    status = fits ? shares_init(&counting.shares, selector->atlas, roi->volume.info.world_from_voxel, count)
+                  : CONUS_ERROR_MEMORY;
     counting.shares.take = count_piece;
     counting.shares.user = &counting;
+    find_bounds(&counting);
     status = status || roi->nodes ? status : measure_meshes(&counting);
     status = status ? status : cross_meshes(&counting);
     status = status ? status : roi->nodes ? count_tetrahedra(&counting) : count_lines(&counting);

@@ -5,6 +5,7 @@
 
 #include "conus/aims.h"
 #include "conus/clearance.h"
+#include "conus/clusters.h"
 #include "conus/jitter.h"
 #include "conus/overlap.h"
 #include "conus/segments.h"
@@ -54,6 +55,16 @@ struct conus_overlap {
     double threshold;    /**< 0 of a mask.                    */
     double volume_mm3;   /**< Volume of the region.                  */
     uint64_t tetrahedra; /**< How many it has; 0 of voxels. */
+};
+
+/** Fills in what an overlap says of its region. @p out is the caller's to end also on failure, CONUS_ERROR_MEMORY. */
+conus_status overlap_describe(struct conus_overlap *out, const conus_roi *roi);
+
+/* clusters.c: those of a region, and what each covers. */
+struct conus_clusters {
+    struct conus_overlap region; /**< Without rows. */
+    conus_cluster_row *rows;
+    size_t count, capacity;
 };
 
 /* segments.c: what an axis passes (Eq. 17). */

@@ -127,6 +127,33 @@ fsl_xml() {
     [ "$(field scene kind)" = scene ]
 }
 
+@test "a context by the name of an image" {
+    make_volumes
+    put l.nii.gz b/labels_2mm.nii.gz
+    put t1.nii.gz b/sub-01_T1w.nii.gz
+    export CONUS_ATLAS_PATH="$PWD/b"
+    aim='--origin 0,0,99 --toward 0,0,0 --context-blocks 0.5 -q'
+    run -0 conus query labels_2mm $aim --context "$PWD/b/sub-01_T1w.nii.gz" -o path.tsv
+    run -0 conus query labels_2mm $aim --context SUB-01.T1w -o name.tsv
+    cmp path.tsv name.tsv
+    run -0 conus verify name.tsv
+    [ "$(jq -r '.Atlas.volumes[] | select(.role == "context") | .path' name.json)" = "$PWD/b/sub-01_T1w.nii.gz" ]
+    # An image is no atlas, and an atlas no image; what is near is named.
+    fails 3 "no installed image has that name; did you mean sub-01_T1w?" query labels_2mm $aim --context sub-02_T1w
+    fails 3 "no installed image has that name" query labels_2mm $aim --context labels_2mm
+    fails 3 "no installed atlas has that name" info sub-01_T1w
+    # Moved, it is found by its sum, as an atlas is.
+    mkdir -p elsewhere && mv b/*.nii.gz elsewhere/
+    unset CONUS_ATLAS_PATH
+    run -0 conus verify name.tsv --search elsewhere
+    has identical
+    # Two images of one name: both are shown.
+    put t1.nii.gz b/sub-01_T1w.nii.gz c/sub-01_T1w.nii.gz
+    put l.nii.gz b/labels_2mm.nii.gz
+    export CONUS_ATLAS_PATH="$PWD/b:$PWD/c"
+    fails 2 "2 images have that name" query labels_2mm $aim --context sub-01_T1w
+}
+
 @test "FSL: the labelled volumes of an XML, the finest under its name" {
     make_volumes
     export FSLDIR=$PWD/fsl

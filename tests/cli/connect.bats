@@ -55,6 +55,47 @@ says_identical() {
     has identical
 }
 
+@test "a matrix has all areas, or those of a list in its order" {
+    lines
+    printf 'Ball\n# a comment\nU\n' >areas.txt
+    run -0 conus connect $U -q -o rows.tsv --connectivity matrix.tsv --only @areas.txt
+    [ "$(tr '\t\n' ' ;' <matrix.tsv)" = "area Ball U unassigned;Ball 0 2 0;U 2 2 0;unassigned 0 0 1;" ]
+    says_identical rows.tsv
+    conus connect $U -q --force -o rows.json --connectivity matrix.json --only @areas.txt
+    [ "$(jq -c '[.Rows[] | [.area, .streamlines]]' matrix.json)" = \
+        '[["Ball",[0,2,0]],["U",[2,2,0]],["unassigned",[0,0,1]]]' ]
+    says_identical matrix.json
+    python3 "$BATS_TEST_DIRNAME/tck.py" none.tck 0,40,0 0,50,0
+    conus connect u-shape.nii.gz none.tck -q -o none.tsv --force --connectivity matrix.tsv
+    [ "$(tr '\t\n' ' ;' <matrix.tsv)" = "area U Ball unassigned;U 0 0 0;Ball 0 0 0;unassigned 0 0 1;" ]
+}
+
+@test "a list of areas keeps all bundles, one with bundles those, and what hides them is an error elsewhere" {
+    lines
+    conus connect $U -q -o all.tsv --only U,Ball
+    conus connect $U --streamlines lines.tck,name=other -q -o one.tsv --only U,Ball,lines
+    conus connect $U --streamlines lines.tck,name=other -q -o left.tsv --only U,Ball --hide other
+    [ "$(rows all.tsv)" = "$(rows one.tsv)" ]
+    [ "$(rows all.tsv)" = "$(rows left.tsv)" ]
+    fails 2 "all streamlines are hidden" connect $U --hide lines
+    fails 2 "all streamlines are hidden" query $U --point 0,0,5 --radius 9 --only U --connectivity matrix.tsv
+    conus query $U --point 0,0,5 --radius 9 --only Ball,U,lines --connectivity matrix.tsv -q >answer.txt
+    [ "$(head -1 matrix.tsv | tr '\t' ' ')" = "area Ball U unassigned" ]
+}
+
+@test "tractograms stand behind ATLAS" {
+    lines
+    conus connect $U -q -o option.tsv
+    conus connect u-shape.nii.gz lines.tck -q -o operand.tsv
+    cmp option.tsv operand.tsv
+    says_identical operand.tsv
+    conus connect u-shape.nii.gz lines.tck,name=first lines.tck,name=second --streamlines lines.tck -q -o three.tsv
+    [ "$(cut -f 3 three.tsv | sed 1d | uniq | tr '\n' ' ')" = "first second lines " ]
+    says_identical three.tsv
+    fails 2 "FILE is empty" connect u-shape.nii.gz ""
+    fails 2 "would overwrite" connect u-shape.nii.gz lines.tck -o lines.tck --format tsv --force
+}
+
 @test "the radius round an end" {
     lines
     conus connect $U -q -o near.tsv --endpoint-radius 1.4
@@ -84,10 +125,10 @@ says_identical() {
     conus query $U $aim --endpoints ends.json --connectivity matrix.json >answer.txt
     [ "$(jq -c '[.Rows[] | [.end_a, .end_b, .streamlines]]' ends.json)" = '[["U","U",2],["U","Ball",1]]' ]
     [ "$(jq -c '.Rows[] | [.area, .index, .streamlines, .mean_length_mm]' matrix.json | tr '\n' ' ')" = \
-        '["U",1,[2,1],[52.4400903,10.5]] ["Ball",2,[1,0],[10.5,null]] ' ]
+        '["U",1,[2,1,0],[52.4400903,10.5,null]] ["Ball",2,[1,0,0],[10.5,null,null]] ["unassigned",null,[0,0,0],[null,null,null]] ' ]
     [ "$(jq -r '.Atlas.volumes[0].path' matrix.json)" = u-shape.nii.gz ]
     conus query $U $aim --connectivity matrix.csv >answer.txt
-    [ "$(tr -d '\r' <matrix.csv | tr '\n' ';')" = "area,U,Ball;U,2,1;Ball,1,0;" ]
+    [ "$(tr -d '\r' <matrix.csv | tr '\n' ';')" = "area,U,Ball,unassigned;U,2,1,0;Ball,1,0,0;unassigned,0,0,0;" ]
     says_identical ends.json
     says_identical matrix.json
 }

@@ -155,3 +155,69 @@ nested.nii.gz is an atlas: ATLAS comes first, then ROI" overlap map.nrrd nested.
     fails 3 'cut.hdf5: HDF5: cannot open it: ' overlap nested.nii.gz cut.hdf5 --threshold 1
     CONUS_HDF5=$PWD/none fails 3 'field.hdf5: CONUS_HDF5: ' overlap nested.nii.gz field.hdf5 --threshold 1
 }
+
+# A map of 1 mm voxels in a row along x, from -3 to 12, through the middle of the nested phantom's core.
+map() {
+    conus phantom nested -o .
+    printf '%s\n' NRRD0004 'type: float' 'dimension: 3' 'sizes: 16 1 1' 'space: RAS' \
+        'space directions: (1,0,0) (0,1,0) (0,0,1)' 'space origin: (-3,0,0)' 'encoding: text' '' \
+        '5 4 4 0 9 0 -7 -7 0 4 4 4 4 4 4 6' >map.nrrd
+}
+
+# rows FILE: the columns cluster, kind, volume_mm3, cluster_fraction, peak, peak_x, voxels and centre_x.
+rows() {
+    cut -f 2,3,6,8,9,10,13,14 "$1" | sed 1d | tr '\t\n' ' ;'
+}
+
+@test "clusters by size, their areas and maxima, with a sidecar that is verified" {
+    map
+    run -0 conus overlap nested.nii.gz map.nrrd --threshold 3 -q -o areas.tsv --clusters clusters.tsv
+    [ "$(head -1 clusters.tsv | tr '\t' ' ')" = "query cluster kind index name volume_mm3 fraction cluster_fraction peak \
+peak_x peak_y peak_z voxels centre_x centre_y centre_z" ]
+    # (6 + 7 + 8 + 9 + 10 + 11) 4 + 12 * 6 = 276 of 30; (-3 * 5 - 2 * 4 - 1 * 4) of 13
+    # The core ends at x = 8.
+    wanted='1 cluster 7 1 6 12 7 9.2;1 area 4.5 0.642857143 6 12 n/a n/a;1 area 2.5 0.357142857 4 6 n/a n/a;'
+    wanted+='1 maximum n/a n/a 6 12 n/a n/a;'
+    wanted+='2 cluster 3 1 5 -3 3 -2.07692308;2 area 3 1 5 -3 n/a n/a;2 maximum n/a n/a 5 -3 n/a n/a;'
+    wanted+='3 cluster 1 1 9 1 1 1;3 area 1 1 9 1 n/a n/a;3 maximum n/a n/a 9 1 n/a n/a;'
+    [ "$(rows clusters.tsv)" = "$wanted" ]
+    [ "$(awk -F'\t' '$3 == "area" { sum += $6 } END { print sum }' clusters.tsv)" = \
+        "$(awk -F'\t' 'NR > 1 { sum += $7 } END { print sum }' areas.tsv)" ]
+    [ "$(jq -r '.Queries[0].threshold, .Question.rows' clusters.json | xargs)" = "3 clusters" ]
+    for file in areas clusters; do
+        run -0 conus verify $file.tsv
+        has identical
+    done
+    answers cite clusters.tsv
+    output=$(tr '\n' ' ' <<<"$output")
+    has "Voxels with a face, an edge or a corner in common were one cluster; its local maxima were at least 8 mm apart."
+}
+
+@test "clusters below a negative threshold, of a mask, and in other formats" {
+    map
+    conus overlap nested.nii.gz map.nrrd --threshold=-3 -q -o areas.tsv --clusters low.csv
+    [ "$(tr -d '\r' <low.csv | sed 1d | cut -d , -f 3,6,9,10 | xargs)" = "cluster,2,-7,3 area,2,-7,3 maximum,n/a,-7,3" ]
+    conus overlap nested.nii.gz map.nrrd --threshold=-3 -q -o two.csv --clusters also.json
+    [ "$(jq -c '[.Rows[] | [.kind, .peak]]' also.json)" = '[["cluster",-7],["area",-7],["maximum",-7]]' ]
+    run -0 conus verify also.json
+    has identical
+    conus overlap nested.nii.gz map.nrrd --threshold=-3 -q -o three.csv --clusters low.txt
+    run -0 cat low.txt
+    has "cluster 1: 2 voxels, 2.0 mm^3, peak -7 at 3.00, 0.00, 0.00, centre of mass 3.50, 0.00, 0.00, RAS mm"
+    scene
+    conus overlap nested.nii.gz cone.nii.gz -q -o mask-areas.tsv --clusters mask.tsv
+    [ "$(cut -f 3 mask.tsv | sort -u | xargs)" = "area cluster kind" ]
+    conus overlap nested.nii.gz cone.nii.gz cone.nii.gz --atlas nested.nii.gz -q -o all.tsv --clusters all-clusters.tsv
+    [ "$(cut -f 2 all-clusters.tsv | uniq | xargs)" = "atlas nested nested-2 nested nested-2" ]
+    run -0 conus verify all-clusters.tsv
+    has identical
+}
+
+@test "clusters that cannot be written are refused" {
+    map
+    fails 2 "--clusters needs a file" overlap nested.nii.gz map.nrrd --threshold 3 --clusters -
+    fails 2 "--clusters ends in none of" overlap nested.nii.gz map.nrrd --threshold 3 --clusters clusters.xml
+    fails 2 "are the same file" overlap nested.nii.gz map.nrrd --threshold 3 -o rows.tsv --clusters rows.tsv
+    fails 2 "is no mask: a threshold is needed" overlap nested.nii.gz map.nrrd --clusters rows.tsv
+    [ ! -e rows.tsv ]
+}

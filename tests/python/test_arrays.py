@@ -30,6 +30,7 @@ CALLS = {
     "select_many": (lambda atlas: atlas.select_many, MANY),
     "track": (lambda atlas: atlas.track, {"times_s": [0], **MANY}),
     "overlap": (lambda atlas: atlas.overlap, {"roi": (plates(), AFFINE)}),
+    "clusters": (lambda atlas: atlas.clusters, {"roi": (plates(), AFFINE)}),
     "connectivity": (lambda atlas: bundled().connectivity, {}),
     "endpoints": (lambda atlas: bundled().select(**RIGHT).endpoints, {}),
     "Tracker": (lambda atlas: lambda **o: conus.Tracker(atlas.selector(), **o), {}),

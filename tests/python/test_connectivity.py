@@ -47,9 +47,9 @@ def test_connections_of_plates(lined):
     assert list(frame["bundle"]) == 3 * ["lines"] and frame["end_b_index"].isna().tolist() == [False, False, True]
     near = lined.connectivity(radius=5)
     assert near.records["streamlines"].tolist() == [4, 1] and len(near) == 2
-    assert near.areas.tolist() == [1, 2]
-    assert near.streamlines.tolist() == [[1, 4], [4, 0]]
-    assert near.lengths_mm[0].tolist() == [5, 255 / 4] and np.isnan(near.lengths_mm[1, 1])
+    assert near.areas.tolist() == [1, 2, 0]
+    assert near.streamlines.tolist() == [[1, 4, 0], [4, 0, 0], [0, 0, 0]]
+    assert near.lengths_mm[0, :2].tolist() == [5, 255 / 4] and np.isnan(near.lengths_mm[1, 1])
     assert near.matrix().loc[left, right] == 4
 
 

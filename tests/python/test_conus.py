@@ -325,6 +325,27 @@ def test_overlap_is_that_of_the_program(tmp_path):
         assert same(atlas.overlap(roi, threshold=1.5).records, atlas.overlap(path, 1.5).records)
 
 
+@needs_aal
+def test_clusters_are_those_of_the_program(tmp_path):
+    random = np.random.default_rng(2)
+    image = nibabel.Nifti1Image(random.normal(size=(30, 40, 30)).astype("f4"), np.diag([3.0, 3, 3, 1]))
+    path, table = tmp_path / "map.nii", tmp_path / "clusters.tsv"
+    image.to_filename(path)
+    atlas = conus.load(AAL)
+    for threshold in (2.5, -3):
+        clusters = atlas.clusters(image, threshold)
+        call_conus("overlap", AAL, path, f"--threshold={threshold}", "--quiet", "--force", "--clusters", table,
+                   "-o", tmp_path / "areas.tsv")
+        frame = clusters.to_dataframe()
+        assert_rows_of_the_program(frame, pandas.read_csv(table, sep="\t", na_values="n/a", keep_default_na=False))
+        assert set(frame["kind"]) == {"cluster", "area", "unassigned", "maximum"}
+        assert f"{(frame['kind'] == 'cluster').sum()} clusters" in repr(clusters)
+        whole = atlas.overlap(image, threshold).records
+        parts = frame[frame["kind"].isin(["area", "unassigned"])].groupby("name", observed=True)["volume_mm3"].sum()
+        for record in whole:
+            assert parts[atlas.objects.names[record["object"]]] == pytest.approx(record["volume"], rel=1e-9)
+
+
 def test_overlap_of_plates(atlas):
     """Half of the left plate, 5 of its 10 layers of 30 x 30 voxels of 8 mm^3."""
     mask = np.zeros((40, 30, 30), "u1")

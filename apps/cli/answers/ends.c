@@ -79,7 +79,8 @@ int rows_file_write(const struct rows_file *file, const struct provenance *prove
     struct provenance own = *provenance;
     own.option = file->kind->option;
     own.question.rows = file->kind->word;
-    own.question.region = file->kind->rows == CONUS_ROWS_CONNECTIONS ? own.question.region : "axis";
+    bool is_of_axis = file->kind->rows != CONUS_ROWS_CONNECTIONS && file->kind->rows != CONUS_ROWS_CLUSTERS;
+    own.question.region = is_of_axis ? "axis" : own.question.region;
     return answer_write(file->reports[0], file->path, file->sidecar, &own);
 }
 
@@ -96,7 +97,8 @@ const struct option connectivity_options[] = {
     {.name = "connectivity",
      OPTION_AT(struct ends_settings, connectivity),
      .value = "FILE",
-     .help = "write the table, area by area, of how many streamlines connect them: .tsv, .csv, or .json",
+     .help = "write the table, area by area, of how many streamlines connect them: .tsv, .csv, or .json; it has all "
+             "areas with voxels or triangles, or those of --only in their order",
      .words = "connectome, matrix",
      .role = OPTION_WRITES_ROWS,
      .flags = OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE},
@@ -124,15 +126,18 @@ conus_connectivity_options ends_options_of(const struct ends_settings *settings,
 
 bool ends_check_atlases(const struct atlases *atlases)
 {
+    bool is_hidden = false;
     for (size_t i = 0; i < atlases->count; i++) {
         const conus_object *object;
         for (uint32_t number = 1; (object = conus_atlas_object(atlases->items[i].atlas, number)); number++) {
-            if (object->kind == CONUS_KIND_BUNDLE) {
+            if (object->kind == CONUS_KIND_BUNDLE && !conus_atlas_is_hidden(atlases->items[i].atlas, number)) {
                 return true;
             }
+            is_hidden = is_hidden || object->kind == CONUS_KIND_BUNDLE;
         }
     }
-    return refuse("there are no streamlines, --streamlines FILE adds some");
+    return is_hidden ? refuse("all streamlines are hidden: --only names the bundles to keep beside areas")
+                     : refuse("there are no streamlines, --streamlines FILE adds some");
 }
 
 int matrix_file_init(struct matrix_file *out, const char *path)

@@ -567,6 +567,13 @@ static void put_overlap(FILE *out, const struct citation *citation)
           out);
 }
 
+static void put_clusters(FILE *out, const struct citation *citation)
+{
+    put_overlap(out, citation);
+    fputs(" Voxels with a face, an edge or a corner in common were one cluster", out);
+    fputs(option_value(citation, "threshold") ? "; its local maxima were at least 8 mm apart." : ".", out);
+}
+
 static void put_plan(FILE *out, const struct citation *citation)
 {
     const json_t *plan = json_object_get(citation->sidecar, "Plan");
@@ -602,6 +609,7 @@ static const struct {
     bool has_rays;
 } sentences[] = {
     {"coverages", NULL, put_overlap, false},
+    {"clusters", NULL, put_clusters, false},
     {"connections", NULL, put_connections, false},
     {"admissions", NULL, put_admission, false},
     {"segments", NULL, put_axis, false},

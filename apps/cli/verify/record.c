@@ -339,11 +339,27 @@ bool record_add_input(struct record *record, const char *path)
     return true;
 }
 
-const char *record_atlas(const struct record *record, size_t index)
+static const json_t *atlas_at(const struct record *record, size_t index)
 {
     const json_t *several = json_object_get(record->root, "Atlases");
-    const json_t *atlas = several ? json_array_get(several, index)
-                          : index ? NULL
-                                  : json_object_get(record->root, "Atlas");
-    return json_string_value(json_object_get(atlas, "path"));
+    return several ? json_array_get(several, index) : index ? NULL : json_object_get(record->root, "Atlas");
+}
+
+const char *record_atlas(const struct record *record, size_t index)
+{
+    return json_string_value(json_object_get(atlas_at(record, index), "path"));
+}
+
+const char *record_context(const struct record *record)
+{
+    size_t i;
+    const json_t *volume;
+    json_array_foreach(json_object_get(atlas_at(record, 0), "volumes"), i, volume)
+    {
+        const char *role = json_string_value(json_object_get(volume, "role"));
+        if (role && strcmp(role, "context") == 0) {
+            return json_string_value(json_object_get(volume, "path"));
+        }
+    }
+    return NULL;
 }

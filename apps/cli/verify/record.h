@@ -58,4 +58,7 @@ bool record_add_input(struct record *record, const char *path);
 /** Path that the record's atlas @p index was loaded from, of several in their order; NULL if it does not say. */
 const char *record_atlas(const struct record *record, size_t index);
 
+/** Path of the context of the record's atlas, of several the first's; NULL if it has none. */
+const char *record_context(const struct record *record);
+
 #endif

@@ -482,21 +482,28 @@ static void put_path(struct writing *out, const char *name, const char *path)
     }
 }
 
-/* An atlas that was given by its name: if that means another file here, or none, the recorded file. */
-static char *atlas_word(const struct writing *out, const char *given, size_t index)
+typedef conus_status (*catalogue_search)(const conus_installed **out, const conus_catalogue *catalogue,
+                                         const char *name);
+
+/* What was given by its name: if that means another file here, or none, the recorded file. */
+static char *named_word(const struct writing *out, const char *given, const char *recorded, catalogue_search find)
 {
-    const char *recorded = record_atlas(out->replay->record, index);
     size_t length = recorded ? strlen(recorded) : 0;
     bool is_name = recorded && path_is_name(given) && strncmp(given, recorded, length) != 0;
     if (is_name) {
         const conus_installed *atlas = NULL;
         conus_catalogue *catalogue = NULL;
-        bool same = !conus_catalogue_create(&catalogue, NULL) && !conus_catalogue_find(&atlas, catalogue, given) &&
+        bool same = !conus_catalogue_create(&catalogue, NULL) && !find(&atlas, catalogue, given) &&
                     strcmp(atlas->path, recorded) == 0 && !out->stage->is_moved;
         conus_catalogue_destroy(catalogue);
         given = same ? given : recorded;
     }
     return stage_word(out->stage, given);
+}
+
+static char *atlas_word(const struct writing *out, const char *given, size_t index)
+{
+    return named_word(out, given, record_atlas(out->replay->record, index), conus_catalogue_find);
 }
 
 /* A file of the same name in a folder of its own, with its key (NULL = none). */
@@ -539,6 +546,10 @@ static void put_use(struct writing *out, const struct option_use *use)
         break;
     case OPTION_READS_ATLAS:
         read = atlas_word(out, use->value, ++out->atlases);
+        put_path(out, name, read);
+        break;
+    case OPTION_READS_IMAGE:
+        read = named_word(out, use->value, record_context(out->replay->record), conus_catalogue_find_image);
         put_path(out, name, read);
         break;
     case OPTION_WRITES_ANSWER:

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Eq. 20: the areas that bundles connect, for lines from area to area whose counts and lengths are known. */
 #include "atlas/bundles.h"
+#include "atlas/labels/labels.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/report.h"
@@ -342,8 +343,76 @@ static void test_without_bundles_there_is_nothing(void **state)
     assert_int_equal(conus_connectivity_count(connectivity), 0);
     assert_int_equal(conus_connectivity_pair_count(connectivity), 0);
     assert_ok(conus_connectivity_matrix(&matrix, connectivity));
-    assert_int_equal(matrix.count, 0);
+    assert_int_equal(matrix.count, 4); /* of zeros: the size does not depend on streamlines */
+    for (size_t i = 0; i < 16; i++) {
+        assert_int_equal(matrix.streamlines[i], 0);
+        assert_true(isnan(matrix.length[i]));
+    }
     conus_connectivity_destroy(connectivity);
+    conus_atlas_destroy(atlas);
+}
+
+/* The areas of the matrix after conus_atlas_show(only, hide), 0 last; and what connects the first two. */
+static void check_areas(conus_atlas *atlas, const char *only, const char *hide, const char *level,
+                        const uint32_t *wanted, size_t count, uint64_t first_pair)
+{
+    conus_connection_matrix matrix;
+    assert_ok(conus_atlas_show(atlas, only, hide));
+    conus_connectivity *connectivity = connect(atlas, -1, level);
+    assert_ok(conus_connectivity_matrix(&matrix, connectivity));
+    assert_int_equal(matrix.count, count + 1);
+    for (size_t i = 0; i < count; i++) {
+        assert_int_equal(matrix.areas[i], wanted[i]);
+    }
+    assert_int_equal(matrix.areas[count], 0);
+    assert_int_equal(matrix.streamlines[1], first_pair);
+    conus_connectivity_destroy(connectivity);
+}
+
+/* 3 streamlines connect 1 and 2, and one 2 and 3. */
+static void test_the_matrix_has_the_areas_that_are_named_in_their_order(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = with_lines();
+    check_areas(atlas, NULL, NULL, NULL, (const uint32_t[]){1, 2, 3}, 3, 3);
+    check_areas(atlas, "3,1,2,lines,1", NULL, NULL, (const uint32_t[]){3, 1, 2}, 3, 0);
+    check_areas(atlas, "2,1,lines", NULL, NULL, (const uint32_t[]){2, 1}, 2, 3);
+    check_areas(atlas, "3,2,1,lines", "2", NULL, (const uint32_t[]){3, 1}, 2, 0);
+    check_areas(atlas, NULL, "2", NULL, (const uint32_t[]){1, 3}, 2, 0);
+    conus_atlas_destroy(atlas);
+}
+
+/* Areas 1 and 2 are parts of 4, which has no voxels of its own; 5 has none at all. */
+static conus_atlas *areas_in_a_group(void)
+{
+    static const uint32_t labels[LENGTH] = {[0] = 1, [10] = 2, [20] = 3};
+    struct label entries[] = {{.number = 1, .has_parent = true, .parent = 4},
+                              {.number = 2, .has_parent = true, .parent = 4},
+                              {.number = 3},
+                              {.number = 4, .name = (char *)"group"},
+                              {.number = 5, .name = (char *)"empty"}};
+    const struct label_table table = {.entries = entries, .count = 5};
+    const conus_volume_info grid = scene_plain_grid((const size_t[]){LENGTH, 1, 1}, NULL);
+    struct tractogram lines = all_lines();
+    struct notes notes = {0};
+    conus_atlas *atlas = NULL;
+    assert_ok(atlas_create(&atlas, &grid, labels, &table, "scene", &notes));
+    notes_finish(&notes);
+    assert_ok(atlas_add_tractogram(atlas, &lines, "lines"));
+    return atlas;
+}
+
+/* A group stands for its areas, and an area for what is nearest above it in the list. */
+static void test_groups_and_empty_areas_of_the_matrix(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = areas_in_a_group();
+    check_areas(atlas, NULL, NULL, NULL, (const uint32_t[]){1, 2, 3}, 3, 3);
+    check_areas(atlas, "5,3,4,lines", NULL, NULL, (const uint32_t[]){5, 3, 1, 2}, 4, 0);
+    check_areas(atlas, "2,4,lines", NULL, NULL, (const uint32_t[]){2, 1}, 2, 3);
+    check_areas(atlas, "3,5,lines", "5", NULL, (const uint32_t[]){3}, 1, 2); /* with ends in none */
+    check_areas(atlas, NULL, NULL, "1", (const uint32_t[]){3, 4}, 2, 1);
+    check_areas(atlas, "4,3,lines", NULL, "1", (const uint32_t[]){4, 3}, 2, 1);
     conus_atlas_destroy(atlas);
 }
 
@@ -502,6 +571,8 @@ TEST_GROUP(connectivity)
         cmocka_unit_test(test_the_matrix_as_text),
         cmocka_unit_test(test_hidden_areas_and_bundles_are_not_there),
         cmocka_unit_test(test_without_bundles_there_is_nothing),
+        cmocka_unit_test(test_the_matrix_has_the_areas_that_are_named_in_their_order),
+        cmocka_unit_test(test_groups_and_empty_areas_of_the_matrix),
         cmocka_unit_test(test_only_streamlines_in_the_region),
         cmocka_unit_test(test_a_cone_picks_streamlines),
         cmocka_unit_test(test_a_selection_of_another_atlas_is_refused),
