@@ -29,7 +29,7 @@ static void positions_lie_as_on_a_head(void **state)
     const struct position *p;
     for (size_t i = 0; (p = position_at(i)); i++) {
         size_t digits = strcspn(p->name, "0123456789");
-        int number = atoi(p->name + digits);
+        int number = (int)strtol(p->name + digits, NULL, 10);
         assert_true(number == 0 || (number % 2 == 1) == (p->point[0] < 0));
         if (number % 2 == 1) {
             char other[16];
