@@ -966,7 +966,7 @@ static int draw_probes(struct picture *picture, const struct drawn_row *rows, si
         found = *conus_aims_found(picture->aims);
         found.away = away;
         found.poses = count;
-        const struct aimed aimed = {found, picture->selector, picture->atlas, NULL, &picture->frame, true};
+        const struct aimed aimed = {found, picture->selector, picture->atlas, NULL, &picture->frame, true, 0};
         aim_notes_say(&aimed, 1, row_count > 1 ? picture->rows.file : NULL, &picture->settings->common);
     }
     return code;
@@ -1044,7 +1044,7 @@ static int run_render(const void *given, const struct arguments *arguments)
     }
     if (!code && picture.selector && !settings->strips) {
         const struct aimed aimed = {
-            *conus_aims_found(picture.aims), picture.selector, picture.atlas, NULL, &picture.frame, false};
+            *conus_aims_found(picture.aims), picture.selector, picture.atlas, NULL, &picture.frame, false, 0};
         aim_notes_say(&aimed, 1, picture.rows.count > 1 ? picture.rows.file : NULL, &settings->common);
     }
     if (!code) {

@@ -74,6 +74,7 @@ enum option_flags {
     OPTION_OF_RAYS = 1 << 1,      /**< Likewise, nor where no rays are traced. */
     OPTION_OF_ONE_ATLAS = 1 << 2, /**< Excludes --atlas. */
     OPTION_OF_ONE_POSE = 1 << 3,
+    OPTION_OF_REGION = 1 << 5,  /**< Lists what is in a cone or ball: of a point alone, nothing. */
     OPTION_IS_PICTURE = 1 << 4, /**< A file that holds the command line, so its bytes are not compared. */
 };
 

@@ -342,6 +342,30 @@ const struct option slices_options[] = {
     {0},
 };
 
+void settings_point_error(char out[256], const struct engine_settings *engine, const struct arguments *arguments)
+{
+    static const char *const of_axis[] = {"angle", "layers", "range", "segments", "clearance", "image", "jitter"};
+    out[0] = '\0';
+    for (size_t i = 0; i < sizeof of_axis / sizeof of_axis[0] && engine->radius == 0 && !out[0]; i++) {
+        if (option_find(arguments->command, of_axis[i]) && option_given(arguments, of_axis[i])) {
+            snprintf(out, 256,
+                     "a point, without the direction that --%s needs: columns tx, ty, tz (a target) or dx, dy, dz "
+                     "state one; without --%s conus says what is at the point",
+                     of_axis[i], of_axis[i]);
+        }
+    }
+}
+
+const char *settings_points_text(char out[96], const struct engine_settings *engine)
+{
+    if (engine->radius > 0) {
+        snprintf(out, 96, "asked as points: what is within %g mm of each", engine->radius);
+    } else {
+        snprintf(out, 96, "asked as points: what is at each, or else nearest to it");
+    }
+    return out;
+}
+
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
 {
     bool has_origin = option_given(arguments, "origin");

@@ -91,6 +91,13 @@ enum { DEFAULT_ANGLE = 10 };
 /** Message for a pose that is only a point where a cone is wanted. */
 #define POINT_HAS_NO_DIRECTION "a point, without the direction that a cone needs"
 
+/** Why points, rows of a file without a direction, are not asked what is at them: the first option given that asks
+ * along an axis, with what to state. "" where there is none, and with a radius. */
+void settings_point_error(char out[256], const struct engine_settings *engine, const struct arguments *arguments);
+
+/** How points of a file are asked, for conus_report_options.understood. */
+const char *settings_points_text(char out[96], const struct engine_settings *engine);
+
 /** Whether the options that aim a cone go together; prints an error if not. @p aim_needed: there must be a cone. */
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed);
 
