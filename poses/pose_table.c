@@ -450,6 +450,11 @@ conus_status pose_table_row(conus_pose_row *row, struct pose_name *name, const s
                  conus_space_name((size_t)space), conus_space_name((size_t)options->space));
     }
     status = status ? status : pose_from_values(&row->pose, table, values, options);
+    if (!status && table->has[TX]) {
+        double along[3];
+        vec3_sub(along, values + TX, values + X);
+        row->target_mm = vec3_length(along);
+    }
     if (!status && table->has[ANGLE] && !isnan(values[ANGLE])) {
         row->angle = values[ANGLE] == 0 ? row->angle : radians_from_degrees(values[ANGLE]);
         status = values[ANGLE] == 0 ? fail(CONUS_ERROR_DATA, "angle: 0 degrees, allowed is more than 0 and less than "

@@ -71,7 +71,8 @@ int batch_task_init(struct batch_task *out, const struct batch_settings *setting
 static int open_poses(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
-    const conus_pose_options options = pose_settings_options(&settings->file, &task->frame, settings->atlas.max_memory);
+    const conus_pose_options options =
+        pose_settings_options(&settings->file, &settings->engine.range, &task->frame, settings->atlas.max_memory);
     int code = batch_shard(&task->shard, settings);
     if (code) {
         return code;
@@ -221,9 +222,9 @@ static int identify(struct batch_task *task)
     const char *first = has_file_name ? conus_atlas_file(atlas, 0) : NULL;
     const char *sidecar = NULL;
     size_t size = 0;
-    char angle[32], reading[64];
+    char angle[32], reading[128];
     snprintf(angle, sizeof angle, "%.17g", settings->aim.angle);
-    pose_settings_text(reading, &settings->file);
+    pose_settings_text(reading, &settings->file, &settings->engine.range);
     conus_status status = conus_batch_sidecar(&sidecar, &size, task->batch);
     const char *const sources[] = {angle,
                                    reading,
@@ -406,8 +407,8 @@ int batch_task_finish_output(struct batch_task *task)
     };
     memcpy(record.fingerprint, task->fingerprint, sizeof record.fingerprint);
     const struct engine_settings *engine = &task->settings->engine;
-    bool of_shanks =
-        format_is_of_probe(task->format) && (engine->range[1] > 0 || record.has_ranges); /* contacts have no range */
+    bool of_shanks = format_is_of_probe(task->format) &&
+                     (engine->range.ends[1] > 0 || record.has_ranges); /* contacts have no range */
     const struct rows_kind *of_axis = task->settings->of_axis ? task->settings->of_axis
                                       : of_shanks             ? &settings_axis_rows[0]
                                                               : NULL;

@@ -376,6 +376,7 @@ static int answer_one(struct query_run *run)
 {
     struct request *request = &run->request;
     const struct request_settings *settings = request->settings;
+    double range[2];
     struct query query = {.id = "1"};
     bool fault = false;
     if (option_given(request->arguments, "point")) {
@@ -390,6 +391,11 @@ static int answer_one(struct query_run *run)
         if (code) {
             return code;
         }
+        code = settings_pose_range(range, &settings->aim, &settings->engine, &request->frame, request->arguments);
+        if (code) {
+            return code;
+        }
+        query.range = range;
         query.angle = settings_angle(&settings->aim, &settings->engine);
         request_count_pose(request, 1, &query.pose, query.angle);
     }
@@ -535,7 +541,7 @@ static void say_probe(const struct query_run *run, const conus_pose *poses)
 /* Moves a pose along its axis, to the far end of its own range or of --range, where there is one. */
 static void go_to_far_end(conus_pose *pose, double own, const struct query_run *run)
 {
-    double far = own >= 0 ? own : run->settings->request.engine.range[1];
+    double far = own >= 0 ? own : run->settings->request.engine.range.ends[1];
     for (int a = 0; a < 3; a++) {
         pose->world_from_device[12 + a] -= far * pose->world_from_device[8 + a];
     }
@@ -562,8 +568,12 @@ static int find_poses(conus_pose *out, size_t count, const struct query_run *run
         go_to_far_end(&out[i], row->range[1], run);
     }
     int code = poses ? EXIT_DONE : settings_pose(out, &request->settings->aim, &request->frame, request->arguments);
+    double range[2];
+    code = poses || code ? code
+                         : settings_pose_range(range, &request->settings->aim, &request->settings->engine,
+                                               &request->frame, request->arguments);
     if (!poses && !code) {
-        go_to_far_end(out, NAN, run);
+        go_to_far_end(out, range[1], run);
     }
     return code;
 }

@@ -87,7 +87,7 @@ void request_list_inputs(struct provenance *out, const struct request *request)
 conus_pose_options request_pose_options(const struct request *request)
 {
     const struct request_settings *settings = request->settings;
-    return pose_settings_options(&settings->file, &request->frame, settings->atlas.max_memory);
+    return pose_settings_options(&settings->file, &settings->engine.range, &request->frame, settings->atlas.max_memory);
 }
 
 int request_load_poses(struct request *request)

@@ -49,8 +49,9 @@ struct engine_settings {
     const char *score;                 /* a name or formula; NULL = the default */
     size_t layers;                     /* conus_layers */
     const char *level;
-    double range[2], radius; /* mm */
-    double slice_fraction;   /* 0 = not given */
+    struct depth_range range;
+    double radius;         /* mm */
+    double slice_fraction; /* 0 = not given */
 };
 
 /** A volume that blocks the view. */
@@ -115,6 +116,11 @@ const char *settings_level_file(const struct engine_settings *settings);
 
 /** A number of degrees in radians. */
 double radians(double degrees);
+
+/** The range of the pose of --origin and --toward, where --range ends at the target; else NaN, for that of the
+ * selector. Returns the exit code and prints an error unless it is 0. */
+int settings_pose_range(double out[2], const struct aim_settings *aim, const struct engine_settings *engine,
+                        const struct conus_frame *frame, const struct arguments *arguments);
 
 /** --angle in radians, or its default; of a cylinder 0. */
 double settings_angle(const struct aim_settings *settings, const struct engine_settings *engine);
