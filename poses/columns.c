@@ -1056,9 +1056,10 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     return status;
 }
 
-static conus_status pose_from_values(conus_pose *out, const struct columns *columns, double v[ROLE_NAME],
+static conus_status pose_from_values(conus_pose_row *row, const struct columns *columns, double v[ROLE_NAME],
                                      const conus_pose_options *options)
 {
+    conus_pose *out = &row->pose;
     double m[16];
     double q[4] = {v[ROLE_QW], v[ROLE_QX], v[ROLE_QX + 1], v[ROLE_QX + 2]};
     for (int i = 0; i < 16; i++) {
@@ -1088,7 +1089,7 @@ static conus_status pose_from_values(conus_pose *out, const struct columns *colu
     bool is_turned = columns->has[ROLE_M00] || columns->has[ROLE_QW];
     status = columns->has[ROLE_M00]  ? conus_pose_from_matrix(out, m)
              : columns->has[ROLE_QW] ? conus_pose_from_quaternion(out, x, q)
-             : columns->has[ROLE_TX] ? conus_pose_toward(out, x, t, up)
+             : columns->has[ROLE_TX] ? pose_row_toward(row, x, t, up)
                                      : conus_pose_along(out, x, v + ROLE_DX, up);
     if (!status) {
         conus_frame_turn_pose(out, &own, up || is_turned);
@@ -1228,7 +1229,7 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
             fail(CONUS_ERROR_DATA, "column space: \"%s\", the table is read in %s: each space needs a table of its own",
                  conus_space_name((size_t)space), conus_space_name((size_t)options->space));
     }
-    status = status ? status : pose_from_values(&row->pose, columns, values, options);
+    status = status ? status : pose_from_values(row, columns, values, options);
     double angle = values[ROLE_ANGLE];
     if (!status && columns->has[ROLE_ANGLE] && !isnan(angle) && !columns->is_of_points) {
         row->angle = angle == 0 ? row->angle : radians_from_degrees(angle);
@@ -1365,6 +1366,6 @@ bool columns_plain_matrix(conus_pose_row *row, conus_status *bad, struct text te
     if (count != MATRIX_NUMBERS || !is_one) { /* two rows of a tracker's eight numbers are none */
         return false;
     }
-    *bad = pose_from_values(&row->pose, &columns, values, options);
+    *bad = pose_from_values(row, &columns, values, options);
     return true;
 }

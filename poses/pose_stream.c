@@ -661,6 +661,9 @@ conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_p
         } else {
             status = (stream->candidates.count ? make_row : read_row)(&rows[got], stream, &found);
         }
+        if (!status && found && !stream->candidates.count) {
+            pose_row_end(&rows[got], &stream->options);
+        }
         if (!status && found && stream->names.count < NAMES_COMPARED && !stream->candidates.count) {
             stream->names.count++;
             buffer_append(&stream->names.text, rows[got].id, strlen(rows[got].id) + 1);
@@ -772,7 +775,8 @@ bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
 
 bool conus_pose_stream_has_ranges(const conus_pose_stream *stream)
 {
-    return stream->candidates.asked.to_target || stream->columns.has[ROLE_NEAR] || stream->columns.has[ROLE_FAR];
+    return stream->candidates.asked.to_target || stream->options.to_target || stream->columns.has[ROLE_NEAR] ||
+           stream->columns.has[ROLE_FAR];
 }
 
 bool conus_pose_stream_has_points(const conus_pose_stream *stream)

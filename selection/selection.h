@@ -17,6 +17,7 @@ struct conus_selection {
     struct cone cone;
     struct region region;     /**< Where voxels are counted: the cone, or a ball. Of a ball, the cone is nothing but
                                    its centre and has no pixels. */
+    bool is_point;            /**< The ball stands for its centre: the results are of what is there or nearest. */
     struct evidence evidence; /**< Objects as they are reported. None where `is_counted`. */
     struct hit_counts counts; /**< In its place. */
     bool is_counted;

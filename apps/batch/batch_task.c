@@ -71,7 +71,8 @@ int batch_task_init(struct batch_task *out, const struct batch_settings *setting
 static int open_poses(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
-    const conus_pose_options options = pose_settings_options(&settings->file, &task->frame, settings->atlas.max_memory);
+    const conus_pose_options options =
+        pose_settings_options(&settings->file, &settings->engine.range, &task->frame, settings->atlas.max_memory);
     int code = batch_shard(&task->shard, settings);
     if (code) {
         return code;
@@ -152,10 +153,21 @@ int batch_task_build(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
     conus_selector_options engine = settings_engine(&settings->engine, &settings->common);
+    settings_point_error(task->point_error, &settings->engine, task->arguments);
+    if (conus_pose_stream_format(task->poses) == CONUS_POSE_FORMAT_POINTS && task->point_error[0]) {
+        return print_data_error("%s: %s", pose_settings_file_name(settings->poses), task->point_error);
+    }
+    bool has_points = conus_pose_stream_has_points(task->poses) && !task->point_error[0] && !settings->of_axis &&
+                      !format_is_foreign(task->format);
+    if (has_points && !settings->common.quiet) {
+        print_error_line("note: %s: %s", pose_settings_file_name(settings->poses),
+                         settings_points_text(task->understood, &settings->engine));
+    }
     const conus_batch_options options = {
         .threads = settings->threads,
         .block = settings->block,
         .angle = settings_angle(&settings->aim, &settings->engine),
+        .point_error = task->point_error[0] ? task->point_error : NULL,
         .report = {.rows = settings->of_axis   ? settings->of_axis->rows
                            : settings->summary ? CONUS_ROWS_SUMMARIES
                                                : CONUS_ROWS_ANSWERS,
@@ -165,7 +177,9 @@ int batch_task_build(struct batch_task *task)
                    .atlas = task->atlases.items[0].name,
                    .order = settings->of_axis ? CONUS_ORDER_RANK : (conus_order)settings->axis.order,
                    .contacts = settings->of_axis ? (conus_contacts){0} : task->contacts,
-                   .within = task->within},
+                   .within = task->within,
+                   .understood = has_points ? settings_points_text(task->understood, &settings->engine) : NULL,
+                   .points = has_points},
     };
     task->aimed = calloc(task->atlases.count, sizeof *task->aimed);
     if (!task->aimed) {
@@ -174,7 +188,8 @@ int batch_task_build(struct batch_task *task)
     for (size_t i = 0; i < task->atlases.count; i++) {
         const struct named_atlas *item = &task->atlases.items[i];
         struct aimed *aimed = &task->aimed[i];
-        *aimed = (struct aimed){.atlas = item->atlas, .name = item->name, .frame = &task->frame};
+        *aimed = (struct aimed){
+            .atlas = item->atlas, .name = item->name, .frame = &task->frame, .radius = settings->engine.radius};
         engine.level = i ? NULL : engine.level;
         conus_status status = conus_selector_create(&aimed->selector, item->atlas, &engine);
         status = status   ? status
@@ -207,9 +222,9 @@ static int identify(struct batch_task *task)
     const char *first = has_file_name ? conus_atlas_file(atlas, 0) : NULL;
     const char *sidecar = NULL;
     size_t size = 0;
-    char angle[32], reading[64];
+    char angle[32], reading[128];
     snprintf(angle, sizeof angle, "%.17g", settings->aim.angle);
-    pose_settings_text(reading, &settings->file);
+    pose_settings_text(reading, &settings->file, &settings->engine.range);
     conus_status status = conus_batch_sidecar(&sidecar, &size, task->batch);
     const char *const sources[] = {angle,
                                    reading,
@@ -392,17 +407,19 @@ int batch_task_finish_output(struct batch_task *task)
     };
     memcpy(record.fingerprint, task->fingerprint, sizeof record.fingerprint);
     const struct engine_settings *engine = &task->settings->engine;
-    bool of_shanks =
-        format_is_of_probe(task->format) && (engine->range[1] > 0 || record.has_ranges); /* contacts have no range */
+    bool of_shanks = format_is_of_probe(task->format) &&
+                     (engine->range.ends[1] > 0 || record.has_ranges); /* contacts have no range */
     const struct rows_kind *of_axis = task->settings->of_axis ? task->settings->of_axis
                                       : of_shanks             ? &settings_axis_rows[0]
                                                               : NULL;
+    bool is_of_points = engine->radius == 0 && record.has_points && !task->aimed[0].found.poses;
     const struct question question = {
         .arguments = task->arguments,
         .rows = of_axis                   ? of_axis->word
                 : task->settings->summary ? "summaries"
                                           : "answers",
         .region = of_axis              ? "axis"
+                  : is_of_points       ? "ball"
                   : engine->radius > 0 ? "cylinder"
                                        : "cone",
     };

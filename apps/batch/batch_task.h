@@ -16,6 +16,7 @@ struct first_error {
 };
 
 struct batch_task {
+    char point_error[256], understood[96]; /* about poses that are points */
     const struct batch_settings *settings;
     const struct arguments *arguments;
     const char *output; /**< NULL = stdout */

@@ -49,7 +49,7 @@ static const struct option pose_options[] = {
 
 static const struct option needle_options[] = {
     {.name = "range",
-     OPTION_AT(struct request_settings, engine.range),
+     OPTION_AT(struct request_settings, engine.range.ends),
      .value = "NEAR,FAR",
      .help = "or both ends of the needle",
      OPTION_FROM_TO(0, 1e9)},
@@ -713,7 +713,7 @@ static int answer_plan(struct planning *planning)
     code = code ? code
                 : constraints_place(&planning->constraints, &places,
                                     planning->candidates.far > 0 ? planning->candidates.far
-                                                                 : settings->request.engine.range[1]);
+                                                                 : settings->request.engine.range.ends[1]);
     if (code) {
         return code;
     }

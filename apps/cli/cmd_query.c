@@ -36,8 +36,8 @@ static const struct option point_options[] = {
     {.name = "point",
      OPTION_AT(struct query_settings, point),
      .value = "X,Y,Z",
-     .help = "instead of a cone, what is at this point, mm, and within --radius MM of it, or as far as the nearest "
-             "neighbour",
+     .help = "instead of a cone, what is at this point, mm, or else nearest to it; with --radius MM what is within "
+             "MM of it",
      .words = "coordinate, whereami"},
     {0},
 };
@@ -89,7 +89,8 @@ static const struct option voxels_options[] = {
      .value = "FILE.tsv",
      .help = "write the voxels hit first, or with --layers all or --point those in the cone or ball and the points of "
              "streamlines there, with indices, positions and values",
-     .role = OPTION_WRITES},
+     .role = OPTION_WRITES,
+     .flags = OPTION_OF_REGION},
     {.name = "voxels-of",
      OPTION_AT(struct query_settings, voxels_of),
      .value = "KIND",
@@ -139,6 +140,8 @@ struct query_run {
     struct ends ends;
     conus_contacts contacts;
     conus_probe *probe;
+    bool is_of_points; /* poses of the file have no direction, and are asked all the same */
+    char understood[96];
     bool has_points, has_cones; /* poses without a direction were asked, and with one */
     bool has_shanks;            /* answers along the axes of cones were asked */
 };
@@ -171,11 +174,21 @@ static bool check_format(const struct request *request, const struct query_setti
 }
 
 /* Some outputs need exactly one pose, and --angle needs a pose without an angle of its own. */
-static int check_poses(const struct query_run *run)
+static int check_poses(struct query_run *run)
 {
     const struct aim_settings *aim = &run->request.settings->aim;
     const conus_pose_list *poses = run->request.poses;
     size_t count = conus_pose_list_count(poses);
+    char why[256];
+    size_t points = 0;
+    for (size_t i = 0; i < count; i++) {
+        points += !conus_pose_list_row(poses, i)->error && conus_pose_list_row(poses, i)->is_point;
+    }
+    settings_point_error(why, &run->request.settings->engine, run->request.arguments);
+    run->is_of_points = points && !why[0];
+    if (points && points == count && why[0] && !run->settings->probe) {
+        return print_data_error("%s: %s", pose_settings_file_name(aim->pose), why);
+    }
     const struct option *of_one = option_with(run->request.arguments, OPTION_OF_ONE_POSE);
     if (of_one && count != 1) {
         return print_usage_error("--%s shows one pose, %s has %zu", of_one->name, pose_settings_file_name(aim->pose),
@@ -200,7 +213,7 @@ struct query {
     const double *range; /* NULL = --range */
     bool is_point;
     double point[3];
-    double radius; /* of the ball; 0 = as far as the nearest */
+    double radius; /* of the ball; 0 = what is at the point */
 };
 
 /* Adds what the axis passes in one atlas. */
@@ -276,19 +289,17 @@ static int add_answer(struct query_run *run, size_t index, const struct query *q
 static int ask_atlases(struct query_run *run, const struct query *query, bool *fault)
 {
     int code = EXIT_DONE;
-    double radius = query->radius;
     for (size_t i = 0; i < run->request.atlases.count && !code; i++) {
         conus_selector *selector = run->request.answerers[i].selector;
         conus_selection *selection = NULL;
         conus_status status = conus_selector_set_range(selector, query->range);
         status = status            ? status
-                 : query->is_point ? conus_select_ball(&selection, selector, query->point, radius)
+                 : query->is_point ? conus_select_ball(&selection, selector, query->point, query->radius)
                                    : conus_select(&selection, selector, &query->pose, query->angle);
         *fault = status == CONUS_ERROR_ARGUMENT && i == 0;
         if (*fault) {
             return EXIT_DONE;
         }
-        radius = status || !query->is_point ? radius : conus_selection_ball(selection); /* one for all atlases */
         code = status ? print_status(status) : add_answer(run, i, query, selection);
         code = code ? code : selection_files_take(&run->files, &selection, run->request.atlases.items[i].atlas);
         conus_selection_destroy(selection);
@@ -308,7 +319,12 @@ static int answer_row(void *user, const conus_pose_row *row)
     struct query_run *run = user;
     struct request *request = &run->request;
     double radius = request->settings->engine.radius;
-    radius = run->probe && radius == 0 ? CONUS_POINT_RADIUS : radius;
+    char why[256] = "";
+    if (row->is_point && !run->probe) {
+        settings_point_error(why, &request->settings->engine, request->arguments);
+    }
+    bool is_at_least = run->probe || format_is_foreign(request->format); /* no place for what is only near */
+    radius = is_at_least && radius == 0 ? CONUS_POINT_RADIUS : radius;
     struct query query = {.id = row->id,
                           .line = row->line,
                           .pose = row->pose,
@@ -316,8 +332,8 @@ static int answer_row(void *user, const conus_pose_row *row)
                           .is_point = row->is_point,
                           .radius = radius};
     bool fault = false;
-    if (row->error || (row->is_point && radius == 0)) {
-        return refuse_row(run, row, row->error ? row->error : POINT_HAS_NO_DIRECTION ", or the radius of a ball");
+    if (row->error || why[0]) {
+        return refuse_row(run, row, row->error ? row->error : why);
     }
     if (row->is_point) {
         memcpy(query.point, row->pose.world_from_device + 12, sizeof query.point);
@@ -336,20 +352,19 @@ static void say_nearest(const struct query_run *run, const struct query *query)
 {
     const conus_atlas *atlas = run->request.atlases.items[0].atlas;
     conus_selection *selection = NULL;
-    const conus_result *nearest = NULL;
     double low[3];
     double high[3];
-    bool is_outside = conus_atlas_bounds(low, high, atlas) != CONUS_OK;
+    bool is_outside = false;
+    if (query->radius == 0 || conus_atlas_bounds(low, high, atlas)) {
+        return;
+    }
     for (int a = 0; a < 3; a++) {
         is_outside = is_outside || query->point[a] < low[a] || query->point[a] > high[a];
     }
     if (!is_outside || conus_select_ball(&selection, run->request.answerers[0].selector, query->point, 0)) {
         return;
     }
-    for (size_t i = 0; i < conus_selection_count(selection); i++) {
-        const conus_result *result = conus_selection_result(selection, i);
-        nearest = result->object && (!nearest || result->distance < nearest->distance) ? result : nearest;
-    }
+    const conus_result *nearest = conus_selection_result(selection, 0);
     if (nearest && nearest->distance > query->radius) {
         print_error_line("note: the point lies outside of the atlas; the nearest to it is %s, %.2f mm away",
                          conus_atlas_object(atlas, nearest->object)->name, nearest->distance);
@@ -361,6 +376,7 @@ static int answer_one(struct query_run *run)
 {
     struct request *request = &run->request;
     const struct request_settings *settings = request->settings;
+    double range[2];
     struct query query = {.id = "1"};
     bool fault = false;
     if (option_given(request->arguments, "point")) {
@@ -375,6 +391,11 @@ static int answer_one(struct query_run *run)
         if (code) {
             return code;
         }
+        code = settings_pose_range(range, &settings->aim, &settings->engine, &request->frame, request->arguments);
+        if (code) {
+            return code;
+        }
+        query.range = range;
         query.angle = settings_angle(&settings->aim, &settings->engine);
         request_count_pose(request, 1, &query.pose, query.angle);
     }
@@ -406,12 +427,9 @@ static conus_status start_query(struct query_run *run)
     report.all_voxels = settings->voxels_of == 1;
     report.no_voxels = !settings->voxels;
     report.order = (conus_order)settings->axis.order;
-    /* The areas at a point, without a radius: by distance. */
-    const struct arguments *arguments = request->arguments;
-    bool is_of_nearest =
-        option_given(arguments, "point") && !option_given(arguments, "radius") && !option_given(arguments, "order");
-    if (is_of_nearest && !format_is_foreign(request->format)) {
-        report.order = CONUS_ORDER_DEPTH;
+    report.points = option_given(request->arguments, "point") || (run->is_of_points && !run->probe);
+    if (run->is_of_points && !run->probe) {
+        report.understood = settings_points_text(run->understood, &settings->request.engine);
     }
     report.contacts = run->contacts;
     report.probe = run->probe;
@@ -523,7 +541,7 @@ static void say_probe(const struct query_run *run, const conus_pose *poses)
 /* Moves a pose along its axis, to the far end of its own range or of --range, where there is one. */
 static void go_to_far_end(conus_pose *pose, double own, const struct query_run *run)
 {
-    double far = own >= 0 ? own : run->settings->request.engine.range[1];
+    double far = own >= 0 ? own : run->settings->request.engine.range.ends[1];
     for (int a = 0; a < 3; a++) {
         pose->world_from_device[12 + a] -= far * pose->world_from_device[8 + a];
     }
@@ -550,8 +568,12 @@ static int find_poses(conus_pose *out, size_t count, const struct query_run *run
         go_to_far_end(&out[i], row->range[1], run);
     }
     int code = poses ? EXIT_DONE : settings_pose(out, &request->settings->aim, &request->frame, request->arguments);
+    double range[2];
+    code = poses || code ? code
+                         : settings_pose_range(range, &request->settings->aim, &request->settings->engine,
+                                               &request->frame, request->arguments);
     if (!poses && !code) {
-        go_to_far_end(out, NAN, run);
+        go_to_far_end(out, range[1], run);
     }
     return code;
 }
@@ -603,6 +625,12 @@ static int answer_query(struct query_run *run)
         return code;
     }
     bool has_ends = run->settings->ends.endpoints || run->settings->ends.connectivity;
+    bool is_of_points = option_given(request->arguments, "point") || run->is_of_points;
+    bool is_plain_point = is_of_points && !run->probe && request->settings->engine.radius == 0;
+    const struct option *near = is_plain_point ? option_with(request->arguments, OPTION_OF_REGION) : NULL;
+    if (near) {
+        return print_usage_error("--%s needs --radius MM: it is about what is near a point", near->name);
+    }
     if (!check_voxels(run) || (has_ends && !ends_check_atlases(&request->atlases))) {
         return EXIT_USAGE;
     }

@@ -639,7 +639,8 @@ static int load_poses(conus_pose_list **out, const struct picture *picture, cons
 {
     const struct render_settings *settings = picture->settings;
     const conus_pose_options options =
-        pose_settings_options(&settings->file, &picture->frame, settings->atlas.max_memory);
+        pose_settings_options(&settings->file, path == settings->aim.pose ? &settings->engine.range : NULL,
+                              &picture->frame, settings->atlas.max_memory);
     conus_status status = conus_pose_list_load(out, path, &options);
     return status ? pose_settings_print_error(status, path, "pose", picture->arguments) : EXIT_DONE;
 }
@@ -966,7 +967,7 @@ static int draw_probes(struct picture *picture, const struct drawn_row *rows, si
         found = *conus_aims_found(picture->aims);
         found.away = away;
         found.poses = count;
-        const struct aimed aimed = {found, picture->selector, picture->atlas, NULL, &picture->frame, true};
+        const struct aimed aimed = {found, picture->selector, picture->atlas, NULL, &picture->frame, true, 0};
         aim_notes_say(&aimed, 1, row_count > 1 ? picture->rows.file : NULL, &picture->settings->common);
     }
     return code;
@@ -1000,9 +1001,17 @@ static int draw_origin(struct picture *picture)
     if (code) {
         return code;
     }
+    conus_pose_row row = {.id = "", .pose = pose};
+    code = settings_pose_range(row.range, &settings->aim, &settings->engine, &picture->frame, picture->arguments);
+    if (code) {
+        return code;
+    }
     if (settings->strips) {
-        const conus_pose_row row = {.id = "", .pose = pose, .range = {NAN, NAN}};
         return draw_probes(picture, &(struct drawn_row){.row = &row}, 1);
+    }
+    conus_status status = conus_selector_set_range(picture->selector, row.range);
+    if (status) {
+        return print_status(status);
     }
     bool fault = false;
     double angle = settings_angle(&settings->aim, &settings->engine);
@@ -1044,7 +1053,7 @@ static int run_render(const void *given, const struct arguments *arguments)
     }
     if (!code && picture.selector && !settings->strips) {
         const struct aimed aimed = {
-            *conus_aims_found(picture.aims), picture.selector, picture.atlas, NULL, &picture.frame, false};
+            *conus_aims_found(picture.aims), picture.selector, picture.atlas, NULL, &picture.frame, false, 0};
         aim_notes_say(&aimed, 1, picture.rows.count > 1 ? picture.rows.file : NULL, &settings->common);
     }
     if (!code) {

@@ -246,8 +246,11 @@ static int answer_all(struct sweep *sweep)
         say_unused_errors(sweep);
         return request_each_row(request, answer_row, sweep);
     }
-    conus_pose_row row = {.id = "1", .error_deg = NAN, .error_mm = NAN, .range = {NAN, NAN}};
-    int code = settings_pose(&row.pose, &request->settings->aim, &request->frame, request->arguments);
+    conus_pose_row row = {.id = "1", .error_deg = NAN, .error_mm = NAN};
+    const struct request_settings *settings = request->settings;
+    int code = settings_pose(&row.pose, &settings->aim, &request->frame, request->arguments);
+    code = code ? code
+                : settings_pose_range(row.range, &settings->aim, &settings->engine, &request->frame, request->arguments);
     request_start_progress(request, 1);
     conus_status status = code ? CONUS_OK : add_answers(sweep, &row);
     progress_finish(&request->progress, 0, 0);

@@ -338,6 +338,9 @@ static int run_track(const void *given, const struct arguments *arguments)
         return print_usage_error(live ? "poses come from a file or from a tracker, not from both"
                                       : "no poses: --poses FILE, or a tracker by --listen or --connect");
     }
+    if (live && settings->request.engine.range.to_target) {
+        return print_usage_error("--range NEAR,target needs a file of poses: a tracker sends no targets");
+    }
     if (!station_settings_check(&settings->station, arguments) || !request_check(&settings->request, arguments, true)) {
         return EXIT_USAGE;
     }

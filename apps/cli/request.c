@@ -87,7 +87,7 @@ void request_list_inputs(struct provenance *out, const struct request *request)
 conus_pose_options request_pose_options(const struct request *request)
 {
     const struct request_settings *settings = request->settings;
-    return pose_settings_options(&settings->file, &request->frame, settings->atlas.max_memory);
+    return pose_settings_options(&settings->file, &settings->engine.range, &request->frame, settings->atlas.max_memory);
 }
 
 int request_load_poses(struct request *request)
@@ -265,7 +265,8 @@ void request_say_aims(const struct request *request)
         const struct named_atlas *at = &request->atlases.items[i];
         const struct answerer *answerer = &request->answerers[i];
         aimed[i] = (struct aimed){
-            *conus_aims_found(answerer->aims), answerer->selector, at->atlas, at->name, &request->frame, false};
+            *conus_aims_found(answerer->aims), answerer->selector, at->atlas, at->name, &request->frame, false,
+            request->settings->engine.radius};
     }
     if (aimed) {
         aim_notes_say(aimed, count, path ? pose_settings_file_name(path) : NULL, &request->settings->common);

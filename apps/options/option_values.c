@@ -136,6 +136,25 @@ static bool read_numbers(const struct option *option, double *field, size_t coun
     return true;
 }
 
+/* LOW,target[+MM] */
+static bool read_to_target(const struct option *option, struct depth_range *field, const char *text)
+{
+    static const char mark[] = ",target";
+    const char *at = strstr(text, mark);
+    char low[NUMBERS_SIZE];
+    double numbers[2] = {0};
+    snprintf(low, sizeof low, "%.*s", at ? (int)(at - text) : 0, text);
+    at += at ? sizeof mark - 1 : 0;
+    if (!at || !number_parse(low, &numbers[0]) || (*at && (*at != '+' || !number_parse(at + 1, &numbers[1])))) {
+        return refuse_value(option, text, "two numbers NEAR,FAR or NEAR,target[+MM] without spaces");
+    }
+    if (outside(option, numbers[0]) || outside(option, numbers[1])) {
+        return refuse_range(option, text);
+    }
+    *field = (struct depth_range){.ends = {numbers[0], 0}, .beyond = numbers[1], .to_target = true};
+    return true;
+}
+
 static bool read_size(const struct option *option, uint32_t field[2], const char *text)
 {
     double numbers[2];
@@ -237,6 +256,9 @@ bool option_read(const struct option *option, void *field, const char *text)
     case OPTION_VECTOR:
         return read_numbers(option, field, 3, text, "three numbers X,Y,Z without spaces");
     case OPTION_RANGE:
+        if (option->flags & OPTION_TO_TARGET && strchr(text, 't')) {
+            return read_to_target(option, field, text);
+        }
         return read_numbers(option, field, 2, text, "two numbers LOW,HIGH without spaces") &&
                (numbers[0] < numbers[1] || refuse_value(option, text, "two numbers, the lower one first"));
     case OPTION_EDGES:

@@ -73,12 +73,21 @@ enum option_role {
 #define OPTION_BETWEEN(below, above) .low = (below), .high = (above), .open = true
 #define OPTION_ABOVE_TO(below, most) .low = (below), .high = (most), .open_below = true
 
+/** Two depths along an axis, mm, of which the far one may be at a target. */
+struct depth_range {
+    double ends[2]; /**< [1] is 0 where that is at the target. */
+    double beyond;  /**< So far behind it, mm. */
+    bool to_target;
+};
+
 /** Limits and marks of an option. */
 enum option_flags {
     OPTION_OF_CONE = 1 << 0,      /**< Means nothing beside --point. */
     OPTION_OF_RAYS = 1 << 1,      /**< Likewise, nor where no rays are traced. */
     OPTION_OF_ONE_ATLAS = 1 << 2, /**< Excludes --atlas. */
     OPTION_OF_ONE_POSE = 1 << 3,
+    OPTION_TO_TARGET = 1 << 6,  /**< OPTION_RANGE: of a struct depth_range, LOW,target[+MM] is taken, too. */
+    OPTION_OF_REGION = 1 << 5,  /**< Lists what is in a cone or ball: of a point alone, nothing. */
     OPTION_IS_PICTURE = 1 << 4, /**< A file that holds the command line, so its bytes are not compared. */
 };
 

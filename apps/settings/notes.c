@@ -205,15 +205,16 @@ static void add_tiny(struct lines *out, const conus_astray *found, const char *f
 }
 
 /* Some points may well lie outside, as contacts beside a brain do: only more than a fifth is odd. */
-static void add_apart(struct lines *out, const conus_astray *found, const char *file)
+static void add_apart(struct lines *out, const struct aimed *aimed, const char *file)
 {
+    const conus_astray *found = &aimed->found;
     const conus_oddity *apart = &found->apart;
     if (file && 5 * apart->count > found->points) {
         add_line(out,
                  "%s: %" PRIu64 " of %" PRIu64
-                 " points lie more than the radius outside of the atlas, the first in line %" PRIu64
-                 "; are they in its space?",
-                 file, apart->count, found->points, apart->first);
+                 " points lie more than %s outside of the atlas, the first in line %" PRIu64 "; are they in its space?",
+                 file, apart->count, found->points, aimed->radius > 0 ? "the radius" : "a quarter of its longest edge",
+                 apart->first);
     }
 }
 
@@ -242,7 +243,7 @@ static uint32_t hit_with_dv_down(const struct aimed *aimed)
 static void find_lines(struct lines *out, const struct aimed *aimed, const char *file)
 {
     char words[256] = "";
-    add_apart(out, &aimed->found, file);
+    add_apart(out, aimed, file);
     if (aimed->frame->space >= CONUS_SPACE_CCF) { /* the readings are others than in people's spaces */
         bool is_bregma = aimed->frame->space == CONUS_SPACE_BREGMA;
         uint32_t object = is_bregma && aimed->found.away.count ? hit_with_dv_down(aimed) : 0;

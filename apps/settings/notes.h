@@ -16,6 +16,7 @@ struct aimed {
     const char *name;         /**< NULL where there is one only. */
     const conus_frame *frame; /**< The space of the positions as they were given. */
     bool is_of_probes;        /**< `found.away` are probes that pass nothing. */
+    double radius;            /**< Of the balls around points, mm; 0 = they have none. */
 };
 
 /** Prints notes about odd poses on stderr, a line for each kind, unless --quiet; and what one such pose would hit in

@@ -315,12 +315,13 @@ const struct option shape_options[] = {
      .words = "behind, occluded, depth",
      .flags = OPTION_OF_RAYS},
     {.name = "range",
-     FIELD(engine_settings, range),
-     .value = "NEAR,FAR",
-     .help =
-         "count only between these two depths along the axis, mm from the apex: a focal spot, the length of a probe",
+     .type = OPTION_RANGE,
+     .offset = offsetof(struct engine_settings, range),
+     .value = "NEAR,FAR|NEAR,target[+MM]",
+     .help = "count only between these two depths along the axis, mm from the apex: a focal spot, the length of a "
+             "probe; target is the point of --toward or of each pose's row, or MM behind it",
      OPTION_FROM_TO(0, 1e9),
-     .flags = OPTION_OF_CONE},
+     .flags = OPTION_OF_CONE | OPTION_TO_TARGET},
     {.name = "radius",
      FIELD(engine_settings, radius),
      .value = "MM",
@@ -341,6 +342,30 @@ const struct option slices_options[] = {
      .needs = "sampling=slices"},
     {0},
 };
+
+void settings_point_error(char out[256], const struct engine_settings *engine, const struct arguments *arguments)
+{
+    static const char *const of_axis[] = {"angle", "layers", "range", "segments", "clearance", "image", "jitter"};
+    out[0] = '\0';
+    for (size_t i = 0; i < sizeof of_axis / sizeof of_axis[0] && engine->radius == 0 && !out[0]; i++) {
+        if (option_find(arguments->command, of_axis[i]) && option_given(arguments, of_axis[i])) {
+            snprintf(out, 256,
+                     "a point, without the direction that --%s needs: columns tx, ty, tz (a target) or dx, dy, dz "
+                     "state one; without --%s conus says what is at the point",
+                     of_axis[i], of_axis[i]);
+        }
+    }
+}
+
+const char *settings_points_text(char out[96], const struct engine_settings *engine)
+{
+    if (engine->radius > 0) {
+        snprintf(out, 96, "asked as points: what is within %g mm of each", engine->radius);
+    } else {
+        snprintf(out, 96, "asked as points: what is at each, or else nearest to it");
+    }
+    return out;
+}
 
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
 {
@@ -393,6 +418,28 @@ int settings_pose(conus_pose *out, const struct aim_settings *settings, const co
     }
     if (!code) {
         conus_frame_turn_pose(out, frame, given_up != NULL);
+    }
+    return code;
+}
+
+int settings_pose_range(double out[2], const struct aim_settings *aim, const struct engine_settings *engine,
+                        const conus_frame *frame, const struct arguments *arguments)
+{
+    double from[3];
+    double to[3];
+    out[0] = out[1] = NAN;
+    if (!engine->range.to_target) {
+        return EXIT_DONE;
+    }
+    if (!option_given(arguments, "toward")) {
+        return print_usage_error("--range NEAR,target needs the target of --toward X,Y,Z");
+    }
+    int code = space_settings_point(from, aim->origin, frame, "origin");
+    code = code ? code : space_settings_point(to, aim->toward, frame, "toward");
+    out[0] = engine->range.ends[0];
+    out[1] = engine->range.beyond + hypot(hypot(to[0] - from[0], to[1] - from[1]), to[2] - from[2]);
+    if (!code && !(out[0] < out[1])) {
+        return print_usage_error("--range: the target is %.10g mm away, and NEAR is %.10g", out[1], out[0]);
     }
     return code;
 }
@@ -454,7 +501,7 @@ conus_selector_options settings_engine(const struct engine_settings *settings, c
         .slices = settings->slices,
         .slice_fraction = settings->slice_fraction,
         .layers = (conus_layers)settings->layers,
-        .range = {settings->range[0], settings->range[1]},
+        .range = {settings->range.to_target ? 0 : settings->range.ends[0], settings->range.ends[1]},
         .radius = settings->radius,
         .level = settings->level,
         .score = settings->score,

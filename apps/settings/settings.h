@@ -50,8 +50,9 @@ struct engine_settings {
     const char *score;                 /* a name or formula; NULL = the default */
     size_t layers;                     /* conus_layers */
     const char *level;
-    double range[2], radius; /* mm */
-    double slice_fraction;   /* 0 = not given */
+    struct depth_range range;
+    double radius;         /* mm */
+    double slice_fraction; /* 0 = not given */
 };
 
 /** A volume that blocks the view. */
@@ -92,6 +93,13 @@ enum { DEFAULT_ANGLE = 10 };
 /** Message for a pose that is only a point where a cone is wanted. */
 #define POINT_HAS_NO_DIRECTION "a point, without the direction that a cone needs"
 
+/** Why points, rows of a file without a direction, are not asked what is at them: the first option given that asks
+ * along an axis, with what to state. "" where there is none, and with a radius. */
+void settings_point_error(char out[256], const struct engine_settings *engine, const struct arguments *arguments);
+
+/** How points of a file are asked, for conus_report_options.understood. */
+const char *settings_points_text(char out[96], const struct engine_settings *engine);
+
 /** Whether the options that aim a cone go together; prints an error if not. @p aim_needed: there must be a cone. */
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed);
 
@@ -109,6 +117,11 @@ const char *settings_level_file(const struct engine_settings *settings);
 
 /** A number of degrees in radians. */
 double radians(double degrees);
+
+/** The range of the pose of --origin and --toward, where --range ends at the target; else NaN, for that of the
+ * selector. Returns the exit code and prints an error unless it is 0. */
+int settings_pose_range(double out[2], const struct aim_settings *aim, const struct engine_settings *engine,
+                        const struct conus_frame *frame, const struct arguments *arguments);
 
 /** --angle in radians, or its default; of a cylinder 0. */
 double settings_angle(const struct aim_settings *settings, const struct engine_settings *engine);

@@ -33,7 +33,8 @@ typedef struct conus_astray {
     conus_oddity away;   /**< The cone or cylinder misses the box around all objects. */
     conus_oddity tiny;   /**< Within 1 mm of 0 in every coordinate, and not at 0. */
     uint64_t points;     /**< Points counted. */
-    conus_oddity apart;  /**< The ball around a point misses the box around all objects; the pose is not turned. */
+    conus_oddity apart;  /**< The ball around a point misses the box around all objects; of a point without a radius it
+                            is one of a quarter of the box's longest edge. The pose is not turned. */
 } conus_astray;
 
 /** In what other way the first of some odd poses may have been meant. */
@@ -80,7 +81,7 @@ CONUS_API void conus_aims_add(conus_aims *aims, uint64_t number, const conus_pos
  * @param aims The counts.
  * @param number The caller's number of the point.
  * @param point World mm.
- * @param radius Of the ball around it, mm.
+ * @param radius Of the ball around it, mm; 0 of a point without one.
  * @threads One at a time for each @p aims.
  * @since 0.1
  */

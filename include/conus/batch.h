@@ -33,6 +33,8 @@ typedef struct conus_batch_options {
                                     #CONUS_FORMAT_SPIKEGLX or #CONUS_FORMAT_OPEN_EPHYS, is one block of up to 65535
                                     contacts, whatever block says, and must be all that is in the stream. Its
                                     probe is NULL. */
+    const char *point_error; /**< Why a pose that is a point has no answer, for its row of kind "error"; NULL = it is
+                                asked what is at it, or within the selector's radius of it: conus_select_ball(). */
 } conus_batch_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -159,13 +161,13 @@ CONUS_CHECKED conus_status conus_batch_sidecar(const char **text, size_t *size, 
 /** @name Arrays
  * @{ */
 
-/** Poses in memory: either matrices, or origins with directions. */
+/** Poses in memory: either matrices, or origins with directions, or without: points. */
 typedef struct conus_pose_array {
     size_t struct_size;      /**< Its size, as #CONUS_POSE_ARRAY_INIT sets it; 0 = that of this version. */
     size_t count;            /**< How many. */
     const double *matrix;    /**< [count 16] As for conus_pose_from_matrix(); NULL = the next three. */
     const double *origin;    /**< [count 3] World mm. */
-    const double *direction; /**< [count 3] Any length but 0. */
+    const double *direction; /**< [count 3] Any length but 0; NULL = points, for conus_select_many() only. */
     const double *up;        /**< [count 3] As for conus_pose_along(); NULL = the default of Eq. 2. */
     const double *angle;     /**< [count] Full opening, radians; where it is 0, and where this is NULL, the options'. */
     const double *range;     /**< [count 2] As for conus_selector_set_range(), mm; NULL = the selector's options'. */
@@ -194,6 +196,7 @@ typedef struct conus_many_options {
     uint32_t threads;   /**< As conus_batch_options.threads. */
     uint32_t block;     /**< As conus_batch_options.block. */
     double angle;       /**< As conus_batch_options.angle. */
+    double radius;      /**< Of points, mm, as for conus_select_ball(). */
 } conus_many_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

@@ -77,6 +77,10 @@ typedef struct conus_pose_options {
     const conus_frame *frame; /**< Where the space of the numbers in the file lies, instead of @p space; copied. NULL =
                                  @p space, which then is #CONUS_SPACE_RAS or #CONUS_SPACE_LPS. In #CONUS_SPACE_CCF and
                                  #CONUS_SPACE_BREGMA a file has no rotations. */
+    bool to_target;           /**< A row's range ends where it has its target (conus_pose_row.target_mm) unless the row
+                                 says otherwise; one with a direction alone has an error. Not of candidates. */
+    double near;              /**< With @p to_target: where the range begins, mm, */
+    double beyond;            /**< and how far behind the target it ends, mm. */
 } conus_pose_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -99,6 +103,7 @@ typedef struct conus_pose_row {
     uint64_t entry;    /**< Number of the entry, from 1, with conus_candidates_open(); 0 in a file's row. */
     uint64_t target;   /**< Likewise of the target; 0 without one. */
     double normal[3];  /**< Outward at the entry, world, of length 1; NaN where it has none. */
+    double target_mm;  /**< How far the point is at which it points, mm; NaN where the file has only a direction. */
 } conus_pose_row;
 
 /** @name Streams

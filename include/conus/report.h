@@ -98,6 +98,10 @@ typedef struct conus_report_options {
                                  report. NULL = none. */
     bool placed;              /**< For #CONUS_FORMAT_BEP032: x, y and z are positions in @p space or @p frame, which
                                  conus_report_coordsystem() describes, not those on the probe. */
+    const char *understood;   /**< How the question was understood: first line of a table for people, "Understood" of
+                                 JSON and sidecar; NULL = nothing is said. */
+    bool points;              /**< For #CONUS_ROWS_ANSWERS and #CONUS_ROWS_SUMMARIES: columns x, y and z with the point,
+                                 or the apex, that was asked. */
 } conus_report_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

@@ -137,8 +137,8 @@ CONUS_API const char *conus_selector_engine(const conus_selector *selector);
 CONUS_CHECKED conus_status conus_select(conus_selection **out, conus_selector *selector, const conus_pose *pose,
                                         double angle);
 
-/** A ball for conus_select_ball(), mm, that stands for its centre: its results are the objects that contain the point.
- * Contacts of probes are asked so where no radius is given. */
+/** A ball for conus_select_ball(), mm, that stands for its centre, with nothing for what is only near. Contacts of
+ * probes are asked so where no radius is given. */
 #define CONUS_POINT_RADIUS 1e-6
 
 /**
@@ -146,11 +146,14 @@ CONUS_CHECKED conus_status conus_select(conus_selection **out, conus_selector *s
  * the ball has a result. Volume, fraction and the like are those of voxels with their centre in the ball. Share is
  * their part of all such voxels of the object's grid, NaN for a mesh, and the score. Distance is that of the nearest
  * point of a cell or surface, 0 within the object, and contact is that point. There are no pixels, and no picture.
+ *
+ * With the radius 0 the results are the objects that contain the point, of which a point on a border has several. Where
+ * no object does, they are the nearest one, however far it is, with all that are equally near. They are ranked by
+ * distance, then by number; share, volume and the like are NaN, and there is no #CONUS_KIND_UNASSIGNED.
  * @param[out] out The selection; end it with conus_selection_destroy().
  * @param selector The selector.
  * @param centre World mm.
- * @param radius mm; 0 = as far as the nearest object that is not at the point: a twentieth of the diagonal of the box
- * around all objects, rounded down to 1, 2 or 5 times a power of ten, doubled until one is found.
+ * @param radius mm; 0 = only the point.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number out of its range, and with a selector that has a range;
  * #CONUS_ERROR_DATA with the radius 0 for an atlas without objects.
  * @threads One at a time for each @p selector.
@@ -160,9 +163,9 @@ CONUS_CHECKED conus_status conus_select_ball(conus_selection **out, conus_select
                                              double radius);
 
 /**
- * Gives the radius of a selection by conus_select_ball(), mm: that which was chosen, where it was 0.
+ * Gives the radius of a selection by conus_select_ball(), mm.
  * @param selection The selection.
- * @return 0 of a cone or cylinder.
+ * @return 0 of a point without a radius, and of a cone or cylinder.
  * @threads Any.
  * @since 0.1
  */

@@ -102,7 +102,7 @@ static conus_status line_pose(conus_pose_row *row, const struct markup *markup, 
         status = read_position(ends[i], markup, json_array_get(points, i));
     }
     bool back = markup->options->axis == CONUS_AXIS_MINUS_Z;
-    return status ? status : conus_pose_toward(&row->pose, ends[back], ends[!back], NULL);
+    return status ? status : pose_row_toward(row, ends[back], ends[!back], NULL);
 }
 
 static conus_status read_line(const struct markup *markup, const json_t *points)

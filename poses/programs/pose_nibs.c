@@ -156,7 +156,7 @@ static conus_status marker_pose(conus_pose_row *row, const struct reading *readi
         return pose_by_normal(&row->pose, reading, marker);
     }
     if (has_from && has[TARGET]) {
-        return conus_pose_toward(&row->pose, from, marker->at[TARGET], NULL);
+        return pose_row_toward(row, from, marker->at[TARGET], NULL);
     }
     if (has[MATRIX]) {
         return fail(CONUS_ERROR_DATA, "a matrix: the proposal does not say along which of its axes the coil points; "

@@ -146,6 +146,62 @@ conus_status conus_pose_toward(conus_pose *out, const double origin[3], const do
     return conus_pose_along(out, origin, d, up);
 }
 
+/* At `origin`, along a direction in (right, anterior, up) as the space of `frame` has these. */
+static conus_status make_anatomical(conus_pose *out, const double origin[3], const double d[3],
+                                    const conus_frame *frame)
+{
+    double along[3] = {d[0], d[1], d[2]};
+    if (frame->space == CONUS_SPACE_CCF) {
+        conus_frame_direction_to_world(along, frame, (const double[]){-d[1], -d[2], d[0]});
+    } else if (frame->space == CONUS_SPACE_BREGMA) {
+        conus_frame_direction_to_world(along, frame, (const double[]){d[1], d[0], d[2]});
+    }
+    conus_status status = conus_pose_along(out, origin, along, NULL);
+    if (!status) {
+        conus_frame_turn_pose(out, frame, false);
+    }
+    return status;
+}
+
+/* How far a position in the world is to the right of the midline, in the unit of the frame's space. */
+static double right_of_midline(const double world[3], const conus_frame *frame)
+{
+    double p[3];
+    if (frame->space < CONUS_SPACE_CCF) {
+        return world[0];
+    }
+    conus_frame_from_world(p, frame, world);
+    return frame->space == CONUS_SPACE_CCF ? p[2] - frame->bregma[2] : p[1];
+}
+
+conus_status pose_along_tilts(conus_pose *out, const double origin[3], double tilt_ml, double tilt_ap,
+                              const conus_frame *frame)
+{
+    if (!(fabs(tilt_ml) < MATH3_PI / 2 && fabs(tilt_ap) < MATH3_PI / 2)) {
+        return fail(CONUS_ERROR_ARGUMENT, "tilts: %g and %g degrees, allowed are those between -90 and 90",
+                    degrees_from_radians(tilt_ml), degrees_from_radians(tilt_ap));
+    }
+    conus_status status = check_point(origin, "origin");
+    double right = status ? 1 : right_of_midline(origin, frame);
+    if (!status && fabs(right) < NEARLY_ZERO && tilt_ml != 0) {
+        status = fail(CONUS_ERROR_ARGUMENT, "tilt_ml: %g degrees on the midline, from which both sides are lateral",
+                      degrees_from_radians(tilt_ml));
+    }
+    const double d[3] = {tan(tilt_ml) * (right < 0 ? -1 : 1), tan(tilt_ap), -1};
+    return status ? status : make_anatomical(out, origin, d, frame);
+}
+
+conus_status pose_along_phi_theta(conus_pose *out, const double origin[3], double phi, double theta,
+                                  const conus_frame *frame)
+{
+    if (!isfinite(phi) || !isfinite(theta)) {
+        return fail(CONUS_ERROR_ARGUMENT, "phi and theta: %g and %g degrees, finite numbers are needed",
+                    degrees_from_radians(phi), degrees_from_radians(theta));
+    }
+    const double d[3] = {-sin(theta) * cos(phi), -sin(theta) * sin(phi), -cos(theta)};
+    return make_anatomical(out, origin, d, frame);
+}
+
 /* Gram-Schmidt on the columns, z first: the beam's axis is kept as given. */
 static void make_rigid(double out[16], const double m[16])
 {

@@ -27,8 +27,13 @@ conus_status pose_check_count(size_t count, uint64_t max_memory)
 
 conus_pose_row pose_row_at(size_t line)
 {
-    return (conus_pose_row){
-        .line = line, .time_s = NAN, .error_deg = NAN, .error_mm = NAN, .range = {NAN, NAN}, .normal = {NAN, NAN, NAN}};
+    return (conus_pose_row){.line = line,
+                            .time_s = NAN,
+                            .error_deg = NAN,
+                            .error_mm = NAN,
+                            .range = {NAN, NAN},
+                            .normal = {NAN, NAN, NAN},
+                            .target_mm = NAN};
 }
 
 const char *pose_check_id(struct text *id, char ordinal[POSE_ORDINAL_SIZE], uint64_t number)
@@ -65,6 +70,28 @@ conus_status pose_check_range(const double range[2])
                ? CONUS_OK
                : fail(CONUS_ERROR_ARGUMENT, "range: %g to %g mm, allowed is NEAR from 0 on and FAR beyond it", range[0],
                       range[1]);
+}
+
+conus_status pose_row_toward(conus_pose_row *row, const double origin[3], const double target[3], const double up[3])
+{
+    double along[3];
+    conus_status status = conus_pose_toward(&row->pose, origin, target, up);
+    vec3_sub(along, target, origin);
+    row->target_mm = status ? NAN : vec3_length(along);
+    return status;
+}
+
+void pose_row_end(conus_pose_row *row, const conus_pose_options *options)
+{
+    if (!options->to_target || row->error || row->is_point) {
+        return;
+    }
+    bool is_own = row->range[1] == row->target_mm; /* of a file whose targets end its axes */
+    row->range[0] = isnan(row->range[0]) ? options->near : row->range[0];
+    row->range[1] = isnan(row->range[1]) || is_own ? row->target_mm + options->beyond : row->range[1];
+    row->error = !isnan(row->range[1])
+                     ? NULL
+                     : "a direction alone, without the target at which the range is to end: columns tx, ty, tz";
 }
 
 void pose_flip_point(double p[3])

@@ -66,6 +66,24 @@ void pose_turn(conus_pose *pose, conus_axis axis);
 /** Turns the device about its axis by @p turn radians, its +y towards its +x (Eq. 22). */
 conus_status pose_roll(conus_pose *pose, double turn);
 
+/** conus_pose_toward() of a row, which keeps how far its target is. */
+conus_status pose_row_toward(conus_pose_row *row, const double origin[3], const double target[3], const double up[3]);
+
+/** Ends the row's range at its target, where @p options say so: a row that has none gets an error. */
+void pose_row_end(conus_pose_row *row, const conus_pose_options *options);
+
+/** Eq. 24: a device at @p origin, world mm, whose tip leans by @p tilt_ml to the side and by @p tilt_ap to the front of
+ * straight down, radians, each as seen along the other axis. Sides and axes are those of @p frame's space: the midline
+ * is x = 0, or bregma's. CONUS_ERROR_ARGUMENT for an angle of 90 degrees or more, and for a tilt to the side of a
+ * device on the midline; and as conus_pose_along(). */
+conus_status pose_along_tilts(conus_pose *out, const double origin[3], double tilt_ml, double tilt_ap,
+                              const conus_frame *frame);
+
+/** Eq. 24: likewise, with the International Brain Laboratory's azimuth @p phi and polar angle @p theta of its far end,
+ * radians: theta = 0 points straight down. */
+conus_status pose_along_phi_theta(conus_pose *out, const double origin[3], double phi, double theta,
+                                  const conus_frame *frame);
+
 /** A device's matrix, in LPS if @p lps, that points along its @p axis. */
 conus_status pose_of_matrix(conus_pose *out, const double m[16], bool lps, conus_axis axis);
 

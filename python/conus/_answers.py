@@ -171,6 +171,18 @@ def _columns(atlas: Atlas, results: Array, layers: bool, space: Optional[Space])
     return columns
 
 
+def _of_points(columns: dict[str, Any], results: Array, points: Array, radius: float, space: Optional[Space]) -> None:
+    """What no ray looks for is missing, and volumes are not where there is no radius; which point each row is about."""
+    none = np.ones(len(results), bool)
+    columns.update({name: counts(results[name], none) for name in ("pixels", "pierced")})
+    if radius == 0 and "voxels" in columns:
+        columns["voxels"] = counts(results["voxels"], none)
+    for name, member in (("volume_mm3", "volume"), ("fraction", "fraction"), ("mean_value", "mean_value"),
+                         ("max_value", "max_value")):
+        columns[name] = _finite(results[member])
+    columns.update(points_of("", points, space))
+
+
 def _bundle_columns(results: Array, space: Optional[Space]) -> dict[str, Any]:
     """Number of streamlines."""
     others = results["kind"] != lib.CONUS_KIND_BUNDLE
@@ -252,6 +264,7 @@ class Selection(Bound):
     """
 
     space: Optional[Space] = None  #: of positions in hits and tables; None = RAS mm
+    _point: Optional[Array] = None  # the point of :meth:`Selector.near`
     _asked: Optional[tuple[Any, Any, float]] = None  # the pose of one cone, its target if given, and its angle
 
     def __init__(self, selector: Selector, pointer: Any) -> None:
@@ -323,8 +336,9 @@ class Selection(Bound):
         is_ball = lib.conus_selection_evidence(self._p).resolution == 0
         results = _ordered(self.results, np.zeros(len(self)), order, self._layers and not is_ball)
         columns = _columns(self.atlas, results, self._layers or is_ball, self.space)
-        if is_ball:  # which no ray looks for
-            columns.update({name: counts(results[name], np.ones(len(results), bool)) for name in ("pixels", "pierced")})
+        if is_ball:
+            points = np.repeat([self._point], len(self), 0)
+            _of_points(columns, results, points, lib.conus_selection_ball(self._p), self.space)
         if len(self._steps):
             columns.update(_step_columns(self._steps.repeat(len(self)), results))
         return pandas.DataFrame(columns)
@@ -482,6 +496,7 @@ class Answers:
 
     def __init__(self, atlas: Atlas, results: Array, starts: Array, errors: dict[int, str], layers: bool,
                  names: Optional[Array] = None) -> None:
+        self._points: Optional[tuple[Array, float]] = None  # of :meth:`Selector.near_many`, with the radius
         self.atlas = atlas
         self.results = results
         self.starts = starts
@@ -519,6 +534,8 @@ class Answers:
 
         query, results = self._rows(order)
         columns = {"query": self._queries[query], **_columns(self.atlas, results, self._layers, self.space)}
+        if self._points:
+            _of_points(columns, results, self._points[0][query], self._points[1], self.space)
         return with_errors(pandas.DataFrame(columns, copy=False), query, self._queries, self.errors)
 
 

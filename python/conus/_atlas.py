@@ -45,7 +45,7 @@ from ._library import (
 )
 from ._picture import GLOwner, Picture, Renderer, rgb_of
 from ._pose_file import Poses
-from ._poses import Aims, PoseArray, notes_of, pose_of, warn
+from ._poses import Aims, PoseArray, notes_of, pose_of, rows_of, warn
 from ._plan import Plan, constraints_of, plan_of, stream_of
 from ._probe import Contacts, Probe, poses_of_probe
 from ._progress import LoadProgress, Progress, telling
@@ -702,14 +702,14 @@ class Selector(Guarded):
         return selection
 
     def near(self, point: Any, radius: float = 0) -> Selection:
-        """Answers what is at a point and near it: ``conus query --point``.
+        """Answers what is at a point, or near it: ``conus query --point``.
 
         Parameters
         ----------
         point
             (3,) RAS mm.
         radius
-            mm; 0 is as far as the nearest object that is not at the point.
+            mm; 0 is what is at the point or, where nothing is, what is nearest to it.
 
         Returns
         -------
@@ -718,9 +718,48 @@ class Selector(Guarded):
         """
         out = ffi.new("conus_selection **")
         point = self.space.to_world("point", point) if self.space else point
-        self._call(lib.conus_select_ball, out, self._p, vector("point", point), real("radius", radius))
+        at = vector("point", point)
+        self._call(lib.conus_select_ball, out, self._p, at, real("radius", radius))
         near: Selection = self._place(Selection(self, out[0]))
+        near._point = np.array(list(at), np.float64)
         return near
+
+    def near_many(self, points: Any, radius: float = 0, *, threads: Optional[int] = None,
+                  progress: Progress = None) -> Answers:
+        """Answers what is at each of many points, or near it: ``conus batch`` of a file of points.
+
+        Parameters
+        ----------
+        points
+            (n, 3) RAS mm, or what :func:`read_poses` gives of a file of points.
+        radius
+            mm, as for :meth:`near`.
+        threads, progress
+            As for :meth:`select_many`.
+
+        Returns
+        -------
+        Answers
+            Those of :meth:`near`, by point. A point that is not finite is in ``errors``.
+        """
+        names = points.ids if isinstance(points, Poses) else None
+        at = points.origins if isinstance(points, Poses) else points
+        at = rows_of("points", self.space.to_world("points", at) if self.space and names is None else at, (3,))
+        array = ffi.new("conus_pose_array *", {"count": len(at), "origin": ffi.cast("double *", at.ctypes.data)})
+        options, astray = ffi.new("conus_many_options *"), ffi.new("conus_astray *")
+        options.threads = 0 if threads is None else whole("threads", threads)
+        options.radius = real("radius", radius)
+        with telling(progress, "point", len(at)) as tell:
+            collector = _Collector(len(at), tell)
+            state = Callback(collector.take)
+            handle, select = ffi.new_handle(state), lib.conus_select_many
+            self._call(select, astray, self._p, array, options, receive, handle, state=state)
+        collector.finish()
+        errors = {int(i): "position: finite numbers are needed" for i in np.flatnonzero(collector.status)}
+        answers: Answers = self._place(
+            Answers(self.atlas, collector.results, collector.starts, errors, self._layers, names))
+        answers._points = at, options.radius
+        return answers
 
     def contacts(
         self, probe: Probe, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None,
@@ -1459,8 +1498,13 @@ class Atlas:
             return renderer.render(selection, **view)
 
     def near(self, point: Any, radius: float = 0, **options: Any) -> Selection:
-        """Answers what is at a point and within ``radius`` mm of it: see :meth:`Selector.near`."""
+        """Answers what is at a point, or within ``radius`` mm of it: see :meth:`Selector.near`."""
         return self._selector(options).near(point, radius)
+
+    def near_many(self, points: Any, radius: float = 0, *, threads: Optional[int] = None, progress: Progress = None,
+                  **options: Any) -> Answers:
+        """Answers what is at each of many points, or near it: see :meth:`Selector.near_many`."""
+        return self._selector(options).near_many(points, radius, threads=threads, progress=progress)
 
     def contacts(self, probe: Probe, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None,
                  pose: Any = None, poses: Any = None, roll: float = 0, radius: float = 0, **options: Any) -> Contacts:

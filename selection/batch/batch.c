@@ -64,13 +64,17 @@ static conus_status add_atlas(conus_batch *batch, conus_selector *selector, cons
     struct batch_atlas atlas = {.workers = memory_zeroed(options->threads, sizeof *atlas.workers),
                                 .reports = memory_zeroed(options->threads, sizeof(conus_report *))};
     bool fits = memory_reserve(&batch->atlases, &batch->atlas_capacity, batch->atlas_count + 1, sizeof *batch->atlases);
+    double radius = selector->options.radius; /* of other programs' formats most have no place for what is only near */
     bool has_axes = report_is_of_axes(report->rows) || report_is_of_probe(report->format);
     conus_status status = fits && atlas.workers && atlas.reports ? CONUS_OK : CONUS_ERROR_MEMORY;
     status = status || !has_axes                     ? status
              : report->rows == CONUS_ROWS_CLEARANCES ? selector_prepare_clearance(selector)
                                                      : selector_prepare_axis(selector);
     for (uint32_t i = 0; i < options->threads && !status; i++) {
-        status = batch_worker_init(&atlas.workers[i], selector, options->block, options->angle);
+        status = batch_worker_init(
+            &atlas.workers[i], selector, options->block, options->angle,
+            (struct batch_points){report_is_foreign(report->format) ? fmax(radius, CONUS_POINT_RADIUS) : radius,
+                                  options->point_error});
         status = status ? status : conus_report_create(&atlas.reports[i], atlas.workers[i].selector, report);
         if (!status) {
             atlas.reports[i]->options.no_voxels = true;

@@ -58,7 +58,9 @@ static conus_status read_block(void *user, size_t slot, bool *may_follow)
         if (poses->range) {
             memcpy(pose->range, poses->range + 2 * n, sizeof pose->range);
         }
-        pose->is_no_pose = conus_pose_array_at(&pose->pose, poses, n) != CONUS_OK;
+        pose->is_point = !poses->matrix && !poses->direction;
+        pose->is_no_pose = (pose->is_point ? pose_of_point(&pose->pose, poses->origin + 3 * n)
+                                           : conus_pose_array_at(&pose->pose, poses, n)) != CONUS_OK;
     }
     run->next += block->count;
     *may_follow = run->next < poses->count;
@@ -103,7 +105,8 @@ static conus_status build(struct run *run, conus_selector *selector)
     run->blocks = memory_zeroed(run->block_count, sizeof *run->blocks);
     conus_status status = run->workers && run->blocks ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (uint32_t i = 0; i < options->threads && !status; i++) {
-        status = batch_worker_init(&run->workers[i], selector, options->block, options->angle);
+        status = batch_worker_init(&run->workers[i], selector, options->block, options->angle,
+                                   (struct batch_points){.radius = options->radius});
     }
     for (size_t i = 0; i < run->block_count && !status; i++) {
         struct block *block = &run->blocks[i];
@@ -138,9 +141,13 @@ conus_status conus_select_many(conus_astray *astray, conus_selector *selector, c
                       .sink = sink,
                       .user = user};
     bool is_whole = run.poses.matrix ? !run.poses.origin && !run.poses.direction && !run.poses.up
-                                     : run.poses.origin && run.poses.direction;
+                                     : run.poses.origin && (run.poses.direction || !run.poses.up);
     if (!is_whole && run.poses.count) {
-        return fail(CONUS_ERROR_ARGUMENT, "poses: either matrix or both origin and direction");
+        return fail(CONUS_ERROR_ARGUMENT, "poses: either matrix or origin, with direction or as points");
+    }
+    if (!(run.options.radius >= 0 && isfinite(run.options.radius))) {
+        return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm, allowed are 0 (what is at the point) and more",
+                    run.options.radius);
     }
     conus_status status = batch_check_options(&run.options.threads, &run.options.block, &run.options.angle, selector);
     if (status) {

@@ -35,9 +35,10 @@ conus_status batch_check_options(uint32_t *threads, uint32_t *block, double *ang
     return CONUS_OK;
 }
 
-conus_status batch_worker_init(struct batch_worker *out, conus_selector *selector, size_t block, double angle)
+conus_status batch_worker_init(struct batch_worker *out, conus_selector *selector, size_t block, double angle,
+                               struct batch_points points)
 {
-    *out = (struct batch_worker){.angle = angle, .at_once = selections_at_once(selector)};
+    *out = (struct batch_worker){.angle = angle, .points = points, .at_once = selections_at_once(selector)};
     out->at_once = out->at_once < block ? out->at_once : block;
     conus_status status = selector_share(&out->selector, selector);
     out->begun = status ? NULL : memory_zeroed(out->at_once, sizeof(conus_selection *));
@@ -61,10 +62,10 @@ static double angle_of(const struct batch_worker *worker, const struct batch_pos
     return pose->angle != 0 ? pose->angle : worker->angle;
 }
 
-/* A cone, or for a point the ball of the cylinders' radius. */
+/* A cone, or for a point what is at it or near it. */
 static conus_status select_pose(conus_selection **out, struct batch_worker *worker, const struct batch_pose *pose)
 {
-    double radius = worker->selector->options.radius;
+    const struct batch_points *points = &worker->points;
     conus_status status = conus_selector_set_range(worker->selector, pose->range);
     if (status) {
         return status;
@@ -72,9 +73,8 @@ static conus_status select_pose(conus_selection **out, struct batch_worker *work
     if (!pose->is_point) {
         return conus_select(out, worker->selector, &pose->pose, angle_of(worker, pose));
     }
-    return radius > 0 ? conus_select_ball(out, worker->selector, pose->pose.world_from_device + 12, radius)
-                      : fail(CONUS_ERROR_ARGUMENT,
-                             "a point, without the direction that a cone needs, or the radius of a ball");
+    return points->error ? fail(CONUS_ERROR_ARGUMENT, "%s", points->error)
+                         : conus_select_ball(out, worker->selector, pose->pose.world_from_device + 12, points->radius);
 }
 
 /* A call of batch_worker_answer(). */
@@ -137,9 +137,9 @@ static void count_aims(struct batch_worker *worker, const struct batch_pose *pos
     for (size_t i = 0; i < count; i++) {
         if (!poses[i].is_no_pose && !poses[i].is_point) {
             conus_aims_add(&worker->aims, poses[i].line, &poses[i].pose, angle_of(worker, &poses[i]));
-        } else if (!poses[i].is_no_pose && worker->selector->options.radius > 0) {
+        } else if (!poses[i].is_no_pose && !worker->points.error) {
             conus_aims_add_point(&worker->aims, poses[i].line, poses[i].pose.world_from_device + 12,
-                                 worker->selector->options.radius);
+                                 worker->points.radius);
         }
     }
 }

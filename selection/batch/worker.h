@@ -20,6 +20,12 @@ struct batch_pose {
     bool is_point;
 };
 
+/** How poses that are points are asked. */
+struct batch_points {
+    double radius;     /**< Of the ball, mm; 0 = what is at the point. */
+    const char *error; /**< Why they are not; NULL = they are. Not owned. */
+};
+
 enum { BATCH_BLOCK_LIMIT = 65536 };
 
 /** Checks how poses are to be answered, and sets defaults where a value is 0: @p threads by the processors that the
@@ -30,13 +36,15 @@ conus_status batch_check_options(uint32_t *threads, uint32_t *block, double *ang
 struct batch_worker {
     conus_selector *selector; /**< Shares its engine with the other workers'. */
     double angle;
+    struct batch_points points;
     conus_selection **begun; /**< [at_once] Those that are traced together; NULL between blocks. */
     size_t at_once;          /**< 1 = poses are answered one by one. */
     struct conus_aims aims;  /**< Findings about the poses answered. */
 };
 
 /** Zeroed, for poses by blocks of up to @p block; @p angle is for poses without one. */
-conus_status batch_worker_init(struct batch_worker *out, conus_selector *selector, size_t block, double angle);
+conus_status batch_worker_init(struct batch_worker *out, conus_selector *selector, size_t block, double angle,
+                               struct batch_points points);
 void batch_worker_finish(struct batch_worker *worker);
 
 /** Takes the answer to pose @p index: a selection, which the caller destroys. NULL where the pose is wrong; then

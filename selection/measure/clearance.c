@@ -133,6 +133,11 @@ static void corners_of(double low[3], double high[3], const struct clearance_bri
     }
 }
 
+static uint32_t group_of(const struct clearance_question *question, uint32_t object)
+{
+    return question->groups ? question->groups[object] : 1;
+}
+
 static void add_point(struct clearance_index *index, const double p[3], double reach)
 {
     for (int a = 0; a < 3; a++) {
@@ -477,7 +482,7 @@ static void search_volume(const struct search *all, size_t number)
     needle_frame_init(&cells.search.frame, all->needle, volume->voxel_from_world);
     for (uint32_t object = 1; object <= atlas->object_count; object++) {
         const struct object_place *place = &atlas->places[object - 1];
-        uint32_t group = question->groups[object];
+        uint32_t group = group_of(question, object);
         if (group && !place->is_mesh && !place->is_bundle && place->index == number) {
             struct bvh_search near;
             uint32_t brick;
@@ -518,7 +523,7 @@ static void search_mesh(const struct search *search, const struct mesh *mesh, ui
 {
     const struct needle *needle = search->needle;
     const struct bvh *tree = &search->question->index->trees[object];
-    uint32_t group = search->question->groups[object];
+    uint32_t group = group_of(search->question, object);
     struct clearance_found found = {.source = search->source, .depth = needle->near};
     struct bvh_search near;
     uint32_t triangle;
@@ -546,7 +551,7 @@ static enum tract_answer test_box(void *user, const double low[3], const double 
 {
     const struct tubes *tubes = user;
     const struct search *search = &tubes->search;
-    double bound = tubes->owners->all ? bound_of(search, search->question->groups[tubes->owners->all]) : INFINITY;
+    double bound = tubes->owners->all ? bound_of(search, group_of(search->question, tubes->owners->all)) : INFINITY;
     double depth;
     double most = fmin(bound, search->radius) + tubes->tractogram->radius + ROUNDING;
     return needle_box(&depth, &tubes->search.frame, low, high) > most ? TRACT_OUTSIDE : TRACT_PERHAPS;
@@ -588,7 +593,7 @@ static void visit_run(void *user, const struct tract_run *run, bool inside)
         measure_tube(&found, tubes, a, b);
         for (uint64_t k = first; k < end; k++) {
             uint32_t object = owners->all ? owners->all : owners->bundles[k];
-            uint32_t group = tubes->search.question->groups[object];
+            uint32_t group = group_of(tubes->search.question, object);
             if (group && !atlas->places[object - 1].is_hidden) {
                 note(&tubes->search, group, &found);
             }
@@ -602,7 +607,7 @@ static bool is_settled(const struct search *search, const struct tractogram *tra
     const conus_atlas *atlas = search->question->atlas;
     for (uint32_t object = (uint32_t)atlas->area_count + 1; object <= atlas->object_count; object++) {
         const struct object_place *place = &atlas->places[object - 1];
-        uint32_t group = search->question->groups[object];
+        uint32_t group = group_of(search->question, object);
         if (place->is_bundle && !place->is_hidden && &atlas->tractograms[place->index] == tractogram && group &&
             search->clearance->found[group].distance > search->radius) {
             return false;
@@ -644,7 +649,7 @@ void clearance_take(struct clearance *clearance, const struct clearance_question
     needle_frame_init(&search.frame, needle, NULL);
     for (uint32_t object = 1; atlas->mesh_count && object <= atlas->object_count; object++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, object);
-        if (mesh && question->groups[object]) {
+        if (mesh && group_of(question, object)) {
             search_mesh(&search, mesh, object);
         }
         search.source++;

@@ -54,7 +54,8 @@ struct clearance_question {
     const struct clearance_index *index;
     const struct tract_index *tracts; /**< Its streamlines' owners; NULL leaves bundles out. */
     const uint32_t *groups; /**< [object_count + 1] What each object counts as, a number up to object_count: the least
-                               of a group is found. 0 = it takes no part. */
+                               of a group is found. 0 = it takes no part. NULL = all count as 1: only the nearest of
+                               all objects is found. */
     double limit;           /**< mm: what is farther is not found; finite. */
 };
 

@@ -34,7 +34,7 @@ void near_finish(struct near *near)
     *near = (struct near){0};
 }
 
-static void note(struct near *near, uint32_t object, double distance, const double point[3], double value)
+void near_note(struct near *near, uint32_t object, double distance, const double point[3], double value)
 {
     struct near_object *found = &near->objects[object];
     if (found->distance == INFINITY) {
@@ -167,7 +167,7 @@ static void search_cell(struct search *search, const struct volume *volume, size
         double point[3];
         mat4_direction(point, volume->info.world_from_voxel, offset);
         vec3_add_scaled(point, search->ball->origin, 1, point);
-        note(near, object, distance, point, volume_has_values(volume) ? (double)volume_value(volume, voxel) : NAN);
+        near_note(near, object, distance, point, volume_has_values(volume) ? (double)volume_value(volume, voxel) : NAN);
     }
 }
 
@@ -195,12 +195,17 @@ static double bounds_distance(const struct mesh *mesh, const double centre[3])
     return vec3_length(gap);
 }
 
-void near_take(struct near *near, const conus_atlas *atlas, const struct region *ball)
+void near_clear(struct near *near)
 {
     for (size_t i = 0; i < near->touched_count; i++) {
         near->objects[near->touched[i]].distance = INFINITY;
     }
     near->touched_count = 0;
+}
+
+void near_take(struct near *near, const conus_atlas *atlas, const struct region *ball)
+{
+    near_clear(near);
     for (size_t i = 0; i < atlas->volume_count; i++) {
         if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT && volume_can_be_hit(&atlas->volumes[i])) {
             const struct volume *volume = &atlas->volumes[i];
@@ -222,7 +227,7 @@ void near_take(struct near *near, const conus_atlas *atlas, const struct region 
         bool inside = away == 0 && fabs(mesh_winding(mesh, ball->origin)) >= 0.5;
         double distance = inside ? 0 : mesh_nearest(point, mesh, ball->origin, ball->radius);
         if (distance <= ball->radius) {
-            note(near, object, distance, point, NAN);
+            near_note(near, object, distance, point, NAN);
         }
     }
 }

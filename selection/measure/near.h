@@ -24,6 +24,12 @@ struct near {
 conus_status near_prepare(struct near *near, const conus_atlas *atlas);
 void near_finish(struct near *near);
 
+/** Forgets what was found. */
+void near_clear(struct near *near);
+
+/** Notes that a point of @p object is so near, and the value there. */
+void near_note(struct near *near, uint32_t object, double distance, const double point[3], double value);
+
 /** Forgets the last ball's and finds all objects of @p atlas no farther from the centre of @p ball than its radius. 0
  * in an object: in one of its cells (Eq. 5), or where its surface winds around the point by half a turn or more. */
 void near_take(struct near *near, const conus_atlas *atlas, const struct region *ball);

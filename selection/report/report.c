@@ -139,7 +139,7 @@ static bool are_alike(const conus_report *a, const conus_report *b)
     const conus_selector_options *q = &b->selector;
     return x->rows == y->rows && x->format == y->format && a->frame.space == b->frame.space &&
            mat4_is_same(a->frame.world_from_space, b->frame.world_from_space) && !x->tracker == !y->tracker &&
-           x->selected_only == y->selected_only && a->atlas->is_moved == b->atlas->is_moved &&
+           x->selected_only == y->selected_only && x->points == y->points && a->atlas->is_moved == b->atlas->is_moved &&
            strcmp(a->score, b->score) == 0 && strcmp(a->engine, b->engine) == 0 && p->aperture == q->aperture &&
            p->sampling == q->sampling && p->resolution == q->resolution && p->slices == q->slices &&
            p->slice_fraction == q->slice_fraction && p->layers == q->layers && p->range[0] == q->range[0] &&
@@ -262,8 +262,10 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
 {
     const struct statistics *statistics = &selection->statistics;
     bool is_ball = selection->region.shape == REGION_BALL;
-    struct report_query query = {
-        .cone = selection->cone, .step = selection->step, .ball = is_ball ? selection->region.radius : 0};
+    struct report_query query = {.cone = selection->cone,
+                                 .step = selection->step,
+                                 .ball = is_ball ? selection->region.radius : 0,
+                                 .is_point = selection->is_point};
     if (report->options.rows != CONUS_ROWS_ANSWERS && report->options.rows != CONUS_ROWS_SHARES &&
         report->options.rows != CONUS_ROWS_SUMMARIES) {
         return refuse_rows("an answer");

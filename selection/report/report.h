@@ -96,6 +96,7 @@ struct report_query {
     struct cone cone;
     uint32_t cone_pixels;        /**< Pixels of the aperture.                              */
     double ball;                 /**< Radius of a ball around the cone's origin; 0 of a cone. */
+    bool is_point;               /**< The ball only stands for its centre. */
     bool is_axis;                /**< Its rows describe the cone's axis: segments, clearances. */
     conus_step step;             /**< In a report on a track. */
     conus_jitter_options jitter; /**< For chances. */

@@ -50,9 +50,9 @@ const char *report_units(const conus_report *report, const struct report_column 
 
 unsigned report_needs_met(const conus_report *report, const struct report_row *row)
 {
-    bool of_ball = report->queries[row->query].ball > 0;
-    unsigned there = of_ball ? NEEDS_CENSUS : NEEDS_RAYS;
-    there |= report->selector.layers ? NEEDS_CENSUS : 0;
+    const struct report_query *query = &report->queries[row->query];
+    unsigned there = query->ball > 0 ? 0 : NEEDS_RAYS;
+    there |= !query->is_point && (query->ball > 0 || report->selector.layers) ? NEEDS_CENSUS : 0;
     there |= row->result.object ? NEEDS_OBJECT : 0;
     there |= row->result.kind == CONUS_KIND_BUNDLE ? NEEDS_BUNDLE : 0;
     return there;
@@ -173,6 +173,13 @@ static const struct report_column answer_columns[] = {
     {"contact_value", NULL,
      "value of the voxel at the contact, of a pathway, or probability there of an area of probabilities",
      OF_ROW(NUMBER, result.contact_value)},
+};
+
+/* Which point was asked; behind all others, so that no other column moves. */
+static const struct report_column point_columns[] = {
+    {"x", "mm", "the point that was asked, or the apex, x", OF_QUERY(X, cone.pose.world_from_device[12])},
+    {"y", "mm", "the same, y", OF_QUERY(Y, cone.pose.world_from_device[12])},
+    {"z", "mm", "the same, z", OF_QUERY(Z, cone.pose.world_from_device[12])},
 };
 
 static struct cell get_selected(const conus_report *report, const struct report_row *row)
@@ -934,6 +941,9 @@ static void list_answers(struct report_columns *out, const conus_report *report)
     if (report->options.probe) {
         list_table(out, report, probe_columns, COUNT_OF(probe_columns));
     }
+    if (report->options.points) {
+        list_table(out, report, point_columns, COUNT_OF(point_columns));
+    }
 }
 
 static void list_bep032(struct report_columns *out, const conus_report *report)
@@ -961,6 +971,9 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     case CONUS_ROWS_SUMMARIES:
         list_named(out, summary_common, COUNT_OF(summary_common));
         list_table(out, report, summary_columns, COUNT_OF(summary_columns));
+        if (report->options.points) {
+            list_table(out, report, point_columns, COUNT_OF(point_columns));
+        }
         break;
     case CONUS_ROWS_SHARES:
         list_answers(out, report);

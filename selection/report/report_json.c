@@ -115,7 +115,7 @@ static json_t *json_from_shape(const struct report_query *query)
     if (query->ball > 0) {
         const double *m = query->cone.pose.world_from_device;
         return json_pack("{s: o, s: [f, f, f], s: f}", "query", json_from_text(query->id), "point_ras", m[12], m[13],
-                         m[14], "radius_mm", query->ball);
+                         m[14], "radius_mm", query->is_point ? 0 : query->ball);
     }
     if (query->is_whole) {
         return json_pack("{s: o}", "query", json_from_text(query->id));
@@ -460,7 +460,9 @@ static json_t *json_from_space(const conus_frame *frame)
 /* The provenance of the rows, for the report and the sidecar. */
 static bool add_provenance(json_t *root, const conus_report *report)
 {
-    return put_value(root, "Space", json_from_space(&report->frame)) && add_sources(root, report);
+    const char *understood = report->options.understood;
+    return put_value(root, "Space", json_from_space(&report->frame)) &&
+           (!understood || put_value(root, "Understood", json_from_text(understood))) && add_sources(root, report);
 }
 
 struct writing {

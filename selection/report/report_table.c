@@ -142,7 +142,7 @@ void table_write_query(struct buffer *out, const conus_report *report, const str
         memcpy(middle, query->cone.pose.world_from_device + 12, sizeof middle);
         report_point(report, middle);
         int digits = table_digits(report);
-        if (query->ball <= CONUS_POINT_RADIUS) {
+        if (query->is_point || query->ball <= CONUS_POINT_RADIUS) {
             buffer_text(out, "point (");
         } else {
             buffer_format(out, "ball of radius %.4g mm around (", query->ball);
@@ -349,6 +349,30 @@ static void write_ball_header(struct buffer *out, const conus_report *report, in
     end_header(out, report, "in the ball", "mm");
 }
 
+static void write_point_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
+{
+    double contact[3];
+    memcpy(contact, result->contact, sizeof contact);
+    report_point(report, contact);
+    write_rank(out, report, result, width);
+    write_number(out, 8, 2, result->distance, "");
+    write_number(out, 8, table_digits(report), contact[0], "");
+    write_number(out, 7, table_digits(report), contact[1], "");
+    write_number(out, 7, table_digits(report), contact[2], "");
+    if (isfinite(result->contact_value)) {
+        buffer_format(out, "  value %.4g", result->contact_value);
+    }
+    buffer_text(out, "\n");
+}
+
+static void write_point_header(struct buffer *out, const conus_report *report, int width)
+{
+    char axes[TABLE_AXES_SIZE];
+    buffer_format(out, "%4s  %-*s  %10s  %8s  %26s\n", "rank", width, "name", "label", "distance",
+                  table_axes(axes, report, "nearest point"));
+    buffer_format(out, "%4s  %-*s  %10s  %8s  %26s\n", "", width, "", "", "mm", conus_space_unit(report->frame.space));
+}
+
 /* The table of one kind of query. */
 struct table_form {
     void (*header)(struct buffer *out, const conus_report *report, int width);
@@ -369,7 +393,9 @@ static void write_here(struct buffer *out, const conus_report *report, size_t in
             }
         }
     }
-    buffer_text(out, count ? "\n" : "no area, pathway or bundle\n");
+    buffer_text(out, count                             ? "\n"
+                     : report->queries[index].is_point ? "no area, pathway or bundle; the nearest:\n"
+                                                       : "no area, pathway or bundle\n");
 }
 
 /* The answers of one atlas to query `index`. */
@@ -378,9 +404,11 @@ static void write_answers(struct buffer *out, const conus_report *report, size_t
     static const struct table_form visible = {write_visible_header, write_visible_result};
     static const struct table_form layers = {write_layers_header, write_layers_result};
     static const struct table_form ball = {write_ball_header, write_ball_result};
-    const struct table_form *form = report->queries[index].ball > 0 ? &ball
-                                    : report->selector.layers       ? &layers
-                                                                    : &visible;
+    static const struct table_form point = {write_point_header, write_point_result};
+    const struct table_form *form = report->queries[index].is_point   ? &point
+                                    : report->queries[index].ball > 0 ? &ball
+                                    : report->selector.layers         ? &layers
+                                                                      : &visible;
     table_write_atlas(out, report);
     if (report->queries[index].ball > 0) {
         write_here(out, report, index);
@@ -394,6 +422,9 @@ static void write_answers(struct buffer *out, const conus_report *report, size_t
 void report_write_table(struct buffer *out, const conus_report *report)
 {
     int width = table_name_width(report);
+    if (report->options.understood) {
+        buffer_format(out, "%s\n", report->options.understood);
+    }
     for (size_t i = 0; i < report->query_count; i++) {
         if (report->queries[i].error) {
             table_write_error(out, &report->queries[i], i + 1 < report->query_count);
@@ -405,7 +436,8 @@ void report_write_table(struct buffer *out, const conus_report *report)
         }
         const struct report_query *query = &report->queries[i];
         if (query->ball > 0) {
-            buffer_format(out, "ranked by share, then distance%s\n", report->options.order ? ", nearest first" : "");
+            buffer_format(out, "ranked by %sdistance%s\n", query->is_point ? "" : "share, then ",
+                          report->options.order && !query->is_point ? ", nearest first" : "");
         } else {
             buffer_format(out, "%u pixels in the cone (%u x %u buffer); ranked by %s%s; engine %s, %s\n",
                           query->cone_pixels, query->cone.resolution, query->cone.resolution, report->score,

@@ -222,7 +222,11 @@ void conus_aims_add_point(conus_aims *aims, uint64_t number, const double point[
         gap[i] = fmax(0, fmax(aims->low[i] - point[i], point[i] - aims->high[i]));
     }
     aims->found.points++;
-    if (vec3_length(gap) > radius * (1 + margin)) {
+    double reach = radius;
+    for (int i = 0; i < 3 && radius == 0; i++) {
+        reach = fmax(reach, (aims->high[i] - aims->low[i]) / 4);
+    }
+    if (vec3_length(gap) > reach * (1 + margin)) {
         count(&aims->found.apart, number, &ball, 0);
     }
 }

@@ -48,38 +48,70 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
     [ "$(cell voxels 1)" = "$ras" ]
 }
 
-@test "a point without a radius: what is here, and its neighbours, nearest first" {
+@test "a point without a radius: what is at it, or else the nearest, however far" {
     nested
     answers query nested.nii.gz --point 0,0,0
-    [ "${lines[0]}" = 'ball of radius 8 mm around (0.00, 0.00, 0.00), RAS mm' ] # 2 mm, doubled until the inner shell, 6.6 mm off, is in the ball
+    [ "${lines[0]}" = 'point (0.00, 0.00, 0.00), RAS mm' ]
     [ "${lines[1]}" = 'at the point: Core' ]
-    has 'ranked by share, then distance, nearest first'
+    [ "${lines[5]}" = 'ranked by distance' ] # one row
     answers query nested.nii.gz --point 0,0,0 --format json
-    has '"radius_mm": 8'
+    has '"radius_mm": 0'
     # The point 13 mm off the centre is in the inner shell; the core is 13 - 8 mm away, the outer shell 16 - 13.
     answers query nested.nii.gz --point 13,0,0 --radius 12 --format tsv
-    [ "$(cell name 1)" = 'Shell outer' ] # the one with more voxels has rank 1
+    [ "$(cell name 1)/$(cell x 1)" = 'Shell outer/13' ] # the one with more voxels has rank 1
     answers query nested.nii.gz --point 13,0,0 --radius 12 --order depth --format tsv
     [ "$(cell name 1)" = 'Shell inner' ]
     answers query nested.nii.gz --point 13,0,0 --format tsv
-    [ "$(cell name 1)" = 'Shell inner' ]
-    run -0 --separate-stderr conus query nested.nii.gz --point 30,0,0 --format tsv
-    check_message 'note: the point lies outside of the atlas; the nearest to it is Shell outer, 6.00 mm away'
-    [ "$(cell distance_mm 1)" = 6 ]
+    [ "${#lines[@]}/$(cell name 1)/$(cell x 1)/$(cell y 1)/$(cell share 1)" = '2/Shell inner/13/0/n/a' ]
+    answers query nested.nii.gz --point 30,0,0 --format tsv
+    [ "${#lines[@]}/$(cell name 1)/$(cell distance_mm 1)" = '2/Shell outer/6' ]
+    answers query nested.nii.gz --point 300,0,0
+    has 'at the point: no area, pathway or bundle; the nearest:'
+    has '276.00' # 300 - 24
     run -0 --separate-stderr conus query nested.nii.gz --point 300,0,0 --radius 5
     check_message 'note: the point lies outside of the atlas; the nearest to it is Shell outer, 276.00 mm away'
     has 'at the point: no area, pathway or bundle'
-    # Several atlases are asked about one ball, that of the first: 8 mm, which lies wholly in it.
-    conus phantom sphere -o . --size 64
-    answers query nested.nii.gz --atlas sphere.nii.gz --point 0,0,0
-    has 'at the point: Sphere'
-    [ "$(grep -c '^ball of radius 8 mm' <<<"$output")" -eq 1 ]
-    # Counted here: voxels of 1 mm with centres at halves.
-    voxels=$(awk 'BEGIN { for (i = -8.5; i < 9; i++) for (j = -8.5; j < 9; j++) for (k = -8.5; k < 9; k++)
-        n += i * i + j * j + k * k <= 64; print n }')
-    has "100.00 %      $voxels     $voxels.0"
     run -0 --separate-stderr conus query nested.nii.gz --point 300,0,0 --radius 5 --quiet
     [ -z "$stderr" ]
+    # Each atlas says what is there.
+    conus phantom sphere -o . --size 64
+    answers query nested.nii.gz --atlas sphere.nii.gz --point 0,0,22 --format tsv
+    [ "$(cell name 1)/$(cell distance_mm 1)/$(cell name 2)/$(cell distance_mm 2)" = 'Shell outer/0/Sphere/2' ]
+    # What lists a neighbourhood needs one.
+    fails 2 '--mask needs --radius MM' query nested.nii.gz --point 0,0,0 --mask a.nii.gz
+    fails 2 '--voxels needs --radius MM' query nested.nii.gz --point 0,0,0 --voxels a.tsv --voxels-of all
+}
+
+@test "points of a file are asked what is at them" {
+    nested
+    printf '0 0 0 origin\n0 0 20 above\n0 0 30 out\n' >points.txt
+    answers query nested.nii.gz --pose points.txt -q
+    [ "${lines[0]}" = 'asked as points: what is at each, or else nearest to it' ]
+    has 'query origin: point (0.00, 0.00, 0.00), RAS mm'
+    answers query nested.nii.gz --pose points.txt --format tsv -q
+    [ "$(cut -f 1,4,13 <<<"$output" | tail -n +2 | tr '\t\n' '/;')" = 'origin/Core/0;above/Shell outer/0;out/Shell outer/6;' ]
+    [ "$(cell z 3)" = 30 ]
+    local rows=$output
+    answers query nested.nii.gz --pose points.txt --format json -q
+    [ "$(jq -r .Understood <<<"$output")" = 'asked as points: what is at each, or else nearest to it' ]
+    # A batch, its shards and a point by itself say the same.
+    run -0 --separate-stderr conus batch nested.nii.gz --poses points.txt
+    [ "$stderr" = 'conus: note: points.txt: asked as points: what is at each, or else nearest to it' ]
+    [ "$output" = "$rows" ]
+    answers query nested.nii.gz --point 0,0,30 --format tsv
+    [ "$(tail -1 <<<"$output" | cut -f 2-19)" = "$(tail -1 <<<"$rows" | cut -f 2-19)" ]
+    run -0 conus batch nested.nii.gz --poses points.txt --summary -q
+    [ "$(cell name 3)/$(cell distance_mm 3)/$(cell z 3)" = 'Shell outer/6/30' ]
+    conus batch nested.nii.gz --poses points.txt -q -o rows.tsv
+    conus cite rows.tsv | grep -q 'that contain a point, or lie nearest to it'
+    conus verify rows.tsv
+    # An option of an axis asks for one.
+    local option
+    for option in '--angle 5' '--layers all' '--range 0,9' '--segments a.tsv' '--clearance a.tsv' '--image a.png'; do
+        fails 3 "points.txt: a point, without the direction that ${option% *} needs" query nested.nii.gz --pose points.txt $option
+        [ "$option" = '--image a.png' ] || fails 3 "that ${option% *} needs" batch nested.nii.gz --poses points.txt $option
+    done
+    fails 2 "--voxels needs --radius MM" query nested.nii.gz --pose points.txt --voxels a.tsv --voxels-of all
 }
 
 @test "points of a file with --radius are balls" {

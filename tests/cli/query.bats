@@ -176,13 +176,6 @@ END
     [ ! -e seen.png ] && [ ! -e mask.nii.gz ]
 }
 
-@test "points are no cones" {
-    "$CONUS" phantom sphere -o .
-    printf '0 0 100 top\n' >points.txt
-    run -1 --separate-stderr "$CONUS" query sphere.nii.gz --pose points.txt --format tsv
-    check_message 'points.txt:1: a point, without the direction that a cone needs'
-}
-
 @test "a pose's angle wins, and --angle serves those without one" {
     sphere --size 32
     printf 'x,y,z,dx,dy,dz,angle\n0,0,100,0,0,-1,5\n0,0,100,0,0,-1,200\n' >poses.csv

@@ -238,3 +238,44 @@ shanks() {
     printf '0 0 5 A1\n' >points.txt
     fails 2 'is a contact, and no shank' query u-shape.nii.gz --pose points.txt --radius 2 --format open-ephys --contacts 5,1,1,1
 }
+
+# Balls of 24, 16 and 8 mm around 0; the target is 80 mm from the device, in the outer shell.
+@test "a range ends at the target: the answer, segments, clearance and picture" {
+    conus phantom nested -o . --size 32 --spacing 2,2,2
+    local aim=(--origin 0,0,100 --toward 0,0,20 --radius 1) far files
+    for far in target target+10; do
+        local depth
+        [ "$far" = target ] && depth=80 || depth=90
+        files=(--segments s.tsv --clearance c.tsv --format tsv --layers all -q --force)
+        conus query nested.nii.gz "${aim[@]}" --range "5,$far" "${files[@]}" -o a.tsv
+        mkdir -p wanted
+        (cd wanted && conus query ../nested.nii.gz "${aim[@]}" --range "5,$depth" "${files[@]}" -o a.tsv)
+        for file in a s c; do cmp "$file.tsv" "wanted/$file.tsv"; done
+        [ "$(tail -1 s.tsv | cut -f 8)" = "$depth" ]
+        [ "$(jq -c '.Queries[0].range_mm' a.json)" = "[5,$depth]" ]
+        conus verify a.tsv
+        # Each row of a file has its own; a batch says the same, and its picture ends there.
+        printf 'x,y,z,tx,ty,tz\n0,0,100,0,0,20\n0,0,100,0,0,90\n' >two.csv
+        conus query nested.nii.gz --pose two.csv --radius 1 --range "5,$far" "${files[@]}" -o two.tsv
+        [ "$(grep -P '^1\t' two.tsv)" = "$(tail -n +2 a.tsv)" ]
+        [ "$(tail -1 s.tsv | cut -f 1,8)" = "2	$((depth - 70))" ]
+        conus batch nested.nii.gz --poses two.csv --radius 1 --range "5,$far" --layers all -q --force -o batch.tsv
+        cmp two.tsv batch.tsv
+        conus verify batch.tsv
+        conus render nested.nii.gz "${aim[@]}" --range "5,$far" -q -o a.png
+        conus render nested.nii.gz "${aim[@]}" --range "5,$depth" -q -o b.png
+        cmp a.png b.png
+        head -2 two.csv >one.csv
+        conus render nested.nii.gz --pose one.csv --radius 1 --range "5,$far" -q -o a.png
+        cmp a.png b.png
+        conus sweep nested.nii.gz --origin 0,0,100 --toward 0,0,20 --range "5,$far" --format tsv -q >sweep.tsv
+        conus sweep nested.nii.gz --origin 0,0,100 --toward 0,0,20 --range "5,$depth" --format tsv -q | cmp sweep.tsv
+    done
+    fails 2 'not two numbers NEAR,FAR or NEAR,target[+MM]' query nested.nii.gz "${aim[@]}" --range 0,target-1
+    fails 2 'the target is 80 mm away, and NEAR is 90' query nested.nii.gz "${aim[@]}" --range 90,target
+    fails 2 'needs the target of --toward' query nested.nii.gz --origin 0,0,100 --direction 0,0,-1 --range 0,target
+    fails 2 'two numbers LOW,HIGH' query nested.nii.gz "${aim[@]}" --range 5
+    printf 'x,y,z,dx,dy,dz\n0,0,100,0,0,-1\n' >along.csv
+    run -1 --separate-stderr conus query nested.nii.gz --pose along.csv --range 0,target --format tsv
+    check_message 'along.csv:2: a direction alone, without the target'
+}

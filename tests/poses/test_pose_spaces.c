@@ -2,8 +2,10 @@
 /* Poses in the Allen CCF and from bregma: tables, points, and the files of the International Brain Laboratory. Expected
  * positions follow from the frames below by hand. */
 #include "base/files/file.h"
+#include "base/geometry/math3.h"
 #include "pose_checks.h"
 #include "poses/pose_stream.h"
+#include "poses/rows/pose_row.h"
 #include "test.h"
 
 #include <stdio.h>
@@ -201,11 +203,94 @@ static void every_failing_allocation_is_clean(void **state)
     }
 }
 
+/* Where the device goes, in the world. */
+static void assert_axis(const conus_pose *pose, double x, double y, double z)
+{
+    assert_near(-pose->world_from_device[8], x, 1e-12);
+    assert_near(-pose->world_from_device[9], y, 1e-12);
+    assert_near(-pose->world_from_device[10], z, 1e-12);
+}
+
+/* A folder of BrainGlobe ("asr"): the world is a mirror image of bregma's space. */
+static const conus_frame mirrored_bregma = {.space = CONUS_SPACE_BREGMA,
+                                            .world_from_space = {0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 5.7, 0, 0, 1},
+                                            .bregma = {5400, 332, 5739}};
+
+/* Eq. 24: by 45 degrees to the side the tip is as far lateral as it is deep, whichever space states it: in all frames
+ * here the world's y is anterior and z is up, and x is to the right or, mirrored, to the left. */
+static void tilts_lead_lateral_and_anterior(void **state)
+{
+    (void)state;
+    const double quarter = 0.78539816339744831;
+    const double half = sqrt(0.5);
+    const conus_frame ras = {.world_from_space = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    const conus_frame lps = {.space = CONUS_SPACE_LPS,
+                             .world_from_space = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    const struct {
+        const conus_frame *frame;
+        double midline, right; /* x of the midline, and the sign of x towards the right */
+    } cases[] = {{&ras, 0, 1}, {&lps, 0, 1}, {&ccf, 5.739, 1}, {&other_bregma, 5.5, 1}, {&mirrored_bregma, 5.7, -1}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const conus_frame *frame = cases[i].frame;
+        for (int side = -1; side <= 1; side += 2) {
+            conus_pose pose;
+            const double at[3] = {cases[i].midline + 2.0 * side, 1, -2};
+            double lateral = side * half;
+            assert_ok(pose_along_tilts(&pose, at, 0, 0, frame));
+            assert_axis(&pose, 0, 0, -1);
+            assert_ok(pose_along_tilts(&pose, at, quarter, 0, frame));
+            assert_axis(&pose, lateral, 0, -half);
+            assert_ok(pose_along_tilts(&pose, at, -quarter, 0, frame));
+            assert_axis(&pose, -lateral, 0, -half);
+            assert_ok(pose_along_tilts(&pose, at, 0, quarter, frame));
+            assert_axis(&pose, 0, half, -half);
+            assert_ok(pose_along_tilts(&pose, at, quarter, quarter, frame));
+            assert_axis(&pose, side * sqrt(1. / 3), sqrt(1. / 3), -sqrt(1. / 3));
+            for (int a = 0; a < 3; a++) {
+                assert_near(pose.world_from_device[12 + a], at[a], 0);
+            }
+            assert_int_equal(pose_is_mirrored(&pose), cases[i].right < 0);
+        }
+        conus_pose untouched = {{0}};
+        const double middle[3] = {cases[i].midline, 1, -2};
+        assert_fails(pose_along_tilts(&untouched, middle, 0.1, 0, frame), CONUS_ERROR_ARGUMENT);
+        assert_ok(pose_along_tilts(&untouched, middle, 0, 0.1, frame));
+    }
+    conus_pose pose;
+    const double at[3] = {1, 0, 0};
+    assert_fails(pose_along_tilts(&pose, at, 2 * quarter, 0, &ras), CONUS_ERROR_ARGUMENT);
+    assert_fails(pose_along_tilts(&pose, at, 0, NAN, &ras), CONUS_ERROR_ARGUMENT);
+}
+
+/* Eq. 24: phi = 0 has the top of the probe to the right of its tip, phi = 90 anterior of it. IBL's own example of a
+ * probe in the left hemisphere, phi = 180 and theta = 15, comes in from the left and leads to the midline. */
+static void phi_and_theta_lead_away_from_the_top(void **state)
+{
+    (void)state;
+    const double degree = 0.017453292519943295;
+    const conus_frame *const frames[] = {&ccf, &other_bregma, &mirrored_bregma};
+    for (size_t i = 0; i < sizeof frames / sizeof frames[0]; i++) {
+        const double right = frames[i] == &mirrored_bregma ? -1 : 1;
+        const double at[3] = {3, -5, -1};
+        conus_pose pose;
+        assert_ok(pose_along_phi_theta(&pose, at, 0, 0, frames[i]));
+        assert_axis(&pose, 0, 0, -1);
+        assert_ok(pose_along_phi_theta(&pose, at, 180 * degree, 15 * degree, frames[i]));
+        assert_axis(&pose, right * sin(15 * degree), 0, -cos(15 * degree));
+        assert_ok(pose_along_phi_theta(&pose, at, 90 * degree, 30 * degree, frames[i]));
+        assert_axis(&pose, 0, -0.5, -sqrt(0.75));
+        assert_ok(pose_along_phi_theta(&pose, at, 60 * degree, 90 * degree, frames[i]));
+        assert_axis(&pose, right * -0.5, -sqrt(0.75), 0);
+        assert_fails(pose_along_phi_theta(&pose, at, NAN, 0, frames[i]), CONUS_ERROR_ARGUMENT);
+    }
+}
+
 TEST_GROUP(pose_spaces)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ibl_picks_count_from_their_own_bregma), cmocka_unit_test(ibl_channels_say_where_bregma_lies),
         cmocka_unit_test(ibl_channels_begin_anywhere),           cmocka_unit_test(ibl_is_read_strictly),
+        cmocka_unit_test(tilts_lead_lateral_and_anterior),       cmocka_unit_test(phi_and_theta_lead_away_from_the_top),
         cmocka_unit_test(tables_are_in_ccf_or_from_bregma),      cmocka_unit_test(a_row_of_another_space_is_refused),
         cmocka_unit_test(other_formats_are_not_in_ccf),          cmocka_unit_test(every_prefix_is_refused_or_shorter),
         cmocka_unit_test(every_failing_allocation_is_clean),

@@ -203,6 +203,8 @@ ASKED = {
     "lps": (lambda atlas: atlas.select((80, 0, 0), direction=(-1, -0.01, 0), angle=30, space="lps"),
             ["--origin=80,0,0", "--direction=-1,-0.01,0", "--angle=30", "--space=lps"]),
     "ball": (lambda atlas: atlas.near((-30, 1, 2), 6), ["--point=-30,1,2", "--radius=6"]),
+    "point": (lambda atlas: atlas.near((-30, 1, 2)), ["--point=-30,1,2"]),
+    "far": (lambda atlas: atlas.near((3, 100, -2), space="lps"), ["--point=3,100,-2", "--space=lps"]),
 }  # fmt: skip
 
 
@@ -211,12 +213,39 @@ def test_rows_with_streamlines_are_those_of_the_program(case, tmp_path):
     """Three streamlines in the left plate, so that some columns are n/a for areas and others for bundles."""
     ask, words = ASKED[case]
     nibabel.save(nibabel.Nifti1Image(plates(), AFFINE), tmp_path / "plates.nii")
+    (tmp_path / "plates.txt").write_text("1 left\n2 right\n")
     lines = [np.array([[-30, y, -20], [-30, y, 20]], "f4") for y in (-4, 0, 3)]
     nibabel.streamlines.save(nibabel.streamlines.Tractogram(lines, affine_to_rasmm=np.eye(4)), str(tmp_path / "up.tck"))
     frame = ask(conus.load(tmp_path / "plates.nii", streamlines=[tmp_path / "up.tck"])).to_dataframe()
     rows = run_conus("query", tmp_path / "plates.nii", "--streamlines", tmp_path / "up.tck", "--format=tsv", "-q", *words)
     assert_rows_of_the_program(frame, rows)
-    assert set(frame["kind"]) == {"area", "unassigned", *(["bundle"] if case in ("layers", "ball") else [])}
+    others = {"layers": {"unassigned", "bundle"}, "ball": {"unassigned", "bundle"}, "point": set(), "far": set()}
+    assert set(frame["kind"]) == {"area"} | others.get(case, {"unassigned"})
+
+
+@pytest.mark.parametrize("radius", [0, 6])
+def test_many_points_are_those_of_the_program(radius, tmp_path):
+    """In a plate, between both, far off, no point, and one equally far from both."""
+    points = [(-30, 1, 2), (5, 0, 0), (3, -200, 0), (np.nan, 0, 0), (0, 0, 0)]
+    nibabel.save(nibabel.Nifti1Image(plates(), AFFINE), tmp_path / "plates.nii")
+    (tmp_path / "plates.txt").write_text("1 left\n2 right\n")
+    (tmp_path / "points.txt").write_text("".join(f"{x} {y} {z}\n" for x, y, z in points if np.isfinite(x)))
+    words = ["--radius=6"] if radius else []
+    rows = run_conus("batch", tmp_path / "plates.nii", "--poses", tmp_path / "points.txt", "-q", *words)
+    atlas = conus.load(tmp_path / "plates.nii")
+    many = atlas.near_many(points, radius)
+    assert list(many.errors) == [3]
+    assert_rows_of_the_program(atlas.near_many([p for p in points if np.isfinite(p[0])], radius).to_dataframe(), rows)
+    of_file = atlas.near_many(conus.read_poses(tmp_path / "points.txt"), radius)
+    assert np.array_equal(of_file.results["object"], many.results["object"])
+    for i in (0, 1, 2, 4):
+        one = atlas.near(points[i], radius)
+        for member in ("object", "distance", "volume"):
+            np.testing.assert_array_equal(one.results[member], many[i][member])
+    if not radius:
+        assert [[hit.name for hit in atlas.near(p)] for p in (points[1], points[4])] == [["right"], ["left", "right"]]
+    with pytest.raises(conus.ArgumentError, match="radius"):
+        atlas.near_many(points, -1)
 
 
 @needs_aal

@@ -64,8 +64,15 @@ def test_every_file_has_the_rows_of_the_program(paths, name):
             batch(paths, *words)
         assert str(error).split(": ")[-1][:40] in str(refused.value)
         return
-    rows = batch(paths, *words)
-    rows["name"] = [name.replace("--axis", "axis=").removesuffix(", or the radius of a ball") for name in rows["name"]]
+    if len(poses) and all("a point, " in why or "number" in why for why in poses.errors.values()) and np.isnan(
+            poses.matrices).all():  # asked as points, without an option of an axis
+        rows = batch(paths, *words)
+        assert rows["name"][rows["kind"] == "error"].size == sum("a point, " not in why for why in poses.errors.values())
+        return
+    rows = batch(paths, *words, "--angle=10")
+    of_points = "the direction that --angle needs: "
+    rows["name"] = [name.replace("--axis", "axis=").partition(of_points)[0] + "the direction that a cone needs" * (
+        of_points in name) for name in rows["name"]]
     if len(poses):
         assert_rows_of_the_program(load(paths).select_many(poses=poses).to_dataframe(), rows)
 

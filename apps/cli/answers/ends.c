@@ -89,7 +89,8 @@ const struct option endpoints_options[] = {
      OPTION_AT(struct ends_settings, endpoints),
      .value = "FILE",
      .help = "write which areas the streamlines in the cone or ball connect: a row for each bundle and pair of areas",
-     .role = OPTION_WRITES_ROWS},
+     .role = OPTION_WRITES_ROWS,
+     .flags = OPTION_OF_REGION},
     {0},
 };
 
@@ -101,7 +102,7 @@ const struct option connectivity_options[] = {
              "areas with voxels or triangles, or those of --only in their order",
      .words = "connectome, matrix",
      .role = OPTION_WRITES_ROWS,
-     .flags = OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE},
+     .flags = OPTION_OF_REGION | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE},
     {.name = "endpoint-radius",
      OPTION_AT(struct ends_settings, radius),
      .value = "MM",

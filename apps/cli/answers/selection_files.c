@@ -38,7 +38,7 @@ const struct option selection_file_options[] = {
      .help = "write the voxels in the cone as a volume on the atlas's grid, with a .json beside it",
      .words = "NIfTI, volume",
      .role = OPTION_WRITES,
-     .flags = OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE,
+     .flags = OPTION_OF_REGION | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE,
      .endings = ".nii.gz .nii"},
     {.name = "mask-of",
      OPTION_AT(struct selection_file_settings, mask_content),
@@ -58,7 +58,7 @@ const struct option selection_file_options[] = {
      .value = "FILE.tck",
      .help = "write the streamlines of bundles that come into the cone or ball, whole, as a tractogram of MRtrix",
      .role = OPTION_WRITES,
-     .flags = OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE,
+     .flags = OPTION_OF_REGION | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE,
      .endings = ".tck"},
     {0},
 };

@@ -442,8 +442,10 @@ static void put_determined(FILE *out, const struct citation *citation)
 
 static void put_ball(FILE *out, const struct citation *citation)
 {
-    if (largest_ball(citation) <= CONUS_POINT_RADIUS) { /* contacts of a probe, without a radius */
-        fprintf(out, "The %s that contain a point were determined for ", objects_of(citation, MANY, true));
+    double radius = largest_ball(citation);
+    if (radius <= CONUS_POINT_RADIUS) { /* a point, or contacts of a probe, without a radius */
+        fprintf(out, "The %s that contain a point%s were determined for ", objects_of(citation, MANY, true),
+                radius > 0 ? "" : ", or lie nearest to it where none does,");
         put_poses(out, citation);
         put_program(out, citation);
         return;

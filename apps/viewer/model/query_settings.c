@@ -118,6 +118,10 @@ static const struct command command = {
 
 static bool use_settings(struct viewer *viewer, const struct ask_settings *settings)
 {
+    if (settings->engine.range.to_target) {
+        viewer_say(viewer, "--range: the window has no targets, two numbers NEAR,FAR are needed");
+        return false;
+    }
     conus_selector_options options = settings_engine(&settings->engine, &settings->common);
     const char *score = settings->engine.score;
     options.level = NULL;

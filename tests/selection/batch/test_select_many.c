@@ -246,14 +246,14 @@ static void what_is_out_of_range(void **state)
     const conus_pose_array good = matrices_of(fixture);
     const double *origin = fixture->origin[0];
     const conus_pose_array bad[] = {{.count = 1},
-                                    {.count = 1, .origin = origin},
+                                    {.count = 1, .origin = origin, .up = origin},
                                     {.count = 1, .direction = origin},
                                     {.count = 1, .matrix = fixture->matrix[0], .origin = origin}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         assert_fails(conus_select_many(NULL, fixture->selector, &bad[i], NULL, receive, &received),
                      CONUS_ERROR_ARGUMENT);
     }
-    const conus_many_options options[] = {{.threads = 1025}, {.block = 65537}};
+    const conus_many_options options[] = {{.threads = 1025}, {.block = 65537}, {.radius = -1}, {.radius = INFINITY}};
     for (size_t i = 0; i < sizeof options / sizeof options[0]; i++) {
         assert_fails(conus_select_many(NULL, fixture->selector, &good, &options[i], receive, &received),
                      CONUS_ERROR_ARGUMENT);

@@ -242,30 +242,79 @@ static void winding_tells_inside(void **unused)
     mesh_finish(&sphere);
 }
 
-/* The cubes are [2.5, 12.5] and [42.5, 52.5] along x, [2.5, 12.5] along y and z. The diagonal of the box around both is
- * sqrt(50 50 + 10 10 + 10 10) = 51.96 mm; a twentieth, 2.6, is rounded to 2. */
-static void without_a_radius_a_ball_reaches_the_nearest(void **state)
+/* The cubes are [2.5, 12.5] and [42.5, 52.5] along x, [2.5, 12.5] along y and z. */
+static void a_point_has_what_holds_it_or_the_nearest(void **state)
 {
     static const struct {
         double x;
-        double radius;     /* 2, 4, 8, ...: the first that reaches a cube which the point is not in */
-        double nearest[2]; /* distance of the voxels' cube and of the mesh; NAN = beyond the radius */
-    } cases[] = {{0.6, 2, {1.9, NAN}}, {0, 4, {2.5, NAN}},        {7.5, 64, {0, 35}},
-                 {47.5, 64, {35, 0}},  {-100, 128, {102.5, NAN}}, {27, 16, {14.5, 15.5}}};
+        double wanted[2]; /* distance of the voxels' cube and of the mesh; NAN = it has no row */
+    } cases[] = {{0.6, {1.9, NAN}},    {0, {2.5, NAN}},      {7.5, {0, NAN}},   {47.5, {NAN, 0}},
+                 {-100, {102.5, NAN}}, {1000, {NAN, 947.5}}, {27, {14.5, NAN}}, {27.5, {15, 15}}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         conus_selection *selection = ball(*state, cases[i].x, 7.5, 7.5, 0);
         double found[3] = {NAN, NAN, NAN};
         for (size_t k = 0; k < conus_selection_count(selection); k++) {
             const conus_result *result = conus_selection_result(selection, k);
-            found[result->object] = result->distance; /* 0 stands for voxels in no object */
+            found[result->object] = result->distance;
+            assert_int_equal(result->rank, k + 1);
+            assert_true(isnan(result->share) && isnan(result->score) && isnan(result->volume));
         }
-        assert_near(conus_selection_ball(selection), cases[i].radius, 0);
+        assert_near(conus_selection_ball(selection), 0, 0);
+        assert_true(isnan(found[0])); /* what is at no object has no row */
         for (size_t k = 0; k < 2; k++) {
-            assert_int_equal(!isnan(found[k + 1]), !isnan(cases[i].nearest[k]));
-            assert_true(isnan(found[k + 1]) || fabs(found[k + 1] - cases[i].nearest[k]) < 1e-12);
+            assert_int_equal(!isnan(found[k + 1]), !isnan(cases[i].wanted[k]));
+            assert_true(isnan(found[k + 1]) || fabs(found[k + 1] - cases[i].wanted[k]) < 1e-12);
         }
         conus_selection_destroy(selection);
     }
+}
+
+/* What a large ball says of distances, a point says of the least of them. */
+static void a_point_agrees_with_large_balls(void **unused)
+{
+    (void)unused;
+    uint64_t state = 8;
+    size_t far = 0;
+    for (int scene = 0; scene < 30; scene++) {
+        conus_atlas *atlas = scene_atlas(&state, 9, scene % 3);
+        conus_selector *selector = NULL;
+        assert_ok(conus_selector_create(&selector, atlas, NULL));
+        for (int i = 0; i < 40; i++) {
+            conus_selection *large = NULL;
+            conus_selection *point = NULL;
+            const conus_volume_info *info = &atlas->volumes[0].info;
+            double centre[3];
+            for (int a = 0; a < 3; a++) {
+                centre[a] = i % 4 ? test_random(&state, -12, (double)info->dim[a] + 12) : 0.5 * (i % 19);
+            }
+            mat4_point(centre, info->world_from_voxel, centre);
+            assert_ok(conus_select_ball(&large, selector, centre, 1000));
+            assert_ok(conus_select_ball(&point, selector, centre, 0));
+            double least = INFINITY;
+            size_t wanted = 0;
+            size_t count = conus_selection_count(large) - 1; /* without what is no object's */
+            for (size_t k = 0; k < count; k++) {
+                least = fmin(least, conus_selection_result(large, k)->distance);
+            }
+            for (size_t k = 0; k < count; k++) {
+                wanted += conus_selection_result(large, k)->distance <= least + 1e-9;
+            }
+            assert_int_equal(conus_selection_count(point), wanted);
+            for (size_t k = 0; k < wanted; k++) {
+                const conus_result *result = conus_selection_result(point, k);
+                double offset[3];
+                vec3_sub(offset, result->contact, centre);
+                assert_near(result->distance, least, 2e-9);
+                assert_near(vec3_length(offset), least, 2e-9);
+            }
+            far += least > 5;
+            conus_selection_destroy(large);
+            conus_selection_destroy(point);
+        }
+        conus_selector_destroy(selector);
+        conus_atlas_destroy(atlas);
+    }
+    assert_true(far > 100);
 }
 
 static void bad_balls_are_refused(void **state)
@@ -305,7 +354,8 @@ TEST_GROUP(ball)
         cmocka_unit_test_setup_teardown(volumes_are_those_of_voxels, set_up, tear_down),
         cmocka_unit_test_setup_teardown(a_mesh_has_no_voxels, set_up, tear_down),
         cmocka_unit_test(winding_tells_inside),
-        cmocka_unit_test_setup_teardown(without_a_radius_a_ball_reaches_the_nearest, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(a_point_has_what_holds_it_or_the_nearest, set_up, tear_down),
+        cmocka_unit_test(a_point_agrees_with_large_balls),
         cmocka_unit_test_setup_teardown(bad_balls_are_refused, set_up, tear_down),
         cmocka_unit_test_setup_teardown(survives_every_failing_allocation, set_up, tear_down),
     };
