@@ -247,11 +247,11 @@ static int answer_all(struct sweep *sweep)
         return request_each_row(request, answer_row, sweep);
     }
     conus_pose_row row = {.id = "1", .error_deg = NAN, .error_mm = NAN, .range = {NAN, NAN}};
-    int code = settings_pose(&row.pose, &request->settings->aim, &request->frame, request->arguments);
+    row.pose = request->aim;
     request_start_progress(request, 1);
-    conus_status status = code ? CONUS_OK : add_answers(sweep, &row);
+    conus_status status = add_answers(sweep, &row);
     progress_finish(&request->progress, 0, 0);
-    return status ? print_status(status) : code;
+    return print_status(status);
 }
 
 static int answer_sweep(struct sweep *sweep)
@@ -259,6 +259,7 @@ static int answer_sweep(struct sweep *sweep)
     struct request *request = &sweep->request;
     int code = request_load(request, NULL, NULL);
     code = code ? code : request_match(request);
+    code = code ? code : request_find_aim(request);
     code = code ? code : request_check_outputs(request);
     if (code) {
         return code;

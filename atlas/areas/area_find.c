@@ -30,20 +30,28 @@ static bool is_called_ignoring_case(const conus_object *object, struct text text
     return text_equal_ignoring_case(text, object->name) || text_equal_ignoring_case(text, object->abbreviation);
 }
 
-/* Takes the next word of a name, of what is not blank, _, -, dot, comma or bracket, off *rest. */
+static bool is_between(char c)
+{
+    return c && strchr(" _-.,()[]{}\t", c);
+}
+
+/* Takes the next word of a name, of what is not blank, _, -, dot, comma or bracket, off *rest. A minus is a part of its
+ * number. */
 static bool take_word(struct text *rest, struct text *word)
 {
-    static const char between[] = " _-.,()[]{}\t";
+    const char *data = rest->data;
     size_t start = 0;
-    while (start < rest->size && memchr(between, rest->data[start], sizeof between - 1)) {
+    while (start < rest->size && is_between(data[start]) &&
+           !(data[start] == '-' && start + 1 < rest->size && data[start + 1] >= '0' && data[start + 1] <= '9')) {
         start++;
     }
-    size_t end = start;
-    while (end < rest->size && !memchr(between, rest->data[end], sizeof between - 1)) {
+    size_t end = start + (start < rest->size);
+    while (end < rest->size && !is_between(data[end])) {
         end++;
     }
-    *word = (struct text){rest->data + start, end - start};
-    *rest = (struct text){rest->data + end, rest->size - end};
+    *word = (struct text){data + start, end - start};
+    end += end < rest->size; /* so that a dash behind a word is no minus of the next */
+    *rest = (struct text){data + end, rest->size - end};
     return word->size;
 }
 
@@ -423,6 +431,28 @@ conus_status object_find(uint32_t *out, const conus_atlas *atlas, struct text te
         *out = found;
     }
     return status;
+}
+
+static bool has_the_word(const conus_object *object, struct text text)
+{
+    struct text rest = text_from(object->name);
+    struct text word;
+    while (take_word(&rest, &word)) {
+        if (is_same_word(word, text)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+conus_status object_find_word(uint32_t *out, const conus_atlas *atlas, struct text text)
+{
+    struct matches found = find_matches(atlas, atlas->object_count, text, has_the_word);
+    if (found.count > 1) {
+        return fail_several(atlas, &found, text);
+    }
+    *out = found.count ? found.numbers[0] : 0;
+    return CONUS_OK;
 }
 
 /* Adds a name of object `number` to the index. */

@@ -34,6 +34,10 @@ conus_status area_find(uint32_t *out, const conus_atlas *atlas, struct text text
 /** The number of the one pathway called @p text (not empty), or else of the one area, as by area_find(). */
 conus_status object_find(uint32_t *out, const conus_atlas *atlas, struct text text);
 
+/** The number of the one object that has @p text among the words of its name, in any case; *out is 0 if none has.
+ * CONUS_ERROR_ARGUMENT if several have, with up to 12 of their names. */
+conus_status object_find_word(uint32_t *out, const conus_atlas *atlas, struct text text);
+
 /** The halves of the area that was called @p text before it was cut in two; false if there is none. */
 bool area_find_halves(uint32_t out[2], const conus_atlas *atlas, struct text text);
 
