@@ -23,8 +23,8 @@ void object_index_finish(struct object_index *index);
 uint32_t object_index_find(const struct object_index *index, struct text text);
 
 /** The number of the one area whose name, abbreviation or label is @p text (not empty), or else differs from it in case
- * only, or else has the same words: blanks, _, -, dots, commas and brackets are one between them, and left, right, L, R,
- * lh or rh before or behind them is the side that a word of the name, or its table, says ("left hippocampus" is
+ * only, or else has the same words: blanks, _, -, dots, commas and brackets are one between them, and left, right, L,
+ * R, lh or rh before or behind them is the side that a word of the name, or its table, says ("left hippocampus" is
  * Hippocampus_L). CONUS_ERROR_ARGUMENT if there is none, with up to three close ones in the message; if there are
  * several, also those of both sides where the text says none, with up to 12 of their names; and if it is a pathway's
  * name. Areas that are reported as a pair do not count; the message then names the pair, or the halves of an area that
