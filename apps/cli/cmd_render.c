@@ -15,6 +15,7 @@
 #include "options/outputs.h"
 #include "options/progress.h"
 #include "settings/atlas_input.h"
+#include "settings/named_places.h"
 #include "settings/notes.h"
 #include "settings/pose_settings.h"
 
@@ -391,7 +392,8 @@ struct render_settings {
     struct translucent_settings translucent;
     uint32_t slices;
     const char *camera;
-    double camera_origin[3], camera_toward[3], camera_up[3];
+    const char *camera_origin, *camera_toward; /* places */
+    double camera_up[3];
     double field_of_view; /* degrees */
     double frustum[4];
     struct context_choice context;
@@ -425,13 +427,17 @@ static const struct option picture_options[] = {
      .excludes = "camera-origin"},
     {.name = "camera-origin",
      OPTION_AT(struct render_settings, camera_origin),
-     .value = "X,Y,Z",
-     .help = "or position of the camera, mm (default: as --view says)",
+     .value = PLACE_VALUE,
+     .help = "or place of the camera (default: as --view says)",
+     .role = OPTION_ASKS,
+     .flags = OPTION_IS_PLACE,
      .needs = "camera-toward"},
     {.name = "camera-toward",
      OPTION_AT(struct render_settings, camera_toward),
-     .value = "X,Y,Z",
-     .help = "point at which the camera points, mm",
+     .value = PLACE_VALUE,
+     .help = "place at which the camera points",
+     .role = OPTION_ASKS,
+     .flags = OPTION_IS_PLACE,
      .needs = "camera-origin"},
     {.name = "camera-up",
      OPTION_AT(struct render_settings, camera_up),
@@ -544,6 +550,9 @@ struct picture {
     const conus_drawn_probe *probes; /* [probe_count] */
     size_t probe_count;
     conus_pose camera;
+    struct named_places places;
+    conus_pose aim; /* of --origin, */
+    double aim_range[2];
     bool has_camera;
     bool failed; /* Some poses have no picture. */
 };
@@ -562,6 +571,7 @@ static void picture_finish(struct picture *picture)
     }
     free(picture->rows.items);
     conus_pose_list_destroy(picture->poses);
+    named_places_finish(&picture->places);
 }
 
 static bool has_camera(const struct arguments *arguments)
@@ -681,9 +691,11 @@ static int find_camera(struct picture *picture)
     if (settings->camera) {
         code = load_camera(picture);
     } else if (picture->has_camera) {
-        code = settings_pose_toward(&picture->camera, settings->camera_origin, settings->camera_toward,
-                                    option_given(picture->arguments, "camera-up") ? settings->camera_up : NULL,
-                                    &picture->frame, "camera-");
+        double away;
+        code = settings_pose_toward(&picture->camera, &away, &picture->places,
+                                    (const char *const[]){"camera-origin", "camera-toward"},
+                                    (const char *const[]){settings->camera_origin, settings->camera_toward},
+                                    option_given(picture->arguments, "camera-up") ? settings->camera_up : NULL);
     }
     return code;
 }
@@ -996,16 +1008,8 @@ static int draw_rows(struct picture *picture)
 static int draw_origin(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
-    conus_pose pose;
-    int code = settings_pose(&pose, &settings->aim, &picture->frame, picture->arguments);
-    if (code) {
-        return code;
-    }
-    conus_pose_row row = {.id = "", .pose = pose};
-    code = settings_pose_range(row.range, &settings->aim, &settings->engine, &picture->frame, picture->arguments);
-    if (code) {
-        return code;
-    }
+    const conus_pose_row row = {
+        .id = "", .pose = picture->aim, .range = {picture->aim_range[0], picture->aim_range[1]}};
     if (settings->strips) {
         return draw_probes(picture, &(struct drawn_row){.row = &row}, 1);
     }
@@ -1015,11 +1019,11 @@ static int draw_origin(struct picture *picture)
     }
     bool fault = false;
     double angle = settings_angle(&settings->aim, &settings->engine);
-    code = draw_cone(picture, &pose, angle, settings->output, &fault);
+    int code = draw_cone(picture, &row.pose, angle, settings->output, &fault);
     if (fault) {
         return print_status(CONUS_ERROR_ARGUMENT);
     }
-    conus_aims_add(picture->aims, 1, &pose, angle);
+    conus_aims_add(picture->aims, 1, &row.pose, angle);
     return code;
 }
 
@@ -1036,9 +1040,16 @@ static int run_render(const void *given, const struct arguments *arguments)
     code = code ? code
                 : space_settings_frame(&picture.frame, &(struct atlases){.items = &named, .count = 1},
                                        &settings->aim.space, settings->common.quiet);
-    code = code ? code : find_camera(&picture);
     code = code ? code : find_rows(&picture);
     code = code || late ? code : load_atlas(&picture);
+    picture.places = (struct named_places){.atlas = picture.atlas, .frame = &picture.frame};
+    code = code ? code : find_camera(&picture);
+    code = code || !settings->aim.origin ? code
+                                         : settings_pose(&picture.aim, picture.aim_range, &picture.places,
+                                                         &settings->aim, &settings->engine, arguments);
+    if (!code && !settings->common.quiet) {
+        named_places_say(&picture.places);
+    }
     code = code || !picture.poses ? code : match_poses(&picture, picture.poses, settings->aim.pose);
     code = code ? code : figure_colour_atlas(picture.atlas, &settings->figure);
     code = code ? code : check_outputs(&picture);
