@@ -214,10 +214,9 @@ static conus_status note_equal_names(struct notes *notes, struct row_names *name
         }
     }
     if (first) {
-        status = notes_warn(notes,
-                            "poses %zu and %zu are both called \"%.60s\"; %zu of %zu have the name of an earlier one, "
-                            "and only their order tells their answers apart",
-                            first[-1].row + 1, first->row + 1, first->name, repeated, count);
+        status =
+            notes_warn(notes, "poses %zu and %zu are both called \"%.60s\"; %zu of %zu have the name of an earlier one",
+                       first[-1].row + 1, first->row + 1, first->name, repeated, count);
     }
     memory_free(sorted);
     buffer_finish(&names->text);
@@ -722,6 +721,32 @@ bool conus_pose_stream_has_times(const conus_pose_stream *stream)
         found = !isnan(stream->list.rows[i].time_s);
     }
     return found;
+}
+
+static int compare_ids(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream)
+{
+    if (!is_read_whole(stream)) {
+        return stream->format != CONUS_POSE_FORMAT_TABLE || stream->table.has_ids;
+    }
+    size_t count = stream->list.count;
+    const char **ids = memory_raw(count, sizeof *ids);
+    bool repeated = !ids;
+    for (size_t i = 0; i < count && ids; i++) {
+        ids[i] = stream->list.rows[i].id;
+    }
+    if (ids) {
+        order_sort(ids, count, sizeof *ids, compare_ids);
+    }
+    for (size_t i = 1; i < count && !repeated; i++) {
+        repeated = strcmp(ids[i - 1], ids[i]) == 0;
+    }
+    memory_free((void *)ids);
+    return repeated;
 }
 
 bool conus_pose_stream_has_angles(const conus_pose_stream *stream)

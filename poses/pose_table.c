@@ -300,6 +300,7 @@ conus_status pose_table_header(struct pose_table *out, struct notes *notes, stru
                       conus_space_name((size_t)options->space));
     }
     table->has_times = table->has[TIME];
+    table->has_ids = table->has[ID];
     table->has_angles = table->has[ANGLE];
     table->has_ranges = table->has[NEAR] || table->has[FAR];
     *out = status ? *out : *table;

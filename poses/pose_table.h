@@ -19,7 +19,7 @@ struct pose_table {
     uint8_t of_field[POSE_COLUMN_LIMIT]; /**< Column of each field, POSE_COLUMNS = passed over. */
     size_t field_count;
     bool has[POSE_COLUMNS];
-    bool has_times, has_angles, has_ranges; /**< Rows may have some. */
+    bool has_times, has_angles, has_ranges, has_ids; /**< Rows may have some. */
 };
 
 /** Reads the header, CONUS_ERROR_DATA when a column is missing or twice, or when there is not exactly one way of saying

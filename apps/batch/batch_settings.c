@@ -111,6 +111,7 @@ const struct option_group batch_groups[] = {
     {"Where the cones are", pose_options, 0},
     {"", space_options, offsetof(struct batch_settings, aim.space)},
     {"", pose_file_options, offsetof(struct batch_settings, file)},
+    {"", probe_settings_options, offsetof(struct batch_settings, probe)},
     {"How rays are traced", pixel_options, offsetof(struct batch_settings, engine)},
     {"", engine_options, offsetof(struct batch_settings, engine)},
     {"", shape_options, offsetof(struct batch_settings, engine)},

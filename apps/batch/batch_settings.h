@@ -11,6 +11,7 @@ struct batch_settings {
     struct atlas_settings atlas;
     struct aim_settings aim; /* angle and space only */
     struct pose_file_settings file;
+    struct probe_settings probe;
     struct engine_settings engine;
     struct common_settings common;
     struct context_settings context;

@@ -126,7 +126,9 @@ int request_match(struct request *request)
     const struct request_settings *settings = request->settings;
     const char *path = settings->aim.pose;
     if (request->poses) {
-        return pose_settings_match_list(request->poses, path, &request->atlases, &settings->file, &settings->common);
+        int code =
+            pose_settings_match_list(request->poses, path, &request->atlases, &settings->file, &settings->common);
+        return code ? code : pose_settings_mark_list(&request->marks, request->poses);
     }
     return request->stream ? pose_settings_match_stream(&request->notes_said, request->stream, path, &request->atlases,
                                                         &settings->file, &settings->common)
@@ -151,8 +153,10 @@ conus_status request_start(struct request *request, const conus_selector_options
 
 conus_report_options request_report_options(const struct request *request)
 {
-    return (conus_report_options){
-        .format = request->format, .frame = &request->frame, .command = request->command_line};
+    return (conus_report_options){.format = request->format,
+                                  .frame = &request->frame,
+                                  .command = request->command_line,
+                                  .marks = request->poses ? &request->marks : NULL};
 }
 
 conus_status request_report(struct request *request, size_t index, const conus_report_options *options)
@@ -215,6 +219,12 @@ void request_show_step(struct request *request, size_t done)
     progress_update(&request->progress, request->row * (request->steps ? request->steps : 1) + done, 0);
 }
 
+void request_mark(struct request *request, size_t index, const conus_pose_row *row)
+{
+    request->marks.number = index + 1;
+    request->marks.time_s = row->time_s;
+}
+
 int request_each_row(struct request *request, int (*answer)(void *user, const conus_pose_row *row), void *user)
 {
     int code = EXIT_DONE;
@@ -224,8 +234,10 @@ int request_each_row(struct request *request, int (*answer)(void *user, const co
     }
     request_start_progress(request, count);
     for (size_t i = 0; !code && i < count; i++) {
+        const conus_pose_row *row = conus_pose_list_row(request->poses, i);
         request->row = i;
-        code = answer(user, conus_pose_list_row(request->poses, i));
+        request_mark(request, i, row);
+        code = answer(user, row);
         request_show_step(request, request->steps ? request->steps : 1);
     }
     progress_finish(&request->progress, 0, 0);

@@ -79,6 +79,7 @@ struct request {
     conus_pose_list *poses;     /**< All poses of a file that is read whole, else NULL. */
     conus_pose_stream *stream;  /**< A file whose poses are read one after the other, else NULL, */
     size_t notes_said;          /**< and how many of its notes were said. */
+    conus_row_marks marks;      /**< What tells the rows of answers to a list apart. */
     bool failed;                /**< Some poses had no answer. */
     struct progress progress;   /**< Counts poses of a file, or their steps. */
     size_t steps;               /**< Steps of a pose; 0 = 1. */
@@ -136,6 +137,8 @@ double request_angle(const struct request *request, const conus_pose_row *row);
 void request_start_progress(struct request *request, size_t rows);
 /** Shows how many steps of the row that is being answered are done. */
 void request_show_step(struct request *request, size_t done);
+/** Says of which row of the file, from 0, the answers are that are added next; request_each_row() does. */
+void request_mark(struct request *request, size_t index, const conus_pose_row *row);
 /** Answers each row of the list by @p answer, and shows how far that is. */
 int request_each_row(struct request *request, int (*answer)(void *user, const conus_pose_row *row), void *user);
 /** Prints why a row has no answer. */

@@ -200,6 +200,16 @@ CONUS_API const char *conus_pose_stream_space(const conus_pose_stream *stream);
 CONUS_API bool conus_pose_stream_has_times(const conus_pose_stream *stream);
 
 /**
+ * Returns whether two rows may have one id.
+ * @param stream The stream.
+ * @return False for a table without a column that names its rows, whose ids are their numbers, and where everything was
+ * read and no two rows have one id.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream);
+
+/**
  * Returns whether rows may have an angle of their own.
  * @param stream The stream.
  * @return False for a table without that column and for formats without angles.
