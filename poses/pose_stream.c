@@ -14,8 +14,9 @@
 #include "base/system/system.h"
 #include "base/text.h"
 #include "conus/file.h"
+#include "poses/columns.h"
+#include "poses/forms.h"
 #include "poses/pose_candidates.h"
-#include "poses/pose_table.h"
 #include "poses/programs/pose_programs.h"
 #include "poses/rows/pose_lines.h"
 #include "poses/rows/pose_list.h"
@@ -29,7 +30,7 @@ static conus_status parse_matrix(conus_pose_list *list, struct text text, const 
 {
     conus_pose_row row = pose_row_at(1);
     conus_status bad = CONUS_OK;
-    if (!pose_plain_matrix(&row, &bad, text, options)) {
+    if (!columns_plain_matrix(&row, &bad, text, options)) {
         return fail(CONUS_ERROR_DATA, "numbers, but neither the 16 of a matrix nor lines of x y z and a name");
     }
     return pose_list_add(list, &row, text_from(""), bad ? conus_message() : NULL);
@@ -62,82 +63,6 @@ enum { FORMATS = sizeof formats / sizeof formats[0] };
 const char *conus_pose_format_name(size_t index)
 {
     return index < FORMATS ? formats[index].name : NULL;
-}
-
-/* The format of a text whose first line of data this is. */
-static conus_pose_format format_of(struct text line)
-{
-    struct text word;
-    struct text rest = line;
-    double number;
-    if (line.data[0] == '<' || line.data[0] == '{') {
-        return line.data[0] == '<' ? CONUS_POSE_FORMAT_LOCALITE : CONUS_POSE_FORMAT_MARKUPS;
-    }
-    return pose_is_point(line)                                        ? CONUS_POSE_FORMAT_POINTS
-           : text_word(&rest, &word) && text_to_double(word, &number) ? CONUS_POSE_FORMAT_MATRIX
-           : pose_electrodes_header(line)                             ? CONUS_POSE_FORMAT_ELECTRODES
-           : pose_nibs_header(line)                                   ? CONUS_POSE_FORMAT_NIBS
-                                                                      : CONUS_POSE_FORMAT_TABLE;
-}
-
-/* The format of the first line with data, which ends behind *used bytes; CONUS_POSE_FORMAT_AUTO while it is not `all`
- * there. JSON is CONUS_POSE_FORMAT_MARKUPS and MATLAB's binary CONUS_POSE_FORMAT_SIMNIBS, whichever program wrote it.
- */
-static conus_pose_format guess_format(struct text text, bool all, size_t *used)
-{
-    const char *begin = text.data;
-    const char *end = text.data + text.size;
-    struct text line;
-    bool is_hdf5 = hdf5_is((const uint8_t *)text.data, text.size);
-    if (matlab_is(text) || is_hdf5) { /* which program wrote it is known when all of it is read */
-        *used = 0;
-        return matlab_is(text) ? CONUS_POSE_FORMAT_SIMNIBS : CONUS_POSE_FORMAT_NWB;
-    }
-    *used = text.size;
-    while (text_line(&text, &line)) {
-        struct text trimmed = text_trim(line);
-        if (!all && line.data + line.size == end) {
-            return CONUS_POSE_FORMAT_AUTO;
-        }
-        *used = (size_t)(line.data + line.size - begin);
-        if (pose_brainsight_line(line) || pose_invesalius_line(line)) {
-            return pose_brainsight_line(line) ? CONUS_POSE_FORMAT_BRAINSIGHT : CONUS_POSE_FORMAT_INVESALIUS;
-        }
-        if (pose_fcsv_line(line)) {
-            return CONUS_POSE_FORMAT_MARKUPS;
-        }
-        if (trimmed.size && trimmed.data[0] != '#') {
-            return format_of(trimmed);
-        }
-    }
-    return all ? CONUS_POSE_FORMAT_TABLE : CONUS_POSE_FORMAT_AUTO;
-}
-
-/* Why a text with these first bytes holds no poses; NULL if they do not show that. */
-static const char *why_no_poses(struct text text)
-{
-    static const struct {
-        const char *bytes, *kind;
-    } kinds[] = {
-        {"\x1f\x8b", "packed by gzip: unpack it, or let gzip -dc write it to standard input"},
-        {"\xfd"
-         "7zXZ",
-         "packed by xz: unpack it, or let xz -dc write it to standard input"},
-        {"BZh", "packed by bzip2: unpack it, or let bzip2 -dc write it to standard input"},
-        {"\x28\xb5\x2f\xfd", "packed by zstd: unpack it, or let zstd -dc write it to standard input"},
-        {"PK\x03\x04", "a zip file or a spreadsheet: unpack it, or export it as text with tabs or commas"},
-        {"\xd0\xcf\x11\xe0", "a spreadsheet: export it as text with tabs or commas"},
-        {"(", "a table of the sites of SpikeGLX's probe (.imro) says which are on, and not where the probe lies"},
-        {"channel_groups", "a layout of a probe's channels (.prb) says where they are on it, and not where it lies"},
-        {"\xff\xfe", "UTF-16 text: save it as UTF-8"},
-        {"\xfe\xff", "UTF-16 text: save it as UTF-8"},
-    };
-    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
-        if (text_starts(text, kinds[i].bytes)) {
-            return kinds[i].kind;
-        }
-    }
-    return NULL;
 }
 
 /* Where `text` is a MAT-file of another program than SimNIBS, sets *format and reads it into the list, as its parser
@@ -224,6 +149,11 @@ static conus_status note_equal_names(struct notes *notes, struct row_names *name
     return status;
 }
 
+/* Lines that were read and are no rows. */
+struct passed {
+    size_t count, first; /* the first one's number */
+};
+
 struct conus_pose_stream {
     conus_pose_options options; /* with a frame, this: */
     conus_frame frame;
@@ -236,7 +166,10 @@ struct conus_pose_stream {
     uint64_t start;          /* of the text in the file */
     struct text text;
     struct pose_lines lines;
-    struct pose_table table;
+    struct columns columns;
+    struct buffer decoded; /* a line that is no UTF-8, as UTF-8 */
+    bool is_windows;       /* there was one */
+    struct passed passed[LINE_KINDS];
     conus_pose_list block; /* rows of the last block that were read line by line or made */
     struct pose_candidates candidates;
     conus_pose_list list; /* rows of a format that is read whole, and all notes */
@@ -251,67 +184,125 @@ static conus_status fail_of(const conus_pose_stream *stream, conus_status status
     return status && stream->name ? fail_in(status, stream->name) : status;
 }
 
-/* Reads no more than it needs, so that it finds the same format in whatever pieces the text arrives. */
+/* A text that is no UTF-8 is one of Windows-1252, as spreadsheets write it; of other bytes it stays as it is. */
+static conus_status decode(struct text *text, conus_pose_stream *stream)
+{
+    struct buffer *out = &stream->decoded;
+    if (text_is_utf8(*text) || memchr(text->data, '\0', text->size)) {
+        return CONUS_OK;
+    }
+    out->size = 0;
+    for (size_t i = 0; i < text->size; i++) {
+        struct text rest = {text->data + i, text->size - i};
+        size_t length = text_character(rest);
+        char letter[4];
+        size_t size = length ? 0 : text_from_windows(letter, (unsigned char)rest.data[0]);
+        buffer_append(out, length ? rest.data : letter, length ? length : size);
+        i += length ? length - 1 : 0;
+    }
+    *text = (struct text){out->data, out->size};
+    conus_status status = buffer_status(out);
+    if (!status && !stream->is_windows) {
+        stream->is_windows = true;
+        status = notes_add(&stream->list.notes, "the text is not UTF-8: it is read as Windows-1252");
+    }
+    return status;
+}
+
+/* The lines that are there, without one that is not whole. */
+static struct text whole_lines(const struct pose_lines *lines)
+{
+    size_t size = lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT;
+    struct text head = {lines->data, size};
+    while (!(lines->ended && size == lines->size) && head.size && !strchr("\r\n", head.data[head.size - 1])) {
+        head.size--;
+    }
+    return head.size ? head : (struct text){lines->data, size};
+}
+
+/* Whether all numbers of a text are the sixteen of a matrix. */
+static bool is_matrix(struct text text)
+{
+    conus_pose_row row = pose_row_at(1);
+    conus_status bad;
+    const conus_frame ras = {.space = CONUS_SPACE_RAS};
+    return columns_plain_matrix(&row, &bad, text, &(conus_pose_options){.frame = &ras});
+}
+
 static conus_status find_format(conus_pose_stream *stream)
 {
     struct pose_lines *lines = &stream->lines;
-    conus_status status = CONUS_OK;
-    conus_pose_format found = CONUS_POSE_FORMAT_AUTO;
     size_t used = 0;
+    conus_status status = pose_lines_fill_head(lines, POSE_LINE_LIMIT);
+    conus_pose_format found = CONUS_POSE_FORMAT_AUTO;
     while (!status && found == CONUS_POSE_FORMAT_AUTO) {
         bool all = lines->ended || lines->size >= POSE_LINE_LIMIT;
         size_t size = lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT;
-        found = guess_format((struct text){lines->data, size}, all, &used);
+        found = forms_find((struct text){lines->data, size}, all, &used);
         if (found == CONUS_POSE_FORMAT_AUTO) {
             status = pose_lines_fill(lines, lines->size + 1);
         }
     }
-    const char *kind = status ? NULL : why_no_poses((struct text){lines->data, lines->size});
+    const char *kind = status ? NULL : forms_why_none((struct text){lines->data, lines->size});
     if (kind) {
         return fail(CONUS_ERROR_DATA, "%s", kind);
     }
     if (!status && used && memchr(lines->data, '\0', used)) {
         status = fail(CONUS_ERROR_DATA, "a zero byte: not a text of poses");
     }
+    bool is_short = lines->ended && lines->size < POSE_LINE_LIMIT;
+    if (found == CONUS_POSE_FORMAT_TABLE && is_short && is_matrix((struct text){lines->data, lines->size})) {
+        found = CONUS_POSE_FORMAT_MATRIX;
+    }
     stream->format = stream->options.format ? stream->options.format : found;
     return status;
 }
 
-static conus_status skip_mark(struct pose_lines *lines)
+/* Whether a line holds something. */
+static bool has_data(struct text text)
 {
-    static const char mark[] = "\xef\xbb\xbf";
-    enum { SIZE = sizeof mark - 1 };
-    conus_status status = pose_lines_fill(lines, SIZE);
-    if (!status && lines->size >= SIZE && memcmp(lines->data, mark, SIZE) == 0) {
-        lines->data += SIZE;
-        lines->size -= SIZE;
-    }
-    return status;
-}
-
-/* The next line that holds data. */
-static conus_status next_line(struct pose_lines *lines, struct pose_line *line, bool *found)
-{
-    conus_status status = CONUS_OK;
-    do {
-        status = pose_lines_next(lines, line, found);
-    } while (!status && *found && line->blank);
-    return status;
-}
-
-static conus_status read_header(conus_pose_stream *stream)
-{
-    struct pose_line line;
+    struct text line;
+    struct text inside;
     bool found = false;
-    conus_status status = next_line(&stream->lines, &line, &found);
-    if (status) {
-        return status;
+    while (!found && text_line(&text, &line)) {
+        found = !table_is_blank(line) && !table_is_comment(&inside, line);
     }
-    if (!found) {
-        return fail(CONUS_ERROR_DATA, "no poses: " POSE_FORMATS " is needed");
+    return found;
+}
+
+/* By as much as tells what the columns are: of a pipe that is silent behind its header perhaps the header alone. */
+static conus_status plan_table(conus_pose_stream *stream)
+{
+    struct pose_lines *lines = &stream->lines;
+    conus_status status = pose_lines_fill_head(lines, POSE_LINE_LIMIT);
+    bool is_short = true;
+    bool is_decided = false;
+    while (!status && !is_decided) {
+        struct text head = whole_lines(lines);
+        bool all = lines->ended || lines->size >= POSE_LINE_LIMIT;
+        if (all && !has_data(head)) {
+            return lines->size >= POSE_LINE_LIMIT
+                       ? fail(CONUS_ERROR_DATA, "header: a line of more than %d bytes", POSE_LINE_LIMIT)
+                       : fail(CONUS_ERROR_DATA, "no poses: " POSE_FORMATS " is needed");
+        }
+        if (all && !memchr(head.data, '\n', head.size) && !memchr(head.data, '\r', head.size) &&
+            head.size >= POSE_LINE_LIMIT) {
+            return fail(CONUS_ERROR_DATA, "header: a line of more than %d bytes", POSE_LINE_LIMIT);
+        }
+        status = decode(&head, stream);
+        size_t notes = stream->list.notes.count;
+        conus_status planned =
+            status ? status : columns_plan(&stream->columns, &is_short, &stream->list.notes, head, &stream->options);
+        is_decided = all || !is_short || !planned;
+        status = is_decided ? planned : status;
+        if (!is_decided) {
+            notes_cut(&stream->list.notes, notes);
+            status = pose_lines_fill(lines, lines->size + 1);
+        }
     }
-    return line.too_long ? fail(CONUS_ERROR_DATA, "header: a line of more than %d bytes", POSE_LINE_LIMIT)
-                         : pose_table_header(&stream->table, &stream->list.notes, line.text, &stream->options);
+    bool is_points = !status && !stream->columns.has_header;
+    stream->format = is_points ? CONUS_POSE_FORMAT_POINTS : stream->format;
+    return status;
 }
 
 static bool is_read_whole(const conus_pose_stream *stream)
@@ -393,25 +384,14 @@ static conus_status read_whole(conus_pose_stream *stream)
 
 static conus_status begin_text(conus_pose_stream *stream)
 {
-    conus_status status = skip_mark(&stream->lines);
+    conus_status status = pose_lines_begin(&stream->lines);
     status = status ? status : find_format(stream);
-    if (status) {
-        return status;
-    }
-    if (stream->options.along_shafts && stream->format != CONUS_POSE_FORMAT_ELECTRODES) {
+    status = status || is_read_whole(stream) ? status : plan_table(stream);
+    if (!status && stream->options.along_shafts && stream->format != CONUS_POSE_FORMAT_ELECTRODES) {
         return fail(CONUS_ERROR_DATA, "shafts are for electrodes (BIDS), not for %s",
                     conus_pose_format_name(stream->format));
     }
-    if (is_read_whole(stream)) {
-        return read_whole(stream);
-    }
-    if (stream->format == CONUS_POSE_FORMAT_TABLE) {
-        return read_header(stream);
-    }
-    return stream->options.axis == CONUS_AXIS_OF_FORMAT
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",
-                      pose_axis_name(stream->options.axis));
+    return status || !is_read_whole(stream) ? status : read_whole(stream);
 }
 
 static conus_status fail_errno(const char *action)
@@ -557,6 +537,7 @@ void conus_pose_stream_destroy(conus_pose_stream *stream)
     pose_candidates_finish(&stream->candidates);
     pose_list_finish(&stream->list);
     buffer_finish(&stream->names.text);
+    buffer_finish(&stream->decoded);
     memory_free(stream->name);
     memory_free(stream);
 }
@@ -580,20 +561,53 @@ static conus_status make_row(conus_pose_row *out, conus_pose_stream *stream, boo
     return name_row(out, stream, text_from(id), bad ? conus_message() : NULL);
 }
 
+/* The next line that is a row, and that row where it is asked for, with *bad set to what is wrong with it. */
+static conus_status next_row(conus_pose_row *row, struct pose_name *name, conus_status *bad, struct passed *passed,
+                             conus_pose_stream *stream, struct pose_lines *lines, bool *found)
+{
+    for (;;) {
+        struct pose_line line;
+        conus_status status = pose_lines_next(lines, &line, found);
+        status = status || !*found ? status : decode(&line.text, stream);
+        if (status || !*found) {
+            return status;
+        }
+        if (row) {
+            *row = pose_row_at(line.number);
+            name->text = (struct text){"", 0};
+        }
+        if (line.too_long && !line.blank) {
+            if (row) {
+                *bad = fail(CONUS_ERROR_DATA, "a line of more than %d bytes", POSE_LINE_LIMIT);
+            }
+            return CONUS_OK;
+        }
+        enum columns_line kind =
+            line.too_long ? LINE_NOTHING
+                          : columns_read(row, name, bad, &stream->columns, line.text, line.number, &stream->options);
+        if (kind == LINE_ROW) {
+            return CONUS_OK;
+        }
+        if (passed && kind == LINE_OTHER) {
+            return fail(CONUS_ERROR_DATA,
+                        "line %zu: \"%.*s\": words again, as above a second table; one table is read, split the file",
+                        line.number, POSE_QUOTE(line.text));
+        }
+        if (passed) {
+            passed[kind].first = passed[kind].count++ ? passed[kind].first : line.number;
+        }
+    }
+}
+
 static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, bool *found)
 {
-    struct pose_line line;
-    conus_status status = next_line(&stream->lines, &line, found);
+    conus_pose_row row = {0};
+    struct pose_name name;
+    conus_status bad = CONUS_OK;
+    conus_status status = next_row(&row, &name, &bad, stream->passed, stream, &stream->lines, found);
     if (status || !*found) {
         return status;
     }
-    conus_pose_row row = pose_row_at(line.number);
-    struct pose_name name;
-    name.text = (struct text){"", 0};
-    conus_status bad = line.too_long ? fail(CONUS_ERROR_DATA, "a line of more than %d bytes", POSE_LINE_LIMIT)
-                       : stream->format == CONUS_POSE_FORMAT_POINTS
-                           ? pose_point_row(&row, &name, line.text, &stream->options)
-                           : pose_table_row(&row, &name, &stream->table, line.text, &stream->options);
     char ordinal[POSE_ORDINAL_SIZE];
     const char *bad_id = pose_check_id(&name.text, ordinal, stream->taken + 1);
     status = name_row(&row, stream, name.text, bad ? conus_message() : bad_id);
@@ -601,6 +615,27 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
         extent_add(&stream->extent, &row);
     }
     *out = row;
+    return status;
+}
+
+/* What was passed over, at the end. Once. */
+static conus_status note_passed(conus_pose_stream *stream)
+{
+    static const char *const kinds[LINE_KINDS] = {
+        [LINE_ABSENT] = "rows without coordinates (n/a)",
+        [LINE_CLOSING] = "rows called mean, SD or total",
+        [LINE_AGAIN] = "lines that are the header again",
+        [LINE_WORDS] = "lines without a number",
+    };
+    conus_status status = CONUS_OK;
+    for (size_t kind = 0; kind < LINE_KINDS; kind++) {
+        const struct passed *passed = &stream->passed[kind];
+        if (kinds[kind] && passed->count && !status) {
+            status = notes_add(&stream->list.notes, "%zu %s passed over, the first in line %zu", passed->count,
+                               kinds[kind], passed->first);
+        }
+    }
+    memset(stream->passed, 0, sizeof stream->passed);
     return status;
 }
 
@@ -628,6 +663,7 @@ conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_p
     }
     if (!status && !found) {
         status = note_extent(stream);
+        status = status ? status : note_passed(stream);
         status = status ? status : note_equal_names(&stream->list.notes, &stream->names);
     }
     *count = status ? *count : got;
@@ -645,14 +681,13 @@ conus_status conus_pose_stream_skip(conus_pose_stream *stream, uint64_t rows)
         return CONUS_OK;
     }
     for (bool found = true; !status && found && rows; rows--) {
-        struct pose_line line;
-        status = next_line(&stream->lines, &line, &found);
+        status = next_row(NULL, NULL, NULL, NULL, stream, &stream->lines, &found);
         stream->taken += !status && found;
     }
     return fail_of(stream, status);
 }
 
-static conus_status count_again(uint64_t *count, const conus_pose_stream *stream)
+static conus_status count_again(uint64_t *count, conus_pose_stream *stream)
 {
     struct pose_lines lines = {.descriptor = -1};
     conus_status status = CONUS_OK;
@@ -664,10 +699,9 @@ static conus_status count_again(uint64_t *count, const conus_pose_stream *stream
     } else {
         status = fail(CONUS_ERROR_UNSUPPORTED, "rows of a pipe cannot be counted before they are read");
     }
-    status = status ? status : skip_mark(&lines);
-    struct pose_line line;
+    status = status ? status : pose_lines_begin(&lines);
     for (bool found = true; !status && found; *count += found) {
-        status = next_line(&lines, &line, &found);
+        status = next_row(NULL, NULL, NULL, NULL, stream, &lines, &found);
         found = !status && found;
     }
     pose_lines_finish(&lines);
@@ -680,13 +714,10 @@ conus_status conus_pose_stream_count(uint64_t *count, conus_pose_stream *stream)
         *count = is_read_whole(stream) ? stream->list.count : stream->candidates.count;
         return CONUS_OK;
     }
-    uint64_t lines = 0;
-    conus_status status = count_again(&lines, stream);
-    if (status) {
-        return fail_of(stream, status);
-    }
-    *count = lines - (stream->format == CONUS_POSE_FORMAT_TABLE); /* without the header */
-    return CONUS_OK;
+    uint64_t rows = 0;
+    conus_status status = count_again(&rows, stream);
+    *count = status ? *count : rows;
+    return fail_of(stream, status);
 }
 
 conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream)
@@ -714,7 +745,7 @@ void conus_pose_stream_stop(conus_pose_stream *stream)
 bool conus_pose_stream_has_times(const conus_pose_stream *stream)
 {
     if (!is_read_whole(stream)) {
-        return stream->format == CONUS_POSE_FORMAT_TABLE && stream->table.has_times;
+        return stream->columns.has[ROLE_TIME];
     }
     bool found = stream->list.count == 0;
     for (size_t i = 0; i < stream->list.count && !found; i++) {
@@ -731,7 +762,7 @@ static int compare_ids(const void *a, const void *b)
 bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream)
 {
     if (!is_read_whole(stream)) {
-        return stream->format != CONUS_POSE_FORMAT_TABLE || stream->table.has_ids;
+        return !stream->columns.has_header || stream->columns.has[ROLE_NAME] || stream->columns.has[ROLE_CONTACT];
     }
     size_t count = stream->list.count;
     const char **ids = memory_raw(count, sizeof *ids);
@@ -751,7 +782,7 @@ bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream)
 
 bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
 {
-    bool found = stream->format == CONUS_POSE_FORMAT_TABLE && stream->table.has_angles;
+    bool found = stream->columns.has[ROLE_ANGLE] && !stream->columns.is_of_points;
     for (size_t i = 0; is_read_whole(stream) && i < stream->list.count; i++) {
         found = found || stream->list.rows[i].angle != 0;
     }
@@ -760,13 +791,12 @@ bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
 
 bool conus_pose_stream_has_ranges(const conus_pose_stream *stream)
 {
-    return stream->candidates.asked.to_target ||
-           (stream->format == CONUS_POSE_FORMAT_TABLE && stream->table.has_ranges);
+    return stream->candidates.asked.to_target || stream->columns.has[ROLE_NEAR] || stream->columns.has[ROLE_FAR];
 }
 
 bool conus_pose_stream_has_points(const conus_pose_stream *stream)
 {
-    bool found = stream->format == CONUS_POSE_FORMAT_POINTS;
+    bool found = !is_read_whole(stream) && stream->columns.is_of_points;
     for (size_t i = 0; is_read_whole(stream) && i < stream->list.count; i++) {
         found = found || stream->list.rows[i].is_point;
     }

@@ -210,8 +210,9 @@ struct system_wake {
 bool system_wake_begin(struct system_wake *out);
 void system_wake(const struct system_wake *wake);
 void system_wake_end(const struct system_wake *wake);
-/** Waits until a file can be read, or until system_wake(): false then. */
-bool system_wait(int file, const struct system_wake *wake);
+/** Waits until a file can be read, or until system_wake(): false then; or, *silent, for so many milliseconds, -1 =
+ * without end. */
+bool system_wait(int file, const struct system_wake *wake, int most_ms, bool *silent);
 
 /* Of programs, not of the library. */
 

@@ -558,13 +558,14 @@ void system_wake_end(const struct system_wake *wake)
     close(wake->end);
 }
 
-bool system_wait(int file, const struct system_wake *wake)
+bool system_wait(int file, const struct system_wake *wake, int most_ms, bool *silent)
 {
     struct pollfd wanted[] = {{.fd = file, .events = POLLIN}, {.fd = (int)wake->file, .events = POLLIN}};
     int count;
     do {
-        count = poll(wanted, 2, -1);
+        count = poll(wanted, 2, most_ms);
     } while (count < 0 && errno == EINTR);
+    *silent = count == 0;
     return !(count > 0 && wanted[1].revents);
 }
 

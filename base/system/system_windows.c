@@ -1010,21 +1010,27 @@ void system_wake_end(const struct system_wake *wake)
     CloseHandle((HANDLE)wake->file);
 }
 
-bool system_wait(int file, const struct system_wake *wake)
+bool system_wait(int file, const struct system_wake *wake, int most_ms, bool *silent)
 {
     enum { LOOK_AGAIN_MS = 5 }; /* a pipe cannot be waited for */
+    int waited = 0;
+    *silent = false;
     HANDLE handle = handle_of(file);
     HANDLE event = (HANDLE)wake->file;
     DWORD type = GetFileType(handle);
     DWORD there = 0;
     if (type == FILE_TYPE_CHAR) {
         const HANDLE both[] = {event, handle};
-        return WaitForMultipleObjects(2, both, FALSE, INFINITE) != WAIT_OBJECT_0;
+        DWORD got = WaitForMultipleObjects(2, both, FALSE, most_ms < 0 ? INFINITE : (DWORD)most_ms);
+        *silent = got == WAIT_TIMEOUT;
+        return got != WAIT_OBJECT_0;
     }
-    while (type == FILE_TYPE_PIPE && PeekNamedPipe(handle, NULL, 0, NULL, &there, NULL) && !there) {
+    while (type == FILE_TYPE_PIPE && PeekNamedPipe(handle, NULL, 0, NULL, &there, NULL) && !there && !*silent) {
         if (WaitForSingleObject(event, LOOK_AGAIN_MS) == WAIT_OBJECT_0) {
             return false;
         }
+        waited += LOOK_AGAIN_MS;
+        *silent = most_ms >= 0 && waited >= most_ms;
     }
     return WaitForSingleObject(event, 0) != WAIT_OBJECT_0;
 }

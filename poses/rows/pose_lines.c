@@ -9,7 +9,7 @@
 #include <errno.h>
 #include <string.h>
 
-enum { CAPACITY = 4 * (POSE_LINE_LIMIT + 1) };
+enum { CAPACITY = 4 * (POSE_LINE_LIMIT + 1), SILENCE_MS = 200 };
 
 static conus_status fail_to_read(void)
 {
@@ -43,41 +43,152 @@ void pose_lines_finish(struct pose_lines *lines)
     *lines = (struct pose_lines){.descriptor = -1};
 }
 
-/* Waits until a pipe has something, also one that was made not to wait. */
-static ptrdiff_t read_some(const struct pose_lines *lines, char *at, size_t size, bool *stopped)
+/* Waits until a pipe has something, also one that was made not to wait; up to most_ms, -1 = without end. */
+static ptrdiff_t read_some(const struct pose_lines *lines, char *at, size_t size, bool *stopped, int most_ms,
+                           bool *silent)
 {
     for (;;) {
-        *stopped = !lines->seekable && !system_wait(lines->descriptor, &lines->stop);
-        ptrdiff_t got = *stopped          ? 0
-                        : lines->seekable ? system_read_at(lines->descriptor, at, size, lines->offset)
-                                          : system_read(lines->descriptor, at, size);
+        *silent = false;
+        *stopped = !lines->seekable && !system_wait(lines->descriptor, &lines->stop, most_ms, silent);
+        ptrdiff_t got = *stopped || *silent ? 0
+                        : lines->seekable   ? system_read_at(lines->descriptor, at, size, lines->offset)
+                                            : system_read(lines->descriptor, at, size);
         if (got >= 0 || (errno != EINTR && errno != EAGAIN)) {
             return got;
         }
     }
 }
 
-/* Reads once. */
-static conus_status read_more(struct pose_lines *lines)
+/* Writes a character as UTF-8; its length. */
+static size_t put_character(char *out, uint32_t c)
+{
+    if (c < 0x80) {
+        out[0] = (char)c;
+        return 1;
+    }
+    size_t count = c < 0x800 ? 2 : c < 0x10000 ? 3 : 4;
+    static const unsigned char firsts[] = {0, 0, 0xC0, 0xE0, 0xF0};
+    for (size_t i = count; i-- > 1; c >>= 6) {
+        out[i] = (char)(0x80 | (c & 0x3F));
+    }
+    out[0] = (char)(firsts[count] | c);
+    return count;
+}
+
+/* UTF-16 as UTF-8: how much there is. Half a character at the end waits in `odd`; half a pair is U+FFFD. */
+static size_t narrow(char *out, struct pose_lines *lines, const char *wide, size_t size)
+{
+    size_t written = 0;
+    for (size_t i = 0; i < size; i++) {
+        lines->odd[lines->odd_size++] = wide[i];
+        if (lines->odd_size % 2) {
+            continue;
+        }
+        uint32_t units[2] = {0};
+        for (size_t k = 0; k < lines->odd_size / 2; k++) {
+            unsigned char first = (unsigned char)lines->odd[2 * k];
+            unsigned char second = (unsigned char)lines->odd[2 * k + 1];
+            units[k] = lines->wide == POSE_WIDE_BIG ? (uint32_t)first << 8 | second : (uint32_t)second << 8 | first;
+        }
+        bool is_high = units[0] >= 0xD800 && units[0] < 0xDC00;
+        bool is_pair = is_high && units[1] >= 0xDC00 && units[1] < 0xE000;
+        if (is_high && lines->odd_size == 2) {
+            continue;
+        }
+        bool is_half = units[0] >= 0xD800 && units[0] < 0xE000 && !is_pair;
+        uint32_t c = is_pair ? 0x10000 + ((units[0] - 0xD800) << 10) + (units[1] - 0xDC00) : units[0];
+        written += put_character(out + written, is_half ? 0xFFFD : c);
+        if (lines->odd_size == 4 && !is_pair) { /* the second is a character of its own, or the first half of one */
+            written += put_character(out + written, units[1] >= 0xD800 && units[1] < 0xE000 ? 0xFFFD : units[1]);
+        }
+        lines->odd_size = 0;
+    }
+    return written;
+}
+
+/* Reads once. A pipe that stays silent gives nothing. */
+static conus_status read_within(struct pose_lines *lines, int most_ms, bool *silent)
 {
     if (lines->data != lines->own && lines->size) {
         memmove(lines->own, lines->data, lines->size);
     }
     lines->data = lines->own;
     bool stopped = false;
-    ptrdiff_t got = read_some(lines, lines->own + lines->size, CAPACITY - lines->size, &stopped);
+    char wide[4096];
+    size_t room = (size_t)(lines->wide ? 2 : 1) * CAPACITY - lines->size;
+    char *at = lines->wide ? wide : lines->own + lines->size;
+    ptrdiff_t got = read_some(lines, at, lines->wide ? sizeof wide : room, &stopped, most_ms, silent);
     if (got < 0) {
         return fail_to_read();
+    }
+    if (*silent) {
+        return CONUS_OK;
     }
     struct file_state now; /* what is read after a change belongs to no one file */
     if (lines->seekable && !(file_state_of(&now, lines->descriptor) && file_state_equal(&now, &lines->state))) {
         return fail(CONUS_ERROR_IO, FILE_CHANGED);
     }
-    sha256_update(&lines->hash, (size_t)got, (const uint8_t *)lines->own + lines->size);
-    lines->size = stopped ? 0 : lines->size + (size_t)got; /* half a line is no row */
+    sha256_update(&lines->hash, (size_t)got, (const uint8_t *)at);
+    size_t added = lines->wide ? narrow(lines->own + lines->size, lines, wide, (size_t)got) : (size_t)got;
+    lines->size = stopped ? 0 : lines->size + added; /* half a line is no row */
     lines->offset += (uint64_t)got;
     lines->ended = got == 0;
     return CONUS_OK;
+}
+
+static conus_status read_more(struct pose_lines *lines)
+{
+    bool silent;
+    return read_within(lines, -1, &silent);
+}
+
+static void take_bytes(struct pose_lines *lines, size_t size)
+{
+    lines->data += size;
+    lines->size -= size;
+}
+
+/* What was read as bytes becomes UTF-8. */
+static conus_status narrow_all(struct pose_lines *lines)
+{
+    size_t size = lines->size;
+    char *own = memory_raw(lines->own ? (size_t)2 * CAPACITY : 2 * size + 8, 1);
+    if (!own) {
+        return CONUS_ERROR_MEMORY;
+    }
+    lines->size = narrow(own, lines, lines->data, size);
+    memory_free(lines->own);
+    lines->own = own;
+    lines->data = own;
+    return CONUS_OK;
+}
+
+conus_status pose_lines_begin(struct pose_lines *lines)
+{
+    static const struct {
+        const char *bytes;
+        size_t size;
+        enum pose_wide wide;
+    } known[] = {{"\xef\xbb\xbf", 3, POSE_NARROW}, {"\xff\xfe", 2, POSE_WIDE_LITTLE}, {"\xfe\xff", 2, POSE_WIDE_BIG}};
+    conus_status status = pose_lines_fill(lines, 3);
+    for (size_t i = 0; !status && i < sizeof known / sizeof known[0]; i++) {
+        if (lines->size >= known[i].size && memcmp(lines->data, known[i].bytes, known[i].size) == 0) {
+            take_bytes(lines, known[i].size);
+            lines->wide = known[i].wide;
+            return lines->wide ? narrow_all(lines) : CONUS_OK;
+        }
+    }
+    return status;
+}
+
+conus_status pose_lines_fill_head(struct pose_lines *lines, size_t size)
+{
+    conus_status status = CONUS_OK;
+    bool silent = false;
+    while (!status && !lines->ended && lines->size < size && !silent) {
+        status = read_within(lines, lines->size ? SILENCE_MS : -1, &silent);
+    }
+    return status;
 }
 
 conus_status pose_lines_fill(struct pose_lines *lines, size_t size)
@@ -87,12 +198,6 @@ conus_status pose_lines_fill(struct pose_lines *lines, size_t size)
         status = read_more(lines);
     }
     return status;
-}
-
-static void take_bytes(struct pose_lines *lines, size_t size)
-{
-    lines->data += size;
-    lines->size -= size;
 }
 
 /* Bytes before the first LF or CR; lines->size if there is none. */
@@ -162,11 +267,9 @@ conus_status pose_lines_next(struct pose_lines *lines, struct pose_line *line, b
     bool too_long = length > POSE_LINE_LIMIT;
     struct text text = {lines->data, too_long ? POSE_LINE_LIMIT : length};
     struct text trimmed = text_trim(text);
-    bool is_comment = trimmed.size && trimmed.data[0] == '#';
-    bool is_empty = text_has_only(trimmed, ",;\t "); /* as spreadsheets write an empty row */
-    *line = (struct pose_line){.number = ++lines->number, .too_long = too_long, .blank = is_empty || is_comment};
+    *line = (struct pose_line){.number = ++lines->number, .too_long = too_long};
     if (too_long) {
-        line->blank = is_comment; /* what else may come is not known */
+        line->blank = trimmed.size && trimmed.data[0] == '#'; /* what else may come is not known */
         line->text = (struct text){"", 0};
         return drop_long_line(lines);
     }

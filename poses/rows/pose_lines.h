@@ -22,6 +22,9 @@ struct pose_lines {
     size_t size;
     char *own; /**< NULL where `data` is borrowed. */
     bool ended;
+    enum pose_wide { POSE_NARROW, POSE_WIDE_LITTLE, POSE_WIDE_BIG } wide; /**< UTF-16, which becomes UTF-8. */
+    char odd[4]; /**< Bytes of a character that is not all there; */
+    size_t odd_size;
     bool after_cr; /**< A LF that comes now belongs to the line before. */
     size_t number; /**< Lines taken. */
 
@@ -33,7 +36,7 @@ struct pose_line {
     struct text text; /**< "" when too long. */
     size_t number;    /**< From 1. */
     bool too_long;
-    bool blank; /**< White space and separators only, or it begins with #: no data. */
+    bool blank; /**< Too long, and a comment: no data. */
 };
 
 /** Lines of an open file, from @p offset where it is seekable: then CONUS_ERROR_IO once it changes.
@@ -42,6 +45,13 @@ conus_status pose_lines_init(struct pose_lines *lines, int descriptor, bool seek
 /** Lines of a text that outlives them. */
 void pose_lines_init_text(struct pose_lines *lines, struct text text);
 void pose_lines_finish(struct pose_lines *lines);
+
+/** Begins the text, after pose_lines_init(): takes off a byte order mark, and knows UTF-16 by it. */
+conus_status pose_lines_begin(struct pose_lines *lines);
+
+/** Reads on until @p size bytes (at most POSE_LINE_LIMIT) lie in `data`, or all there are, or until a pipe is silent
+ * for a fifth of a second and something is there. */
+conus_status pose_lines_fill_head(struct pose_lines *lines, size_t size);
 
 /** Reads on until @p size bytes (at most POSE_LINE_LIMIT) lie in `data`, or all there are. */
 conus_status pose_lines_fill(struct pose_lines *lines, size_t size);

@@ -222,6 +222,7 @@ static void check_the_rest(void)
 {
     struct system_text text;
     struct system_wake wake;
+    bool silent;
     pthread_t thread = 0;
     uint8_t random[2][16] = {{0}};
     FILE *stream = system_text_open(&text);
@@ -241,7 +242,7 @@ static void check_the_rest(void)
     CHECK(nothing >= 0 && system_write(nothing, "x", 1) && !system_is_terminal(nothing) && close(nothing) == 0);
     CHECK(system_wake_begin(&wake) && system_thread(&thread, 0, wake_it, &wake));
     int ends[2] = {-1, -1};
-    CHECK(_pipe(ends, 64, _O_BINARY) == 0 && !system_wait(ends[0], &wake)); /* which stays silent */
+    CHECK(_pipe(ends, 64, _O_BINARY) == 0 && !system_wait(ends[0], &wake, -1, &silent)); /* which stays silent */
     pthread_join(thread, NULL);
     system_wake_end(&wake);
     char *end;

@@ -169,8 +169,8 @@ alone() {
 @test "poses without an answer are counted at the end: from a pipe, by shards, of a file that is whole already, once" {
     setup_ball 3
     printf 'x\ty\tz\ttx\tty\ttz\n' >poses.tsv
-    printf '%s\t0\t0\t0\t0\t0\n' 90 90,5 80 '(null)' >>poses.tsv # lines 2 to 5; 3 and 5 have no number
-    first='the first in line 3: column x: "90,5" is not a finite number'
+    printf '%s\t0\t0\t0\t0\t0\n' 90 90,5,1 80 '(null)' >>poses.tsv # lines 2 to 5; 3 and 5 have no number
+    first='the first in line 3: column x: "90,5,1" is not a finite number'
     run -1 --separate-stderr conus batch sphere.nii.gz --poses - --block 1 <poses.tsv
     check_message "standard input: no answer to 2 of 4 poses, $first"
     run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv --segments segments.tsv --quiet

@@ -652,8 +652,8 @@ class Poses:
 def poses(reader, make, *words, nan='"nan" is not a finite number', far='"1e400" is not a finite number',
           comma="is not a finite number; decimals are written with a point", is_text=True, family="poses",
           large=NO_LABELS, minus=NO_NUMBERS, empty=b"", **cells):
-    """The row of a reader of poses. nan, far, comma: the words about such a coordinate, or (words, exit code); empty:
-    what a spreadsheet writes of an empty row."""
+    """The row of a reader of poses. nan, far, comma: the words about such a coordinate, or (words, exit code), None =
+    it is read; empty: what a spreadsheet writes of an empty row."""
     options = {key: cells.pop(key) for key in ("atlas", "named", "place") if key in cells}
     asked = Poses(make, *words, **options)
     x, y = asked.place
@@ -676,8 +676,9 @@ def poses(reader, make, *words, nan='"nan" is not a finite number', far='"1e400"
     cells.setdefault("big_endian", TEXT)
     cells.setdefault("nan", said(nan, "nan", y))
     cells.setdefault("decimal_comma",
-                     comma if isinstance(comma, Never) else said(comma,
-                                                                 x.replace(".", ",") + ",5" * ("." not in x), y))
+                     comma if isinstance(comma, Never) else
+                     asked.answers(place=(x.replace(".", ",") + ",0" * ("." not in x), y)) if comma is None else
+                     said(comma, x.replace(".", ",") + ",5" * ("." not in x), y))
     cells.setdefault("out_of_range", said(far, "1e400", y))
     lps = cells.get("lps")
     if lps is None or isinstance(lps, (tuple, dict)):
@@ -703,13 +704,13 @@ def in_lines(template, ending, **fixed):
 BALL, CONE = ("--radius", "0.5"), ("--angle", "0.5", "--range", "0,70")
 LPS = ("--space", "lps")
 NOT_UTF8, NOT_DECODED = ("not UTF-8 text", 1), ("unable to decode byte 0x92", 3)
-NO_POINTS = ("neither the 16 of a matrix nor lines of x y z", 3)
-poses("table", in_lines("name;x;y;z;dx;dy;dz;space\n@T;@X;@Y;57;0;0;-1;@S\n", ".csv", S="ras"), *CONE, windows=NOT_UTF8,
+NO_POINTS = ("neither names of columns nor three numbers in a line", 3)
+poses("table", in_lines("name;x;y;z;dx;dy;dz;space\n@T;@X;@Y;57;0;0;-1;@S\n", ".csv", S="ras"), *CONE, comma=None,
       empty=b";;;;;;;\n", lps={"S": "lps"})
 poses("matrix", in_lines("1 0 0 @X\n0 1 0 @Y\n0 0 1 57\n0 0 0 1\n", ".txt"), *CONE, named=False, lps=LPS,
-      nan="nan in row 0, column 3", far="inf in row 0, column 3", comma="a number after x y z")
-poses("points", in_lines("@X @Y @Z @T\n", ".txt"), *BALL, windows=NOT_UTF8, empty=b",,,\n", lps=LPS, nan=NO_POINTS,
-      far=NO_POINTS, comma=('"-1" is no name of a column', 3))
+      nan="nan in row 0, column 3", far="inf in row 0, column 3", comma=("4 numbers in a line", 3))
+poses("points", in_lines("@X @Y @Z @T\n", ".txt"), *BALL, empty=b",,,\n", lps=LPS, nan=NO_POINTS,
+      far=NO_POINTS, comma=None)
 poses(
     "brainsight",
     in_lines(

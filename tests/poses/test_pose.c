@@ -257,8 +257,8 @@ static void bad_headers_are_refused(void **state)
 {
     (void)state;
     static const char *const texts[] = {"",
-                                        "x y z\n",
-                                        "x,y,z\n1,2,3\n",
+                                        "x y zz\n",
+                                        "x,y,z,roll\n1,2,3,4\n",
                                         "x,y,z,tx,ty\n",
                                         "x,y,z,tx,ty,tz,dx,dy,dz\n",
                                         "x,x,y,z,tx,ty,tz\n",

@@ -1,0 +1,1360 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds the roles of columns by their names, and reads rows by them; points without a header, and plain matrices. */
+#include "poses/columns.h"
+
+#include "base/buffer.h"
+#include "base/geometry/math3.h"
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { MATRIX_NUMBERS = 16, FAMILIES = 64, SHOWN = 20 };
+
+/* Columns of one number or text, by exact names and by others; of the same role the first name that is there. */
+static const struct {
+    enum role role;
+    const char *names; /* normalised, see normalise(); in the order of preference */
+} roles[] = {
+    {ROLE_QW, "qw/q w/quat w/quaternion w"},
+    {ROLE_ANGLE, "angle/angle deg/opening angle/opening/cone angle"},
+    {ROLE_TIME, "time s/times/timestamp s"},
+    {ROLE_TRIGGER, "trigger"},
+    {ROLE_ERROR_DEG, "error deg"},
+    {ROLE_ERROR_MM, "error mm"},
+    {ROLE_NEAR, "near"},
+    {ROLE_FAR, "far"},
+    {ROLE_SPACE, "space"},
+    {ROLE_NAME, "query id/id/name/label/channel/electrode/contact/site/roi/region/sensor/optode/marker/area/structure/"
+                "probe/cluster/cluster id/cluster index/index"},
+};
+
+/* The third list: what a column says that makes a row no mere point. */
+static const char turned[] = "normal/normals/nrm/vec/vector/orient/orientation/ori/rot/rotation/roll/pitch/yaw/azimuth/"
+                             "elevation/tilt/twist/arc/ring/collar/handle/euler/phi/alphax/axis/trajectory";
+
+/* What three columns that differ only in x y z are, by the words that stand with the letter. The last of several
+ * counts. */
+enum family_kind {
+    NEUTRAL,
+    CENTRE,      /* behind a peak */
+    OF_SPACE,    /* of a template's space */
+    OTHER_SPACE, /* of another one, or voxels */
+    STATISTIC,
+    ENTRY,
+    TARGET,
+    DIRECTION,
+    UP,
+    QUATERNION,
+    TURNED,
+    UNKNOWN
+};
+
+static const struct {
+    enum family_kind kind;
+    const char *words;
+} words_of[] = {
+    {NEUTRAL, "pos/position/positions/coord/coords/coordinate/coordinates/centroid/centre/center/peak/peaks/loc/"
+              "location/contact/ras/world/point/max/in/mm"},
+    {CENTRE, "cog/cm/com/mean"},
+    {OF_SPACE, "mni/mni152/icbm/icbm152/mnispace"},
+    {OTHER_SPACE, "tal/talairach/native/scanner/acpc/mcp/tk/tkr/tkras/fs/surf/surface/vox/voxel/voxels/ijk/t1/ct/orig/"
+                  "subject/subj/individual/leksell/ctf/head/mni305/fsaverage"},
+    {STATISTIC, "sd/se/err/error/size/std/sem/var/stdev"},
+    {ENTRY, "entry/from/start/coil/transducer/device"},
+    {TARGET, "target/tgt/to/tip/end/t"},
+    {DIRECTION, "d/dir/direction"},
+    {UP, "u/up"},
+    {QUATERNION, "q/quat/quaternion"},
+    {TURNED, "n/r"},
+};
+
+enum unit { UNIT_NONE, UNIT_MM, UNIT_UM, UNIT_CM, UNIT_M, UNITS };
+
+static const struct {
+    const char *names; /* as they stand in brackets */
+    double mm;
+} units[UNITS] = {[UNIT_NONE] = {"", 1},
+                  [UNIT_MM] = {"mm/millimetres/millimeters/millimetre/millimeter", 1},
+                  [UNIT_UM] = {"um/\xc2\xb5m/\xce\xbcm/micrometres/micrometers/microns/micron", 0.001},
+                  [UNIT_CM] = {"cm/centimetres/centimeters", 10},
+                  [UNIT_M] = {"m/metres/meters", 1000}};
+
+struct family {
+    char stem[COLUMN_NAME_SIZE];
+    enum family_kind kind;
+    size_t at[3]; /* NONE: missing */
+    bool is_peak, is_lps;
+    bool has_letters; /* r a s or l p s: it says which */
+};
+
+static const size_t NONE = SIZE_MAX;
+
+/* A head being read. */
+struct head {
+    struct table_line line; /* the header */
+    char names[TABLE_CELLS][COLUMN_NAME_SIZE];
+    uint8_t unit[TABLE_CELLS];
+    struct family families[FAMILIES];
+    size_t family_count;
+    struct buffer faults; /* one after the other, "; " between */
+    struct columns *out;
+    const conus_pose_options *options;
+    struct text text;
+};
+
+/* Adds a fault to those that there are. */
+#define FAULT(head, ...)                                                                                               \
+    (buffer_text(&(head)->faults, (head)->faults.size ? "; " : ""), buffer_format(&(head)->faults, __VA_ARGS__))
+
+static enum unit unit_named(struct text text)
+{
+    enum unit found = UNIT_NONE;
+    for (enum unit unit = UNIT_MM; unit < UNITS; unit++) {
+        found = text_is_one_of(text, units[unit].names, false) ? unit : found;
+    }
+    return found;
+}
+
+/* The name in small letters, with one blank for what stands between words, and without a unit in brackets or behind:
+ * "MNI_X (mm)" is "mni x". Other brackets are words. */
+static enum unit normalise(char out[COLUMN_NAME_SIZE], struct text cell)
+{
+    enum unit unit = UNIT_NONE;
+    struct text open = cell;
+    char last = cell.size ? cell.data[cell.size - 1] : 0;
+    const char *bracket = last == ')'   ? text_last(cell, '(')
+                          : last == ']' ? text_last(cell, '[')
+                          : last == '}' ? text_last(cell, '{')
+                                        : NULL;
+    if (bracket) {
+        const char *end = cell.data + cell.size - 1;
+        unit = unit_named(text_trim((struct text){bracket + 1, (size_t)(end - bracket - 1)}));
+        open.size = unit ? (size_t)(bracket - cell.data) : cell.size;
+    }
+    open = text_trim(open);
+    size_t size = 0;
+    for (size_t i = 0; i < open.size && size + 1 < COLUMN_NAME_SIZE; i++) {
+        char c = open.data[i];
+        bool is_gap = strchr(" _-.,/:()[]{}\"'\t", c) != NULL;
+        if (!is_gap || (size && out[size - 1] != ' ')) {
+            out[size++] = is_gap ? ' ' : c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+        }
+    }
+    size -= size && out[size - 1] == ' ';
+    out[size] = '\0';
+    const char *behind = unit ? NULL : strrchr(out, ' ');
+    enum unit suffix = behind ? unit_named(text_from(behind + 1)) : UNIT_NONE;
+    if (behind && (suffix == UNIT_MM || suffix == UNIT_UM) && strcmp(out, "error mm") != 0) {
+        out[behind - out] = '\0';
+        unit = suffix;
+    }
+    return unit;
+}
+
+static size_t find_name(const struct head *head, const char *name, size_t first)
+{
+    size_t i = first;
+    while (i < head->line.count && strcmp(head->names[i], name) != 0) {
+        i++;
+    }
+    return i < head->line.count ? i : NONE;
+}
+
+static bool is_capital(const struct head *head, size_t column)
+{
+    struct text cell = head->line.cells[column];
+    bool found = false;
+    for (size_t i = 0; i < cell.size; i++) {
+        found = found || (cell.data[i] >= 'A' && cell.data[i] <= 'Z');
+    }
+    return found;
+}
+
+/* `name` with `letter` at `at`, of `size` bytes, in place of another. */
+static void put_letter(char out[COLUMN_NAME_SIZE], const char *name, size_t at, size_t size, const char *letter)
+{
+    snprintf(out, COLUMN_NAME_SIZE, "%.*s%s%s", (int)at, name, letter, name + at + size);
+}
+
+static enum family_kind kind_of(const char *stem, bool *is_peak)
+{
+    enum family_kind kind = NEUTRAL;
+    struct text rest = text_from(stem);
+    struct text word;
+    while (text_word(&rest, &word)) {
+        enum family_kind own = text_has_only(word, "0123456789") ? NEUTRAL : UNKNOWN;
+        for (size_t i = 0; i < sizeof words_of / sizeof words_of[0]; i++) {
+            own = text_is_one_of(word, words_of[i].words, true) ? words_of[i].kind : own;
+        }
+        own = text_is_one_of(word, turned, true) ? TURNED : own;
+        *is_peak = *is_peak || text_is_one_of(word, "peak/max", true);
+        kind = own > kind ? own : kind;
+    }
+    return kind;
+}
+
+static void add_family(struct head *head, const size_t at[3], const char *name, size_t from, size_t size)
+{
+    if (head->family_count == FAMILIES) {
+        return;
+    }
+    struct family *family = &head->families[head->family_count];
+    *family = (struct family){.at = {at[0], at[1], at[2]}};
+    char stem[COLUMN_NAME_SIZE];
+    snprintf(stem, sizeof stem, "%.*s %s", (int)from, name, name + from + size);
+    struct text trimmed = text_trim(text_from(stem));
+    snprintf(family->stem, sizeof family->stem, "%.*s", (int)trimmed.size, trimmed.data);
+    family->kind = kind_of(family->stem, &family->is_peak);
+    for (size_t i = 0; i < head->family_count; i++) { /* found by another of its letters */
+        if (memcmp(head->families[i].at, at, sizeof family->at) == 0) {
+            return;
+        }
+    }
+    head->family_count++;
+}
+
+/* Of a name that stands twice the one whose column makes three that stand side by side, of one case; else a fault. */
+static void settle_twice(struct head *head, size_t at[3], const char *const names[3])
+{
+    size_t settled[3] = {NONE, NONE, NONE};
+    size_t found = 0;
+    bool twice = false;
+    for (int k = 0; k < 3; k++) {
+        twice = twice || (at[k] != NONE && find_name(head, names[k], at[k] + 1) != NONE);
+    }
+    for (size_t i = 0; twice && i + 2 < head->line.count; i++) {
+        bool side_by_side = strcmp(head->names[i], names[0]) == 0 && strcmp(head->names[i + 1], names[1]) == 0 &&
+                            strcmp(head->names[i + 2], names[2]) == 0;
+        bool of_one_case =
+            is_capital(head, i) == is_capital(head, i + 1) && is_capital(head, i) == is_capital(head, i + 2);
+        if (side_by_side && of_one_case) {
+            found++;
+            settled[0] = i, settled[1] = i + 1, settled[2] = i + 2;
+        }
+    }
+    for (int k = 0; twice && found == 1 && k < 3; k++) { /* the other one must differ in its case */
+        for (size_t i = find_name(head, names[k], 0); i != NONE; i = find_name(head, names[k], i + 1)) {
+            found += i != settled[k] && text_compare(head->line.cells[i], head->line.cells[settled[k]]) == 0;
+        }
+    }
+    if (twice && found != 1) {
+        for (int k = 0; k < 3; k++) {
+            if (at[k] != NONE && find_name(head, names[k], at[k] + 1) != NONE) {
+                FAULT(head, "column \"%s\" twice", names[k]);
+            }
+        }
+    } else if (twice) {
+        memcpy(at, settled, sizeof settled);
+    }
+}
+
+/* Families of the letters, each a name of an axis. */
+static void find_families(struct head *head, const char *const letters[3])
+{
+    const size_t size = strlen(letters[0]);
+    for (size_t i = 0; i < head->line.count; i++) {
+        for (int letter = 0; letter < 3; letter++) {
+            const char *name = head->names[i];
+            for (const char *at = strstr(name, letters[letter]); at; at = strstr(at + 1, letters[letter])) {
+                size_t from = (size_t)(at - name);
+                bool before = from && isalpha((unsigned char)name[from - 1]);
+                bool after = isalpha((unsigned char)name[from + size]);
+                char found[3][COLUMN_NAME_SIZE];
+                size_t columns[3];
+                size_t count = 0;
+                for (int k = 0; k < 3; k++) {
+                    put_letter(found[k], name, from, size, letters[k]);
+                    columns[k] = find_name(head, found[k], 0);
+                    count += columns[k] != NONE;
+                }
+                bool is_first = letter == 0 || columns[0] == NONE; /* the others' letters find it again */
+                is_first = is_first && (letter < 2 || columns[1] == NONE) && columns[letter] == i;
+                if ((before && after) || count < 2 || !is_first) {
+                    continue;
+                }
+                settle_twice(head, columns, (const char *const[]){found[0], found[1], found[2]});
+                add_family(head, columns, name, from, size);
+            }
+        }
+    }
+}
+
+/* R A S, L P S: only three neighbours of one case, where there is no x y z. */
+static void find_letters(struct head *head)
+{
+    static const char *const sets[2][3] = {{"r", "a", "s"}, {"l", "p", "s"}};
+    for (size_t i = 0; i + 2 < head->line.count; i++) {
+        for (int set = 0; set < 2; set++) {
+            bool all = true;
+            for (size_t k = 0; k < 3; k++) {
+                all = all && strcmp(head->names[i + k], sets[set][k]) == 0 &&
+                      is_capital(head, i + k) == is_capital(head, i);
+            }
+            if (all && head->family_count < FAMILIES) {
+                head->families[head->family_count++] =
+                    (struct family){.at = {i, i + 1, i + 2}, .has_letters = true, .is_lps = set == 1};
+            }
+        }
+    }
+}
+
+static bool is_whole(const struct family *family)
+{
+    return family->at[0] != NONE && family->at[1] != NONE && family->at[2] != NONE;
+}
+
+static void set_role(struct head *head, size_t column, enum role role)
+{
+    struct columns *out = head->out;
+    out->role_of[column] = (uint8_t)role;
+    out->has[role] = true;
+    snprintf(out->shown[role], COLUMN_NAME_SIZE, "%.*s", TEXT_SHOW(head->line.cells[column], COLUMN_NAME_SIZE - 1));
+}
+
+static bool has_all(const struct columns *columns, enum role first, size_t count)
+{
+    bool all = true;
+    for (size_t i = 0; i < count; i++) {
+        all = all && columns->has[first + i];
+    }
+    return all;
+}
+
+static bool has_any(const struct columns *columns, enum role first, size_t count)
+{
+    bool any = false;
+    for (size_t i = 0; i < count; i++) {
+        any = any || columns->has[first + i];
+    }
+    return any;
+}
+
+/* The columns of a family as the header has them: "MNI_X MNI_Y MNI_Z". */
+static const char *show_family(char out[3 * COLUMN_NAME_SIZE], const struct head *head, const struct family *family)
+{
+    size_t size = 0;
+    out[0] = '\0';
+    for (int k = 0; k < 3; k++) {
+        if (family->at[k] != NONE) {
+            struct text cell = head->line.cells[family->at[k]];
+            size += (size_t)snprintf(out + size, COLUMN_NAME_SIZE, "%s%.*s", size ? " " : "", TEXT_SHOW(cell, 30));
+        }
+    }
+    return out;
+}
+
+#define FAMILY_SHOWN(head, family) show_family((char[3 *COLUMN_NAME_SIZE]){0}, head, family)
+
+/* Gives the columns of a family their roles, or says what it lacks. */
+static void take_family(struct head *head, const struct family *family, enum role first, const char *what)
+{
+    struct columns *out = head->out;
+    enum unit unit = UNIT_NONE;
+    if (!family) {
+        return;
+    }
+    for (size_t k = 0; k < 3; k++) {
+        if (family->at[k] == NONE) {
+            FAULT(head, "only some of the columns %s: %s, without %c", what, FAMILY_SHOWN(head, family), "xyz"[k]);
+            continue;
+        }
+        enum unit own = head->unit[family->at[k]];
+        if (own && unit && own != unit) {
+            FAULT(head, "%s: two units, %s", what, FAMILY_SHOWN(head, family));
+        }
+        unit = own ? own : unit;
+        set_role(head, family->at[k], first + (enum role)k);
+    }
+    double scale = units[unit].mm / (unit && out->space == CONUS_SPACE_CCF ? units[UNIT_UM].mm : 1);
+    if (unit && first <= ROLE_TX) {
+        if (out->scale > 0 && out->scale != scale) {
+            FAULT(head, "two units: positions and targets have different ones");
+        }
+        out->scale = scale;
+    }
+    if (family->has_letters) {
+        out->has_space = true;
+        out->space = family->is_lps ? CONUS_SPACE_LPS : CONUS_SPACE_RAS;
+    }
+}
+
+/* Whether `a` is a better position than `b`, +1, a worse one, -1, or neither. */
+static int compare_positions(const struct family *a, const struct family *b)
+{
+    int by_space = (a->kind == OF_SPACE) - (b->kind == OF_SPACE);
+    int by_centre = (b->kind == CENTRE) - (a->kind == CENTRE);
+    return by_space ? by_space : by_centre ? by_centre : a->is_peak - b->is_peak;
+}
+
+/* The family that says where rows are; of two that say it alike neither, with a fault. */
+static const struct family *find_position(struct head *head)
+{
+    const struct family *best = NULL;
+    const struct family *tied = NULL;
+    for (size_t i = 0; i < head->family_count; i++) {
+        const struct family *family = &head->families[i];
+        if (family->kind > OF_SPACE || (best && is_whole(best) && !is_whole(family))) {
+            continue;
+        }
+        int order = !best || (!is_whole(best) && is_whole(family)) ? 1 : compare_positions(family, best);
+        tied = order > 0 ? NULL : order == 0 ? family : tied;
+        best = order > 0 ? family : best;
+    }
+    if (tied) {
+        FAULT(head, "positions in %s or in %s: rename those that are not meant", FAMILY_SHOWN(head, best),
+              FAMILY_SHOWN(head, tied));
+    }
+    return best;
+}
+
+/* The only family of this kind. */
+static const struct family *find_kind(struct head *head, enum family_kind kind)
+{
+    const struct family *found = NULL;
+    for (size_t i = 0; i < head->family_count; i++) {
+        const struct family *family = &head->families[i];
+        bool is_better = family->kind == kind && (!found || (!is_whole(found) && is_whole(family)));
+        if (family->kind == kind && found && is_whole(found) && is_whole(family)) {
+            FAULT(head, "%s and %s: which is it?", FAMILY_SHOWN(head, found), FAMILY_SHOWN(head, family));
+        }
+        found = is_better ? family : found;
+    }
+    return found;
+}
+
+/* Columns of one number or text each. */
+static void find_roles(struct head *head)
+{
+    for (size_t r = 0; r < sizeof roles / sizeof roles[0]; r++) {
+        struct text rest = text_from(roles[r].names);
+        struct text name;
+        enum role role = roles[r].role;
+        for (bool more = true; !head->out->has[role] && text_field(&rest, '/', &more, &name);) {
+            char copy[COLUMN_NAME_SIZE];
+            snprintf(copy, sizeof copy, "%.*s", (int)name.size, name.data);
+            size_t column = find_name(head, copy, 0);
+            if (column == NONE || head->out->role_of[column] != ROLES) {
+                continue;
+            }
+            bool is_loose = role == ROLE_NAME && !text_is_one_of(name, "query id/id/name", true);
+            if (!is_loose && find_name(head, copy, column + 1) != NONE) {
+                FAULT(head, "column \"%.*s\" twice", POSE_QUOTE(head->line.cells[column]));
+            }
+            set_role(head, column, role);
+        }
+    }
+    size_t electrode = find_name(head, "electrode", 0);
+    size_t contact = find_name(head, "contact", 0);
+    if (electrode != NONE && contact != NONE && head->out->role_of[electrode] == ROLE_NAME) {
+        set_role(head, contact, ROLE_CONTACT);
+    }
+    for (size_t i = 0; i < MATRIX_NUMBERS; i++) {
+        char name[8];
+        snprintf(name, sizeof name, "m%zu%zu", i / 4, i % 4);
+        size_t column = find_name(head, name, 0);
+        if (column != NONE) {
+            set_role(head, column, ROLE_M00 + (enum role)i);
+        }
+    }
+}
+
+/* A column beside a position, without a role, that says that rows are more than points. */
+static void refuse_turned(struct head *head, const struct family *position)
+{
+    for (size_t i = 0; i < head->family_count; i++) {
+        const struct family *family = &head->families[i];
+        bool is_beside = family->kind == UNKNOWN && position->kind != OF_SPACE && is_whole(family);
+        if (family != position && (family->kind == TURNED || is_beside || family->kind == ENTRY)) {
+            FAULT(
+                head,
+                "%s beside %s: a direction has the columns dx dy dz, a point to look at tx ty tz; without %s the rows "
+                "are points",
+                FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position), FAMILY_SHOWN(head, family));
+        }
+    }
+    for (size_t i = 0; i < head->line.count; i++) {
+        struct text rest = text_from(head->names[i]);
+        struct text word;
+        bool is_one = false;
+        while (head->out->role_of[i] == ROLES && text_word(&rest, &word)) {
+            is_one = is_one || text_is_one_of(word, turned, true);
+        }
+        is_one = is_one && !(strstr(head->names[i], "phi") && find_name(head, "theta", 0) == NONE);
+        for (size_t k = 0; is_one && k < head->family_count; k++) {
+            const size_t *at = head->families[k].at;
+            is_one = at[0] != i && at[1] != i && at[2] != i;
+        }
+        if (is_one) {
+            FAULT(head,
+                  "column \"%.*s\" beside %s: angles and rotations are read as dx dy dz, tx ty tz, qw qx qy qz or "
+                  "m00...m33; without it the rows are points",
+                  POSE_QUOTE(head->line.cells[i]), FAMILY_SHOWN(head, position));
+        }
+    }
+}
+
+/* Whether the column is 0 in all rows of the head. */
+static bool is_all_zero(const struct head *head, enum role role)
+{
+    struct text rest = head->text;
+    struct text text;
+    struct table_line line;
+    bool all = true;
+    for (size_t number = 1; text_line(&rest, &text); number++) {
+        if (number <= head->out->head_lines || table_is_blank(text) || !table_split(&line, &head->out->table, text)) {
+            continue;
+        }
+        for (size_t i = 0; i < line.count && i < head->out->count; i++) {
+            double value;
+            all = all && (head->out->role_of[i] != role ||
+                          (table_number(&value, &head->out->table, line.cells[i]) && value == 0));
+        }
+    }
+    return all;
+}
+
+/* One way of saying where the device points, or none. */
+static void choose_families(struct head *head)
+{
+    struct columns *out = head->out;
+    const struct family *position = find_position(head);
+    const struct family *entry = find_kind(head, ENTRY);
+    const struct family *target = find_kind(head, TARGET);
+    const struct family *direction = find_kind(head, DIRECTION);
+    const struct family *up = find_kind(head, UP);
+    const struct family *quaternion = find_kind(head, QUATERNION);
+    bool has_matrix = has_any(out, ROLE_M00, MATRIX_NUMBERS);
+    bool has_quaternion = quaternion || out->has[ROLE_QW];
+    if (!position) {
+        bool is_log = !entry && has_quaternion && target && strcmp(target->stem, "t") == 0; /* of a tracker */
+        bool is_of_target = !entry && !direction && !has_quaternion && !has_matrix;
+        position = entry ? entry : is_log || is_of_target ? target : NULL;
+        target = position == target ? NULL : target;
+    }
+    take_family(head, position, ROLE_X, "x y z");
+    take_family(head, target, ROLE_TX, "tx ty tz");
+    take_family(head, direction, ROLE_DX, "dx dy dz");
+    take_family(head, up, ROLE_UX, "ux uy uz");
+    take_family(head, quaternion, ROLE_QX, "qw qx qy qz");
+    int directions = (target != NULL) + (direction != NULL) + has_quaternion + has_matrix;
+    out->is_of_points = directions == 0;
+    if (has_quaternion && !(quaternion && out->has[ROLE_QW])) {
+        FAULT(head, "only some of the columns qw qx qy qz");
+    }
+    if (has_matrix && !has_all(out, ROLE_M00, MATRIX_NUMBERS)) {
+        FAULT(head, "only some of the columns m00...m33");
+    }
+    if (directions > 1) {
+        FAULT(head,
+              "several directions; needed is one of tx ty tz (a target), dx dy dz, qw qx qy qz, or m00...m33 alone");
+    }
+    if (has_matrix && position) {
+        FAULT(head, "x y z are needed, and only, without m00...m33");
+    }
+    if (!has_matrix && !position) {
+        FAULT(head, "x y z are needed: no columns say where rows are");
+        for (size_t i = 0; i < head->family_count; i++) {
+            const struct family *family = &head->families[i];
+            if (family->kind == UNKNOWN || family->kind == OTHER_SPACE || family->kind == TURNED) {
+                FAULT(head, "%s may be something else: call them x y z where they are positions",
+                      FAMILY_SHOWN(head, family));
+            }
+        }
+    }
+    if (up && !target && !direction) {
+        FAULT(head, "ux uy uz go with tx ty tz or dx dy dz");
+    }
+    if (!out->is_of_points || !position) {
+        return;
+    }
+    if (out->has[ROLE_ANGLE] && !is_all_zero(head, ROLE_ANGLE)) {
+        FAULT(head,
+              "column \"%s\" is the opening of a cone, which needs a direction: tx ty tz, dx dy dz or qw qx qy qz",
+              out->shown[ROLE_ANGLE]);
+    }
+    if (out->has[ROLE_NEAR] || out->has[ROLE_FAR]) {
+        FAULT(head, "near and far are depths along a direction: tx ty tz, dx dy dz or qw qx qy qz");
+    }
+    refuse_turned(head, position);
+}
+
+/* Where nothing else names the rows: the first column if it has no name of its own, or the first one of texts; all of
+ * its cells differ. */
+static conus_status find_row_names(struct head *head, struct notes *notes)
+{
+    struct columns *out = head->out;
+    enum { COMPARED = 500 };
+    for (size_t column = 0; !out->has[ROLE_NAME] && column < out->count; column++) {
+        struct text seen[COMPARED];
+        struct text rest = head->text;
+        struct text text;
+        struct table_line line;
+        size_t rows = 0;
+        bool fits = out->role_of[column] == ROLES;
+        bool is_index = column == 0 && !head->line.cells[0].size;
+        for (size_t number = 1; fits && rows < COMPARED && text_line(&rest, &text); number++) {
+            struct text inside;
+            double value;
+            if (number <= out->head_lines || table_is_blank(text) || table_is_comment(&inside, text) ||
+                !table_split(&line, &out->table, text) || table_numbers(&line) < 3) {
+                continue;
+            }
+            struct text cell = column < line.count ? line.cells[column] : (struct text){"", 0};
+            bool is_number = table_number(&value, &out->table, cell);
+            fits = cell.size && (is_index ? !is_number || (value == floor(value) && fabs(value) < 1e9) : !is_number);
+            for (size_t i = 0; fits && i < rows; i++) {
+                fits = text_compare(seen[i], cell) != 0;
+            }
+            seen[rows++] = cell;
+        }
+        if (fits && rows) {
+            set_role(head, column, ROLE_NAME);
+            if (!is_index) {
+                return notes_add(notes, "rows are called by column \"%.*s\"", POSE_QUOTE(head->line.cells[column]));
+            }
+        }
+    }
+    return CONUS_OK;
+}
+
+/* The known column that was perhaps meant: it is not there, and little is to be changed. NULL if there is none. */
+static const char *column_meant(const struct columns *columns, struct text field)
+{
+    static const struct {
+        enum role role;
+        const char *name;
+    } known[] = {{ROLE_X, "x"},
+                 {ROLE_X + 1, "y"},
+                 {ROLE_X + 2, "z"},
+                 {ROLE_TX, "tx"},
+                 {ROLE_TX + 1, "ty"},
+                 {ROLE_TX + 2, "tz"},
+                 {ROLE_DX, "dx"},
+                 {ROLE_DX + 1, "dy"},
+                 {ROLE_DX + 2, "dz"},
+                 {ROLE_QW, "qw"},
+                 {ROLE_QX, "qx"},
+                 {ROLE_QX + 1, "qy"},
+                 {ROLE_QX + 2, "qz"},
+                 {ROLE_ANGLE, "angle"},
+                 {ROLE_TIME, "time_s"},
+                 {ROLE_TRIGGER, "trigger"},
+                 {ROLE_NEAR, "near"},
+                 {ROLE_FAR, "far"},
+                 {ROLE_ERROR_DEG, "error_deg"},
+                 {ROLE_SPACE, "space"}};
+    const char *meant = NULL;
+    size_t least = (field.size + 1) / 3;
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+        size_t distance = text_distance(field, text_from(known[i].name));
+        size_t size = strlen(known[i].name);
+        if (!columns->has[known[i].role] && distance <= least && distance < size && (size > 2 || field.size > size)) {
+            meant = known[i].name;
+            least = distance;
+        }
+    }
+    return meant;
+}
+
+/* Lists the columns, with suggestions for unknown ones; or the unknown ones only. */
+static void list_columns(struct buffer *out, const struct head *head, bool known)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < head->line.given; i++) {
+        bool is_known = head->out->role_of[i] != ROLES;
+        if ((is_known && !known) || count++ >= SHOWN) {
+            continue;
+        }
+        struct text cell = head->line.cells[i];
+        const char *meant = is_known ? NULL : column_meant(head->out, cell);
+        buffer_format(out, "%s\"%.*s\"", count > 1 ? ", " : "", POSE_QUOTE(cell));
+        if (meant) {
+            buffer_format(out, " (did you mean %s?)", meant);
+        }
+    }
+    if (count > SHOWN) {
+        buffer_format(out, " and %zu more", count - SHOWN);
+    }
+}
+
+/* What is passed over without need is said once. */
+static conus_status note_unknown(struct notes *notes, const struct head *head)
+{
+    struct buffer list = {0};
+    list_columns(&list, head, false);
+    conus_status status = buffer_status(&list);
+    if (!status && list.size) {
+        status = notes_add(notes, "columns passed over: %s", list.data);
+    }
+    buffer_finish(&list);
+    return status;
+}
+
+static conus_status refuse(struct head *head)
+{
+    struct buffer *faults = &head->faults;
+    const struct columns *out = head->out;
+    buffer_format(faults, "; taken as %s; columns found: ",
+                  out->is_of_points ? "points at x y z" : "poses, a position and a direction each");
+    list_columns(faults, head, true);
+    if (out->space < CONUS_SPACE_CCF && find_name(head, "ap", 0) != NONE) {
+        buffer_text(faults, "; ap, dv and ml are read in space ccf or bregma");
+    }
+    conus_status status = buffer_status(faults);
+    return status ? status : fail(CONUS_ERROR_DATA, "header: %s", faults->data);
+}
+
+/* Roles of a line that may be a header. Faults say what is wrong with it. */
+static void find_columns(struct head *head)
+{
+    static const char *const xyz[3] = {"x", "y", "z"};
+    struct columns *out = head->out;
+    head->family_count = 0;
+    head->faults.size = 0;
+    memset(out->role_of, ROLES, sizeof out->role_of);
+    memset(out->has, 0, sizeof out->has);
+    out->scale = 0;
+    out->has_space = false;
+    out->space = head->options->space;
+    for (size_t i = 0; i < head->line.count; i++) {
+        head->unit[i] = (uint8_t)normalise(head->names[i], head->line.cells[i]);
+    }
+    out->count = head->line.given;
+    if (out->space >= CONUS_SPACE_CCF) {
+        char axes[3][COLUMN_NAME_SIZE];
+        for (size_t k = 0; k < 3; k++) {
+            (void)normalise(axes[k], text_from(conus_space_axis(out->space, k)));
+        }
+        find_families(head, (const char *const[]){axes[0], axes[1], axes[2]});
+    }
+    find_families(head, xyz);
+    if (find_name(head, "x", 0) == NONE) {
+        find_letters(head);
+    }
+    find_roles(head);
+    choose_families(head);
+}
+
+/* Whether some of the columns of a line belong together as coordinates, so that it is a header. */
+static bool has_triad(const struct head *head)
+{
+    bool has = has_all(head->out, ROLE_M00, MATRIX_NUMBERS);
+    for (size_t i = 0; i < head->family_count; i++) {
+        has = has || is_whole(&head->families[i]);
+    }
+    return has;
+}
+
+/* A header split as the rows are; between blanks also by two, or by one. */
+static bool split_header(struct head *head, struct text text, size_t cells)
+{
+    struct table table = head->out->table;
+    bool of_blanks = table.separator == TABLE_BLANKS || table.separator == TABLE_SPACES;
+    bool found = table_split(&head->line, &table, text);
+    for (int i = 0; of_blanks && cells && head->line.given != cells && i < 2; i++) {
+        table.separator = i ? TABLE_SPACES : TABLE_BLANKS;
+        found = table_split(&head->line, &table, text);
+    }
+    return found;
+}
+
+static uint64_t sum_of(struct text text)
+{
+    uint64_t sum = UINT64_C(14695981039346656037); /* FNV-1a */
+    text = text_trim(text);
+    for (size_t i = 0; i < text.size; i++) {
+        sum = (sum ^ (unsigned char)text.data[i]) * UINT64_C(1099511628211);
+    }
+    return sum;
+}
+
+/* Looks for the header above the first row: a line of as many cells, with coordinates among them, or a comment of that
+ * kind; else the first line of as many cells. Without a row any line with coordinates. */
+static bool find_header(struct head *head)
+{
+    struct table *table = &head->out->table;
+    struct text rest = head->text;
+    struct text text;
+    struct text inside;
+    struct text best = {0};
+    struct text fallback = {0};
+    size_t line_of_best = 0;
+    size_t line_of_fallback = 0;
+    for (size_t number = 1; text_line(&rest, &text) && (!table->first || number < table->first); number++) {
+        bool is_comment = table_is_comment(&inside, text);
+        if (table_is_blank(text) || !split_header(head, inside, table->cells)) {
+            continue;
+        }
+        size_t numbers = table_numbers(&head->line);
+        bool fits = !table->cells || head->line.given == table->cells || head->line.given + 1 == table->cells ||
+                    head->line.count == table->cells;
+        find_columns(head);
+        bool has = has_triad(head) && numbers < 3;
+        if (has && (fits || !best.size) && (!is_comment || fits || head->line.given >= 3)) {
+            best = inside;
+            line_of_best = number;
+        }
+        if (fits && !is_comment && !fallback.size && numbers < (table->cells ? 3 : 1) && head->line.given > 1) {
+            fallback = inside;
+            line_of_fallback = number;
+        }
+        if (!table->cells && (has || (fallback.size && !is_comment))) {
+            break; /* no rows: the first line decides */
+        }
+    }
+    bool found = best.size || fallback.size;
+    if (found) {
+        const struct text header = best.size ? best : fallback;
+        head->out->head_lines = best.size ? line_of_best : line_of_fallback;
+        head->out->header_sum = sum_of(header);
+        (void)split_header(head, header, table->cells);
+        find_columns(head);
+    }
+    return found;
+}
+
+/* Without rows a header alone tells what separates its cells: what makes the most of them. */
+static void decide_by_header(struct head *head)
+{
+    struct text rest = head->text;
+    struct text text;
+    struct text inside;
+    bool found = false;
+    while (!found && text_line(&rest, &text)) {
+        found = !table_is_comment(&inside, text) && !table_is_blank(text);
+    }
+    struct table best = head->out->table;
+    size_t most = 0;
+    for (enum table_separator separator = 0; found && separator < TABLE_SEPARATORS; separator++) {
+        struct table table = head->out->table;
+        table.separator = separator;
+        if (table_split(&head->line, &table, text) && head->line.given > most) {
+            most = head->line.given;
+            best = table;
+        }
+    }
+    head->out->table = best;
+}
+
+/* R writes the names of rows without a name of their column: all roles move by one. */
+static void shift_roles(struct head *head)
+{
+    struct columns *out = head->out;
+    if (!out->table.cells || head->line.given + 1 != out->table.cells || head->line.count == out->table.cells) {
+        return;
+    }
+    memmove(out->role_of + 1, out->role_of, sizeof out->role_of - 1);
+    memmove(head->line.cells + 1, head->line.cells, sizeof head->line.cells - sizeof head->line.cells[0]);
+    head->line.cells[0] = (struct text){"", 0};
+    head->line.count++;
+    head->line.given++;
+    out->role_of[0] = ROLES;
+    out->count++;
+}
+
+static conus_status check_options(const struct head *head)
+{
+    const struct columns *out = head->out;
+    const conus_pose_options *options = head->options;
+    bool turns = out->has[ROLE_QW] || out->has[ROLE_M00];
+    if (options->axis != CONUS_AXIS_OF_FORMAT && !turns) {
+        return fail(CONUS_ERROR_DATA,
+                    "header: it gives %s, so that no axis (%s) is to be chosen; qw qx qy qz or m00...m33 have axes",
+                    out->is_of_points ? "points" : "a direction", pose_axis_name(options->axis));
+    }
+    /* The names of rotations' columns are of axes that space ccf and bregma do not have. */
+    return options->space < CONUS_SPACE_CCF || !turns
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA,
+                      "header: rotations (qw qx qy qz or m00...m33) are not read in space %s; tx ty tz or dx dy dz are",
+                      conus_space_name((size_t)options->space));
+}
+
+/* Three numbers side by side, and at most one name before or behind them, which runs to the line's end; false with a
+ * message. */
+static bool read_point(double point[3], struct text *name, const struct table *table, struct text text)
+{
+    struct table_line line;
+    if (!table_split(&line, table, text)) {
+        return fail(CONUS_ERROR_DATA, "more than %d cells", TABLE_CELLS) == CONUS_OK;
+    }
+    double number;
+    size_t first = 0;
+    while (first < line.given && !(table_number(&number, table, line.cells[first]) && isfinite(number))) {
+        first++;
+    }
+    first = first + 3 == line.given ? first : 0; /* a name in front has nothing behind */
+    for (size_t i = 0; i < 3; i++) {
+        struct text cell = first + i < line.count ? line.cells[first + i] : (struct text){"", 0};
+        if (!table_number(&point[i], table, cell) || !isfinite(point[i])) {
+            (void)pose_no_number((const char[]){"xyz"[i], '\0'}, cell);
+            return false;
+        }
+    }
+    size_t last = line.given - 1;
+    *name = (struct text){"", 0};
+    if (first > 0 && first + 3 == line.given) {
+        const char *end = line.cells[first - 1].data + line.cells[first - 1].size;
+        *name = (struct text){line.cells[0].data, (size_t)(end - line.cells[0].data)};
+    } else if (line.given > 3) {
+        *name = (struct text){line.cells[3].data,
+                              (size_t)(line.cells[last].data + line.cells[last].size - line.cells[3].data)};
+        if (table_number(&number, table, line.cells[3])) {
+            (void)fail(CONUS_ERROR_DATA,
+                       "a number after x y z: \"%.*s\", allowed is a name that does not begin with one",
+                       POSE_QUOTE(line.cells[3]));
+            return false;
+        }
+    }
+    return true;
+}
+
+/* As the rest of the text has it, or else with white space or commas. */
+static bool read_point_anyhow(double point[3], struct text *name, const struct table *table, struct text line)
+{
+    static const enum table_separator others[] = {TABLE_SPACES, TABLE_COMMAS};
+    bool found = read_point(point, name, table, line);
+    for (size_t i = 0; !found && i < 2; i++) {
+        struct table other = *table;
+        other.separator = others[i];
+        found = read_point(point, name, &other, line);
+    }
+    return found || read_point(point, name, table, line); /* for its message */
+}
+
+/* What stands between cells, to be written into an example. */
+static const char *separator_of(const struct table *table)
+{
+    static const char *const texts[TABLE_SEPARATORS] = {"\t", ";", " | ", ",", "  ", " "};
+    return texts[table->separator];
+}
+
+/* A table without a header whose first row is no point: what it could be, and the line that says so. */
+static conus_status refuse_bare(const struct head *head)
+{
+    const struct table *table = &head->out->table;
+    const char *s = separator_of(table);
+    struct text rest = head->text;
+    struct text text = {"", 0};
+    struct table_line line;
+    for (size_t number = 0; number < table->first && text_line(&rest, &text); number++) {
+    }
+    size_t numbers = table_split(&line, table, text) ? table_numbers(&line) : 0;
+    bool is_in_front = true; /* each cell but the last three */
+    double value;
+    for (size_t i = 0; i < line.given; i++) {
+        is_in_front = is_in_front && (i + 3 < line.given || table_number(&value, table, line.cells[i]));
+    }
+    return numbers == 4
+               ? fail(
+                     CONUS_ERROR_DATA,
+                     "no header, and 4 numbers in a line: in \"%.*s\" the point is in the first three (then a value or "
+                     "radius) or in the last three (before them the row's number); put a line in front that says "
+                     "which: "
+                     "\"x%sy%sz%svalue\" or \"row%sx%sy%sz\"%s",
+                     TEXT_SHOW(text_trim(text), 60), s, s, s, s, s, s,
+                     is_in_front ? "" : ", with a word for each column")
+               : fail(CONUS_ERROR_DATA,
+                      "no header, and %zu numbers in a line, neither the 16 of a matrix nor the x y z of a point: "
+                      "\"%.*s\"; put a line of names in front, a word for each column, x%sy%sz among them",
+                      numbers, TEXT_SHOW(text_trim(text), 60), s, s);
+}
+
+/* Whether more than half of the rows of the head are points. */
+static bool has_points(const struct head *head)
+{
+    struct text rest = head->text;
+    struct text text;
+    struct text inside;
+    struct text name;
+    size_t rows = 0;
+    size_t points = 0;
+    while (text_line(&rest, &text)) {
+        double point[3];
+        if (!table_is_blank(text) && !table_is_comment(&inside, text)) {
+            rows++;
+            points += read_point_anyhow(point, &name, &head->out->table, text);
+        }
+    }
+    return points && 2 * points >= rows;
+}
+
+static conus_status plan_bare(struct head *head)
+{
+    const conus_pose_options *options = head->options;
+    struct columns *out = head->out;
+    bool is_table = options->format == CONUS_POSE_FORMAT_TABLE;
+    out->has_header = false;
+    out->count = 0;
+    out->is_of_points = true;
+    if (is_table || (!has_points(head) && !out->table.cells)) {
+        struct text line = {"", 0};
+        struct text rest = head->text;
+        while (table_is_blank(line) && text_line(&rest, &line)) {
+        }
+        return is_table
+                   ? fail(CONUS_ERROR_DATA,
+                          "header: \"%.*s\": no names of columns, but the first line of a table has names",
+                          POSE_QUOTE(line))
+                   : fail(CONUS_ERROR_DATA,
+                          "\"%.*s\": neither names of columns nor three numbers in a line; " POSE_FORMATS " is needed",
+                          POSE_QUOTE(line));
+    }
+    if (!has_points(head)) {
+        return refuse_bare(head);
+    }
+    return options->axis == CONUS_AXIS_OF_FORMAT
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",
+                      pose_axis_name(options->axis));
+}
+
+conus_status columns_plan(struct columns *out, bool *is_short, struct notes *notes, struct text head_text,
+                          const conus_pose_options *options)
+{
+    struct head *head = memory_zeroed(1, sizeof *head);
+    if (!head) {
+        return CONUS_ERROR_MEMORY;
+    }
+    *out = (struct columns){0};
+    head->out = out;
+    head->options = options;
+    head->text = head_text;
+    table_decide(&out->table, head_text);
+    *is_short = out->table.cells == 0;
+    if (!out->table.cells) {
+        decide_by_header(head);
+    }
+    conus_status status = CONUS_OK;
+    out->has_header = options->format != CONUS_POSE_FORMAT_POINTS && find_header(head);
+    if (out->has_header && out->table.comma == TABLE_COMMA_UNCLEAR) {
+        FAULT(head, "a comma before three digits, or commas of two kinds: 1,250 may be 1250 or 1.25");
+    }
+    if (!out->has_header) {
+        status = plan_bare(head);
+    } else if (head->line.spoilt.data) {
+        status = fail(CONUS_ERROR_DATA, "header: a quotation mark inside a name, or one that is not closed: \"%.*s",
+                      POSE_QUOTE(head->line.spoilt));
+    } else if (head->faults.size) {
+        status = buffer_status(&head->faults);
+        status = status ? status : refuse(head);
+    } else {
+        shift_roles(head);
+        status = check_options(head);
+        status = status ? status : find_row_names(head, notes);
+        status = status ? status : note_unknown(notes, head);
+    }
+    out->scale = out->scale > 0 ? out->scale : 1;
+    buffer_finish(&head->faults);
+    memory_free(head);
+    return status;
+}
+
+static conus_status pose_from_values(conus_pose *out, const struct columns *columns, double v[ROLE_NAME],
+                                     const conus_pose_options *options)
+{
+    double m[16];
+    double q[4] = {v[ROLE_QW], v[ROLE_QX], v[ROLE_QX + 1], v[ROLE_QX + 2]};
+    for (int i = 0; i < 16; i++) {
+        m[i] = v[ROLE_M00 + 4 * (i % 4) + i / 4];
+    }
+    double *x = v + ROLE_X;
+    double *t = v + ROLE_TX;
+    vec3_scale(x, x, columns->scale);
+    vec3_scale(t, t, columns->scale);
+    conus_space space = isnan(v[ROLE_SPACE]) ? columns->space : (conus_space)v[ROLE_SPACE];
+    conus_frame own = *options->frame;
+    conus_status status = space == options->space ? CONUS_OK : conus_frame_find(&own, NULL, space, NULL);
+    status = status || columns->has[ROLE_M00] ? status : conus_frame_to_world(x, &own, x);
+    status = status || !columns->has[ROLE_TX] ? status : conus_frame_to_world(t, &own, t);
+    if (status || columns->is_of_points) {
+        return status ? status : pose_of_point(out, x);
+    }
+    conus_frame_direction_to_world(v + ROLE_DX, &own, v + ROLE_DX);
+    conus_frame_direction_to_world(v + ROLE_UX, &own, v + ROLE_UX);
+    if (space == CONUS_SPACE_LPS) { /* turning by pi about z takes a rotation's LPS form to its RAS form:
+                                          (w, x, y, z) -> (-z, -y, x, w) */
+        pose_flip_matrix(m);
+        const double flipped[4] = {-q[3], -q[2], q[1], q[0]};
+        memcpy(q, flipped, sizeof q);
+    }
+    const double *up = columns->has[ROLE_UX] ? v + ROLE_UX : NULL;
+    bool is_turned = columns->has[ROLE_M00] || columns->has[ROLE_QW];
+    status = columns->has[ROLE_M00]  ? conus_pose_from_matrix(out, m)
+             : columns->has[ROLE_QW] ? conus_pose_from_quaternion(out, x, q)
+             : columns->has[ROLE_TX] ? conus_pose_toward(out, x, t, up)
+                                     : conus_pose_along(out, x, v + ROLE_DX, up);
+    if (!status) {
+        conus_frame_turn_pose(out, &own, up || is_turned);
+        pose_turn(out, options->axis);
+    }
+    return status;
+}
+
+static bool is_absent(struct text cell)
+{
+    return !cell.size || text_equal_ignoring_case(cell, "n/a") || text_is_one_of(cell, "NA/none/-/--", false);
+}
+
+static conus_status read_trigger(double *out, struct text cell)
+{
+    bool on = text_is_one_of(cell, "1/true", false);
+    bool off = is_absent(cell) || text_is_one_of(cell, "0/false", false);
+    *out = on;
+    return on || off ? CONUS_OK
+                     : fail(CONUS_ERROR_DATA, "column trigger: \"%.*s\", allowed are 0, 1, true, false and n/a",
+                            POSE_QUOTE(cell));
+}
+
+/* One of the spaces that --space has. A row in another brain's is not brought here. */
+static conus_status read_space(double *out, struct text cell)
+{
+    const char *name;
+    *out = NAN;
+    for (size_t i = 0; (name = conus_space_name(i)) && isnan(*out); i++) {
+        *out = text_equal_ignoring_case(cell, name) ? (double)i : NAN;
+    }
+    return !isnan(*out) || is_absent(cell)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA,
+                      "column space: \"%.*s\", allowed are RAS, LPS, ccf, bregma and n/a; all rows are in one brain, "
+                      "that of the atlas (--atlas-transform)",
+                      POSE_QUOTE(cell));
+}
+
+static conus_status read_value(double *out, const struct columns *columns, enum role role, struct text cell)
+{
+    if (role >= ROLE_ANGLE && is_absent(cell)) {
+        *out = NAN;
+        return CONUS_OK;
+    }
+    if (!table_number(out, &columns->table, cell) || !isfinite(*out)) {
+        char what[16 + COLUMN_NAME_SIZE];
+        snprintf(what, sizeof what, "column %s", columns->shown[role]);
+        return pose_no_number(what, cell);
+    }
+    bool is_error = role == ROLE_ERROR_DEG || role == ROLE_ERROR_MM;
+    return is_error && *out < 0
+               ? fail(CONUS_ERROR_DATA, "column %s: %g, allowed are 0 and more", columns->shown[role], *out)
+               : CONUS_OK;
+}
+
+/* A name without its doubled marks; both halves of one in two columns, as in "LA" and "1", or "LA" and "LA1". */
+static void set_name(struct pose_name *name, struct text line, struct text cell, struct text contact)
+{
+    double number;
+    bool is_quoted = cell.size && cell.data > line.data && cell.data[-1] == '"';
+    bool begins = cell.size && contact.size >= cell.size && memcmp(contact.data, cell.data, cell.size) == 0;
+    if (contact.size && begins && !text_to_double(contact, &number)) {
+        cell = contact;
+        contact.size = 0;
+    }
+    name->text = cell;
+    if (!is_quoted && !contact.size) {
+        return;
+    }
+    size_t size = 0;
+    for (size_t i = 0; i < cell.size && size < sizeof name->own; i++) {
+        name->own[size++] = cell.data[i];
+        i += is_quoted && cell.data[i] == '"'; /* and the one behind it */
+    }
+    for (size_t i = 0; i < contact.size && size < sizeof name->own; i++) {
+        name->own[size++] = contact.data[i];
+    }
+    name->text = (struct text){name->own, size};
+}
+
+static conus_status check_quotes(const struct table_line *line)
+{
+    return !line->spoilt.data ? CONUS_OK
+           : line->is_unclosed
+               ? fail(CONUS_ERROR_DATA, "a quotation mark that is not closed in its line: \"%.*s",
+                      POSE_QUOTE(line->spoilt))
+               : fail(CONUS_ERROR_DATA, "a quotation mark inside a field: %.*s", POSE_QUOTE(line->spoilt));
+}
+
+/* Only texts may be missing at the end of a row, and only empty cells be there in excess. */
+static bool has_right_count(const struct columns *columns, const struct table_line *line)
+{
+    bool fits = line->given <= columns->count;
+    for (size_t i = line->count; fits && i < columns->count; i++) {
+        fits = columns->role_of[i] >= ROLE_NAME;
+    }
+    return fits && (line->count >= columns->count || line->count > 1);
+}
+
+static conus_status read_values(double values[ROLE_NAME], struct pose_name *name, const struct columns *columns,
+                                const struct table_line *line, struct text text)
+{
+    struct text names[2] = {{"", 0}, {"", 0}};
+    conus_status status = check_quotes(line);
+    if (!status && !has_right_count(columns, line)) {
+        status = fail(CONUS_ERROR_DATA, "%zu fields, the header has %zu", line->count, columns->count);
+    }
+    for (size_t i = 0; i < columns->count && i < line->count; i++) {
+        enum role role = columns->role_of[i];
+        struct text cell = line->cells[i];
+        if (role == ROLE_NAME || role == ROLE_CONTACT) {
+            names[role - ROLE_NAME] = cell;
+        } else if (role < ROLE_NAME && !status) {
+            status = role == ROLE_TRIGGER ? read_trigger(&values[role], cell)
+                     : role == ROLE_SPACE ? read_space(&values[role], cell)
+                                          : read_value(&values[role], columns, role, cell);
+        }
+    }
+    if (!line->spoilt.data) { /* a row with an error keeps its name */
+        set_name(name, text, names[0], names[1]);
+    }
+    return status;
+}
+
+static conus_status read_row(conus_pose_row *row, struct pose_name *name, const struct columns *columns,
+                             const struct table_line *line, struct text text, const conus_pose_options *options)
+{
+    double values[ROLE_NAME] = {[ROLE_TIME] = NAN, [ROLE_ERROR_DEG] = NAN, [ROLE_ERROR_MM] = NAN,
+                                [ROLE_NEAR] = NAN, [ROLE_FAR] = NAN,       [ROLE_SPACE] = NAN};
+    conus_status status = read_values(values, name, columns, line, text);
+    /* A row may have other signs than the table, but not another space's axes and units. */
+    double space = values[ROLE_SPACE];
+    bool is_turned = space < CONUS_SPACE_CCF && options->space < CONUS_SPACE_CCF;
+    if (!status && !isnan(space) && !is_turned && space != (double)options->space) {
+        status =
+            fail(CONUS_ERROR_DATA, "column space: \"%s\", the table is read in %s: each space needs a table of its own",
+                 conus_space_name((size_t)space), conus_space_name((size_t)options->space));
+    }
+    status = status ? status : pose_from_values(&row->pose, columns, values, options);
+    double angle = values[ROLE_ANGLE];
+    if (!status && columns->has[ROLE_ANGLE] && !isnan(angle) && !columns->is_of_points) {
+        row->angle = angle == 0 ? row->angle : radians_from_degrees(angle);
+        status = angle == 0
+                     ? fail(CONUS_ERROR_DATA, "angle: 0 degrees, allowed is more than 0 and less than 180, or n/a "
+                                              "for none")
+                     : pose_check_angle(row->angle);
+    } else if (!status && columns->is_of_points && columns->has[ROLE_ANGLE] && angle != 0) {
+        status = fail(CONUS_ERROR_DATA, "angle: %g degrees of a point, which has no direction", angle);
+    }
+    if (!status && !isnan(values[ROLE_FAR])) { /* what near alone may be depends on the range of those without */
+        status = pose_check_range((double[]){isnan(values[ROLE_NEAR]) ? 0 : values[ROLE_NEAR], values[ROLE_FAR]});
+    }
+    row->is_point = columns->is_of_points;
+    row->range[0] = values[ROLE_NEAR];
+    row->range[1] = values[ROLE_FAR];
+    row->time_s = values[ROLE_TIME];
+    row->trigger = values[ROLE_TRIGGER] != 0;
+    row->error_deg = values[ROLE_ERROR_DEG];
+    row->error_mm = values[ROLE_ERROR_MM];
+    return status;
+}
+
+static bool has_digit(struct text line)
+{
+    bool found = false;
+    for (size_t i = 0; i < line.size && !found; i++) {
+        found = line.data[i] >= '0' && line.data[i] <= '9';
+    }
+    return found;
+}
+
+/* Whether the three coordinates of a row hold nothing. */
+static bool is_without_position(const struct columns *columns, const struct table_line *line)
+{
+    size_t absent = 0;
+    for (size_t i = 0; i < columns->count && i < line->count; i++) {
+        bool is_coordinate = columns->role_of[i] < ROLE_X + 3;
+        absent += is_coordinate && (is_absent(line->cells[i]) || text_equal_ignoring_case(line->cells[i], "nan"));
+    }
+    return absent == 3 && line->count >= columns->count;
+}
+
+/* A line of a table that has no digit. Three cells of words, with blanks between them only where they are as many as a
+ * row's, are another header. */
+static enum columns_line kind_of_words(const struct columns *columns, const struct table_line *line, struct text text)
+{
+    bool is_apart = columns->table.separator != TABLE_SPACES || line->given == columns->count;
+    return sum_of(text) == columns->header_sum ? LINE_AGAIN : line->given >= 3 && is_apart ? LINE_OTHER : LINE_WORDS;
+}
+
+static enum columns_line read_table_line(conus_pose_row *row, struct pose_name *name, conus_status *bad,
+                                         const struct columns *columns, struct text text,
+                                         const conus_pose_options *options)
+{
+    struct table_line line;
+    bool fits = table_split(&line, &columns->table, text);
+    if (fits && columns->has[ROLE_X] && is_without_position(columns, &line)) {
+        return LINE_ABSENT;
+    }
+    if (!has_digit(text)) {
+        return kind_of_words(columns, &line, text);
+    }
+    for (size_t i = 0; i < columns->count && i < line.count; i++) {
+        if (columns->role_of[i] == ROLE_NAME && text_is_one_of(line.cells[i], "mean/sd/total", false)) {
+            return LINE_CLOSING;
+        }
+    }
+    if (row) {
+        *bad = fits ? read_row(row, name, columns, &line, text, options)
+                    : fail(CONUS_ERROR_DATA, "more than %d fields", TABLE_CELLS);
+    }
+    return LINE_ROW;
+}
+
+static conus_status read_bare(conus_pose_row *row, struct pose_name *name, const struct columns *columns,
+                              struct text line, const conus_pose_options *options)
+{
+    double point[3];
+    if (!read_point_anyhow(point, &name->text, &columns->table, line)) {
+        return CONUS_ERROR_DATA;
+    }
+    conus_status status = conus_frame_to_world(point, options->frame, point);
+    row->is_point = true;
+    return status ? status : pose_of_point(&row->pose, point);
+}
+
+enum columns_line columns_read(conus_pose_row *row, struct pose_name *name, conus_status *bad,
+                               const struct columns *columns, struct text line, size_t number,
+                               const conus_pose_options *options)
+{
+    struct text inside;
+    if (number <= columns->head_lines || table_is_blank(line) || table_is_comment(&inside, line)) {
+        return LINE_NOTHING;
+    }
+    bool is_text = !memchr(line.data, '\0', line.size) && text_is_utf8(line);
+    if (!is_text && row) {
+        *bad = fail(CONUS_ERROR_DATA, memchr(line.data, '\0', line.size) ? "a zero byte: not text" : "not UTF-8 text");
+    }
+    if (!is_text) {
+        return LINE_ROW;
+    }
+    if (columns->has_header) {
+        return read_table_line(row, name, bad, columns, line, options);
+    }
+    if (!has_digit(line)) {
+        return LINE_WORDS;
+    }
+    if (row) {
+        *bad = read_bare(row, name, columns, line, options);
+    }
+    return LINE_ROW;
+}
+
+bool columns_plain_matrix(conus_pose_row *row, conus_status *bad, struct text text, const conus_pose_options *options)
+{
+    const struct columns columns = {.has = {[ROLE_M00] = true}, .space = options->space, .scale = 1};
+    double values[ROLE_NAME] = {[ROLE_SPACE] = NAN};
+    struct text word;
+    size_t count = 0;
+    while (text_word(&text, &word)) {
+        if (count == MATRIX_NUMBERS || !text_to_double(word, &values[ROLE_M00 + count])) {
+            return false;
+        }
+        count++;
+    }
+    if (count != MATRIX_NUMBERS) {
+        return false;
+    }
+    *bad = pose_from_values(&row->pose, &columns, values, options);
+    return true;
+}

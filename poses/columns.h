@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Tables of points and poses: which column has which role, and the row that a line is. */
+#ifndef CONUS_POSES_COLUMNS_H
+#define CONUS_POSES_COLUMNS_H
+
+#include "base/formats/table.h"
+#include "base/notes.h"
+#include "conus/pose_file.h"
+#include "poses/rows/pose_row.h"
+
+/** What a column may be. Before ROLE_NAME they are numbers. m00 … m33 are row-major. */
+enum role {
+    ROLE_X,
+    ROLE_TX = ROLE_X + 3,
+    ROLE_DX = ROLE_TX + 3,
+    ROLE_QW = ROLE_DX + 3,
+    ROLE_QX,
+    ROLE_M00 = ROLE_QX + 3,
+    ROLE_UX = ROLE_M00 + 16,
+    ROLE_ANGLE = ROLE_UX + 3, /**< From here on a row can do without. */
+    ROLE_TIME,
+    ROLE_TRIGGER,
+    ROLE_ERROR_DEG,
+    ROLE_ERROR_MM,
+    ROLE_NEAR,
+    ROLE_FAR,
+    ROLE_SPACE,
+    ROLE_NAME,
+    ROLE_CONTACT, /**< The second half of the name. */
+    ROLES         /**< None. */
+};
+
+enum { COLUMN_NAME_SIZE = 48 };
+
+/** What is known of a table when its head was read. */
+struct columns {
+    struct table table;
+    bool has_header;
+    uint8_t role_of[TABLE_CELLS]; /**< Of each cell of a row. */
+    size_t count;                 /**< Cells of a row; 0 without a header. */
+    bool has[ROLES];
+    char shown[ROLES][COLUMN_NAME_SIZE]; /**< What the header calls it. */
+    size_t head_lines;                   /**< Lines to the end of the header. */
+    uint64_t header_sum;                 /**< Of the header's line. */
+    bool is_of_points;                   /**< It gives no direction. */
+    bool has_space;                      /**< It says itself in which space the numbers are: */
+    conus_space space;
+    double scale; /**< Units of the space per unit of positions. */
+};
+
+/** Reads the head of a text: its first lines, @p all of them or TABLE_HEAD bytes. CONUS_ERROR_DATA with what it is
+ * taken for, which roles were found in which columns, and all that is missing. Notes name the columns that have no
+ * role. *is_short: the head has no row yet. */
+conus_status columns_plan(struct columns *out, bool *is_short, struct notes *notes, struct text head,
+                          const conus_pose_options *options);
+
+/** A row's name; "" if it gives none. */
+struct pose_name {
+    struct text text; /**< Inside the line, or here: */
+    char own[POSE_ID_LIMIT + 1];
+};
+
+/** What a line is. */
+enum columns_line {
+    LINE_NOTHING, /**< Nothing, a comment, or of the head. */
+    LINE_ROW,
+    LINE_ABSENT,  /**< A row whose three coordinates are n/a. */
+    LINE_CLOSING, /**< Mean, SD, Total, N. */
+    LINE_AGAIN,   /**< The header again. */
+    LINE_WORDS,   /**< Words without a number. */
+    LINE_OTHER,   /**< The header of another table. */
+    LINE_KINDS
+};
+
+/** Says what the line is, and of a row gives @p row and @p name, with *bad set to what is wrong with it; NULL: only
+ * says what it is. */
+enum columns_line columns_read(conus_pose_row *row, struct pose_name *name, conus_status *bad,
+                               const struct columns *columns, struct text line, size_t number,
+                               const conus_pose_options *options);
+
+/** Whether @p text is sixteen numbers and nothing else: then @p row or its error (in *bad) is the pose they are. */
+bool columns_plain_matrix(conus_pose_row *row, conus_status *bad, struct text text, const conus_pose_options *options);
+
+#endif

@@ -1,0 +1,252 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Which columns of a table are what: points and poses by every header, and what is refused. */
+#include "base/geometry/math3.h"
+#include "conus/pose_file.h"
+#include "pose_checks.h"
+#include "poses/columns.h"
+#include "poses/pose_stream.h"
+#include "test.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double point[3] = {-42, -20, 50};
+
+/* Each is the one point -42, -20, 50, called as it says. */
+static void points_by_their_headers(void **state)
+{
+    (void)state;
+    static const char *const cases[][2] = {
+        {"name,x,y,z\nA,-42,-20,50\n", "A"},
+        {"label,x,y,z\nA,-42,-20,50\n", "A"},
+        {"X,Y,Z\n-42,-20,50\n", "1"},
+        {"Channel,MNI_X,MNI_Y,MNI_Z\nA,-42,-20,50\n", "A"},
+        {"Channel,mniX,mniY,mniZ,note\nA,-42,-20,50,n\n", "A"},
+        {"Electrode,Contact,x,y,z\nA,1,-42,-20,50\n", "A1"},
+        {"Electrode,Contact,x,y,z\nA,A1,-42,-20,50\n", "A1"},
+        {"Electrode,Contact,x,y,z\nA,tip,-42,-20,50\n", "Atip"},
+        {"X (mm)\tY (mm)\tZ (mm)\n-42\t-20\t50\n", "1"},
+        {"x [cm];y [cm];z [cm]\n-4,2;-2,0;5,0\n", "1"},
+        {"x2 y2 z2\n-42 -20 50\n", "1"},
+        {"coord_x,coord_y,coord_z\n-42,-20,50\n", "1"},
+        {"x,y,z,vox_x,vox_y,vox_z,tal_x,tal_y,tal_z\n-42,-20,50,1,2,3,4,5,6\n", "1"},
+        {"x,y,z,mni_x,mni_y,mni_z\n1,2,3,-42,-20,50\n", "1"},
+        {"a_x,a_y,a_z,mni_x,mni_y,mni_z\n1,2,3,-42,-20,50\n", "1"},
+        {"COG X,COG Y,COG Z,Peak X,Peak Y,Peak Z\n1,2,3,-42,-20,50\n", "1"},
+        {"Cluster Index\tVoxels\tMAX\tMAX X (mm)\tMAX Y (mm)\tMAX Z (mm)\tCOG X (mm)\tCOG Y (mm)\tCOG Z (mm)\n"
+         "4\t812\t7.9\t-42\t-20\t50\t1\t2\t3\n",
+         "4"},
+        {",Cluster ID,X,Y,Z,Peak Stat\n0,7,-42,-20,50,5\n", "7"},
+        {"\"x\" \"y\" \"z\"\n\"A\" -42 -20 50\n", "A"}, /* R's write.table() */
+        {"R,A,S\n-42,-20,50\n", "1"},
+        {"L P S\n42 20 50\n", "1"},
+        {"r,L,P,S\n0.5,42,20,50\n", "1"},
+        {"Z,x,y,z\n3.1,-42,-20,50\n", "1"}, /* a statistic Z */
+        {"entry_x,entry_y,entry_z\n-42,-20,50\n", "1"},
+        {"x,y,z,x_sd,y_sd,z_sd\n-42,-20,50,1,1,1\n", "1"},
+        {"x,y,z,angle\n-42,-20,50,0\n", "1"},
+        {"what,x,y,z\nA,-42,-20,50\nB,1,2,3\n", "A"},
+        {"what,x,y,z\nA,-42,-20,50\nA,1,2,3\n", "1"},
+        {"List of peaks\n\n# made by hand\nname x y z\n---- -- -- --\nA -42 -20 50\n", "A"},
+        {"% name  x  y  z\nA  -42  -20  50\n", "A"},
+        {"|name|x|y|z|\n|---|--:|--:|--:|\n|A|\xe2\x88\x92"
+         "42|\xe2\x88\x92"
+         "20|50|\n",
+         "A"},
+        {"Name;X;Y;Z;;\r\n\"A;B\";-42,0;-20,0;50,0;;\r\n;;;;;\r\n", "A;B"},
+        {"-42,-20,50,hand knob\n", "hand knob"},
+        {"-42 -20 50 hand knob\n", "hand knob"},
+        {"hand knob -42 -20 50\n", "hand knob"},
+        {"A,-42,-20,50\n", "A"},
+        {"A;-42,0;-20,0;50,0\n", "A"},
+        {"A\t-42\t-20\t50\t\n", "A"},
+        {"-42,0 -20,0 50,0\n", "1"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_pose_list *list = NULL;
+        if (pose_list_parse(&list, text_from(cases[i][0]), NULL)) {
+            fail_msg("case %zu: %s", i, conus_message());
+        }
+        const conus_pose_row *row = conus_pose_list_row(list, 0);
+        bool fits = row && !row->error && row->is_point && strcmp(row->id, cases[i][1]) == 0;
+        for (int a = 0; a < 3 && fits; a++) {
+            fits = fabs(row->pose.world_from_device[12 + a] - point[a]) < 1e-9;
+        }
+        if (!fits) {
+            fail_msg("case %zu: %s", i, !row ? "no row" : row->error ? row->error : row->id);
+        }
+        conus_pose_list_destroy(list);
+    }
+}
+
+/* Each looks from -42, -20, 50 along +y. */
+static void poses_by_their_headers(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {
+        "entry_x,entry_y,entry_z,target_x,target_y,target_z\n-42,-20,50,-42,9,50\n",
+        "x,y,z,target_x,target_y,target_z\n-42,-20,50,-42,9,50\n",
+        "From X\tFrom Y\tFrom Z\tTo X\tTo Y\tTo Z\n-42\t-20\t50\t-42\t9\t50\n",
+        "coil_x,coil_y,coil_z,dir_x,dir_y,dir_z\n-42,-20,50,0,2,0\n",
+        "x_mm,y_mm,z_mm,dx,dy,dz,nx,ny,nz,roll\n-42,-20,50,0,1,0,1,0,0,7\n",
+        "tx,ty,tz,qw,qx,qy,qz\n-42,-20,50,0.70710678,0.70710678,0,0\n",
+        "start_x,start_y,start_z,tip_x,tip_y,tip_z,ux,uy,uz\n-42,-20,50,-42,9,50,0,0,1\n",
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        conus_pose_list *list = pose_text_parse(text_from(texts[i]), NULL);
+        const conus_pose_row *row = pose_row_of(list, 0, "1");
+        assert_null(row->error);
+        assert_false(row->is_point);
+        assert_row_at(row, point[0], point[1], point[2]);
+        assert_near(-row->pose.world_from_device[9], 1, 1e-7);
+        conus_pose_list_destroy(list);
+    }
+}
+
+static void what_can_be_read_in_two_ways_is_refused(void **state)
+{
+    (void)state;
+    static const char *const cases[][2] = {
+        {"1 -42 -20 50\n", "\"x y z value\" or \"row x y z\""},
+        {"-42 -20 50 6.3\n", "4 numbers in a line"},
+        {"1,-42,-20,50\n2,-40,-20,50\n", "\"x,y,z,value\" or \"row,x,y,z\""},
+        {"seed 3 30 -19 -26\n", "in \"seed 3 30 -19 -26\" the point is in the first three"},
+        {"-42,5,12,0,30,1\n", "6 numbers in a line"},
+        {"-42,5, 12, 30\n", "4 numbers in a line"},
+        {"x;y;z\n-1,250;2,500;3,100\n", "1,250 may be 1250 or 1.25"},
+        {"nx,ny,nz\n0,0,1\n", "nx ny nz may be something else"},
+        {"focus_x,focus_y,focus_z\n0,0,1\n", "focus_x focus_y focus_z may be something else"},
+        {"x,y,z,nx,ny,nz\n1,2,3,0,0,1\n", "nx ny nz beside x y z"},
+        {"x,y,z,handle_x,handle_y,handle_z\n1,2,3,0,0,1\n", "handle_x handle_y handle_z beside x y z"},
+        {"x,y,z,a_x,a_y,a_z\n1,2,3,0,0,1\n", "a_x a_y a_z beside x y z"},
+        {"mni_x,mni_y,mni_z,normal_x,normal_y,normal_z\n1,2,3,0,0,1\n", "normal_x normal_y normal_z beside"},
+        {"x,y,z,yaw\n1,2,3,4\n", "column \"yaw\" beside x y z"},
+        {"x,y,z,phi,theta\n1,2,3,4,5\n", "column \"phi\" beside x y z"},
+        {"x,y,z,angle\n1,2,3,4\n", "the opening of a cone, which needs a direction"},
+        {"x,y,z,near,far\n1,2,3,4,5\n", "near and far are depths along a direction"},
+        {"x,y,z,ux,uy,uz\n1,2,3,4,5,6\n", "ux uy uz go with"},
+        {"x1,y1,z1,x2,y2,z2\n1,2,3,4,5,6\n", "positions in x1 y1 z1 or in x2 y2 z2"},
+        {"x,y,z,x,y,z\n1,2,3,4,5,6\n", "column \"x\" twice"},
+        {"x,y,z,entry_x,entry_y,entry_z\n1,2,3,4,5,6\n", "entry_x entry_y entry_z beside x y z"},
+        {"tal_x,tal_y,tal_z\n1,2,3\n", "tal_x tal_y tal_z may be something else"},
+        {"x (mm),y (cm),z (mm)\n1,2,3\n", "two units"},
+        {"ap,ml,dv\n1,2,3\n", "ap, dv and ml are read in space ccf or bregma"},
+        {"x,y,a\n1,2,3\n", "only some of the columns x y z: x y, without z"},
+        {"a,b,c\nd,e,f\n", "x y z are needed"},
+        {"name,x,y,z\nA,1,2,3\nregion,size,t\nB,4,5,6\n", "words again, as above a second table"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_pose_list *list = NULL;
+        conus_status status = pose_list_parse(&list, text_from(cases[i][0]), NULL);
+        if (status != CONUS_ERROR_DATA || !strstr(conus_message(), cases[i][1])) {
+            fail_msg("case %zu: %s", i, status ? conus_message() : "read");
+        }
+    }
+}
+
+/* Rows that are none, and lines of words, are passed over with a note each, and are not counted. */
+static void lines_that_are_no_rows(void **state)
+{
+    (void)state;
+    static const char text[] = "name,x,y,z\nA,1,2,3\nB,n/a,n/a,n/a\n# a comment, 1, 2, 3\nname,x,y,z\nC,4,5\nclosing\n"
+                               "D,n/a,5,6\nMean,1,2,3\nE,7,8,9\n";
+    conus_pose_list *list = pose_text_parse(text_from(text), NULL);
+    assert_int_equal(conus_pose_list_count(list), 4);
+    assert_row_at(pose_row_of(list, 0, "A"), 1, 2, 3);
+    assert_row_fails(list, 1, "C", "3 fields, the header has 4");
+    assert_row_fails(list, 2, "D", "column x: \"n/a\"");
+    assert_row_at(pose_row_of(list, 3, "E"), 7, 8, 9);
+    assert_true(pose_has_note(list, "1 rows without coordinates (n/a) passed over, the first in line 3"));
+    assert_true(pose_has_note(list, "1 lines that are the header again passed over, the first in line 5"));
+    assert_true(pose_has_note(list, "1 lines without a number passed over, the first in line 7"));
+    assert_true(pose_has_note(list, "1 rows called mean, SD or total passed over, the first in line 9"));
+    conus_pose_list_destroy(list);
+    conus_pose_stream *stream = NULL;
+    uint64_t count = 0;
+    assert_ok(pose_stream_parse(&stream, text_from(text), NULL));
+    assert_true(conus_pose_stream_has_points(stream));
+    assert_ok(conus_pose_stream_count(&count, stream));
+    assert_int_equal(count, 4);
+    conus_pose_stream_destroy(stream);
+}
+
+/* A text that is cut off is refused, or gives the first of its rows, the last one perhaps with an error. */
+static void every_prefix_is_refused_or_shorter(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {
+        "Peaks\n# of 2\nName;MNI_X (mm);MNI_Y (mm);MNI_Z "
+        "(mm);Tal_X\n\"a;b\";-1,5;2,5;3,25;7\n\nb;n/a;n/a;n/a\nc;1;2;3;4\n",
+        "\xff\xfeN\0\t\0x\0\t\0y\0\t\0z\0\r\0\n\0\xfc\0\t\0\x12\x22\x31\0\t\0\x32\0\t\0\x33\0\n\0",
+        "|name|x|y|z|tx|ty|tz|\n|---|\n|a|1|2|3|4|5|6|\n"};
+    static const size_t sizes[] = {0, 57, 0};
+    for (size_t k = 0; k < sizeof texts / sizeof texts[0]; k++) {
+        size_t whole = sizes[k] ? sizes[k] : strlen(texts[k]);
+        for (size_t size = 0; size <= whole; size++) {
+            conus_pose_list *list = NULL;
+            char *exact = malloc(size + !size); /* so that a sanitizer notices one byte too many */
+            memcpy(exact, texts[k], size);
+            (void)!pose_list_parse(&list, (struct text){exact, size}, NULL);
+            assert_true(conus_pose_list_count(list) <= 2);
+            conus_pose_list_destroy(list);
+            free(exact);
+        }
+    }
+}
+
+/* As Excel writes "Unicode text", and Windows-1252. */
+static void other_encodings_are_read(void **state)
+{
+    (void)state;
+    static const char wide[] = "\xff\xfeN\0a\0m\0e\0\t\0x\0\t\0y\0\t\0z\0\r\0\n\0"
+                               "\xfc\0\x3d\xd8\0\xde\t\0\x12\x22\x31\0\t\0\x32\0\t\0\x33\0\r\0\n";
+    conus_pose_list *list = NULL;
+    assert_ok(pose_list_parse(&list, (struct text){wide, sizeof wide}, NULL));
+    assert_row_at(pose_row_of(list, 0, "\xc3\xbc\xf0\x9f\x98\x80"), -1, 2, 3);
+    conus_pose_list_destroy(list);
+    list = pose_text_parse(text_from("Name;X;Y;Z\nGr\xf6\xdf"
+                                     "e;1;\x96"
+                                     "2;3\xa0\n"),
+                           NULL);
+    assert_row_at(pose_row_of(list, 0,
+                              "Gr\xc3\xb6\xc3\x9f"
+                              "e"),
+                  1, -2, 3);
+    assert_true(pose_has_note(list, "read as Windows-1252"));
+    conus_pose_list_destroy(list);
+}
+
+static conus_status parse_table(void *data)
+{
+    conus_pose_list *list = NULL;
+    conus_status status = pose_list_parse(&list, text_from(data), NULL);
+    conus_pose_list_destroy(list);
+    return status;
+}
+
+static void every_failing_allocation_is_clean(void **state)
+{
+    (void)state;
+    char good[] = "Electrode,Contact,MNI_X,MNI_Y,MNI_Z,note\nGr\xf6\xdf"
+                  "e,1,1,2,3,n\nB,2,n/a,n/a,n/a,n\nwords\n";
+    char bad[] = "x,y,z,nx,ny,nz,yaw,x\n1,2,3,4,5,6,7,8\n";
+    char wide[] = "\xfe\xff";
+    test_every_allocation(parse_table, good);
+    assert_int_equal(parse_table(bad), CONUS_ERROR_DATA);
+    assert_int_equal(parse_table(wide), CONUS_ERROR_DATA);
+}
+
+TEST_GROUP(columns)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(points_by_their_headers),
+        cmocka_unit_test(poses_by_their_headers),
+        cmocka_unit_test(what_can_be_read_in_two_ways_is_refused),
+        cmocka_unit_test(lines_that_are_no_rows),
+        cmocka_unit_test(every_prefix_is_refused_or_shorter),
+        cmocka_unit_test(other_encodings_are_read),
+        cmocka_unit_test(every_failing_allocation_is_clean),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
