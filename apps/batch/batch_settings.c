@@ -121,6 +121,7 @@ const struct option_group batch_groups[] = {
     {"", context_options, offsetof(struct batch_settings, context)},
     {"", more_atlas_options, offsetof(struct batch_settings, atlas)},
     {"What is written", output_options, 0},
+    {"", keep_options, offsetof(struct batch_settings, keep)},
     {"", axis_options, offsetof(struct batch_settings, axis)},
     {"How it runs", run_options, 0},
     {"", quiet_options, offsetof(struct batch_settings, common)},

@@ -34,6 +34,9 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
     if (settings->summary && format_is_foreign(*format)) {
         return refuse("--summary: formats of other programs have no summary; tsv, csv and ndjson have one");
     }
+    if (settings->keep.columns && format_is_foreign(*format)) {
+        return refuse("--keep: formats of other programs have no place for it; tsv, csv and ndjson have");
+    }
     if (settings->probe.path && format_is_foreign(*format)) {
         return refuse("--format: of many probes tsv, csv and ndjson hold the contacts; conus query --probe writes the "
                       "others");
@@ -52,7 +55,8 @@ int batch_task_init(struct batch_task *out, const struct batch_settings *setting
     if (!check_settings(&out->format, settings, arguments)) {
         return EXIT_USAGE;
     }
-    int code = settings_contacts(&out->contacts, settings->axis.contacts);
+    int code = keep_settings_names(&out->kept, &settings->keep);
+    code = code ? code : settings_contacts(&out->contacts, settings->axis.contacts);
     code = code ? code : settings_within(&out->within, arguments);
     if (code) {
         return code;
@@ -75,7 +79,9 @@ int batch_task_init(struct batch_task *out, const struct batch_settings *setting
 static int open_poses(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
-    const conus_pose_options options = pose_settings_options(&settings->file, &task->frame, settings->atlas.max_memory);
+    conus_pose_options options = pose_settings_options(&settings->file, &task->frame, settings->atlas.max_memory);
+    options.keep = task->marks.names = task->kept.at;
+    options.keep_count = task->marks.count = task->kept.count;
     int code = batch_shard(&task->shard, settings);
     if (code) {
         return code;
@@ -272,8 +278,10 @@ static int identify(struct batch_task *task)
     const char *first = has_file_name ? conus_atlas_file(atlas, 0) : NULL;
     const char *sidecar = NULL;
     size_t size = 0;
-    char angle[256], reading[64], probe_hash[65] = "";
-    int length = snprintf(angle, sizeof angle, "%.17g%s", settings->aim.angle, task->marks.has_number ? " marked" : "");
+    char angle[256 + KEPT_SIZE], reading[64], probe_hash[65] = "";
+    int length =
+        snprintf(angle, sizeof angle, "%.17g%s%s", settings->aim.angle, task->marks.has_number ? " marked" : "",
+                 settings->keep.columns ? settings->keep.columns : "");
     if (task->probe) {
         int failed = provenance_hash_file(probe_hash, settings->probe.path);
         if (failed) {

@@ -25,6 +25,7 @@ struct query_settings {
     struct ends_settings ends;
     double point[3];
     struct probe_settings probe;
+    struct keep_settings keep;
     const char *probes;
     const char *coordsystem;
 };
@@ -86,6 +87,7 @@ static const struct option_group groups[] = {
     REQUEST_MORE_ATLASES,
     {"What is written", query_format_options, REQUEST_FIELD(answer)},
     {"", answer_output_options, REQUEST_FIELD(answer)},
+    {"", keep_options, offsetof(struct query_settings, keep)},
     {"", axis_options, offsetof(struct query_settings, axis)},
     {"", endpoints_options, offsetof(struct query_settings, ends)},
     {"", connectivity_options, offsetof(struct query_settings, ends)},
@@ -117,6 +119,7 @@ struct query_run {
     struct ends ends;
     conus_contacts contacts;
     conus_probe *probe;
+    struct kept_names kept;
     conus_pose_list *insertions; /* the poses of a file that say where the probes are; NULL = those of options */
     bool has_points, has_cones;  /* poses without a direction were asked, and with one */
     bool has_shanks;             /* answers along the axes of cones were asked */
@@ -140,6 +143,9 @@ static bool check_format(const struct request *request, const struct query_setti
                           : NULL;
     if (why) {
         return refuse("%s", why);
+    }
+    if (format_is_foreign(format) && settings->keep.columns) {
+        return refuse("--keep: formats of other programs have no place for it; table, tsv, csv, json and ndjson have");
     }
     bool of_contacts =
         format == CONUS_FORMAT_BIDS || (format_is_of_probe(format) && option_given(request->arguments, "point"));
@@ -695,6 +701,8 @@ static int run_query(const void *given, const struct arguments *arguments)
     }
     struct query_run run = {.settings = settings};
     int code = request_init(&run.request, &settings->request, arguments);
+    code = code ? code : keep_settings_names(&run.kept, &settings->keep);
+    run.request.kept = &run.kept;
     code = code ? code : start_outputs(&run);
     code = code ? code : answer_query(&run);
     selection_files_finish(&run.files);

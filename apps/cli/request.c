@@ -93,7 +93,11 @@ conus_pose_options request_pose_options(const struct request *request)
 int request_load_poses(struct request *request)
 {
     const char *path = request->settings->aim.pose;
-    const conus_pose_options options = request_pose_options(request);
+    conus_pose_options options = request_pose_options(request);
+    if (request->kept) {
+        options.keep = request->marks.names = request->kept->at;
+        options.keep_count = request->marks.count = request->kept->count;
+    }
     conus_status status = path ? conus_pose_list_load(&request->poses, path, &options) : CONUS_OK;
     return status ? pose_settings_print_error(status, path, "pose", request->arguments) : EXIT_DONE;
 }
@@ -223,6 +227,7 @@ void request_mark(struct request *request, size_t index, const conus_pose_row *r
 {
     request->marks.number = index + 1;
     request->marks.time_s = row->time_s;
+    request->marks.texts = row->kept;
 }
 
 int request_each_row(struct request *request, int (*answer)(void *user, const conus_pose_row *row), void *user)

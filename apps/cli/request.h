@@ -73,17 +73,18 @@ struct request {
     char *sidecar;          /**< Path; NULL if there is none to write. */
     struct outputs outputs; /**< All files that are written. */
     struct atlases atlases;
-    conus_frame frame;          /**< The space of positions, once the atlases are loaded. */
-    struct answerer *answerers; /**< [atlases.count] */
-    const char *rows_of;        /**< The file of the rows that are answered; NULL = that of the poses. */
-    conus_pose_list *poses;     /**< All poses of a file that is read whole, else NULL. */
-    conus_pose_stream *stream;  /**< A file whose poses are read one after the other, else NULL, */
-    size_t notes_said;          /**< and how many of its notes were said. */
-    conus_row_marks marks;      /**< What tells the rows of answers to a list apart. */
-    bool failed;                /**< Some poses had no answer. */
-    struct progress progress;   /**< Counts poses of a file, or their steps. */
-    size_t steps;               /**< Steps of a pose; 0 = 1. */
-    size_t row;                 /**< The pose that is being answered, from 0. */
+    conus_frame frame;             /**< The space of positions, once the atlases are loaded. */
+    struct answerer *answerers;    /**< [atlases.count] */
+    const char *rows_of;           /**< The file of the rows that are answered; NULL = that of the poses. */
+    conus_pose_list *poses;        /**< All poses of a file that is read whole, else NULL. */
+    conus_pose_stream *stream;     /**< A file whose poses are read one after the other, else NULL, */
+    size_t notes_said;             /**< and how many of its notes were said. */
+    conus_row_marks marks;         /**< What tells the rows of answers to a list apart. */
+    const struct kept_names *kept; /**< Columns of the file of poses that are kept; NULL = none. */
+    bool failed;                   /**< Some poses had no answer. */
+    struct progress progress;      /**< Counts poses of a file, or their steps. */
+    size_t steps;                  /**< Steps of a pose; 0 = 1. */
+    size_t row;                    /**< The pose that is being answered, from 0. */
 };
 
 /** Whether --slices, --score, --context, --angle and --radius fit together; prints an error if not. */

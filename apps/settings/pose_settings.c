@@ -41,6 +41,43 @@ const struct option pose_file_options[] = {
     {0},
 };
 
+const struct option keep_options[] = {
+    {.name = "keep",
+     OPTION_AT(struct keep_settings, columns),
+     .value = "COLUMN,...",
+     .help =
+         "give the rows of the answer these columns of the table of poses, by their names in its header, as they are",
+     .words = "group, subject, condition, copy",
+     .role = OPTION_ASKS,
+     .needs = "pose|poses|jobs"},
+    {0},
+};
+
+int keep_settings_names(struct kept_names *out, const struct keep_settings *settings)
+{
+    *out = (struct kept_names){0};
+    if (!settings->columns) {
+        return EXIT_DONE;
+    }
+    if (strlen(settings->columns) >= sizeof out->text) {
+        return print_usage_error("--keep: the names are longer than %d bytes", KEPT_SIZE - 1);
+    }
+    snprintf(out->text, sizeof out->text, "%s", settings->columns);
+    for (char *name = out->text, *next; name; name = next) {
+        next = strchr(name, ',');
+        if (next) {
+            *next++ = '\0';
+        }
+        if (!*name || out->count == KEPT_COLUMNS) {
+            return print_usage_error("--keep: %s", *name ? "more than 64 columns"
+                                                         : "a name is empty: COLUMN,COLUMN is "
+                                                           "wanted");
+        }
+        out->at[out->count++] = name;
+    }
+    return EXIT_DONE;
+}
+
 const struct option probe_settings_options[] = {
     {.name = "probe",
      OPTION_AT(struct probe_settings, path),

@@ -13,6 +13,25 @@ struct pose_file_settings {
     bool any_space;
 };
 
+enum { KEPT_COLUMNS = 64, KEPT_SIZE = 4096 };
+
+/** Columns of the file whose texts the answer has. */
+struct keep_settings {
+    const char *columns; /* "group,site"; NULL = none */
+};
+
+extern const struct option keep_options[]; /**< keep_settings */
+
+/** Their names. */
+struct kept_names {
+    const char *at[KEPT_COLUMNS];
+    size_t count;
+    char text[KEPT_SIZE];
+};
+
+/** Splits --keep. Returns the exit code and prints an error unless it is 0. */
+int keep_settings_names(struct kept_names *out, const struct keep_settings *settings);
+
 extern const struct option pose_file_options[]; /**< pose_file_settings */
 
 /** A probe whose contacts are asked instead of a cone. */

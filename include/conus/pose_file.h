@@ -76,6 +76,9 @@ typedef struct conus_pose_options {
     const conus_frame *frame; /**< Where the space of the numbers in the file lies, instead of @p space; copied. NULL =
                                  @p space, which then is #CONUS_SPACE_RAS or #CONUS_SPACE_LPS. In #CONUS_SPACE_CCF and
                                  #CONUS_SPACE_BREGMA a file has no rotations. */
+    const char *const *keep;  /**< [keep_count] Names of columns of a table whose texts are in conus_pose_row.kept. They
+                                 must live until the file is opened. */
+    size_t keep_count;        /**< How many, up to 64; 0 = none. Another format than a table with a header has none. */
 } conus_pose_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -98,6 +101,8 @@ typedef struct conus_pose_row {
     uint64_t entry;    /**< Number of the entry, from 1, with conus_candidates_open(); 0 in a file's row. */
     uint64_t target;   /**< Likewise of the target; 0 without one. */
     double normal[3];  /**< Outward at the entry, world, of length 1; NaN where it has none. */
+    const char *const *kept; /**< [conus_pose_options.keep_count] Texts of the columns that are kept, "" of an empty
+                                cell; NULL without them, and in some rows with an error. */
 } conus_pose_row;
 
 /** @name Streams

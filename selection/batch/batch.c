@@ -26,9 +26,12 @@ struct block {
         const conus_probe_contact *contact; /* NULL = it is none */
         uint64_t number;                    /* of the row in the stream, from 1 */
         double time_s;
-    } * words; /* [capacity] */
+        size_t kept;   /* where its texts that are kept begin, one behind the other, */
+        bool has_kept; /* if there are some */
+    } * words;         /* [capacity] */
     size_t count, capacity;
     size_t rows;           /* of the stream: as many as poses, or fewer that place a probe each */
+    size_t kept_count;     /* texts of a row that are kept */
     uint64_t first;        /* number of the first one in the stream, from 0 */
     struct buffer strings; /* with a NUL behind each */
     struct buffer text;    /* the rows */
@@ -47,6 +50,7 @@ struct conus_batch {
     conus_batch_options options; /* defaults filled in */
     conus_frame frame;           /* that of options.report, where it has one */
     conus_row_marks *marks;      /* [threads] those of options.report, for each thread; NULL = none */
+    const char **texts;          /* [threads * the marks' count] their texts */
     struct batch_atlas *atlases; /* [atlas_count] */
     size_t atlas_count, atlas_capacity;
     struct block *blocks; /* [block_count], the slots of the ring */
@@ -138,10 +142,12 @@ conus_status conus_batch_create(conus_batch **out, conus_selector *selector, con
     }
     if (filled.report.marks) {
         batch->marks = memory_raw(filled.threads, sizeof *batch->marks);
-        status = batch->marks ? CONUS_OK : CONUS_ERROR_MEMORY;
+        batch->texts = memory_zeroed(filled.threads * filled.report.marks->count, sizeof *batch->texts);
+        status = batch->marks && batch->texts ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
-    for (size_t i = 0; i < filled.threads && batch->marks; i++) {
+    for (size_t i = 0; i < filled.threads && batch->marks && batch->texts; i++) {
         batch->marks[i] = *filled.report.marks;
+        batch->marks[i].texts = batch->texts + i * batch->marks[i].count;
     }
     batch->block_count = ring_slots(filled.threads);
     batch->blocks = memory_zeroed(batch->block_count, sizeof *batch->blocks);
@@ -150,7 +156,8 @@ conus_status conus_batch_create(conus_batch **out, conus_selector *selector, con
         struct block *block = &batch->blocks[i];
         *block = (struct block){.poses = memory_raw(filled.block, sizeof *block->poses),
                                 .words = memory_raw(filled.block, sizeof *block->words),
-                                .capacity = filled.block};
+                                .capacity = filled.block,
+                                .kept_count = filled.report.marks ? filled.report.marks->count : 0};
         status = block->poses && block->words ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
     if (!status) {
@@ -190,6 +197,7 @@ void conus_batch_destroy(conus_batch *batch)
     memory_free(batch->atlases);
     memory_free(batch->blocks);
     memory_free(batch->marks);
+    memory_free((void *)batch->texts);
     buffer_finish(&batch->header);
     memory_free(batch);
 }
@@ -244,6 +252,11 @@ static struct pose_words *add_pose(struct block *block, const conus_pose_row *ro
     block->poses[block->count++] = pose;
     *words = (struct pose_words){.number = block->first + block->rows, .time_s = row->time_s};
     words->id = keep_string(block, row->id);
+    words->has_kept = row->kept;
+    words->kept = block->strings.size;
+    for (size_t i = 0; row->kept && i < block->kept_count; i++) {
+        keep_string(block, row->kept[i]);
+    }
     return words;
 }
 
@@ -352,6 +365,12 @@ static void mark(const struct writing *writing, size_t index)
     if (writing->marks) {
         writing->marks->number = words->number;
         writing->marks->time_s = words->time_s;
+        const char *text = writing->block->strings.data + words->kept;
+        const char **texts = (const char **)writing->marks->texts;
+        for (size_t i = 0; i < writing->marks->count; i++) {
+            texts[i] = words->has_kept ? text : NULL;
+            text += words->has_kept ? strlen(text) + 1 : 0;
+        }
     }
     if (report->options.probe) { /* a row without an answer has none, and needs none */
         report->contact = words->contact ? words->contact : conus_probe_at(report->options.probe, 0);

@@ -645,6 +645,39 @@ pipe_in() {
     run -0 conus verify repeat.out.tsv
 }
 
+@test "--keep carries the texts of columns to the rows, in every format, and is verified" {
+    sphere --size 32 --spacing 2,2,2
+    printf 'name,Group,note,x,y,z,tx,ty,tz\nM1,patient,"says ""hi"", then",0,0,90,0,0,0\nM2,,b,0,90,0,0,0,0\nM3,control,c,0,0,q,0,0,0\n' >kept.csv
+    run -1 conus batch sphere.nii.gz --poses kept.csv -q --summary --keep group,note -o rows.csv
+    cut -d, -f 1,14- rows.csv | tr -d '\r' | sed 's/M3,control/control/' | diff - <(printf '%s\n' 'query,group,note' \
+        'M1,patient,"says ""hi"", then"' 'M2,n/a,b' 'control,c')
+    [ "$(jq -r '.Kept | keys | join(",")' rows.json)" = group,note ]
+    run -0 conus verify rows.csv
+    local format
+    for format in tsv csv ndjson; do
+        run -1 conus query sphere.nii.gz --pose kept.csv -q --keep note,group --format $format --force -o one.$format
+        run -1 conus batch sphere.nii.gz --poses kept.csv -q --keep note,group --format $format --force -o two.$format
+        cmp one.$format two.$format
+    done
+    run -1 --separate-stderr conus query sphere.nii.gz --pose kept.csv -q --keep group
+    grep -q '^query M1 (group patient): cone' <<<"$output"
+    for i in 0 1 2; do run conus batch sphere.nii.gz --poses kept.csv -q --summary --keep group,note --shard $i/3 -o part.$i.csv; done
+    run -0 conus merge part.0.csv part.1.csv part.2.csv -o merged.csv
+    cmp merged.csv rows.csv
+    # A column that is kept is not passed over.
+    run -1 --separate-stderr conus query sphere.nii.gz --pose kept.csv --format tsv
+    [[ "$stderr" == *'columns passed over: "Group", "note"'* ]]
+    run -1 --separate-stderr conus query sphere.nii.gz --pose kept.csv --format tsv --keep note
+    [[ "$stderr" == *'columns passed over: "Group"'$'\n'* ]]
+    fails 3 'keep: no column is called "grup"; columns found: "name", "Group"' batch sphere.nii.gz --poses kept.csv --keep grup -q
+    fails 2 'a column "name" cannot be kept' batch sphere.nii.gz --poses kept.csv --keep note,name -q
+    fails 2 'cannot be kept: the answer has one itself, or it is named twice' query sphere.nii.gz --pose kept.csv --keep note,note -q
+    fails 2 'a name is empty' query sphere.nii.gz --pose kept.csv --keep note, -q
+    fails 2 'no place for it' query sphere.nii.gz --pose kept.csv --keep note --format afni -q
+    printf '0 0 0 a\n' >points.txt
+    fails 3 'only a table with a header has columns to be kept' batch sphere.nii.gz --poses points.txt --radius 1 --keep a -q
+}
+
 @test "times are in every row, with the row number; a pipe that names its rows has the number, too" {
     sphere --size 16
     printf 'x,y,z,tx,ty,tz,time_s\n0,0,90,0,0,0,0.5\n0,0,90,0,0,1,n/a\n' >timed.csv
