@@ -7,6 +7,7 @@
 #include "settings/notes.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 
 const struct option request_level_options[] = {
@@ -226,7 +227,7 @@ void request_show_step(struct request *request, size_t done)
 void request_mark(struct request *request, size_t index, const conus_pose_row *row)
 {
     request->marks.number = index + 1;
-    request->marks.time_s = row->time_s;
+    request->marks.time_s = row->error ? NAN : row->time_s;
     request->marks.texts = row->kept;
 }
 

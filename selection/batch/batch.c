@@ -250,7 +250,7 @@ static struct pose_words *add_pose(struct block *block, const conus_pose_row *ro
 {
     struct pose_words *words = &block->words[block->count];
     block->poses[block->count++] = pose;
-    *words = (struct pose_words){.number = block->first + block->rows, .time_s = row->time_s};
+    *words = (struct pose_words){.number = block->first + block->rows, .time_s = row->error ? NAN : row->time_s};
     words->id = keep_string(block, row->id);
     words->has_kept = row->kept;
     words->kept = block->strings.size;
