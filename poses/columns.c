@@ -659,12 +659,21 @@ static const char *column_meant(const struct columns *columns, struct text field
     return meant;
 }
 
+static bool is_kept(const struct columns *columns, size_t column)
+{
+    bool found = false;
+    for (size_t i = 0; i < columns->kept_count && !found; i++) {
+        found = columns->kept[i] == column;
+    }
+    return found;
+}
+
 /* Lists the columns, with suggestions for unknown ones; or the unknown ones only. */
 static void list_columns(struct buffer *out, const struct head *head, bool known)
 {
     size_t count = 0;
     for (size_t i = 0; i < head->line.given; i++) {
-        bool is_known = head->out->role_of[i] != ROLES;
+        bool is_known = head->out->role_of[i] != ROLES || is_kept(head->out, i);
         if ((is_known && !known) || count++ >= SHOWN) {
             continue;
         }
@@ -858,6 +867,31 @@ static void shift_roles(struct head *head)
     out->count++;
 }
 
+/* Finds the columns whose texts are kept, by their names as they stand in the header. */
+static conus_status find_kept(struct head *head)
+{
+    const conus_pose_options *options = head->options;
+    for (size_t i = 0; i < options->keep_count; i++) {
+        size_t found = 0;
+        for (size_t k = 0; k < head->line.given; k++) {
+            if (text_equal_ignoring_case(text_trim(head->line.cells[k]), options->keep[i])) {
+                head->out->kept[i] = k;
+                found++;
+            }
+        }
+        if (found != 1) {
+            buffer_format(&head->faults,
+                          "keep: %s column is called \"%.60s\"; columns found: ", found ? "more than one" : "no",
+                          options->keep[i]);
+            list_columns(&head->faults, head, true);
+            conus_status status = buffer_status(&head->faults);
+            return status ? status : fail(CONUS_ERROR_DATA, "%s", head->faults.data);
+        }
+    }
+    head->out->kept_count = options->keep_count;
+    return CONUS_OK;
+}
+
 static conus_status check_options(const struct head *head)
 {
     const struct columns *out = head->out;
@@ -1048,6 +1082,7 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
         shift_roles(head);
         status = check_options(head);
         status = status ? status : find_row_names(head, notes);
+        status = status ? status : find_kept(head);
         status = status ? status : note_unknown(notes, head);
     }
     out->scale = out->scale > 0 ? out->scale : 1;
@@ -1297,6 +1332,11 @@ static enum columns_line read_table_line(conus_pose_row *row, struct pose_name *
         if (columns->role_of[i] == ROLE_NAME && text_is_one_of(line.cells[i], "mean/sd/total", false)) {
             return LINE_CLOSING;
         }
+    }
+    for (size_t i = 0; row && i < columns->kept_count; i++) {
+        bool is_there = fits && columns->kept[i] < line.count && !line.spoilt.data;
+        struct text cell = is_there ? line.cells[columns->kept[i]] : (struct text){NULL, 0};
+        name->kept[i] = (struct kept_text){cell, cell.size && cell.data > text.data && cell.data[-1] == '"'};
     }
     if (row) {
         *bad = fits ? read_row(row, name, columns, &line, text, options)

@@ -45,7 +45,9 @@ struct columns {
     bool is_of_points;                   /**< It gives no direction. */
     bool has_space;                      /**< It says itself in which space the numbers are: */
     conus_space space;
-    double scale; /**< Units of the space per unit of positions. */
+    double scale;                 /**< Units of the space per unit of positions. */
+    size_t kept[POSE_KEPT_LIMIT]; /**< Columns whose texts are kept, in the order of the options. */
+    size_t kept_count;
 };
 
 /** Reads the head of a text: its first lines, @p all of them or TABLE_HEAD bytes. CONUS_ERROR_DATA with what it is
@@ -58,6 +60,7 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
 struct pose_name {
     struct text text; /**< Inside the line, or here: */
     char own[POSE_ID_LIMIT + 1];
+    struct kept_text kept[POSE_KEPT_LIMIT]; /**< Inside the line; text.data NULL: there is none. */
 };
 
 /** What a line is. */

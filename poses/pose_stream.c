@@ -141,10 +141,9 @@ static conus_status note_equal_names(struct notes *notes, struct row_names *name
         }
     }
     if (first) {
-        status = notes_warn(notes,
-                            "poses %zu and %zu are both called \"%.60s\"; %zu of %zu have the name of an earlier one, "
-                            "and only their order tells their answers apart",
-                            first[-1].row + 1, first->row + 1, first->name, repeated, count);
+        status =
+            notes_warn(notes, "poses %zu and %zu are both called \"%.60s\"; %zu of %zu have the name of an earlier one",
+                       first[-1].row + 1, first->row + 1, first->name, repeated, count);
     }
     memory_free(sorted);
     buffer_finish(&names->text);
@@ -398,6 +397,10 @@ static conus_status begin_text(conus_pose_stream *stream)
         return fail(CONUS_ERROR_DATA, "shafts are for electrodes (BIDS), not for %s",
                     conus_pose_format_name(stream->format));
     }
+    if (!status && stream->options.keep_count && (is_read_whole(stream) || !stream->columns.has_header)) {
+        return fail(CONUS_ERROR_DATA, "only a table with a header has columns to be kept, and not %s",
+                    conus_pose_format_name(stream->format));
+    }
     return status || !is_read_whole(stream) ? status : read_whole(stream);
 }
 
@@ -453,6 +456,10 @@ static conus_status open_path(conus_pose_stream *stream, const char *path)
 static conus_status create_stream(conus_pose_stream **out, const conus_pose_options *options)
 {
     options = options_of(conus_pose_options, options);
+    if (options->keep_count > POSE_KEPT_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "keep: %zu columns, allowed are up to %d", options->keep_count,
+                    POSE_KEPT_LIMIT);
+    }
     if ((unsigned)options->space > CONUS_SPACE_BREGMA || (unsigned)options->axis > CONUS_AXIS_MINUS_Z ||
         !conus_pose_format_name((size_t)options->format)) {
         return fail(CONUS_ERROR_ARGUMENT, "options of poses: space, axis or format is none of its names");
@@ -610,6 +617,7 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
 {
     conus_pose_row row = {0};
     struct pose_name name;
+    memset(name.kept, 0, stream->columns.kept_count * sizeof *name.kept);
     conus_status bad = CONUS_OK;
     conus_status status = next_row(&row, &name, &bad, stream->passed, stream, &stream->lines, found);
     if (status || !*found) {
@@ -618,6 +626,10 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
     char ordinal[POSE_ORDINAL_SIZE];
     const char *bad_id = pose_check_id(&name.text, ordinal, stream->taken + 1);
     status = name_row(&row, stream, name.text, bad ? conus_message() : bad_id);
+    if (!status && stream->columns.kept_count) {
+        status = pose_list_keep(&stream->block, name.kept, stream->columns.kept_count);
+        row.kept = stream->block.rows[stream->block.count - 1].kept;
+    }
     if (row.is_point) { /* for cones conus_aims_found() tells more */
         extent_add(&stream->extent, &row);
     }
@@ -764,6 +776,32 @@ bool conus_pose_stream_has_times(const conus_pose_stream *stream)
     return found;
 }
 
+static int compare_ids(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream)
+{
+    if (!is_read_whole(stream)) {
+        return !stream->columns.has_header || stream->columns.has[ROLE_NAME] || stream->columns.has[ROLE_CONTACT];
+    }
+    size_t count = stream->list.count;
+    const char **ids = memory_raw(count, sizeof *ids);
+    bool repeated = !ids;
+    for (size_t i = 0; i < count && ids; i++) {
+        ids[i] = stream->list.rows[i].id;
+    }
+    if (ids) {
+        order_sort(ids, count, sizeof *ids, compare_ids);
+    }
+    for (size_t i = 1; i < count && !repeated; i++) {
+        repeated = strcmp(ids[i - 1], ids[i]) == 0;
+    }
+    memory_free((void *)ids);
+    return repeated;
+}
+
 bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
 {
     bool found = stream->columns.has[ROLE_ANGLE] && !stream->columns.is_of_points;
@@ -837,7 +875,12 @@ static conus_status read_all(conus_pose_list *list, conus_pose_stream *stream)
     do {
         status = conus_pose_stream_read(rows, &count, stream, BLOCK);
         for (size_t i = 0; !status && i < count; i++) {
+            struct kept_text kept[POSE_KEPT_LIMIT];
             status = fail_of(stream, pose_list_add(list, &rows[i], text_from(rows[i].id), rows[i].error));
+            for (size_t k = 0; rows[i].kept && k < stream->columns.kept_count; k++) {
+                kept[k] = (struct kept_text){text_from(rows[i].kept[k]), false};
+            }
+            status = status || !rows[i].kept ? status : pose_list_keep(list, kept, stream->columns.kept_count);
         }
     } while (!status && count);
     if (status) {

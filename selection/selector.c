@@ -280,3 +280,8 @@ const char *conus_selector_engine(const conus_selector *selector)
 {
     return selector ? selector->engine->name : "";
 }
+
+uint32_t conus_selector_resolution(const conus_selector *selector)
+{
+    return selector ? selector->options.resolution : 0;
+}

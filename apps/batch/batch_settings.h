@@ -11,6 +11,8 @@ struct batch_settings {
     struct atlas_settings atlas;
     struct aim_settings aim; /* angle and space only */
     struct pose_file_settings file;
+    struct probe_settings probe;
+    struct keep_settings keep;
     struct engine_settings engine;
     struct common_settings common;
     struct context_settings context;

@@ -34,6 +34,13 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
     if (settings->summary && format_is_foreign(*format)) {
         return refuse("--summary: formats of other programs have no summary; tsv, csv and ndjson have one");
     }
+    if (settings->keep.columns && format_is_foreign(*format)) {
+        return refuse("--keep: formats of other programs have no place for it; tsv, csv and ndjson have");
+    }
+    if (settings->probe.path && format_is_foreign(*format)) {
+        return refuse("--format: of many probes tsv, csv and ndjson hold the contacts; conus query --probe writes the "
+                      "others");
+    }
     if ((settings->force || settings->resume) && output_is_stdout(settings->output)) {
         return refuse("--%s has no effect without a file for --output", settings->force ? "force" : "resume");
     }
@@ -48,7 +55,8 @@ int batch_task_init(struct batch_task *out, const struct batch_settings *setting
     if (!check_settings(&out->format, settings, arguments)) {
         return EXIT_USAGE;
     }
-    int code = settings_contacts(&out->contacts, settings->axis.contacts);
+    int code = keep_settings_names(&out->kept, &settings->keep);
+    code = code ? code : settings_contacts(&out->contacts, settings->axis.contacts);
     code = code ? code : settings_within(&out->within, arguments);
     if (code) {
         return code;
@@ -71,8 +79,10 @@ int batch_task_init(struct batch_task *out, const struct batch_settings *setting
 static int open_poses(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
-    const conus_pose_options options =
+    conus_pose_options options =
         pose_settings_options(&settings->file, &settings->engine.range, &task->frame, settings->atlas.max_memory);
+    options.keep = task->marks.names = task->kept.at;
+    options.keep_count = task->marks.count = task->kept.count;
     int code = batch_shard(&task->shard, settings);
     if (code) {
         return code;
@@ -89,7 +99,19 @@ static int open_poses(struct batch_task *task)
     if (status) {
         return pose_settings_print_error(status, settings->poses, "poses", task->arguments);
     }
-    code = pose_settings_check_electrodes(task->format, conus_pose_stream_electrodes(task->poses), settings->poses);
+    code = probe_settings_load(&task->probe, &settings->probe, settings->atlas.max_memory);
+    if (!code && task->probe && conus_probe_count(task->probe) != 1) {
+        code =
+            print_data_error("%s: has %zu probes, wanted is one, which is put at each pose; conus query puts several",
+                             settings->probe.path, conus_probe_count(task->probe));
+    }
+    code =
+        code ? code
+             : pose_settings_check_electrodes(task->format, conus_pose_stream_electrodes(task->poses), settings->poses);
+    if (code) {
+        return code;
+    }
+    code = pose_settings_mark_stream(&task->marks, task->poses, settings->poses, task->piped, &options);
     if (code) {
         return code;
     }
@@ -149,6 +171,46 @@ int batch_task_open(struct batch_task *task)
                                              &settings->file, &settings->common);
 }
 
+/* Of balls around contacts, or of cylinders; mm. */
+static double radius_of(const struct batch_task *task)
+{
+    double radius = task->settings->engine.radius;
+    return task->probe && radius == 0 ? CONUS_POINT_RADIUS : radius;
+}
+
+/* Says what is asked: an --angle that was forgotten is seen here. */
+static void say_question(const struct batch_task *task)
+{
+    const struct batch_settings *settings = task->settings;
+    const struct engine_settings *engine = &settings->engine;
+    bool is_square = engine->aperture == CONUS_APERTURE_SQUARE;
+    uint32_t rays = conus_selector_resolution(task->aimed[0].selector);
+    char shape[160];
+    if (task->probe && !settings->common.quiet) {
+        double tip[3];
+        conus_probe_tip(tip, task->probe, 0);
+        print_error_line(
+            "note: %s: the %zu contacts of %s at each pose, and what is within %g mm of them; the tip is at "
+            "x %g, y %g um",
+            pose_settings_file_name(settings->poses), conus_probe_contact_count(task->probe), settings->probe.path,
+            radius_of(task), tip[0], tip[1]);
+        return;
+    }
+    if (settings->common.quiet || settings->of_axis || settings->is_again) {
+        return;
+    }
+    if (engine->radius > 0) {
+        snprintf(shape, sizeof shape, "%s %g mm%s", is_square ? "square rods of half width" : "cylinders of radius",
+                 engine->radius, conus_pose_stream_has_points(task->poses) ? ", round points balls" : "");
+    } else {
+        snprintf(shape, sizeof shape, "%s of %g degrees%s%s", is_square ? "square pyramids" : "cones",
+                 settings_angle(&settings->aim, engine) * (180 / M_PI),
+                 option_given(task->arguments, "angle") ? "" : " (--angle DEGREES is not given)",
+                 conus_pose_stream_has_angles(task->poses) ? " where the file has no angle" : "");
+    }
+    print_error_line("note: %s: %s; %u x %u rays", pose_settings_file_name(settings->poses), shape, rays, rays);
+}
+
 int batch_task_build(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
@@ -179,8 +241,16 @@ int batch_task_build(struct batch_task *task)
                    .contacts = settings->of_axis ? (conus_contacts){0} : task->contacts,
                    .within = task->within,
                    .understood = has_points ? settings_points_text(task->understood, &settings->engine) : NULL,
-                   .points = has_points},
+                   .points = has_points,
+                   .marks = &task->marks,
+                   .probe = task->probe,
+                   .roll = radians(settings->probe.roll),
+                   .depth = settings->engine.range.ends[1]},
     };
+    engine.radius = radius_of(task);
+    if (task->probe) {
+        engine.range[0] = engine.range[1] = 0; /* of the shanks */
+    }
     task->aimed = calloc(task->atlases.count, sizeof *task->aimed);
     if (!task->aimed) {
         return print_no_memory();
@@ -203,6 +273,7 @@ int batch_task_build(struct batch_task *task)
         print_error_line("engine: %s; %" PRIu32 " threads", conus_selector_engine(task->aimed[0].selector),
                          conus_batch_threads(task->batch));
     }
+    say_question(task);
     atlases_say_notes(&task->atlases, &settings->common);
     atlases_say_spaces(&task->atlases, &settings->common);
     atlases_say_open(&task->atlases, &settings->engine, &settings->common);
@@ -222,8 +293,18 @@ static int identify(struct batch_task *task)
     const char *first = has_file_name ? conus_atlas_file(atlas, 0) : NULL;
     const char *sidecar = NULL;
     size_t size = 0;
-    char angle[32], reading[128];
-    snprintf(angle, sizeof angle, "%.17g", settings->aim.angle);
+    char angle[256 + KEPT_SIZE], reading[128], probe_hash[65] = "";
+    int length =
+        snprintf(angle, sizeof angle, "%.17g%s%s", settings->aim.angle, task->marks.has_number ? " marked" : "",
+                 settings->keep.columns ? settings->keep.columns : "");
+    if (task->probe) {
+        int failed = provenance_hash_file(probe_hash, settings->probe.path);
+        if (failed) {
+            return failed;
+        }
+        snprintf(angle + length, sizeof angle - (size_t)length, " %s %.17g %.17g %.17g", probe_hash,
+                 settings->probe.tip, settings->probe.roll, settings->engine.range.ends[1]);
+    }
     pose_settings_text(reading, &settings->file, &settings->engine.range);
     conus_status status = conus_batch_sidecar(&sidecar, &size, task->batch);
     const char *const sources[] = {angle,
@@ -400,10 +481,11 @@ int batch_task_finish_output(struct batch_task *task)
         .coordsystem = conus_pose_stream_coordsystem(task->poses),
         .coordsystem_hash = conus_pose_stream_coordsystem_sha256(task->poses),
         .level_file = settings_level_file(&task->settings->engine),
+        .probe_file = task->settings->probe.path,
         .angle = settings_angle(&task->settings->aim, &task->settings->engine) * (180 / M_PI),
         .has_angles = conus_pose_stream_has_angles(task->poses),
         .has_ranges = conus_pose_stream_has_ranges(task->poses),
-        .has_points = conus_pose_stream_has_points(task->poses),
+        .has_points = conus_pose_stream_has_points(task->poses) || task->probe,
     };
     memcpy(record.fingerprint, task->fingerprint, sizeof record.fingerprint);
     const struct engine_settings *engine = &task->settings->engine;
@@ -418,10 +500,10 @@ int batch_task_finish_output(struct batch_task *task)
         .rows = of_axis                   ? of_axis->word
                 : task->settings->summary ? "summaries"
                                           : "answers",
-        .region = of_axis              ? "axis"
-                  : is_of_points       ? "ball"
-                  : engine->radius > 0 ? "cylinder"
-                                       : "cone",
+        .region = of_axis                       ? "axis"
+                  : is_of_points || task->probe ? "ball"
+                  : engine->radius > 0          ? "cylinder"
+                                                : "cone",
     };
     int code = batch_record_write(task->sidecar, text, &record, task->command_line, &question);
     return code ? code : batch_file_finish(&task->file);
@@ -437,6 +519,7 @@ void batch_task_finish(struct batch_task *task)
     free(task->aimed);
     atlases_finish(&task->atlases);
     conus_pose_stream_destroy(task->poses);
+    conus_probe_destroy(task->probe);
     free(task->sidecar);
     free(task->command_line);
 }

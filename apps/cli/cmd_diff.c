@@ -72,8 +72,9 @@ static void put_row(struct comparison *diff, const char *what, const struct resu
     static const char *const more[] = {"name", "pathway", "i", "j", "k", "bundle", "end_a", "end_b"};
     const char *atlas = cell_named(results, row, "atlas");
     const char *index = cell_named(results, row, "index");
-    fprintf(diff->out, "%-8s  query %s%s%s: %s %s", what, cell_named(results, row, "query"), atlas ? ", " : "",
-            atlas ? atlas : "", cell_named(results, row, "kind"),
+    const char *number = cell_named(results, row, "row");
+    fprintf(diff->out, "%-8s  query %s%s%s%s%s: %s %s", what, cell_named(results, row, "query"), number ? ", row " : "",
+            number ? number : "", atlas ? ", " : "", atlas ? atlas : "", cell_named(results, row, "kind"),
             index ? index : cell_named(results, row, "bundle_index"));
     for (size_t i = 0; i < sizeof more / sizeof more[0]; i++) {
         const char *cell = cell_named(results, row, more[i]);

@@ -24,8 +24,8 @@ struct query_settings {
     struct axis_settings axis;
     struct ends_settings ends;
     struct option_list points; /* places */
-    const char *probe;
-    double tip, roll; /* of the probe: mm, degrees */
+    struct probe_settings probe;
+    struct keep_settings keep;
     const char *probes;
     const char *coordsystem;
 };
@@ -46,28 +46,6 @@ static const struct option point_options[] = {
 };
 
 static const struct option probe_options[] = {
-    {.name = "probe",
-     OPTION_AT(struct query_settings, probe),
-     .value = "FILE.json",
-     .help = "instead of a cone, what is at each contact of a probe that ProbeInterface describes, and within --radius "
-             "MM (default 0.000001) of it: the tip is where the pose is, or at the far end of --range, and the shank "
-             "points along the axis",
-     .words = "ProbeInterface, Neuropixels, electrodes, contacts",
-     .role = OPTION_READS,
-     .excludes = "point,angle,segments,clearance,image,deep,mask,streamlines-out,connectivity"},
-    {.name = "probe-tip",
-     OPTION_AT(struct query_settings, tip),
-     .value = "MM",
-     .help = "distance from the tip to the lowest contact, in place of the contour in the probe's file",
-     OPTION_ABOVE_TO(0, 1000),
-     .needs = "probe"},
-    {.name = "probe-roll",
-     OPTION_AT(struct query_settings, roll),
-     .value = "DEGREES",
-     .help = "turn the probe about its shank, the device's +y towards its +x, as conus plan --roll does; at 0 the "
-             "probe's x axis is the device's +x",
-     OPTION_FROM_TO(-360, 360),
-     .needs = "probe"},
     {.name = "probes",
      OPTION_AT(struct query_settings, probes),
      .value = "FILE.tsv",
@@ -106,12 +84,14 @@ static const struct option voxels_options[] = {
 static const struct option_group groups[] = {
     REQUEST_AIM_GROUPS,
     {"", point_options, 0},
+    {"", probe_settings_options, offsetof(struct query_settings, probe)},
     {"", probe_options, 0},
     REQUEST_ENGINE_GROUPS,
     REQUEST_ATLAS_GROUPS,
     REQUEST_MORE_ATLASES,
     {"What is written", query_format_options, REQUEST_FIELD(answer)},
     {"", answer_output_options, REQUEST_FIELD(answer)},
+    {"", keep_options, offsetof(struct query_settings, keep)},
     {"", axis_options, offsetof(struct query_settings, axis)},
     {"", endpoints_options, offsetof(struct query_settings, ends)},
     {"", connectivity_options, offsetof(struct query_settings, ends)},
@@ -145,9 +125,11 @@ struct query_run {
     conus_probe *probe;
     bool is_of_points; /* poses of the file have no direction, and are asked all the same */
     char understood[96];
-    double (*points)[3];        /* of --point, world */
-    bool has_points, has_cones; /* poses without a direction were asked, and with one */
-    bool has_shanks;            /* answers along the axes of cones were asked */
+    double (*points)[3]; /* of --point, world */
+    struct kept_names kept;
+    conus_pose_list *insertions; /* the poses of a file that say where the probes are; NULL = those of options */
+    bool has_points, has_cones;  /* poses without a direction were asked, and with one */
+    bool has_shanks;             /* answers along the axes of cones were asked */
 };
 
 /* Whether the format of another program has a place for this answer. */
@@ -158,16 +140,19 @@ static bool check_format(const struct request *request, const struct query_setti
         return refuse("--format: formats of other programs have no column for the atlas; table, tsv, csv, json and "
                       "ndjson have one");
     }
-    const char *why = format == CONUS_FORMAT_BEP032 && !settings->probe
+    const char *why = format == CONUS_FORMAT_BEP032 && !settings->probe.path
                           ? "--format: bep032 lists the contacts of probes; --probe FILE.json describes them"
                       : format != CONUS_FORMAT_BEP032 && settings->probes ? "--probes is written beside --format bep032"
                       : format != CONUS_FORMAT_BEP032 && settings->coordsystem
                           ? "--coordsystem is written beside --format bep032"
-                      : format == CONUS_FORMAT_BIDS && settings->probe
+                      : format == CONUS_FORMAT_BIDS && settings->probe.path
                           ? "--format: bids adds to a table of electrodes, --probe has none; bep032 writes one"
                           : NULL;
     if (why) {
         return refuse("%s", why);
+    }
+    if (format_is_foreign(format) && settings->keep.columns) {
+        return refuse("--keep: formats of other programs have no place for it; table, tsv, csv, json and ndjson have");
     }
     bool of_contacts =
         format == CONUS_FORMAT_BIDS || (format_is_of_probe(format) && option_given(request->arguments, "point"));
@@ -190,7 +175,7 @@ static int check_poses(struct query_run *run)
     }
     settings_point_error(why, &run->request.settings->engine, run->request.arguments);
     run->is_of_points = points && !why[0];
-    if (points && points == count && why[0] && !run->settings->probe) {
+    if (points && points == count && why[0] && !run->settings->probe.path) {
         return print_data_error("%s: %s", pose_settings_file_name(aim->pose), why);
     }
     const struct option *of_one = option_with(run->request.arguments, OPTION_OF_ONE_POSE);
@@ -336,6 +321,10 @@ static int answer_row(void *user, const conus_pose_row *row)
                           .is_point = row->is_point,
                           .radius = radius};
     bool fault = false;
+    if (run->insertions) {
+        size_t index = conus_probe_at(run->probe, request->row)->index;
+        request_mark(request, index, conus_pose_list_row(run->insertions, index));
+    }
     if (row->error || why[0]) {
         return refuse_row(run, row, row->error ? row->error : why);
     }
@@ -503,7 +492,7 @@ static int write_all(struct query_run *run)
         return code;
     }
     request_list_inputs(&provenance, request);
-    provenance_add_input(&provenance, settings->probe);
+    provenance_add_input(&provenance, settings->probe.path);
     if (run->has_points && !run->has_cones) {
         provenance.question.region = "ball";
     }
@@ -545,6 +534,7 @@ static bool check_voxels(const struct query_run *run)
 /* Says where the tip is and how the probe is turned, which the file of poses alone does not show. */
 static void say_probe(const struct query_run *run, const conus_pose *poses)
 {
+    size_t first = 0; /* contact of the probe */
     for (size_t i = 0; i < conus_probe_count(run->probe) && !run->settings->request.common.quiet; i++) {
         double tip[3];
         double across[3];
@@ -553,9 +543,12 @@ static void say_probe(const struct query_run *run, const conus_pose *poses)
         for (int a = 0; a < 3; a++) {
             across[a] = round(1000 * across[a]) / 1000 + 0; /* no -0 */
         }
-        print_error_line("note: %s: probe%zu: the tip is at x %g, y %g um; %sits x axis points along %g,%g,%g",
-                         run->settings->probe, i + 1, tip[0], tip[1],
-                         run->settings->roll != 0 ? "without the roll, " : "", across[0], across[1], across[2]);
+        while (conus_probe_at(run->probe, first)->index < i) {
+            first++;
+        }
+        print_error_line("note: %s: %s: the tip is at x %g, y %g um; %sits x axis points along %g,%g,%g",
+                         run->settings->probe.path, conus_probe_at(run->probe, first)->probe, tip[0], tip[1],
+                         run->settings->probe.roll != 0 ? "without the roll, " : "", across[0], across[1], across[2]);
     }
 }
 
@@ -577,7 +570,7 @@ static int find_poses(conus_pose *out, size_t count, const struct query_run *run
     if (found != count) {
         return print_data_error("%s: found %zu poses, wanted are %zu: each probe of %s has one of its own",
                                 poses ? pose_settings_file_name(request->settings->aim.pose) : "--origin", found, count,
-                                run->settings->probe);
+                                run->settings->probe.path);
     }
     for (size_t i = 0; i < count && poses; i++) {
         const conus_pose_row *row = conus_pose_list_row(poses, i);
@@ -595,24 +588,56 @@ static int find_poses(conus_pose *out, size_t count, const struct query_run *run
     return EXIT_DONE;
 }
 
+/* Of a file of one probe and several poses, makes as many probes, called as the poses. */
+static int repeat_probe(struct query_run *run)
+{
+    const conus_pose_list *poses = run->request.poses;
+    size_t count = conus_pose_list_count(poses);
+    if (conus_probe_count(run->probe) != 1 || count < 2) {
+        return EXIT_DONE;
+    }
+    conus_probe *several = NULL;
+    const char **names = calloc(count, sizeof *names);
+    int code = names ? EXIT_DONE : print_no_memory();
+    for (size_t i = 0; i < count && !code; i++) {
+        names[i] = conus_pose_list_row(poses, i)->id;
+        for (size_t k = 0; k < i && !code; k++) {
+            code = strcmp(names[k], names[i])
+                       ? EXIT_DONE
+                       : print_data_error("%s: poses %zu and %zu are both called \"%s\": the "
+                                          "probes that they place have names of their own",
+                                          pose_settings_file_name(run->request.settings->aim.pose), k + 1, i + 1,
+                                          names[i]);
+        }
+    }
+    code = code ? code : print_status(conus_probe_repeat(&several, run->probe, names, count));
+    free(names);
+    if (!code) {
+        conus_probe_destroy(run->probe);
+        run->probe = several;
+    }
+    return code;
+}
+
 /* Puts the contacts of --probe in the place of the poses. */
 static int place_probe(struct query_run *run)
 {
     struct request *request = &run->request;
     conus_pose_list *contacts = NULL;
+    int code = repeat_probe(run);
     size_t count = conus_probe_count(run->probe);
-    conus_pose *poses = run->probe ? calloc(count, sizeof *poses) : NULL;
-    if (!run->probe || !poses) {
-        return run->probe ? print_no_memory() : EXIT_DONE;
+    conus_pose *poses = run->probe && !code ? calloc(count, sizeof *poses) : NULL;
+    if (code || !run->probe || !poses) {
+        return code || !run->probe ? code : print_no_memory();
     }
-    int code = find_poses(poses, count, run);
+    code = find_poses(poses, count, run);
     conus_status status =
-        code ? CONUS_OK : conus_probe_place(&contacts, run->probe, poses, count, radians(run->settings->roll));
+        code ? CONUS_OK : conus_probe_place(&contacts, run->probe, poses, count, radians(run->settings->probe.roll));
     if (!code && !status) {
         say_probe(run, poses);
-        conus_pose_list_destroy(request->poses);
+        run->insertions = request->poses;
         request->poses = contacts;
-        request->rows_of = run->settings->probe;
+        request->rows_of = run->settings->probe.path;
     }
     free(poses);
     return status ? print_status(status) : code;
@@ -623,9 +648,7 @@ static int load_poses(void *user)
     struct query_run *run = user;
     struct request *request = &run->request;
     const char *poses = request->settings->aim.pose;
-    const char *probe = run->settings->probe;
-    const conus_probe_options options = {.tip = run->settings->tip, .max_memory = request->settings->atlas.max_memory};
-    int code = print_status(probe ? conus_probe_load(&run->probe, probe, &options) : CONUS_OK);
+    int code = probe_settings_load(&run->probe, &run->settings->probe, request->settings->atlas.max_memory);
     code = code ? code : request_load_poses(request);
     if (!code && poses) {
         code = check_poses(run);
@@ -725,6 +748,8 @@ static int run_query(const void *given, const struct arguments *arguments)
     }
     struct query_run run = {.settings = settings};
     int code = request_init(&run.request, &settings->request, arguments);
+    code = code ? code : keep_settings_names(&run.kept, &settings->keep);
+    run.request.kept = &run.kept;
     code = code ? code : start_outputs(&run);
     code = code ? code : answer_query(&run);
     selection_files_finish(&run.files);
@@ -732,9 +757,10 @@ static int run_query(const void *given, const struct arguments *arguments)
         rows_file_finish(&run.axes[i]);
     }
     ends_finish(&run.ends);
-    conus_probe_destroy(run.probe);
     free(run.points);
     request_finish(&run.request);
+    conus_probe_destroy(run.probe);
+    conus_pose_list_destroy(run.insertions);
     return code;
 }
 

@@ -7,6 +7,7 @@
 #include "settings/notes.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 
 const struct option request_level_options[] = {
@@ -94,7 +95,11 @@ conus_pose_options request_pose_options(const struct request *request)
 int request_load_poses(struct request *request)
 {
     const char *path = request->settings->aim.pose;
-    const conus_pose_options options = request_pose_options(request);
+    conus_pose_options options = request_pose_options(request);
+    if (request->kept) {
+        options.keep = request->marks.names = request->kept->at;
+        options.keep_count = request->marks.count = request->kept->count;
+    }
     conus_status status = path ? conus_pose_list_load(&request->poses, path, &options) : CONUS_OK;
     return status ? pose_settings_print_error(status, path, "pose", request->arguments) : EXIT_DONE;
 }
@@ -127,7 +132,9 @@ int request_match(struct request *request)
     const struct request_settings *settings = request->settings;
     const char *path = settings->aim.pose;
     if (request->poses) {
-        return pose_settings_match_list(request->poses, path, &request->atlases, &settings->file, &settings->common);
+        int code =
+            pose_settings_match_list(request->poses, path, &request->atlases, &settings->file, &settings->common);
+        return code ? code : pose_settings_mark_list(&request->marks, request->poses);
     }
     return request->stream ? pose_settings_match_stream(&request->notes_said, request->stream, path, &request->atlases,
                                                         &settings->file, &settings->common)
@@ -165,7 +172,8 @@ conus_report_options request_report_options(const struct request *request)
                                   .frame = &request->frame,
                                   .command = request->command_line,
                                   .places = request->places.items,
-                                  .place_count = request->places.count};
+                                  .place_count = request->places.count,
+                                  .marks = request->poses ? &request->marks : NULL};
 }
 
 conus_status request_report(struct request *request, size_t index, const conus_report_options *options)
@@ -228,6 +236,13 @@ void request_show_step(struct request *request, size_t done)
     progress_update(&request->progress, request->row * (request->steps ? request->steps : 1) + done, 0);
 }
 
+void request_mark(struct request *request, size_t index, const conus_pose_row *row)
+{
+    request->marks.number = index + 1;
+    request->marks.time_s = row->error ? NAN : row->time_s;
+    request->marks.texts = row->kept;
+}
+
 int request_each_row(struct request *request, int (*answer)(void *user, const conus_pose_row *row), void *user)
 {
     int code = EXIT_DONE;
@@ -237,8 +252,10 @@ int request_each_row(struct request *request, int (*answer)(void *user, const co
     }
     request_start_progress(request, count);
     for (size_t i = 0; !code && i < count; i++) {
+        const conus_pose_row *row = conus_pose_list_row(request->poses, i);
         request->row = i;
-        code = answer(user, conus_pose_list_row(request->poses, i));
+        request_mark(request, i, row);
+        code = answer(user, row);
         request_show_step(request, request->steps ? request->steps : 1);
     }
     progress_finish(&request->progress, 0, 0);

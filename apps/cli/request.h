@@ -74,19 +74,21 @@ struct request {
     char *sidecar;          /**< Path; NULL if there is none to write. */
     struct outputs outputs; /**< All files that are written. */
     struct atlases atlases;
-    conus_frame frame;          /**< The space of positions, once the atlases are loaded. */
-    struct named_places places; /**< Those that were given as words. */
-    conus_pose aim;             /**< That of --origin, by request_find_aim(), */
-    double aim_range[2];        /**< and its own range; NaN = the selector's. */
-    struct answerer *answerers; /**< [atlases.count] */
-    const char *rows_of;        /**< The file of the rows that are answered; NULL = that of the poses. */
-    conus_pose_list *poses;     /**< All poses of a file that is read whole, else NULL. */
-    conus_pose_stream *stream;  /**< A file whose poses are read one after the other, else NULL, */
-    size_t notes_said;          /**< and how many of its notes were said. */
-    bool failed;                /**< Some poses had no answer. */
-    struct progress progress;   /**< Counts poses of a file, or their steps. */
-    size_t steps;               /**< Steps of a pose; 0 = 1. */
-    size_t row;                 /**< The pose that is being answered, from 0. */
+    conus_frame frame;             /**< The space of positions, once the atlases are loaded. */
+    struct named_places places;    /**< Those that were given as words. */
+    conus_pose aim;                /**< That of --origin, by request_find_aim(), */
+    double aim_range[2];           /**< and its own range; NaN = the selector's. */
+    struct answerer *answerers;    /**< [atlases.count] */
+    const char *rows_of;           /**< The file of the rows that are answered; NULL = that of the poses. */
+    conus_pose_list *poses;        /**< All poses of a file that is read whole, else NULL. */
+    conus_pose_stream *stream;     /**< A file whose poses are read one after the other, else NULL, */
+    size_t notes_said;             /**< and how many of its notes were said. */
+    conus_row_marks marks;         /**< What tells the rows of answers to a list apart. */
+    const struct kept_names *kept; /**< Columns of the file of poses that are kept; NULL = none. */
+    bool failed;                   /**< Some poses had no answer. */
+    struct progress progress;      /**< Counts poses of a file, or their steps. */
+    size_t steps;                  /**< Steps of a pose; 0 = 1. */
+    size_t row;                    /**< The pose that is being answered, from 0. */
 };
 
 /** Whether --slices, --score, --context, --angle and --radius fit together; prints an error if not. */
@@ -143,6 +145,8 @@ double request_angle(const struct request *request, const conus_pose_row *row);
 void request_start_progress(struct request *request, size_t rows);
 /** Shows how many steps of the row that is being answered are done. */
 void request_show_step(struct request *request, size_t done);
+/** Says of which row of the file, from 0, the answers are that are added next; request_each_row() does. */
+void request_mark(struct request *request, size_t index, const conus_pose_row *row);
 /** Answers each row of the list by @p answer, and shows how far that is. */
 int request_each_row(struct request *request, int (*answer)(void *user, const conus_pose_row *row), void *user);
 /** Prints why a row has no answer. */

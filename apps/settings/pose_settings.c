@@ -8,7 +8,9 @@
 #include "options/output.h"
 #include "settings/settings.h"
 
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* In the order of conus_axis. */
@@ -36,6 +38,69 @@ const struct option pose_file_options[] = {
      OPTION_AT(struct pose_file_settings, any_space),
      .help = "accept positions even if the file names another space than the atlas",
      .needs = "pose|poses|camera|jobs|from"},
+    {0},
+};
+
+const struct option keep_options[] = {
+    {.name = "keep",
+     OPTION_AT(struct keep_settings, columns),
+     .value = "COLUMN,...",
+     .help =
+         "give the rows of the answer these columns of the table of poses, by their names in its header, as they are",
+     .words = "group, subject, condition, copy",
+     .role = OPTION_ASKS,
+     .needs = "pose|poses|jobs"},
+    {0},
+};
+
+int keep_settings_names(struct kept_names *out, const struct keep_settings *settings)
+{
+    *out = (struct kept_names){0};
+    if (!settings->columns) {
+        return EXIT_DONE;
+    }
+    if (strlen(settings->columns) >= sizeof out->text) {
+        return print_usage_error("--keep: the names are longer than %d bytes", KEPT_SIZE - 1);
+    }
+    snprintf(out->text, sizeof out->text, "%s", settings->columns);
+    for (char *name = out->text, *next; name; name = next) {
+        next = strchr(name, ',');
+        if (next) {
+            *next++ = '\0';
+        }
+        if (!*name || out->count == KEPT_COLUMNS) {
+            return print_usage_error("--keep: %s", *name ? "more than 64 columns"
+                                                         : "a name is empty: COLUMN,COLUMN is "
+                                                           "wanted");
+        }
+        out->at[out->count++] = name;
+    }
+    return EXIT_DONE;
+}
+
+const struct option probe_settings_options[] = {
+    {.name = "probe",
+     OPTION_AT(struct probe_settings, path),
+     .value = "FILE.json",
+     .help = "instead of a cone, what is at each contact of a probe that ProbeInterface describes, and within --radius "
+             "MM (default 0.000001) of it: the tip is where the pose is, or at the far end of --range, and the shank "
+             "points along the axis; several poses are insertions of one probe",
+     .words = "ProbeInterface, Neuropixels, electrodes, contacts",
+     .role = OPTION_READS,
+     .excludes = "point,angle,segments,clearance,image,deep,mask,streamlines-out,connectivity"},
+    {.name = "probe-tip",
+     OPTION_AT(struct probe_settings, tip),
+     .value = "MM",
+     .help = "distance from the tip to the lowest contact, in place of the contour in the probe's file",
+     OPTION_ABOVE_TO(0, 1000),
+     .needs = "probe"},
+    {.name = "probe-roll",
+     OPTION_AT(struct probe_settings, roll),
+     .value = "DEGREES",
+     .help = "turn the probe about its shank, the device's +y towards its +x, as conus plan --roll does; at 0 the "
+             "probe's x axis is the device's +x",
+     OPTION_FROM_TO(-360, 360),
+     .needs = "probe"},
     {0},
 };
 
@@ -109,6 +174,111 @@ int pose_settings_check_electrodes(conus_format format, const char *electrodes, 
     }
     return print_data_error("%s: --format bids adds to a table of electrodes, with the columns name, x, y and z",
                             pose_settings_file_name(path));
+}
+
+int probe_settings_load(conus_probe **out, const struct probe_settings *settings, uint64_t max_memory)
+{
+    const conus_probe_options options = {.tip = settings->tip, .max_memory = max_memory};
+    return print_status(settings->path ? conus_probe_load(out, settings->path, &options) : CONUS_OK);
+}
+
+/* Ids that were seen, by their hashes: two ids with one hash only cost a column. */
+struct ids {
+    uint64_t *slots; /* [capacity] 0 = free */
+    size_t count, capacity;
+    bool repeated;
+};
+
+enum { IDS_COMPARED = 1 << 20, IDS_AT_FIRST = 1 << 10 };
+
+/* FNV-1a: the same on every machine, so that shards have the same columns. */
+static uint64_t hash_of(const char *id)
+{
+    uint64_t hash = 0xcbf29ce484222325;
+    for (; *id; id++) {
+        hash = (hash ^ (unsigned char)*id) * 0x100000001b3;
+    }
+    return hash ? hash : 1;
+}
+
+/* Whether the hash is there; it is now. */
+static bool ids_put(struct ids *ids, uint64_t hash)
+{
+    size_t at = (size_t)(hash ^ hash >> 32) & (ids->capacity - 1);
+    while (ids->slots[at] && ids->slots[at] != hash) {
+        at = (at + 1) & (ids->capacity - 1);
+    }
+    bool is_there = ids->slots[at];
+    ids->slots[at] = hash;
+    ids->count += !is_there;
+    return is_there;
+}
+
+/* False without memory. */
+static bool ids_add(struct ids *ids, const char *id)
+{
+    if (2 * ids->count >= ids->capacity) {
+        struct ids larger = {.capacity = ids->capacity ? 2 * ids->capacity : IDS_AT_FIRST};
+        larger.slots = calloc(larger.capacity, sizeof *larger.slots);
+        if (!larger.slots) {
+            return false;
+        }
+        for (size_t i = 0; i < ids->capacity; i++) {
+            if (ids->slots[i]) {
+                ids_put(&larger, ids->slots[i]);
+            }
+        }
+        free(ids->slots);
+        *ids = larger;
+    }
+    ids->repeated = ids_put(ids, hash_of(id)) || ids->count > IDS_COMPARED;
+    return true;
+}
+
+int pose_settings_mark_list(conus_row_marks *out, const conus_pose_list *poses)
+{
+    struct ids ids = {0};
+    bool whole = true;
+    bool has_time = false;
+    for (size_t i = 0; i < conus_pose_list_count(poses); i++) {
+        const conus_pose_row *row = conus_pose_list_row(poses, i);
+        has_time = has_time || (!row->error && !isnan(row->time_s));
+        whole = whole && (ids.repeated || ids_add(&ids, row->id));
+    }
+    free(ids.slots);
+    out->has_time = has_time;
+    out->has_number = has_time || ids.repeated;
+    return whole ? EXIT_DONE : print_no_memory();
+}
+
+/* Reads ids up to the first that repeats. */
+static int find_repeated(bool *out, const char *path, const conus_pose_options *options)
+{
+    enum { BLOCK = 256 };
+    struct ids ids = {0};
+    conus_pose_row rows[BLOCK];
+    conus_pose_stream *poses = NULL;
+    bool whole = true;
+    size_t count = 0;
+    conus_status status = conus_pose_stream_open(&poses, path, options);
+    do {
+        status = status ? status : conus_pose_stream_read(rows, &count, poses, BLOCK);
+        for (size_t i = 0; !status && i < count && whole && !ids.repeated; i++) {
+            whole = ids_add(&ids, rows[i].id);
+        }
+    } while (!status && whole && count && !ids.repeated);
+    conus_pose_stream_destroy(poses);
+    free(ids.slots);
+    *out = ids.repeated;
+    return whole ? print_status(status) : print_no_memory();
+}
+
+int pose_settings_mark_stream(conus_row_marks *out, const conus_pose_stream *poses, const char *path, bool piped,
+                              const conus_pose_options *options)
+{
+    out->has_time = conus_pose_stream_has_times(poses);
+    out->has_number = out->has_time || conus_pose_stream_may_repeat_ids(poses);
+    return out->has_number && !out->has_time && !piped ? find_repeated(&out->has_number, path, options) : EXIT_DONE;
 }
 
 const char *pose_settings_row_error(const conus_pose_row *row)

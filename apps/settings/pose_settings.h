@@ -13,7 +13,34 @@ struct pose_file_settings {
     bool any_space;
 };
 
+enum { KEPT_COLUMNS = 64, KEPT_SIZE = 4096 };
+
+/** Columns of the file whose texts the answer has. */
+struct keep_settings {
+    const char *columns; /* "group,site"; NULL = none */
+};
+
+extern const struct option keep_options[]; /**< keep_settings */
+
+/** Their names. */
+struct kept_names {
+    const char *at[KEPT_COLUMNS];
+    size_t count;
+    char text[KEPT_SIZE];
+};
+
+/** Splits --keep. Returns the exit code and prints an error unless it is 0. */
+int keep_settings_names(struct kept_names *out, const struct keep_settings *settings);
+
 extern const struct option pose_file_options[]; /**< pose_file_settings */
+
+/** A probe whose contacts are asked instead of a cone. */
+struct probe_settings {
+    const char *path; /* NULL = none */
+    double tip, roll; /* mm, degrees */
+};
+
+extern const struct option probe_settings_options[]; /**< probe_settings */
 
 /** The options of the library for the file; @p frame must live until the file is opened, @p max_memory 0 is the
  * default. @p range NULL: it ends at no target. */
@@ -34,6 +61,18 @@ int pose_settings_print_error(conus_status status, const char *path, const char 
 /** Whether @p electrodes, the table that the poses came from (NULL = another format), is there for a @p format that
  * adds columns to it. Returns the exit code and prints an error unless it is 0. */
 int pose_settings_check_electrodes(conus_format format, const char *electrodes, const char *path);
+
+/** Loads the probe; *out is NULL where there is none. Returns the exit code and prints an error unless it is 0. */
+int probe_settings_load(conus_probe **out, const struct probe_settings *settings, uint64_t max_memory);
+
+/** What marks the rows of answers to a list of poses: their numbers where ids repeat or there are times, which then are
+ * marked, too. Returns the exit code and prints an error unless it is 0. */
+int pose_settings_mark_list(conus_row_marks *out, const conus_pose_list *poses);
+
+/** The same of a stream, just opened. The table @p path is read once more where it names its rows; where it is no file
+ * (@p piped), and where it has more than 2^20 names, these count as repeated. */
+int pose_settings_mark_stream(conus_row_marks *out, const conus_pose_stream *poses, const char *path, bool piped,
+                              const conus_pose_options *options);
 
 /** Why a row has no cone; NULL if it is a pose. */
 const char *pose_settings_row_error(const conus_pose_row *row);

@@ -31,8 +31,11 @@ typedef struct conus_batch_options {
     double angle;       /**< For poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0. */
     conus_report_options report; /**< Its format is neither #CONUS_FORMAT_TABLE nor #CONUS_FORMAT_JSON. A probe,
                                     #CONUS_FORMAT_SPIKEGLX or #CONUS_FORMAT_OPEN_EPHYS, is one block of up to 65535
-                                    contacts, whatever block says, and must be all that is in the stream. Its
-                                    probe is NULL. */
+                                    contacts, whatever block says, and must be all that is in the stream. With a
+                                    probe, one of a file, it is put at each pose of the stream: its contacts are asked,
+                                    within the selector's radius, and called as the pose, a colon and the contact;
+                                    poses are still counted as they are in the stream, and blocks have so many contacts.
+                                    Formats of other programs have no place for that. */
     const char *point_error; /**< Why a pose that is a point has no answer, for its row of kind "error"; NULL = it is
                                 asked what is at it, or within the selector's radius of it: conus_select_ball(). */
 } conus_batch_options;

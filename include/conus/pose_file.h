@@ -81,6 +81,9 @@ typedef struct conus_pose_options {
                                  says otherwise; one with a direction alone has an error. Not of candidates. */
     double near;              /**< With @p to_target: where the range begins, mm, */
     double beyond;            /**< and how far behind the target it ends, mm. */
+    const char *const *keep;  /**< [keep_count] Names of columns of a table whose texts are in conus_pose_row.kept. They
+                                 must live until the file is opened. */
+    size_t keep_count;        /**< How many, up to 64; 0 = none. Another format than a table with a header has none. */
 } conus_pose_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -104,6 +107,8 @@ typedef struct conus_pose_row {
     uint64_t target;   /**< Likewise of the target; 0 without one. */
     double normal[3];  /**< Outward at the entry, world, of length 1; NaN where it has none. */
     double target_mm;  /**< How far the point is at which it points, mm; NaN where the file has only a direction. */
+    const char *const *kept; /**< [conus_pose_options.keep_count] Texts of the columns that are kept, "" of an empty
+                                cell; NULL without them, and in some rows with an error. */
 } conus_pose_row;
 
 /** @name Streams
@@ -204,6 +209,16 @@ CONUS_API const char *conus_pose_stream_space(const conus_pose_stream *stream);
  * @since 0.1
  */
 CONUS_API bool conus_pose_stream_has_times(const conus_pose_stream *stream);
+
+/**
+ * Returns whether two rows may have one id.
+ * @param stream The stream.
+ * @return False for a table without a column that names its rows, whose ids are their numbers, and where everything was
+ * read and no two rows have one id.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream);
 
 /**
  * Returns whether rows may have an angle of their own.

@@ -103,6 +103,20 @@ CONUS_API const conus_probe_contact *conus_probe_at(const conus_probe *probe, si
 CONUS_API void conus_probe_tip(double out[3], const conus_probe *probe, size_t index);
 
 /**
+ * Makes several of the one probe of a file, as if the file had them: insertions of one kind.
+ * @param[out] out The probes, with these names; end them with conus_probe_destroy().
+ * @param probe Of one probe.
+ * @param names [count] None twice. Copied.
+ * @param count From 1 to 1024.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for several probes, another count, a name that is there twice, and one that
+ * with that of a contact has more than 255 bytes.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_probe_repeat(conus_probe **out, const conus_probe *probe, const char *const *names,
+                                              size_t count);
+
+/**
  * Puts the contacts where poses say: the tip at the pose's position, the shank along its axis, from base to tip, and
  * the probe's x axis along the device's +x.
  * @param[out] out A point for each contact, with its id; its line is its number from 1. End it with

@@ -77,6 +77,18 @@ typedef struct conus_named_place {
     const char *text;   /**< The words. */
     conus_place place;  /**< As which it was understood. */
 } conus_named_place;
+/** What tells answers apart besides their ids, and what is known of their poses: columns of rows and lines for people.
+ * The formats from #CONUS_FORMAT_AFNI on have none of it. */
+typedef struct conus_row_marks {
+    bool has_number; /**< There is a column `row`. */
+    bool has_time;   /**< There is a column `time_s`. */
+    const char *const
+        *names;      /**< [count] Names of further columns, at the end of a row. No other column is called so. */
+    size_t count;    /**< How many; 0 = none. */
+    uint64_t number; /**< The value of `row`: number of the pose in its file, from 1. */
+    double time_s;   /**< Seconds; NaN = n/a. */
+    const char *const *texts; /**< [count] The values of the further columns, of which each may be NULL or "", n/a. */
+} conus_row_marks;
 
 /** The content of a report, and how it is written. */
 typedef struct conus_report_options {
@@ -101,9 +113,9 @@ typedef struct conus_report_options {
     conus_contacts contacts;  /**< For #CONUS_FORMAT_OPEN_EPHYS, of shanks: conus_report_add_segments(). */
     double within;            /**< For #CONUS_ROWS_CLEARANCES: that of conus_clearances_create(), which a batch calls
                                  with it; mm, 0 = only what the needle meets, INFINITY = all objects. */
-    const conus_probe *probe; /**< For #CONUS_ROWS_ANSWERS: each query is a contact of these, in their order, with the
-                                 columns probe, shank_id and channel; #CONUS_FORMAT_BEP032 needs it. It must outlive the
-                                 report. NULL = none. */
+    const conus_probe *probe; /**< For #CONUS_ROWS_ANSWERS and #CONUS_ROWS_SUMMARIES: each query is a contact of these,
+                                 in their order, with the columns probe, shank_id and channel; #CONUS_FORMAT_BEP032
+                                 needs it. It must outlive the report. NULL = none. */
     bool placed;              /**< For #CONUS_FORMAT_BEP032: x, y and z are positions in @p space or @p frame, which
                                  conus_report_coordsystem() describes, not those on the probe. */
     const char *understood;   /**< How the question was understood: first line of a table for people, "Understood" of
@@ -114,6 +126,12 @@ typedef struct conus_report_options {
                                         understood begins a table for people, and is "Places" of the provenance. They
                                         must outlive the report. */
     size_t place_count;              /**< How many there are. */
+    const conus_row_marks *marks; /**< Columns that tell rows apart, not of a track. It must outlive the report. Before
+                                     an answer is added, the caller sets its last three members, which are copied; a
+                                     batch sets them itself. NULL = none. */
+    double roll;                  /**< Of a batch with a probe: as for conus_probe_place(), radians. */
+    double depth; /**< Of a batch with a probe: how far the tip lies from a pose along its axis, mm; a pose with a range
+                     of its own has the tip at its far end. */
 } conus_report_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

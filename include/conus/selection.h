@@ -124,6 +124,15 @@ CONUS_API void conus_selector_destroy(conus_selector *selector);
 CONUS_API const char *conus_selector_engine(const conus_selector *selector);
 
 /**
+ * Gives the n of the n x n buffer.
+ * @param selector The selector.
+ * @return That of its options, or the default.
+ * @threads One at a time for each @p selector.
+ * @since 0.1
+ */
+CONUS_API uint32_t conus_selector_resolution(const conus_selector *selector);
+
+/**
  * Aims a cone, or a cylinder if the selector has a radius.
  * @param[out] out The selection; end it with conus_selection_destroy().
  * @param selector The selector.

@@ -21,7 +21,7 @@ static const double LEVEL = 1e-6;        /* heights that differ by less, in heig
 static const double PARALLEL = 1 - 1e-6; /* cosine between equal axes */
 
 struct one_probe {
-    char name[NAME_SIZE];
+    char name[POSE_ID_LIMIT + 1];
     double tip[3]; /* as in the file, micrometres */
 };
 
@@ -343,7 +343,7 @@ static conus_status read_probe(struct reading *reading)
     const json_t *positions = value_of(reading->json, "contact_positions");
     reading->count = json_array_size(positions);
     reading->first = out->count;
-    snprintf(out->probes[reading->index].name, NAME_SIZE, "probe%zu", reading->index + 1);
+    snprintf(out->probes[reading->index].name, sizeof out->probes->name, "probe%zu", reading->index + 1);
     if (!reading->count) {
         return refuse(reading, "%s", "contact_positions: a list of at least one contact is needed");
     }
@@ -495,6 +495,56 @@ void conus_probe_tip(double out[3], const conus_probe *probe, size_t index)
     if (probe && index < probe->probe_count) {
         memcpy(out, probe->probes[index].tip, sizeof probe->probes[index].tip);
     }
+}
+
+/* A contact of probe `index` of `out` is like this one. */
+static conus_status repeat_contact(conus_probe *out, size_t index, const conus_probe_contact *contact)
+{
+    conus_probe_contact *copy = &out->contacts[out->count++];
+    char id[2 * POSE_ID_LIMIT + 2];
+    *copy = *contact;
+    copy->index = index;
+    copy->probe = out->probes[index].name;
+    size_t size = (size_t)snprintf(id, sizeof id, "%s:%s", copy->probe, contact->id);
+    copy->id = memory_text(id, size);
+    copy->shank = memory_text(contact->shank, strlen(contact->shank));
+    return !copy->id || !copy->shank ? CONUS_ERROR_MEMORY
+           : size <= POSE_ID_LIMIT   ? CONUS_OK
+                                     : fail(CONUS_ERROR_ARGUMENT,
+                                            "names: \"%.40s...\" is too long: with the name of a contact 255 bytes are "
+                                              "allowed",
+                                            copy->probe);
+}
+
+conus_status conus_probe_repeat(conus_probe **out, const conus_probe *probe, const char *const *names, size_t count)
+{
+    if (probe->probe_count != 1 || !count || count > PROBE_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "probes: %zu of a file of %zu, allowed are 1 to %d of a file of one", count,
+                    probe->probe_count, PROBE_LIMIT);
+    }
+    conus_status status = pose_check_count(count * probe->count, 0);
+    conus_probe *made = status ? NULL : memory_zeroed(1, sizeof *made);
+    if (!made) {
+        return status ? status : CONUS_ERROR_MEMORY;
+    }
+    made->probe_count = count;
+    made->probes = memory_zeroed(count, sizeof *made->probes);
+    made->contacts = memory_zeroed(count * probe->count, sizeof *made->contacts);
+    status = made->probes && made->contacts ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; i < count && !status; i++) {
+        made->probes[i] = probe->probes[0];
+        snprintf(made->probes[i].name, sizeof made->probes->name, "%s", names[i]);
+        for (size_t k = 0; k < probe->count && !status; k++) {
+            status = repeat_contact(made, i, &probe->contacts[k]);
+        }
+    }
+    status = status ? status : check_unique(made);
+    if (status) {
+        conus_probe_destroy(made);
+        return status == CONUS_ERROR_DATA ? CONUS_ERROR_ARGUMENT : status; /* by names */
+    }
+    *out = made;
+    return CONUS_OK;
 }
 
 conus_status conus_probe_place(conus_pose_list **out, const conus_probe *probe, const conus_pose *poses, size_t count,

@@ -9,11 +9,42 @@
 #include <stdio.h>
 #include <string.h>
 
+static void free_kept(conus_pose_row *row, size_t count)
+{
+    for (size_t i = 0; row->kept && i < count; i++) {
+        memory_free((char *)row->kept[i]);
+    }
+    memory_free((void *)row->kept);
+    row->kept = NULL;
+}
+
+conus_status pose_list_keep(conus_pose_list *list, const struct kept_text *texts, size_t count)
+{
+    char **kept = memory_zeroed(count, sizeof *kept);
+    conus_pose_row *row = &list->rows[list->count - 1];
+    conus_status status = kept ? CONUS_OK : CONUS_ERROR_MEMORY;
+    list->kept_count = count;
+    row->kept = (const char *const *)kept;
+    for (size_t i = 0; i < count && !status; i++) {
+        const struct text text = texts[i].text;
+        size_t size = 0;
+        kept[i] = memory_text(text.data ? text.data : "", text.data ? text.size : 0);
+        status = kept[i] ? CONUS_OK : CONUS_ERROR_MEMORY;
+        for (size_t k = 0; k < text.size && texts[i].is_quoted && !status; k++) {
+            kept[i][size++] = text.data[k];
+            k += text.data[k] == '"'; /* and the one behind it */
+            kept[i][size] = '\0';
+        }
+    }
+    return status;
+}
+
 void pose_list_clear(conus_pose_list *list)
 {
     for (size_t i = 0; i < list->count; i++) {
         memory_free((char *)list->rows[i].id);
         memory_free((char *)list->rows[i].error);
+        free_kept(&list->rows[i], list->kept_count);
     }
     list->count = 0;
 }
@@ -47,6 +78,7 @@ conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, str
     const char *bad = pose_check_id(&id, ordinal, list->count + 1);
     error = error ? error : bad;
     conus_pose_row copy = *row;
+    copy.kept = NULL; /* pose_list_keep() */
     copy.id = memory_text(id.data, id.size);
     copy.error = error ? memory_text(error, text_from(error).size) : NULL;
     if (!copy.id || (error && !copy.error) ||

@@ -6,6 +6,7 @@
 #include "base/notes.h"
 #include "base/text.h"
 #include "conus/pose_file.h"
+#include "poses/rows/pose_row.h"
 
 /** Which brain a space belongs to. */
 enum pose_brain {
@@ -44,6 +45,7 @@ struct conus_pose_list {
     char *name;            /**< Path of the sink; owned, NULL while it is the stream's. */
     struct pose_space space;
     bool is_cap;       /**< Of electrodes, which is checked when it is whole (caps.h). */
+    size_t kept_count; /**< Of each row that has some. */
     char *electrodes;  /**< The text of a table of electrodes; owned, NULL of other formats. */
     char *coordsystem; /**< Path of the file that says what the space is; owned, NULL if there is none. */
     char coordsystem_sha256[65];
@@ -52,6 +54,9 @@ struct conus_pose_list {
 /** Adds a row with copies of its strings. An @p id that is empty becomes the row's number; one that is too long or not
  * UTF-8, too, and then the row has an error. @p error NULL: none. */
 conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, struct text id, const char *error);
+
+/** Gives the last row copies of texts that are kept. All rows of a list have as many. */
+conus_status pose_list_keep(conus_pose_list *list, const struct kept_text *texts, size_t count);
 
 /** Gives the sink the notes of the list, which keeps a copy of the sink and of its path. */
 conus_status pose_list_hear(conus_pose_list *list, const struct note_sink *sink);

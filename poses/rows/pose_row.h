@@ -11,6 +11,13 @@ enum {
     POSE_ID_LIMIT = 255,    /**< Longest id, in bytes.                  */
     POSE_QUOTE_LIMIT = 40,  /**< How much of a field a message quotes.  */
     POSE_ORDINAL_SIZE = 24, /**< A row's number as text.                */
+    POSE_KEPT_LIMIT = 64    /**< Most columns whose texts are kept.     */
+};
+
+/** A cell that is kept. */
+struct kept_text {
+    struct text text;
+    bool is_quoted; /**< Its marks are doubled. */
 };
 
 /** The formats of a text of poses, for messages. */

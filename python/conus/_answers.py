@@ -114,25 +114,33 @@ def own_points_of(atlas: Atlas, prefix: str, points: Array, space: Optional[Spac
     return {} if own is None else points_of(prefix, points if space and space.is_own else own, space)
 
 
-def with_errors(frame: pandas.DataFrame, pose: Array, queries: Array, errors: dict[int, str]) -> pandas.DataFrame:
+def with_errors(
+    frame: pandas.DataFrame, pose: Array, queries: dict[str, Array], errors: dict[int, str]
+) -> pandas.DataFrame:
     """Rows of many poses, and one of kind "error" for each pose without an answer, whose name is the reason.
 
-    ``pose`` is the index of the pose of each row, ``queries`` has the name of each pose.
+    ``pose`` is the index of the pose of each row, ``queries`` has the columns of each pose.
     """
     import pandas
 
     if not errors:
         return frame
-    failed = pandas.DataFrame({"query": queries[list(errors)], "kind": "error", "name": list(errors.values())})
+    failed = pandas.DataFrame(of_poses(queries, list(errors)))
+    failed["kind"], failed["name"] = "error", list(errors.values())
     for column in ("kind", "name"):
         frame[column] = frame[column].astype(object)
     order = np.argsort(np.concatenate([pose, list(errors)]), kind="stable")
     return pandas.concat([frame, failed]).iloc[order].reset_index(drop=True)
 
 
-def queries_of(names: Optional[Array], count: int) -> Array:
-    """The name of each pose in the column query: its id in a file, or its number from 1."""
-    return np.arange(1, count + 1) if names is None else names
+def queries_of(names: Optional[dict[str, Array]], count: int) -> dict[str, Array]:
+    """The columns that say which pose it is: query, its id in a file or its number from 1, and what marks it."""
+    return {"query": np.arange(1, count + 1)} if names is None else names
+
+
+def of_poses(queries: dict[str, Array], pose: Any) -> dict[str, Array]:
+    """These columns of rows about these poses."""
+    return {name: values[pose] for name, values in queries.items()}
 
 
 def _ordered(results: Array, query: Array, order: str, by_entry: bool) -> Array:
@@ -495,7 +503,7 @@ class Answers:
     space: Optional[Space] = None  #: of positions in tables; None = RAS mm
 
     def __init__(self, atlas: Atlas, results: Array, starts: Array, errors: dict[int, str], layers: bool,
-                 names: Optional[Array] = None) -> None:
+                 names: Optional[dict[str, Array]] = None) -> None:
         self._points: Optional[tuple[Array, float]] = None  # of :meth:`Selector.near_many`, with the radius
         self.atlas = atlas
         self.results = results
@@ -533,7 +541,7 @@ class Answers:
         import pandas
 
         query, results = self._rows(order)
-        columns = {"query": self._queries[query], **_columns(self.atlas, results, self._layers, self.space)}
+        columns = {**of_poses(self._queries, query), **_columns(self.atlas, results, self._layers, self.space)}
         if self._points:
             _of_points(columns, results, self._points[0][query], self._points[1], self.space)
         return with_errors(pandas.DataFrame(columns, copy=False), query, self._queries, self.errors)
@@ -548,7 +556,7 @@ class Track(Answers):
 
     def __init__(
         self, atlas: Atlas, results: Array, starts: Array, errors: dict[int, str], layers: bool, steps: Array,
-        names: Optional[Array] = None,
+        names: Optional[dict[str, Array]] = None,
     ) -> None:
         super().__init__(atlas, results, starts, errors, layers, names)
         self.steps = steps
@@ -583,7 +591,7 @@ class Track(Answers):
 
         query, results = self._rows(order)
         steps = self.steps[query]
-        columns = {"query": self._queries[query], **_columns(self.atlas, results, self._layers, self.space)}
+        columns = {**of_poses(self._queries, query), **_columns(self.atlas, results, self._layers, self.space)}
         frame = pandas.DataFrame({**columns, **_step_columns(steps, results)}, copy=False)
         if not selected:
             return frame

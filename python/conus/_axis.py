@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
-from ._answers import Array, identity_of, own_points_of, points_of, queries_of, with_errors
+from ._answers import Array, identity_of, own_points_of, points_of, of_poses, queries_of, with_errors
 from ._conus import ffi, lib
 from ._library import CLEARANCE, SEGMENT, ArgumentError, array_of, check, owned
 
@@ -25,7 +25,7 @@ class AxisRows:
 
     def __init__(
         self, atlas: Atlas, records: Array, starts: Optional[Array] = None, errors: Optional[dict[int, str]] = None,
-        names: Optional[Array] = None,
+        names: Optional[dict[str, Array]] = None,
     ) -> None:
         self.atlas = atlas
         self.records = records
@@ -82,7 +82,7 @@ class AxisRows:
         starts = np.array([0, len(self)]) if self.starts is None else self.starts
         query = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
         queries = queries_of(self._names, len(starts) - 1)
-        columns = {} if self.starts is None else {"query": queries[query]}
+        columns = {} if self.starts is None else of_poses(queries, query)
         columns.update(self._columns(np.arange(len(self)) - starts[query] + 1))
         return with_errors(pandas.DataFrame(columns), query, queries, self.errors)
 

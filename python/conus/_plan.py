@@ -164,7 +164,7 @@ def stream_of(array: PoseArray, poses: Any, near: Any, far: Any) -> Iterator[Any
         if given is not None:
             ends[:, column] = numbers(name, given)
     for i, (low, high) in enumerate(ends):
-        name = str(i + 1) if array.names is None else str(array.names[i])
+        name = str(i + 1) if array.names is None else str(array.names["query"][i])
         place = np.full(len(columns), np.nan)
         if i not in array.reasons:
             check(array.fill(pose, i))

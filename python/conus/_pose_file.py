@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from typing import TYPE_CHECKING, Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
 
 import numpy as np
 
@@ -63,9 +63,10 @@ class Poses(Guarded):
     errors_deg: Array  #: (n,) how far off the direction may be, degrees; NaN where the file has none
     errors_mm: Array  #: (n,) the same of the position
     ranges: Array  #: (n, 2) near and far, mm; NaN where the file has none
+    kept: dict[str, Array]  #: (n,) texts of the columns that ``keep`` names; "" of an empty cell
     errors: dict[int, str]  #: why a row is no pose, by its index; a point has no direction
 
-    def __init__(self, pointer: Any, path: Any, any_space: bool, alive: Any) -> None:
+    def __init__(self, pointer: Any, path: Any, any_space: bool, alive: Any, keep: Sequence[str] = ()) -> None:
         self._list = owned(pointer, lib.conus_pose_list_destroy)
         super().__init__()
         self._alive, self._any_space = alive, any_space
@@ -74,6 +75,8 @@ class Poses(Guarded):
         rows = [lib.conus_pose_list_row(self._list, i) for i in range(count)]
         self.ids = np.array([text(row.id) for row in rows], object)
         self.lines = np.array([row.line for row in rows], np.uint64)
+        self.kept = {name: np.array([text(row.kept[i]) if row.kept else "" for row in rows], object)
+                     for i, name in enumerate(keep)}
         self.errors = {i: f"line {row.line}: {python_words(text(row.error)) or _POINT}"
                        for i, row in enumerate(rows) if row.error or row.is_point}
         matrices = np.array([list(row.pose.world_from_device) for row in rows]).reshape(count, 4, 4)
@@ -134,6 +137,12 @@ class Poses(Guarded):
             remedy = "load(..., transforms=[...]) brings it to them, read_poses(..., any_space=True) takes them anyway"
             raise DataError(f"{self.path}: {error}; {remedy}") from None
 
+    def _marks(self) -> dict[str, Array]:
+        """The columns of rows about these poses: query and, where ids repeat or there are times, row and time_s."""
+        times = {} if np.isnan(self.times_s).all() else {"time_s": self.times_s}
+        is_marked = times or len(set(self.ids)) < len(self)
+        return {"query": self.ids, **({"row": np.arange(1, len(self) + 1)} if is_marked else {}), **times}
+
     def to_dataframe(self) -> pandas.DataFrame:
         """A row for each: query (its id), position, direction, and what else the file says; NA where it does not."""
         import pandas
@@ -144,6 +153,7 @@ class Poses(Guarded):
         others = (("angle", self.angles), ("time_s", self.times_s), ("error_deg", self.errors_deg),
                   ("error_mm", self.errors_mm), ("near", self.ranges[:, 0]), ("far", self.ranges[:, 1]))
         columns.update((name, values) for name, values in others if not np.isnan(values).all())
+        columns.update(self.kept)
         columns["error"] = [self.errors.get(i) for i in range(len(self))]
         return pandas.DataFrame(columns)
 
@@ -161,6 +171,7 @@ def read_poses(
     bregma: Any = None,
     atlas: Optional[Atlas] = None,
     any_space: bool = False,
+    keep: Sequence[str] = (),
     max_memory: int = 0,
 ) -> Poses:
     """Reads a file of poses: tables, Brainsight, Localite, SimNIBS, and all else that ``conus batch --poses`` reads.
@@ -182,6 +193,8 @@ def read_poses(
         Where "ccf" and "bregma" are found. The poses are matched with it (:meth:`Poses.match`) at once.
     any_space
         Take the poses even if the file names another space than the atlas.
+    keep
+        Names of columns of a table whose texts ``Poses.kept`` has, as ``conus batch --keep``.
     max_memory
         Largest file of a format that is read whole, bytes; 0 = 1 GiB.
 
@@ -202,11 +215,16 @@ def read_poses(
         raise ArgumentError(f"space: {space} lies where an atlas has it, atlas=... is needed")
     found = space_of(ffi.NULL if atlas is None else atlas._p, space, bregma)
     options.frame = found._frame if found else ffi.NULL
+    if isinstance(keep, str):
+        raise ArgumentError("keep: a list of names is wanted, not a text")
+    names = [ffi.new("char[]", str(name).encode()) for name in keep]
+    kept = ffi.new("char *[]", names)
+    options.keep, options.keep_count = ffi.cast("const char *const *", kept), len(names)
     state = Callback()
     handle = state.hear(options)
     status = lib.conus_pose_list_load(out, path_of("path", path), options)
     state.check(status)
-    poses = Poses(out[0], os.fsdecode(path), flag("any_space", any_space), (state, handle))
+    poses = Poses(out[0], os.fsdecode(path), flag("any_space", any_space), (state, handle), tuple(map(str, keep)))
     if atlas is not None:
         poses.match(atlas)
     return poses

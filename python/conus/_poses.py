@@ -52,10 +52,10 @@ class PoseArray:
                  frame: Any) -> None:
         self.struct, self.frame = ffi.new("conus_pose_array *", {"frame": frame}), frame
         self._alive: list[Array] = []
-        self.names: Optional[Array] = None  #: of each pose; None = numbers
+        self.names: Optional[dict[str, Array]] = None  #: of each pose; None = numbers
         self.reasons: dict[int, str] = {}  #: why a pose of a file is none
         if isinstance(poses, Poses):
-            self.names, self.reasons = poses.ids, poses.errors
+            self.names, self.reasons = poses._marks(), poses.errors
             if np.ndim(unmasked("angle", angle)) == 0 and not np.isnan(poses.angles).all():
                 angle = np.nan_to_num(poses.angles)  # 0 = the default
             if near is None and far is None and not np.isnan(poses.ranges).all():

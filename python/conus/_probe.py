@@ -79,7 +79,7 @@ class Contacts(Answers):
     """The answers at the contacts of a probe, in their order."""
 
     def __init__(self, probe: Probe, points: Array, atlas: Atlas, results: Array, starts: Array) -> None:
-        super().__init__(atlas, results, starts, {}, True, probe.ids)
+        super().__init__(atlas, results, starts, {}, True, {"query": probe.ids})
         self.probe = probe
         self.points = points  #: (n, 3) where the contacts are, RAS mm
         first = np.zeros(len(probe), np.int64)

@@ -196,4 +196,5 @@ def follow(tracker: Tracker, times_s: Any, poses: PoseArray, angle: float, trigg
     results = np.empty(starts[-1], RESULT)
     np.concatenate([np.empty(0, RESULT), *follower.results], out=results)
     selector = tracker.selector
-    return Track(selector.atlas, results, starts, follower.errors, selector._layers, follower.steps, poses.names)
+    names = poses.names and {"query": poses.names["query"]}  # steps have their own times
+    return Track(selector.atlas, results, starts, follower.errors, selector._layers, follower.steps, names)

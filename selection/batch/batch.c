@@ -2,13 +2,16 @@
 /* A batch: blocks of poses are read from a stream, answered by threads as rows of text, and delivered in order. */
 #include "conus/batch.h"
 #include "base/buffer.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "poses/pose_stream.h"
+#include "poses/rows/pose_row.h"
 #include "selection/batch/ring.h"
 #include "selection/batch/worker.h"
 #include "selection/report/report.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -17,10 +20,18 @@ enum { ROWS_AT_ONCE = 64 };
 struct block {
     struct batch_pose *poses; /* [capacity] */
     struct pose_words {
-        size_t id;    /* where in the block's strings the pose's id begins, */
-        size_t error; /* and the reason, if it is no pose */
-    } * words;        /* [capacity] */
+        size_t id;                          /* where in the block's strings the pose's id begins, */
+        size_t error;                       /* and the reason, if it is no pose */
+        size_t probe;                       /* and of a contact the name of its probe */
+        const conus_probe_contact *contact; /* NULL = it is none */
+        uint64_t number;                    /* of the row in the stream, from 1 */
+        double time_s;
+        size_t kept;   /* where its texts that are kept begin, one behind the other, */
+        bool has_kept; /* if there are some */
+    } * words;         /* [capacity] */
     size_t count, capacity;
+    size_t rows;           /* of the stream: as many as poses, or fewer that place a probe each */
+    size_t kept_count;     /* texts of a row that are kept */
     uint64_t first;        /* number of the first one in the stream, from 0 */
     struct buffer strings; /* with a NUL behind each */
     struct buffer text;    /* the rows */
@@ -38,10 +49,13 @@ struct batch_atlas {
 struct conus_batch {
     conus_batch_options options; /* defaults filled in */
     conus_frame frame;           /* that of options.report, where it has one */
+    conus_row_marks *marks;      /* [threads] those of options.report, for each thread; NULL = none */
+    const char **texts;          /* [threads * the marks' count] their texts */
     struct batch_atlas *atlases; /* [atlas_count] */
     size_t atlas_count, atlas_capacity;
     struct block *blocks; /* [block_count], the slots of the ring */
     size_t block_count;
+    size_t rows_at_once; /* of the stream, in a block */
     struct buffer header;
 };
 
@@ -71,11 +85,13 @@ static conus_status add_atlas(conus_batch *batch, conus_selector *selector, cons
              : report->rows == CONUS_ROWS_CLEARANCES ? selector_prepare_clearance(selector)
                                                      : selector_prepare_axis(selector);
     for (uint32_t i = 0; i < options->threads && !status; i++) {
+        conus_report_options own = *report;
+        own.marks = batch->marks ? &batch->marks[i] : NULL;
         status = batch_worker_init(
             &atlas.workers[i], selector, options->block, options->angle,
             (struct batch_points){report_is_foreign(report->format) ? fmax(radius, CONUS_POINT_RADIUS) : radius,
                                   options->point_error});
-        status = status ? status : conus_report_create(&atlas.reports[i], atlas.workers[i].selector, report);
+        status = status ? status : conus_report_create(&atlas.reports[i], atlas.workers[i].selector, &own);
         if (!status) {
             atlas.reports[i]->options.no_voxels = true;
         }
@@ -97,8 +113,12 @@ conus_status conus_batch_create(conus_batch **out, conus_selector *selector, con
     if (filled.report.format == CONUS_FORMAT_TABLE || filled.report.format == CONUS_FORMAT_JSON) {
         return fail(CONUS_ERROR_ARGUMENT, "format: tables for people and JSON hold all answers at once, no batch");
     }
-    if (filled.report.probe) {
-        return fail(CONUS_ERROR_ARGUMENT, "probe: its contacts are asked one by one, no batch");
+    if (filled.report.probe &&
+        (conus_probe_count(filled.report.probe) != 1 || report_is_foreign(filled.report.format) ||
+         !isfinite(filled.report.roll) || !(filled.report.depth >= 0))) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "probe: a batch places one, in rows of its own, turned by a number of radians "
+                    "and 0 mm or more deep");
     }
     conus_status status = batch_check_options(&filled.threads, &filled.block, &filled.angle, selector);
     if (report_is_of_probe(filled.report.format)) {
@@ -108,23 +128,40 @@ conus_status conus_batch_create(conus_batch **out, conus_selector *selector, con
     if (status) {
         return status;
     }
+    size_t contacts = filled.report.probe ? conus_probe_contact_count(filled.report.probe) : 1;
+    size_t rows = filled.block > contacts ? filled.block / contacts : 1;
+    if (rows * contacts > UINT32_MAX) {
+        return fail(CONUS_ERROR_ARGUMENT, "probe: %zu contacts are too many for a batch", contacts);
+    }
+    filled.block = (uint32_t)(rows * contacts);
     conus_batch *batch = memory_zeroed(1, sizeof *batch);
     if (!batch) {
         return CONUS_ERROR_MEMORY;
     }
     batch->options = filled;
+    batch->rows_at_once = rows;
     if (filled.report.frame) { /* the caller's may end */
         batch->frame = *filled.report.frame;
         batch->options.report.frame = &batch->frame;
     }
+    if (filled.report.marks) {
+        batch->marks = memory_raw(filled.threads, sizeof *batch->marks);
+        batch->texts = memory_zeroed(filled.threads * filled.report.marks->count, sizeof *batch->texts);
+        status = batch->marks && batch->texts ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < filled.threads && batch->marks && batch->texts; i++) {
+        batch->marks[i] = *filled.report.marks;
+        batch->marks[i].texts = batch->texts + i * batch->marks[i].count;
+    }
     batch->block_count = ring_slots(filled.threads);
     batch->blocks = memory_zeroed(batch->block_count, sizeof *batch->blocks);
-    status = batch->blocks ? add_atlas(batch, selector, &batch->options.report) : CONUS_ERROR_MEMORY;
+    status = status ? status : batch->blocks ? add_atlas(batch, selector, &batch->options.report) : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < batch->block_count && !status; i++) {
         struct block *block = &batch->blocks[i];
         *block = (struct block){.poses = memory_raw(filled.block, sizeof *block->poses),
                                 .words = memory_raw(filled.block, sizeof *block->words),
-                                .capacity = filled.block};
+                                .capacity = filled.block,
+                                .kept_count = filled.report.marks ? filled.report.marks->count : 0};
         status = block->poses && block->words ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
     if (!status) {
@@ -163,6 +200,8 @@ void conus_batch_destroy(conus_batch *batch)
     }
     memory_free(batch->atlases);
     memory_free(batch->blocks);
+    memory_free(batch->marks);
+    memory_free((void *)batch->texts);
     buffer_finish(&batch->header);
     memory_free(batch);
 }
@@ -211,37 +250,87 @@ static size_t keep_string(struct block *block, const char *string)
     return at;
 }
 
-/* Fills the block with the next poses, `limit` at most. */
-static conus_status read_poses(struct block *block, conus_pose_stream *poses, uint64_t limit)
+static struct pose_words *add_pose(struct block *block, const conus_pose_row *row, struct batch_pose pose)
+{
+    struct pose_words *words = &block->words[block->count];
+    block->poses[block->count++] = pose;
+    *words = (struct pose_words){.number = block->first + block->rows, .time_s = row->error ? NAN : row->time_s};
+    words->id = keep_string(block, row->id);
+    words->has_kept = row->kept;
+    words->kept = block->strings.size;
+    for (size_t i = 0; row->kept && i < block->kept_count; i++) {
+        keep_string(block, row->kept[i]);
+    }
+    return words;
+}
+
+static void add_row(struct block *block, const conus_pose_row *row, const char *error)
+{
+    struct batch_pose pose = {.line = row->line, .is_no_pose = error != NULL, .is_point = row->is_point};
+    if (!error) {
+        pose.pose = row->pose;
+        pose.angle = row->angle;
+        memcpy(pose.range, row->range, sizeof pose.range);
+    }
+    struct pose_words *words = add_pose(block, row, pose);
+    words->error = error ? keep_string(block, error) : 0;
+}
+
+/* Adds the contacts of a probe that the row places. */
+static conus_status add_contacts(struct block *block, const conus_pose_row *row, const conus_report_options *report)
+{
+    conus_pose placed = row->pose;
+    double *m = placed.world_from_device;
+    double depth = row->range[1] >= 0 ? row->range[1] : report->depth;
+    for (int a = 0; a < 3; a++) {
+        m[12 + a] -= depth * m[8 + a];
+    }
+    conus_status status = pose_roll(&placed, report->roll);
+    for (size_t i = 0; i < conus_probe_contact_count(report->probe) && !status; i++) {
+        const conus_probe_contact *contact = conus_probe_at(report->probe, i);
+        struct batch_pose pose = {.line = row->line, .is_point = true, .range = {NAN, NAN}};
+        double point[3];
+        mat4_point(point, m, contact->offset);
+        status = pose_of_point(&pose.pose, point);
+        struct pose_words *words = add_pose(block, row, pose);
+        words->probe = words->id;
+        words->contact = contact;
+        words->id = block->strings.size;
+        buffer_format(&block->strings, "%s:%s", row->id, contact->id);
+        buffer_append(&block->strings, "", 1);
+    }
+    return status;
+}
+
+/* Fills the block with the next rows, `limit` at most. */
+static conus_status read_poses(struct block *block, const conus_batch *batch, conus_pose_stream *poses, uint64_t limit)
 {
     conus_pose_row rows[ROWS_AT_ONCE];
-    size_t wanted = limit < block->capacity ? (size_t)limit : block->capacity;
+    size_t wanted = limit < batch->rows_at_once ? (size_t)limit : batch->rows_at_once;
+    const conus_report_options *report = &batch->options.report;
     block->count = 0;
+    block->rows = 0;
     block->errors = 0;
     block->first = pose_stream_position(poses);
     buffer_clear(&block->strings);
     buffer_clear(&block->text);
-    while (block->count < wanted) {
-        size_t missing = wanted - block->count;
+    while (block->rows < wanted) {
+        size_t missing = wanted - block->rows;
         size_t count = 0;
         conus_status status =
             conus_pose_stream_read(rows, &count, poses, missing < ROWS_AT_ONCE ? missing : ROWS_AT_ONCE);
+        for (size_t i = 0; i < count && !status; i++) {
+            bool has_probe = report->probe && !rows[i].error;
+            block->rows++;
+            if (has_probe && !rows[i].is_point) {
+                status = add_contacts(block, &rows[i], report);
+            } else {
+                add_row(block, &rows[i],
+                        has_probe ? "a point, without the direction that a probe needs" : rows[i].error);
+            }
+        }
         if (status || count == 0) {
             return status;
-        }
-        for (size_t i = 0; i < count; i++) {
-            const conus_pose_row *row = &rows[i];
-            struct batch_pose *pose = &block->poses[block->count];
-            struct pose_words *words = &block->words[block->count++];
-            *pose = (struct batch_pose){.line = row->line, .is_no_pose = row->error != NULL, .is_point = row->is_point};
-            words->id = keep_string(block, row->id);
-            if (row->error) {
-                words->error = keep_string(block, row->error);
-            } else {
-                pose->pose = row->pose;
-                pose->angle = row->angle;
-                memcpy(pose->range, row->range, sizeof pose->range);
-            }
         }
     }
     return buffer_status(&block->strings);
@@ -250,25 +339,48 @@ static conus_status read_poses(struct block *block, conus_pose_stream *poses, ui
 static conus_status read_block(void *user, size_t slot, bool *may_follow)
 {
     struct run *run = user;
-    struct block *block = &run->batch->blocks[slot];
-    conus_status status = read_poses(block, run->poses, run->left);
-    bool is_all = block->first == 0 && block->count < block->capacity && block->count < run->left;
-    if (!status && block->count && !is_all && report_is_of_probe(run->batch->options.report.format)) {
+    const conus_batch *batch = run->batch;
+    struct block *block = &batch->blocks[slot];
+    conus_status status = read_poses(block, batch, run->poses, run->left);
+    bool is_all = block->first == 0 && block->rows < batch->rows_at_once && block->rows < run->left;
+    if (!status && block->rows && !is_all && report_is_of_probe(batch->options.report.format)) {
         status =
             fail(CONUS_ERROR_ARGUMENT,
                  "format: a probe is written as a whole, but these are contacts %llu to %llu, and there may be more",
-                 (unsigned long long)block->first + 1, (unsigned long long)block->first + block->count);
+                 (unsigned long long)block->first + 1, (unsigned long long)block->first + block->rows);
     }
-    run->left -= block->count;
-    *may_follow = block->count == block->capacity;
+    run->left -= block->rows;
+    *may_follow = block->rows == batch->rows_at_once;
     return status;
 }
 
 struct writing {
     struct block *block;
     conus_report *report;
-    bool counts; /* a pose without an answer is one error, however many atlases have none */
+    bool counts;            /* a pose without an answer is one error, however many atlases have none */
+    conus_row_marks *marks; /* the report's, or NULL */
 };
+
+/* Says of which pose the answer is that the report takes next, and of which contact. */
+static void mark(const struct writing *writing, size_t index)
+{
+    const struct pose_words *words = &writing->block->words[index];
+    conus_report *report = writing->report;
+    if (writing->marks) {
+        writing->marks->number = words->number;
+        writing->marks->time_s = words->time_s;
+        const char *text = writing->block->strings.data + words->kept;
+        const char **texts = (const char **)writing->marks->texts;
+        for (size_t i = 0; i < writing->marks->count; i++) {
+            texts[i] = words->has_kept ? text : NULL;
+            text += words->has_kept ? strlen(text) + 1 : 0;
+        }
+    }
+    if (report->options.probe) { /* a row without an answer has none, and needs none */
+        report->contact = words->contact ? words->contact : conus_probe_at(report->options.probe, 0);
+        report->contact_probe = writing->block->strings.data + words->probe;
+    }
+}
 
 static const char *id_of(const struct writing *writing, size_t index)
 {
@@ -292,6 +404,7 @@ static conus_status add_error(const struct writing *writing, size_t index)
 static conus_status add_to_report(void *user, size_t index, const conus_selection *selection)
 {
     const struct writing *writing = user;
+    mark(writing, index);
     return selection ? conus_report_add(writing->report, id_of(writing, index), selection) : add_error(writing, index);
 }
 
@@ -299,6 +412,7 @@ static conus_status add_axis_to_report(void *user, size_t index, const conus_seg
                                        const conus_clearances *clearances)
 {
     const struct writing *writing = user;
+    mark(writing, index);
     return segments     ? conus_report_add_segments(writing->report, id_of(writing, index), segments)
            : clearances ? conus_report_add_clearances(writing->report, id_of(writing, index), clearances)
                         : add_error(writing, index);
@@ -330,7 +444,7 @@ static conus_status answer_block(void *user, size_t slot, size_t worker, const a
     conus_status status = find_axes(&of_axes, block, first);
     for (size_t i = 0; i < batch->atlas_count && !status; i++) {
         const struct batch_atlas *atlas = &batch->atlases[i];
-        struct writing writing = {block, atlas->reports[worker], i == 0};
+        struct writing writing = {block, atlas->reports[worker], i == 0, batch->marks ? &batch->marks[worker] : NULL};
         struct batch_worker *asked = &atlas->workers[worker];
         status = of_axes ? batch_worker_answer_axes(asked, block->poses, block->count, stop, within, add_axis_to_report,
                                                     &writing)
@@ -353,12 +467,12 @@ static conus_status deliver_block(void *user, size_t slot)
     const struct block *block = &run->batch->blocks[slot];
     const conus_batch_block answers = {.text = block->text.data ? block->text.data : "",
                                        .size = block->text.size,
-                                       .poses = block->count,
+                                       .poses = block->rows,
                                        .errors = block->errors,
                                        .line = block->errors ? block->error_line : 0,
                                        .why = block->errors ? block->error : NULL};
-    return !block->count || run->sink(run->user, &answers) ? CONUS_OK
-                                                           : fail(CONUS_ERROR_CANCELLED, "the sink ended the run");
+    return !block->rows || run->sink(run->user, &answers) ? CONUS_OK
+                                                          : fail(CONUS_ERROR_CANCELLED, "the sink ended the run");
 }
 
 static void stop_reading(void *user)

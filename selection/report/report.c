@@ -49,8 +49,12 @@ static conus_status check_options(const conus_report_options *options)
     if (options->placed && options->format != CONUS_FORMAT_BEP032) {
         return fail(CONUS_ERROR_ARGUMENT, "placed: only BEP032 has positions on the probe otherwise");
     }
-    if (options->probe && (options->rows != CONUS_ROWS_ANSWERS || options->tracker)) {
+    bool of_contacts = options->rows == CONUS_ROWS_ANSWERS || options->rows == CONUS_ROWS_SUMMARIES;
+    if (options->probe && (!of_contacts || options->tracker)) {
         return fail(CONUS_ERROR_ARGUMENT, "probe: only answers have its columns, not tracks");
+    }
+    if (options->marks && options->tracker) {
+        return fail(CONUS_ERROR_ARGUMENT, "marks: a track has the time of its steps, and no other");
     }
     if (!(options->within >= 0)) {
         return fail(CONUS_ERROR_ARGUMENT, "within: %g mm, allowed is 0 or more", options->within);
@@ -79,6 +83,37 @@ static conus_status find_prefixes(conus_report *report)
 {
     report->prefixes = memory_zeroed(report->atlas->object_count + 1, sizeof *report->prefixes);
     return report->prefixes ? conus_atlas_prefixes(report->prefixes, report->atlas) : CONUS_ERROR_MEMORY;
+}
+
+/* Makes the further columns of the marks. */
+static conus_status make_kept(conus_report *report)
+{
+    const conus_row_marks *marks = report_marks(report);
+    struct report_columns columns;
+    if (!marks || !marks->count) {
+        return CONUS_OK;
+    }
+    report_list_columns(&columns, report); /* without them */
+    report->kept = memory_zeroed(marks->count, sizeof *report->kept);
+    conus_status status = !report->kept ? CONUS_ERROR_MEMORY
+                          : marks->count <= REPORT_KEPT_LIMIT
+                              ? CONUS_OK
+                              : fail(CONUS_ERROR_ARGUMENT, "marks: %zu further columns, allowed are up to %d",
+                                     marks->count, REPORT_KEPT_LIMIT);
+    for (size_t i = 0; i < marks->count && !status; i++) {
+        char *name = text_to_utf8(text_from(marks->names[i]));
+        report_kept_column(&report->kept[i], name, i);
+        status = name ? CONUS_OK : CONUS_ERROR_MEMORY;
+        for (size_t k = 0; k < columns.count && !status; k++) {
+            if (strcmp(columns.at[k]->name, name) == 0) {
+                status = fail(CONUS_ERROR_ARGUMENT, "a column \"%s\" cannot be kept: the answer has one itself%s", name,
+                              k < columns.count - i ? "" : ", or it is named twice");
+            }
+        }
+        columns.at[columns.count] = &report->kept[i];
+        columns.count += !status;
+    }
+    return status;
 }
 
 conus_status conus_report_create(conus_report **out, const conus_selector *selector,
@@ -110,6 +145,7 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     status = status || options->format != CONUS_FORMAT_TABLE ? status : find_prefixes(report);
     bool is_draft = options->format == CONUS_FORMAT_BEP032;
     status = status || !is_draft ? status : report_bep032_create(&report->bep032, report->atlas);
+    status = status ? status : make_kept(report);
     if (status) {
         conus_report_destroy(report);
         return status;
@@ -118,12 +154,21 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     return CONUS_OK;
 }
 
+static void free_kept(struct report_query *query, const conus_report *report)
+{
+    for (size_t i = 0; query->kept && i < report->options.marks->count; i++) {
+        memory_free(query->kept[i]);
+    }
+    memory_free(query->kept);
+}
+
 void report_clear(conus_report *report)
 {
     for (size_t i = 0; i < report->query_count; i++) {
         memory_free(report->queries[i].id);
         memory_free(report->queries[i].error);
         memory_free(report->queries[i].roi.path);
+        free_kept(&report->queries[i], report);
     }
     report->query_count = 0;
     report->row_count = 0;
@@ -182,6 +227,10 @@ void conus_report_destroy(conus_report *report)
     memory_free(report->queries);
     memory_free(report->rows);
     memory_free(report->electrode_lines);
+    for (size_t i = 0; report->kept && i < report->options.marks->count; i++) {
+        memory_free((char *)report->kept[i].name);
+    }
+    memory_free(report->kept);
     report_bep032_destroy(report->bep032);
     memory_free(report->plan.constraints);
     memory_free(report->plan.columns);
@@ -191,22 +240,47 @@ void conus_report_destroy(conus_report *report)
     memory_free(report);
 }
 
-/* The id of the new query is copied first, so that nothing has changed where there is no memory. */
+/* Copies what the marks say of the answer that is added; the caller frees it in any case. */
+static conus_status copy_marks(struct report_query *out, const conus_report *report)
+{
+    const conus_row_marks *marks = report_marks(report);
+    out->number = marks ? marks->number : 0;
+    out->time_s = marks ? marks->time_s : NAN;
+    out->kept = NULL;
+    if (!marks || !marks->count) {
+        return CONUS_OK;
+    }
+    out->kept = memory_zeroed(marks->count, sizeof *out->kept);
+    bool whole = out->kept;
+    for (size_t i = 0; i < marks->count && whole; i++) {
+        const char *text = marks->texts ? marks->texts[i] : NULL;
+        out->kept[i] = text_to_utf8(text_from(text ? text : ""));
+        whole = out->kept[i];
+    }
+    return whole ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+/* What is owned is copied first, so that nothing has changed where there is no memory. */
 static conus_status append_query(conus_report *report, const char *id, const struct report_query *query)
 {
-    if (report->options.probe && !report_contact(report, report->query_count)) {
+    const conus_probe_contact *next = conus_probe_at(report->options.probe, report->taken + report->query_count);
+    if (report->options.probe && !report->contact && !next) {
         return fail(CONUS_ERROR_ARGUMENT, "probe: more answers than its %zu contacts",
                     conus_probe_contact_count(report->options.probe));
     }
     bool fits =
         memory_reserve(&report->queries, &report->query_capacity, report->query_count + 1, sizeof *report->queries);
-    char *copy = fits ? text_to_utf8(text_from(id)) : NULL;
-    if (!copy) {
+    struct report_query copy = *query;
+    copy.id = fits ? text_to_utf8(text_from(id)) : NULL;
+    copy.first_voxel = report->voxels.size;
+    copy.contact = report->contact ? report->contact : next;
+    copy.probe = report->contact_probe;
+    if (!copy.id || copy_marks(&copy, report)) {
+        free_kept(&copy, report);
+        memory_free(copy.id);
         return CONUS_ERROR_MEMORY;
     }
-    report->queries[report->query_count] = *query;
-    report->queries[report->query_count].first_voxel = report->voxels.size;
-    report->queries[report->query_count++].id = copy;
+    report->queries[report->query_count++] = copy;
     return CONUS_OK;
 }
 

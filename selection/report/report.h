@@ -10,6 +10,8 @@
 #include "selection/selector.h"
 #include "selection/study/study.h"
 
+#include <string.h>
+
 /** The region of interest of a query. */
 struct report_roi {
     char *path; /**< Owned; NULL of another query. */
@@ -91,8 +93,13 @@ struct report_row {
 };
 
 struct report_query {
-    char *id;    /**< UTF-8 without control characters.                     */
-    char *error; /**< Why there is no answer, likewise; NULL if there is one. */
+    char *id;        /**< UTF-8 without control characters.                     */
+    uint64_t number; /**< Of options.marks, */
+    double time_s;
+    char **kept;                        /**< [options.marks->count] and its texts, owned; NULL = there are none. */
+    const conus_probe_contact *contact; /**< Of the report's probes; NULL = there is none. */
+    const char *probe;                  /**< The contact's probe, where it is not called as in its file; else NULL. */
+    char *error;                        /**< Why there is no answer, likewise; NULL if there is one. */
     struct cone cone;
     uint32_t cone_pixels;        /**< Pixels of the aperture.                              */
     double ball;                 /**< Radius of a ball around the cone's origin; 0 of a cone. */
@@ -128,11 +135,14 @@ struct conus_report {
     struct report_plan plan;
     struct text *electrode_lines; /**< For CONUS_FORMAT_BIDS: the header without the added columns, then the rows. */
     size_t electrode_line_count, electrode_line_capacity, electrode_field_count;
-    struct report_bep032 *bep032; /**< For CONUS_FORMAT_BEP032; owned. */
-    size_t taken;                 /**< Queries that were handed out before. */
-    struct buffer voxels;         /**< TSV rows of conus_report_voxels(), without its header. */
-    struct buffer text;           /**< The text that was last handed out. */
-    bool is_begun;                /**< conus_report_take() has given the header row. */
+    struct report_bep032 *bep032;       /**< For CONUS_FORMAT_BEP032; owned. */
+    struct report_column *kept;         /**< [options.marks->count] The further columns; their names are owned. */
+    size_t taken;                       /**< Queries that were handed out before. */
+    const conus_probe_contact *contact; /**< A batch's: of the answers added next. NULL = in their order. */
+    const char *contact_probe;          /**< What its probe is called. */
+    struct buffer voxels;               /**< TSV rows of conus_report_voxels(), without its header. */
+    struct buffer text;                 /**< The text that was last handed out. */
+    bool is_begun;                      /**< conus_report_take() has given the header row. */
 };
 
 /** Adds a copy of @p query, with the id @p id, and @p count rows, which the caller fills from *rows on. */
@@ -141,6 +151,14 @@ conus_status report_append(struct report_row **rows, conus_report *report, const
 
 /** Drops all queries and rows, and keeps the memory. */
 void report_clear(conus_report *report);
+
+/** Whether two queries are about one pose. */
+static inline bool report_is_same_pose(const conus_report *report, size_t a, size_t b)
+{
+    const struct report_query *x = &report->queries[a];
+    const struct report_query *y = &report->queries[b];
+    return x->number == y->number && strcmp(x->id, y->id) == 0;
+}
 
 /** Behind the last row of a query. */
 static inline size_t report_row_end(const conus_report *report, size_t query)
@@ -155,16 +173,16 @@ static inline bool report_is_shown(const conus_report *report, size_t row)
     return !is_one_row || row == 0 || report->rows[row].query != report->rows[row - 1].query;
 }
 
-/** The contact of the report's probes that a query is about; NULL where there is none. */
-static inline const conus_probe_contact *report_contact(const conus_report *report, size_t query)
-{
-    return conus_probe_at(report->options.probe, report->taken + query);
-}
-
 /** Whether a format is another program's. */
 static inline bool report_is_foreign(conus_format format)
 {
     return format >= CONUS_FORMAT_AFNI;
+}
+
+/** The marks whose columns the report has; NULL = none. */
+static inline const conus_row_marks *report_marks(const conus_report *report)
+{
+    return report_is_foreign(report->options.format) ? NULL : report->options.marks;
 }
 
 /** Whether rows are about the axis of a device. */

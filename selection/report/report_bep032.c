@@ -156,11 +156,11 @@ static uint32_t common_area(const conus_atlas *atlas, uint32_t a, uint32_t b)
 /* Writes a probe's row, of the contacts from *query on, and sets *query behind them. What type it is no file says. */
 static void write_probe(struct buffer *out, const conus_report *report, size_t *query)
 {
-    const conus_probe_contact *first = report_contact(report, *query);
+    const conus_probe_contact *first = report->queries[*query].contact;
     uint32_t area = report_area(report, *query);
     const char *side = report_side(report, *query);
     size_t i = *query + 1;
-    for (; i < report->query_count && report_contact(report, i)->index == first->index; i++) {
+    for (; i < report->query_count && report->queries[i].contact->index == first->index; i++) {
         area = common_area(report->atlas, area, report_area(report, i));
         side = report_side(report, i) == side ? side : NULL; /* one of two texts */
     }

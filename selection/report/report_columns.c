@@ -117,6 +117,27 @@ static struct cell get_atlas(const conus_report *report, const struct report_row
 /* The second column of a report that has a name. */
 static const struct report_column atlas_column = {"atlas", NULL, "name of the atlas that is asked", NAMED(get_atlas)};
 
+/* Those behind it of a report with marks. */
+static struct cell get_row(const conus_report *report, const struct report_row *row)
+{
+    return integer_cell(report->queries[row->query].number);
+}
+
+static const struct report_column row_column = {"row", NULL, "number of the pose in its file, from 1", NAMED(get_row),
+                                                .home = HOME_MARKS};
+static const struct report_column time_column = {
+    "time_s",          "s", "time of the pose", .type = COLUMN_TIME, .offset = offsetof(struct report_query, time_s),
+    .home = HOME_MARKS};
+
+void report_kept_column(struct report_column *out, const char *name, size_t index)
+{
+    *out = (struct report_column){.name = name,
+                                  .description = "the column of this name in the file of poses",
+                                  .type = COLUMN_TEXT,
+                                  .offset = index,
+                                  .home = HOME_KEPT};
+}
+
 static const struct report_column answer_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
     {"kind", NULL, "area, pathway, bundle, unassigned: the part of the cone that hits nothing, or error: name says why",
@@ -827,7 +848,7 @@ static const struct report_column electrode_columns[] = {
 
 static struct cell get_channel(const conus_report *report, const struct report_row *row)
 {
-    int64_t channel = report_contact(report, row->query)->channel;
+    int64_t channel = report->queries[row->query].contact->channel;
     return channel >= 0 ? integer_cell((uint64_t)channel) : number_cell(channel == -1 ? -1 : NAN);
 }
 
@@ -855,9 +876,15 @@ static struct cell get_localization(const conus_report *report, const struct rep
 #define OF_CONTACT(kind, member)                                                                                       \
     .type = COLUMN_##kind, .offset = offsetof(conus_probe_contact, member), .home = HOME_CONTACT
 
+static struct cell get_probe(const conus_report *report, const struct report_row *row)
+{
+    const struct report_query *query = &report->queries[row->query];
+    return text_cell(query->probe ? query->probe : query->contact->probe);
+}
+
 /* The columns of answers at the contacts of probes. */
 static const struct report_column probe_columns[] = {
-    {"probe", NULL, "the probe of the contact, by its place in its file", OF_CONTACT(TEXT, probe)},
+    {"probe", NULL, "the probe of the contact, by its place in its file", NAMED(get_probe)},
     {"shank_id", NULL, "shank_ids of the contact", OF_CONTACT(TEXT, shank)},
     {"channel", NULL, "device_channel_indices of the contact, from 0; -1 = not wired", .get = get_channel},
 };
@@ -955,6 +982,17 @@ static void list_bep032(struct report_columns *out, const conus_report *report)
     }
 }
 
+/* Makes `column` the one at `place`, unless it is NULL. Returns whether it is there. */
+static bool insert_column(struct report_columns *out, size_t place, const struct report_column *column)
+{
+    if (column) {
+        list_column(out, column);
+        memmove(&out->at[place + 1], &out->at[place], (out->count - 1 - place) * sizeof(struct report_column *));
+        out->at[place] = column;
+    }
+    return column;
+}
+
 void report_list_columns(struct report_columns *out, const conus_report *report)
 {
     out->count = 0;
@@ -973,6 +1011,9 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
         list_table(out, report, summary_columns, COUNT_OF(summary_columns));
         if (report->options.points) {
             list_table(out, report, point_columns, COUNT_OF(point_columns));
+        }
+        if (report->options.probe) {
+            list_table(out, report, probe_columns, COUNT_OF(probe_columns));
         }
         break;
     case CONUS_ROWS_SHARES:
@@ -1023,12 +1064,13 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
         list_table(out, report, tolerance_columns, COUNT_OF(tolerance_columns));
         break;
     }
-    if (report->name) {
-        list_column(out, &atlas_column);
-        for (size_t i = out->count - 1; i > 1; i--) {
-            out->at[i] = out->at[i - 1];
-        }
-        out->at[1] = &atlas_column;
+    const conus_row_marks *marks = report_marks(report);
+    size_t place = 1;
+    place += insert_column(out, place, report->name ? &atlas_column : NULL);
+    place += insert_column(out, place, marks && marks->has_number ? &row_column : NULL);
+    place += insert_column(out, place, marks && marks->has_time ? &time_column : NULL);
+    if (report->kept) {
+        list_table(out, report, report->kept, marks->count);
     }
 }
 
@@ -1085,7 +1127,7 @@ static struct cell stored_cell(const conus_report *report, enum column_type type
     case COLUMN_ANGLE:
         return number_cell(degrees_from_radians(*numbers));
     case COLUMN_TIME:
-        return (struct cell){.type = CELL_TIME, .number = *numbers};
+        return isfinite(*numbers) ? (struct cell){.type = CELL_TIME, .number = *numbers} : no_cell();
     case COLUMN_X:
     case COLUMN_Y:
     case COLUMN_Z:
@@ -1109,16 +1151,20 @@ static struct cell stored_cell(const conus_report *report, enum column_type type
 struct cell report_cell(const conus_report *report, const struct report_column *column, const struct report_row *row)
 {
     const struct report_query *query = &report->queries[row->query];
-    if (!query->error) {
+    if (column->home == HOME_KEPT) {
+        return text_cell(query->kept[column->offset]);
+    }
+    if (!query->error || column->home == HOME_MARKS) {
         if (column->needs && column->needs & ~report_needs_met(report, row)) {
             return no_cell();
         }
         if (column->get) {
             return column->get(report, row);
         }
+        bool of_query = column->home == HOME_QUERY || column->home == HOME_MARKS;
         const void *from = column->home == HOME_ROW       ? (const void *)row
-                           : column->home == HOME_QUERY   ? (const void *)query
-                           : column->home == HOME_CONTACT ? (const void *)report_contact(report, row->query)
+                           : of_query                     ? (const void *)query
+                           : column->home == HOME_CONTACT ? (const void *)query->contact
                            : column->home == HOME_POSE    ? (const void *)row->planned.pose
                                                           : (const void *)row->planned.pose->verdicts;
         return stored_cell(report, column->type, (const char *)from + column->offset);

@@ -38,7 +38,9 @@ enum column_home {
     HOME_QUERY,    /**< In struct report_query. */
     HOME_POSE,     /**< In the conus_planned of the row, */
     HOME_VERDICTS, /**< or in the verdicts of its constraints. */
-    HOME_CONTACT   /**< In the contact of the report's probes that the query is about. */
+    HOME_CONTACT,  /**< In the contact of the report's probes that the query is about. */
+    HOME_MARKS,    /**< In struct report_query, also of one without an answer, */
+    HOME_KEPT      /**< or in its texts that were kept, at this index, likewise. */
 };
 
 /** Without one of its needs a cell is n/a. */
@@ -55,7 +57,7 @@ struct report_column {
     const char *units; /**< NULL if it has none. */
     const char *description;
     enum column_type type;
-    size_t offset; /**< Where the value lies in its home. */
+    size_t offset; /**< Where the value lies in its home, or its index there. */
     enum column_home home;
     unsigned needs;    /**< enum column_needs */
     bool layers_only;  /**< Only in reports of all layers. */
@@ -64,7 +66,10 @@ struct report_column {
     struct cell (*get)(const conus_report *report, const struct report_row *row);
 };
 
-enum { REPORT_COLUMN_LIMIT = 256 }; /* more than any kind of report has */
+enum {
+    REPORT_COLUMN_LIMIT = 256, /* more than any kind of report has */
+    REPORT_KEPT_LIMIT = 64     /* of these, columns that were kept */
+};
 
 /** The columns of a report, one after the other. */
 struct report_columns {
@@ -73,6 +78,9 @@ struct report_columns {
 };
 
 void report_list_columns(struct report_columns *out, const conus_report *report);
+
+/** Makes the column of the text number @p index of those that are kept; @p name is borrowed. */
+void report_kept_column(struct report_column *out, const char *name, size_t index);
 
 /** Which of enum column_needs a row meets. A column that has others is n/a. */
 unsigned report_needs_met(const conus_report *report, const struct report_row *row);

@@ -62,7 +62,7 @@ void report_write_connections(struct buffer *out, const conus_report *report)
     for (size_t i = 0; i < report->query_count; i++) {
         bool more = i + 1 < report->query_count;
         if (report->queries[i].error) {
-            table_write_error(out, &report->queries[i], more);
+            table_write_error(out, report, &report->queries[i], more);
             continue;
         }
         const struct report_query *query = &report->queries[i];

@@ -130,6 +130,15 @@ static json_t *json_from_shape(const struct report_query *query)
     return whole_or_null(cone, !cone_is_wide(&query->cone) || put_value(cone, "spread", json_string("even")));
 }
 
+/* Which pose of its file it is, and when. */
+static bool add_marks(json_t *entry, const conus_report *report, const struct report_query *query)
+{
+    const conus_row_marks *marks = report_marks(report);
+    bool has_time = marks && marks->has_time && isfinite(query->time_s);
+    return (!marks || !marks->has_number || put_value(entry, "row", json_integer((json_int_t)query->number))) &&
+           (!has_time || put_value(entry, "time_s", json_real(query->time_s)));
+}
+
 static json_t *json_from_queries(const conus_report *report)
 {
     json_t *queries = json_array();
@@ -141,6 +150,7 @@ static json_t *json_from_queries(const conus_report *report)
         bool has_range =
             !query->error && (range[0] != report->selector.range[0] || range[1] != report->selector.range[1]);
         whole = (!has_range || put_value(entry, "range_mm", json_pack("[f, f]", range[0], range[1]))) && whole;
+        whole = add_marks(entry, report, query) && whole;
         bool has_radius = !query->error && report->options.rows == CONUS_ROWS_CONNECTIONS;
         whole = (!has_radius || put_value(entry, "endpoint_radius_mm", json_real(query->end_radius))) && whole;
         whole = json_array_append_new(queries, entry) == 0 && whole;
@@ -536,9 +546,11 @@ static void write_row(void *user, const conus_report *of, const struct report_ro
     buffer_text(writing->out, writing->rows++ ? ",\n  {" : "\n  {");
     for (size_t i = 0; i < writing->columns.count; i++) {
         const struct report_column *column = writing->columns.at[i];
-        buffer_text(writing->out, i ? ",\n   \"" : "\n   \"");
-        buffer_text(writing->out, column->name);
-        buffer_append(writing->out, "\": ", 3);
+        buffer_text(writing->out, i ? ",\n   " : "\n   ");
+        writing->whole =
+            write_cell(writing->out, (struct cell){.type = CELL_TEXT, .text = column->name}, writing->flags) &&
+            writing->whole;
+        buffer_append(writing->out, ": ", 2);
         writing->whole = write_cell(writing->out, report_cell(of, column, row), writing->flags) && writing->whole;
     }
     buffer_text(writing->out, "\n  }");
@@ -599,6 +611,7 @@ conus_status report_write_sidecar(struct buffer *out, const conus_report *report
     conus_format format = report->options.format;
     bool is_draft = format == CONUS_FORMAT_BEP032;
     bool has_columns = !report_is_foreign(format) || format == CONUS_FORMAT_BIDS || is_draft;
+    json_t *kept = json_object(); /* whose names are the user's, and may be those of the keys here */
     struct report_columns columns;
     report_list_columns(&columns, report);
     for (size_t i = 0; has_columns && i < columns.count; i++) {
@@ -606,8 +619,10 @@ conus_status report_write_sidecar(struct buffer *out, const conus_report *report
         json_t *entry = json_pack("{s: s}", "Description", column->description);
         const char *units = report_units(report, column);
         whole = (!units || put_value(entry, "Units", json_string(units))) && whole;
-        whole = put_value(root, column->name, entry) && whole;
+        whole = put_value(column->home == HOME_KEPT ? kept : root, column->name, entry) && whole;
     }
+    whole = (!json_object_size(kept) || json_object_set(root, "Kept", kept) == 0) && whole;
+    json_decref(kept);
     whole = (!is_draft || put_value(root, "BIDSExtension", json_string(BEP032_DRAFT))) && whole;
     whole = add_provenance(root, report) && whole;
     return dump(out, whole_or_null(root, whole), JSON_INDENT(1) | digits(report));

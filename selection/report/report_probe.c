@@ -171,7 +171,7 @@ static conus_status sort_sites(struct site **out, const conus_report *report, or
     }
     int64_t place = 0;
     for (size_t i = 0; i < report->query_count; i++) {
-        const conus_probe_contact *contact = report_contact(report, i);
+        const conus_probe_contact *contact = report->queries[i].contact;
         place = i && sites[i - 1].contact->index == contact->index ? place + 1 : 0;
         sites[i] = (struct site){contact, i, contact->channel < -1 ? place : contact->channel};
     }

@@ -40,20 +40,6 @@ static struct table_marks marks_of(const conus_report *report)
     return report->options.format == CONUS_FORMAT_CSV ? csv : tsv;
 }
 
-void report_write_names(struct buffer *out, const conus_report *report)
-{
-    const struct table_marks marks = marks_of(report);
-    const char *before = "";
-    struct report_columns columns;
-    report_list_columns(&columns, report);
-    for (size_t i = 0; i < columns.count; i++) {
-        buffer_text(out, before);
-        buffer_text(out, columns.at[i]->name);
-        before = marks.separator;
-    }
-    buffer_text(out, marks.end);
-}
-
 /* Between quotation marks where it must be, with its own ones doubled. */
 static void write_csv_text(struct buffer *out, const char *text)
 {
@@ -70,6 +56,29 @@ static void write_csv_text(struct buffer *out, const char *text)
     buffer_append(out, "\"", 1);
 }
 
+static void write_table_text(struct buffer *out, const conus_report *report, const char *text)
+{
+    if (report->options.format == CONUS_FORMAT_CSV) {
+        write_csv_text(out, text);
+    } else {
+        buffer_text(out, text);
+    }
+}
+
+void report_write_names(struct buffer *out, const conus_report *report)
+{
+    const struct table_marks marks = marks_of(report);
+    const char *before = "";
+    struct report_columns columns;
+    report_list_columns(&columns, report);
+    for (size_t i = 0; i < columns.count; i++) {
+        buffer_text(out, before);
+        write_table_text(out, report, columns.at[i]->name);
+        before = marks.separator;
+    }
+    buffer_text(out, marks.end);
+}
+
 static void write_table_row(struct buffer *out, const conus_report *report, const struct report_columns *columns,
                             const struct report_row *row)
 {
@@ -84,8 +93,8 @@ static void write_table_row(struct buffer *out, const conus_report *report, cons
             continue;
         }
         struct cell cell = report_cell(report, columns->at[i], row);
-        if (cell.type == CELL_TEXT && report->options.format == CONUS_FORMAT_CSV) {
-            write_csv_text(out, cell.text);
+        if (cell.type == CELL_TEXT) {
+            write_table_text(out, report, cell.text);
         } else {
             report_write_cell(out, cell);
         }
@@ -96,12 +105,7 @@ static void write_table_row(struct buffer *out, const conus_report *report, cons
 static void write_area(struct buffer *out, const conus_report *report, uint32_t area)
 {
     const conus_object *object = conus_atlas_object(report->atlas, area);
-    const char *name = object ? object->name : "unassigned";
-    if (report->options.format == CONUS_FORMAT_CSV) {
-        write_csv_text(out, name);
-    } else {
-        buffer_text(out, name);
-    }
+    write_table_text(out, report, object ? object->name : "unassigned");
 }
 
 void report_write_matrix(struct buffer *out, const conus_report *report, const conus_connection_matrix *matrix)
@@ -147,13 +151,13 @@ static void write_string(struct buffer *out, const char *text)
 static void write_json_row(struct buffer *out, const conus_report *report, const struct report_columns *columns,
                            const struct report_row *row)
 {
-    const char *before = "{\"";
+    const char *before = "{";
     for (size_t i = 0; i < columns->count; i++) {
         struct cell cell = report_cell(report, columns->at[i], row);
-        buffer_append(out, before, 2);
-        before = ",\"";
-        buffer_text(out, columns->at[i]->name);
-        buffer_append(out, "\":", 2);
+        buffer_append(out, before, 1);
+        before = ",";
+        write_string(out, columns->at[i]->name);
+        buffer_append(out, ":", 1);
         if (cell.type == CELL_TEXT) {
             write_string(out, cell.text);
         } else if (cell.type == CELL_NONE) {
@@ -170,7 +174,7 @@ void report_each_row(const conus_report *report, report_take_row *take, void *us
     for (size_t first = 0, end; first < report->query_count; first = end) {
         end = first + 1; /* in shares the angles of a pose, which have one id, belong together */
         while (report->options.rows == CONUS_ROWS_SHARES && end < report->query_count &&
-               strcmp(report->queries[end].id, report->queries[first].id) == 0) {
+               report_is_same_pose(report, end, first)) {
             end++;
         }
         for (const conus_report *of = report; of && end <= of->query_count; of = of->next) {

@@ -94,11 +94,11 @@ static void write_each_axis(struct buffer *out, const conus_report *report, cons
         const struct report_query *query = &report->queries[i];
         bool more = i + 1 < report->query_count;
         if (query->error) {
-            table_write_error(out, query, more);
+            table_write_error(out, report, query, more);
             continue;
         }
         if (report->query_count > 1) {
-            buffer_format(out, "query %s: ", query->id);
+            table_write_id(out, report, query);
         }
         buffer_text(out, what);
         table_write_axis(out, report, query);

@@ -82,8 +82,7 @@ static struct block block_at(const conus_report *report, size_t first)
 {
     struct block block = {first, first + 1};
     while (block.end < report->query_count && !report->queries[block.end].error &&
-           block.end - first < ANGLES_IN_A_TABLE &&
-           strcmp(report->queries[block.end].id, report->queries[first].id) == 0) {
+           block.end - first < ANGLES_IN_A_TABLE && report_is_same_pose(report, block.end, first)) {
         block.end++;
     }
     return block;
@@ -167,7 +166,7 @@ void report_write_sweep(struct buffer *out, const conus_report *report)
     int width = table_name_width(report);
     for (size_t i = 0; i < report->query_count;) {
         if (report->queries[i].error) {
-            table_write_error(out, &report->queries[i], i + 1 < report->query_count);
+            table_write_error(out, report, &report->queries[i], i + 1 < report->query_count);
             i++;
             continue;
         }

@@ -129,13 +129,35 @@ void table_write_axis(struct buffer *out, const conus_report *report, const stru
                   digits, origin[2], axis[0], axis[1], axis[2]);
 }
 
+void table_write_id(struct buffer *out, const conus_report *report, const struct report_query *query)
+{
+    const conus_row_marks *marks = report_marks(report);
+    char time[TEXT_NUMBER_SIZE];
+    buffer_format(out, "query %s", query->id);
+    const char *before = " (";
+    if (marks && marks->has_number) {
+        buffer_format(out, "%srow %llu", before, (unsigned long long)query->number);
+        before = ", ";
+    }
+    if (marks && marks->has_time && isfinite(query->time_s)) {
+        buffer_format(out, "%s%s s", before, text_time(time, query->time_s));
+        before = ", ";
+    }
+    for (size_t i = 0; query->kept && i < marks->count; i++) {
+        if (query->kept[i][0]) {
+            buffer_format(out, "%s%s %s", before, report->kept[i].name, query->kept[i]);
+            before = ", ";
+        }
+    }
+    buffer_text(out, before[0] == ',' ? "): " : ": ");
+}
+
 void table_write_query(struct buffer *out, const conus_report *report, const struct report_query *query)
 {
     size_t count = report->query_count;
-    bool is_one_pose =
-        report->options.rows == CONUS_ROWS_SHARES && strcmp(report->queries[0].id, report->queries[count - 1].id) == 0;
+    bool is_one_pose = report->options.rows == CONUS_ROWS_SHARES && report_is_same_pose(report, 0, count - 1);
     if (count > 1 && !is_one_pose) {
-        buffer_format(out, "query %s: ", query->id);
+        table_write_id(out, report, query);
     }
     if (query->ball > 0) {
         double middle[3];
@@ -310,9 +332,10 @@ static void write_layers_header(struct buffer *out, const conus_report *report, 
     end_header(out, report, "in the cone", "mm");
 }
 
-void table_write_error(struct buffer *out, const struct report_query *query, bool more)
+void table_write_error(struct buffer *out, const conus_report *report, const struct report_query *query, bool more)
 {
-    buffer_format(out, "query %s: no answer: %s\n%s", query->id, query->error, more ? "\n" : "");
+    table_write_id(out, report, query);
+    buffer_format(out, "no answer: %s\n%s", query->error, more ? "\n" : "");
 }
 
 static void write_ball_result(struct buffer *out, const conus_report *report, const conus_result *result, int width)
@@ -427,7 +450,7 @@ void report_write_table(struct buffer *out, const conus_report *report)
     }
     for (size_t i = 0; i < report->query_count; i++) {
         if (report->queries[i].error) {
-            table_write_error(out, &report->queries[i], i + 1 < report->query_count);
+            table_write_error(out, report, &report->queries[i], i + 1 < report->query_count);
             continue;
         }
         table_write_query(out, report, &report->queries[i]);

@@ -57,9 +57,11 @@ void table_write_atlas(struct buffer *out, const conus_report *report);
 
 /** Writes the line that says what the region of a query is. */
 void table_write_region(struct buffer *out, const struct report_query *query);
+/** Writes "query NAME: ", with what marks it: "query NAME (row 3, 0.5 s): ". */
+void table_write_id(struct buffer *out, const conus_report *report, const struct report_query *query);
 
 /** Writes the line of a query without an answer. */
-void table_write_error(struct buffer *out, const struct report_query *query, bool more);
+void table_write_error(struct buffer *out, const conus_report *report, const struct report_query *query, bool more);
 
 /** Writes the lines that say what the answers rest on, of all reports that are joined. */
 void table_write_sources(struct buffer *out, const conus_report *report);

@@ -139,8 +139,9 @@ conus_status conus_report_voxels(const char **text, size_t *size, conus_report *
         return status;
     }
     buffer_finish(&report->text);
-    buffer_format(&report->text, "query%s\tpathway\ti\tj\tk\tx\ty\tz\tvalue\tdistance_mm\tkind\tindex\n",
-                  report->name ? "\tatlas" : "");
+    const conus_row_marks *marks = report_marks(report);
+    buffer_format(&report->text, "query%s%s\tpathway\ti\tj\tk\tx\ty\tz\tvalue\tdistance_mm\tkind\tindex\n",
+                  report->name ? "\tatlas" : "", marks && marks->has_number ? "\trow" : "");
     for (size_t query = 0; query < report->query_count; query++) {
         for (const conus_report *of = report; of && !status; of = of->next) {
             size_t first = of->queries[query].first_voxel;

@@ -53,8 +53,13 @@ static size_t keep_unique(struct listed_voxel *hits, size_t count)
 /* The cells up to k. */
 static void begin_row(conus_report *report, const conus_object *object)
 {
-    buffer_format(&report->voxels, "%s%s%s\t%s", report->queries[report->query_count - 1].id, report->name ? "\t" : "",
-                  report->name ? report->name : "", object->name);
+    const struct report_query *query = &report->queries[report->query_count - 1];
+    const conus_row_marks *marks = report_marks(report);
+    buffer_format(&report->voxels, "%s%s%s\t", query->id, report->name ? "\t" : "", report->name ? report->name : "");
+    if (marks && marks->has_number) {
+        buffer_format(&report->voxels, "%llu\t", (unsigned long long)query->number);
+    }
+    buffer_text(&report->voxels, object->name);
 }
 
 /* The cells from x on; @p point in the world, @p value NAN = there is none. */

@@ -609,6 +609,106 @@ pipe_in() {
     grep -q '"runner_up"' summary.json
 }
 
+@test "rows of poses with one name have a row number; those of others are as they were" {
+    sphere --size 32 --spacing 2,2,2
+    local head='name\tx\ty\tz\ttx\tty\ttz\n' one='0\t0\t90\t0\t0\t0\n' two='0\t90\t0\t0\t0\t0\n'
+    printf "${head}a\t${one}b\t${two}c\t0\t0\t0\t0\t0\t0\n" >differ.tsv
+    printf "${head}a\t${one}a\t${two}a\t0\t0\t0\t0\t0\t0\n" >repeat.tsv
+    run -1 conus batch sphere.nii.gz --poses differ.tsv -q -o differ.out.tsv
+    run -1 conus batch sphere.nii.gz --poses repeat.tsv -q -o repeat.out.tsv
+    [ "$(head -1 differ.out.tsv | cut -f 1-3)" = $'query\tkind\tindex' ]
+    [ "$(cut -f 1,2 repeat.out.tsv | uniq | paste -sd' ')" = $'query\trow a\t1 a\t2 a\t3' ]
+    cut -f 1,3- repeat.out.tsv | cut -f 2- | diff - <(cut -f 2- differ.out.tsv)
+    grep -q '"row": {' repeat.out.json
+    not grep -q '"row"' differ.out.json
+    # query says the same in every format, and so do summaries, segments and clearances.
+    local format
+    for format in tsv csv ndjson; do
+        run -1 conus query sphere.nii.gz --pose repeat.tsv -q --format $format -o query.out
+        run -1 conus batch sphere.nii.gz --poses repeat.tsv -q --format $format --force -o batch.out.$format
+        cmp query.out batch.out.$format
+        rm query.out query.out.json
+    done
+    run -1 --separate-stderr conus query sphere.nii.gz --pose repeat.tsv --format json -q
+    [ "$(jq -c '[.Queries[].row]' <<<"$output")" = '[1,2,3]' ]
+    run -1 --separate-stderr conus query sphere.nii.gz --pose repeat.tsv -q
+    [ "$(grep -o '^query a (row [123]): [a-z]*' <<<"$output" | paste -sd,)" = 'query a (row 1): cone,query a (row 2): cone,query a (row 3): no' ]
+    run -1 --separate-stderr conus batch sphere.nii.gz --poses repeat.tsv --summary -q
+    [ "$(cut -f 1-3 <<<"$output" | tail -1)" = $'a\t3\terror' ]
+    run -1 --separate-stderr conus batch sphere.nii.gz --poses repeat.tsv --range 0,90 --segments - -q
+    [ "$(cut -f 1-3 <<<"$output" | sed -n '1p;$p' | paste -sd' ')" = $'query\trow\torder a\t3\tn/a' ]
+    # Shards count on, a file is read again, and another that is compared with it finds its rows.
+    for i in 0 1; do run -1 conus batch sphere.nii.gz --poses repeat.tsv -q --shard $i/2 -o part.$i.tsv || true; done
+    run -0 conus merge part.0.tsv part.1.tsv -o merged.tsv
+    cmp merged.tsv repeat.out.tsv
+    run -0 conus diff merged.tsv repeat.out.tsv
+    run -0 conus verify repeat.out.tsv
+}
+
+@test "--keep carries the texts of columns to the rows, in every format, and is verified" {
+    sphere --size 32 --spacing 2,2,2
+    printf 'name,Group,note,x,y,z,tx,ty,tz\nM1,patient,"says ""hi"", then",0,0,90,0,0,0\nM2,,b,0,90,0,0,0,0\nM3,control,c,0,0,q,0,0,0\n' >kept.csv
+    run -1 conus batch sphere.nii.gz --poses kept.csv -q --summary --keep group,note -o rows.csv
+    cut -d, -f 1,14- rows.csv | tr -d '\r' | sed 's/M3,control/control/' | diff - <(printf '%s\n' 'query,group,note' \
+        'M1,patient,"says ""hi"", then"' 'M2,n/a,b' 'control,c')
+    [ "$(jq -r '.Kept | keys | join(",")' rows.json)" = group,note ]
+    run -0 conus verify rows.csv
+    local format
+    for format in tsv csv ndjson; do
+        run -1 conus query sphere.nii.gz --pose kept.csv -q --keep note,group --format $format --force -o one.$format
+        run -1 conus batch sphere.nii.gz --poses kept.csv -q --keep note,group --format $format --force -o two.$format
+        cmp one.$format two.$format
+    done
+    run -1 --separate-stderr conus query sphere.nii.gz --pose kept.csv -q --keep group
+    grep -q '^query M1 (group patient): cone' <<<"$output"
+    for i in 0 1 2; do run conus batch sphere.nii.gz --poses kept.csv -q --summary --keep group,note --shard $i/3 -o part.$i.csv; done
+    run -0 conus merge part.0.csv part.1.csv part.2.csv -o merged.csv
+    cmp merged.csv rows.csv
+    # A column that is kept is not passed over.
+    run -1 --separate-stderr conus query sphere.nii.gz --pose kept.csv --format tsv
+    [[ "$stderr" == *'columns passed over: "Group", "note"'* ]]
+    run -1 --separate-stderr conus query sphere.nii.gz --pose kept.csv --format tsv --keep note
+    [[ "$stderr" == *'columns passed over: "Group"'$'\n'* ]]
+    fails 3 'keep: no column is called "grup"; columns found: "name", "Group"' batch sphere.nii.gz --poses kept.csv --keep grup -q
+    fails 2 'a column "name" cannot be kept' batch sphere.nii.gz --poses kept.csv --keep note,name -q
+    fails 2 'cannot be kept: the answer has one itself, or it is named twice' query sphere.nii.gz --pose kept.csv --keep note,note -q
+    fails 2 'a name is empty' query sphere.nii.gz --pose kept.csv --keep note, -q
+    fails 2 'no place for it' query sphere.nii.gz --pose kept.csv --keep note --format afni -q
+    printf '0 0 0 a\n' >points.txt
+    fails 3 'only a table with a header has columns to be kept' batch sphere.nii.gz --poses points.txt --radius 1 --keep a -q
+}
+
+@test "times are in every row, with the row number; a pipe that names its rows has the number, too" {
+    sphere --size 16
+    printf 'x,y,z,tx,ty,tz,time_s\n0,0,90,0,0,0,0.5\n0,0,90,0,0,1,n/a\n' >timed.csv
+    answers batch sphere.nii.gz --poses timed.csv --summary -q
+    [ "$(cut -f 1-4 <<<"$output" | paste -sd' ')" = $'query\trow\ttime_s\tkind 1\t1\t0.5\tarea 2\t2\tn/a\tarea' ]
+    answers query sphere.nii.gz --pose timed.csv -q
+    has 'query 1 (row 1, 0.5 s): cone'
+    answers sweep sphere.nii.gz --pose timed.csv -q --format tsv
+    [ "$(cell time_s 1)" = 0.5 ]
+    printf 'name,x,y,z,tx,ty,tz\na,0,0,90,0,0,0\nb,0,0,90,0,0,1\n' >named.csv
+    [ "$(conus batch sphere.nii.gz --poses - --summary -q <named.csv | cut -f 1,2 | paste -sd' ')" = $'query\trow a\t1 b\t2' ]
+    [ "$(conus batch sphere.nii.gz --poses named.csv --summary -q | cut -f 1,2 | paste -sd' ')" = $'query\tkind a\tarea b\tarea' ]
+}
+
+@test "a batch says what it asks: shape and rays, and that no angle was given" {
+    setup_ball 3
+    says() {
+        local wanted=$1
+        shift
+        run -0 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --summary "$@"
+        [ "$stderr" = "conus: note: poses.tsv: $wanted" ] || { echo "said: $stderr"; return 1; }
+    }
+    says 'cones of 10 degrees (--angle DEGREES is not given); 16 x 16 rays' --resolution 16
+    says 'cones of 12 degrees; 8 x 8 rays' --angle 12 --resolution 8
+    says 'square rods of half width 2 mm; 16 x 16 rays' --radius 2 --aperture square --resolution 16
+    run -0 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --summary --angle 12 -q
+    [ -z "$stderr" ]
+    run -0 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --range 0,90 --segments -
+    [ -z "$stderr" ]
+}
+
 @test "--jobs answers a table of batches, and goes on where one cannot be" {
     setup_ball 40
     mkdir sub

@@ -61,7 +61,7 @@ row() {
     cp rows.tsv wanted.tsv
     printf 'x\ty\tz\ttx\tty\ttz\ttime_s\n0.2\t0.3\t-40\t0.2\t0.3\t0\t0\n' >poses.tsv
     run -0 "$CONUS" batch maps.xml --only A --poses poses.tsv --radius 1 --probability 0.5 -q -o batch.tsv
-    cmp batch.tsv wanted.tsv
+    cut -f 1,4- batch.tsv | cmp - wanted.tsv # without row and time_s
     run -0 "$CONUS" track --force maps.xml --only A --poses poses.tsv --radius 1 --probability 0.5 -q --format tsv -o rows.tsv
     [ "$(row A distance_mm contact_value)" = '41 0.560000002' ]
     # The centre of B that a growing cone reaches first is the farthest, in plane 4: 38.5 mm away, and 0.3 and 0.2 mm

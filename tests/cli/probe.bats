@@ -130,7 +130,9 @@ AIM=(--origin 0,14.6,0 --direction 0,1,0)
     fails 3 'two contacts are called "e0"' "${q[@]}" --probe twice.json -o out.tsv
     fails 3 'cut.json: line 1' "${q[@]}" --probe cut.json -o out.tsv
     fails 3 'none.json: cannot open' "${q[@]}" --probe none.json -o out.tsv
-    fails 3 'found 2 poses, wanted are 1' query slabs.nii.gz --probe np.json --pose two.tsv -o out.tsv
+    sed 's/"probes":\[\(.*\)\]}$/"probes":[\1,\1]}/' np.json >pair.json
+    fails 3 'found 1 poses, wanted are 2' "${q[@]}" --probe pair.json -o out.tsv
+    fails 3 'has 2 probes, wanted is one' batch slabs.nii.gz --probe pair.json --poses two.tsv -q
     fails 3 'without the direction that a probe needs' query slabs.nii.gz --probe np.json --pose point.txt -o out.tsv
     fails 2 'bep032 lists the contacts of probes' "${q[@]}" --format bep032
     fails 2 'beside --format bep032' "${q[@]}" --probe np.json --probes probes.tsv
@@ -140,6 +142,45 @@ AIM=(--origin 0,14.6,0 --direction 0,1,0)
     fails 2 'out of range' "${q[@]}" --probe np.json --probe-tip 0
     [ ! -e out.tsv ] && [ ! -e out.json ] && [ ! -e probes.tsv ]
     conus "${q[@]}" --probe blunt.json --probe-tip 2 --format tsv -q | diff - <(conus "${q[@]}" --probe np.json --format tsv -q)
+}
+
+@test "two insertions of one probe: by query, and by batch, shards and all" {
+    probe
+    printf 'name\tx\ty\tz\tdx\tdy\tdz\tfar\nleft\t-3\t-15.4\t0\t0\t1\t0\t30\nright\t3\t12\t0\t0\t1\t0\tn/a\n' >two.tsv
+    local one
+    for one in left right; do # each alone, with its name before those of the contacts
+        grep -E "^(name|$one)" two.tsv >$one.tsv
+        conus query slabs.nii.gz --probe np.json --pose $one.tsv --format tsv -q |
+            awk -F'\t' -v OFS='\t' -v name=$one 'NR > 1 { $1 = name ":" $1; $(NF - 2) = name; print }'
+    done >wanted
+    run -0 --separate-stderr conus query slabs.nii.gz --probe np.json --pose two.tsv --format tsv -q
+    sed 1d <<<"$output" | diff wanted -
+    conus batch slabs.nii.gz --probe np.json --poses two.tsv -q --block 1 | diff - <(printf '%s\n' "$output")
+    answers batch slabs.nii.gz --probe np.json --poses two.tsv -q -o rows.tsv
+    conus batch slabs.nii.gz --probe np.json --poses two.tsv -q | cmp - rows.tsv
+    for i in 0 1; do answers batch slabs.nii.gz --probe np.json --poses two.tsv -q --shard $i/2 -o part.$i.tsv; done
+    answers merge part.0.tsv part.1.tsv -o merged.tsv
+    cmp merged.tsv rows.tsv
+    answers verify rows.tsv
+    has 'identical'
+    sed -i 's/"e1"/"e99"/' np.json
+    run -1 conus verify rows.tsv # the file of the probe is another
+    sed -i 's/"e99"/"e1"/' np.json
+    [ "$(conus query slabs.nii.gz --probe np.json --pose two.tsv --format open-ephys -q | wc -l)" -eq 2 ]
+    conus query slabs.nii.gz --probe np.json --pose two.tsv --format spikeglx -q | cut -c 1-5 | diff - <(printf '[0,0]\n[1,0]\n')
+    conus query slabs.nii.gz --probe np.json --pose two.tsv --format bep032 -q --probes sub-1_probes.tsv -o sub-1_electrodes.tsv
+    [ "$(cut -f 1 sub-1_probes.tsv | paste -sd,)" = probe_name,left,right ]
+    [ "$(cut -f 1 sub-1_electrodes.tsv | sort | uniq -d | wc -l)" -eq 0 ]
+    fails 2 'of many probes tsv, csv and ndjson' batch slabs.nii.gz --probe np.json --poses two.tsv --format spikeglx
+    sed 's/right/left/' two.tsv >same.tsv
+    fails 3 'poses 1 and 2 are both called "left"' query slabs.nii.gz --probe np.json --pose same.tsv -q
+    [ "$(conus batch slabs.nii.gz --probe np.json --poses same.tsv -q | cut -f 1,2 | sed -n '2p;$p' | paste -sd' ')" = \
+        $'left:e0\t1 left:e19\t2' ]
+    printf 'bad\t0\t0\tz\t0\t1\t0\tn/a\n' >>two.tsv
+    run -1 --separate-stderr conus batch slabs.nii.gz --probe np.json --poses two.tsv --summary
+    [ "$(cell query 41)/$(cell kind 41)/$(cell error 41)/$(cell probe 41)" = \
+        'bad/error/line 4: column z: "z" is not a finite number/n/a' ]
+    [[ "$stderr" == *'two.tsv: the 20 contacts of np.json at each pose'*'no answer to 1 of 3 poses'* ]]
 }
 
 @test "JSON of points is verified, whatever their names hold; and not when a point was moved" {

@@ -207,6 +207,7 @@ END
         local text=$1
         shift
         run -0 --separate-stderr "$CONUS" "$@"
+        drop_question
         [ "$stderr" = "conus: note: $text" ] || { echo "said: $stderr"; echo "wanted: $text"; return 1; }
     }
     says 'the device lies inside Sphere' query sphere.nii.gz --origin 0,0,5 --direction 0,0,1 --format tsv

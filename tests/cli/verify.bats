@@ -529,7 +529,7 @@ store() {
 @test "every option of the commands that are answered again is known, or refused on purpose" {
     study
     local text='--angles --atlas --atlas-transform --clearance --connect --connectivity --contacts --context --coordsystem --deep --endpoints --hide --image --jitter --jobs
-        --labels --level --listen --mask --mask-object --only --output --pathway --pose --poses --probe --probes --reference --score
+        --keep --labels --level --listen --mask --mask-object --only --output --pathway --pose --poses --probe --probes --reference --score
         --segments --shard --sidecar --streamlines --streamlines-out --tool --voxels --world-from-tracker'
     for command in query batch sweep track overlap connect; do
         conus $command --help

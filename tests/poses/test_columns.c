@@ -225,6 +225,41 @@ static conus_status parse_table(void *data)
     return status;
 }
 
+static const char *const keep[] = {"GROUP", "note"};
+
+static conus_status parse_kept(void *text)
+{
+    conus_pose_list *list = NULL;
+    const conus_pose_options options = {.keep = keep, .keep_count = 2};
+    conus_status status = pose_list_parse(&list, text_from(text), &options);
+    if (!status) {
+        static const char *const wanted[][2] = {{"a", "x \"y\", z"}, {"", ""}, {"c", "d"}};
+        assert_int_equal(conus_pose_list_count(list), 3);
+        for (size_t i = 0; i < 3; i++) {
+            const conus_pose_row *row = conus_pose_list_row(list, i);
+            assert_int_equal(row->error != NULL, i == 2);
+            assert_string_equal(row->kept[0], wanted[i][0]);
+            assert_string_equal(row->kept[1], wanted[i][1]);
+        }
+    }
+    conus_pose_list_destroy(list);
+    return status;
+}
+
+static void texts_of_columns_are_kept(void **state)
+{
+    (void)state;
+    static char text[] = "name,group,x,y,z,note\nA,a,1,2,3,\"x \"\"y\"\", z\"\nB,,1,2,4\nC,c,1,q,5,d\n";
+    test_every_allocation(parse_kept, text);
+    conus_pose_list *list = NULL;
+    const conus_pose_options options = {.keep = keep, .keep_count = 2};
+    assert_fails(pose_list_parse(&list, text_from("name,group,x,y,z\nA,a,1,2,3\n"), &options), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "no column is called \"note\""));
+    assert_fails(pose_list_parse(&list, text_from("1 2 3\n"), &options), CONUS_ERROR_DATA);
+    assert_fails(pose_list_parse(&list, text_from(text), &(conus_pose_options){.keep = keep, .keep_count = 65}),
+                 CONUS_ERROR_ARGUMENT);
+}
+
 static void every_failing_allocation_is_clean(void **state)
 {
     (void)state;
@@ -247,6 +282,7 @@ TEST_GROUP(columns)
         cmocka_unit_test(every_prefix_is_refused_or_shorter),
         cmocka_unit_test(other_encodings_are_read),
         cmocka_unit_test(every_failing_allocation_is_clean),
+        cmocka_unit_test(texts_of_columns_are_kept),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -248,6 +248,41 @@ static void every_prefix_is_refused(void **state)
     }
 }
 
+/* Contacts of each have those of the one, with its name; what is twice, too long or of several is refused. */
+static void one_probe_is_repeated(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"left", "right"};
+    static const char *const same[] = {"left", "left"};
+    char large[256] = "";
+    memset(large, 'x', sizeof large - 1);
+    conus_probe *probe = load("two_shanks.json", 0);
+    conus_probe *two = NULL;
+    assert_ok(conus_probe_repeat(&two, probe, names, 2));
+    assert_int_equal(conus_probe_count(two), 2);
+    assert_int_equal(conus_probe_contact_count(two), 10);
+    for (size_t i = 0; i < 10; i++) {
+        const conus_probe_contact *contact = conus_probe_at(two, i);
+        const conus_probe_contact *one = conus_probe_at(probe, i % 5);
+        char id[64];
+        snprintf(id, sizeof id, "%s:%s", names[i / 5], one->id);
+        assert_string_equal(contact->id, id);
+        assert_string_equal(contact->probe, names[i / 5]);
+        assert_string_equal(contact->shank, one->shank);
+        assert_int_equal(contact->index, i / 5);
+        assert_int_equal(contact->channel, one->channel);
+        assert_memory_equal(contact->offset, one->offset, sizeof one->offset);
+    }
+    conus_probe *none = NULL;
+    assert_fails(conus_probe_repeat(&none, probe, same, 2), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_probe_repeat(&none, probe, names, 0), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_probe_repeat(&none, probe, (const char *const[]){large}, 1), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_probe_repeat(&none, two, names, 2), CONUS_ERROR_ARGUMENT);
+    assert_null(none);
+    conus_probe_destroy(two);
+    conus_probe_destroy(probe);
+}
+
 static conus_status load_and_place(void *path)
 {
     conus_probe *probe = NULL;
@@ -257,6 +292,10 @@ static conus_status load_and_place(void *path)
     conus_status status = conus_probe_load(&probe, path, NULL);
     status = status ? status : conus_probe_place(&list, probe, poses, conus_probe_count(probe), 1);
     conus_pose_list_destroy(list);
+    conus_probe *two = NULL;
+    bool is_one = !status && conus_probe_count(probe) == 1;
+    status = is_one ? conus_probe_repeat(&two, probe, (const char *const[]){"a", "b"}, 2) : status;
+    conus_probe_destroy(two);
     conus_probe_destroy(probe);
     return status;
 }
@@ -300,6 +339,7 @@ TEST_GROUP(probe_interface)
         cmocka_unit_test(contacts_may_all_be_unwired),
         cmocka_unit_test(planes_of_flat_probes_turn_nothing),
         cmocka_unit_test(every_prefix_is_refused),
+        cmocka_unit_test(one_probe_is_repeated),
         cmocka_unit_test(every_failing_allocation_is_clean),
         cmocka_unit_test(shared_samples),
     };

@@ -304,3 +304,15 @@ def test_matrices_with_three_decimals_are_poses_for_both(paths):
     frame = answers.to_dataframe()
     frame["query"] = frame["query"].astype(str)
     assert_rows_of_the_program(frame, batch(paths, "--poses", paths / "m.tsv"))
+
+
+def test_columns_are_kept_as_they_are(tmp_path):
+    (tmp_path / "kept.csv").write_text('name,Group,x,y,z,tx,ty,tz\nM1,"a ""b"", c",0,0,9,0,0,0\nM2,,1,0,9,1,0,0\nM3,d,q,0,9,1,0,0\n')
+    poses = conus.read_poses(tmp_path / "kept.csv", keep=["group", "tx"])
+    assert list(poses.kept["group"]) == ['a "b", c', "", "d"] and list(poses.kept["tx"]) == ["0", "1", "1"]
+    assert list(poses.to_dataframe()["group"]) == ['a "b", c', "", "d"]
+    assert conus.read_poses(tmp_path / "kept.csv").kept == {}
+    with pytest.raises(conus.DataError, match='no column is called "grup"'):
+        conus.read_poses(tmp_path / "kept.csv", keep=["grup"])
+    with pytest.raises(conus.ArgumentError, match="a list of names"):
+        conus.read_poses(tmp_path / "kept.csv", keep="group")

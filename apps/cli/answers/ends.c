@@ -45,7 +45,8 @@ conus_status rows_file_report(struct rows_file *file, const conus_selector *sele
                                       .format = file->format,
                                       .frame = options->frame,
                                       .command = options->command,
-                                      .atlas = options->atlas};
+                                      .atlas = options->atlas,
+                                      .marks = options->marks};
     if (!file->path) {
         return CONUS_OK;
     }

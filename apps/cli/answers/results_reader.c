@@ -13,7 +13,7 @@
 
 static const char *const key_names[RESULTS_KEYS] = {"query",       "kind",  "index", "atlas",        "i",
                                                     "j",           "k",     "order", "bundle_index", "end_a_index",
-                                                    "end_b_index", "end_a", "end_b"};
+                                                    "end_b_index", "end_a", "end_b", "row"};
 enum { INDEX_KEY = 2, NEEDED_KEYS = 3, ATLAS_KEY = 3, COLUMN_LIMIT = 1000 };
 
 const char *results_cell(const struct results *results, size_t row, size_t column)

@@ -7,7 +7,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { RESULTS_KEYS = 13 };
+enum { RESULTS_KEYS = 14 };
 
 struct results {
     char *bytes;        /**< The text that the cells point into. */

@@ -103,6 +103,7 @@ static bool find_cell(struct difference *out, struct piece header, struct piece 
     FILE *where = system_text_open(&text);
     if (where) {
         put_cell(where, header, a, separator, "query", "query ");
+        put_cell(where, header, a, separator, "row", ", row ");
         put_cell(where, header, a, separator, "atlas", ", ");
         put_cell(where, header, a, separator, "name", ", ");
         fprintf(where, ": %.*s", (int)column.size, column.at);

@@ -7,6 +7,7 @@
 #include "test.h"
 
 #include <jansson.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -168,12 +169,89 @@ static void json_is_what_jansson_writes(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Two answers of one name and an error, told apart by number, time and two columns of their own. */
+static conus_status report_marked(void *data)
+{
+    const struct report_scene *scene = data;
+    static const char *const names[] = {"group", "a,b"};
+    static const char *const texts[][2] = {{"patient", "x\"y"}, {"", NULL}, {"tab\there", "z"}};
+    conus_row_marks marks = {.has_number = true, .has_time = true, .names = names, .count = 2};
+    conus_report_options options = scene->options;
+    conus_report *report = NULL;
+    const char *text = NULL;
+    size_t size = 0;
+    options.marks = &marks;
+    conus_status status = conus_report_create(&report, scene->selector, &options);
+    for (int i = 0; i < 3 && !status; i++) {
+        marks.number = (uint64_t)i + 7;
+        marks.time_s = i == 1 ? NAN : 0.5 * i;
+        marks.texts = texts[i];
+        status = i == 1 ? conus_report_add_error(report, "A", 3, "is no pose")
+                        : conus_report_add(report, "A", scene->contacts[i / 2]);
+    }
+    marks.texts = NULL; /* copied */
+    status = status ? status : conus_report_text(&text, &size, report);
+    for (int i = 0; i < 3 && !status; i++) {
+        static const char *const wanted[CONUS_FORMAT_NDJSON + 1][3] = {
+            [CONUS_FORMAT_TABLE] = {"query A (row 7, 0 s, group patient, a,b x\"y): ",
+                                    "query A (row 8): no answer: line 3",
+                                    "query A (row 9, 1 s, group tab here, a,b z): "},
+            [CONUS_FORMAT_TSV] = {"\tgroup\ta,b\nA\t7\t0\t", "\nA\t8\tn/a\terror\t", "\ttab here\tz\n"},
+            [CONUS_FORMAT_CSV] = {",group,\"a,b\"\r\nA,7,0,", ",patient,\"x\"\"y\"\r\n", "A,8,n/a,error,"},
+            [CONUS_FORMAT_JSON] = {"\"a,b\": \"x\\\"y\"", "\"row\": 8", "\"time_s\": null"},
+            [CONUS_FORMAT_NDJSON] = {"\"group\":\"patient\",\"a,b\":\"x\\\"y\"}\n",
+                                     "{\"query\":\"A\",\"row\":8,\"time_s\":null,\"kind\":\"error\"",
+                                     "\"group\":\"tab here\""}};
+        if (!strstr(text, wanted[options.format][i])) {
+            fail_msg("format %d: no %s in\n%s", options.format, wanted[options.format][i], text);
+        }
+    }
+    status = status ? status : conus_report_sidecar(&text, &size, report);
+    if (!status) {
+        json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
+        assert_non_null(json_object_get(json_object_get(root, "Kept"), "a,b"));
+        assert_non_null(json_object_get(root, "row"));
+        assert_int_equal(
+            json_integer_value(json_object_get(json_array_get(json_object_get(root, "Queries"), 1), "row")), 8);
+        json_decref(root);
+    }
+    conus_report_destroy(report);
+    return status;
+}
+
+static void rows_of_one_name_are_told_apart(void **state)
+{
+    (void)state;
+    struct report_scene scene = report_scene_create();
+    for (conus_format format = CONUS_FORMAT_TABLE; format <= CONUS_FORMAT_NDJSON; format++) {
+        scene.options = options_of(format);
+        test_every_allocation(report_marked, &scene);
+    }
+    report_scene_destroy(&scene);
+}
+
+static void what_a_row_has_is_not_kept_again(void **state)
+{
+    (void)state;
+    static const char *const names[][2] = {{"share", "a"}, {"row", "a"}, {"a", "a"}};
+    struct report_scene scene = report_scene_create();
+    for (size_t i = 0; i < 3; i++) {
+        const conus_row_marks marks = {.has_number = true, .names = names[i], .count = 2};
+        conus_report *report = NULL;
+        scene.options.marks = &marks;
+        assert_fails(conus_report_create(&report, scene.selector, &scene.options), CONUS_ERROR_ARGUMENT);
+        assert_non_null(strstr(conus_message(), "cannot be kept"));
+    }
+    report_scene_destroy(&scene);
+}
+
 TEST_GROUP(report_formats)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_failing_allocation_is_survived), cmocka_unit_test(only_answers_are_written_in_them),
         cmocka_unit_test(a_table_has_a_row_for_each_answer),    cmocka_unit_test(parts_join_without_a_seam),
-        cmocka_unit_test(json_is_what_jansson_writes),
+        cmocka_unit_test(json_is_what_jansson_writes),          cmocka_unit_test(rows_of_one_name_are_told_apart),
+        cmocka_unit_test(what_a_row_has_is_not_kept_again),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
