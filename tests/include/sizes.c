@@ -61,7 +61,7 @@ SIZE(conus_context_surface, 96);
 SIZE(conus_admission, 64);
 SIZE(conus_chance, 64);
 SIZE(conus_coverage, 72);
-SIZE(conus_cluster_row, 128);
+SIZE(conus_cluster_row, 112);
 SIZE(conus_connection, 40);
 SIZE(conus_connection_matrix, 32);
 SIZE(conus_frame, 160);
