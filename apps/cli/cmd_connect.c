@@ -42,6 +42,26 @@ static int add_answer(struct connect *connect, size_t index, const conus_report_
     return matrix_file_take(&connect->matrix, answerer->selector, report, "1", connectivity);
 }
 
+/* An end near the border of a hidden area may have another area than in the whole atlas. */
+static void say_hidden_areas(const struct connect *connect)
+{
+    const conus_atlas *atlas = connect->request.atlases.items[0].atlas;
+    const struct ends_settings *ends = &connect->settings->ends;
+    const struct arguments *arguments = connect->request.arguments;
+    const conus_object *object;
+    size_t hidden = 0;
+    for (uint32_t number = 1; (object = conus_atlas_object(atlas, number)); number++) {
+        hidden += object->kind == CONUS_KIND_AREA && conus_atlas_is_hidden(atlas, number);
+    }
+    bool looks_round = !option_given(arguments, "endpoint-radius") || ends->radius > 0;
+    if (hidden && looks_round && !connect->settings->request.common.quiet) {
+        print_error_line(
+            "note: %zu area%s hidden: an end in one of them has the nearest area that is not, if it is near "
+            "enough; with --endpoint-radius 0 none",
+            hidden, hidden == 1 ? " is" : "s are");
+    }
+}
+
 static int answer_connect(struct connect *connect)
 {
     struct request *request = &connect->request;
@@ -59,6 +79,7 @@ static int answer_connect(struct connect *connect)
     if (code) {
         return code;
     }
+    say_hidden_areas(connect);
     request_say_notes(request);
     request_list_inputs(&provenance, request);
     provenance.question.rows = "connections";

@@ -1104,8 +1104,11 @@ class Selector(Guarded):
         """
         atlas = self.atlas._p
         count = lib.conus_atlas_object_count(atlas)
-        if not any(lib.conus_atlas_object(atlas, i).kind == lib.CONUS_KIND_BUNDLE for i in range(1, count + 1)):
+        bundles = [i for i in range(1, count + 1) if lib.conus_atlas_object(atlas, i).kind == lib.CONUS_KIND_BUNDLE]
+        if not bundles:
             raise ArgumentError("there are no streamlines, load(..., streamlines=[FILE]) adds some")
+        if all(lib.conus_atlas_is_hidden(atlas, i) for i in bundles):
+            raise ArgumentError("all streamlines are hidden: only names the bundles to keep beside areas")
         out = ffi.new("conus_connectivity **")
         chosen = ffi.NULL if selection is None else selection._p
         self._call(lib.conus_connectivity_create, out, self._p, chosen, _ends(radius))

@@ -13,7 +13,7 @@
 enum { NEIGHBOURS = 26 };
 
 /* What has come to a voxel. */
-enum seen { UNSEEN, IN_CLUSTER, IN_PLATEAU };
+enum seen { UNSEEN, IN_CLUSTER, IN_PLATEAU, NEAR_MAXIMUM };
 
 static const double ROUNDING = 1e-9; /* of a distance */
 
@@ -169,11 +169,39 @@ static double square_between(const conus_roi *roi, uint64_t a, uint64_t b)
     return vec3_dot(between, between);
 }
 
+/* Marks the voxels of the cluster under way that are too near a maximum. */
+static void mark_near(struct parting *parting, uint64_t voxel)
+{
+    const conus_roi *roi = parting->roi;
+    const size_t *dim = roi->volume.info.dim;
+    const double *m = roi->volume.voxel_from_world;
+    const double apart = CONUS_MAXIMA_APART * (1 - ROUNDING);
+    size_t low[3];
+    size_t high[3];
+    place_of(low, roi, voxel);
+    for (int a = 0; a < 3; a++) {
+        double reach = ceil(apart * sqrt(m[a] * m[a] + m[4 + a] * m[4 + a] + m[8 + a] * m[8 + a]));
+        double at = (double)low[a];
+        low[a] = (size_t)fmax(at - reach, (double)roi->low[a]);
+        high[a] = (size_t)fmin(at + reach, (double)roi->high[a]);
+    }
+    for (size_t k = low[2]; k <= high[2]; k++) {
+        for (size_t j = low[1]; j <= high[1]; j++) {
+            for (size_t i = low[0]; i <= high[0]; i++) {
+                size_t other = i + dim[0] * (j + dim[1] * k);
+                bool is_own = parting->values[other] != 0;
+                if (is_own && square_between(roi, voxel, other) < apart * apart) {
+                    parting->seen[other] = NEAR_MAXIMUM;
+                }
+            }
+        }
+    }
+}
+
 /* Finds the local maxima of a cluster, the highest first, and keeps those that are far enough from all before them. */
 static void find_maxima(struct parting *parting, const struct cluster *cluster)
 {
     const uint64_t *members = parting->members + cluster->first;
-    const double apart = CONUS_MAXIMA_APART * (1 - ROUNDING);
     struct maximum *maxima = parting->maxima;
     size_t count = 0;
     for (size_t i = 0; i < cluster->count; i++) {
@@ -188,11 +216,8 @@ static void find_maxima(struct parting *parting, const struct cluster *cluster)
     order_sort(maxima, count, sizeof *maxima, by_height);
     parting->maxima_count = 0;
     for (size_t i = 0; i < count; i++) {
-        bool is_far = true;
-        for (size_t k = 0; k < parting->maxima_count && is_far; k++) {
-            is_far = square_between(parting->roi, maxima[i].voxel, maxima[k].voxel) >= apart * apart;
-        }
-        if (is_far) {
+        if (parting->seen[maxima[i].voxel] != NEAR_MAXIMUM) {
+            mark_near(parting, maxima[i].voxel);
             maxima[parting->maxima_count++] = maxima[i];
         }
     }

@@ -528,7 +528,7 @@ store() {
 # verify must know every option with a text, or refuse a sidecar with it.
 @test "every option of the commands that are answered again is known, or refused on purpose" {
     study
-    local text='--angles --atlas --atlas-transform --clearance --connect --connectivity --contacts --context --coordsystem --deep --endpoints --hide --image --jitter --jobs
+    local text='--angles --atlas --atlas-transform --clearance --clusters --connect --connectivity --contacts --context --coordsystem --deep --endpoints --hide --image --jitter --jobs
         --keep --labels --level --listen --mask --mask-object --only --output --pathway --pose --poses --probe --probes --reference --score
         --segments --shard --sidecar --streamlines --streamlines-out --tool --voxels --world-from-tracker'
     for command in query batch sweep track overlap connect; do

@@ -11,7 +11,7 @@ import pandas
 import pytest
 
 import conus
-from support import AAL, AFFINE, call_conus, needs_aal, plates
+from support import AAL, AFFINE, call_conus, needs_aal, plates, same
 
 VARIABLES = ("FSLDIR", "SUBJECTS_DIR", "FREESURFER_HOME", "TEMPLATEFLOW_HOME", "AFNI_ATLAS_PATH", "AFNI_PLUGINPATH",
              "AFNI_SUPP_ATLAS_DIR", "SPM_DIR", "NILEARN_DATA", "NILEARN_SHARED_DATA", "MRICROGL_DIR", "XDG_DATA_HOME",
@@ -105,3 +105,16 @@ def test_cache(monkeypatch, tmp_path):
         assert first.to_dataframe().equals(second.to_dataframe())
     with pytest.raises(conus.ArgumentError):
         conus.load(AAL, cache=2)
+
+
+@needs_aal
+def test_a_context_by_its_name():
+    """mricron's ch2 is an image beside AAL: it blocks by its name what it blocks by its path."""
+    path = os.path.join(os.path.dirname(AAL), "ch2.nii.gz")
+    if not os.path.exists(path):
+        pytest.skip("no ch2")
+    aim = {"origin": (-90, 0, 20), "toward": (0, 0, 20), "angle": 20}
+    by_path, by_name = (conus.load(AAL, context=context, context_blocks=90).select(**aim) for context in (path, "ch2"))
+    assert same(by_name.results, by_path.results)
+    with pytest.raises(conus.FileError, match="no installed image has that name; did you mean ch2"):
+        conus.load(AAL, context="ch22")

@@ -65,6 +65,24 @@ def test_only_streamlines_in_the_cone(lined):
             lined.connectivity(radius)
 
 
+def test_the_matrix_has_the_areas_of_a_list_in_its_order(tmp_path):
+    lines = tmp_path / "lines.tck"
+    points = [np.array(line, "f4") for line in ([(-30, 0, 0), (30, 0, 0)], [(-30, 1, 0), (-25, 0, 0)])]
+    nibabel.streamlines.save(nibabel.streamlines.Tractogram(points, affine_to_rasmm=np.eye(4)), str(lines))
+    left, right = NAMES[1], NAMES[2]
+
+    def load(only):
+        return conus.load(plates(), AFFINE, labels=NAMES, streamlines=[str(lines)], only=only)
+
+    matrix = load(f"{right},{left},lines").connectivity().matrix()
+    assert list(matrix.index) == list(matrix.columns) == [right, left, "unassigned"]
+    assert matrix.values.tolist() == [[0, 1, 0], [1, 1, 0], [0, 0, 0]]
+    alone = load(f"{left},lines").connectivity().matrix()
+    assert alone.values.tolist() == [[1, 1], [1, 0]] and list(alone.index) == [left, "unassigned"]
+    with pytest.raises(conus.ArgumentError, match="all streamlines are hidden"):
+        load(right).connectivity()
+
+
 def test_without_bundles_it_is_refused():
     atlas = conus.load(plates(), AFFINE, labels=NAMES)
     selection = atlas.near((0, 0, 0), 5)
