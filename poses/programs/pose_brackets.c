@@ -132,26 +132,29 @@ static conus_status parse_numbers(struct reading *reading, struct text text)
     return status;
 }
 
-/* "(x, y, z)" at the begin of @p rest, which is what is behind it then. */
-static bool take_triple(double point[3], struct text *rest)
+/* Three numbers, with commas, semicolons or white space between them. */
+static bool read_three(double point[3], struct text inside)
 {
     const struct table plain = {0};
-    const char *end = rest->size && rest->data[0] == '(' ? memchr(rest->data, ')', rest->size) : NULL;
-    if (!end) {
-        return false;
-    }
-    struct text inside = {rest->data + 1, (size_t)(end - rest->data) - 1};
-    bool commas = memchr(inside.data, ',', inside.size);
+    const char mark = memchr(inside.data, ';', inside.size) ? ';' : memchr(inside.data, ',', inside.size) ? ',' : 0;
     struct text word;
     size_t count = 0;
     bool fine = true;
-    for (bool more = true; fine && (commas ? text_field(&inside, ',', &more, &word) : text_word(&inside, &word));
+    for (bool more = true; fine && (mark ? text_field(&inside, mark, &more, &word) : text_word(&inside, &word));
          count++) {
-        fine = count < 3 && table_number(&point[count < 3 ? count : 2], &plain, table_trim(word)) &&
-               isfinite(point[count < 3 ? count : 2]);
+        size_t k = count < 3 ? count : 2;
+        fine = count < 3 && table_number(&point[k], &plain, table_trim(word)) && isfinite(point[k]);
     }
-    *rest = table_trim((struct text){end + 1, rest->size - (size_t)(end + 1 - rest->data)});
     return fine && count == 3;
+}
+
+/* "(x, y, z)" at the begin of @p rest, which is what is behind it then. */
+static bool take_triple(double point[3], struct text *rest)
+{
+    const char *end = rest->size && rest->data[0] == '(' ? memchr(rest->data, ')', rest->size) : NULL;
+    struct text inside = end ? (struct text){rest->data + 1, (size_t)(end - rest->data) - 1} : (struct text){"", 0};
+    *rest = end ? table_trim((struct text){end + 1, rest->size - (size_t)(end + 1 - rest->data)}) : *rest;
+    return end && read_three(point, inside);
 }
 
 /* A line "name: (x, y, z)", "(x, y, z) name" or "(x, y, z) -> (x, y, z)", from entry to target. */
@@ -231,6 +234,92 @@ static conus_status parse_spoken(conus_pose_list *list, struct text text, const 
     return status;
 }
 
+/* A table with the three coordinates in one cell: "(-42, -20, 50)". */
+struct cells {
+    struct table table;
+    size_t at, name; /* columns of the positions and of the names, SIZE_MAX = no names */
+    size_t count;    /* columns that could be the positions */
+    struct text header;
+};
+
+static bool cell_point(double point[3], struct text cell)
+{
+    bool is_open = cell.size > 1 && memchr("([", cell.data[0], 2) && memchr(")]", cell.data[cell.size - 1], 2);
+    return read_three(point, is_open ? (struct text){cell.data + 1, cell.size - 2} : cell);
+}
+
+static bool next_line(struct text *rest, struct text *line)
+{
+    struct text inside;
+    bool found = false;
+    while (!found && text_line(rest, line)) {
+        found = !table_is_blank(*line) && !table_is_comment(&inside, *line);
+    }
+    return found;
+}
+
+/* Looks at the header and the first row: the row has fewer than three bare numbers, unless the header calls the column
+ * coordinates. */
+static bool find_cells(struct cells *out, struct text head)
+{
+    struct table_line names;
+    struct table_line row;
+    struct text rest = head;
+    struct text first;
+    struct text line;
+    bool has_both = next_line(&rest, &first) && next_line(&rest, &line);
+    for (enum table_separator mark = TABLE_TABS; has_both && mark <= TABLE_COMMAS; mark++) {
+        *out = (struct cells){.table.separator = mark, .at = SIZE_MAX, .name = SIZE_MAX, .header = first};
+        bool fits = table_split(&names, &out->table, first) && table_split(&row, &out->table, line) &&
+                    names.count == row.count && row.count > 1;
+        bool is_bare = fits && table_numbers(&row) < 3;
+        for (size_t i = 0; fits && i < row.count; i++) {
+            double point[3];
+            double number;
+            bool is_called = text_contains(names.cells[i], text_from("coord")) ||
+                             text_contains(names.cells[i], text_from("x, y, z"));
+            if (cell_point(point, row.cells[i]) && !cell_point(point, names.cells[i]) && (is_bare || is_called)) {
+                out->at = i;
+                out->count++;
+            } else if (out->name == SIZE_MAX && row.cells[i].size && !text_to_double(row.cells[i], &number)) {
+                out->name = i;
+            }
+        }
+        if (out->count) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool pose_brackets_in_cells(struct text head)
+{
+    struct cells cells;
+    return find_cells(&cells, head);
+}
+
+static conus_status parse_cells(conus_pose_list *list, struct text text, const conus_pose_options *options)
+{
+    struct cells cells;
+    struct table_line row;
+    struct text line;
+    conus_status status = find_cells(&cells, text) && cells.count == 1
+                              ? CONUS_OK
+                              : fail(CONUS_ERROR_DATA, "several columns with three numbers in a cell: which are the "
+                                                       "positions? Take the others out");
+    (void)next_line(&text, &line); /* the header */
+    while (!status && next_line(&text, &line)) {
+        double point[3] = {0};
+        bool fits = table_split(&row, &cells.table, line) && cells.at < row.count;
+        conus_status bad = fits && cell_point(point, row.cells[cells.at])
+                               ? CONUS_OK
+                               : fail(CONUS_ERROR_DATA, "no cell of three numbers");
+        struct text name = fits && cells.name < row.count ? row.cells[cells.name] : (struct text){"", 0};
+        status = add_point(list, options, point, name, bad);
+    }
+    return status;
+}
+
 /* Three numbers of a list. */
 static conus_status read_triple(double point[3], const json_t *list)
 {
@@ -300,6 +389,9 @@ conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const 
     }
     if (pose_brackets_are_spoken(text)) {
         return parse_spoken(list, text, options);
+    }
+    if (pose_brackets_in_cells(text)) {
+        return parse_cells(list, text, options);
     }
     conus_status status = json_text_load(&root, text);
     bool is_freeview = pose_brackets_json(root) == BRACKETS_FREEVIEW;

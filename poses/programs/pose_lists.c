@@ -174,7 +174,7 @@ bool pose_lists_know(struct text head, const char *path)
     struct text begin = text_trim(head);
     bool is_json = begin.size && begin.data[0] == '[' && text_find(begin, "{");
     return is_elc(head) || is_json || pose_brackets_begin(head) || pose_brackets_are_spoken(head) ||
-           find_layout(head, path);
+           find_layout(head, path) || pose_brackets_in_cells(head);
 }
 
 static bool is_passed_over(const struct layout *layout, struct text line)
@@ -309,8 +309,9 @@ conus_status pose_lists_parse(conus_pose_list *list, struct text text, const con
 {
     const char *path = list->sink.path;
     struct text begin = text_trim(text);
-    bool is_in_brackets =
-        pose_brackets_begin(text) || pose_brackets_are_spoken(text) || (begin.size && memchr("{[", begin.data[0], 2));
+    bool is_in_brackets = pose_brackets_begin(text) || pose_brackets_are_spoken(text) ||
+                          (begin.size && memchr("{[", begin.data[0], 2)) ||
+                          (!find_layout(text, path) && pose_brackets_in_cells(text));
     const struct layout *layout = is_elc(text) || is_in_brackets ? NULL : find_layout(text, path);
     bool follows = layout && (layout->flags & FOLLOWS_SPACE);
     bool is_lps = layout && ((layout->flags & (IS_LPS | NEEDS_LPS)) || (follows && options->space == CONUS_SPACE_LPS));

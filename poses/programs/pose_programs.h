@@ -69,6 +69,8 @@ conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const 
 bool pose_brackets_begin(struct text text);
 /** Whether the first line of @p text is "name: (x, y, z)", "(x, y, z) name" or "(x, y, z) -> (x, y, z)". */
 bool pose_brackets_are_spoken(struct text text);
+/** Whether @p head is of a table that has the three coordinates in one cell. */
+bool pose_brackets_in_cells(struct text head);
 /** What an object of JSON is: a point set of Freeview's, or names whose values all are three numbers. */
 enum pose_brackets { BRACKETS_NONE, BRACKETS_FREEVIEW, BRACKETS_NAMES };
 enum pose_brackets pose_brackets_json(json_t *root);
