@@ -553,6 +553,7 @@ struct picture {
     struct named_places places;
     conus_pose aim; /* of --origin, */
     double aim_range[2];
+    double cut_at[3]; /* of --at, world */
     bool has_camera;
     bool failed; /* Some poses have no picture. */
 };
@@ -886,9 +887,10 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
     if ((settings->turn.frames || is_sheet) && selection && !option_given(picture->arguments, "legend")) {
         view.legend = CONUS_LEGEND_BELOW; /* all frames are as large, and rows of cuts as wide as they can be */
     }
-    int code = settings->cuts.cuts ? render_cuts_find(&planes, &count, &settings->cuts, picture->arguments,
-                                                      picture->atlas, &picture->frame, selection, pose)
-                                   : EXIT_DONE;
+    int code = settings->cuts.cuts
+                   ? render_cuts_find(&planes, &count, &settings->cuts, settings->cuts.at ? picture->cut_at : NULL,
+                                      picture->atlas, &picture->frame, selection, pose)
+                   : EXIT_DONE;
     code = code ? code : draw_frames(picture, &view, planes, count, path);
     free(planes);
     return code;
@@ -1047,6 +1049,9 @@ static int run_render(const void *given, const struct arguments *arguments)
     code = code || !settings->aim.origin ? code
                                          : settings_pose(&picture.aim, picture.aim_range, &picture.places,
                                                          &settings->aim, &settings->engine, arguments);
+    code = code || !settings->cuts.at
+               ? code
+               : named_places_find(picture.cut_at, &picture.places, "at", settings->cuts.at, NULL);
     if (!code && !settings->common.quiet) {
         named_places_say(&picture.places);
     }

@@ -86,13 +86,13 @@ CONUS_API bool conus_place_is_near(const char *text);
 
 /**
  * Says how a place was understood: "Hippocampus_L: (-27.0, -13.0, -15.0), 6.0 mm inside".
- * @param[out] out The text, without a line's end, cut where it is too long.
+ * @param[out] out [#CONUS_PLACE_TEXT] The text, without a line's end, cut where it is too long.
  * @param place The place.
  * @param frame Space and unit of the numbers; NULL = the world.
  * @threads Any.
  * @since 0.1
  */
-CONUS_API void conus_place_text(char out[CONUS_PLACE_TEXT], const conus_place *place, const conus_frame *frame);
+CONUS_API void conus_place_text(char out[512], const conus_place *place, const conus_frame *frame);
 
 #ifdef __cplusplus
 }

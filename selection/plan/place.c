@@ -208,15 +208,14 @@ static conus_status check_sides(const struct finding *finding, const struct plan
         return status;
     }
     double parts[2];
-    double own[3];
     plan_sides(parts, structure, atlas);
-    conus_atlas_own_point(own, atlas, inner->at);
     bool is_on_both = fmin(parts[0], parts[1]) >= LEAST_PART * (parts[0] + parts[1]);
-    bool is_in_middle = has_sides && fabs(own[0]) < inner->depth / 2;
+    bool is_in_middle = has_sides && fabs(plan_off_midline(atlas, inner->at)) < inner->depth / 2;
     if (!is_on_both || is_in_middle) {
         return CONUS_OK;
     }
-    bool is_split = object->kind == CONUS_KIND_AREA && atlas_parcellation(atlas) && !atlas->half_step;
+    bool is_split =
+        object->kind == CONUS_KIND_AREA && atlas_parcellation(atlas) && !atlas->half_step && !atlas->has_ccf;
     char way[2 * SHOWN + 64] = "";
     if (is_split) {
         snprintf(way, sizeof way, "; --hemispheres split and \"%.*s left\" or \"%.*s right\" choose one", SHOWN,

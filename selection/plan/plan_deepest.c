@@ -490,6 +490,26 @@ bool plan_nearest(double out[3], const struct plan_constraint *structure, const 
     return isfinite(near.least);
 }
 
+/* The atlas's own position, with x counted from the midline. */
+static void place_by_midline(double out[3], const conus_atlas *atlas, const double point[3])
+{
+    static const double MIDDLE = 5700; /* of the CCF's 11,400 um */
+    double ccf_from_own[16];
+    conus_atlas_own_point(out, atlas, point);
+    if (atlas->has_ccf && mat4_invert_affine(ccf_from_own, atlas->own_from_ccf)) {
+        mat4_point(out, ccf_from_own, out);
+        const double ccf[3] = {(out[2] - MIDDLE) / 1000, out[0] / 1000, out[1] / 1000};
+        memcpy(out, ccf, sizeof ccf);
+    }
+}
+
+double plan_off_midline(const conus_atlas *atlas, const double point[3])
+{
+    double at[3];
+    place_by_midline(at, atlas, point);
+    return at[0];
+}
+
 struct side_count {
     const conus_atlas *atlas;
     double sides[2];
@@ -503,7 +523,7 @@ static void count_side(void *user, const struct volume *volume, size_t voxel)
     double at[4] = {0};
     double own[3];
     add_centre(at, volume, voxel);
-    conus_atlas_own_point(own, count->atlas, at);
+    place_by_midline(own, count->atlas, at);
     count->sides[own[0] < -(count->atlas->is_moved ? ROUNDING : 0) ? 0 : 1] += count->one;
 }
 
@@ -544,7 +564,7 @@ static void add_solid_sides(double sides[2], const struct mesh *mesh, const conu
         double own[3][3];
         mesh_corners(corner, mesh, i);
         for (int c = 0; c < 3; c++) {
-            conus_atlas_own_point(own[c], atlas, corner[c]);
+            place_by_midline(own[c], atlas, corner[c]);
         }
         sum[0] += flux_on_side(own, -1);
         sum[1] += flux_on_side(own, 1);

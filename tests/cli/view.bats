@@ -906,7 +906,8 @@ END
         [[ "$stderr" == *"script:2: $text"* ]] || { echo "said: $stderr"; echo "wanted: $text"; return 1; }
     done <<'END'
 dance|unknown command "dance"
-aim 1 2 3|aim X Y Z TX TY TZ is needed
+aim 1 2 3|aim X Y Z TX TY TZ, or PLACE PLACE is needed
+aim Xyz 0,0,0|aim X Y Z TX TY TZ, or PLACE PLACE is needed
 angle 180|angle DEGREES is needed
 angle nan|angle DEGREES is needed
 key ctrl|key KEY is needed

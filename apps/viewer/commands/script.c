@@ -95,16 +95,29 @@ static bool is_fine(bool fine, const char *why)
     return fine;
 }
 
-/* Two points of the world, from six arguments of the viewer's space: the second one less the first is a direction. */
-static bool read_line(double from[3], double direction[3], const struct call *call, const double given[6])
+/* Two points of the world, the second one less the first as a direction: from the argument @p first on six numbers of
+ * the viewer's space, or two places of the first atlas in words. False, and the message says why, where they are none;
+ * *is_wrong where there are not so many. */
+static bool read_line(bool *is_wrong, double from[3], double direction[3], const struct call *call, size_t first)
 {
-    if (!viewer_to_world(from, call->viewer, given) || !viewer_to_world(direction, call->viewer, given + 3)) {
-        return false;
+    double given[6];
+    conus_place_options options = {.frame = &call->viewer->frame, .has_axis = true};
+    bool fine = true;
+    *is_wrong = call->count != first + 2 && (call->count != first + 6 || !numbers(given, call, first, 6));
+    if (call->count == first + 6 && !*is_wrong) {
+        fine = viewer_to_world(from, call->viewer, given) && viewer_to_world(direction, call->viewer, given + 3);
     }
-    for (int a = 0; a < 3; a++) {
+    for (size_t i = 0; i < 2 && call->count == first + 2 && fine; i++) {
+        double *out = i ? direction : from;
+        conus_place place;
+        fine = !conus_place_find(&place, call->viewer->atlases[0].atlas, call->arguments[first + i], &options);
+        options.other = from;
+        memcpy(out, place.point, fine ? sizeof place.point : 0);
+    }
+    for (int a = 0; a < 3 && fine && !*is_wrong; a++) {
         direction[a] -= from[a];
     }
-    return true;
+    return fine && !*is_wrong;
 }
 
 /* The commands: false where the arguments are wrong, or it could not be done. */
@@ -118,8 +131,9 @@ static bool do_aim(struct call *call)
 {
     double from[3];
     double direction[3];
-    if (!read_line(from, direction, call, call->numbers)) {
-        return is_done(CONUS_ERROR_ARGUMENT);
+    bool is_wrong;
+    if (!read_line(&is_wrong, from, direction, call, 0)) {
+        return !is_wrong && is_done(CONUS_ERROR_ARGUMENT);
     }
     tool_aim_along(call->viewer, FIRST_TOOL, from, direction);
     return true;
@@ -354,15 +368,15 @@ static bool do_tracker(struct call *call)
 
 static bool aim_second(struct call *call)
 {
-    double given[6];
     double from[3];
     double direction[3];
+    bool is_wrong;
     conus_pose pose;
-    if (call->count != 7 || !numbers(given, call, 1, 6)) {
+    bool is_read = read_line(&is_wrong, from, direction, call, 1);
+    if (is_wrong) {
         return false;
     }
-    bool fine = is_done(read_line(from, direction, call, given) ? conus_pose_along(&pose, from, direction, NULL)
-                                                                : CONUS_ERROR_ARGUMENT);
+    bool fine = is_done(is_read ? conus_pose_along(&pose, from, direction, NULL) : CONUS_ERROR_ARGUMENT);
     if (fine) {
         tool_aim(call->viewer, SECOND_TOOL, &pose);
     }
@@ -681,7 +695,7 @@ static const struct script_command {
     {"streamlines", 1, 1, "FILE[,radius=R][,name=S][,space=S][,moves]", .act = do_add},
     {"atlas", 1, 1, "FILE or NAME", .act = do_add},
     {"take-out", 1, 1, "FILE that was added", .act = do_take_out},
-    {"aim", 6, 6, "X Y Z TX TY TZ", .act = do_aim, .numbers = 6},
+    {"aim", 2, 6, "X Y Z TX TY TZ, or PLACE PLACE", .act = do_aim},
     {"point", 2, 2, "RIGHT DOWN, parts of the 3-D pane", .act = do_point, .numbers = 2},
     {"screen", 8, 8, "X Y Z TX TY TZ WIDTH HEIGHT", .act = do_screen, .numbers = 8},
     {"head", 1, 3, "X Y Z, after screen, or lost", .act = do_head},
@@ -697,7 +711,7 @@ static const struct script_command {
     {"tracker", 1, 1, "HOST[:PORT], or off", .act = do_tracker},
     {"speed", 1, 1, "MM a second, 1 to 400", .sets = PROPERTY_SPEED},
     {"second", 1, 7,
-     "on|off|hold|confirm, aim X Y Z TX TY TZ, angle DEGREES, pointer "
+     "on|off|hold|confirm, aim X Y Z TX TY TZ or PLACE PLACE, angle DEGREES, pointer "
      "mouse|wand|tracker|spacemouse|gamepad, results FILE.tsv",
      .act = do_second},
     {"crosshair", 3, 3, "X Y Z", .act = do_crosshair, .numbers = 3},

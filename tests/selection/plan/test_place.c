@@ -170,6 +170,30 @@ static void without_sides_the_midline_is_no_excuse(void **state)
     conus_atlas_destroy(own);
 }
 
+/* The midline of the CCF is ML 5700 um, wherever the corner of the grid is. */
+static void the_ccf_has_its_own_midline(void **state)
+{
+    (void)state;
+    static const struct area_row one[] = {{1, "VISp", 0, NULL, 0}, {0}};
+    static uint32_t labels[12 * 3 * 3];
+    for (size_t i = 0; i < 12 * 3 * 3; i++) {
+        labels[i] = i % 12 < 4 || i % 12 > 7;
+    }
+    conus_atlas *own = NULL;
+    conus_place place;
+    assert_ok(area_rows_atlas(&own, (const size_t[]){12, 3, 3}, labels, one));
+    own->volumes[0].info.world_from_voxel[12] = 0; /* x from 0 to 11 mm */
+    assert_ok(conus_place_find(&place, own, "VISp", NULL));
+    own->has_ccf = true;
+    mat4_identity(own->own_from_ccf); /* x = ML - 0.2 mm, y = -AP, z = -DV */
+    const double m[16] = {0, -1e-3, 0, 0, 0, 0, -1e-3, 0, 1e-3, 0, 0, 0, -0.2, 0, 0, 1};
+    memcpy(own->own_from_ccf, m, sizeof m);
+    assert_fails(conus_place_find(&place, own, "VISp", NULL), CONUS_ERROR_ARGUMENT);
+    assert_string_equal(conus_message(), "VISp lies on both sides: 0.04 cm3 left, 0.04 cm3 right");
+    assert_fails(conus_place_find(&place, own, "1020:C3", NULL), CONUS_ERROR_ARGUMENT);
+    conus_atlas_destroy(own);
+}
+
 static void a_position_is_one_of_a_cap(void **state)
 {
     (void)state;
@@ -366,6 +390,7 @@ TEST_GROUP(place)
         cmocka_unit_test(what_is_hidden_has_the_same),
         cmocka_unit_test(an_area_on_both_sides_is_refused),
         cmocka_unit_test(without_sides_the_midline_is_no_excuse),
+        cmocka_unit_test(the_ccf_has_its_own_midline),
         cmocka_unit_test(a_position_is_one_of_a_cap),
         cmocka_unit_test(several_areas_that_have_a_position_are_refused),
         cmocka_unit_test(numbers_are_of_their_space),
