@@ -729,7 +729,8 @@ bool conus_pose_stream_has_times(const conus_pose_stream *stream)
 
 bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
 {
-    bool found = stream->format == CONUS_POSE_FORMAT_TABLE && stream->table.has_angles;
+    bool found =
+        stream->options.aperture > 0 || (stream->format == CONUS_POSE_FORMAT_TABLE && stream->table.has_angles);
     for (size_t i = 0; is_read_whole(stream) && i < stream->list.count; i++) {
         found = found || stream->list.rows[i].angle != 0;
     }

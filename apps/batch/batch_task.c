@@ -71,8 +71,8 @@ int batch_task_init(struct batch_task *out, const struct batch_settings *setting
 static int open_poses(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
-    const conus_pose_options options =
-        pose_settings_options(&settings->file, &settings->engine.range, &task->frame, settings->atlas.max_memory);
+    const conus_pose_options options = pose_settings_options(&settings->file, &settings->aim, &settings->engine,
+                                                             &task->frame, settings->atlas.max_memory);
     int code = batch_shard(&task->shard, settings);
     if (code) {
         return code;
@@ -152,16 +152,16 @@ int batch_task_open(struct batch_task *task)
 int batch_task_build(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
-    conus_selector_options engine = settings_engine(&settings->engine, &settings->common);
+    conus_selector_options engine = settings_engine(&settings->engine, &settings->aim, &settings->common);
     settings_point_error(task->point_error, &settings->engine, task->arguments);
     if (conus_pose_stream_format(task->poses) == CONUS_POSE_FORMAT_POINTS && task->point_error[0]) {
         return print_data_error("%s: %s", pose_settings_file_name(settings->poses), task->point_error);
     }
     bool has_points = conus_pose_stream_has_points(task->poses) && !task->point_error[0] && !settings->of_axis &&
                       !format_is_foreign(task->format);
-    if (has_points && !settings->common.quiet) {
-        print_error_line("note: %s: %s", pose_settings_file_name(settings->poses),
-                         settings_points_text(task->understood, &settings->engine));
+    const char *understood = settings_understood(task->understood, &settings->aim, &settings->engine, has_points);
+    if (understood && !settings->common.quiet) {
+        print_error_line("note: %s: %s", pose_settings_file_name(settings->poses), understood);
     }
     const conus_batch_options options = {
         .threads = settings->threads,
@@ -178,7 +178,7 @@ int batch_task_build(struct batch_task *task)
                    .order = settings->of_axis ? CONUS_ORDER_RANK : (conus_order)settings->axis.order,
                    .contacts = settings->of_axis ? (conus_contacts){0} : task->contacts,
                    .within = task->within,
-                   .understood = has_points ? settings_points_text(task->understood, &settings->engine) : NULL,
+                   .understood = understood,
                    .points = has_points},
     };
     task->aimed = calloc(task->atlases.count, sizeof *task->aimed);
@@ -224,7 +224,7 @@ static int identify(struct batch_task *task)
     size_t size = 0;
     char angle[32], reading[128];
     snprintf(angle, sizeof angle, "%.17g", settings->aim.angle);
-    pose_settings_text(reading, &settings->file, &settings->engine.range);
+    pose_settings_text(reading, &settings->file, &settings->aim, &settings->engine);
     conus_status status = conus_batch_sidecar(&sidecar, &size, task->batch);
     const char *const sources[] = {angle,
                                    reading,
@@ -327,6 +327,9 @@ void batch_task_find_astray(struct batch_task *task)
 {
     for (size_t i = 0; i < task->atlases.count; i++) {
         task->aimed[i].found = conus_batch_astray_at(task->batch, i);
+        if (task->settings->aim.aperture > 0) { /* a beam begins inside */
+            task->aimed[i].found.inside = (conus_oddity){0};
+        }
     }
 }
 

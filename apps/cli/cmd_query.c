@@ -51,7 +51,7 @@ static const struct option probe_options[] = {
              "points along the axis",
      .words = "ProbeInterface, Neuropixels, electrodes, contacts",
      .role = OPTION_READS,
-     .excludes = "point,angle,segments,clearance,image,deep,mask,streamlines-out,connectivity"},
+     .excludes = "point,angle,aperture-diameter,segments,clearance,image,deep,mask,streamlines-out,connectivity"},
     {.name = "probe-tip",
      OPTION_AT(struct query_settings, tip),
      .value = "MM",
@@ -103,6 +103,8 @@ static const struct option voxels_options[] = {
 static const struct option_group groups[] = {
     REQUEST_AIM_GROUPS,
     {"", point_options, 0},
+    {"", beam_options, REQUEST_FIELD(aim)},
+    {"", aperture_options, REQUEST_FIELD(aim)},
     {"", probe_options, 0},
     REQUEST_ENGINE_GROUPS,
     REQUEST_ATLAS_GROUPS,
@@ -391,12 +393,12 @@ static int answer_one(struct query_run *run)
         if (code) {
             return code;
         }
-        code = settings_pose_range(range, &settings->aim, &settings->engine, &request->frame, request->arguments);
+        code = settings_pose_cone(&query.angle, range, &settings->aim, &settings->engine, &request->frame,
+                                  request->arguments);
         if (code) {
             return code;
         }
         query.range = range;
-        query.angle = settings_angle(&settings->aim, &settings->engine);
         request_count_pose(request, 1, &query.pose, query.angle);
     }
     int code = ask_atlases(run, &query, &fault);
@@ -411,7 +413,8 @@ static conus_status start_query(struct query_run *run)
 {
     const struct query_settings *settings = run->settings;
     struct request *request = &run->request;
-    conus_selector_options engine = settings_engine(&settings->request.engine, &settings->request.common);
+    conus_selector_options engine =
+        settings_engine(&settings->request.engine, &settings->request.aim, &settings->request.common);
     if (option_given(request->arguments, "point")) {
         engine.radius = 0; /* of the ball */
         engine.layers = CONUS_LAYERS_ALL;
@@ -428,9 +431,8 @@ static conus_status start_query(struct query_run *run)
     report.no_voxels = !settings->voxels;
     report.order = (conus_order)settings->axis.order;
     report.points = option_given(request->arguments, "point") || (run->is_of_points && !run->probe);
-    if (run->is_of_points && !run->probe) {
-        report.understood = settings_points_text(run->understood, &settings->request.engine);
-    }
+    report.understood = settings_understood(run->understood, &settings->request.aim, &settings->request.engine,
+                                            run->is_of_points && !run->probe);
     report.contacts = run->contacts;
     report.probe = run->probe;
     report.placed = settings->coordsystem;
@@ -568,10 +570,11 @@ static int find_poses(conus_pose *out, size_t count, const struct query_run *run
         go_to_far_end(&out[i], row->range[1], run);
     }
     int code = poses ? EXIT_DONE : settings_pose(out, &request->settings->aim, &request->frame, request->arguments);
+    double angle;
     double range[2];
     code = poses || code ? code
-                         : settings_pose_range(range, &request->settings->aim, &request->settings->engine,
-                                               &request->frame, request->arguments);
+                         : settings_pose_cone(&angle, range, &request->settings->aim, &request->settings->engine,
+                                              &request->frame, request->arguments);
     if (!poses && !code) {
         go_to_far_end(out, range[1], run);
     }

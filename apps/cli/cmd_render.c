@@ -517,6 +517,8 @@ static const struct option_group groups[] = {
     {"Surfaces of areas and pathways", translucent_options, offsetof(struct render_settings, translucent)},
     {"Cone to draw", aim_options, offsetof(struct render_settings, aim)},
     {"", row_options, 0},
+    {"", beam_options, offsetof(struct render_settings, aim)},
+    {"", aperture_options, offsetof(struct render_settings, aim)},
     {"", pose_file_options, offsetof(struct render_settings, file)},
     {"", angle_options, offsetof(struct render_settings, aim)},
     {"", space_options, offsetof(struct render_settings, aim.space)},
@@ -569,6 +571,11 @@ static bool has_camera(const struct arguments *arguments)
     return option_given(arguments, "camera") || option_given(arguments, "camera-origin");
 }
 
+static bool has_option_pose(const struct arguments *arguments)
+{
+    return option_given(arguments, "origin") || option_given(arguments, "focus");
+}
+
 static bool has_file(const struct arguments *arguments)
 {
     return option_given(arguments, "pose") || option_given(arguments, "poses");
@@ -582,7 +589,7 @@ static bool check_cone(const struct render_settings *settings, const struct argu
         !settings_check_shape(&settings->aim, &settings->engine, arguments)) {
         return false;
     }
-    bool cone = option_given(arguments, "origin") || has_file(arguments);
+    bool cone = has_option_pose(arguments) || has_file(arguments);
     if (settings->strips && option_with(arguments, OPTION_OF_RAYS)) {
         return refuse("--%s has no effect with --strips, which follow the axis",
                       option_with(arguments, OPTION_OF_RAYS)->name);
@@ -639,7 +646,7 @@ static int load_poses(conus_pose_list **out, const struct picture *picture, cons
 {
     const struct render_settings *settings = picture->settings;
     const conus_pose_options options =
-        pose_settings_options(&settings->file, path == settings->aim.pose ? &settings->engine.range : NULL,
+        pose_settings_options(&settings->file, path == settings->aim.pose ? &settings->aim : NULL, &settings->engine,
                               &picture->frame, settings->atlas.max_memory);
     conus_status status = conus_pose_list_load(out, path, &options);
     return status ? pose_settings_print_error(status, path, "pose", picture->arguments) : EXIT_DONE;
@@ -749,7 +756,7 @@ static conus_status make_selector(struct picture *picture)
     const struct render_settings *settings = picture->settings;
     struct engine_settings engine = settings->engine;
     engine.slices = engine.sampling == CONUS_SAMPLING_SLICES ? settings->slices : 0;
-    const conus_selector_options options = settings_engine(&engine, &settings->common);
+    const conus_selector_options options = settings_engine(&engine, &settings->aim, &settings->common);
     conus_status status = conus_selector_create(&picture->selector, picture->atlas, &options);
     return status ? status : conus_aims_create(&picture->aims, picture->selector);
 }
@@ -914,7 +921,9 @@ static int draw_row(struct picture *picture, const struct drawn_row *drawn)
     if (fault) {
         return refuse_row(picture, row, conus_message(), EXIT_USAGE);
     }
-    conus_aims_add(picture->aims, row->line, &row->pose, angle);
+    if (settings->aim.aperture == 0) { /* a beam begins inside */
+        conus_aims_add(picture->aims, row->line, &row->pose, angle);
+    }
     return code;
 }
 
@@ -1002,7 +1011,9 @@ static int draw_origin(struct picture *picture)
         return code;
     }
     conus_pose_row row = {.id = "", .pose = pose};
-    code = settings_pose_range(row.range, &settings->aim, &settings->engine, &picture->frame, picture->arguments);
+    double angle;
+    code =
+        settings_pose_cone(&angle, row.range, &settings->aim, &settings->engine, &picture->frame, picture->arguments);
     if (code) {
         return code;
     }
@@ -1014,12 +1025,13 @@ static int draw_origin(struct picture *picture)
         return print_status(status);
     }
     bool fault = false;
-    double angle = settings_angle(&settings->aim, &settings->engine);
     code = draw_cone(picture, &pose, angle, settings->output, &fault);
     if (fault) {
         return print_status(CONUS_ERROR_ARGUMENT);
     }
-    conus_aims_add(picture->aims, 1, &pose, angle);
+    if (settings->aim.aperture == 0) {
+        conus_aims_add(picture->aims, 1, &pose, angle);
+    }
     return code;
 }
 
@@ -1043,7 +1055,7 @@ static int run_render(const void *given, const struct arguments *arguments)
     code = code ? code : figure_colour_atlas(picture.atlas, &settings->figure);
     code = code ? code : check_outputs(&picture);
     if (!code) {
-        bool cone = picture.poses || option_given(arguments, "origin");
+        bool cone = picture.poses || has_option_pose(arguments);
         conus_status status = cone ? make_selector(&picture) : CONUS_OK;
         status = status ? status : make_renderer(&picture);
         code = status ? print_status(status) : cone ? EXIT_DONE : draw_picture(&picture, NULL, NULL, settings->output);

@@ -248,9 +248,11 @@ static int answer_all(struct sweep *sweep)
     }
     conus_pose_row row = {.id = "1", .error_deg = NAN, .error_mm = NAN};
     const struct request_settings *settings = request->settings;
+    double angle;
     int code = settings_pose(&row.pose, &settings->aim, &request->frame, request->arguments);
     code = code ? code
-                : settings_pose_range(row.range, &settings->aim, &settings->engine, &request->frame, request->arguments);
+                : settings_pose_cone(&angle, row.range, &settings->aim, &settings->engine, &request->frame,
+                                     request->arguments);
     request_start_progress(request, 1);
     conus_status status = code ? CONUS_OK : add_answers(sweep, &row);
     progress_finish(&request->progress, 0, 0);
@@ -266,7 +268,7 @@ static int answer_sweep(struct sweep *sweep)
     if (code) {
         return code;
     }
-    const conus_selector_options engine = settings_engine(&request->settings->engine, &request->settings->common);
+    const conus_selector_options engine = settings_engine(&request->settings->engine, NULL, &request->settings->common);
     conus_report_options report = request_report_options(request);
     report.rows = sweep->rows;
     conus_status status = request_start(request, &engine);

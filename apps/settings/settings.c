@@ -239,6 +239,38 @@ const struct option aim_options[] = {
     {0},
 };
 
+const struct option beam_options[] = {
+    {.name = "focus",
+     FIELD(aim_settings, focus),
+     .value = "X,Y,Z",
+     .help = "instead of a cone from the device, a beam that is wide at the device and narrow at its focus, here, mm: "
+             "the cone from the focus to the transducer, with all layers",
+     .words = "ultrasound, FUS, beam",
+     .flags = OPTION_OF_CONE,
+     .needs = "transducer",
+     .excludes = "origin,pose,poses,angle,radius,range,layers"},
+    {.name = "transducer",
+     FIELD(aim_settings, transducer),
+     .value = "X,Y,Z",
+     .help = "the middle of the transducer's aperture, mm",
+     .flags = OPTION_OF_CONE,
+     .needs = "focus"},
+    {0},
+};
+
+const struct option aperture_options[] = {
+    {.name = "aperture-diameter",
+     FIELD(aim_settings, aperture),
+     .value = "MM",
+     .help = "diameter of the transducer's aperture; in a file of poses each row is a beam, from its focus at x y z to "
+             "its transducer at tx ty tz",
+     OPTION_BETWEEN(0, 1e6),
+     .flags = OPTION_OF_CONE,
+     .needs = "focus|pose|poses|jobs",
+     .excludes = "origin,angle,radius,range,layers"},
+    {0},
+};
+
 const struct option angle_options[] = {
     {.name = "angle",
      FIELD(aim_settings, angle),
@@ -357,19 +389,26 @@ void settings_point_error(char out[256], const struct engine_settings *engine, c
     }
 }
 
-const char *settings_points_text(char out[96], const struct engine_settings *engine)
+const char *settings_understood(char out[96], const struct aim_settings *aim, const struct engine_settings *engine,
+                                bool has_points)
 {
-    if (engine->radius > 0) {
+    if (aim->aperture > 0) {
+        snprintf(out, 96, "asked as a beam: from its focus to the transducer, %g mm wide there", aim->aperture);
+    } else if (has_points && engine->radius > 0) {
         snprintf(out, 96, "asked as points: what is within %g mm of each", engine->radius);
-    } else {
+    } else if (has_points) {
         snprintf(out, 96, "asked as points: what is at each, or else nearest to it");
     }
-    return out;
+    return aim->aperture > 0 || has_points ? out : NULL;
 }
 
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
 {
     bool has_origin = option_given(arguments, "origin");
+    if (option_find(arguments->command, "focus") && option_given(arguments, "focus")) {
+        return option_given(arguments, "aperture-diameter") ||
+               refuse("--focus needs --aperture-diameter MM with it: how wide the beam is at the transducer");
+    }
     if (has_origin && !option_given(arguments, "toward") && !option_given(arguments, "direction")) {
         return refuse("--origin needs --toward X,Y,Z or --direction X,Y,Z with it");
     }
@@ -408,7 +447,11 @@ int settings_pose(conus_pose *out, const struct aim_settings *settings, const co
     double along[3];
     double above[3];
     int code = EXIT_DONE;
-    if (option_given(arguments, "toward")) {
+    if (settings->aperture > 0) {
+        code = space_settings_point(from, settings->focus, frame, "focus");
+        code = code ? code : space_settings_point(along, settings->transducer, frame, "transducer");
+        code = code ? code : print_status(conus_pose_toward(out, from, along, NULL));
+    } else if (option_given(arguments, "toward")) {
         code = settings_pose_toward(out, settings->origin, settings->toward, given_up, frame, "");
     } else {
         code = space_settings_point(from, settings->origin, frame, "origin");
@@ -422,22 +465,36 @@ int settings_pose(conus_pose *out, const struct aim_settings *settings, const co
     return code;
 }
 
-int settings_pose_range(double out[2], const struct aim_settings *aim, const struct engine_settings *engine,
-                        const conus_frame *frame, const struct arguments *arguments)
+struct depth_range settings_range(const struct aim_settings *aim, const struct engine_settings *engine)
 {
+    return aim->aperture > 0 ? (struct depth_range){.to_target = true} : engine->range;
+}
+
+int settings_pose_cone(double *angle, double out[2], const struct aim_settings *aim,
+                       const struct engine_settings *engine, const conus_frame *frame,
+                       const struct arguments *arguments)
+{
+    const struct depth_range range = settings_range(aim, engine);
+    bool is_beam = aim->aperture > 0;
     double from[3];
     double to[3];
+    *angle = settings_angle(aim, engine);
     out[0] = out[1] = NAN;
-    if (!engine->range.to_target) {
+    if (!range.to_target) {
         return EXIT_DONE;
     }
-    if (!option_given(arguments, "toward")) {
+    if (!is_beam && !option_given(arguments, "toward")) {
         return print_usage_error("--range NEAR,target needs the target of --toward X,Y,Z");
     }
-    int code = space_settings_point(from, aim->origin, frame, "origin");
-    code = code ? code : space_settings_point(to, aim->toward, frame, "toward");
-    out[0] = engine->range.ends[0];
-    out[1] = engine->range.beyond + hypot(hypot(to[0] - from[0], to[1] - from[1]), to[2] - from[2]);
+    int code = space_settings_point(from, is_beam ? aim->focus : aim->origin, frame, "origin");
+    code = code ? code : space_settings_point(to, is_beam ? aim->transducer : aim->toward, frame, "toward");
+    if (code) {
+        return code;
+    }
+    double distance = hypot(hypot(to[0] - from[0], to[1] - from[1]), to[2] - from[2]);
+    out[0] = range.ends[0];
+    out[1] = range.beyond + distance;
+    *angle = is_beam ? 2 * atan(aim->aperture / 2 / distance) : *angle;
     if (!code && !(out[0] < out[1])) {
         return print_usage_error("--range: the target is %.10g mm away, and NEAR is %.10g", out[1], out[0]);
     }
@@ -491,7 +548,8 @@ bool settings_check_score(const struct engine_settings *settings, bool has_histo
     return true;
 }
 
-conus_selector_options settings_engine(const struct engine_settings *settings, const struct common_settings *common)
+conus_selector_options settings_engine(const struct engine_settings *settings, const struct aim_settings *aim,
+                                       const struct common_settings *common)
 {
     return (conus_selector_options){
         .engine = (conus_engine)settings->engine,
@@ -500,7 +558,7 @@ conus_selector_options settings_engine(const struct engine_settings *settings, c
         .resolution = settings->resolution,
         .slices = settings->slices,
         .slice_fraction = settings->slice_fraction,
-        .layers = (conus_layers)settings->layers,
+        .layers = aim && aim->aperture > 0 ? CONUS_LAYERS_ALL : (conus_layers)settings->layers,
         .range = {settings->range.to_target ? 0 : settings->range.ends[0], settings->range.ends[1]},
         .radius = settings->radius,
         .level = settings->level,

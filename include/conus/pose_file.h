@@ -80,6 +80,8 @@ typedef struct conus_pose_options {
                                  says otherwise; one with a direction alone has an error. Not of candidates. */
     double near;              /**< With @p to_target: where the range begins, mm, */
     double beyond;            /**< and how far behind the target it ends, mm. */
+    double aperture;          /**< With @p to_target: a row without an angle of its own has that of a cone that is so
+                                 wide, mm, where it has its target; 0 = none. */
 } conus_pose_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
