@@ -11,6 +11,7 @@
 #include "options/output.h"
 #include "options/outputs.h"
 #include "settings/atlas_input.h"
+#include "settings/named_places.h"
 #include "settings/notes.h"
 #include "settings/settings.h"
 
@@ -52,14 +53,18 @@ static const struct option output_options[] = {
 static const struct option page_options[] = {
     {.name = "origin",
      OPTION_AT(struct page_settings, origin),
-     .value = "X,Y,Z",
-     .help = "where the cone begins, mm",
+     .value = PLACE_VALUE,
+     .help = "where the cone begins: " PLACE_HELP,
+     .role = OPTION_ASKS,
+     .flags = OPTION_IS_PLACE,
      .needs = "toward",
      .common = true},
     {.name = "toward",
      OPTION_AT(struct page_settings, toward),
-     .value = "X,Y,Z",
-     .help = "a point that the cone's axis goes through, mm",
+     .value = PLACE_VALUE,
+     .help = "a place that the cone's axis goes through",
+     .role = OPTION_ASKS,
+     .flags = OPTION_IS_PLACE,
      .needs = "origin",
      .common = true},
     {.name = "angle",
@@ -377,6 +382,11 @@ static int check_size(const struct page *page)
 /* The question and the rows of its answer, as the page compares them with its own. */
 static int put_question(struct page *page)
 {
+    const conus_frame frame = {.space = CONUS_SPACE_RAS,
+                               .world_from_space = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    struct named_places places = {.atlas = page->atlas, .frame = &frame};
+    double o[3];
+    double t[3];
     const struct page_settings *settings = page->settings;
     const conus_selector_options options = {.resolution = settings->resolution,
                                             .layers = (conus_layers)settings->layers};
@@ -387,17 +397,24 @@ static int put_question(struct page *page)
     conus_report *report = NULL;
     const char *text = NULL;
     size_t size = 0;
-    conus_status status = conus_pose_toward(&pose, settings->origin, settings->toward, NULL);
+    int code = named_places_find_ends(o, t, &places, (const char *const[]){"origin", "toward"},
+                                      (const char *const[]){settings->origin, settings->toward});
+    if (!code && !settings->common.quiet) {
+        named_places_say(&places);
+    }
+    named_places_finish(&places);
+    if (code) {
+        return code;
+    }
+    conus_status status = conus_pose_toward(&pose, o, t, NULL);
     status = status ? status : conus_selector_create(&selector, page->atlas, &options);
     status = status ? status : conus_select(&selection, selector, &pose, settings->angle * M_PI / 180);
     status = status ? status : conus_report_create(&report, selector, &rows);
     status = status ? status : conus_report_add(report, "1", selection);
     status = status ? status : conus_report_text(&text, &size, report);
-    int code = print_status(status);
+    code = print_status(status);
     if (!status) {
         char fragment[512];
-        const double *o = settings->origin;
-        const double *t = settings->toward;
         snprintf(fragment, sizeof fragment,
                  "v=1&origin=%.17g,%.17g,%.17g&toward=%.17g,%.17g,%.17g&angle=%.17g&layers=%s&resolution=%u", o[0],
                  o[1], o[2], t[0], t[1], t[2], settings->angle, layer_names[settings->layers], settings->resolution);

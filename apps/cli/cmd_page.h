@@ -9,7 +9,7 @@
 struct page_settings {
     struct common_settings common;
     const char *output;
-    double origin[3], toward[3];
+    const char *origin, *toward; /* places */
     double angle;
     size_t layers; /* conus_layers */
     uint32_t resolution;

@@ -23,7 +23,7 @@ struct query_settings {
     struct selection_file_settings files;
     struct axis_settings axis;
     struct ends_settings ends;
-    double point[3];
+    struct option_list points; /* places */
     const char *probe;
     double tip, roll; /* of the probe: mm, degrees */
     const char *probes;
@@ -34,11 +34,14 @@ static const char *const voxel_kinds[] = {"pathways", "all", NULL};
 
 static const struct option point_options[] = {
     {.name = "point",
-     OPTION_AT(struct query_settings, point),
-     .value = "X,Y,Z",
-     .help = "instead of a cone, what is at this point, mm, or else nearest to it; with --radius MM what is within "
-             "MM of it",
-     .words = "coordinate, whereami"},
+     OPTION_AT(struct query_settings, points),
+     .value = PLACE_VALUE,
+     .help = "instead of a cone, what is at this point, or else nearest to it; with --radius MM what is within "
+             "MM of it; may be repeated",
+     .words = "coordinate, whereami",
+     .common = true,
+     .role = OPTION_ASKS,
+     .flags = OPTION_IS_PLACE},
     {0},
 };
 
@@ -144,6 +147,7 @@ struct query_run {
     conus_probe *probe;
     bool is_of_points; /* poses of the file have no direction, and are asked all the same */
     char understood[96];
+    double (*points)[3];        /* of --point, world */
     bool has_points, has_cones; /* poses without a direction were asked, and with one */
     bool has_shanks;            /* answers along the axes of cones were asked */
 };
@@ -374,39 +378,60 @@ static void say_nearest(const struct query_run *run, const struct query *query)
     conus_selection_destroy(selection);
 }
 
+/* The places of --point. Those are found in the first atlas. */
+static int find_points(struct query_run *run)
+{
+    const struct option_list *points = &run->settings->points;
+    const struct option *of_one = option_with(run->request.arguments, OPTION_OF_ONE_POSE);
+    int code = EXIT_DONE;
+    run->points = calloc(points->count ? points->count : 1, sizeof *run->points);
+    if (!run->points) {
+        return print_no_memory();
+    }
+    if (of_one && points->count > 1) {
+        return print_usage_error("--%s shows one pose, --point is given %zu times", of_one->name, points->count);
+    }
+    for (size_t i = 0; i < points->count && !code; i++) {
+        code = named_places_find(run->points[i], &run->request.places, "point", points->items[i], NULL);
+    }
+    return code;
+}
+
+static int answer_points(struct query_run *run)
+{
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < run->settings->points.count && !code; i++) {
+        char id[24];
+        struct query query = {.id = id, .is_point = true, .radius = run->request.settings->engine.radius};
+        bool fault = false;
+        snprintf(id, sizeof id, "%zu", i + 1);
+        memcpy(query.point, run->points[i], sizeof query.point);
+        code = ask_atlases(run, &query, &fault);
+        code = fault ? print_status(CONUS_ERROR_ARGUMENT) : code;
+        if (!code && !run->request.settings->common.quiet) {
+            say_nearest(run, &query);
+        }
+    }
+    return code;
+}
+
 static int answer_one(struct query_run *run)
 {
     struct request *request = &run->request;
     const struct request_settings *settings = request->settings;
     double range[2];
-    struct query query = {.id = "1"};
+    struct query query = {.id = "1", .pose = request->aim, .range = range};
     bool fault = false;
-    if (option_given(request->arguments, "point")) {
-        int code = space_settings_point(query.point, run->settings->point, &request->frame, "point");
-        if (code) {
-            return code;
-        }
-        query.is_point = true;
-        query.radius = settings->engine.radius;
-    } else {
-        int code = settings_pose(&query.pose, &settings->aim, &request->frame, request->arguments);
-        if (code) {
-            return code;
-        }
-        code = settings_pose_cone(&query.angle, range, &settings->aim, &settings->engine, &request->frame,
-                                  request->arguments);
-        if (code) {
-            return code;
-        }
-        query.range = range;
-        request_count_pose(request, 1, &query.pose, query.angle);
+    if (run->settings->points.count) {
+        return answer_points(run);
     }
-    int code = ask_atlases(run, &query, &fault);
-    code = fault ? print_status(CONUS_ERROR_ARGUMENT) : code;
-    if (!code && query.is_point && !settings->common.quiet) {
-        say_nearest(run, &query);
+    int code = settings_pose_cone(&query.angle, range, request->aim_target, &settings->aim, &settings->engine);
+    if (code) {
+        return code;
     }
-    return code;
+    request_count_pose(request, 1, &query.pose, query.angle);
+    code = ask_atlases(run, &query, &fault);
+    return fault ? print_status(CONUS_ERROR_ARGUMENT) : code;
 }
 
 static conus_status start_query(struct query_run *run)
@@ -569,16 +594,16 @@ static int find_poses(conus_pose *out, size_t count, const struct query_run *run
         out[i] = row->pose;
         go_to_far_end(&out[i], row->range[1], run);
     }
-    int code = poses ? EXIT_DONE : settings_pose(out, &request->settings->aim, &request->frame, request->arguments);
-    double angle;
-    double range[2];
-    code = poses || code ? code
-                         : settings_pose_cone(&angle, range, &request->settings->aim, &request->settings->engine,
-                                              &request->frame, request->arguments);
-    if (!poses && !code) {
+    if (!poses) {
+        double angle;
+        double range[2];
+        int code =
+            settings_pose_cone(&angle, range, request->aim_target, &request->settings->aim, &request->settings->engine);
+        *out = request->aim;
         go_to_far_end(out, range[1], run);
+        return code;
     }
-    return code;
+    return EXIT_DONE;
 }
 
 /* Puts the contacts of --probe in the place of the poses. */
@@ -639,6 +664,8 @@ static int answer_query(struct query_run *run)
     }
     code = request_check_outputs(request);
     code = code ? code : request_match(request);
+    code = code ? code : request_find_aim(request);
+    code = code ? code : find_points(run);
     code = code ? code : place_probe(run);
     if (code) {
         return code;
@@ -717,6 +744,7 @@ static int run_query(const void *given, const struct arguments *arguments)
     }
     ends_finish(&run.ends);
     conus_probe_destroy(run.probe);
+    free(run.points);
     request_finish(&run.request);
     return code;
 }
@@ -725,13 +753,14 @@ const struct command cmd_query = {
     .name = "query",
     .summary = "list the areas, pathways and bundles in a cone, with shares and contact positions",
     .operands = {"ATLAS"},
-    .form = "(--origin X,Y,Z (--toward X,Y,Z | --direction X,Y,Z) | --pose FILE)",
+    .form = "(--origin PLACE (--toward PLACE | --direction X,Y,Z) | --point PLACE | --pose FILE)",
     .description =
         "Traces N x N rays from a device's position into the atlas and reports every area, pathway and bundle that a\n"
         "ray hits first: its share of the cone, its pixels, its nearest contact and where it is, in mm.\n"
         "With --layers all it reports all hits in the cone, occluded or not; with --point it reports the\n"
         "objects within --radius mm of a point.",
-    .examples = "  conus query aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 20\n"
+    .examples = "  conus query aal.nii.gz --origin -90,20,20 --toward Hippocampus_L --angle 20\n"
+                "  conus query aal.nii.gz --point \"left hippocampus\" --radius 5\n"
                 "  conus query aal.nii.gz --pose poses.tsv --angle 5 -o answers.tsv\n"
                 "  conus query aal.nii.gz --origin 0,0,90 --direction 0,0,-1 --image seen.exr --format json\n",
     .see_also = "  conus batch     many poses: in parallel, in bounded memory\n"

@@ -15,6 +15,7 @@
 #include "options/outputs.h"
 #include "options/progress.h"
 #include "settings/atlas_input.h"
+#include "settings/named_places.h"
 #include "settings/notes.h"
 #include "settings/pose_settings.h"
 
@@ -391,7 +392,8 @@ struct render_settings {
     struct translucent_settings translucent;
     uint32_t slices;
     const char *camera;
-    double camera_origin[3], camera_toward[3], camera_up[3];
+    const char *camera_origin, *camera_toward; /* places */
+    double camera_up[3];
     double field_of_view; /* degrees */
     double frustum[4];
     struct context_choice context;
@@ -425,13 +427,17 @@ static const struct option picture_options[] = {
      .excludes = "camera-origin"},
     {.name = "camera-origin",
      OPTION_AT(struct render_settings, camera_origin),
-     .value = "X,Y,Z",
-     .help = "or position of the camera, mm (default: as --view says)",
+     .value = PLACE_VALUE,
+     .help = "or place of the camera (default: as --view says)",
+     .role = OPTION_ASKS,
+     .flags = OPTION_IS_PLACE,
      .needs = "camera-toward"},
     {.name = "camera-toward",
      OPTION_AT(struct render_settings, camera_toward),
-     .value = "X,Y,Z",
-     .help = "point at which the camera points, mm",
+     .value = PLACE_VALUE,
+     .help = "place at which the camera points",
+     .role = OPTION_ASKS,
+     .flags = OPTION_IS_PLACE,
      .needs = "camera-origin"},
     {.name = "camera-up",
      OPTION_AT(struct render_settings, camera_up),
@@ -546,6 +552,10 @@ struct picture {
     const conus_drawn_probe *probes; /* [probe_count] */
     size_t probe_count;
     conus_pose camera;
+    struct named_places places;
+    conus_pose aim;    /* of --origin or --focus */
+    double aim_target; /* how far its target is, mm; NaN = it has none */
+    double cut_at[3];  /* of --at, world */
     bool has_camera;
     bool failed; /* Some poses have no picture. */
 };
@@ -564,6 +574,7 @@ static void picture_finish(struct picture *picture)
     }
     free(picture->rows.items);
     conus_pose_list_destroy(picture->poses);
+    named_places_finish(&picture->places);
 }
 
 static bool has_camera(const struct arguments *arguments)
@@ -688,9 +699,10 @@ static int find_camera(struct picture *picture)
     if (settings->camera) {
         code = load_camera(picture);
     } else if (picture->has_camera) {
-        code = settings_pose_toward(&picture->camera, settings->camera_origin, settings->camera_toward,
-                                    option_given(picture->arguments, "camera-up") ? settings->camera_up : NULL,
-                                    &picture->frame, "camera-");
+        code = settings_pose_toward(&picture->camera, NULL, &picture->places,
+                                    (const char *const[]){"camera-origin", "camera-toward"},
+                                    (const char *const[]){settings->camera_origin, settings->camera_toward},
+                                    option_given(picture->arguments, "camera-up") ? settings->camera_up : NULL);
     }
     return code;
 }
@@ -881,9 +893,10 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
     if ((settings->turn.frames || is_sheet) && selection && !option_given(picture->arguments, "legend")) {
         view.legend = CONUS_LEGEND_BELOW; /* all frames are as large, and rows of cuts as wide as they can be */
     }
-    int code = settings->cuts.cuts ? render_cuts_find(&planes, &count, &settings->cuts, picture->arguments,
-                                                      picture->atlas, &picture->frame, selection, pose)
-                                   : EXIT_DONE;
+    int code = settings->cuts.cuts
+                   ? render_cuts_find(&planes, &count, &settings->cuts, settings->cuts.at ? picture->cut_at : NULL,
+                                      picture->atlas, &picture->frame, selection, pose)
+                   : EXIT_DONE;
     code = code ? code : draw_frames(picture, &view, planes, count, path);
     free(planes);
     return code;
@@ -1005,15 +1018,10 @@ static int draw_rows(struct picture *picture)
 static int draw_origin(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
-    conus_pose pose;
-    int code = settings_pose(&pose, &settings->aim, &picture->frame, picture->arguments);
-    if (code) {
-        return code;
-    }
+    const conus_pose pose = picture->aim;
     conus_pose_row row = {.id = "", .pose = pose};
     double angle;
-    code =
-        settings_pose_cone(&angle, row.range, &settings->aim, &settings->engine, &picture->frame, picture->arguments);
+    int code = settings_pose_cone(&angle, row.range, picture->aim_target, &settings->aim, &settings->engine);
     if (code) {
         return code;
     }
@@ -1048,9 +1056,19 @@ static int run_render(const void *given, const struct arguments *arguments)
     code = code ? code
                 : space_settings_frame(&picture.frame, &(struct atlases){.items = &named, .count = 1},
                                        &settings->aim.space, settings->common.quiet);
-    code = code ? code : find_camera(&picture);
     code = code ? code : find_rows(&picture);
     code = code || late ? code : load_atlas(&picture);
+    picture.places = (struct named_places){.atlas = picture.atlas, .frame = &picture.frame};
+    code = code ? code : find_camera(&picture);
+    code = code || !has_option_pose(arguments)
+               ? code
+               : settings_pose(&picture.aim, &picture.aim_target, &picture.places, &settings->aim, arguments);
+    code = code || !settings->cuts.at
+               ? code
+               : named_places_find(picture.cut_at, &picture.places, "at", settings->cuts.at, NULL);
+    if (!code && !settings->common.quiet) {
+        named_places_say(&picture.places);
+    }
     code = code || !picture.poses ? code : match_poses(&picture, picture.poses, settings->aim.pose);
     code = code ? code : figure_colour_atlas(picture.atlas, &settings->figure);
     code = code ? code : check_outputs(&picture);

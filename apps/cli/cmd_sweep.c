@@ -246,17 +246,17 @@ static int answer_all(struct sweep *sweep)
         say_unused_errors(sweep);
         return request_each_row(request, answer_row, sweep);
     }
-    conus_pose_row row = {.id = "1", .error_deg = NAN, .error_mm = NAN};
-    const struct request_settings *settings = request->settings;
+    conus_pose_row row = {.id = "1", .pose = request->aim, .error_deg = NAN, .error_mm = NAN};
     double angle;
-    int code = settings_pose(&row.pose, &settings->aim, &request->frame, request->arguments);
-    code = code ? code
-                : settings_pose_cone(&angle, row.range, &settings->aim, &settings->engine, &request->frame,
-                                     request->arguments);
+    int code =
+        settings_pose_cone(&angle, row.range, request->aim_target, &request->settings->aim, &request->settings->engine);
+    if (code) {
+        return code;
+    }
     request_start_progress(request, 1);
-    conus_status status = code ? CONUS_OK : add_answers(sweep, &row);
+    conus_status status = add_answers(sweep, &row);
     progress_finish(&request->progress, 0, 0);
-    return status ? print_status(status) : code;
+    return print_status(status);
 }
 
 static int answer_sweep(struct sweep *sweep)
@@ -264,6 +264,7 @@ static int answer_sweep(struct sweep *sweep)
     struct request *request = &sweep->request;
     int code = request_load(request, NULL, NULL);
     code = code ? code : request_match(request);
+    code = code ? code : request_find_aim(request);
     code = code ? code : request_check_outputs(request);
     if (code) {
         return code;

@@ -3,6 +3,7 @@
 #include "cli/render_cuts.h"
 
 #include "options/messages.h"
+#include "settings/settings.h"
 
 #include "conus/atlas_info.h"
 #include "conus/space.h"
@@ -34,8 +35,10 @@ const struct option cut_options[] = {
      .role = OPTION_ASKS},
     {.name = "at",
      FIELD(at),
-     .value = "X,Y,Z",
-     .help = "the point through which cuts go, mm (default: the best hit's contact, or the atlas's middle)",
+     .value = PLACE_VALUE,
+     .help = "the place through which cuts go (default: the best hit's contact, or the atlas's middle)",
+     .role = OPTION_ASKS,
+     .flags = OPTION_IS_PLACE,
      .needs = "cuts"},
     {.name = "fill",
      FIELD(fill),
@@ -213,7 +216,6 @@ conus_cut_view render_cuts_look(const struct cut_settings *settings, const struc
 /* The sheet's planes in the making. */
 struct cut_finder {
     const struct cut_settings *settings;
-    const struct arguments *arguments;
     const conus_frame *frame;
     double low[3], high[3]; /* the box around the atlas, world mm */
     double through[3];      /* world */
@@ -314,18 +316,19 @@ static int add_mosaic(struct cut_finder *finder, int plane, size_t count)
 }
 
 /* --at, the contact of the best hit, or the middle of the atlas. */
-static int find_point(struct cut_finder *finder, const conus_selection *selection, const conus_pose *pose)
+static int find_point(struct cut_finder *finder, const double *given, const conus_selection *selection,
+                      const conus_pose *pose)
 {
     for (int a = 0; a < 3; a++) {
         finder->through[a] = (finder->low[a] + finder->high[a]) / 2;
     }
-    if (option_given(finder->arguments, "at")) {
-        if (conus_frame_to_world(finder->through, finder->frame, finder->settings->at)) {
-            return print_usage_error("--at: %s", conus_message());
-        }
+    if (given) {
+        double at[3];
         int code = EXIT_DONE;
+        memcpy(finder->through, given, sizeof finder->through);
+        conus_frame_from_world(at, finder->frame, given);
         for (int p = 0; p < PLANES && !code; p++) {
-            code = check_place(finder, p, finder->settings->at[axis_of(finder, p)], "at");
+            code = check_place(finder, p, at[axis_of(finder, p)], "at");
         }
         return code;
     }
@@ -341,11 +344,11 @@ static int find_point(struct cut_finder *finder, const conus_selection *selectio
     return EXIT_DONE;
 }
 
-int render_cuts_find(conus_cut_plane **planes, size_t *count, const struct cut_settings *settings,
-                     const struct arguments *arguments, const conus_atlas *atlas, const conus_frame *frame,
-                     const conus_selection *selection, const conus_pose *pose)
+int render_cuts_find(conus_cut_plane **planes, size_t *count, const struct cut_settings *settings, const double *at,
+                     const conus_atlas *atlas, const conus_frame *frame, const conus_selection *selection,
+                     const conus_pose *pose)
 {
-    struct cut_finder finder = {.settings = settings, .arguments = arguments, .frame = frame};
+    struct cut_finder finder = {.settings = settings, .frame = frame};
     struct cut_word words[CUT_LIMIT + 1];
     size_t word_count = read_words(words, settings->cuts);
     conus_status status = conus_atlas_bounds(finder.low, finder.high, atlas);
@@ -353,7 +356,7 @@ int render_cuts_find(conus_cut_plane **planes, size_t *count, const struct cut_s
     if (status || !finder.planes) {
         return status ? print_status(status) : print_no_memory();
     }
-    int code = find_point(&finder, selection, pose);
+    int code = find_point(&finder, at, selection, pose);
     for (size_t i = 0; i < word_count && !code; i++) {
         const struct cut_word *word = &words[i];
         if (word->plane == PLANES) {

@@ -56,6 +56,7 @@ void request_finish(struct request *request)
     conus_pose_stream_destroy(request->stream);
     conus_pose_list_destroy(request->poses);
     atlases_finish(&request->atlases);
+    named_places_finish(&request->places);
     free(request->command_line);
     free(request->sidecar);
 }
@@ -134,6 +135,15 @@ int request_match(struct request *request)
                            : EXIT_DONE;
 }
 
+int request_find_aim(struct request *request)
+{
+    request->places = (struct named_places){.atlas = request->atlases.items[0].atlas, .frame = &request->frame};
+    const struct aim_settings *aim = &request->settings->aim;
+    return aim->origin || aim->focus
+               ? settings_pose(&request->aim, &request->aim_target, &request->places, aim, request->arguments)
+               : EXIT_DONE;
+}
+
 conus_status request_start(struct request *request, const conus_selector_options *options)
 {
     conus_selector_options own = *options;
@@ -152,8 +162,11 @@ conus_status request_start(struct request *request, const conus_selector_options
 
 conus_report_options request_report_options(const struct request *request)
 {
-    return (conus_report_options){
-        .format = request->format, .frame = &request->frame, .command = request->command_line};
+    return (conus_report_options){.format = request->format,
+                                  .frame = &request->frame,
+                                  .command = request->command_line,
+                                  .places = request->places.items,
+                                  .place_count = request->places.count};
 }
 
 conus_status request_report(struct request *request, size_t index, const conus_report_options *options)
@@ -256,6 +269,9 @@ void request_say_notes(const struct request *request)
 {
     atlases_say_notes(&request->atlases, &request->settings->common);
     atlases_say_spaces(&request->atlases, &request->settings->common);
+    if (request->format != CONUS_FORMAT_TABLE && !request->settings->common.quiet) {
+        named_places_say(&request->places); /* which has them in its head */
+    }
 }
 
 void request_say_aims(const struct request *request)

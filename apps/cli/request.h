@@ -11,6 +11,7 @@
 #include "options/output.h"
 #include "options/outputs.h"
 #include "options/progress.h"
+#include "settings/named_places.h"
 #include "settings/pose_settings.h"
 
 struct request_settings {
@@ -74,6 +75,9 @@ struct request {
     struct outputs outputs; /**< All files that are written. */
     struct atlases atlases;
     conus_frame frame;          /**< The space of positions, once the atlases are loaded. */
+    struct named_places places; /**< Those that were given as words. */
+    conus_pose aim;             /**< That of --origin or --focus, by request_find_aim(), */
+    double aim_target;          /**< and how far its target is, mm; NaN = it has none. */
     struct answerer *answerers; /**< [atlases.count] */
     const char *rows_of;        /**< The file of the rows that are answered; NULL = that of the poses. */
     conus_pose_list *poses;     /**< All poses of a file that is read whole, else NULL. */
@@ -112,6 +116,9 @@ int request_load(struct request *request, int (*load_poses)(void *user), void *u
 int request_load_atlases(struct request *request);
 /** Whether the poses' space can be that of each atlas. */
 int request_match(struct request *request);
+
+/** Finds the places of --origin and --toward in the first atlas, and the pose. Without --origin there is none. */
+int request_find_aim(struct request *request);
 
 /** Makes the selectors; the device has @p options. */
 conus_status request_start(struct request *request, const conus_selector_options *options);

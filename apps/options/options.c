@@ -151,6 +151,27 @@ static int cut_key(struct option_use *use)
     return use->file ? CONTINUE : print_no_memory();
 }
 
+/* Joins a place's first number with the next two words, where these are numbers, too. */
+static int join_numbers(struct option_use *use, struct cursor *cursor)
+{
+    const struct arguments *arguments = cursor->arguments;
+    char **next = arguments->words + cursor->next;
+    double number;
+    if (!(use->option->flags & OPTION_IS_PLACE) || cursor->next + 2 > arguments->count ||
+        !number_parse(use->value, &number) || !number_parse(next[0], &number) || !number_parse(next[1], &number)) {
+        return CONTINUE;
+    }
+    size_t size = strlen(use->value) + strlen(next[0]) + strlen(next[1]) + 3;
+    use->file = malloc(size);
+    if (!use->file) {
+        return print_no_memory();
+    }
+    snprintf(use->file, size, "%s %s %s", use->value, next[0], next[1]);
+    use->value = use->file;
+    cursor->next += 2;
+    return CONTINUE;
+}
+
 static int take_option(struct cursor *cursor, struct found found, const char *attached)
 {
     struct arguments *arguments = cursor->arguments;
@@ -171,7 +192,8 @@ static int take_option(struct cursor *cursor, struct found found, const char *at
         return print_no_memory();
     }
     arguments->uses = uses;
-    int code = cut_key(&use);
+    int code = attached ? CONTINUE : join_numbers(&use, cursor);
+    code = code != CONTINUE ? code : cut_key(&use);
     arguments->uses[arguments->use_count++] = use;
     return code != CONTINUE || option_read(option, found.field, use.value) ? code : EXIT_USAGE;
 }

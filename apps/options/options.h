@@ -82,8 +82,9 @@ enum option_flags {
     OPTION_OF_ONE_ATLAS = 1 << 2, /**< Excludes --atlas. */
     OPTION_OF_ONE_POSE = 1 << 3,
     OPTION_TO_TARGET = 1 << 6,  /**< OPTION_RANGE: of a struct depth_range, LOW,target[+MM] is taken, too. */
-    OPTION_OF_REGION = 1 << 5,  /**< Lists what is in a cone or ball: of a point alone, nothing. */
+    OPTION_OF_REGION = 1 << 7,  /**< Lists what is in a cone or ball: of a point alone, nothing. */
     OPTION_IS_PICTURE = 1 << 4, /**< A file that holds the command line, so its bytes are not compared. */
+    OPTION_IS_PLACE = 1 << 5,   /**< Where the next three words are numbers, its value is these. */
 };
 
 struct option {
@@ -125,7 +126,7 @@ struct option_use {
     const struct option *option;
     const char *value; /**< NULL of a flag; without the key behind a file. */
     const char *key;   /**< That key's own value; NULL if it was not given. */
-    char *file;        /**< The value, where a key was cut off it; options_finish() frees it. */
+    char *file; /**< The value, where a key was cut off it, or it is of several words; options_finish() frees it. */
 };
 
 /** The words of a command line, by their meaning. */

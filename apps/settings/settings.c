@@ -5,6 +5,7 @@
 #include "conus/score.h"
 #include "options/messages.h"
 #include "options/options.h"
+#include "settings/named_places.h"
 
 #include <float.h>
 #include <math.h>
@@ -198,19 +199,21 @@ const struct option map_options[] = {
 const struct option aim_options[] = {
     {.name = "origin",
      FIELD(aim_settings, origin),
-     .value = "X,Y,Z",
-     .help = "position of the device: the cone's apex, mm",
+     .value = PLACE_VALUE,
+     .help = "position of the device, the cone's apex: " PLACE_HELP,
      .words = "position, apex, tip",
      .common = true,
-     .flags = OPTION_OF_CONE,
+     .role = OPTION_ASKS,
+     .flags = OPTION_OF_CONE | OPTION_IS_PLACE,
      .excludes = "pose,poses"},
     {.name = "toward",
      FIELD(aim_settings, toward),
-     .value = "X,Y,Z",
-     .help = "point at which the device points, mm",
+     .value = PLACE_VALUE,
+     .help = "place at which the device points (near:AREA is the area's point nearest to the other end)",
      .words = "target",
      .common = true,
-     .flags = OPTION_OF_CONE,
+     .role = OPTION_ASKS,
+     .flags = OPTION_OF_CONE | OPTION_IS_PLACE,
      .needs = "origin",
      .excludes = "direction"},
     {.name = "direction",
@@ -231,7 +234,7 @@ const struct option aim_options[] = {
      .help =
          "poses from a file instead, - for standard input: a table with a header, a 4x4 matrix, or what Brainsight, "
          "Localite, 3D Slicer, SimNIBS, InVesalius, Lead-DBS or BIDS write (docs/formats.md)",
-     .words = "coil, trajectory, electrode",
+     .words = "coil, trajectory, electrode, points",
      .common = true,
      .role = OPTION_READS_POSES,
      .flags = OPTION_OF_CONE,
@@ -242,18 +245,20 @@ const struct option aim_options[] = {
 const struct option beam_options[] = {
     {.name = "focus",
      FIELD(aim_settings, focus),
-     .value = "X,Y,Z",
-     .help = "instead of a cone from the device, a beam that is wide at the device and narrow at its focus, here, mm: "
+     .value = PLACE_VALUE,
+     .help = "instead of a cone from the device, a beam that is wide at the device and narrow at its focus, here: "
              "the cone from the focus to the transducer, with all layers",
      .words = "ultrasound, FUS, beam",
-     .flags = OPTION_OF_CONE,
+     .role = OPTION_ASKS,
+     .flags = OPTION_OF_CONE | OPTION_IS_PLACE,
      .needs = "transducer",
      .excludes = "origin,pose,poses,angle,radius,range,layers"},
     {.name = "transducer",
      FIELD(aim_settings, transducer),
-     .value = "X,Y,Z",
-     .help = "the middle of the transducer's aperture, mm",
-     .flags = OPTION_OF_CONE,
+     .value = PLACE_VALUE,
+     .help = "the middle of the transducer's aperture",
+     .role = OPTION_ASKS,
+     .flags = OPTION_OF_CONE | OPTION_IS_PLACE,
      .needs = "focus"},
     {0},
 };
@@ -410,57 +415,56 @@ bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
                refuse("--focus needs --aperture-diameter MM with it: how wide the beam is at the transducer");
     }
     if (has_origin && !option_given(arguments, "toward") && !option_given(arguments, "direction")) {
-        return refuse("--origin needs --toward X,Y,Z or --direction X,Y,Z with it");
+        return refuse("--origin needs --toward PLACE or --direction X,Y,Z with it");
     }
     if (!has_origin && aim_needed && !option_given(arguments, "pose")) {
-        return refuse("no cone given: --origin X,Y,Z with --toward X,Y,Z or --direction X,Y,Z, or --pose FILE");
+        return refuse("no cone given: --origin PLACE with --toward PLACE or --direction X,Y,Z, or --pose FILE");
     }
     return true;
 }
 
-int settings_pose_toward(conus_pose *out, const double origin[3], const double toward[3], const double up[3],
-                         const conus_frame *frame, const char *prefix)
+int settings_pose_toward(conus_pose *out, double *distance, struct named_places *places, const char *const options[2],
+                         const char *const texts[2], const double up[3])
 {
     double from[3];
     double to[3];
     double above[3];
-    char option[32];
-    snprintf(option, sizeof option, "%sorigin", prefix);
-    int code = space_settings_point(from, origin, frame, option);
-    snprintf(option, sizeof option, "%stoward", prefix);
-    code = code ? code : space_settings_point(to, toward, frame, option);
+    int code = named_places_find_ends(from, to, places, options, texts);
     if (code) {
         return code;
     }
     if (up) {
-        conus_frame_direction_to_world(above, frame, up);
+        conus_frame_direction_to_world(above, places->frame, up);
     }
-    conus_status status = conus_pose_toward(out, from, to, up ? above : NULL);
-    return print_status(status);
+    if (distance) {
+        *distance = hypot(hypot(to[0] - from[0], to[1] - from[1]), to[2] - from[2]);
+    }
+    return print_status(conus_pose_toward(out, from, to, up ? above : NULL));
 }
 
-int settings_pose(conus_pose *out, const struct aim_settings *settings, const conus_frame *frame,
+int settings_pose(conus_pose *out, double *target, struct named_places *places, const struct aim_settings *settings,
                   const struct arguments *arguments)
 {
+    *target = NAN;
     const double *given_up = option_given(arguments, "up") ? settings->up : NULL;
     double from[3];
     double along[3];
     double above[3];
     int code = EXIT_DONE;
-    if (settings->aperture > 0) {
-        code = space_settings_point(from, settings->focus, frame, "focus");
-        code = code ? code : space_settings_point(along, settings->transducer, frame, "transducer");
-        code = code ? code : print_status(conus_pose_toward(out, from, along, NULL));
+    if (settings->focus) {
+        code = settings_pose_toward(out, target, places, (const char *const[]){"focus", "transducer"},
+                                    (const char *const[]){settings->focus, settings->transducer}, NULL);
     } else if (option_given(arguments, "toward")) {
-        code = settings_pose_toward(out, settings->origin, settings->toward, given_up, frame, "");
+        code = settings_pose_toward(out, target, places, (const char *const[]){"origin", "toward"},
+                                    (const char *const[]){settings->origin, settings->toward}, given_up);
     } else {
-        code = space_settings_point(from, settings->origin, frame, "origin");
-        conus_frame_direction_to_world(along, frame, settings->direction);
-        conus_frame_direction_to_world(above, frame, settings->up);
+        code = named_places_find(from, places, "origin", settings->origin, NULL);
+        conus_frame_direction_to_world(along, places->frame, settings->direction);
+        conus_frame_direction_to_world(above, places->frame, settings->up);
         code = code ? code : print_status(conus_pose_along(out, from, along, given_up ? above : NULL));
     }
     if (!code) {
-        conus_frame_turn_pose(out, frame, given_up != NULL);
+        conus_frame_turn_pose(out, places->frame, given_up != NULL);
     }
     return code;
 }
@@ -470,35 +474,25 @@ struct depth_range settings_range(const struct aim_settings *aim, const struct e
     return aim->aperture > 0 ? (struct depth_range){.to_target = true} : engine->range;
 }
 
-int settings_pose_cone(double *angle, double out[2], const struct aim_settings *aim,
-                       const struct engine_settings *engine, const conus_frame *frame,
-                       const struct arguments *arguments)
+int settings_pose_cone(double *angle, double out[2], double target, const struct aim_settings *aim,
+                       const struct engine_settings *engine)
 {
     const struct depth_range range = settings_range(aim, engine);
-    bool is_beam = aim->aperture > 0;
-    double from[3];
-    double to[3];
     *angle = settings_angle(aim, engine);
     out[0] = out[1] = NAN;
     if (!range.to_target) {
         return EXIT_DONE;
     }
-    if (!is_beam && !option_given(arguments, "toward")) {
-        return print_usage_error("--range NEAR,target needs the target of --toward X,Y,Z");
+    if (isnan(target)) {
+        return print_usage_error("--range NEAR,target needs the target of --toward PLACE");
     }
-    int code = space_settings_point(from, is_beam ? aim->focus : aim->origin, frame, "origin");
-    code = code ? code : space_settings_point(to, is_beam ? aim->transducer : aim->toward, frame, "toward");
-    if (code) {
-        return code;
-    }
-    double distance = hypot(hypot(to[0] - from[0], to[1] - from[1]), to[2] - from[2]);
     out[0] = range.ends[0];
-    out[1] = range.beyond + distance;
-    *angle = is_beam ? 2 * atan(aim->aperture / 2 / distance) : *angle;
-    if (!code && !(out[0] < out[1])) {
+    out[1] = range.beyond + target;
+    *angle = aim->aperture > 0 ? 2 * atan(aim->aperture / 2 / target) : *angle;
+    if (!(out[0] < out[1])) {
         return print_usage_error("--range: the target is %.10g mm away, and NEAR is %.10g", out[1], out[0]);
     }
-    return code;
+    return EXIT_DONE;
 }
 
 const char *settings_level_file(const struct engine_settings *settings)

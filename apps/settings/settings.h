@@ -9,6 +9,7 @@
 #include "conus/streamlines.h"
 
 struct atlases;
+struct named_places;
 
 struct space_settings {
     size_t name;      /* conus_space */
@@ -37,10 +38,12 @@ struct atlas_settings {
 };
 
 struct aim_settings {
-    double origin[3], toward[3], direction[3], up[3];
+    const char *origin, *toward; /* places */
+    double direction[3], up[3];
     const char *pose;
-    double focus[3], transducer[3], aperture; /* of a beam; aperture, mm: 0 = it is none */
-    double angle;                             /* degrees */
+    const char *focus, *transducer; /* places, of a beam */
+    double aperture;                /* mm; 0 = it is none */
+    double angle;                   /* degrees */
     struct space_settings space;
 };
 
@@ -107,14 +110,18 @@ const char *settings_understood(char out[96], const struct aim_settings *aim, co
 /** Whether the options that aim a cone go together; prints an error if not. @p aim_needed: there must be a cone. */
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed);
 
-/** The pose at @p origin that points at a point, all in the space of @p frame; @p up may be NULL. Returns the exit code
- * and prints an error unless it is 0; @p prefix is what the names of the options begin with. */
-int settings_pose_toward(conus_pose *out, const double origin[3], const double toward[3], const double up[3],
-                         const conus_frame *frame, const char *prefix);
+/** The pose at the first of two places, the values of @p options, that points at the second, which is *distance mm
+ * away; @p up and @p distance may be NULL. Returns the exit code and prints an error unless it is 0. */
+int settings_pose_toward(conus_pose *out, double *distance, struct named_places *places, const char *const options[2],
+                         const char *const texts[2], const double up[3]);
 
-/** The pose of --origin with --toward or --direction. Likewise. */
-int settings_pose(conus_pose *out, const struct aim_settings *settings, const conus_frame *frame,
+/** The pose of --origin with --toward or --direction, or of --focus; *target is NaN where it has none. Likewise. */
+int settings_pose(conus_pose *out, double *target, struct named_places *places, const struct aim_settings *settings,
                   const struct arguments *arguments);
+
+/** What stands for a place in a help, and what a place is, behind what it is for. */
+#define PLACE_VALUE "PLACE"
+#define PLACE_HELP "X,Y,Z in mm, an area by name (its inner point), or a position of a cap like C3"
 
 /** The file of areas that --level names; NULL if it names none. */
 const char *settings_level_file(const struct engine_settings *settings);
@@ -122,12 +129,11 @@ const char *settings_level_file(const struct engine_settings *settings);
 /** A number of degrees in radians. */
 double radians(double degrees);
 
-/** Angle, radians, and range of the pose of the options: of a beam those from the focus to the transducer; the range
- * ends at --toward where --range says so, and else is NaN, for that of the selector. Returns the exit code and prints
- * an error unless it is 0. */
-int settings_pose_cone(double *angle, double range[2], const struct aim_settings *aim,
-                       const struct engine_settings *engine, const struct conus_frame *frame,
-                       const struct arguments *arguments);
+/** Angle, radians, and range of the pose of the options, whose target is so far away: of a beam those from the focus to
+ * the transducer; the range ends at --toward where --range says so, and else is NaN, for that of the selector. Returns
+ * the exit code and prints an error unless it is 0. */
+int settings_pose_cone(double *angle, double range[2], double target, const struct aim_settings *aim,
+                       const struct engine_settings *engine);
 
 /** How the ranges of the poses of a file end: as --range says, or at the transducers of beams. */
 struct depth_range settings_range(const struct aim_settings *aim, const struct engine_settings *engine);
@@ -196,8 +202,5 @@ bool space_settings_needs_atlas(const struct space_settings *settings);
  * error unless it is 0; unless @p quiet, says where the atlas calls the right side left. */
 int space_settings_frame(conus_frame *out, const struct atlases *atlases, const struct space_settings *settings,
                          bool quiet);
-
-/** A position in the space of @p frame, in the world; @p option is its option's name. Likewise. */
-int space_settings_point(double out[3], const double in[3], const conus_frame *frame, const char *option);
 
 #endif

@@ -102,11 +102,3 @@ int space_settings_frame(conus_frame *out, const struct atlases *atlases, const 
     *out = first;
     return EXIT_DONE;
 }
-
-int space_settings_point(double out[3], const double in[3], const conus_frame *frame, const char *option)
-{
-    if (conus_frame_to_world(out, frame, in)) {
-        return print_data_error("--%s: %s", option, conus_message());
-    }
-    return EXIT_DONE;
-}

@@ -23,13 +23,20 @@ void object_index_finish(struct object_index *index);
 uint32_t object_index_find(const struct object_index *index, struct text text);
 
 /** The number of the one area whose name, abbreviation or label is @p text (not empty), or else differs from it in case
- * only. CONUS_ERROR_ARGUMENT if there is none, with the closest one in the message; if there are several, with their
- * labels; and if it is a pathway's name. Areas that are reported as a pair do not count; the message then names the
- * pair, or the halves of an area that was cut in two. */
+ * only, or else has the same words: blanks, _, -, dots, commas and brackets are one between them, and left, right, L,
+ * R, lh or rh before or behind them is the side that a word of the name, or its table, says ("left hippocampus" is
+ * Hippocampus_L). CONUS_ERROR_ARGUMENT if there is none, with up to three close ones in the message; if there are
+ * several, also those of both sides where the text says none, with up to 12 of their names; and if it is a pathway's
+ * name. Areas that are reported as a pair do not count; the message then names the pair, or the halves of an area that
+ * was cut in two. */
 conus_status area_find(uint32_t *out, const conus_atlas *atlas, struct text text);
 
 /** The number of the one pathway called @p text (not empty), or else of the one area, as by area_find(). */
 conus_status object_find(uint32_t *out, const conus_atlas *atlas, struct text text);
+
+/** The number of the one object that has @p text among the words of its name, in any case; *out is 0 if none has.
+ * CONUS_ERROR_ARGUMENT if several have, with up to 12 of their names. */
+conus_status object_find_word(uint32_t *out, const conus_atlas *atlas, struct text text);
 
 /** The halves of the area that was called @p text before it was cut in two; false if there is none. */
 bool area_find_halves(uint32_t out[2], const conus_atlas *atlas, struct text text);

@@ -65,7 +65,9 @@ typedef enum conus_sites_kind {
     CONUS_SITES_CENTROID = 0, /**< The mean position of its voxels and the insides of its closed surfaces, weighted by
                                  volume. A note says where it is not in the structure. */
     CONUS_SITES_DEEPEST,      /**< The centre of the voxel that is farthest from all voxels around the structure, by
-                                 their centres, also those beyond the grid; of equal ones the first. */
+                                 their centres, also those beyond the grid; of a closed surface the point inside, on a
+                                 grid of 1 mm (or less, where none is inside), that is farthest from it. Of points that
+                                 are equal to 1e-9 mm the nearest to the centroid, then the first. */
     CONUS_SITES_VOXELS        /**< The centres of its voxels, in the order of the file. */
 } conus_sites_kind;
 
@@ -73,10 +75,10 @@ typedef enum conus_sites_kind {
  * Finds points of a structure.
  * @param[out] out The sites; end them with conus_sites_destroy().
  * @param selector Of the atlas; its options do not matter.
- * @param names The structure, as conus_constraint.names.
+ * @param names The structure, as conus_constraint.names; but for voxels with all that is hidden in it.
  * @param kind Which points.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a name that is unknown or means several, with the closest one in the
- * message, and a structure without voxels, or for a centroid without these and a closed surface.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a name that is unknown or means several, with close ones in the
+ * message, and a structure without voxels, or, but for voxels, without these and a closed surface.
  * @threads One at a time for each @p selector.
  * @since 0.1
  */

@@ -53,6 +53,7 @@
 #include <conus/overlap.h>
 #include <conus/phantom.h>
 #include <conus/picture.h>
+#include <conus/place.h>
 #include <conus/plan.h>
 #include <conus/pose.h>
 #include <conus/pose_file.h>

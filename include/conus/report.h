@@ -11,6 +11,7 @@
 #include <conus/jitter.h>
 #include <conus/mask.h>
 #include <conus/overlap.h>
+#include <conus/place.h>
 #include <conus/plan.h>
 #include <conus/pose_file.h>
 #include <conus/probe.h>
@@ -69,6 +70,13 @@ typedef enum conus_order {
                          the best. Objects with neither come before unassigned, which is last. */
 } conus_order;
 
+/** A point of a question, given as words. */
+typedef struct conus_named_place {
+    const char *option; /**< What it is for: "toward", "point". */
+    const char *text;   /**< The words. */
+    conus_place place;  /**< As which it was understood. */
+} conus_named_place;
+
 /** The content of a report, and how it is written. */
 typedef struct conus_report_options {
     size_t struct_size;           /**< Its size, as #CONUS_REPORT_OPTIONS_INIT sets it; 0 = that of this version. */
@@ -101,6 +109,10 @@ typedef struct conus_report_options {
                                  JSON and sidecar; NULL = nothing is said. */
     bool points;              /**< For #CONUS_ROWS_ANSWERS and #CONUS_ROWS_SUMMARIES: columns x, y and z with the point,
                                  or the apex, that was asked. */
+    const conus_named_place *places; /**< [place_count] Points of the question that were given as words: how they were
+                                        understood begins a table for people, and is "Places" of the provenance. They
+                                        must outlive the report. */
+    size_t place_count;              /**< How many there are. */
 } conus_report_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

@@ -34,13 +34,14 @@ from ._picture import Picture, Renderer, transfer_presets
 from ._plan import Plan
 from ._probe import Contacts, Probe, read_probe
 from ._program import Difference, SourceFile, Verification, cite, page, verify
+from ._space import Place
 from ._track import Tracker
 from ._tracts import Tractogram, is_tractogram
 
 __version__ = _ffi.string(_lib.conus_version()).decode()
 __all__ = [
     "Answers", "ArgumentError", "Atlas", "CancelledError", "Clearances", "Connectivity", "Contacts", "DataError", "Difference", "Error", "FileError",
-    "GLError", "Hit", "InstalledAtlas", "Jitter", "OutOfMemoryError", "Overlap", "Picture", "Placement", "Plan", "PoseWarning", "Poses", "Probe", "Renderer",
+    "GLError", "Hit", "InstalledAtlas", "Jitter", "OutOfMemoryError", "Overlap", "Picture", "Place", "Placement", "Plan", "PoseWarning", "Poses", "Probe", "Renderer",
     "Segments", "Selection", "Selector", "SourceFile", "Step", "Sweep", "Track", "Tracker", "Tractogram",
     "UnsupportedError", "Verification", "atlases", "cite", "is_tractogram", "load", "page", "pose_formats", "read_poses", "read_probe",
     "transfer_presets", "verify",

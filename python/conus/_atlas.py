@@ -49,7 +49,7 @@ from ._poses import Aims, PoseArray, notes_of, pose_of, rows_of, warn
 from ._plan import Plan, constraints_of, plan_of, stream_of
 from ._probe import Contacts, Probe, poses_of_probe
 from ._progress import LoadProgress, Progress, telling
-from ._space import frame_of, space_of
+from ._space import Place, frame_of, place_of, space_of
 from ._track import Tracker, follow
 from ._tracts import SPACES, Tractogram, moves, options_of, polylines_of, tractograms_of
 
@@ -619,10 +619,27 @@ class Selector(Guarded):
         if selector is not self._p:
             raise Error("the process was forked while another thread asked the selector of this: make it anew")
 
+    def _point(self, name: str, point: Any, other: Any = None, has_axis: bool = False) -> Any:
+        """World mm of a point in the selector's space, or of a place in words."""
+        if isinstance(point, str):
+            frame = self.space._frame if self.space else ffi.NULL
+            return place_of(self.atlas._p, name, point, frame, other, has_axis).point
+        return self.space.to_world(name, point) if self.space else point
+
+    def _ends(self, origin: Any, toward: Any) -> tuple[Any, Any]:
+        """Both ends of an axis; that which is near:AREA comes last, since it needs the other."""
+        if isinstance(origin, str) and lib.conus_place_is_near(utf8("origin", origin)):
+            if isinstance(toward, str) and lib.conus_place_is_near(utf8("toward", toward)):
+                raise ArgumentError("origin and toward: near: is nearest to the other end, which is no near: then")
+            toward = self._point("toward", toward, None, True)
+            return self._point("origin", origin, toward, True), toward
+        origin = self._point("origin", origin, None, toward is not None)
+        return origin, self._point("toward", toward, origin, True)
+
     def _pose(self, origin: Any, toward: Any, direction: Any, up: Any, pose: Any) -> Any:
         """A conus_pose of what is given in the selector's space."""
+        origin, toward = self._ends(origin, toward)
         if self.space:
-            origin, toward = self.space.to_world("origin", origin), self.space.to_world("toward", toward)
             direction = self.space.directions_to_world("direction", direction)
             up, pose = self.space.directions_to_world("up", up), self.space.matrices_to_world("pose", pose)
         return pose_of(origin, toward, direction, up, pose, frame_of(self.space, self.atlas._p, pose))
@@ -670,7 +687,7 @@ class Selector(Guarded):
         opening = self._angle(angle)
         self._call(lib.conus_select, out, self._p, aim, opening)
         selection: Selection = self._place(Selection(self, out[0]))
-        selection._asked = aim, self.space.to_world("toward", toward) if self.space else toward, opening
+        selection._asked = aim, None if toward is None else self._ends(origin, toward)[1], opening
         self._warn_of(aim, opening)
         return selection
 
@@ -680,7 +697,7 @@ class Selector(Guarded):
         Parameters
         ----------
         point
-            (3,) RAS mm.
+            (3,) RAS mm, or a place in words, "left hippocampus" (:meth:`Atlas.place`).
         radius
             mm; 0 is what is at the point or, where nothing is, what is nearest to it.
 
@@ -690,8 +707,7 @@ class Selector(Guarded):
             It has no pixels, hence no picture.
         """
         out = ffi.new("conus_selection **")
-        point = self.space.to_world("point", point) if self.space else point
-        at = vector("point", point)
+        at = vector("point", self._point("point", point))
         self._call(lib.conus_select_ball, out, self._p, at, real("radius", radius))
         near: Selection = self._place(Selection(self, out[0]))
         near._point = np.array(list(at), np.float64)
@@ -1301,6 +1317,22 @@ class Atlas:
         check(lib.conus_atlas_find(out, self._p, (written if isinstance(name, int) else utf8)("name", name)))
         return int(out[0])
 
+    def place(self, words: str) -> Place:
+        """The point that words mean, as for ``--point``: ``origin``, ``toward`` and ``point`` take them, too.
+
+        Parameters
+        ----------
+        words
+            An area ("left hippocampus": its inner point), "centroid:AREA", a position of a cap ("C3", "1020:C3"), or
+            three numbers as people paste them, RAS mm.
+
+        Raises
+        ------
+        ArgumentError
+            For words that mean nothing, or several things.
+        """
+        return place_of(self._p, "place", words, ffi.NULL)
+
     @property
     def notes(self) -> list[str]:
         """Notes from loading the atlas."""
@@ -1386,9 +1418,9 @@ class Atlas:
         Parameters
         ----------
         origin
-            The cone's apex, RAS mm, or as the option ``space`` says.
+            The cone's apex, RAS mm, or as the option ``space`` says; or a place in words, "C3" (:meth:`place`).
         toward, direction
-            A point that the cone points at, or its direction, of any length but 0.
+            A point that the cone points at, "left hippocampus" for example, or its direction, of any length but 0.
         up
             Up direction of the device; it turns the buffer of rays.
         pose

@@ -65,6 +65,7 @@ _ERRORS = {
 # Options of the programs in the library's messages, and their names here. Other options are left as they are.
 _ARGUMENTS = {
     "--any-space": "any_space", "--atlas-transform": "transforms", "--axis": "axis", "--context": "context",
+    "--hemispheres split": 'hemispheres="split"', "--hemispheres": "hemispheres", "--space": "space",
     "--labels": "labels", "--labels-anyway": "labels_anyway", "--mask-object": "name", "--max-memory": "max_memory",
     "--pathway": "pathways", "--probability": "probability", "--probe-tip": "tip", "--search": "search", "--sidecar": "sidecar",
     "--streamlines": "streamlines", "as ATLAS": "as source", "is ATLAS": "is source",

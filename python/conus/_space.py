@@ -2,14 +2,49 @@
 """The spaces of positions: the world's, and those of the Allen CCF."""
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, Optional
 
 import numpy as np
 
 from ._conus import ffi, lib
-from ._library import ArgumentError, Bound, check, choice, numbers, vector
+from ._library import ArgumentError, Bound, check, choice, numbers, text, utf8, vector
 
 _NAMES = ("ras", "lps", "ccf", "bregma")
+
+
+_KINDS = ("numbers", "inner point", "centroid", "nearest point", "position")  # of conus_place_kind
+
+
+@dataclass(frozen=True)
+class Place:
+    """A point that words mean: :meth:`Atlas.place` makes one. ``str()`` says how they were understood."""
+
+    point: Any  #: (3,) RAS mm
+    kind: str  #: "numbers", "inner point", "centroid", "nearest point" or "position"
+    name: str  #: of the area or the position; "" of numbers
+    number: int  #: of the area or pathway; 0 = none
+    inside_mm: float  #: of an inner point: how far it is from what is not the area; else nan
+    outward: Any  #: (3,) of a position: away from the head; 0, 0, 0 where that is not known
+    words: str  #: "Hippocampus_L: (-27.0, -13.0, -15.0), 6.0 mm inside"
+
+    def __str__(self) -> str:
+        return self.words
+
+
+def place_of(atlas: Any, name: str, words: str, frame: Any, other: Any = None, has_axis: bool = False) -> Place:
+    """What words mean in the conus_atlas; numbers are in the conus_frame, or NULL."""
+    out, said = ffi.new("conus_place *"), ffi.new("char[512]")
+    options = ffi.new("conus_place_options *", {"frame": frame, "has_axis": has_axis})
+    there = ffi.NULL if other is None else ffi.new("double[3]", vector("the other end", other))
+    options.other = there
+    try:
+        check(lib.conus_place_find(out, atlas, utf8(name, words), options))
+    except ArgumentError as error:
+        raise ArgumentError(f"{name}: {error}") from None
+    lib.conus_place_text(said, out, frame)
+    return Place(np.array(list(out.point)), _KINDS[out.kind], text(out.name), out.object, out.depth,
+                 np.array(list(out.outward)), text(said))
 
 
 class Space(Bound):

@@ -62,11 +62,11 @@ static conus_status name_object(void *user, struct text name)
     return status;
 }
 
-/* Adds the object's shape, unless another object had it. */
+/* Adds the object's shape, hidden or not, unless another object had it. */
 static conus_status add_part(struct plan_constraint *constraint, const conus_atlas *atlas, uint32_t object)
 {
     const struct object_place *place = &atlas->places[object - 1];
-    struct plan_part part = {.object = object, .mesh = atlas_object_mesh(atlas, object)};
+    struct plan_part part = {.object = object, .mesh = atlas_stored_mesh(atlas, object)};
     if (place->is_bundle) {
         part.tractogram = &atlas->tractograms[place->index];
         part.group = atlas_bundle_group(atlas, object);
@@ -87,31 +87,56 @@ static conus_status add_part(struct plan_constraint *constraint, const conus_atl
     return CONUS_OK;
 }
 
-conus_status plan_structure_find(struct plan_constraint *out, const conus_atlas *atlas, const char *names)
+/* Fills in what the named objects and those below them have. */
+static conus_status fill_structure(struct plan_constraint *out, const conus_atlas *atlas, const bool *named,
+                                   bool with_hidden)
+{
+    conus_status status = CONUS_OK;
+    for (uint32_t number = 1; number <= atlas->object_count && !status; number++) {
+        const conus_object *object = &atlas->objects[number - 1];
+        bool has_shape = object->voxels || object->triangles || object->streamlines;
+        uint32_t above = number; /* an area below a named one is named, too */
+        while (above && !named[above]) {
+            above = atlas->objects[above - 1].parent;
+        }
+        if (above && has_shape && (with_hidden || !atlas->places[number - 1].is_hidden)) {
+            out->has[number] = number;
+            status = add_part(out, atlas, number);
+        }
+    }
+    return status;
+}
+
+conus_status plan_structure_find(struct plan_constraint *out, const conus_atlas *atlas, const char *names,
+                                 bool with_hidden)
 {
     struct naming naming = {atlas, memory_zeroed(atlas->object_count + 1, sizeof *naming.named), {0}};
     out->has = memory_zeroed(atlas->object_count + 1, sizeof *out->has);
     conus_status status = naming.named && out->has ? CONUS_OK : CONUS_ERROR_MEMORY;
     status = status ? status : area_list_read(text_from(names), name_object, NULL, &naming);
-    for (uint32_t number = 1; number <= atlas->object_count && !status; number++) {
-        const conus_object *object = &atlas->objects[number - 1];
-        bool has_shape = object->voxels || object->triangles || object->streamlines;
-        uint32_t named = number; /* an area below a named one is named, too */
-        while (named && !naming.named[named]) {
-            named = atlas->objects[named - 1].parent;
-        }
-        if (named && has_shape && !atlas->places[number - 1].is_hidden) {
-            out->has[number] = number;
-            status = add_part(out, atlas, number);
-        }
-    }
+    status = status ? status : fill_structure(out, atlas, naming.named, with_hidden);
     out->name = status || buffer_status(&naming.names) ? NULL : text_to_utf8(text_from(naming.names.data));
     status = status || out->name ? status : CONUS_ERROR_MEMORY;
     buffer_finish(&naming.names);
     memory_free(naming.named);
-    return status || out->part_count
-               ? status
-               : fail(CONUS_ERROR_ARGUMENT, "%.200s has no voxel, surface or streamline that is shown", names);
+    return status || out->part_count ? status
+                                     : fail(CONUS_ERROR_ARGUMENT, "%.200s has no voxel, surface or streamline%s", names,
+                                            with_hidden ? "" : " that is shown");
+}
+
+conus_status plan_structure_of(struct plan_constraint *out, const conus_atlas *atlas, uint32_t number)
+{
+    const char *name = atlas->objects[number - 1].name;
+    bool *named = memory_zeroed(atlas->object_count + 1, sizeof *named);
+    out->has = memory_zeroed(atlas->object_count + 1, sizeof *out->has);
+    out->name = memory_text(name, strlen(name));
+    conus_status status = named && out->has && out->name ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status) {
+        named[number] = true;
+        status = fill_structure(out, atlas, named, true);
+    }
+    memory_free(named);
+    return status;
 }
 
 /* As what the structure is reported in a cone, which must be nothing else. */
@@ -261,7 +286,7 @@ static conus_status fill(struct plan_constraint *out, const conus_selector *sele
     conus_status status = check_numbers(asked);
     status = status ? status : check_measure(selector, asked);
     if (!status && KINDS[asked->kind].has_structure) {
-        status = asked->names ? plan_structure_find(out, selector->atlas, asked->names)
+        status = asked->names ? plan_structure_find(out, selector->atlas, asked->names, false)
                               : fail(CONUS_ERROR_ARGUMENT, "names of its structure are missing");
     }
     if (!status && plan_is_of_cone(asked->measure)) {

@@ -37,8 +37,13 @@ void plan_constraint_finish(struct plan_constraint *constraint);
 /** Makes the maps of a constraint that keeps a distance, or that has a leeway. */
 conus_status plan_constraint_map(struct plan_constraint *constraint, const conus_selector *selector);
 
-/** Fills a zeroed one's name, has and parts; it can be finished after a failure, too. */
-conus_status plan_structure_find(struct plan_constraint *out, const conus_atlas *atlas, const char *names);
+/** Fills a zeroed one's name, has and parts; it can be finished after a failure, too. Hidden objects are left out,
+ * unless @p with_hidden. */
+conus_status plan_structure_find(struct plan_constraint *out, const conus_atlas *atlas, const char *names,
+                                 bool with_hidden);
+
+/** The same of one object and of all below it, hidden or not; it may have no part. */
+conus_status plan_structure_of(struct plan_constraint *out, const conus_atlas *atlas, uint32_t number);
 
 /** Refuses constraints that repeat or exclude each other. */
 conus_status plan_constraints_check(const struct plan_constraint *constraints, size_t count, const conus_atlas *atlas);

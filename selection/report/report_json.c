@@ -457,11 +457,35 @@ static json_t *json_from_space(const conus_frame *frame)
     return whole_or_null(space, whole);
 }
 
+/* How words were understood; their points are in the space of the rows. */
+static json_t *json_from_places(const conus_report *report)
+{
+    static const char *const kinds[] = {"numbers", "inner point", "centroid", "nearest point", "position"};
+    json_t *list = json_array();
+    bool whole = list;
+    for (size_t i = 0; i < report->options.place_count && whole; i++) {
+        const conus_named_place *named = &report->options.places[i];
+        const conus_place *place = &named->place;
+        const conus_object *object = conus_atlas_object(report->atlas, place->object);
+        double at[3];
+        conus_frame_from_world(at, &report->frame, place->point);
+        json_t *item = json_pack("{s: s, s: o, s: s, s: [f, f, f]}", "option", named->option, "words",
+                                 json_from_text(named->text), "is", kinds[place->kind], "at", at[0], at[1], at[2]);
+        whole = item && (!*place->name || put_value(item, "name", json_from_text(place->name)));
+        whole = whole && (!object || object->kind != CONUS_KIND_AREA ||
+                          put_value(item, "index", json_integer((json_int_t)object->label)));
+        whole = whole && (place->kind != CONUS_PLACE_INNER || put_value(item, "inside_mm", json_real(place->depth)));
+        whole = json_array_append_new(list, item) == 0 && whole;
+    }
+    return whole_or_null(list, whole);
+}
+
 /* The provenance of the rows, for the report and the sidecar. */
 static bool add_provenance(json_t *root, const conus_report *report)
 {
     const char *understood = report->options.understood;
-    return put_value(root, "Space", json_from_space(&report->frame)) &&
+    return (!report->options.place_count || put_value(root, "Places", json_from_places(report))) &&
+           put_value(root, "Space", json_from_space(&report->frame)) &&
            (!understood || put_value(root, "Understood", json_from_text(understood))) && add_sources(root, report);
 }
 

@@ -78,6 +78,18 @@ static conus_status check_joined(const conus_report *report)
     return CONUS_OK;
 }
 
+/* How words were understood comes first, for people. */
+static void write_places(struct buffer *out, const conus_report *report)
+{
+    bool is_table = report->options.format == CONUS_FORMAT_TABLE;
+    for (size_t i = 0; i < report->options.place_count && is_table; i++) {
+        const conus_named_place *named = &report->options.places[i];
+        char text[CONUS_PLACE_TEXT];
+        conus_place_text(text, &named->place, &report->frame);
+        buffer_format(out, "%s %s\n", named->option, text);
+    }
+}
+
 static conus_status write_text(conus_report *report)
 {
     conus_status status = check_joined(report);
@@ -89,6 +101,7 @@ static conus_status write_text(conus_report *report)
         return report_write_json(&report->text, report);
     }
     if (!report->is_begun) {
+        write_places(&report->text, report);
         report_write_header(&report->text, report);
     }
     return report_write_part(&report->text, report);

@@ -117,7 +117,7 @@ nested() {
     answers "${view[@]}" --level 'isocortex,TH'
     has Isocortex
     fails 2 'did you mean "Isocortex"?' "${view[@]}" --level Isocortx
-    fails 2 'did you mean "Frontal pole, layer 1"? Names with commas are put in double quotes' \
+    fails 2 'did you mean "Frontal pole, layer 1" or "Frontal pole, cerebral cortex"? Names with commas are put in double quotes' \
         "${view[@]}" --level 'Frontal pole, layer 1'
 }
 

@@ -247,7 +247,9 @@ def main():
         ask("others", ["--from", f"{surface},without={path['parts.label.gii']}", "--toward", "normal"],
             candidates(points[chosen], normals[chosen], None), 40)
         inside, depth = depths(affine, labels == 3)
-        deepest = to_world(affine, inside[[np.flatnonzero(depth >= depth.max() - 1e-9)[0]]])
+        equal = to_world(affine, inside[np.flatnonzero(depth >= depth.max() - 1e-9)])
+        off = np.linalg.norm(equal - to_world(affine, inside).mean(0), axis=1)
+        deepest = equal[[np.flatnonzero(off <= off.min() + 1e-9)[0]]]
         chosen = spaced(points, 20)
         ask("the deepest voxel", ["--from", f"{surface},spacing=20", "--toward", "deepest,of=3", "--depth", "target-1"],
             candidates(points[chosen], normals[chosen], deepest, beyond=-1))

@@ -86,6 +86,36 @@ static double depth_of(const uint8_t *labels, size_t voxel)
     return least;
 }
 
+/* The voxel with a label that is deepest, by trying all: of equal ones the nearest to their centroid, then the first.
+ */
+static size_t deepest_of(const uint8_t *labels, uint8_t label)
+{
+    static double depths[N * N * N];
+    double most = 0;
+    double sum[4] = {0};
+    for (size_t voxel = 0; voxel < N * N * N; voxel++) {
+        double point[3];
+        depths[voxel] = labels[voxel] == label ? depth_of(labels, voxel) : 0;
+        most = fmax(most, depths[voxel]);
+        place(point, voxel);
+        vec3_add_scaled(sum, sum, labels[voxel] == label, point);
+        sum[3] += labels[voxel] == label;
+    }
+    vec3_scale(sum, sum, 1 / sum[3]);
+    size_t found = 0;
+    double least = INFINITY;
+    for (size_t voxel = 0; voxel < N * N * N; voxel++) {
+        double way[3];
+        place(way, voxel);
+        vec3_sub(way, way, sum);
+        if (depths[voxel] > most - 1e-9 && vec3_length(way) < least - 1e-9) {
+            least = vec3_length(way);
+            found = voxel;
+        }
+    }
+    return found;
+}
+
 static void targets_of_a_structure(void **state)
 {
     (void)state;
@@ -98,26 +128,21 @@ static void targets_of_a_structure(void **state)
         assert_null(conus_sites_normals(found[kind]));
     }
     size_t count = 0;
-    size_t deepest = 0;
-    double most = 0;
     double sum[3] = {0};
     for (size_t voxel = 0; voxel < sizeof made.labels; voxel++) {
         if (made.labels[voxel] == 1) {
             double point[3];
-            double depth = depth_of(made.labels, voxel);
             place(point, voxel);
             vec3_add_scaled(sum, sum, 1, point);
             assert_int_equal(conus_sites_source(found[CONUS_SITES_VOXELS], count), voxel);
             vec3_sub(point, point, conus_sites_points(found[CONUS_SITES_VOXELS]) + 3 * count++);
             assert_near(vec3_length(point), 0, 1e-12);
-            deepest = depth > most + 1e-9 ? voxel : deepest;
-            most = fmax(most, depth);
         }
     }
     assert_int_equal(conus_sites_count(found[CONUS_SITES_VOXELS]), count);
     assert_int_equal(conus_sites_source(found[CONUS_SITES_VOXELS], count), UINT64_MAX);
     assert_int_equal(conus_sites_count(found[CONUS_SITES_DEEPEST]), 1);
-    assert_int_equal(conus_sites_source(found[CONUS_SITES_DEEPEST], 0), deepest);
+    assert_int_equal(conus_sites_source(found[CONUS_SITES_DEEPEST], 0), deepest_of(made.labels, 1));
     for (int a = 0; a < 3; a++) {
         assert_near(conus_sites_points(found[CONUS_SITES_CENTROID])[a], sum[a] / (double)count, 1e-9);
     }
@@ -136,18 +161,43 @@ static void the_edge_of_the_grid_ends_a_structure(void **state)
     struct made made;
     make(&made);
     conus_sites *found = NULL;
-    size_t deepest = 0;
-    double most = 0;
-    for (size_t voxel = 0; voxel < sizeof made.labels; voxel++) {
-        double depth = made.labels[voxel] == 2 ? depth_of(made.labels, voxel) : 0;
-        deepest = depth > most + 1e-9 ? voxel : deepest;
-        most = fmax(most, depth);
-    }
+    size_t deepest = deepest_of(made.labels, 2);
     assert_int_equal(deepest / N / N, 1);
     assert_ok(conus_sites_find(&found, made.selector, "Two", CONUS_SITES_DEEPEST));
     assert_int_equal(conus_sites_source(found, 0), deepest);
     conus_sites_destroy(found);
     destroy(&made);
+}
+
+/* Whatever shapes: the voxel by the rule, also of what is hidden, and of many voxels of one depth. */
+static void the_deepest_voxel_is_found_in_any_shape(void **state)
+{
+    (void)state;
+    uint64_t random = 3;
+    for (int trial = 0; trial < 12; trial++) {
+        struct made made = {0};
+        double part = test_random(&random, 0.02, 0.98);
+        size_t block = 1 + (size_t)trial % 3; /* of equal voxels */
+        for (size_t i = 0; i < sizeof made.labels; i++) {
+            size_t first = i % N / block + N * (i / N % N / block + N * (i / N / N / block));
+            uint64_t own = first * 7919 + (uint64_t)trial;
+            made.labels[i] = test_random(&own, 0, 1) < part ? 1 : test_random(&own, 0, 1) < 0.5 ? 2 : 0;
+        }
+        made.labels[0] = 1;
+        made.labels[1] = 2;
+        const conus_voxels voxels = voxels_of(made.labels);
+        const conus_label names[] = {{.number = 1, .name = "One"}, {.number = 2, .name = "Two"}};
+        assert_ok(conus_atlas_create(&made.atlas, &voxels, names, 2, NULL));
+        assert_ok(conus_atlas_show(made.atlas, NULL, trial % 2 ? "One" : NULL));
+        assert_ok(conus_selector_create(&made.selector, made.atlas, NULL));
+        for (uint8_t label = 1; label <= 2; label++) {
+            conus_sites *found = NULL;
+            assert_ok(conus_sites_find(&found, made.selector, label == 1 ? "One" : "Two", CONUS_SITES_DEEPEST));
+            assert_int_equal(conus_sites_source(found, 0), deepest_of(made.labels, label));
+            conus_sites_destroy(found);
+        }
+        destroy(&made);
+    }
 }
 
 static void what_is_in_a_structure_is_kept(void **state)
@@ -377,6 +427,7 @@ TEST_GROUP(plan_sites)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(targets_of_a_structure),
         cmocka_unit_test(the_edge_of_the_grid_ends_a_structure),
+        cmocka_unit_test(the_deepest_voxel_is_found_in_any_shape),
         cmocka_unit_test(what_is_in_a_structure_is_kept),
         cmocka_unit_test(borders_of_a_region),
         cmocka_unit_test(spacing_is_greedy),

@@ -1,0 +1,324 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Finds the point that words mean: numbers, an area's inner point, a position of a cap. */
+#include "conus/place.h"
+
+#include "atlas/areas/area_find.h"
+#include "atlas/areas/sides.h"
+#include "base/geometry/math3.h"
+#include "base/memory.h"
+#include "base/options.h"
+#include "poses/place.h"
+#include "poses/positions.h"
+#include "selection/plan/plan_deepest.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { SHOWN = 80 };
+
+/** A place that is being found. */
+struct finding {
+    const conus_atlas *atlas;
+    const conus_place_options *options;
+    struct place_words words;
+    conus_place place;
+};
+
+enum brain { BRAIN_UNKNOWN, BRAIN_MNI152, BRAIN_OTHER };
+
+/* Whose brain the atlas is: positions and words that say MNI fit MNI 152 and Colin 27. */
+static enum brain brain_of(const conus_atlas *atlas)
+{
+    const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
+    const char *transform = volume ? volume->transform : "";
+    bool is_moved = atlas->is_moved || strstr(transform, ", moved") || strstr(transform, ", warped");
+    return is_moved                           ? BRAIN_UNKNOWN
+           : atlas->has_ccf                   ? BRAIN_OTHER
+           : strstr(transform, "(MNI 152)")   ? BRAIN_MNI152
+           : strstr(transform, "(Talairach)") ? BRAIN_OTHER
+                                              : BRAIN_UNKNOWN;
+}
+
+/* Numbers in the space of the frame, unless words beside them say that they are in another. */
+static conus_status take_numbers(struct finding *finding)
+{
+    const struct numbers *numbers = &finding->words.numbers;
+    const conus_frame *frame = finding->options->frame;
+    conus_space space = frame ? frame->space : CONUS_SPACE_RAS;
+    uint32_t named = 0;
+    if ((numbers->has_letters || numbers->says_ras) && space != CONUS_SPACE_RAS) {
+        return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\": %s RAS, but numbers are %s here (--space)",
+                    TEXT_SHOW(finding->words.name, SHOWN),
+                    numbers->says_ras ? "the words say" : "letters L R A P S I are", conus_space_name(space));
+    }
+    if (numbers->says_mm && space == CONUS_SPACE_CCF) {
+        return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\": it says mm, but numbers of --space ccf are micrometres",
+                    TEXT_SHOW(finding->words.name, SHOWN));
+    }
+    if (numbers->says_mni && (space >= CONUS_SPACE_CCF || brain_of(finding->atlas) == BRAIN_OTHER)) {
+        return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\": it says MNI, but the atlas is another brain",
+                    TEXT_SHOW(finding->words.name, SHOWN));
+    }
+    finding->place.is_also_named = !object_find(&named, finding->atlas, finding->words.name);
+    if (frame) {
+        return conus_frame_to_world(finding->place.point, frame, numbers->value) ? CONUS_ERROR_DATA : CONUS_OK;
+    }
+    memcpy(finding->place.point, numbers->value, sizeof finding->place.point);
+    return CONUS_OK;
+}
+
+static void take_position(struct finding *finding, const struct position *position)
+{
+    finding->place.kind = CONUS_PLACE_POSITION;
+    finding->place.name = position->name;
+    memcpy(finding->place.point, position->point, sizeof finding->place.point);
+    memcpy(finding->place.outward, position->outward, sizeof finding->place.outward);
+}
+
+/* Puts what is wrong with a name behind the message about it. */
+static conus_status fail_with(conus_status status, const char *more)
+{
+    char message[1024];
+    snprintf(message, sizeof message, "%s", conus_message());
+    return fail(status, "%s%s", message, more);
+}
+
+/* A name that is also that of a position: an area that has it as a word comes first. Of several, none. */
+static conus_status choose_position(struct finding *finding, const struct position *position)
+{
+    char more[64];
+    conus_place *place = &finding->place;
+    conus_status status = object_find(&place->object, finding->atlas, finding->words.name);
+    if (status == CONUS_ERROR_ARGUMENT) {
+        status = object_find_word(&place->object, finding->atlas, finding->words.name);
+    }
+    if (status == CONUS_ERROR_ARGUMENT) {
+        snprintf(more, sizeof more, "; 1020:%s is the position of a cap", position->name);
+        return fail_with(status, more);
+    }
+    if (status || place->object) {
+        place->is_also_named = place->object;
+        return status;
+    }
+    if (brain_of(finding->atlas) != BRAIN_MNI152) {
+        return brain_of(finding->atlas) == BRAIN_OTHER
+                   ? fail(CONUS_ERROR_ARGUMENT,
+                          "%s is a position on the head of MNI 152, but the atlas is another brain", position->name)
+                   : fail(CONUS_ERROR_ARGUMENT,
+                          "%s is a position on the head of MNI 152, and it is not known whether the atlas lies there; "
+                          "1020:%s says that it does",
+                          position->name, position->name);
+    }
+    take_position(finding, position);
+    return CONUS_OK;
+}
+
+static conus_status take_cap_position(struct finding *finding)
+{
+    const struct position *position = position_find(finding->words.name);
+    if (!position) {
+        return fail(CONUS_ERROR_ARGUMENT, "1020:%.*s: there is no such position of the 10-10 system, as C3 or Fp1",
+                    TEXT_SHOW(finding->words.name, SHOWN));
+    }
+    if (brain_of(finding->atlas) == BRAIN_OTHER) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "1020:%s is a position on the head of MNI 152, but the atlas is another brain", position->name);
+    }
+    take_position(finding, position);
+    return CONUS_OK;
+}
+
+static conus_status find_label(struct finding *finding)
+{
+    uint32_t found = 0;
+    size_t count = 0;
+    for (uint32_t number = 1; number <= finding->atlas->area_count; number++) {
+        const conus_object *area = &finding->atlas->objects[number - 1];
+        if (area->label == finding->words.label && !atlas_is_paired(finding->atlas, number)) {
+            found = number;
+            count++;
+        }
+    }
+    finding->place.object = found;
+    return count == 1 ? CONUS_OK
+           : count    ? fail(CONUS_ERROR_ARGUMENT, "index:%u: %zu areas have this label; a name is needed",
+                             (unsigned)finding->words.label, count)
+                      : fail(CONUS_ERROR_ARGUMENT, "index:%u: no area has this label", (unsigned)finding->words.label);
+}
+
+/* Finds the object, or a position in its place. */
+static conus_status find_object(struct finding *finding)
+{
+    const struct place_words *words = &finding->words;
+    const struct position *position = words->form == PLACE_NAME ? position_find(words->name) : NULL;
+    if (words->form == PLACE_LABEL) {
+        return find_label(finding);
+    }
+    if (position) {
+        return choose_position(finding, position);
+    }
+    conus_status status = object_find(&finding->place.object, finding->atlas, words->name);
+    if (status == CONUS_ERROR_ARGUMENT && words->numbers.why) {
+        return place_fail_numbers(words);
+    }
+    if (status != CONUS_ERROR_ARGUMENT || words->form != PLACE_NAME || strncmp(conus_message(), "no ", 3) != 0) {
+        return status;
+    }
+    return words->numbers.count == 1   ? fail_with(status, "; it has one number, a point has three")
+           : words->numbers.count == 2 ? fail_with(status, "; it has two numbers, a point has three")
+           : brain_of(finding->atlas) == BRAIN_MNI152
+               ? fail_with(status, strchr(conus_message(), '?') ? " Or a 10-20 position, as C3"
+                                                                : "; it may be a 10-20 position, as C3")
+               : status;
+}
+
+/* Advises near:, where there is an axis. */
+static conus_status advise_near(conus_status status, const struct finding *finding)
+{
+    char more[SHOWN + 64];
+    snprintf(more, sizeof more, "; near:%.*s is its point nearest to the other end", SHOWN, finding->place.name);
+    return finding->options->has_axis ? fail_with(status, more) : status;
+}
+
+/* mm^3 as cm^3 for people. */
+static double cm3(double mm3)
+{
+    return mm3 / 1000;
+}
+
+/* Refuses an area of both sides, whose inner point would be on one of them, and nobody has chosen it. */
+static conus_status check_sides(const struct finding *finding, const struct plan_constraint *structure,
+                                const struct inner_point *inner)
+{
+    static const double LEAST_PART = 0.2; /* of the area, on either side */
+    const conus_atlas *atlas = finding->atlas;
+    const conus_object *object = &atlas->objects[finding->place.object - 1];
+    char *sides = memory_zeroed(atlas->object_count + 1, 1);
+    conus_status status = sides ? conus_atlas_sides(sides, atlas) : CONUS_ERROR_MEMORY;
+    struct side_word word;
+    bool is_sided = status || sides[finding->place.object] ||
+                    (object->kind != CONUS_KIND_AREA && side_word_find(&word, text_from(object->name), 0));
+    bool has_sides = false;
+    for (size_t i = 1; i <= atlas->area_count && !status; i++) {
+        has_sides = has_sides || sides[i];
+    }
+    memory_free(sides);
+    if (status || is_sided) {
+        return status;
+    }
+    double parts[2];
+    double own[3];
+    plan_sides(parts, structure, atlas);
+    conus_atlas_own_point(own, atlas, inner->at);
+    bool is_on_both = fmin(parts[0], parts[1]) >= LEAST_PART * (parts[0] + parts[1]);
+    bool is_in_middle = has_sides && fabs(own[0]) < inner->depth / 2;
+    if (!is_on_both || is_in_middle) {
+        return CONUS_OK;
+    }
+    bool is_split = object->kind == CONUS_KIND_AREA && atlas_parcellation(atlas) && !atlas->half_step;
+    char way[2 * SHOWN + 64] = "";
+    if (is_split) {
+        snprintf(way, sizeof way, "; --hemispheres split and \"%.*s left\" or \"%.*s right\" choose one", SHOWN,
+                 object->name, SHOWN, object->name);
+    }
+    status = fail(CONUS_ERROR_ARGUMENT, "%s lies on both sides: %.2f cm3 left, %.2f cm3 right%s", object->name,
+                  cm3(parts[0]), cm3(parts[1]), way);
+    return advise_near(status, finding);
+}
+
+static conus_status take_inner_point(struct finding *finding, const struct plan_constraint *structure,
+                                     const double centroid[3])
+{
+    struct inner_point inner;
+    conus_status status = plan_deepest(&inner, structure, centroid);
+    if (!status && inner.depth == 0) {
+        status = fail(CONUS_ERROR_ARGUMENT, "%s has no voxels and no closed surface, and so no inner point",
+                      structure->name);
+        return advise_near(status, finding);
+    }
+    status = status ? status : check_sides(finding, structure, &inner);
+    finding->place.kind = CONUS_PLACE_INNER;
+    finding->place.depth = inner.depth;
+    memcpy(finding->place.point, inner.at, sizeof finding->place.point);
+    return status;
+}
+
+static conus_status take_centroid(struct finding *finding, const struct plan_constraint *structure,
+                                  const double centroid[4])
+{
+    finding->place.kind = CONUS_PLACE_CENTROID;
+    memcpy(finding->place.point, centroid, sizeof finding->place.point);
+    if (centroid[3] > 0 && plan_is_inside(structure, centroid)) {
+        return CONUS_OK;
+    }
+    struct inner_point inner;
+    conus_status status = plan_deepest(&inner, structure, centroid);
+    if (status) {
+        return status;
+    }
+    return inner.depth > 0 ? fail(CONUS_ERROR_ARGUMENT,
+                                  "the centroid of %s, (%.1f, %.1f, %.1f), is not in it; \"%s\" alone is its inner "
+                                  "point, (%.1f, %.1f, %.1f), RAS mm",
+                                  structure->name, centroid[0], centroid[1], centroid[2], structure->name, inner.at[0],
+                                  inner.at[1], inner.at[2])
+                           : fail(CONUS_ERROR_ARGUMENT, "%s has no voxels and no closed surface, and so no centroid",
+                                  structure->name);
+}
+
+static conus_status take_nearest(struct finding *finding, const struct plan_constraint *structure)
+{
+    finding->place.kind = CONUS_PLACE_NEAR;
+    if (!finding->options->other) {
+        return fail(
+            CONUS_ERROR_ARGUMENT,
+            "near:%s is the point nearest to the other end of an axis, which is a place of its own; there is none",
+            structure->name);
+    }
+    return plan_nearest_point(finding->place.point, structure, finding->options->other)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "near:%s: it has neither voxels nor a surface", structure->name);
+}
+
+static conus_status take_object(struct finding *finding)
+{
+    struct plan_constraint structure = {0};
+    conus_status status = plan_structure_of(&structure, finding->atlas, finding->place.object);
+    finding->place.name = finding->atlas->objects[finding->place.object - 1].name;
+    if (!status && finding->words.form == PLACE_NEAR) {
+        status = take_nearest(finding, &structure);
+    } else if (!status) {
+        double centroid[4];
+        plan_centroid(centroid, &structure);
+        status = finding->words.form == PLACE_CENTROID ? take_centroid(finding, &structure, centroid)
+                                                       : take_inner_point(finding, &structure, centroid);
+    }
+    plan_constraint_finish(&structure);
+    return status;
+}
+
+conus_status conus_place_find(conus_place *out, const conus_atlas *atlas, const char *text,
+                              const conus_place_options *options)
+{
+    options = options_of(conus_place_options, options);
+    struct finding finding = {.atlas = atlas, .options = options, .place = {.depth = NAN, .name = ""}};
+    conus_status status = place_read(&finding.words, text_from(text));
+    if (!status && finding.words.form == PLACE_NUMBERS) {
+        status = take_numbers(&finding);
+    } else if (!status && finding.words.form == PLACE_CAP) {
+        status = take_cap_position(&finding);
+    } else if (!status) {
+        status = find_object(&finding);
+        status = status || !finding.place.object ? status : take_object(&finding);
+    }
+    if (!status) {
+        *out = finding.place;
+    }
+    return status;
+}
+
+bool conus_place_is_near(const char *text)
+{
+    struct place_words words;
+    return !place_read(&words, text_from(text)) && words.form == PLACE_NEAR;
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The inner point of a structure, and how much of it lies on which side, whether it is hidden or not. */
+#ifndef CONUS_SELECTION_PLAN_PLAN_DEEPEST_H
+#define CONUS_SELECTION_PLAN_PLAN_DEEPEST_H
+
+#include "selection/plan/plan_constraint.h"
+
+/** A point of a structure. */
+struct inner_point {
+    double at[3];    /**< World mm. */
+    double depth;    /**< mm to what is not the structure; 0 = there is no such point. */
+    uint64_t source; /**< Linear index of its voxel; UINT64_MAX of a surface. */
+};
+
+/** Of the centres of the structure's voxels that which is farthest from the centres of all others, background and what
+ * lies beyond the grid included; of the points inside of a closed surface, on a grid of 1 mm (or less, where none is
+ * inside), that which is farthest from it. Of points that are equal to 1e-9 mm the nearest to @p centroid, then the
+ * first. @p structure is one with hidden objects. CONUS_ERROR_MEMORY. */
+conus_status plan_deepest(struct inner_point *out, const struct plan_constraint *structure, const double centroid[3]);
+
+/** Whether a point lies in one of the structure's voxels or closed surfaces. */
+bool plan_is_inside(const struct plan_constraint *structure, const double point[3]);
+
+/** The centre of the structure's voxel, or the point of its surface, that is nearest to @p from, of equally near ones
+ * the first; false for bundles, which have neither. */
+bool plan_nearest_point(double out[3], const struct plan_constraint *structure, const double from[3]);
+
+/** The structure's mean position, weighted by volume, and that volume, mm^3, in out[3]; all 0 without one. */
+void plan_centroid(double out[4], const struct plan_constraint *structure);
+
+/** mm^3 of voxels and insides of closed surfaces to the left and to the right of the plane x = 0 of the atlas's own
+ * space, where --hemispheres split cuts. */
+void plan_sides(double out[2], const struct plan_constraint *structure, const conus_atlas *atlas);
+
+#endif

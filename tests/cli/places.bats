@@ -1,0 +1,99 @@
+#!/usr/bin/env bats
+# Places: points by numbers as people paste them, by areas and by positions of a cap, as a user types them.
+load helpers
+
+AAL=/usr/share/mricron/templates/aal.nii.gz
+
+# first_line ARGUMENT...: the first line of the answer.
+first_line() {
+    "$CONUS" query "$@" -q | head -n 1
+}
+
+@test "numbers are read as they are pasted, and give the same answer" {
+    conus phantom sphere -o .
+    local plain
+    plain=$(conus query sphere.nii.gz --point=-5,3,7 --radius 4 --format tsv -q)
+    for place in '-5 3 7' '(-5, 3, 7)' '−5; 3; 7 mm' 'x = -5, y = 3, z = 7' '5L 3A 7S' 'MNI -5.0, 3, 7' '-5,0 3,0 7,0'; do
+        [ "$(conus query sphere.nii.gz --point="$place" --radius 4 --format tsv -q)" = "$plain" ] || { echo "$place"; return 1; }
+    done
+    [ "$(conus query sphere.nii.gz --point -5 3 7 --radius 4 --format tsv -q)" = "$plain" ]
+    [ "$(first_line sphere.nii.gz --point=-5,3,7)" = "$(first_line sphere.nii.gz --point -5,3,7)" ]
+    [[ $(first_line sphere.nii.gz --point=-5,3,7) == "ball of radius"* ]]
+    [ "$(conus query sphere.nii.gz --origin 0 -90 0 --toward 0,0,0 --format tsv -q)" = \
+        "$(conus query sphere.nii.gz --origin=0,-90,0 --toward 0 0 0 --format tsv -q)" ]
+    [ "$(first_line sphere.nii.gz --origin 0 -90 0 --toward 0,0,0)" = 'origin (0.0, -90.0, 0.0)' ]
+}
+
+@test "a place that means nothing, or several things, is refused before anything is written" {
+    conus phantom sphere -o .
+    printf '1 2 3\n' >points.txt
+    fails 2 '--point: "1 2 3 4": "4" is a number too many' query sphere.nii.gz --point '1 2 3 4' -o a.tsv
+    fails 2 '"-1,250" has a comma before three digits' query sphere.nii.gz --point '-1,250 2 3' -o a.tsv
+    fails 2 '"foo" is no number, sign or known word' query sphere.nii.gz --point 'foo 1 2 3' -o a.tsv
+    fails 2 'it has two numbers, a point has three' query sphere.nii.gz --point 1,2
+    fails 2 '"1L 2P 3S": letters L R A P S I are RAS, but numbers are lps here' \
+        query sphere.nii.gz --point '1L 2P 3S' --space lps
+    fails 2 '--origin: no area has the name, abbreviation or label "Sphera"; did you mean "Sphere"?' \
+        query sphere.nii.gz --origin Sphera --toward 0,0,0
+    fails 2 '--toward: Sphere lies on both sides: 16.78 cm3 left, 16.78 cm3 right; --hemispheres split and "Sphere left"' \
+        query sphere.nii.gz --origin 0,-90,0 --toward Sphere
+    fails 2 'near: is nearest to the other end, which is no near: then' \
+        query sphere.nii.gz --origin near:Sphere --toward near:Sphere
+    fails 2 'the other end of an axis, which is a place of its own; there is none' query sphere.nii.gz --point near:Sphere
+    fails 2 'points.txt is a file; --pose points.txt asks about its points and poses' query sphere.nii.gz --point points.txt
+    fails 2 'unknown option --points; did you mean --pose?' query sphere.nii.gz --points points.txt
+    fails 2 'the place is empty' query sphere.nii.gz --point ' '
+    fails 2 'C3 is a position on the head of MNI 152, and it is not known whether the atlas lies there; 1020:C3 says' \
+        query sphere.nii.gz --point C3
+    [ ! -e a.tsv ]
+}
+
+@test "an area is its inner point, which is said, recorded and asked again" {
+    conus phantom brain -o .
+    [ "$(first_line brain.atlas.json --point 'left anterior' --radius 3)" = \
+        'point Anterior left: (-15.0, 25.0, 15.0), 15.3 mm inside' ]
+    [ "$(first_line brain.atlas.json --point 'left anterior' --radius 3 --only Core)" = \
+        'point Anterior left: (-15.0, 25.0, 15.0), 15.3 mm inside' ]
+    [ "$(first_line brain.atlas.json --point 'left anterior' --radius 3 --space lps)" = \
+        'point Anterior left: (15.0, -25.0, 15.0), 15.3 mm inside' ]
+    run -0 --separate-stderr conus query brain.atlas.json --origin=-90,30,20 --toward 'left anterior' -o a.tsv
+    [[ $stderr == *'note: toward Anterior left: (-15.0, 25.0, 15.0), 15.3 mm inside'* ]]
+    [ "$(jq -c '.Places[0] | [.option, .words, .is, .name, (.at | map(round))]' a.json)" = \
+        '["toward","left anterior","inner point","Anterior left",[-15,25,15]]' ]
+    conus verify a.tsv
+    sed -i 's/"left anterior"/"left lateral"/' a.json
+    run --separate-stderr conus verify a.tsv
+    [ "$status" -ne 0 ]
+    # As if its point had been typed.
+    diff <(conus query brain.atlas.json --origin=-90,30,20 --toward=-15,25,15 --format csv -q) \
+        <(conus query brain.atlas.json --origin=-90,30,20 --toward 'Anterior (left)' --format csv -q)
+}
+
+@test "--point may be repeated, and is answered in order" {
+    conus phantom sphere -o .
+    run -0 conus query sphere.nii.gz --point 0,-23,0 --point 30,0,0 --radius 5 --format csv -q
+    [ "$(cut -d, -f1 <<<"$output" | uniq | paste -sd' ')" = 'query 1 2' ]
+    fails 2 '--mask shows one pose, --point is given 2 times' \
+        query sphere.nii.gz --point 0,-23,0 --point 30,0,0 --radius 5 --mask m.nii
+}
+
+@test "positions of a cap, and areas of a real atlas" {
+    [ -f $AAL ] || skip 'no mricron-data'
+    [ "$(first_line $AAL --point C3)" = 'point position C3: (-67.7, -11.3, 61.2)' ]
+    [ "$(first_line $AAL --point T3)" = 'point position T7: (-82.4, -16.9, -9.3)' ]
+    [ "$(first_line $AAL --origin C3 --toward Hippocampus_L)" = 'origin position C3: (-67.7, -11.3, 61.2)' ]
+    [ "$(conus query $AAL --origin C3 --toward Hippocampus_L -q | sed -n 2p)" = \
+        'toward Hippocampus_L: (-27.0, -13.0, -15.0), 6.0 mm inside' ]
+    [[ $(conus query $AAL --origin C3 --toward near:Precentral_L -q | sed -n 2p) == 'toward nearest in Precentral_L: '* ]]
+    fails 2 '"hippocampus" may be any of 2: "Hippocampus_L" (37), "Hippocampus_R" (38)' query $AAL --point hippocampus
+    fails 2 'Or a 10-20 position, as C3' query $AAL --point Hippo
+}
+
+@test "pictures and pages take places, and say how they were understood" {
+    conus phantom brain -o .
+    run -0 --separate-stderr conus render brain.atlas.json --origin=-90,30,20 --toward 'left anterior' \
+        --camera-origin 0,0,300 --camera-toward Core --size 64x64 -o a.png
+    [[ $stderr == *'note: toward Anterior left: (-15.0, 25.0, 15.0), 15.3 mm inside'* ]]
+    [[ $stderr == *'note: camera-toward Core: '* ]]
+    fails 2 '--camera-toward: no area' render brain.atlas.json --camera-origin 0,0,300 --camera-toward Xyz -o b.png
+}

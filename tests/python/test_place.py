@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Places in words: as points of cones and balls, and what is refused."""
+import numpy as np
+import pytest
+
+import conus
+
+# Two blocks of 7 x 5 x 5 voxels of 1 mm, mirror images of each other, and one area on both sides.
+LABELS = np.zeros((24, 9, 9), "u1")
+LABELS[1:8, :5, :5], LABELS[16:23, :5, :5], LABELS[1:23, 6:9, 6:9] = 1, 2, 3
+LABELS[8:16, 6:9, 6:9] = 0
+AFFINE = np.eye(4)
+AFFINE[:3, 3] = [-11.5, -4, -4]
+NAMES = {1: "Core_L", 2: "Core_R", 3: "Both"}
+
+
+@pytest.fixture
+def atlas():
+    return conus.load(LABELS, AFFINE, labels=NAMES)
+
+
+def test_words_become_points(atlas):
+    place = atlas.place("left core")
+    assert place.point.tolist() == [-7.5, -2, -2] and place.inside_mm == 3 and place.name == "Core_L"
+    assert place.kind == "inner point" and place.number == 1 and str(place) == "Core_L: (-7.5, -2.0, -2.0), 3.0 mm inside"
+    assert atlas.place("(1, 2, 3)").point.tolist() == [1, 2, 3]
+    cap = atlas.place("1020:C3")
+    assert cap.kind == "position" and np.linalg.norm(cap.outward) == pytest.approx(1, abs=2e-3)
+
+
+def test_places_are_ends_and_points(atlas):
+    wanted = atlas.select([-7.5, -2, 60], toward=[-7.5, -2, -2], angle=20)
+    given = atlas.select("-7.5 -2 60", toward="left core", angle=20)
+    assert given.to_dataframe().equals(wanted.to_dataframe())
+    near = atlas.select("near:Core_L", toward=[7.5, -2, -2], angle=20)
+    assert near.to_dataframe().equals(atlas.select([-4.5, -2, -2], toward=[7.5, -2, -2], angle=20).to_dataframe())
+    assert atlas.near("Core_R", 2).to_dataframe().equals(atlas.near([7.5, -2, -2], 2).to_dataframe())
+    lps = atlas.select("7.5 2 60", toward="left core", angle=20, space="lps")
+    assert lps.to_dataframe()["share"].tolist() == wanted.to_dataframe()["share"].tolist()
+
+
+@pytest.mark.parametrize("words, message", [
+    ("core", "toward: .*may be any of 2"), ("Both", "toward: Both lies on both sides.*near:Both is its point"),
+    ("C3", "toward: C3 is a position on the head of MNI 152"), ("1 2", "two numbers"), ("near:Both", "near: is nearest"),
+])
+def test_what_has_two_readings_is_refused(atlas, words, message):
+    with pytest.raises(conus.ArgumentError, match=message):
+        atlas.select("near:Core_L" if words.startswith("near") else [0, 0, 90], toward=words)
