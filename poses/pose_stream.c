@@ -804,7 +804,7 @@ bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream)
 
 bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
 {
-    bool found = stream->columns.has[ROLE_ANGLE] && !stream->columns.is_of_points;
+    bool found = stream->options.aperture > 0 || (stream->columns.has[ROLE_ANGLE] && !stream->columns.is_of_points);
     for (size_t i = 0; is_read_whole(stream) && i < stream->list.count; i++) {
         found = found || stream->list.rows[i].angle != 0;
     }

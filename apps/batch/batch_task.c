@@ -79,8 +79,8 @@ int batch_task_init(struct batch_task *out, const struct batch_settings *setting
 static int open_poses(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
-    conus_pose_options options =
-        pose_settings_options(&settings->file, &settings->engine.range, &task->frame, settings->atlas.max_memory);
+    conus_pose_options options = pose_settings_options(&settings->file, &settings->aim, &settings->engine, &task->frame,
+                                                       settings->atlas.max_memory);
     options.keep = task->marks.names = task->kept.at;
     options.keep_count = task->marks.count = task->kept.count;
     int code = batch_shard(&task->shard, settings);
@@ -214,16 +214,16 @@ static void say_question(const struct batch_task *task)
 int batch_task_build(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
-    conus_selector_options engine = settings_engine(&settings->engine, &settings->common);
+    conus_selector_options engine = settings_engine(&settings->engine, &settings->aim, &settings->common);
     settings_point_error(task->point_error, &settings->engine, task->arguments);
     if (conus_pose_stream_format(task->poses) == CONUS_POSE_FORMAT_POINTS && task->point_error[0]) {
         return print_data_error("%s: %s", pose_settings_file_name(settings->poses), task->point_error);
     }
     bool has_points = conus_pose_stream_has_points(task->poses) && !task->point_error[0] && !settings->of_axis &&
                       !format_is_foreign(task->format);
-    if (has_points && !settings->common.quiet) {
-        print_error_line("note: %s: %s", pose_settings_file_name(settings->poses),
-                         settings_points_text(task->understood, &settings->engine));
+    const char *understood = settings_understood(task->understood, &settings->aim, &settings->engine, has_points);
+    if (understood && !settings->common.quiet) {
+        print_error_line("note: %s: %s", pose_settings_file_name(settings->poses), understood);
     }
     const conus_batch_options options = {
         .threads = settings->threads,
@@ -240,7 +240,7 @@ int batch_task_build(struct batch_task *task)
                    .order = settings->of_axis ? CONUS_ORDER_RANK : (conus_order)settings->axis.order,
                    .contacts = settings->of_axis ? (conus_contacts){0} : task->contacts,
                    .within = task->within,
-                   .understood = has_points ? settings_points_text(task->understood, &settings->engine) : NULL,
+                   .understood = understood,
                    .points = has_points,
                    .marks = &task->marks,
                    .probe = task->probe,
@@ -305,7 +305,7 @@ static int identify(struct batch_task *task)
         snprintf(angle + length, sizeof angle - (size_t)length, " %s %.17g %.17g %.17g", probe_hash,
                  settings->probe.tip, settings->probe.roll, settings->engine.range.ends[1]);
     }
-    pose_settings_text(reading, &settings->file, &settings->engine.range);
+    pose_settings_text(reading, &settings->file, &settings->aim, &settings->engine);
     conus_status status = conus_batch_sidecar(&sidecar, &size, task->batch);
     const char *const sources[] = {angle,
                                    reading,
@@ -408,6 +408,9 @@ void batch_task_find_astray(struct batch_task *task)
 {
     for (size_t i = 0; i < task->atlases.count; i++) {
         task->aimed[i].found = conus_batch_astray_at(task->batch, i);
+        if (task->settings->aim.aperture > 0) { /* a beam begins inside */
+            task->aimed[i].found.inside = (conus_oddity){0};
+        }
     }
 }
 

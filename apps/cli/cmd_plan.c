@@ -702,7 +702,7 @@ static int answer_plan(struct planning *planning)
 {
     struct request *request = &planning->request;
     const struct plan_settings *settings = planning->settings;
-    conus_selector_options engine = settings_engine(&settings->request.engine, &settings->request.common);
+    conus_selector_options engine = settings_engine(&settings->request.engine, NULL, &settings->request.common);
     engine.engine = CONUS_ENGINE_RAYS;
     engine.layers = constraints_last_measure(&planning->constraints) > CONUS_MEASURE_SHARE ? CONUS_LAYERS_ALL
                                                                                            : CONUS_LAYERS_VISIBLE;

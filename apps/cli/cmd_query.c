@@ -84,6 +84,8 @@ static const struct option voxels_options[] = {
 static const struct option_group groups[] = {
     REQUEST_AIM_GROUPS,
     {"", point_options, 0},
+    {"", beam_options, REQUEST_FIELD(aim)},
+    {"", aperture_options, REQUEST_FIELD(aim)},
     {"", probe_settings_options, offsetof(struct query_settings, probe)},
     {"", probe_options, 0},
     REQUEST_ENGINE_GROUPS,
@@ -406,14 +408,18 @@ static int answer_one(struct query_run *run)
 {
     struct request *request = &run->request;
     const struct request_settings *settings = request->settings;
-    struct query query = {.id = "1", .pose = request->aim, .range = request->aim_range};
+    double range[2];
+    struct query query = {.id = "1", .pose = request->aim, .range = range};
     bool fault = false;
     if (run->settings->points.count) {
         return answer_points(run);
     }
-    query.angle = settings_angle(&settings->aim, &settings->engine);
+    int code = settings_pose_cone(&query.angle, range, request->aim_target, &settings->aim, &settings->engine);
+    if (code) {
+        return code;
+    }
     request_count_pose(request, 1, &query.pose, query.angle);
-    int code = ask_atlases(run, &query, &fault);
+    code = ask_atlases(run, &query, &fault);
     return fault ? print_status(CONUS_ERROR_ARGUMENT) : code;
 }
 
@@ -421,7 +427,8 @@ static conus_status start_query(struct query_run *run)
 {
     const struct query_settings *settings = run->settings;
     struct request *request = &run->request;
-    conus_selector_options engine = settings_engine(&settings->request.engine, &settings->request.common);
+    conus_selector_options engine =
+        settings_engine(&settings->request.engine, &settings->request.aim, &settings->request.common);
     if (option_given(request->arguments, "point")) {
         engine.radius = 0; /* of the ball */
         engine.layers = CONUS_LAYERS_ALL;
@@ -438,9 +445,8 @@ static conus_status start_query(struct query_run *run)
     report.no_voxels = !settings->voxels;
     report.order = (conus_order)settings->axis.order;
     report.points = option_given(request->arguments, "point") || (run->is_of_points && !run->probe);
-    if (run->is_of_points && !run->probe) {
-        report.understood = settings_points_text(run->understood, &settings->request.engine);
-    }
+    report.understood = settings_understood(run->understood, &settings->request.aim, &settings->request.engine,
+                                            run->is_of_points && !run->probe);
     report.contacts = run->contacts;
     report.probe = run->probe;
     report.placed = settings->coordsystem;
@@ -582,8 +588,13 @@ static int find_poses(conus_pose *out, size_t count, const struct query_run *run
         go_to_far_end(&out[i], row->range[1], run);
     }
     if (!poses) {
+        double angle;
+        double range[2];
+        int code =
+            settings_pose_cone(&angle, range, request->aim_target, &request->settings->aim, &request->settings->engine);
         *out = request->aim;
-        go_to_far_end(out, request->aim_range[1], run);
+        go_to_far_end(out, range[1], run);
+        return code;
     }
     return EXIT_DONE;
 }

@@ -523,6 +523,8 @@ static const struct option_group groups[] = {
     {"Surfaces of areas and pathways", translucent_options, offsetof(struct render_settings, translucent)},
     {"Cone to draw", aim_options, offsetof(struct render_settings, aim)},
     {"", row_options, 0},
+    {"", beam_options, offsetof(struct render_settings, aim)},
+    {"", aperture_options, offsetof(struct render_settings, aim)},
     {"", pose_file_options, offsetof(struct render_settings, file)},
     {"", angle_options, offsetof(struct render_settings, aim)},
     {"", space_options, offsetof(struct render_settings, aim.space)},
@@ -551,9 +553,9 @@ struct picture {
     size_t probe_count;
     conus_pose camera;
     struct named_places places;
-    conus_pose aim; /* of --origin, */
-    double aim_range[2];
-    double cut_at[3]; /* of --at, world */
+    conus_pose aim;    /* of --origin or --focus */
+    double aim_target; /* how far its target is, mm; NaN = it has none */
+    double cut_at[3];  /* of --at, world */
     bool has_camera;
     bool failed; /* Some poses have no picture. */
 };
@@ -580,6 +582,11 @@ static bool has_camera(const struct arguments *arguments)
     return option_given(arguments, "camera") || option_given(arguments, "camera-origin");
 }
 
+static bool has_option_pose(const struct arguments *arguments)
+{
+    return option_given(arguments, "origin") || option_given(arguments, "focus");
+}
+
 static bool has_file(const struct arguments *arguments)
 {
     return option_given(arguments, "pose") || option_given(arguments, "poses");
@@ -593,7 +600,7 @@ static bool check_cone(const struct render_settings *settings, const struct argu
         !settings_check_shape(&settings->aim, &settings->engine, arguments)) {
         return false;
     }
-    bool cone = option_given(arguments, "origin") || has_file(arguments);
+    bool cone = has_option_pose(arguments) || has_file(arguments);
     if (settings->strips && option_with(arguments, OPTION_OF_RAYS)) {
         return refuse("--%s has no effect with --strips, which follow the axis",
                       option_with(arguments, OPTION_OF_RAYS)->name);
@@ -650,7 +657,7 @@ static int load_poses(conus_pose_list **out, const struct picture *picture, cons
 {
     const struct render_settings *settings = picture->settings;
     const conus_pose_options options =
-        pose_settings_options(&settings->file, path == settings->aim.pose ? &settings->engine.range : NULL,
+        pose_settings_options(&settings->file, path == settings->aim.pose ? &settings->aim : NULL, &settings->engine,
                               &picture->frame, settings->atlas.max_memory);
     conus_status status = conus_pose_list_load(out, path, &options);
     return status ? pose_settings_print_error(status, path, "pose", picture->arguments) : EXIT_DONE;
@@ -692,8 +699,7 @@ static int find_camera(struct picture *picture)
     if (settings->camera) {
         code = load_camera(picture);
     } else if (picture->has_camera) {
-        double away;
-        code = settings_pose_toward(&picture->camera, &away, &picture->places,
+        code = settings_pose_toward(&picture->camera, NULL, &picture->places,
                                     (const char *const[]){"camera-origin", "camera-toward"},
                                     (const char *const[]){settings->camera_origin, settings->camera_toward},
                                     option_given(picture->arguments, "camera-up") ? settings->camera_up : NULL);
@@ -762,7 +768,7 @@ static conus_status make_selector(struct picture *picture)
     const struct render_settings *settings = picture->settings;
     struct engine_settings engine = settings->engine;
     engine.slices = engine.sampling == CONUS_SAMPLING_SLICES ? settings->slices : 0;
-    const conus_selector_options options = settings_engine(&engine, &settings->common);
+    const conus_selector_options options = settings_engine(&engine, &settings->aim, &settings->common);
     conus_status status = conus_selector_create(&picture->selector, picture->atlas, &options);
     return status ? status : conus_aims_create(&picture->aims, picture->selector);
 }
@@ -928,7 +934,9 @@ static int draw_row(struct picture *picture, const struct drawn_row *drawn)
     if (fault) {
         return refuse_row(picture, row, conus_message(), EXIT_USAGE);
     }
-    conus_aims_add(picture->aims, row->line, &row->pose, angle);
+    if (settings->aim.aperture == 0) { /* a beam begins inside */
+        conus_aims_add(picture->aims, row->line, &row->pose, angle);
+    }
     return code;
 }
 
@@ -1010,8 +1018,13 @@ static int draw_rows(struct picture *picture)
 static int draw_origin(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
-    const conus_pose_row row = {
-        .id = "", .pose = picture->aim, .range = {picture->aim_range[0], picture->aim_range[1]}};
+    const conus_pose pose = picture->aim;
+    conus_pose_row row = {.id = "", .pose = pose};
+    double angle;
+    int code = settings_pose_cone(&angle, row.range, picture->aim_target, &settings->aim, &settings->engine);
+    if (code) {
+        return code;
+    }
     if (settings->strips) {
         return draw_probes(picture, &(struct drawn_row){.row = &row}, 1);
     }
@@ -1020,12 +1033,13 @@ static int draw_origin(struct picture *picture)
         return print_status(status);
     }
     bool fault = false;
-    double angle = settings_angle(&settings->aim, &settings->engine);
-    int code = draw_cone(picture, &row.pose, angle, settings->output, &fault);
+    code = draw_cone(picture, &pose, angle, settings->output, &fault);
     if (fault) {
         return print_status(CONUS_ERROR_ARGUMENT);
     }
-    conus_aims_add(picture->aims, 1, &row.pose, angle);
+    if (settings->aim.aperture == 0) {
+        conus_aims_add(picture->aims, 1, &pose, angle);
+    }
     return code;
 }
 
@@ -1046,9 +1060,9 @@ static int run_render(const void *given, const struct arguments *arguments)
     code = code || late ? code : load_atlas(&picture);
     picture.places = (struct named_places){.atlas = picture.atlas, .frame = &picture.frame};
     code = code ? code : find_camera(&picture);
-    code = code || !settings->aim.origin ? code
-                                         : settings_pose(&picture.aim, picture.aim_range, &picture.places,
-                                                         &settings->aim, &settings->engine, arguments);
+    code = code || !has_option_pose(arguments)
+               ? code
+               : settings_pose(&picture.aim, &picture.aim_target, &picture.places, &settings->aim, arguments);
     code = code || !settings->cuts.at
                ? code
                : named_places_find(picture.cut_at, &picture.places, "at", settings->cuts.at, NULL);
@@ -1059,7 +1073,7 @@ static int run_render(const void *given, const struct arguments *arguments)
     code = code ? code : figure_colour_atlas(picture.atlas, &settings->figure);
     code = code ? code : check_outputs(&picture);
     if (!code) {
-        bool cone = picture.poses || option_given(arguments, "origin");
+        bool cone = picture.poses || has_option_pose(arguments);
         conus_status status = cone ? make_selector(&picture) : CONUS_OK;
         status = status ? status : make_renderer(&picture);
         code = status ? print_status(status) : cone ? EXIT_DONE : draw_picture(&picture, NULL, NULL, settings->output);

@@ -246,11 +246,13 @@ static int answer_all(struct sweep *sweep)
         say_unused_errors(sweep);
         return request_each_row(request, answer_row, sweep);
     }
-    conus_pose_row row = {.id = "1",
-                          .pose = request->aim,
-                          .error_deg = NAN,
-                          .error_mm = NAN,
-                          .range = {request->aim_range[0], request->aim_range[1]}};
+    conus_pose_row row = {.id = "1", .pose = request->aim, .error_deg = NAN, .error_mm = NAN};
+    double angle;
+    int code =
+        settings_pose_cone(&angle, row.range, request->aim_target, &request->settings->aim, &request->settings->engine);
+    if (code) {
+        return code;
+    }
     request_start_progress(request, 1);
     conus_status status = add_answers(sweep, &row);
     progress_finish(&request->progress, 0, 0);
@@ -267,7 +269,7 @@ static int answer_sweep(struct sweep *sweep)
     if (code) {
         return code;
     }
-    const conus_selector_options engine = settings_engine(&request->settings->engine, &request->settings->common);
+    const conus_selector_options engine = settings_engine(&request->settings->engine, NULL, &request->settings->common);
     conus_report_options report = request_report_options(request);
     report.rows = sweep->rows;
     conus_status status = request_start(request, &engine);

@@ -250,7 +250,7 @@ static int answer_all(struct track *track)
 static conus_status start_track(struct track *track)
 {
     struct request *request = &track->request;
-    const conus_selector_options engine = settings_engine(&request->settings->engine, &request->settings->common);
+    const conus_selector_options engine = settings_engine(&request->settings->engine, NULL, &request->settings->common);
     conus_tracker_options constants = track->settings->constants;
     conus_report_options report = request_report_options(request);
     report.selected_only = track->settings->selected;

@@ -89,7 +89,8 @@ void request_list_inputs(struct provenance *out, const struct request *request)
 conus_pose_options request_pose_options(const struct request *request)
 {
     const struct request_settings *settings = request->settings;
-    return pose_settings_options(&settings->file, &settings->engine.range, &request->frame, settings->atlas.max_memory);
+    return pose_settings_options(&settings->file, &settings->aim, &settings->engine, &request->frame,
+                                 settings->atlas.max_memory);
 }
 
 int request_load_poses(struct request *request)
@@ -144,9 +145,9 @@ int request_match(struct request *request)
 int request_find_aim(struct request *request)
 {
     request->places = (struct named_places){.atlas = request->atlases.items[0].atlas, .frame = &request->frame};
-    return request->settings->aim.origin
-               ? settings_pose(&request->aim, request->aim_range, &request->places, &request->settings->aim,
-                               &request->settings->engine, request->arguments)
+    const struct aim_settings *aim = &request->settings->aim;
+    return aim->origin || aim->focus
+               ? settings_pose(&request->aim, &request->aim_target, &request->places, aim, request->arguments)
                : EXIT_DONE;
 }
 
@@ -208,7 +209,8 @@ int request_start_without_rays(struct request *request, const conus_report_optio
 
 void request_count_pose(struct request *request, size_t line, const conus_pose *pose, double angle)
 {
-    for (size_t i = 0; i < request->atlases.count; i++) {
+    for (size_t i = 0; i < request->atlases.count && request->settings->aim.aperture == 0;
+         i++) { /* beams begin inside */
         conus_aims_add(request->answerers[i].aims, line, pose, angle);
     }
 }

@@ -76,8 +76,8 @@ struct request {
     struct atlases atlases;
     conus_frame frame;             /**< The space of positions, once the atlases are loaded. */
     struct named_places places;    /**< Those that were given as words. */
-    conus_pose aim;                /**< That of --origin, by request_find_aim(), */
-    double aim_range[2];           /**< and its own range; NaN = the selector's. */
+    conus_pose aim;                /**< That of --origin or --focus, by request_find_aim(), */
+    double aim_target;             /**< and how far its target is, mm; NaN = it has none. */
     struct answerer *answerers;    /**< [atlases.count] */
     const char *rows_of;           /**< The file of the rows that are answered; NULL = that of the poses. */
     conus_pose_list *poses;        /**< All poses of a file that is read whole, else NULL. */

@@ -87,7 +87,7 @@ enum option_flags {
     OPTION_OF_ONE_ATLAS = 1 << 2, /**< Excludes --atlas. */
     OPTION_OF_ONE_POSE = 1 << 3,
     OPTION_TO_TARGET = 1 << 6,  /**< OPTION_RANGE: of a struct depth_range, LOW,target[+MM] is taken, too. */
-    OPTION_OF_REGION = 1 << 5,  /**< Lists what is in a cone or ball: of a point alone, nothing. */
+    OPTION_OF_REGION = 1 << 7,  /**< Lists what is in a cone or ball: of a point alone, nothing. */
     OPTION_IS_PICTURE = 1 << 4, /**< A file that holds the command line, so its bytes are not compared. */
     OPTION_IS_PLACE = 1 << 5,   /**< Where the next three words are numbers, its value is these. */
 };

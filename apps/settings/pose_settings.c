@@ -87,7 +87,7 @@ const struct option probe_settings_options[] = {
              "points along the axis; several poses are insertions of one probe",
      .words = "ProbeInterface, Neuropixels, electrodes, contacts",
      .role = OPTION_READS,
-     .excludes = "point,angle,segments,clearance,image,deep,mask,streamlines-out,connectivity"},
+     .excludes = "point,angle,aperture-diameter,segments,clearance,image,deep,mask,streamlines-out,connectivity"},
     {.name = "probe-tip",
      OPTION_AT(struct probe_settings, tip),
      .value = "MM",
@@ -104,24 +104,29 @@ const struct option probe_settings_options[] = {
     {0},
 };
 
-conus_pose_options pose_settings_options(const struct pose_file_settings *settings, const struct depth_range *range,
-                                         const conus_frame *frame, uint64_t max_memory)
+conus_pose_options pose_settings_options(const struct pose_file_settings *settings, const struct aim_settings *aim,
+                                         const struct engine_settings *engine, const conus_frame *frame,
+                                         uint64_t max_memory)
 {
+    const struct depth_range range = aim ? settings_range(aim, engine) : (struct depth_range){0};
     return (conus_pose_options){.frame = frame,
-                                .to_target = range && range->to_target,
-                                .near = range ? range->ends[0] : 0,
-                                .beyond = range ? range->beyond : 0,
+                                .to_target = range.to_target,
+                                .near = range.ends[0],
+                                .beyond = range.beyond,
+                                .aperture = aim ? aim->aperture : 0,
                                 .axis = (conus_axis)settings->axis,
                                 .format = (conus_pose_format)settings->format,
                                 .along_shafts = settings->along_shafts,
                                 .max_memory = max_memory};
 }
 
-void pose_settings_text(char out[128], const struct pose_file_settings *settings, const struct depth_range *range)
+void pose_settings_text(char out[128], const struct pose_file_settings *settings, const struct aim_settings *aim,
+                        const struct engine_settings *engine)
 {
-    char target[64] = "";
-    if (range->to_target) {
-        snprintf(target, sizeof target, " target %.17g %.17g", range->ends[0], range->beyond);
+    const struct depth_range range = settings_range(aim, engine);
+    char target[96] = "";
+    if (range.to_target) {
+        snprintf(target, sizeof target, " target %.17g %.17g %.17g", range.ends[0], range.beyond, aim->aperture);
     }
     snprintf(out, 128, "%s %s%s%s%s", conus_pose_format_name(settings->format), axes[settings->axis],
              settings->along_shafts ? " along-shafts" : "", settings->any_space ? " any-space" : "", target);

@@ -242,6 +242,40 @@ const struct option aim_options[] = {
     {0},
 };
 
+const struct option beam_options[] = {
+    {.name = "focus",
+     FIELD(aim_settings, focus),
+     .value = PLACE_VALUE,
+     .help = "instead of a cone from the device, a beam that is wide at the device and narrow at its focus, here: "
+             "the cone from the focus to the transducer, with all layers",
+     .words = "ultrasound, FUS, beam",
+     .role = OPTION_ASKS,
+     .flags = OPTION_OF_CONE | OPTION_IS_PLACE,
+     .needs = "transducer",
+     .excludes = "origin,pose,poses,angle,radius,range,layers"},
+    {.name = "transducer",
+     FIELD(aim_settings, transducer),
+     .value = PLACE_VALUE,
+     .help = "the middle of the transducer's aperture",
+     .role = OPTION_ASKS,
+     .flags = OPTION_OF_CONE | OPTION_IS_PLACE,
+     .needs = "focus"},
+    {0},
+};
+
+const struct option aperture_options[] = {
+    {.name = "aperture-diameter",
+     FIELD(aim_settings, aperture),
+     .value = "MM",
+     .help = "diameter of the transducer's aperture; in a file of poses each row is a beam, from its focus at x y z to "
+             "its transducer at tx ty tz",
+     OPTION_BETWEEN(0, 1e6),
+     .flags = OPTION_OF_CONE,
+     .needs = "focus|pose|poses|jobs",
+     .excludes = "origin,angle,radius,range,layers"},
+    {0},
+};
+
 const struct option angle_options[] = {
     {.name = "angle",
      FIELD(aim_settings, angle),
@@ -360,19 +394,26 @@ void settings_point_error(char out[256], const struct engine_settings *engine, c
     }
 }
 
-const char *settings_points_text(char out[96], const struct engine_settings *engine)
+const char *settings_understood(char out[96], const struct aim_settings *aim, const struct engine_settings *engine,
+                                bool has_points)
 {
-    if (engine->radius > 0) {
+    if (aim->aperture > 0) {
+        snprintf(out, 96, "asked as a beam: from its focus to the transducer, %g mm wide there", aim->aperture);
+    } else if (has_points && engine->radius > 0) {
         snprintf(out, 96, "asked as points: what is within %g mm of each", engine->radius);
-    } else {
+    } else if (has_points) {
         snprintf(out, 96, "asked as points: what is at each, or else nearest to it");
     }
-    return out;
+    return aim->aperture > 0 || has_points ? out : NULL;
 }
 
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
 {
     bool has_origin = option_given(arguments, "origin");
+    if (option_find(arguments->command, "focus") && option_given(arguments, "focus")) {
+        return option_given(arguments, "aperture-diameter") ||
+               refuse("--focus needs --aperture-diameter MM with it: how wide the beam is at the transducer");
+    }
     if (has_origin && !option_given(arguments, "toward") && !option_given(arguments, "direction")) {
         return refuse("--origin needs --toward PLACE or --direction X,Y,Z with it");
     }
@@ -382,7 +423,7 @@ bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
     return true;
 }
 
-int settings_pose_toward(conus_pose *out, double *target_mm, struct named_places *places, const char *const options[2],
+int settings_pose_toward(conus_pose *out, double *distance, struct named_places *places, const char *const options[2],
                          const char *const texts[2], const double up[3])
 {
     double from[3];
@@ -395,38 +436,26 @@ int settings_pose_toward(conus_pose *out, double *target_mm, struct named_places
     if (up) {
         conus_frame_direction_to_world(above, places->frame, up);
     }
-    *target_mm = hypot(hypot(to[0] - from[0], to[1] - from[1]), to[2] - from[2]);
+    if (distance) {
+        *distance = hypot(hypot(to[0] - from[0], to[1] - from[1]), to[2] - from[2]);
+    }
     return print_status(conus_pose_toward(out, from, to, up ? above : NULL));
 }
 
-/* The pose's own range: of --range NEAR,target. */
-static int find_own_range(double out[2], const struct depth_range *range, double target_mm)
+int settings_pose(conus_pose *out, double *target, struct named_places *places, const struct aim_settings *settings,
+                  const struct arguments *arguments)
 {
-    out[0] = out[1] = NAN;
-    if (!range->to_target) {
-        return EXIT_DONE;
-    }
-    if (isnan(target_mm)) {
-        return print_usage_error("--range NEAR,target needs the target of --toward PLACE");
-    }
-    out[0] = range->ends[0];
-    out[1] = range->beyond + target_mm;
-    return out[0] < out[1]
-               ? EXIT_DONE
-               : print_usage_error("--range: the target is %.10g mm away, and NEAR is %.10g", target_mm, out[0]);
-}
-
-int settings_pose(conus_pose *out, double range[2], struct named_places *places, const struct aim_settings *settings,
-                  const struct engine_settings *engine, const struct arguments *arguments)
-{
+    *target = NAN;
     const double *given_up = option_given(arguments, "up") ? settings->up : NULL;
     double from[3];
     double along[3];
     double above[3];
-    double target_mm = NAN;
     int code = EXIT_DONE;
-    if (option_given(arguments, "toward")) {
-        code = settings_pose_toward(out, &target_mm, places, (const char *const[]){"origin", "toward"},
+    if (settings->focus) {
+        code = settings_pose_toward(out, target, places, (const char *const[]){"focus", "transducer"},
+                                    (const char *const[]){settings->focus, settings->transducer}, NULL);
+    } else if (option_given(arguments, "toward")) {
+        code = settings_pose_toward(out, target, places, (const char *const[]){"origin", "toward"},
                                     (const char *const[]){settings->origin, settings->toward}, given_up);
     } else {
         code = named_places_find(from, places, "origin", settings->origin, NULL);
@@ -437,7 +466,33 @@ int settings_pose(conus_pose *out, double range[2], struct named_places *places,
     if (!code) {
         conus_frame_turn_pose(out, places->frame, given_up != NULL);
     }
-    return code ? code : find_own_range(range, &engine->range, target_mm);
+    return code;
+}
+
+struct depth_range settings_range(const struct aim_settings *aim, const struct engine_settings *engine)
+{
+    return aim->aperture > 0 ? (struct depth_range){.to_target = true} : engine->range;
+}
+
+int settings_pose_cone(double *angle, double out[2], double target, const struct aim_settings *aim,
+                       const struct engine_settings *engine)
+{
+    const struct depth_range range = settings_range(aim, engine);
+    *angle = settings_angle(aim, engine);
+    out[0] = out[1] = NAN;
+    if (!range.to_target) {
+        return EXIT_DONE;
+    }
+    if (isnan(target)) {
+        return print_usage_error("--range NEAR,target needs the target of --toward PLACE");
+    }
+    out[0] = range.ends[0];
+    out[1] = range.beyond + target;
+    *angle = aim->aperture > 0 ? 2 * atan(aim->aperture / 2 / target) : *angle;
+    if (!(out[0] < out[1])) {
+        return print_usage_error("--range: the target is %.10g mm away, and NEAR is %.10g", out[1], out[0]);
+    }
+    return EXIT_DONE;
 }
 
 const char *settings_level_file(const struct engine_settings *settings)
@@ -487,7 +542,8 @@ bool settings_check_score(const struct engine_settings *settings, bool has_histo
     return true;
 }
 
-conus_selector_options settings_engine(const struct engine_settings *settings, const struct common_settings *common)
+conus_selector_options settings_engine(const struct engine_settings *settings, const struct aim_settings *aim,
+                                       const struct common_settings *common)
 {
     return (conus_selector_options){
         .engine = (conus_engine)settings->engine,
@@ -496,7 +552,7 @@ conus_selector_options settings_engine(const struct engine_settings *settings, c
         .resolution = settings->resolution,
         .slices = settings->slices,
         .slice_fraction = settings->slice_fraction,
-        .layers = (conus_layers)settings->layers,
+        .layers = aim && aim->aperture > 0 ? CONUS_LAYERS_ALL : (conus_layers)settings->layers,
         .range = {settings->range.to_target ? 0 : settings->range.ends[0], settings->range.ends[1]},
         .radius = settings->radius,
         .level = settings->level,

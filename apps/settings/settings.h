@@ -42,7 +42,9 @@ struct aim_settings {
     const char *origin, *toward; /* places */
     double direction[3], up[3];
     const char *pose;
-    double angle; /* degrees */
+    const char *focus, *transducer; /* places, of a beam */
+    double aperture;                /* mm; 0 = it is none */
+    double angle;                   /* degrees */
     struct space_settings space;
 };
 
@@ -84,6 +86,8 @@ extern const struct option atlas_options[];      /**< atlas_settings */
 extern const struct option shown_options[];      /**< atlas_settings: --only, --hide */
 extern const struct option more_atlas_options[]; /**< atlas_settings: --atlas; of commands that answer for several */
 extern const struct option aim_options[];        /**< aim_settings: where from and where to */
+extern const struct option beam_options[];       /**< aim_settings: --focus, --transducer */
+extern const struct option aperture_options[];   /**< aim_settings: --aperture-diameter, also of files */
 extern const struct option angle_options[];      /**< aim_settings: --angle */
 extern const struct option pixel_options[];      /**< engine_settings: --resolution, --aperture */
 extern const struct option engine_options[];     /**< engine_settings, without --slices and those */
@@ -99,21 +103,22 @@ enum { DEFAULT_ANGLE = 10 };
  * along an axis, with what to state. "" where there is none, and with a radius. */
 void settings_point_error(char out[256], const struct engine_settings *engine, const struct arguments *arguments);
 
-/** How points of a file are asked, for conus_report_options.understood. */
-const char *settings_points_text(char out[96], const struct engine_settings *engine);
+/** How poses are asked that are no plain cones, for conus_report_options.understood: beams, or points; NULL = they
+ * are. */
+const char *settings_understood(char out[96], const struct aim_settings *aim, const struct engine_settings *engine,
+                                bool has_points);
 
 /** Whether the options that aim a cone go together; prints an error if not. @p aim_needed: there must be a cone. */
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed);
 
-/** The pose at the first of two places, the values of @p options, that points at the second, which is
- * *target_mm away; @p up may be NULL. Returns the exit code and prints an error unless it is 0. */
-int settings_pose_toward(conus_pose *out, double *target_mm, struct named_places *places, const char *const options[2],
+/** The pose at the first of two places, the values of @p options, that points at the second, which is *distance mm
+ * away; @p up and @p distance may be NULL. Returns the exit code and prints an error unless it is 0. */
+int settings_pose_toward(conus_pose *out, double *distance, struct named_places *places, const char *const options[2],
                          const char *const texts[2], const double up[3]);
 
-/** The pose of --origin with --toward or --direction, and its range where --range ends at the target; else NaN, for
- * that of the selector. Likewise. */
-int settings_pose(conus_pose *out, double range[2], struct named_places *places, const struct aim_settings *settings,
-                  const struct engine_settings *engine, const struct arguments *arguments);
+/** The pose of --origin with --toward or --direction, or of --focus; *target is NaN where it has none. Likewise. */
+int settings_pose(conus_pose *out, double *target, struct named_places *places, const struct aim_settings *settings,
+                  const struct arguments *arguments);
 
 /** What stands for a place in a help, and what a place is, behind what it is for. */
 #define PLACE_VALUE "PLACE"
@@ -125,6 +130,15 @@ const char *settings_level_file(const struct engine_settings *settings);
 /** A number of degrees in radians. */
 double radians(double degrees);
 
+/** Angle, radians, and range of the pose of the options, whose target is so far away: of a beam those from the focus to
+ * the transducer; the range ends at --toward where --range says so, and else is NaN, for that of the selector. Returns
+ * the exit code and prints an error unless it is 0. */
+int settings_pose_cone(double *angle, double range[2], double target, const struct aim_settings *aim,
+                       const struct engine_settings *engine);
+
+/** How the ranges of the poses of a file end: as --range says, or at the transducers of beams. */
+struct depth_range settings_range(const struct aim_settings *aim, const struct engine_settings *engine);
+
 /** --angle in radians, or its default; of a cylinder 0. */
 double settings_angle(const struct aim_settings *settings, const struct engine_settings *engine);
 
@@ -135,8 +149,10 @@ bool settings_check_shape(const struct aim_settings *settings, const struct engi
 /** Whether there is such a score, and what it needs; prints an error if not. */
 bool settings_check_score(const struct engine_settings *settings, bool has_history);
 
-/** The options of the library for the engine; @p common chooses whether it logs. */
-conus_selector_options settings_engine(const struct engine_settings *settings, const struct common_settings *common);
+/** The options of the library for the engine; a beam of @p aim, NULL = none, has all layers. @p common chooses whether
+ * it logs. */
+conus_selector_options settings_engine(const struct engine_settings *settings, const struct aim_settings *aim,
+                                       const struct common_settings *common);
 
 /** Lists the scores and what they mean, for --help. */
 void help_scores(FILE *out);

@@ -81,6 +81,8 @@ typedef struct conus_pose_options {
                                  says otherwise; one with a direction alone has an error. Not of candidates. */
     double near;              /**< With @p to_target: where the range begins, mm, */
     double beyond;            /**< and how far behind the target it ends, mm. */
+    double aperture;          /**< With @p to_target: a row without an angle of its own has that of a cone that is so
+                                 wide, mm, where it has its target; 0 = none. */
     const char *const *keep;  /**< [keep_count] Names of columns of a table whose texts are in conus_pose_row.kept. They
                                  must live until the file is opened. */
     size_t keep_count;        /**< How many, up to 64; 0 = none. Another format than a table with a header has none. */

@@ -89,6 +89,8 @@ void pose_row_end(conus_pose_row *row, const conus_pose_options *options)
     bool is_own = row->range[1] == row->target_mm; /* of a file whose targets end its axes */
     row->range[0] = isnan(row->range[0]) ? options->near : row->range[0];
     row->range[1] = isnan(row->range[1]) || is_own ? row->target_mm + options->beyond : row->range[1];
+    row->angle =
+        row->angle == 0 && options->aperture > 0 ? 2 * atan(options->aperture / 2 / row->target_mm) : row->angle;
     row->error = !isnan(row->range[1])
                      ? NULL
                      : "a direction alone, without the target at which the range is to end: columns tx, ty, tz";

@@ -274,7 +274,7 @@ static conus_status take_nearest(struct finding *finding, const struct plan_cons
             "near:%s is the point nearest to the other end of an axis, which is a place of its own; there is none",
             structure->name);
     }
-    return plan_nearest(finding->place.point, structure, finding->options->other)
+    return plan_nearest_point(finding->place.point, structure, finding->options->other)
                ? CONUS_OK
                : fail(CONUS_ERROR_ARGUMENT, "near:%s: it has neither voxels nor a surface", structure->name);
 }

@@ -475,7 +475,7 @@ static void try_nearer(void *user, const struct volume *volume, size_t voxel)
     }
 }
 
-bool plan_nearest(double out[3], const struct plan_constraint *structure, const double from[3])
+bool plan_nearest_point(double out[3], const struct plan_constraint *structure, const double from[3])
 {
     struct nearness near = {.from = from, .least = INFINITY};
     for (size_t i = 0; i < structure->part_count; i++) {

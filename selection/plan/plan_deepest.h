@@ -23,7 +23,7 @@ bool plan_is_inside(const struct plan_constraint *structure, const double point[
 
 /** The centre of the structure's voxel, or the point of its surface, that is nearest to @p from, of equally near ones
  * the first; false for bundles, which have neither. */
-bool plan_nearest(double out[3], const struct plan_constraint *structure, const double from[3]);
+bool plan_nearest_point(double out[3], const struct plan_constraint *structure, const double from[3]);
 
 /** The structure's mean position, weighted by volume, and that volume, mm^3, in out[3]; all 0 without one. */
 void plan_centroid(double out[4], const struct plan_constraint *structure);

@@ -180,3 +180,37 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
     fails 2 '--mask shows one pose, points.txt has 2' query nested.nii.gz --pose points.txt --radius 3 --mask a.nii
     nothing_left nested.nii.gz nested.tsv nested.json points.txt
 }
+
+# A beam of 40 mm at 60 mm is a cone of 2 atan(20 / 60) from its focus.
+@test "a beam is the cone from its focus to the transducer" {
+    nested
+    local beam=(--focus 0,0,0 --transducer 0,0,60 --aperture-diameter 40)
+    answers query nested.nii.gz "${beam[@]}" --format tsv
+    local rows=$output
+    answers query nested.nii.gz --origin 0,0,0 --toward 0,0,60 --angle 36.86989764584402 --range 0,60 --layers all --format tsv -q
+    [ "$rows" = "$output" ]
+    # All that is within the cone's solid angle, 2 pi (1 - cos) r^3 / 3, of the ball of 24 mm: voxels of 8 mm^3.
+    awk -F'\t' 'NR == 1 { for (i = 1; i <= NF; i++) c[$i] = i; next } $c["kind"] == "area" { sum += $c["volume_mm3"] }
+        END { cone = 2 * 3.14159265 * (1 - 3 / sqrt(10)) * 24 ^ 3 / 3; exit !(sum > 0.9 * cone && sum < 1.1 * cone) }' <<<"$rows"
+    answers query nested.nii.gz "${beam[@]}" --segments -
+    has '60.00     36.00' # ends at the transducer
+    answers query nested.nii.gz "${beam[@]}"
+    [ "${lines[0]}" = 'asked as a beam: from its focus to the transducer, 40 mm wide there' ]
+    # Beams of a file, for query and batch, each by its own distance.
+    printf 'x,y,z,tx,ty,tz\n0,0,0,0,0,60\n0,0,0,0,0,20\n' >beams.csv
+    answers query nested.nii.gz --pose beams.csv --aperture-diameter 40 --format tsv
+    [ "$(grep -P '^1\t' <<<"$output")" = "$(tail -n +2 <<<"$rows")" ]
+    rows=$output
+    run -0 conus batch nested.nii.gz --poses beams.csv --aperture-diameter 40 -q
+    [ "$output" = "$rows" ]
+    answers query nested.nii.gz --pose beams.csv --aperture-diameter 40 --format json
+    [ "$(jq -c '[.Queries[] | [.angle_deg, .range_mm]]' <<<"$output")" = '[[36.8698976,[0,60]],[90,[0,20]]]' ]
+    conus render nested.nii.gz "${beam[@]}" -q -o a.png
+    conus render nested.nii.gz --origin 0,0,0 --toward 0,0,60 --angle 36.86989764584402 --range 0,60 --layers all -q -o b.png
+    cmp a.png b.png
+    fails 2 '--focus has no effect without --transducer' query nested.nii.gz --focus 0,0,0
+    fails 2 '--focus needs --aperture-diameter' query nested.nii.gz --focus 0,0,0 --transducer 0,0,60
+    fails 2 'exclude each other' query nested.nii.gz "${beam[@]}" --angle 3
+    fails 2 'another point is needed' query nested.nii.gz --focus 0,0,0 --transducer 0,0,0 --aperture-diameter 40
+    fails 2 'exclude each other' query nested.nii.gz $AIM --aperture-diameter 40
+}

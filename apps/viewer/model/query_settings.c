@@ -122,7 +122,7 @@ static bool use_settings(struct viewer *viewer, const struct ask_settings *setti
         viewer_say(viewer, "--range: the window has no targets, two numbers NEAR,FAR are needed");
         return false;
     }
-    conus_selector_options options = settings_engine(&settings->engine, &settings->common);
+    conus_selector_options options = settings_engine(&settings->engine, NULL, &settings->common);
     const char *score = settings->engine.score;
     options.level = NULL;
     options.score = viewer_find_score(score);
