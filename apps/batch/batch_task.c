@@ -467,6 +467,7 @@ int batch_task_finish_output(struct batch_task *task)
         .coordsystem_hash = conus_pose_stream_coordsystem_sha256(task->poses),
         .level_file = settings_level_file(&task->settings->engine),
         .probe_file = task->settings->probe.path,
+        .contacts = conus_probe_contact_count(task->probe),
         .angle = settings_angle(&task->settings->aim, &task->settings->engine) * (180 / M_PI),
         .has_angles = conus_pose_stream_has_angles(task->poses),
         .has_ranges = conus_pose_stream_has_ranges(task->poses),
