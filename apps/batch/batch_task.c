@@ -188,11 +188,13 @@ static void say_question(const struct batch_task *task)
     if (task->probe && !settings->common.quiet) {
         double tip[3];
         conus_probe_tip(tip, task->probe, 0);
-        print_error_line(
-            "note: %s: the %zu contacts of %s at each pose, and what is within %g mm of them; the tip is at "
-            "x %g, y %g um",
-            pose_settings_file_name(settings->poses), conus_probe_contact_count(task->probe), settings->probe.path,
-            radius_of(task), tip[0], tip[1]);
+        char what[64] = "what they are in";
+        if (settings->engine.radius > 0) {
+            snprintf(what, sizeof what, "what is within %g mm of them", settings->engine.radius);
+        }
+        print_error_line("note: %s: the %zu contacts of %s at each pose, and %s; the tip is at x %g, y %g um",
+                         pose_settings_file_name(settings->poses), conus_probe_contact_count(task->probe),
+                         settings->probe.path, what, tip[0], tip[1]);
         return;
     }
     if (settings->common.quiet || settings->of_axis || settings->is_again) {
