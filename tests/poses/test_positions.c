@@ -32,7 +32,7 @@ static void positions_lie_as_on_a_head(void **state)
         int number = atoi(p->name + digits);
         assert_true(number == 0 || (number % 2 == 1) == (p->point[0] < 0));
         if (number % 2 == 1) {
-            char other[8];
+            char other[32];
             snprintf(other, sizeof other, "%.*s%d", (int)digits, p->name, number + 1);
             const struct position *q = position_find(text_from(other));
             const double mirrored[3] = {-q->point[0], q->point[1], q->point[2]};
