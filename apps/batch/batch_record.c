@@ -100,6 +100,9 @@ static json_t *json_from_record(const struct batch_record *record)
         json_object_set_new(batch, "own_angles", json_boolean(record->has_angles));
         json_object_set_new(batch, "points", json_boolean(record->has_points));
     }
+    if (record->contacts) {
+        json_object_set_new(batch, "contacts", json_integer((json_int_t)record->contacts));
+    }
     if (record->pose_file && record->has_ranges) {
         json_object_set_new(batch, "own_ranges", json_true());
     }

@@ -22,7 +22,8 @@ struct batch_record {
     const char *coordsystem;       /**< The file that gives units and space of its positions; "" = none, */
     const char *coordsystem_hash;  /**< its SHA-256, */
     const char *level_file;        /**< The list of areas, "--level @FILE"; NULL = none. */
-    const char *probe_file;        /**< The probe that was put at each pose; NULL = none. */
+    const char *probe_file;        /**< The probe that was put at each pose; NULL = none; */
+    size_t contacts;               /**< and how many contacts it has. */
     double angle;                  /**< and the angle of poses without one, degrees; */
     bool has_angles, has_points;   /**< poses may have angles of their own, or be points, */
     bool has_ranges;               /**< or have ranges of their own. */

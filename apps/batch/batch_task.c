@@ -189,11 +189,13 @@ static void say_question(const struct batch_task *task)
     if (task->probe && !settings->common.quiet) {
         double tip[3];
         conus_probe_tip(tip, task->probe, 0);
-        print_error_line(
-            "note: %s: the %zu contacts of %s at each pose, and what is within %g mm of them; the tip is at "
-            "x %g, y %g um",
-            pose_settings_file_name(settings->poses), conus_probe_contact_count(task->probe), settings->probe.path,
-            radius_of(task), tip[0], tip[1]);
+        char what[64] = "what they are in";
+        if (settings->engine.radius > 0) {
+            snprintf(what, sizeof what, "what is within %g mm of them", settings->engine.radius);
+        }
+        print_error_line("note: %s: the %zu contacts of %s at each pose, and %s; the tip is at x %g, y %g um",
+                         pose_settings_file_name(settings->poses), conus_probe_contact_count(task->probe),
+                         settings->probe.path, what, tip[0], tip[1]);
         return;
     }
     if (settings->common.quiet || settings->of_axis || settings->is_again) {
@@ -485,6 +487,7 @@ int batch_task_finish_output(struct batch_task *task)
         .coordsystem_hash = conus_pose_stream_coordsystem_sha256(task->poses),
         .level_file = settings_level_file(&task->settings->engine),
         .probe_file = task->settings->probe.path,
+        .contacts = conus_probe_contact_count(task->probe),
         .angle = settings_angle(&task->settings->aim, &task->settings->engine) * (180 / M_PI),
         .has_angles = conus_pose_stream_has_angles(task->poses),
         .has_ranges = conus_pose_stream_has_ranges(task->poses),

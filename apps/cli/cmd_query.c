@@ -609,16 +609,20 @@ static int repeat_probe(struct query_run *run)
     }
     conus_probe *several = NULL;
     const char **names = calloc(count, sizeof *names);
-    int code = names ? EXIT_DONE : print_no_memory();
+    if (!names) {
+        return print_no_memory();
+    }
+    int code = EXIT_DONE;
     for (size_t i = 0; i < count && !code; i++) {
         names[i] = conus_pose_list_row(poses, i)->id;
         for (size_t k = 0; k < i && !code; k++) {
-            code = strcmp(names[k], names[i])
-                       ? EXIT_DONE
-                       : print_data_error("%s: poses %zu and %zu are both called \"%s\": the "
-                                          "probes that they place have names of their own",
-                                          pose_settings_file_name(run->request.settings->aim.pose), k + 1, i + 1,
-                                          names[i]);
+            bool is_same = strcmp(names[k], names[i]) == 0;
+            code =
+                is_same
+                    ? print_data_error("%s: poses %zu and %zu are both called \"%s\": the probes that they place "
+                                       "have names of their own",
+                                       pose_settings_file_name(run->request.settings->aim.pose), k + 1, i + 1, names[i])
+                    : EXIT_DONE;
         }
     }
     code = code ? code : print_status(conus_probe_repeat(&several, run->probe, names, count));

@@ -26,9 +26,9 @@ conus_status pose_list_keep(conus_pose_list *list, const struct kept_text *texts
     list->kept_count = count;
     row->kept = (const char *const *)kept;
     for (size_t i = 0; i < count && !status; i++) {
-        const struct text text = texts[i].text;
+        const struct text text = texts[i].text.data ? texts[i].text : text_from("");
         size_t size = 0;
-        kept[i] = memory_text(text.data ? text.data : "", text.data ? text.size : 0);
+        kept[i] = memory_text(text.data, text.size);
         status = kept[i] ? CONUS_OK : CONUS_ERROR_MEMORY;
         for (size_t k = 0; k < text.size && texts[i].is_quoted && !status; k++) {
             kept[i][size++] = text.data[k];

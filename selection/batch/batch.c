@@ -144,13 +144,14 @@ conus_status conus_batch_create(conus_batch **out, conus_selector *selector, con
         batch->frame = *filled.report.frame;
         batch->options.report.frame = &batch->frame;
     }
-    if (filled.report.marks) {
+    const conus_row_marks *marks = filled.report.marks;
+    if (marks) {
         batch->marks = memory_raw(filled.threads, sizeof *batch->marks);
-        batch->texts = memory_zeroed(filled.threads * filled.report.marks->count, sizeof *batch->texts);
+        batch->texts = memory_zeroed(filled.threads * marks->count, sizeof *batch->texts);
         status = batch->marks && batch->texts ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
-    for (size_t i = 0; i < filled.threads && batch->marks && batch->texts; i++) {
-        batch->marks[i] = *filled.report.marks;
+    for (size_t i = 0; marks && !status && i < filled.threads; i++) {
+        batch->marks[i] = *marks;
         batch->marks[i].texts = batch->texts + i * batch->marks[i].count;
     }
     batch->block_count = ring_slots(filled.threads);
@@ -161,7 +162,7 @@ conus_status conus_batch_create(conus_batch **out, conus_selector *selector, con
         *block = (struct block){.poses = memory_raw(filled.block, sizeof *block->poses),
                                 .words = memory_raw(filled.block, sizeof *block->words),
                                 .capacity = filled.block,
-                                .kept_count = filled.report.marks ? filled.report.marks->count : 0};
+                                .kept_count = marks ? marks->count : 0};
         status = block->poses && block->words ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
     if (!status) {

@@ -1068,7 +1068,7 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     size_t place = 1;
     place += insert_column(out, place, report->name ? &atlas_column : NULL);
     place += insert_column(out, place, marks && marks->has_number ? &row_column : NULL);
-    place += insert_column(out, place, marks && marks->has_time ? &time_column : NULL);
+    (void)insert_column(out, place, marks && marks->has_time ? &time_column : NULL);
     if (report->kept) {
         list_table(out, report, report->kept, marks->count);
     }

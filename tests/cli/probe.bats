@@ -163,6 +163,7 @@ AIM=(--origin 0,14.6,0 --direction 0,1,0)
     cmp merged.tsv rows.tsv
     answers verify rows.tsv
     has 'identical'
+    [[ "$(conus cite merged.tsv | tr '\n' ' ')" == *'each of the 20 contacts of a probe at each of 2 poses of the device'* ]]
     sed -i 's/"e1"/"e99"/' np.json
     run -1 conus verify rows.tsv # the file of the probe is another
     sed -i 's/"e99"/"e1"/' np.json

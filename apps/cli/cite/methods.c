@@ -138,14 +138,17 @@ static const char *objects_of(const struct citation *citation, enum number numbe
 static size_t count_poses(const struct citation *citation)
 {
     const char *last = NULL;
+    json_int_t last_row = 0;
     size_t count = 0;
     size_t index;
     const json_t *query;
     json_array_foreach(queries(citation), index, query)
     {
         const char *id = json_string_value(json_object_get(query, "query"));
-        count += !last || !id || strcmp(id, last) != 0;
+        json_int_t row = json_integer_value(json_object_get(query, "row"));
+        count += !last || !id || strcmp(id, last) != 0 || row != last_row;
         last = id;
+        last_row = row;
     }
     return count;
 }
@@ -156,13 +159,18 @@ static void put_poses(FILE *out, const struct citation *citation)
     long long poses = batch ? json_integer_value(json_object_get(batch, "poses")) : (long long)count_poses(citation);
     long long errors =
         batch ? json_integer_value(json_object_get(batch, "errors")) : (long long)count_with(citation, "error");
-    const char *noun = is_ball(citation) ? "point" : "pose";
+    json_int_t contacts = json_integer_value(json_object_get(batch, "contacts"));
+    bool is_point = is_ball(citation) && !contacts;
+    const char *noun = is_point ? "point" : "pose";
+    if (contacts) {
+        fprintf(out, "each of the %lld contacts of a probe at ", (long long)contacts);
+    }
     if (is_of(citation, "track")) {
         fputs("each step of a moving device", out);
     } else if (poses == 1) {
-        fprintf(out, "one %s%s", noun, is_ball(citation) ? "" : " of the device");
+        fprintf(out, "one %s%s", noun, is_point ? "" : " of the device");
     } else {
-        fprintf(out, "each of %lld %ss%s", poses, noun, is_ball(citation) ? "" : " of the device");
+        fprintf(out, "each of %lld %ss%s", poses, noun, is_point ? "" : " of the device");
     }
     if (errors) {
         fprintf(out, " (%lld of them had no answer)", errors);
