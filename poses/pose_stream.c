@@ -15,10 +15,10 @@
 #include "base/text.h"
 #include "conus/file.h"
 #include "poses/caps.h"
-#include "poses/columns.h"
 #include "poses/forms.h"
 #include "poses/pose_candidates.h"
 #include "poses/programs/pose_programs.h"
+#include "poses/rows/columns.h"
 #include "poses/rows/pose_lines.h"
 #include "poses/rows/pose_list.h"
 #include "poses/rows/pose_row.h"
@@ -222,9 +222,17 @@ static struct text whole_lines(const struct pose_lines *lines)
     return head.size ? head : (struct text){lines->data, size};
 }
 
-/* Whether all numbers of a text are the sixteen of a matrix. */
+/* Whether all numbers of a text are the sixteen of a matrix, in one line or in four. */
 static bool is_matrix(struct text text)
 {
+    size_t lines = 0;
+    struct text line;
+    for (struct text rest = text; text_line(&rest, &line);) {
+        lines += text_trim(line).size > 0;
+    }
+    if (lines != 1 && lines != 4) {
+        return false;
+    }
     conus_pose_row row = pose_row_at(1);
     conus_status bad;
     const conus_frame ras = {.space = CONUS_SPACE_RAS};
@@ -304,6 +312,9 @@ static conus_status plan_table(conus_pose_stream *stream)
             notes_cut(&stream->list.notes, notes);
             status = pose_lines_fill(lines, lines->size + 1);
         }
+    }
+    if (!status && !stream->list.space.name[0]) {
+        stream->list.space = stream->columns.said.space;
     }
     bool is_points = !status && !stream->columns.has_header;
     stream->format = is_points ? CONUS_POSE_FORMAT_POINTS : stream->format;
@@ -440,11 +451,15 @@ const char *pose_path_name(const char *path)
 
 static conus_status open_path(conus_pose_stream *stream, const char *path)
 {
-    const char *name = pose_path_name(path);
-    stream->name = memory_text(name, strlen(name));
+    size_t length = is_stdin(path) ? 0 : columns_path_length(path);
+    bool has_words = path && length && path[length];
+    stream->name =
+        has_words ? memory_text(path, length) : memory_text(pose_path_name(path), strlen(pose_path_name(path)));
     if (!stream->name) {
         return CONUS_ERROR_MEMORY;
     }
+    stream->options.columns = has_words ? path + length + 1 : stream->options.columns;
+    path = has_words ? stream->name : path;
     stream->list.sink.path = stream->name;
     stream->path = is_stdin(path) ? NULL : path;
     stream->descriptor = is_stdin(path) ? STDIN_FILENO : system_open(path, SYSTEM_READ);
@@ -589,6 +604,7 @@ static conus_status next_row(conus_pose_row *row, struct pose_name *name, conus_
         if (row) {
             *row = pose_row_at(line.number);
             name->text = (struct text){"", 0};
+            memset(name->kept, 0, stream->columns.kept_count * sizeof *name->kept);
         }
         if (line.too_long && !line.blank) {
             if (row) {
@@ -642,7 +658,7 @@ static conus_status note_passed(conus_pose_stream *stream)
 {
     static const char *const kinds[LINE_KINDS] = {
         [LINE_ABSENT] = "rows without coordinates (n/a)",
-        [LINE_CLOSING] = "rows called mean, SD or total",
+        [LINE_CLOSING] = "rows called Mean, SD or Total",
         [LINE_AGAIN] = "lines that are the header again",
         [LINE_WORDS] = "lines without a number",
     };
@@ -814,7 +830,7 @@ bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
 bool conus_pose_stream_has_ranges(const conus_pose_stream *stream)
 {
     return stream->candidates.asked.to_target || stream->options.to_target || stream->columns.has[ROLE_NEAR] ||
-           stream->columns.has[ROLE_FAR];
+           stream->columns.has[ROLE_FAR] || stream->columns.ends_at_target || stream->columns.has[ROLE_DEPTH];
 }
 
 bool conus_pose_stream_has_points(const conus_pose_stream *stream)
@@ -829,6 +845,11 @@ bool conus_pose_stream_has_points(const conus_pose_stream *stream)
 const char *conus_pose_stream_electrodes(const conus_pose_stream *stream)
 {
     return conus_pose_list_electrodes(&stream->list);
+}
+
+size_t conus_pose_path_length(const char *path)
+{
+    return columns_path_length(path);
 }
 
 uint64_t pose_stream_position(const conus_pose_stream *stream)

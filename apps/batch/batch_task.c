@@ -79,8 +79,9 @@ int batch_task_init(struct batch_task *out, const struct batch_settings *setting
 static int open_poses(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
+    const conus_atlas *atlas = task->atlases.count ? task->atlases.items[0].atlas : NULL;
     conus_pose_options options = pose_settings_options(&settings->file, &settings->aim, &settings->engine, &task->frame,
-                                                       settings->atlas.max_memory);
+                                                       atlas, settings->atlas.max_memory);
     options.keep = task->marks.names = task->kept.at;
     options.keep_count = task->marks.count = task->kept.count;
     int code = batch_shard(&task->shard, settings);
@@ -159,12 +160,11 @@ static int check_files(const struct batch_task *task)
 int batch_task_open(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
-    bool atlas_first = space_settings_needs_atlas(&settings->aim.space);
-    int code = atlas_first ? atlases_load_all(&task->atlases, &settings->atlas, &settings->context) : EXIT_DONE;
+    int code =
+        atlases_load_all(&task->atlases, &settings->atlas, &settings->context); /* whose size open_poses() asks */
     code =
         code ? code : space_settings_frame(&task->frame, &task->atlases, &settings->aim.space, settings->common.quiet);
     code = code ? code : open_poses(task);
-    code = code || atlas_first ? code : atlases_load_all(&task->atlases, &settings->atlas, &settings->context);
     code = code ? code : check_files(task);
     return code ? code
                 : pose_settings_match_stream(&task->notes_said, task->poses, settings->poses, &task->atlases,

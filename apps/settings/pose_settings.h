@@ -42,12 +42,11 @@ struct probe_settings {
 
 extern const struct option probe_settings_options[]; /**< probe_settings */
 
-/** The options of the library for the file; @p frame must live until the file is opened, @p max_memory 0 is the
- * default. @p aim NULL: no range ends at a target, and no row
- * is a beam. */
+/** The options of the library for the file; @p frame must live until the file is opened, @p atlas NULL is not loaded
+ * yet, @p max_memory 0 is the default. @p aim NULL: no range ends at a target, and no row is a beam. */
 conus_pose_options pose_settings_options(const struct pose_file_settings *settings, const struct aim_settings *aim,
                                          const struct engine_settings *engine, const conus_frame *frame,
-                                         uint64_t max_memory);
+                                         const conus_atlas *atlas, uint64_t max_memory);
 
 /** Writes what of the settings the answers depend on: two runs with the same text read the same poses from one file. */
 void pose_settings_text(char out[128], const struct pose_file_settings *settings, const struct aim_settings *aim,

@@ -86,6 +86,14 @@ typedef struct conus_pose_options {
     const char *const *keep;  /**< [keep_count] Names of columns of a table whose texts are in conus_pose_row.kept. They
                                  must live until the file is opened. */
     size_t keep_count;        /**< How many, up to 64; 0 = none. Another format than a table with a header has none. */
+    double longest; /**< Longest edge of the atlas, mm, by which numbers are judged (micrometres, centimetres); 0 = not
+                       known: that of a head. */
+    const char *columns; /**< Of a table, beating what is said below and in the file: "x=COLUMN,y=COLUMN,z=COLUMN" of
+                            points, "name=COLUMN", "unit=mm" (um, cm, m), "sides=anyway", with commas between, in any
+                            order; NULL = none. A path may end in it, too: "FILE,x=COLUMN,...". */
+    double unit;    /**< mm per unit of the numbers in a table, as the caller knows it; 0 = as the file says, or that of
+                       the space. */
+    bool any_space; /**< What titles, comments and headers say of the space is not heard. */
 } conus_pose_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -119,10 +127,20 @@ typedef struct conus_pose_row {
  * @{ */
 
 /**
+ * Finds where the words of conus_pose_options.columns begin behind a path.
+ * @param path "FILE,x=COLUMN,...".
+ * @return The length of FILE; that of all of @p path where there are no such words, or a file is called so.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_API size_t conus_pose_path_length(const char *path);
+
+/**
  * Opens poses for reading one block after the other. A file without any pose opens, too, unless nothing in it tells
  * its format.
  * @param[out] out The stream; end it with conus_pose_stream_destroy().
- * @param path A file or a pipe; NULL or "-" is standard input.
+ * @param path A file or a pipe; NULL or "-" is standard input. ",x=COLUMN,y=COLUMN,..." behind it is
+ * conus_pose_options.columns, unless a file is called so.
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_IO, #CONUS_ERROR_DATA or #CONUS_ERROR_UNSUPPORTED for a file that cannot be read;
  * #CONUS_ERROR_MEMORY above max_memory.

@@ -85,6 +85,7 @@ conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, str
         !memory_reserve(&list->rows, &list->capacity, list->count + 1, sizeof *list->rows)) {
         memory_free((char *)copy.id);
         memory_free((char *)copy.error);
+        memory_free((char *)copy.kept);
         return CONUS_ERROR_MEMORY;
     }
     list->rows[list->count++] = copy;
