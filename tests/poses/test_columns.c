@@ -256,20 +256,6 @@ static void columns_are_named_by_the_user(void **state)
     assert_int_equal(conus_pose_path_length(path), strlen(path)); /* a file is called so */
 }
 
-static void texts_go_along(void **state)
-{
-    (void)state;
-    static const char text[] = "name,x,y,z,who,\"a b\"\nA,1,2,3,me,\"7\t8\"\nB,1,2,3\n";
-    conus_pose_list *list = pose_text_parse(text_from(text), &(conus_pose_options){.keep = "a b, who,name"});
-    assert_string_equal(pose_row_of(list, 0, "A")->kept, "7 8\tme\tA");
-    assert_string_equal(pose_row_of(list, 1, "B")->kept, "\t\tB");
-    conus_pose_list_destroy(list);
-    list = pose_text_parse(text_from(text), NULL);
-    assert_null(pose_row_of(list, 0, "A")->kept);
-    conus_pose_list_destroy(list);
-    pose_text_refuse(text_from(text), &(conus_pose_options){.keep = "whom"}, "column \"whom\" is not there");
-}
-
 /* Tilts lead the tip lateral and anterior; IBL's angles are those from the tip to the top; a depth alone is straight
  * down from bregma. Axes end at a depth and at a target, but not where they only point. */
 static void angles_and_ends(void **state)
@@ -451,7 +437,6 @@ TEST_GROUP(columns)
         cmocka_unit_test(numbers_are_judged),
         cmocka_unit_test(columns_are_named_by_the_user),
         cmocka_unit_test(angles_and_ends),
-        cmocka_unit_test(texts_go_along),
         cmocka_unit_test(lines_that_are_no_rows),
         cmocka_unit_test(every_prefix_is_refused_or_shorter),
         cmocka_unit_test(other_encodings_are_read),
