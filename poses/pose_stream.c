@@ -15,10 +15,10 @@
 #include "base/text.h"
 #include "conus/file.h"
 #include "poses/caps.h"
-#include "poses/columns.h"
 #include "poses/forms.h"
 #include "poses/pose_candidates.h"
 #include "poses/programs/pose_programs.h"
+#include "poses/rows/columns.h"
 #include "poses/rows/pose_lines.h"
 #include "poses/rows/pose_list.h"
 #include "poses/rows/pose_row.h"
@@ -223,9 +223,17 @@ static struct text whole_lines(const struct pose_lines *lines)
     return head.size ? head : (struct text){lines->data, size};
 }
 
-/* Whether all numbers of a text are the sixteen of a matrix. */
+/* Whether all numbers of a text are the sixteen of a matrix, in one line or in four. */
 static bool is_matrix(struct text text)
 {
+    size_t lines = 0;
+    struct text line;
+    for (struct text rest = text; text_line(&rest, &line);) {
+        lines += text_trim(line).size > 0;
+    }
+    if (lines != 1 && lines != 4) {
+        return false;
+    }
     conus_pose_row row = pose_row_at(1);
     conus_status bad;
     const conus_frame ras = {.space = CONUS_SPACE_RAS};
@@ -247,7 +255,8 @@ static conus_status find_format(conus_pose_stream *stream)
         }
     }
     struct text head = {lines->data, lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT};
-    found = !status && pose_lists_know(head, stream->path) ? CONUS_POSE_FORMAT_LIST : found;
+    bool is_own_word = stream->options.columns; /* the user knows the columns */
+    found = !status && !is_own_word && pose_lists_know(head, stream->path) ? CONUS_POSE_FORMAT_LIST : found;
     const char *kind =
         status || found == CONUS_POSE_FORMAT_LIST ? NULL : forms_why_none((struct text){lines->data, lines->size});
     if (kind) {
@@ -305,6 +314,9 @@ static conus_status plan_table(conus_pose_stream *stream)
             notes_cut(&stream->list.notes, notes);
             status = pose_lines_fill(lines, lines->size + 1);
         }
+    }
+    if (!status && !stream->list.space.name[0]) {
+        stream->list.space = stream->columns.said.space;
     }
     bool is_points = !status && !stream->columns.has_header;
     stream->format = is_points ? CONUS_POSE_FORMAT_POINTS : stream->format;
@@ -437,11 +449,15 @@ const char *pose_path_name(const char *path)
 
 static conus_status open_path(conus_pose_stream *stream, const char *path)
 {
-    const char *name = pose_path_name(path);
-    stream->name = memory_text(name, strlen(name));
+    size_t length = is_stdin(path) ? 0 : columns_path_length(path);
+    bool has_words = path && length && path[length];
+    stream->name =
+        has_words ? memory_text(path, length) : memory_text(pose_path_name(path), strlen(pose_path_name(path)));
     if (!stream->name) {
         return CONUS_ERROR_MEMORY;
     }
+    stream->options.columns = has_words ? path + length + 1 : stream->options.columns;
+    path = has_words ? stream->name : path;
     stream->list.sink.path = stream->name;
     stream->path = is_stdin(path) ? NULL : path;
     stream->descriptor = is_stdin(path) ? STDIN_FILENO : system_open(path, SYSTEM_READ);
@@ -582,6 +598,7 @@ static conus_status next_row(conus_pose_row *row, struct pose_name *name, conus_
         if (row) {
             *row = pose_row_at(line.number);
             name->text = (struct text){"", 0};
+            name->kept[0] = '\0';
         }
         if (line.too_long && !line.blank) {
             if (row) {
@@ -617,6 +634,7 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
     }
     char ordinal[POSE_ORDINAL_SIZE];
     const char *bad_id = pose_check_id(&name.text, ordinal, stream->taken + 1);
+    row.kept = stream->columns.kept_count ? name.kept : NULL;
     status = name_row(&row, stream, name.text, bad ? conus_message() : bad_id);
     if (row.is_point) { /* for cones conus_aims_found() tells more */
         extent_add(&stream->extent, &row);
@@ -630,7 +648,7 @@ static conus_status note_passed(conus_pose_stream *stream)
 {
     static const char *const kinds[LINE_KINDS] = {
         [LINE_ABSENT] = "rows without coordinates (n/a)",
-        [LINE_CLOSING] = "rows called mean, SD or total",
+        [LINE_CLOSING] = "rows called Mean, SD or Total",
         [LINE_AGAIN] = "lines that are the header again",
         [LINE_WORDS] = "lines without a number",
     };
@@ -772,7 +790,8 @@ bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
 
 bool conus_pose_stream_has_ranges(const conus_pose_stream *stream)
 {
-    return stream->candidates.asked.to_target || stream->columns.has[ROLE_NEAR] || stream->columns.has[ROLE_FAR];
+    return stream->candidates.asked.to_target || stream->columns.has[ROLE_NEAR] || stream->columns.has[ROLE_FAR] ||
+           stream->columns.ends_at_target || stream->columns.has[ROLE_DEPTH];
 }
 
 bool conus_pose_stream_has_points(const conus_pose_stream *stream)
@@ -787,6 +806,11 @@ bool conus_pose_stream_has_points(const conus_pose_stream *stream)
 const char *conus_pose_stream_electrodes(const conus_pose_stream *stream)
 {
     return conus_pose_list_electrodes(&stream->list);
+}
+
+size_t conus_pose_path_length(const char *path)
+{
+    return columns_path_length(path);
 }
 
 uint64_t pose_stream_position(const conus_pose_stream *stream)

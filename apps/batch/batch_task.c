@@ -71,7 +71,9 @@ int batch_task_init(struct batch_task *out, const struct batch_settings *setting
 static int open_poses(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
-    const conus_pose_options options = pose_settings_options(&settings->file, &task->frame, settings->atlas.max_memory);
+    const conus_atlas *atlas = task->atlases.count ? task->atlases.items[0].atlas : NULL;
+    const conus_pose_options options =
+        pose_settings_options(&settings->file, &task->frame, atlas, settings->atlas.max_memory);
     int code = batch_shard(&task->shard, settings);
     if (code) {
         return code;
@@ -136,12 +138,11 @@ static int check_files(const struct batch_task *task)
 int batch_task_open(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
-    bool atlas_first = space_settings_needs_atlas(&settings->aim.space);
-    int code = atlas_first ? atlases_load_all(&task->atlases, &settings->atlas, &settings->context) : EXIT_DONE;
+    int code =
+        atlases_load_all(&task->atlases, &settings->atlas, &settings->context); /* whose size open_poses() asks */
     code =
         code ? code : space_settings_frame(&task->frame, &task->atlases, &settings->aim.space, settings->common.quiet);
     code = code ? code : open_poses(task);
-    code = code || atlas_first ? code : atlases_load_all(&task->atlases, &settings->atlas, &settings->context);
     code = code ? code : check_files(task);
     return code ? code
                 : pose_settings_match_stream(&task->notes_said, task->poses, settings->poses, &task->atlases,

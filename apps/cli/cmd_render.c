@@ -639,7 +639,7 @@ static int load_poses(conus_pose_list **out, const struct picture *picture, cons
 {
     const struct render_settings *settings = picture->settings;
     const conus_pose_options options =
-        pose_settings_options(&settings->file, &picture->frame, settings->atlas.max_memory);
+        pose_settings_options(&settings->file, &picture->frame, picture->atlas, settings->atlas.max_memory);
     conus_status status = conus_pose_list_load(out, path, &options);
     return status ? pose_settings_print_error(status, path, "pose", picture->arguments) : EXIT_DONE;
 }

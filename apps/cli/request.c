@@ -87,7 +87,8 @@ void request_list_inputs(struct provenance *out, const struct request *request)
 conus_pose_options request_pose_options(const struct request *request)
 {
     const struct request_settings *settings = request->settings;
-    return pose_settings_options(&settings->file, &request->frame, settings->atlas.max_memory);
+    const conus_atlas *atlas = request->atlases.count ? request->atlases.items[0].atlas : NULL;
+    return pose_settings_options(&settings->file, &request->frame, atlas, settings->atlas.max_memory);
 }
 
 int request_load_poses(struct request *request)
@@ -112,13 +113,11 @@ int request_load_atlases(struct request *request)
 int request_load(struct request *request, int (*load_poses)(void *user), void *user)
 {
     const struct request_settings *settings = request->settings;
-    bool atlas_first = space_settings_needs_atlas(&settings->aim.space);
-    int code = atlas_first ? request_load_atlases(request) : EXIT_DONE;
+    int code = request_load_atlases(request); /* whose size tells centimetres from millimetres */
     code = code
                ? code
                : space_settings_frame(&request->frame, &request->atlases, &settings->aim.space, settings->common.quiet);
-    code = code ? code : load_poses ? load_poses(user) : request_load_poses(request);
-    return code || atlas_first ? code : request_load_atlases(request);
+    return code ? code : load_poses ? load_poses(user) : request_load_poses(request);
 }
 
 int request_match(struct request *request)

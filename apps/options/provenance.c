@@ -2,6 +2,8 @@
 /* Completes sidecars with what was read and written, seals them, and writes reports with them. */
 #include "options/provenance.h"
 
+#include "conus/pose_file.h"
+
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
@@ -40,7 +42,9 @@ int provenance_hash_file(char out[SHA256_TEXT], const char *path)
 {
     uint8_t chunk[CHUNK];
     struct sha256_ctx context;
-    FILE *file = input_file_open(path);
+    char plain[4096];
+    snprintf(plain, sizeof plain, "%.*s", (int)conus_pose_path_length(path), path);
+    FILE *file = input_file_open(plain);
     if (!file) {
         return EXIT_DATA;
     }
@@ -86,6 +90,12 @@ void provenance_add_input(struct provenance *provenance, const char *path)
 {
     if (path && *path) {
         assert(provenance->input_count < PROVENANCE_FILES);
+        size_t length = conus_pose_path_length(path);
+        if (path[length] && length < sizeof provenance->plain) {
+            memcpy(provenance->plain, path, length);
+            provenance->plain[length] = '\0';
+            path = provenance->plain;
+        }
         provenance->inputs[provenance->input_count++] = path;
     }
 }

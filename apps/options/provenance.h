@@ -37,6 +37,7 @@ struct provenance {
     const char *inputs[PROVENANCE_FILES]; /**< Files that were read, besides those of the atlas. */
     struct provenance_output outputs[PROVENANCE_FILES];
     size_t input_count, output_count;
+    char plain[4096]; /**< A file of poses without the words behind it. */
     struct question question;
     const char *option; /**< Whose file the answer goes to; NULL = "output". */
     const conus_pose_stream

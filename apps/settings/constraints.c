@@ -393,7 +393,7 @@ static int load_needles(double **out, conus_constraint *constraint, const char *
                         double far)
 {
     const struct pose_file_settings *settings = places->settings ? places->settings : &(struct pose_file_settings){0};
-    const conus_pose_options options = pose_settings_options(settings, places->frame, 0);
+    const conus_pose_options options = pose_settings_options(settings, places->frame, NULL, 0);
     conus_pose_list *poses = NULL;
     conus_status status = conus_pose_list_load(&poses, path, &options);
     if (status) {

@@ -39,10 +39,24 @@ const struct option pose_file_options[] = {
     {0},
 };
 
+/* The longest edge of the box around the atlas's objects, mm; 0 while there is none. */
+static double longest_edge(const conus_atlas *atlas)
+{
+    double low[3];
+    double high[3];
+    double longest = 0;
+    for (int a = 0; a < 3 && atlas && !conus_atlas_bounds(low, high, atlas); a++) {
+        longest = high[a] - low[a] > longest ? high[a] - low[a] : longest;
+    }
+    return longest;
+}
+
 conus_pose_options pose_settings_options(const struct pose_file_settings *settings, const conus_frame *frame,
-                                         uint64_t max_memory)
+                                         const conus_atlas *atlas, uint64_t max_memory)
 {
     return (conus_pose_options){.frame = frame,
+                                .longest = longest_edge(atlas),
+                                .any_space = settings->any_space,
                                 .axis = (conus_axis)settings->axis,
                                 .format = (conus_pose_format)settings->format,
                                 .along_shafts = settings->along_shafts,

@@ -15,11 +15,10 @@ struct pose_file_settings {
 
 extern const struct option pose_file_options[]; /**< pose_file_settings */
 
-/** The options of the library for the file; @p frame must live until the file is opened, @p max_memory 0 is the
- * default.
- */
+/** The options of the library for the file; @p frame must live until the file is opened, @p atlas NULL is not loaded
+ * yet, @p max_memory 0 is the default. */
 conus_pose_options pose_settings_options(const struct pose_file_settings *settings, const conus_frame *frame,
-                                         uint64_t max_memory);
+                                         const conus_atlas *atlas, uint64_t max_memory);
 
 /** Writes what of @p settings the answers depend on: two runs with the same text read the same poses from one file. */
 void pose_settings_text(char out[64], const struct pose_file_settings *settings);

@@ -85,6 +85,20 @@ static bool next_apart(struct text *rest, struct text *cell)
     return size > 0;
 }
 
+/* text_word() that no-break and thin spaces end, too. */
+static bool next_word(struct text *rest, struct text *word)
+{
+    struct text whole = *rest = table_trim(*rest);
+    bool found = text_word(rest, word);
+    for (size_t i = 1; i < word->size; i++) {
+        if ((unsigned char)word->data[i] >= 0x80 && length_of(behind(*word, i), spaces, SPACES, false)) {
+            *word = (struct text){word->data, i};
+            *rest = behind(whole, i);
+        }
+    }
+    return found;
+}
+
 static bool next_cell(struct text *rest, bool *more, struct text *cell, enum text_quotes *quotes,
                       const struct table *table)
 {
@@ -96,7 +110,7 @@ static bool next_cell(struct text *rest, bool *more, struct text *cell, enum tex
     if (table->separator == TABLE_SPACES) {
         *rest = text_trim(*rest);
         if (!rest->size || rest->data[0] != '"' || table->quotes_are_plain) {
-            return text_word(rest, cell);
+            return next_word(rest, cell);
         }
         bool goes_on = true;
         return text_quoted_field(rest, mark, &goes_on, cell, quotes);

@@ -77,6 +77,15 @@ typedef struct conus_pose_options {
     const conus_frame *frame; /**< Where the space of the numbers in the file lies, instead of @p space; copied. NULL =
                                  @p space, which then is #CONUS_SPACE_RAS or #CONUS_SPACE_LPS. In #CONUS_SPACE_CCF and
                                  #CONUS_SPACE_BREGMA a file has no rotations. */
+    double longest; /**< Longest edge of the atlas, mm, by which numbers are judged (micrometres, centimetres); 0 = not
+                       known: that of a head. */
+    const char *columns; /**< Of a table, beating what is said below and in the file: "x=COLUMN,y=COLUMN,z=COLUMN" of
+                            points, "name=COLUMN", "unit=mm" (um, cm, m), "sides=anyway", with commas between, in any
+                            order; NULL = none. A path may end in it, too: "FILE,x=COLUMN,...". */
+    const char *keep; /**< Columns of a table, with commas between, whose texts conus_pose_row.kept has; NULL = none. */
+    double unit;    /**< mm per unit of the numbers in a table, as the caller knows it; 0 = as the file says, or that of
+                       the space. */
+    bool any_space; /**< What titles, comments and headers say of the space is not heard. */
 } conus_pose_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -98,6 +107,7 @@ typedef struct conus_pose_row {
     const char *error; /**< NULL, or why the row is no pose; then only id and line have a meaning. */
     uint64_t entry;    /**< Number of the entry, from 1, with conus_candidates_open(); 0 in a file's row. */
     uint64_t target;   /**< Likewise of the target; 0 without one. */
+    const char *kept;  /**< Texts of the columns of conus_pose_options.keep, tabs between; NULL without any. */
     double normal[3];  /**< Outward at the entry, world, of length 1; NaN where it has none. */
 } conus_pose_row;
 
@@ -107,10 +117,20 @@ typedef struct conus_pose_row {
  * @{ */
 
 /**
+ * Finds where the words of conus_pose_options.columns begin behind a path.
+ * @param path "FILE,x=COLUMN,...".
+ * @return The length of FILE; that of all of @p path where there are no such words, or a file is called so.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_API size_t conus_pose_path_length(const char *path);
+
+/**
  * Opens poses for reading one block after the other. A file without any pose opens, too, unless nothing in it tells
  * its format.
  * @param[out] out The stream; end it with conus_pose_stream_destroy().
- * @param path A file or a pipe; NULL or "-" is standard input.
+ * @param path A file or a pipe; NULL or "-" is standard input. ",x=COLUMN,y=COLUMN,..." behind it is
+ * conus_pose_options.columns, unless a file is called so.
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_IO, #CONUS_ERROR_DATA or #CONUS_ERROR_UNSUPPORTED for a file that cannot be read;
  * #CONUS_ERROR_MEMORY above max_memory.

@@ -5,32 +5,28 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
-#include "poses/rows/pose_columns.h"
+#include "poses/rows/columns.h"
 #include "poses/rows/pose_row.h"
 
-/* Columns that are read; the others are for other programs. */
-enum column { NAME, X, Y, Z, GROUP, PROBE_NAME, COLUMNS };
+#include <stdio.h>
 
-static const char *const names[COLUMNS] = {"name", "x", "y", "z", "group", "probe_name"};
-
-static const struct pose_columns table_columns = {.names = names, .count = COLUMNS, .quotes_are_plain = true};
+/* Columns that are read beside name x y z; others are for other programs. */
+static const char wanted[] = "name/x/y/z";
 
 struct contact {
+    conus_pose_row row;
     struct text name;
     struct text shaft; /* the column group, or the name without the number at its end */
     uint64_t number;   /* at the end of the name, or else of the row */
-    double position[3];
-    char *error; /* why it is no pose; owned, NULL = it is a pose */
-    size_t line;
-    size_t next; /* on the same shaft; itself if it is the last */
+    char *error;       /* why it is no pose; owned, NULL = it is a pose */
+    size_t next;       /* on the same shaft; itself if it is the last */
     size_t previous;
 };
 
 struct reading {
     const conus_pose_options *options;
-    double scale; /* mm per unit */
-    bool lps;
-    struct pose_columns columns;
+    struct columns columns;
+    size_t group, probe_name; /* columns; TABLE_CELLS: not there */
     struct contact *contacts;
     size_t count, capacity;
 };
@@ -40,13 +36,27 @@ static bool is_absent(struct text field)
     return !field.size || text_equal(field, "n/a");
 }
 
+/* Where a column of this name is among those of tabs; TABLE_CELLS: nowhere. */
+static size_t find_column(struct text line, const char *name)
+{
+    struct text field;
+    size_t index = 0;
+    size_t found = TABLE_CELLS;
+    for (bool more = true; text_field(&line, '\t', &more, &field); index++) {
+        found = found == TABLE_CELLS && text_equal(text_trim(field), name) ? index : found;
+    }
+    return found;
+}
+
 bool pose_electrodes_header(struct text line)
 {
-    struct pose_columns columns = table_columns;
-    (void)pose_columns_find(&columns, line); /* a column that is there twice is an error of such a table */
+    struct text rest = text_from(wanted);
+    struct text name;
     bool all = true;
-    for (size_t i = NAME; i <= Z; i++) {
-        all = all && pose_columns_has(&columns, i);
+    for (bool more = true; text_field(&rest, '/', &more, &name);) {
+        char copy[8];
+        snprintf(copy, sizeof copy, "%.*s", (int)name.size, name.data);
+        all = all && find_column(line, copy) != TABLE_CELLS;
     }
     /* A column that says where a device points: the table is one of poses, with a column that it does not know. */
     struct text field;
@@ -56,33 +66,36 @@ bool pose_electrodes_header(struct text line)
     return all;
 }
 
-static conus_status read_contact(struct reading *reading, struct text line, size_t number)
+static conus_status add_contact(struct reading *reading, struct text line, size_t number)
 {
     if (!memory_reserve(&reading->contacts, &reading->capacity, reading->count + 1, sizeof *reading->contacts)) {
         return CONUS_ERROR_MEMORY;
     }
-    struct text fields[COLUMNS];
-    struct contact contact = {.line = number, .next = reading->count, .previous = reading->count};
-    conus_status bad = pose_columns_split(fields, &reading->columns, line);
-    contact.name = fields[NAME];
-    for (size_t i = X; !bad && i <= Z; i++) {
-        bad = is_absent(fields[i]) ? fail(CONUS_ERROR_DATA, "%s: not known (n/a)", names[i])
-                                   : pose_columns_number(&contact.position[i - X], &reading->columns, fields, i);
+    struct table_line cells;
+    struct pose_name name = {.text = {"", 0}};
+    struct contact contact = {.row = pose_row_at(number), .next = reading->count, .previous = reading->count};
+    conus_status bad = CONUS_OK;
+    enum columns_line kind = columns_read(&contact.row, &name, &bad, &reading->columns, line, number, reading->options);
+    if (kind == LINE_NOTHING || kind == LINE_AGAIN || !table_split(&cells, &reading->columns.table, line)) {
+        return CONUS_OK;
     }
+    if (kind != LINE_ROW) { /* an answer has as many rows as the table */
+        bad = fail(CONUS_ERROR_DATA, kind == LINE_ABSENT ? "x: not known (n/a)" : "no number in it");
+    }
+    for (size_t i = 0; i < cells.count && i < reading->columns.count; i++) {
+        contact.name = reading->columns.role_of[i] == ROLE_NAME ? cells.cells[i] : contact.name;
+    }
+    struct text group = reading->group < cells.count ? cells.cells[reading->group] : (struct text){"", 0};
     contact.error = bad ? memory_text(conus_message(), text_from(conus_message()).size) : NULL;
     if (bad && !contact.error) {
         return CONUS_ERROR_MEMORY;
-    }
-    vec3_scale(contact.position, contact.position, reading->scale);
-    if (reading->lps) {
-        pose_flip_point(contact.position);
     }
     struct text stem = contact.name; /* "LA12" is contact 12 of LA */
     while (stem.size && stem.data[stem.size - 1] >= '0' && stem.data[stem.size - 1] <= '9') {
         stem.size--;
     }
-    struct text digits = {contact.name.data + stem.size, contact.name.size - stem.size};
-    contact.shaft = is_absent(fields[GROUP]) ? stem : fields[GROUP];
+    struct text digits = {contact.name.size ? contact.name.data + stem.size : "", contact.name.size - stem.size};
+    contact.shaft = is_absent(group) ? stem : group;
     if (!text_to_uint(digits, UINT64_MAX, &contact.number)) {
         contact.number = reading->count + 1;
     }
@@ -90,25 +103,27 @@ static conus_status read_contact(struct reading *reading, struct text line, size
     return CONUS_OK;
 }
 
-static conus_status read_table(struct reading *reading, struct text text)
+static conus_status read_table(struct reading *reading, conus_pose_list *list, struct text text)
 {
-    struct text line;
-    bool begun = false;
-    conus_status status = CONUS_OK;
+    bool is_short = false;
+    struct text line = {"", 0};
+    struct text rest = text;
+    while (!text_trim(line).size && text_line(&rest, &line)) {
+    }
+    if (!pose_electrodes_header(line)) {
+        return fail(CONUS_ERROR_DATA, "header: the columns name, x, y and z, separated by tabs, are needed");
+    }
+    reading->group = find_column(line, "group");
+    reading->probe_name = find_column(line, "probe_name");
+    size_t size = text.size < TABLE_HEAD ? text.size : TABLE_HEAD;
+    while (size < text.size && size && text.data[size - 1] != '\n') { /* whole lines */
+        size--;
+    }
+    reading->columns.is_bids = true;
+    conus_status status = columns_plan(&reading->columns, &is_short, &list->notes,
+                                       (struct text){text.data, size ? size : text.size}, reading->options);
     for (size_t number = 1; !status && text_line(&text, &line); number++) {
-        if (!text_trim(line).size) {
-            continue;
-        }
-        if (begun) {
-            status = read_contact(reading, line, number);
-        } else if (pose_electrodes_header(line)) {
-            begun = true;
-            status = pose_columns_find(&reading->columns, line)
-                         ? fail(CONUS_ERROR_DATA, "header: a column name, x, y, z or group twice")
-                         : CONUS_OK;
-        } else {
-            status = fail(CONUS_ERROR_DATA, "header: the columns name, x, y and z, separated by tabs, are needed");
-        }
+        status = add_contact(reading, line, number);
     }
     return status;
 }
@@ -120,7 +135,7 @@ static int compare_contacts(const void *left, const void *right)
     const struct contact *b = *(struct contact *const *)right;
     int order = text_compare(a->shaft, b->shaft);
     order = order ? order : compare_unsigned(a->number, b->number);
-    return order ? order : compare_unsigned(a->line, b->line);
+    return order ? order : compare_unsigned(a->row.line, b->row.line);
 }
 
 /* Finds each contact's neighbours on its shaft, among contacts with positions. */
@@ -160,35 +175,43 @@ static conus_status pose_along_shaft(conus_pose *out, const struct reading *read
         return fail(CONUS_ERROR_DATA, "the only contact of its shaft \"%.*s\": no other gives it a direction",
                     POSE_QUOTE(contact->shaft));
     }
-    vec3_sub(direction, to->position, from->position);
-    return conus_pose_along(out, contact->position, direction, NULL);
+    vec3_sub(direction, to->row.pose.world_from_device + 12, from->row.pose.world_from_device + 12);
+    return conus_pose_along(out, contact->row.pose.world_from_device + 12, direction, NULL);
 }
 
 conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
-    struct reading reading = {
-        .options = options, .scale = list->space.scale > 0 ? list->space.scale : 1, .columns = table_columns};
     bool is_named = list->space.brain != POSE_BRAIN_UNKNOWN && list->space.brain != POSE_BRAIN_OTHER; /* it is RAS */
-    reading.lps = options->space == CONUS_SPACE_LPS && !is_named;
+    const conus_frame ras = {.space = CONUS_SPACE_RAS};
+    conus_pose_options own = *options;
+    bool is_ras = is_named || options->space != CONUS_SPACE_LPS;
+    own.space = is_ras ? CONUS_SPACE_RAS : options->space;
+    own.frame = is_ras ? &ras : options->frame;
+    own.axis = CONUS_AXIS_OF_FORMAT;
+    own.unit = list->space.scale > 0 ? list->space.scale : options->unit;
+    own.any_space = options->any_space || list->coordsystem; /* which says what they are */
+    own.format = CONUS_POSE_FORMAT_AUTO;
+    struct reading reading = {.options = &own};
     if (options->axis != CONUS_AXIS_OF_FORMAT) {
         return fail(CONUS_ERROR_DATA, "contacts have no axes, so that no axis (%s) is to be chosen",
                     pose_axis_name(options->axis));
     }
-    conus_status status = pose_note_space(&list->notes, options, reading.lps);
-    status = status ? status : read_table(&reading, text);
-    if (!status && pose_columns_has(&reading.columns, PROBE_NAME) && !list->coordsystem) {
+    conus_status status = pose_note_space(&list->notes, options, !is_ras);
+    status = status ? status : read_table(&reading, list, text);
+    if (!status && reading.probe_name != TABLE_CELLS && !list->coordsystem) {
         status =
             fail(CONUS_ERROR_DATA, "column probe_name: a table of BEP032 without a *_coordsystem.json, whose x, y, z "
                                    "are micrometres on the probe; a probe is answered from its ProbeInterface file");
     }
+    if (!list->space.name[0]) {
+        list->space = reading.columns.said.space;
+    }
     status = status || !options->along_shafts ? status : find_neighbours(&reading);
     for (size_t i = 0; !status && i < reading.count; i++) {
         const struct contact *contact = &reading.contacts[i];
-        conus_pose_row row = pose_row_at(contact->line);
+        conus_pose_row row = contact->row;
         row.is_point = !options->along_shafts;
-        conus_status bad = contact->error ? CONUS_OK
-                           : row.is_point ? pose_of_point(&row.pose, contact->position)
-                                          : pose_along_shaft(&row.pose, &reading, i);
+        conus_status bad = contact->error || row.is_point ? CONUS_OK : pose_along_shaft(&row.pose, &reading, i);
         status = pose_list_add(list, &row, contact->name, bad ? conus_message() : contact->error);
     }
     for (size_t i = 0; i < reading.count; i++) {

@@ -14,6 +14,7 @@ void pose_list_clear(conus_pose_list *list)
     for (size_t i = 0; i < list->count; i++) {
         memory_free((char *)list->rows[i].id);
         memory_free((char *)list->rows[i].error);
+        memory_free((char *)list->rows[i].kept);
     }
     list->count = 0;
 }
@@ -49,10 +50,12 @@ conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, str
     conus_pose_row copy = *row;
     copy.id = memory_text(id.data, id.size);
     copy.error = error ? memory_text(error, text_from(error).size) : NULL;
-    if (!copy.id || (error && !copy.error) ||
+    copy.kept = row->kept ? memory_text(row->kept, strlen(row->kept)) : NULL;
+    if (!copy.id || (error && !copy.error) || (row->kept && !copy.kept) ||
         !memory_reserve(&list->rows, &list->capacity, list->count + 1, sizeof *list->rows)) {
         memory_free((char *)copy.id);
         memory_free((char *)copy.error);
+        memory_free((char *)copy.kept);
         return CONUS_ERROR_MEMORY;
     }
     list->rows[list->count++] = copy;

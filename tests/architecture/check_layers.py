@@ -74,7 +74,7 @@ LIBRARY = {
     "atlas/warp": "base base/geometry atlas/deformation atlas",
     "atlas/fit": "base base/geometry atlas/surface atlas",
     "atlas/phantom": "base base/geometry atlas/labels atlas/surface atlas",
-    "poses/rows": "base base/files base/geometry base/system",
+    "poses/rows": "base base/files base/formats base/geometry base/system",
     "poses/programs": "base base/files base/child base/geometry base/formats poses/rows",
     "poses": "base base/child base/geometry base/formats base/system poses/rows poses/programs",
     "loaders/formats": "base base/files base/formats base/child",

@@ -207,7 +207,7 @@ cells() {
     [[ "$stderr" == *"note: away.txt: 1 of 2 targets lie outside of the atlas"* ]]
     run -0 --separate-stderr conus $U --from targets.txt --toward targets.txt --depth 9
     [[ "$stderr" == *"note: targets.txt: 2 of 4 poses are no candidates, the first is number 1: toward: is the origin itself"* ]]
-    awk 'BEGIN { for (i = 0; i < 20000; i++) print i / 1e4, 0, 0 }' >many.txt
+    awk 'BEGIN { for (i = 0; i < 20000; i++) print 5 + i / 1e4, 0, 0 }' >many.txt
     fails 2 'candidates, allowed are 1.1e+12' $U --from many.txt --toward many.txt --depth 9 --tilt 90,1
 }
 

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which columns of a table are what: points and poses by every header, and what is refused. */
+#include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "conus/pose_file.h"
 #include "pose_checks.h"
-#include "poses/columns.h"
 #include "poses/pose_stream.h"
+#include "poses/rows/columns.h"
 #include "test.h"
 
 #include <stdio.h>
@@ -122,14 +123,26 @@ static void what_can_be_read_in_two_ways_is_refused(void **state)
         {"x,y,z,a_x,a_y,a_z\n1,2,3,0,0,1\n", "a_x a_y a_z beside x y z"},
         {"mni_x,mni_y,mni_z,normal_x,normal_y,normal_z\n1,2,3,0,0,1\n", "normal_x normal_y normal_z beside"},
         {"x,y,z,yaw\n1,2,3,4\n", "column \"yaw\" beside x y z"},
-        {"x,y,z,phi,theta\n1,2,3,4,5\n", "column \"phi\" beside x y z"},
+        {"x,y,z,phi,theta\n1,2,3,4,5\n", "phi and theta are angles from bregma"},
+        {"name,type,x,y,z\nA,entry,1,2,3\nA,target,4,5,6\n", "has an entry and a target in two rows"},
+        {"x,y,z,depth\n1,2,3,4\n", "depth is a way along a direction"},
+        {"x,y,z,dx,dy,dz,angle,depth\n1,2,3,0,0,1,4,5\n", "\"angle\" beside depth: the opening of a cone, or the tilt"},
+        {"x,y,z,tilt_ml\n1,2,3,4\n", "only one of the columns tilt_ml and tilt_ap"},
         {"x,y,z,angle\n1,2,3,4\n", "the opening of a cone, which needs a direction"},
         {"x,y,z,near,far\n1,2,3,4,5\n", "near and far are depths along a direction"},
         {"x,y,z,ux,uy,uz\n1,2,3,4,5,6\n", "ux uy uz go with"},
         {"x1,y1,z1,x2,y2,z2\n1,2,3,4,5,6\n", "positions in x1 y1 z1 or in x2 y2 z2"},
         {"x,y,z,x,y,z\n1,2,3,4,5,6\n", "column \"x\" twice"},
         {"x,y,z,entry_x,entry_y,entry_z\n1,2,3,4,5,6\n", "entry_x entry_y entry_z beside x y z"},
-        {"tal_x,tal_y,tal_z\n1,2,3\n", "tal_x tal_y tal_z may be something else"},
+        {"vox_x,vox_y,vox_z\n1,2,3\n", "voxels, which only the image"},
+        {"# mm relative to MCP\n1 2 3\n", "counted from a point (MCP"},
+        {"# x y z, radiological\n1 2 3\n", "left and right may be exchanged"},
+        {"# voxel coordinates\n1 2 3\n", "voxels, which only the image"},
+        {"# positions are in cm\nx (mm),y (mm),z (mm)\n1,2,3\n", "a line names another unit"},
+        {"x,y,z\n-.042,-.02,.05\n.038,.014,0\n0,.092,.002\n", "as if they were in metres"},
+        {"name,x,y,z\nleft M1,42,-20,50\nright M1,-42,-20,50\nleft V1,8,-92,2\n", "sides: 2 of 2 rows called left"},
+        {"name,x,y,z\n-42,M1,-20,50\n38,I,14,-4\n", "2 of 2 rows have no number where the header has x y z"},
+        {"entry_x,entry_y,entry_z,target_x,target_y,target_z\n1,2,3,2,3,4\n", "planned and reached"},
         {"x (mm),y (cm),z (mm)\n1,2,3\n", "two units"},
         {"ap,ml,dv\n1,2,3\n", "ap, dv and ml are read in space ccf or bregma"},
         {"x,y,a\n1,2,3\n", "only some of the columns x y z: x y, without z"},
@@ -138,10 +151,166 @@ static void what_can_be_read_in_two_ways_is_refused(void **state)
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         conus_pose_list *list = NULL;
-        conus_status status = pose_list_parse(&list, text_from(cases[i][0]), NULL);
+        conus_status status = pose_list_parse(&list, text_from(cases[i][0]), &(conus_pose_options){.longest = 180});
         if (status != CONUS_ERROR_DATA || !strstr(conus_message(), cases[i][1])) {
             fail_msg("case %zu: %s", i, status ? conus_message() : "read");
         }
+    }
+}
+
+/* What the file says of its space: Talairach and somebody's scan are compared with the atlas, MNI 305 is moved. */
+static void spaces_are_heard(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        enum pose_brain brain;
+        double x; /* of the first row, given -42 */
+    } cases[] = {
+        {"# Talairach coordinates\n-42 -20 50\n", POSE_BRAIN_TALAIRACH, -42},
+        {"# Talairach coordinates, brought to MNI\n-42 -20 50\n", POSE_BRAIN_MNI152, -42},
+        {"# Labels of the Talairach daemon\n-42 -20 50\n", POSE_BRAIN_UNKNOWN, -42},
+        {"Peaks in MNI space. Five subjects\nx,y,z\n-42,-20,50\n", POSE_BRAIN_MNI152, -42},
+        {"mni_x,mni_y,mni_z\n-42,-20,50\n", POSE_BRAIN_MNI152, -42},
+        {"tal_x,tal_y,tal_z\n-42,-20,50\n", POSE_BRAIN_TALAIRACH, -42},
+        {"x,y,z,space\n-42,-20,50,MNI\n", POSE_BRAIN_MNI152, -42},
+        {"x,y,z,space\n-42,-20,50,TAL\n", POSE_BRAIN_TALAIRACH, -42},
+        {"# coordinates in native scanner space\n-42 -20 50\n", POSE_BRAIN_SUBJECT, -42},
+        {"# Siemens scanner, head first\n-42 -20 50\n", POSE_BRAIN_UNKNOWN, -42},
+        {"# surface RAS\n-42 -20 50\n", POSE_BRAIN_OTHER, -42},
+        {"x,y,z\n-42,-20,50\nNote: coordinates are in Talairach space\n", POSE_BRAIN_TALAIRACH, -42},
+        {"# positions in LPS space\n42 20 50\n", POSE_BRAIN_UNKNOWN, -42},
+        {"# positions are in cm\n-4.2 -2 5\n", POSE_BRAIN_UNKNOWN, -42},
+        {"# Distance (cm) of coils\n-42 -20 50\n", POSE_BRAIN_UNKNOWN, -42},
+        /* 0.9975 * -42 - 0.0073 * -20 + 0.0176 * 50 - 0.0429 */
+        {"# MNI305 coordinates\n-42 -20 50\n", POSE_BRAIN_MNI152, -40.9119},
+        {"# of fsaverage\nx,y,z\n-42,-20,50\n", POSE_BRAIN_MNI152, -40.9119},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        for (int any = 0; any < 2; any++) {
+            conus_pose_list *list = NULL;
+            if (pose_list_parse(&list, text_from(cases[i].text), &(conus_pose_options){.any_space = any})) {
+                fail_msg("case %zu: %s", i, conus_message());
+            }
+            const conus_pose_row *row = conus_pose_list_row(list, 0);
+            if (!any && (row->error || list->space.brain != cases[i].brain ||
+                         fabs(row->pose.world_from_device[12] - cases[i].x) > 1e-9)) {
+                fail_msg("case %zu: brain %d, x %g", i, (int)list->space.brain, row->pose.world_from_device[12]);
+            }
+            assert_true(!any || list->space.brain == POSE_BRAIN_UNKNOWN);
+            conus_pose_list_destroy(list);
+        }
+    }
+}
+
+/* Checks that need the size of the atlas warn, or are left out where it is not known. */
+static void numbers_are_judged(void **state)
+{
+    (void)state;
+    static const char *const cases[][2] = {
+        {"x,y,z\n-4.2,-2,5\n3.8,1.4,-.4\n-.8,-9.2,.2\n", "are they in centimetres?"},
+        {"x,y,z\n66,53,61\n26,70,34\n49,17,37\n", "are they voxels, or positions in a frame?"},
+        {"name,x,y,z\nleft a,-42,0,0\nright a,42,0,0\nleft b,-9,0,0\nb_L,-8,0,0\nleft c,20,0,0\n",
+         "1 rows lie on the other side than their name says"},
+        {"name,x,y,z\nleft a,-42,0,0\nright a,42,0,0\nleft b,-9,0,0\n", NULL},
+        {"x (cm),y (cm),z (cm)\n-4.2,-2,5\n3.8,1.4,-.4\n-.8,-9.2,.2\n", NULL},
+        {"x,y,z\n66,53,61\n26,70,34\n", NULL},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_pose_list *list = pose_text_parse(text_from(cases[i][0]), &(conus_pose_options){.longest = 180});
+        bool has = cases[i][1] ? pose_has_note(list, cases[i][1]) : !conus_pose_list_note(list, 0);
+        if (!has) {
+            fail_msg("case %zu: %s", i, conus_pose_list_note(list, 0));
+        }
+        conus_pose_list_destroy(list);
+    }
+    pose_text_refuse(text_from("x,y,z\n-42000,0,0\n"), &(conus_pose_options){.longest = 180}, "micrometres");
+    conus_pose_list *list = pose_text_parse(text_from("x,y,z\n-42000,0,0\n"), NULL);
+    assert_row_at(pose_row_of(list, 0, "1"), -42000, 0, 0);
+    conus_pose_list_destroy(list);
+}
+
+/* The user's word beats what is found, and what is said against it. */
+static void columns_are_named_by_the_user(void **state)
+{
+    (void)state;
+    static const char text[] = "who,a,b,c,nx,ny,nz\nleft M1,4.2,2,-5,0,0,1\nleft V1,1,2,3,0,0,1\nleft I,1,2,3,0,0,1\n";
+    const conus_pose_options options = {.columns = "x=a,y=b,z=C,name=who,unit=cm,sides=anyway", .longest = 180};
+    conus_pose_list *list = pose_text_parse(text_from(text), &options);
+    assert_row_at(pose_row_of(list, 0, "left M1"), 42, 20, -50);
+    conus_pose_list_destroy(list);
+    static const char *const bad[][2] = {{"x=a,y=b", "only some of x=, y= and z="},
+                                         {"x=a,y=b,z=d", "column \"d\" is not there"},
+                                         {"unit=inch", "unit=inch, allowed are mm, um, cm and m"},
+                                         {"sides=no", "sides=no, allowed are anyway"},
+                                         {"w=a", "x=, y=, z=, name=, unit= and sides= are allowed"}};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_true(pose_list_parse(&list, text_from(text), &(conus_pose_options){.columns = bad[i][0]}) != CONUS_OK);
+        assert_non_null(strstr(conus_message(), bad[i][1]));
+    }
+    assert_int_equal(conus_pose_path_length("a b.csv,x=1,y=2"), 7);
+    assert_int_equal(conus_pose_path_length("a,b.csv"), 7);
+    char path[4096];
+    snprintf(path, sizeof path, "%s", test_scratch("a,x=1.csv"));
+    assert_ok(file_write(path, text, sizeof text - 1));
+    assert_int_equal(conus_pose_path_length(path), strlen(path)); /* a file is called so */
+}
+
+static void texts_go_along(void **state)
+{
+    (void)state;
+    static const char text[] = "name,x,y,z,who,\"a b\"\nA,1,2,3,me,\"7\t8\"\nB,1,2,3\n";
+    conus_pose_list *list = pose_text_parse(text_from(text), &(conus_pose_options){.keep = "a b, who,name"});
+    assert_string_equal(pose_row_of(list, 0, "A")->kept, "7 8\tme\tA");
+    assert_string_equal(pose_row_of(list, 1, "B")->kept, "\t\tB");
+    conus_pose_list_destroy(list);
+    list = pose_text_parse(text_from(text), NULL);
+    assert_null(pose_row_of(list, 0, "A")->kept);
+    conus_pose_list_destroy(list);
+    pose_text_refuse(text_from(text), &(conus_pose_options){.keep = "whom"}, "column \"whom\" is not there");
+}
+
+/* Tilts lead the tip lateral and anterior; IBL's angles are those from the tip to the top; a depth alone is straight
+ * down from bregma. Axes end at a depth and at a target, but not where they only point. */
+static void angles_and_ends(void **state)
+{
+    (void)state;
+    const conus_frame bregma = {.space = CONUS_SPACE_BREGMA,
+                                .world_from_space = {0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
+                                .bregma = {5400, 332, 5739}};
+    static const struct {
+        const char *text;
+        bool from_bregma;
+        double at[3], way[3], end; /* world; way of any length, end NaN: none */
+    } cases[] = {
+        {"x,y,z,tilt_ml,tilt_ap\n30,-20,50,45,0\n", false, {30, -20, 50}, {1, 0, -1}, NAN},
+        {"x,y,z,tilt_ml,tilt_ap,depth\n-30,-20,50,45,0,7\n", false, {-30, -20, 50}, {-1, 0, -1}, 7},
+        {"x,y,z,tilt_ml,tilt_ap\n-30,-20,50,0,45\n", false, {-30, -20, 50}, {0, 1, -1}, NAN},
+        {"AP,ML,DV,tilt_ml,tilt_ap\n-2,-1,-.1,45,0\n", true, {-1, -2, -.1}, {-1, 0, -1}, NAN},
+        {"probe,AP,ML,DV,angle,depth\nA,-2.4,1.6,-.1,0,3.3\n", true, {1.6, -2.4, -.1}, {0, 0, -1}, 3.3},
+        {"x (um),y (um),z (um),depth (um),theta,phi\n1600,-2400,-100,3300,90,180\n",
+         true,
+         {1.6, -2.4, -.1},
+         {1, 0, 0},
+         3.3},
+        {"entry_x,entry_y,entry_z,target_x,target_y,target_z\n0,0,0,3,4,0\n", false, {0, 0, 0}, {3, 4, 0}, 5},
+        {"x,y,z,tx,ty,tz\n0,0,0,3,4,0\n", false, {0, 0, 0}, {3, 4, 0}, NAN},
+        {"x,y,z,dx,dy,dz,depth (cm)\n0,0,0,3,4,0,2\n", false, {0, 0, 0}, {3, 4, 0}, 20},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_pose_list *list = pose_text_parse(text_from(cases[i].text),
+                                                &(conus_pose_options){.frame = cases[i].from_bregma ? &bregma : NULL});
+        const conus_pose_row *row = conus_pose_list_row(list, 0);
+        double way[3];
+        assert_null(row->error);
+        assert_row_at(row, cases[i].at[0], cases[i].at[1], cases[i].at[2]);
+        assert_true(vec3_normalise(way, cases[i].way));
+        assert_row_along(row, way[0], way[1], way[2]);
+        bool ends = isnan(cases[i].end) ? isnan(row->range[1]) : fabs(row->range[1] - cases[i].end) < 1e-9;
+        if (!ends || (!isnan(cases[i].end) && row->range[0] != 0)) {
+            fail_msg("case %zu: %g to %g", i, row->range[0], row->range[1]);
+        }
+        conus_pose_list_destroy(list);
     }
 }
 
@@ -160,7 +329,7 @@ static void lines_that_are_no_rows(void **state)
     assert_true(pose_has_note(list, "1 rows without coordinates (n/a) passed over, the first in line 3"));
     assert_true(pose_has_note(list, "1 lines that are the header again passed over, the first in line 5"));
     assert_true(pose_has_note(list, "1 lines without a number passed over, the first in line 7"));
-    assert_true(pose_has_note(list, "1 rows called mean, SD or total passed over, the first in line 9"));
+    assert_true(pose_has_note(list, "1 rows called Mean, SD or Total passed over, the first in line 9"));
     conus_pose_list_destroy(list);
     conus_pose_stream *stream = NULL;
     uint64_t count = 0;
@@ -243,6 +412,11 @@ TEST_GROUP(columns)
         cmocka_unit_test(points_by_their_headers),
         cmocka_unit_test(poses_by_their_headers),
         cmocka_unit_test(what_can_be_read_in_two_ways_is_refused),
+        cmocka_unit_test(spaces_are_heard),
+        cmocka_unit_test(numbers_are_judged),
+        cmocka_unit_test(columns_are_named_by_the_user),
+        cmocka_unit_test(angles_and_ends),
+        cmocka_unit_test(texts_go_along),
         cmocka_unit_test(lines_that_are_no_rows),
         cmocka_unit_test(every_prefix_is_refused_or_shorter),
         cmocka_unit_test(other_encodings_are_read),

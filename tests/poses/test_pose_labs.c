@@ -316,7 +316,7 @@ static void positions_in_metres_are_noted(void **state)
         {".05 .01 .09 A\n-.05 .01 .09 B\n", near_origin, CONUS_SPACE_LPS},
         {".05 .01 .09 A\n-.05 .01 x B\n", near_origin, 0},
         {"9 9 9 A\n9 9 9.01 B\n9 9 9.02 C\n", near_each_other, 0},
-        {"9 9 9 A\n9 9 9.01 B\n9 9 9.02 C\n", NULL, CONUS_SPACE_BREGMA},
+        {"9 9 -9 A\n9 9 -9.01 B\n9 9 -9.02 C\n", NULL, CONUS_SPACE_BREGMA},
         {"x,y,z,dx,dy,dz\n.1,.1,.1,0,0,1\n.1,.1,.2,0,0,1\n.1,.1,.15,0,0,1\n", NULL, 0},
         {"# Fiducial List file\n# columns = label,x,y,z,sel,vis\nA,.1,0,0,1,1\n", near_origin, 0},
     };

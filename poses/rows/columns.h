@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Tables of points and poses: which column has which role, and the row that a line is. */
-#ifndef CONUS_POSES_COLUMNS_H
-#define CONUS_POSES_COLUMNS_H
+#ifndef CONUS_POSES_ROWS_COLUMNS_H
+#define CONUS_POSES_ROWS_COLUMNS_H
 
 #include "base/formats/table.h"
 #include "base/notes.h"
 #include "conus/pose_file.h"
 #include "poses/rows/pose_row.h"
+#include "poses/rows/space_words.h"
 
 /** What a column may be. Before ROLE_NAME they are numbers. m00 … m33 are row-major. */
 enum role {
@@ -24,13 +25,31 @@ enum role {
     ROLE_ERROR_MM,
     ROLE_NEAR,
     ROLE_FAR,
+    ROLE_DEPTH,
+    ROLE_TILT_ML,
+    ROLE_TILT_AP,
+    ROLE_PHI,
+    ROLE_THETA,
     ROLE_SPACE,
     ROLE_NAME,
     ROLE_CONTACT, /**< The second half of the name. */
     ROLES         /**< None. */
 };
 
-enum { COLUMN_NAME_SIZE = 48 };
+enum { COLUMN_NAME_SIZE = 48, KEPT_COLUMNS = 16, KEPT_SIZE = 1024 };
+
+/** The words of conus_pose_options.columns. */
+struct columns_words {
+    struct text at[3], name; /**< Columns; empty: not given. */
+    double unit;             /**< mm; 0 = not given. */
+    bool any_sides;
+};
+
+/** Reads them; CONUS_ERROR_ARGUMENT for a word that is none, or only some of x, y and z. @p text NULL: none. */
+conus_status columns_words_parse(struct columns_words *out, const char *text);
+
+/** Length of the path that such words stand behind; all of it where there are none. */
+size_t columns_path_length(const char *path);
 
 /** What is known of a table when its head was read. */
 struct columns {
@@ -42,15 +61,24 @@ struct columns {
     char shown[ROLES][COLUMN_NAME_SIZE]; /**< What the header calls it. */
     size_t head_lines;                   /**< Lines to the end of the header. */
     uint64_t header_sum;                 /**< Of the header's line. */
+    bool is_bids;                        /**< Before columns_plan(): marks belong to cells, no column is unusual. */
     bool is_of_points;                   /**< It gives no direction. */
     bool has_space;                      /**< It says itself in which space the numbers are: */
     conus_space space;
-    double scale; /**< Units of the space per unit of positions. */
+    double scale;              /**< Units of the space per unit of positions. */
+    double depth_mm;           /**< mm per unit of depth. */
+    bool is_mlapdv;            /**< x y z are ML, AP, DV from bregma, as IBL has them beside theta and phi. */
+    size_t kept[KEPT_COLUMNS]; /**< Columns whose texts go along. */
+    size_t kept_count;
+    struct space_words said; /**< What titles, comments and headers say. */
+    bool has_unit;           /**< The file names it. */
+    bool ends_at_target;     /**< Axes end there, not only point there (target_x, but not tx). */
+    bool has_mni_rows;       /**< The column space says MNI 152 in every row of the head. */
 };
 
 /** Reads the head of a text: its first lines, @p all of them or TABLE_HEAD bytes. CONUS_ERROR_DATA with what it is
- * taken for, which roles were found in which columns, and all that is missing. Notes name the columns that have no
- * role. *is_short: the head has no row yet. */
+ * taken for, which roles were found in which columns, and all that is missing, or what its numbers cannot be. Notes
+ * name the columns that have no role. *is_short: the head has no row yet. */
 conus_status columns_plan(struct columns *out, bool *is_short, struct notes *notes, struct text head,
                           const conus_pose_options *options);
 
@@ -58,6 +86,7 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
 struct pose_name {
     struct text text; /**< Inside the line, or here: */
     char own[POSE_ID_LIMIT + 1];
+    char kept[KEPT_SIZE]; /**< Texts that go along, as much of them as there is room for. */
 };
 
 /** What a line is. */

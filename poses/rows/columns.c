@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds the roles of columns by their names, and reads rows by them; points without a header, and plain matrices. */
-#include "poses/columns.h"
+#include "poses/rows/columns.h"
 
 #include "base/buffer.h"
+#include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/status.h"
@@ -26,6 +27,11 @@ static const struct {
     {ROLE_ERROR_MM, "error mm"},
     {ROLE_NEAR, "near"},
     {ROLE_FAR, "far"},
+    {ROLE_DEPTH, "depth"},
+    {ROLE_TILT_ML, "tilt ml/ml tilt"},
+    {ROLE_TILT_AP, "tilt ap/ap tilt"},
+    {ROLE_PHI, "phi"},
+    {ROLE_THETA, "theta"},
     {ROLE_SPACE, "space"},
     {ROLE_NAME, "query id/id/name/label/channel/electrode/contact/site/roi/region/sensor/optode/marker/area/structure/"
                 "probe/cluster/cluster id/cluster index/index"},
@@ -33,7 +39,7 @@ static const struct {
 
 /* The third list: what a column says that makes a row no mere point. */
 static const char turned[] = "normal/normals/nrm/vec/vector/orient/orientation/ori/rot/rotation/roll/pitch/yaw/azimuth/"
-                             "elevation/tilt/twist/arc/ring/collar/handle/euler/phi/alphax/axis/trajectory";
+                             "elevation/tilt/twist/arc/ring/collar/handle/euler/axis/trajectory";
 
 /* What three columns that differ only in x y z are, by the words that stand with the letter. The last of several
  * counts. */
@@ -82,6 +88,78 @@ static const struct {
                   [UNIT_CM] = {"cm/centimetres/centimeters", 10},
                   [UNIT_M] = {"m/metres/meters", 1000}};
 
+static enum unit unit_named(struct text text)
+{
+    enum unit found = UNIT_NONE;
+    for (enum unit unit = UNIT_MM; unit < UNITS; unit++) {
+        found = text_is_one_of(text, units[unit].names, false) ? unit : found;
+    }
+    return found;
+}
+
+static const char *const word_keys[] = {"x", "y", "z", "name", "unit", "sides"};
+
+/* The key that a text begins with, before its "="; -1 for none. */
+static int key_of(const char *text)
+{
+    int found = -1;
+    for (size_t i = 0; i < sizeof word_keys / sizeof word_keys[0]; i++) {
+        size_t size = strlen(word_keys[i]);
+        found = strncmp(text, word_keys[i], size) == 0 && text[size] == '=' ? (int)i : found;
+    }
+    return found;
+}
+
+size_t columns_path_length(const char *path)
+{
+    const char *comma = path;
+    while ((comma = strchr(comma, ',')) && key_of(comma + 1) < 0) {
+        comma++;
+    }
+    return comma && !file_exists(path) ? (size_t)(comma - path) : strlen(path);
+}
+
+static conus_status set_word(struct columns_words *out, int key, struct text value)
+{
+    enum unit unit = unit_named(value);
+    if (key < 3) {
+        out->at[key] = value;
+    } else if (key == 3) {
+        out->name = value;
+    } else if (key == 4 && unit) {
+        out->unit = units[unit].mm;
+    } else if (key == 5 && text_equal(value, "anyway")) {
+        out->any_sides = true;
+    } else {
+        return fail(CONUS_ERROR_ARGUMENT, "%s=%.*s, allowed are %s", word_keys[key], POSE_QUOTE(value),
+                    key == 4 ? "mm, um, cm and m" : "anyway");
+    }
+    return CONUS_OK;
+}
+
+conus_status columns_words_parse(struct columns_words *out, const char *text)
+{
+    *out = (struct columns_words){0};
+    conus_status status = CONUS_OK;
+    while (!status && text && *text) {
+        int key = key_of(text);
+        if (key < 0) {
+            return fail(CONUS_ERROR_ARGUMENT, "\"%.60s\": x=, y=, z=, name=, unit= and sides= are allowed behind FILE",
+                        text);
+        }
+        const char *value = text + strlen(word_keys[key]) + 1;
+        const char *end = value;
+        while (*end && !(*end == ',' && key_of(end + 1) >= 0)) {
+            end++;
+        }
+        status = set_word(out, key, text_trim((struct text){value, (size_t)(end - value)}));
+        text = *end ? end + 1 : end;
+    }
+    int count = (out->at[0].size > 0) + (out->at[1].size > 0) + (out->at[2].size > 0);
+    return status || count == 0 || count == 3 ? status
+                                              : fail(CONUS_ERROR_ARGUMENT, "only some of x=, y= and z= are given");
+}
+
 struct family {
     char stem[COLUMN_NAME_SIZE];
     enum family_kind kind;
@@ -102,21 +180,14 @@ struct head {
     struct buffer faults; /* one after the other, "; " between */
     struct columns *out;
     const conus_pose_options *options;
+    struct columns_words words;
+    struct family named; /* by the user's words */
     struct text text;
 };
 
 /* Adds a fault to those that there are. */
 #define FAULT(head, ...)                                                                                               \
     (buffer_text(&(head)->faults, (head)->faults.size ? "; " : ""), buffer_format(&(head)->faults, __VA_ARGS__))
-
-static enum unit unit_named(struct text text)
-{
-    enum unit found = UNIT_NONE;
-    for (enum unit unit = UNIT_MM; unit < UNITS; unit++) {
-        found = text_is_one_of(text, units[unit].names, false) ? unit : found;
-    }
-    return found;
-}
 
 /* The name in small letters, with one blank for what stands between words, and without a unit in brackets or behind:
  * "MNI_X (mm)" is "mni x". Other brackets are words. */
@@ -376,8 +447,11 @@ static void take_family(struct head *head, const struct family *family, enum rol
         out->scale = scale;
     }
     if (family->has_letters) {
-        out->has_space = true;
-        out->space = family->is_lps ? CONUS_SPACE_LPS : CONUS_SPACE_RAS;
+        out->said.has_signs = true;
+        out->said.signs = family->is_lps ? CONUS_SPACE_LPS : CONUS_SPACE_RAS;
+    }
+    if (first == ROLE_X && family->at[0] != NONE && !head->options->any_space) {
+        space_words_hear_of(&out->said, text_from(head->names[family->at[0]]));
     }
 }
 
@@ -482,7 +556,6 @@ static void refuse_turned(struct head *head, const struct family *position)
         while (head->out->role_of[i] == ROLES && text_word(&rest, &word)) {
             is_one = is_one || text_is_one_of(word, turned, true);
         }
-        is_one = is_one && !(strstr(head->names[i], "phi") && find_name(head, "theta", 0) == NONE);
         for (size_t k = 0; is_one && k < head->family_count; k++) {
             const size_t *at = head->families[k].at;
             is_one = at[0] != i && at[1] != i && at[2] != i;
@@ -494,6 +567,14 @@ static void refuse_turned(struct head *head, const struct family *position)
                   POSE_QUOTE(head->line.cells[i]), FAMILY_SHOWN(head, position));
         }
     }
+}
+
+static void drop_role(struct head *head, enum role role)
+{
+    for (size_t i = 0; i < head->line.count && head->out->has[role]; i++) {
+        head->out->role_of[i] = head->out->role_of[i] == role ? ROLES : head->out->role_of[i];
+    }
+    head->out->has[role] = false;
 }
 
 /* Whether the column is 0 in all rows of the head. */
@@ -516,11 +597,42 @@ static bool is_all_zero(const struct head *head, enum role role)
     return all;
 }
 
+/* The column that the user calls so; a fault where there is none, or where it stands twice. */
+static size_t find_word(struct head *head, struct text word)
+{
+    size_t found = NONE;
+    size_t count = 0;
+    for (size_t i = 0; i < head->line.count; i++) {
+        bool is_it = text_equal_ignoring_case(head->line.cells[i], "") == false &&
+                     head->line.cells[i].size == word.size && text_contains(head->line.cells[i], word);
+        found = is_it && !count ? i : found;
+        count += is_it;
+    }
+    if (count != 1) {
+        FAULT(head, "column \"%.*s\" %s", POSE_QUOTE(word), count ? "twice" : "is not there");
+    }
+    return found;
+}
+
+/* The position that the user names; NULL: none. */
+static const struct family *find_named(struct head *head)
+{
+    if (!head->words.at[0].size) {
+        return NULL;
+    }
+    head->named = (struct family){.kind = OF_SPACE};
+    for (int k = 0; k < 3; k++) {
+        head->named.at[k] = find_word(head, head->words.at[k]);
+    }
+    return is_whole(&head->named) ? &head->named : NULL;
+}
+
 /* One way of saying where the device points, or none. */
 static void choose_families(struct head *head)
 {
     struct columns *out = head->out;
-    const struct family *position = find_position(head);
+    const struct family *named = find_named(head);
+    const struct family *position = named ? named : find_position(head);
     const struct family *entry = find_kind(head, ENTRY);
     const struct family *target = find_kind(head, TARGET);
     const struct family *direction = find_kind(head, DIRECTION);
@@ -532,6 +644,7 @@ static void choose_families(struct head *head)
         bool is_log = !entry && has_quaternion && target && strcmp(target->stem, "t") == 0; /* of a tracker */
         bool is_of_target = !entry && !direction && !has_quaternion && !has_matrix;
         position = entry ? entry : is_log || is_of_target ? target : NULL;
+        position = position ? position : find_kind(head, OTHER_SPACE);
         target = position == target ? NULL : target;
     }
     take_family(head, position, ROLE_X, "x y z");
@@ -539,8 +652,34 @@ static void choose_families(struct head *head)
     take_family(head, direction, ROLE_DX, "dx dy dz");
     take_family(head, up, ROLE_UX, "ux uy uz");
     take_family(head, quaternion, ROLE_QX, "qw qx qy qz");
-    int directions = (target != NULL) + (direction != NULL) + has_quaternion + has_matrix;
-    out->is_of_points = directions == 0;
+    out->ends_at_target = target && strcmp(target->stem, "t") != 0;
+    bool has_tilt = out->has[ROLE_TILT_ML] || out->has[ROLE_TILT_AP];
+    bool has_angles = out->has[ROLE_PHI] && out->has[ROLE_THETA];
+    bool is_of_rodents = head->options->space >= CONUS_SPACE_CCF;
+    int directions = (target != NULL) + (direction != NULL) + has_quaternion + has_matrix + has_tilt + has_angles;
+    bool is_straight = directions == 0 && out->has[ROLE_DEPTH] && is_of_rodents; /* down */
+    out->is_of_points = directions == 0 && !is_straight;
+    out->is_mlapdv = has_angles && head->options->space == CONUS_SPACE_BREGMA && position &&
+                     position->stem[0] == '\0' && find_name(head, "x", 0) == position->at[0];
+    if (!has_angles) { /* alone they are statistics */
+        drop_role(head, ROLE_PHI);
+        drop_role(head, ROLE_THETA);
+    }
+    if (has_angles && !is_of_rodents) {
+        FAULT(head, "phi and theta are angles from bregma, which only an atlas of the Allen CCF has (--space bregma)");
+    }
+    if (has_tilt && out->has[ROLE_TILT_ML] != out->has[ROLE_TILT_AP]) {
+        FAULT(head, "only one of the columns tilt_ml and tilt_ap");
+    }
+    if (out->has[ROLE_ANGLE] && (out->is_of_points || out->has[ROLE_DEPTH]) && is_all_zero(head, ROLE_ANGLE)) {
+        drop_role(head, ROLE_ANGLE); /* whichever it is, it says nothing */
+    }
+    if (out->has[ROLE_ANGLE] && out->has[ROLE_DEPTH]) {
+        FAULT(head,
+              "\"%s\" beside depth: the opening of a cone, or the tilt of the probe? call it opening, or tilt_ml "
+              "and tilt_ap",
+              out->shown[ROLE_ANGLE]);
+    }
     if (has_quaternion && !(quaternion && out->has[ROLE_QW])) {
         FAULT(head, "only some of the columns qw qx qy qz");
     }
@@ -558,7 +697,7 @@ static void choose_families(struct head *head)
         FAULT(head, "x y z are needed: no columns say where rows are");
         for (size_t i = 0; i < head->family_count; i++) {
             const struct family *family = &head->families[i];
-            if (family->kind == UNKNOWN || family->kind == OTHER_SPACE || family->kind == TURNED) {
+            if (family->kind == UNKNOWN || family->kind == TURNED) {
                 FAULT(head, "%s may be something else: call them x y z where they are positions",
                       FAMILY_SHOWN(head, family));
             }
@@ -570,15 +709,24 @@ static void choose_families(struct head *head)
     if (!out->is_of_points || !position) {
         return;
     }
-    if (out->has[ROLE_ANGLE] && !is_all_zero(head, ROLE_ANGLE)) {
+    if (out->has[ROLE_ANGLE]) {
         FAULT(head,
               "column \"%s\" is the opening of a cone, which needs a direction: tx ty tz, dx dy dz or qw qx qy qz",
               out->shown[ROLE_ANGLE]);
     }
+    if (out->has[ROLE_DEPTH] && named) {
+        drop_role(head, ROLE_DEPTH);
+    }
+    if (out->has[ROLE_DEPTH]) {
+        FAULT(head, "depth is a way along a direction, tx ty tz, dx dy dz or tilt_ml tilt_ap, which is not there; in "
+                    "space ccf and bregma alone it is straight down");
+    }
     if (out->has[ROLE_NEAR] || out->has[ROLE_FAR]) {
         FAULT(head, "near and far are depths along a direction: tx ty tz, dx dy dz or qw qx qy qz");
     }
-    refuse_turned(head, position);
+    if (!named) { /* the user's word is enough */
+        refuse_turned(head, position);
+    }
 }
 
 /* Where nothing else names the rows: the first column if it has no name of its own, or the first one of texts; all of
@@ -644,6 +792,11 @@ static const char *column_meant(const struct columns *columns, struct text field
                  {ROLE_TRIGGER, "trigger"},
                  {ROLE_NEAR, "near"},
                  {ROLE_FAR, "far"},
+                 {ROLE_DEPTH, "depth"},
+                 {ROLE_TILT_ML, "tilt ml/ml tilt"},
+                 {ROLE_TILT_AP, "tilt ap/ap tilt"},
+                 {ROLE_PHI, "phi"},
+                 {ROLE_THETA, "theta"},
                  {ROLE_ERROR_DEG, "error_deg"},
                  {ROLE_SPACE, "space"}};
     const char *meant = NULL;
@@ -707,6 +860,51 @@ static conus_status refuse(struct head *head)
     return status ? status : fail(CONUS_ERROR_DATA, "header: %s", faults->data);
 }
 
+static void find_kept(struct head *head)
+{
+    struct text rest = text_from(head->options->keep ? head->options->keep : "");
+    struct text name;
+    head->out->kept_count = 0;
+    for (bool more = rest.size > 0; text_field(&rest, ',', &more, &name);) {
+        if (head->out->kept_count == KEPT_COLUMNS) {
+            FAULT(head, "more than %d columns to keep", KEPT_COLUMNS);
+            return;
+        }
+        size_t column = find_word(head, text_trim(name));
+        head->out->kept[head->out->kept_count++] = column == NONE ? 0 : column;
+    }
+}
+
+/* A column whose cells are all entry, target and the like makes two rows one axis, which is not what points are. */
+static void refuse_pairs(struct head *head)
+{
+    struct columns *out = head->out;
+    struct table_line line;
+    for (size_t column = 0; out->is_of_points && column < out->count; column++) {
+        struct text rest = head->text;
+        struct text text;
+        bool all = out->role_of[column] >= ROLE_NAME;
+        bool has_entry = false;
+        bool has_target = false;
+        while (all && text_line(&rest, &text)) {
+            if (!table_is_blank(text) && table_split(&line, &out->table, text) && table_numbers(&line) >= 3) {
+                struct text cell = column < line.count ? line.cells[column] : (struct text){"", 0};
+                bool is_entry = text_is_one_of(cell, "entry/from/start", false);
+                bool is_target = text_is_one_of(cell, "target/to/tip/end", false);
+                all = is_entry || is_target;
+                has_entry = has_entry || is_entry;
+                has_target = has_target || is_target;
+            }
+        }
+        if (all && has_entry && has_target) {
+            FAULT(head,
+                  "column \"%.*s\" has an entry and a target in two rows: one row with the columns entry_x … and "
+                  "target_x … is an axis",
+                  POSE_QUOTE(head->line.cells[column]));
+        }
+    }
+}
+
 /* Roles of a line that may be a header. Faults say what is wrong with it. */
 static void find_columns(struct head *head)
 {
@@ -717,7 +915,7 @@ static void find_columns(struct head *head)
     memset(out->role_of, ROLES, sizeof out->role_of);
     memset(out->has, 0, sizeof out->has);
     out->scale = 0;
-    out->has_space = false;
+    out->said = (struct space_words){0};
     out->space = head->options->space;
     for (size_t i = 0; i < head->line.count; i++) {
         head->unit[i] = (uint8_t)normalise(head->names[i], head->line.cells[i]);
@@ -737,14 +935,22 @@ static void find_columns(struct head *head)
     if (find_name(head, "x", 0) == NONE) {
         find_letters(head);
     }
+    if (head->words.name.size) {
+        size_t column = find_word(head, head->words.name);
+        if (column != NONE) {
+            set_role(head, column, ROLE_NAME);
+        }
+    }
     find_roles(head);
+    find_kept(head);
     choose_families(head);
+    refuse_pairs(head);
 }
 
 /* Whether some of the columns of a line belong together as coordinates, so that it is a header. */
 static bool has_triad(const struct head *head)
 {
-    bool has = has_all(head->out, ROLE_M00, MATRIX_NUMBERS);
+    bool has = has_all(head->out, ROLE_M00, MATRIX_NUMBERS) || (head->words.at[0].size && is_whole(&head->named));
     for (size_t i = 0; i < head->family_count; i++) {
         has = has || is_whole(&head->families[i]);
     }
@@ -856,6 +1062,104 @@ static void shift_roles(struct head *head)
     head->line.given++;
     out->role_of[0] = ROLES;
     out->count++;
+}
+
+static bool has_digit(struct text line)
+{
+    bool found = false;
+    for (size_t i = 0; i < line.size && !found; i++) {
+        found = line.data[i] >= '0' && line.data[i] <= '9';
+    }
+    return found;
+}
+
+/* Whether a line of the head is a title, a comment or a closing line: neither a row nor the header. */
+static bool is_of_words(struct text *inside, const struct head *head, struct text text, size_t number)
+{
+    const struct columns *out = head->out;
+    bool is_header = number == out->head_lines && out->has_header;
+    bool is_comment = table_is_comment(inside, text);
+    return is_comment || (!is_header && (number < out->table.first || (number > out->head_lines && !has_digit(text))));
+}
+
+/* What is said of spaces and units; the user's word, and a column of LPS or RAS, beat it. */
+static conus_status hear_words(struct head *head, struct notes *notes)
+{
+    struct columns *out = head->out;
+    struct space_words *said = &out->said;
+    struct text rest = head->text;
+    struct text text;
+    struct text inside;
+    struct table_line line;
+    size_t rows = 0;
+    size_t of_mni = 0;
+    size_t of_signs = 0;
+    struct space_words of_rows = {0};
+    for (size_t number = 1; !head->options->any_space && text_line(&rest, &text); number++) {
+        if (is_of_words(&inside, head, text, number)) {
+            space_words_hear(said, inside);
+        } else if (number > out->head_lines && out->has[ROLE_SPACE] && table_split(&line, &out->table, text)) {
+            for (size_t i = 0; i < line.count && i < out->count; i++) {
+                if (out->role_of[i] == ROLE_SPACE) {
+                    struct space_words of_row = {0};
+                    space_words_hear_of(&of_row, line.cells[i]);
+                    rows++;
+                    of_signs += of_row.has_signs;
+                    of_mni += of_row.space.brain == POSE_BRAIN_MNI152 && !of_row.is_mni305;
+                    of_rows = of_row.space.brain ? of_row : of_rows;
+                }
+            }
+        }
+    }
+    out->has_mni_rows = of_mni > 0 && !of_signs;
+    of_mni = out->has_mni_rows ? of_mni : 0;
+    if (rows && of_rows.space.brain && !said->space.brain && !of_mni && !of_signs) { /* all in another one */
+        *said = of_rows;
+        out->has[ROLE_SPACE] = false;
+        for (size_t i = 0; i < out->count; i++) {
+            out->role_of[i] = out->role_of[i] == ROLE_SPACE ? ROLES : out->role_of[i];
+        }
+    } else if (of_mni && !said->space.brain) {
+        said->space = pose_space_named(text_from("MNI 152"), POSE_BRAIN_MNI152);
+    }
+    if (said->why) {
+        return fail(CONUS_ERROR_DATA, "positions are said to be \"%s\": %s; --any-space takes them as they are",
+                    said->heard, said->why);
+    }
+    if (said->are_two) {
+        return fail(CONUS_ERROR_DATA, "two units are named: which is that of the positions?");
+    }
+    if (said->mm > 0) {
+        double scale = said->mm / (head->options->space == CONUS_SPACE_CCF ? units[UNIT_UM].mm : 1);
+        if (out->scale > 0 && out->scale != scale) {
+            return fail(CONUS_ERROR_DATA, "a line names another unit than the header has");
+        }
+        out->scale = scale;
+    }
+    bool is_of_people = head->options->space < CONUS_SPACE_CCF;
+    if (said->has_signs && is_of_people) {
+        bool is_other = said->signs == CONUS_SPACE_RAS && head->options->space == CONUS_SPACE_LPS;
+        out->space = said->signs;
+        return is_other ? notes_add(notes, "the file says that its positions are RAS, and as such they are taken")
+                        : CONUS_OK;
+    }
+    return said->is_mni305
+               ? notes_add(notes, "positions in MNI 305 (\"%s\"), moved to MNI 152 by FreeSurfer's matrix", said->heard)
+               : CONUS_OK;
+}
+
+/* What is meant by columns that other programs mean otherwise. */
+static conus_status note_angles(const struct head *head, struct notes *notes)
+{
+    const struct columns *out = head->out;
+    conus_status status = !out->is_mlapdv
+                              ? CONUS_OK
+                              : notes_add(notes, "x y z beside theta and phi are ML, AP, DV from bregma, as IBL "
+                                                 "has them");
+    bool has_direction =
+        out->has[ROLE_TX] || out->has[ROLE_DX] || out->has[ROLE_QW] || out->has[ROLE_TILT_ML] || out->has[ROLE_PHI];
+    return status || has_direction || !out->has[ROLE_DEPTH] ? status
+                                                            : notes_add(notes, "depth without an angle: straight down");
 }
 
 static conus_status check_options(const struct head *head)
@@ -1015,6 +1319,207 @@ static conus_status plan_bare(struct head *head)
                       pose_axis_name(options->axis));
 }
 
+/* The numbers of the head's rows, mm or as the space has them. */
+struct census {
+    size_t points, outside_1, negatives, shallow, axes, short_axes;
+    double farthest;
+    size_t left, right, left_on_right, right_on_left; /* rows that a word calls so */
+    size_t bad, rows;
+};
+
+/* The side that a name states: -1 left, +1 right, 0 none. */
+static int side_of(struct text name)
+{
+    static const char left[] = "left/l/lh/links/gauche", right[] = "right/r/rh/rechts/droite";
+    int side = 0;
+    for (size_t i = 0; i < name.size;) {
+        size_t size = 0;
+        while (i + size < name.size && !strchr(" _-.,()[]", name.data[i + size])) {
+            size++;
+        }
+        const struct text word = {name.data + i, size};
+        side = text_is_one_of(word, left, false) ? -1 : text_is_one_of(word, right, false) ? 1 : side;
+        i += size + 1;
+    }
+    return side;
+}
+
+/* A column whose cells are all words of sides says them, whatever its header; else the name does. */
+static int side_of_row(const struct head *head, struct text text, const char *name, size_t column)
+{
+    struct table_line line;
+    return column != NONE && table_split(&line, &head->out->table, text) && column < line.count
+               ? side_of(line.cells[column])
+               : side_of(text_from(name));
+}
+
+static size_t find_side_column(const struct head *head)
+{
+    size_t found = NONE;
+    for (size_t i = 0; i < head->line.count && found == NONE && head->out->has_header; i++) {
+        bool is_one = strstr(head->names[i], "hemi") || strcmp(head->names[i], "side") == 0;
+        found = is_one && head->out->role_of[i] >= ROLE_NAME ? i : NONE;
+    }
+    return found;
+}
+
+static void count_row(struct census *census, const struct head *head, const conus_pose_row *row, int side, double width)
+{
+    double p[3];
+    conus_frame_from_world(p, head->options->frame, row->pose.world_from_device + 12);
+    const double *world = row->pose.world_from_device + 12;
+    bool is_of_bregma = head->options->space == CONUS_SPACE_BREGMA;
+    double distance = vec3_length(head->options->space < CONUS_SPACE_CCF ? world : p);
+    census->points++;
+    census->farthest = fmax(census->farthest, distance);
+    census->negatives += p[0] < 0 || p[1] < 0 || p[2] < 0;
+    census->shallow += is_of_bregma && row->is_point && p[2] > 0;
+    if (isfinite(row->range[1]) && head->out->ends_at_target) {
+        census->axes++;
+        census->short_axes += row->range[1] < width / 20;
+    }
+    if (side) {
+        double x = head->options->space == CONUS_SPACE_BREGMA ? p[1] : world[0];
+        size_t *wrong = side < 0 ? &census->left_on_right : &census->right_on_left;
+        *(side < 0 ? &census->left : &census->right) += 1;
+        *wrong += side < 0 ? x > width / 36 : x < -width / 36;
+    }
+}
+
+static conus_status judge(const struct census *c, const struct head *head, struct notes *notes, double longest,
+                          const char *first_fault)
+{
+    conus_space space = head->options->space;
+    bool of_people = space < CONUS_SPACE_CCF;
+    bool is_known = head->options->longest > 0;
+    enum { LEAST = 3 };
+    bool is_list = c->points >= LEAST && head->out->is_of_points;
+    bool is_said = head->out->has_unit;
+    if (c->rows > 1 && 2 * c->bad > c->rows && head->out->has_header) {
+        return fail(CONUS_ERROR_DATA,
+                    "%zu of %zu rows have no number where the header has x y z: is the order of the "
+                    "columns another? The first: %s",
+                    c->bad, c->rows, first_fault);
+    }
+    bool sides = (c->left && 2 * c->left_on_right >= c->left) || (c->right && 2 * c->right_on_left >= c->right);
+    bool confirmed = c->left && c->right && !c->left_on_right && !c->right_on_left;
+    if (is_list && is_known && c->left + c->right >= 2 && sides && !head->words.any_sides) {
+        return fail(CONUS_ERROR_DATA,
+                    "sides: %zu of %zu rows called left lie on the right, %zu of %zu called right on the left; --space "
+                    "%s would turn x and y, and ',sides=anyway' behind FILE takes them as they are",
+                    c->left_on_right, c->left, c->right_on_left, c->right, space == CONUS_SPACE_LPS ? "ras" : "lps");
+    }
+    if (is_list && !is_said && (of_people || space == CONUS_SPACE_BREGMA) && c->farthest > 0 &&
+        c->farthest <= (of_people ? 1 : 0.02)) {
+        return fail(CONUS_ERROR_DATA,
+                    "all positions lie within %s mm of the origin, as if they were in metres; ',unit=m' behind FILE "
+                    "takes them so, ',unit=mm' as mm",
+                    of_people ? "1" : "0.02");
+    }
+    if (c->farthest > fmax(10 * longest, 1000) && of_people && is_known && !is_said) {
+        return fail(CONUS_ERROR_DATA,
+                    "a position lies %g mm from the origin, as if it were in micrometres; ',unit=um' behind FILE takes "
+                    "them so, ',unit=mm' as mm",
+                    c->farthest);
+    }
+    if (space == CONUS_SPACE_BREGMA && is_list && 2 * c->shallow > c->points) {
+        return fail(
+            CONUS_ERROR_DATA,
+            "%zu of %zu positions have a DV above 0, above bregma: DV is up in space bregma, depths are negative",
+            c->shallow, c->points);
+    }
+    if (is_known && c->axes && 2 * c->short_axes >= c->axes) {
+        return fail(CONUS_ERROR_DATA,
+                    "%zu of %zu axes from entry to target are shorter than %g mm: are they planned and reached "
+                    "positions, or two spaces?",
+                    c->short_axes, c->axes, longest / 20);
+    }
+    conus_status status = CONUS_OK;
+    if (is_list && of_people && is_known && !is_said && c->farthest < longest / 14) {
+        status = notes_warn(notes,
+                            "all positions lie within %g mm of the origin: are they in centimetres? ',unit=cm' "
+                            "behind FILE takes them so",
+                            longest / 14);
+    } else if (is_list && of_people && is_known && !c->negatives && !confirmed) {
+        status = notes_warn(notes, "no position has a negative number: are they voxels, or positions in a frame?");
+    }
+    if (!status && is_known && c->left_on_right + c->right_on_left > 0 && !head->words.any_sides) {
+        status = notes_warn(notes, "%zu rows lie on the other side than their name says",
+                            c->left_on_right + c->right_on_left);
+    }
+    return status;
+}
+
+static bool is_absent(struct text cell)
+{
+    return !cell.size || text_equal_ignoring_case(cell, "n/a") || text_is_one_of(cell, "NA/none/-/--", false);
+}
+
+/* Whether a word stands where a coordinate is to be. */
+static bool has_words_for_numbers(const struct columns *columns, struct text text)
+{
+    struct table_line line;
+    bool found = false;
+    for (size_t i = 0; table_split(&line, &columns->table, text) && i < line.count && i < columns->count; i++) {
+        double value;
+        struct text cell = line.cells[i];
+        found = found || (columns->role_of[i] < ROLE_X + 3 && !is_absent(cell) &&
+                          isalpha((unsigned char)cell.data[0]) && !table_number(&value, &columns->table, cell));
+    }
+    return found;
+}
+
+/* Whether a character that is no sign stands before a coordinate. */
+static bool has_glyph(const struct columns *columns, struct text text)
+{
+    struct table_line line;
+    bool found = false;
+    for (size_t i = 0; table_split(&line, &columns->table, text) && i < line.count && i < columns->count; i++) {
+        struct text cell = line.cells[i];
+        size_t length = cell.size && (unsigned char)cell.data[0] >= 0x80 ? text_character(cell) : 0;
+        found =
+            found || (columns->role_of[i] < ROLE_X + 3 && length && length < cell.size &&
+                      isdigit((unsigned char)cell.data[length]) && !table_number(&(double){0}, &columns->table, cell));
+    }
+    return found;
+}
+
+/* What the numbers of the head say against their unit, their signs or their sides. The unit that the user or the file
+ * states is not questioned. */
+static conus_status check_numbers(const struct head *head, struct notes *notes)
+{
+    struct census census = {0};
+    struct text rest = head->text;
+    struct text text;
+    const conus_pose_options *options = head->options;
+    const double longest = options->longest; /* 0: what needs it is not asked */
+    size_t column = find_side_column(head);
+    char first_fault[256] = "";
+    for (size_t number = 1; text_line(&rest, &text); number++) {
+        conus_pose_row row = pose_row_at(number);
+        struct pose_name name = {.text = {"", 0}};
+        conus_status bad = CONUS_OK;
+        enum columns_line kind = columns_read(&row, &name, &bad, head->out, text, number, options);
+        char copy[64];
+        census.rows += kind == LINE_ROW;
+        bool is_other = kind == LINE_ROW && bad && has_words_for_numbers(head->out, text);
+        census.bad += is_other;
+        if (kind == LINE_ROW && bad && has_glyph(head->out, text)) {
+            return fail(CONUS_ERROR_DATA,
+                        "line %zu: a character before a number that is no minus (as PDFs lose them): %s", number,
+                        conus_message());
+        }
+        if (is_other && !first_fault[0]) {
+            snprintf(first_fault, sizeof first_fault, "%s", conus_message());
+        }
+        if (kind == LINE_ROW && !bad) {
+            snprintf(copy, sizeof copy, "%.*s", TEXT_SHOW(name.text, sizeof copy - 1));
+            count_row(&census, head, &row, side_of_row(head, text, copy, column), longest);
+        }
+    }
+    return judge(&census, head, notes, longest, first_fault);
+}
+
 conus_status columns_plan(struct columns *out, bool *is_short, struct notes *notes, struct text head_text,
                           const conus_pose_options *options)
 {
@@ -1022,16 +1527,20 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     if (!head) {
         return CONUS_ERROR_MEMORY;
     }
-    *out = (struct columns){0};
+    *out = (struct columns){.space = options->space, .is_bids = out->is_bids, .table.quotes_are_plain = out->is_bids};
     head->out = out;
     head->options = options;
     head->text = head_text;
+    conus_status status = columns_words_parse(&head->words, options->columns);
+    if (status) {
+        memory_free(head);
+        return status;
+    }
     table_decide(&out->table, head_text);
     *is_short = out->table.cells == 0;
     if (!out->table.cells) {
         decide_by_header(head);
     }
-    conus_status status = CONUS_OK;
     out->has_header = options->format != CONUS_POSE_FORMAT_POINTS && find_header(head);
     if (out->has_header && out->table.comma == TABLE_COMMA_UNCLEAR) {
         FAULT(head, "a comma before three digits, or commas of two kinds: 1,250 may be 1250 or 1.25");
@@ -1047,13 +1556,76 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     } else {
         shift_roles(head);
         status = check_options(head);
+        status = status ? status : note_angles(head, notes);
         status = status ? status : find_row_names(head, notes);
-        status = status ? status : note_unknown(notes, head);
+        status = status || out->is_bids ? status : note_unknown(notes, head);
     }
-    out->scale = out->scale > 0 ? out->scale : 1;
+    status = status ? status : hear_words(head, notes);
+    double unit = head->words.unit > 0 ? head->words.unit : options->unit; /* the user's word */
+    if (unit > 0) {
+        out->scale = unit / (options->space == CONUS_SPACE_CCF ? units[UNIT_UM].mm : 1);
+    }
+    out->has_unit = out->scale > 0;
+    enum unit of_depth = UNIT_NONE;
+    for (size_t i = 0; i < out->count; i++) {
+        of_depth = out->role_of[i] == ROLE_DEPTH ? head->unit[i] : of_depth;
+    }
+    double space_mm = options->space == CONUS_SPACE_CCF ? units[UNIT_UM].mm : 1;
+    out->depth_mm = of_depth ? units[of_depth].mm : (out->has_unit ? out->scale : 1) * space_mm;
+    out->scale = out->has_unit ? out->scale : 1;
+    status = status ? status : check_numbers(head, notes);
     buffer_finish(&head->faults);
     memory_free(head);
     return status;
+}
+
+/* MNI 305 to MNI 152, RAS mm (FreeSurfer's wiki, CoordinateSystems, 8b). */
+static void move_from_mni305(double p[3])
+{
+    static const double rows[3][4] = {
+        {0.9975, -0.0073, 0.0176, -0.0429}, {0.0146, 1.0009, -0.0024, 1.5496}, {-0.0130, -0.0093, 0.9971, 1.1840}};
+    const double from[3] = {p[0], p[1], p[2]};
+    for (int i = 0; i < 3; i++) {
+        p[i] = vec3_dot(rows[i], from) + rows[i][3];
+    }
+}
+
+/* A direction to the right, anterior and up, as the space counts. */
+static void set_direction(double out[3], const double way[3], conus_space space)
+{
+    double right = way[0];
+    double anterior = way[1];
+    double up = way[2];
+    const double of_spaces[][3] = {[CONUS_SPACE_RAS] = {right, anterior, up},
+                                   [CONUS_SPACE_LPS] = {-right, -anterior, up},
+                                   [CONUS_SPACE_CCF] = {-anterior, -up, right},
+                                   [CONUS_SPACE_BREGMA] = {anterior, right, up}};
+    memcpy(out, of_spaces[space], sizeof of_spaces[space]);
+}
+
+/* The direction of the angles that a table has instead; without one straight down. A tilt leads the tip lateral and
+ * anterior. IBL's phi and theta are those of the way from the tip to the top. */
+static void turn_by_angles(double v[ROLE_NAME], const struct columns *columns, const conus_frame *frame,
+                           conus_space space)
+{
+    const double *x = v + ROLE_X;
+    double right = space == CONUS_SPACE_RAS      ? x[0]
+                   : space == CONUS_SPACE_LPS    ? -x[0]
+                   : space == CONUS_SPACE_BREGMA ? x[1]
+                                                 : x[2] - frame->bregma[2];
+    if (columns->has[ROLE_TILT_ML]) {
+        double side = right < 0 ? -1 : 1;
+        const double way[3] = {side * tan(radians_from_degrees(v[ROLE_TILT_ML])),
+                               tan(radians_from_degrees(v[ROLE_TILT_AP])), -1};
+        set_direction(v + ROLE_DX, way, space);
+    } else if (columns->has[ROLE_THETA]) {
+        double phi = radians_from_degrees(v[ROLE_PHI]);
+        double theta = radians_from_degrees(v[ROLE_THETA]);
+        const double way[3] = {-sin(theta) * cos(phi), -sin(theta) * sin(phi), -cos(theta)};
+        set_direction(v + ROLE_DX, way, space);
+    } else if (columns->has[ROLE_DEPTH] && !columns->has[ROLE_DX]) {
+        set_direction(v + ROLE_DX, (const double[]){0, 0, -1}, space);
+    }
 }
 
 static conus_status pose_from_values(conus_pose *out, const struct columns *columns, double v[ROLE_NAME],
@@ -1068,8 +1640,18 @@ static conus_status pose_from_values(conus_pose *out, const struct columns *colu
     double *t = v + ROLE_TX;
     vec3_scale(x, x, columns->scale);
     vec3_scale(t, t, columns->scale);
+    if (columns->said.is_mni305) {
+        move_from_mni305(x);
+        move_from_mni305(t);
+    }
     conus_space space = isnan(v[ROLE_SPACE]) ? columns->space : (conus_space)v[ROLE_SPACE];
     conus_frame own = *options->frame;
+    if (columns->is_mlapdv) {
+        const double mlap[2] = {x[0], x[1]};
+        x[0] = mlap[1];
+        x[1] = mlap[0];
+    }
+    turn_by_angles(v, columns, &own, space);
     conus_status status = space == options->space ? CONUS_OK : conus_frame_find(&own, NULL, space, NULL);
     status = status || columns->has[ROLE_M00] ? status : conus_frame_to_world(x, &own, x);
     status = status || !columns->has[ROLE_TX] ? status : conus_frame_to_world(t, &own, t);
@@ -1097,11 +1679,6 @@ static conus_status pose_from_values(conus_pose *out, const struct columns *colu
     return status;
 }
 
-static bool is_absent(struct text cell)
-{
-    return !cell.size || text_equal_ignoring_case(cell, "n/a") || text_is_one_of(cell, "NA/none/-/--", false);
-}
-
 static conus_status read_trigger(double *out, struct text cell)
 {
     bool on = text_is_one_of(cell, "1/true", false);
@@ -1113,10 +1690,13 @@ static conus_status read_trigger(double *out, struct text cell)
 }
 
 /* One of the spaces that --space has. A row in another brain's is not brought here. */
-static conus_status read_space(double *out, struct text cell)
+static conus_status read_space(double *out, const struct columns *columns, struct text cell)
 {
     const char *name;
     *out = NAN;
+    if (columns->has_mni_rows && text_is_one_of(cell, "MNI/MNI152", false)) {
+        return CONUS_OK; /* as the file's space says */
+    }
     for (size_t i = 0; (name = conus_space_name(i)) && isnan(*out); i++) {
         *out = text_equal_ignoring_case(cell, name) ? (double)i : NAN;
     }
@@ -1189,6 +1769,24 @@ static bool has_right_count(const struct columns *columns, const struct table_li
     return fits && (line->count >= columns->count || line->count > 1);
 }
 
+/* Texts that go along with the row, tabs between. */
+static void keep_texts(struct pose_name *name, const struct columns *columns, const struct table_line *line)
+{
+    size_t size = 0;
+    for (size_t i = 0; i < columns->kept_count; i++) {
+        size_t column = columns->kept[i];
+        struct text cell = column < line->count ? line->cells[column] : (struct text){"", 0};
+        for (size_t k = 0; k < cell.size + (i > 0) && size + 1 < KEPT_SIZE; k++) {
+            char c = k < (i > 0) ? '\t' : cell.data[k - (i > 0)];
+            name->kept[size++] = k >= (i > 0) && c == '\t' ? ' ' : c;
+        }
+    }
+    while (size && !text_is_utf8((struct text){name->kept, size})) { /* the last letter has no room */
+        size--;
+    }
+    name->kept[size] = '\0';
+}
+
 static conus_status read_values(double values[ROLE_NAME], struct pose_name *name, const struct columns *columns,
                                 const struct table_line *line, struct text text)
 {
@@ -1204,10 +1802,11 @@ static conus_status read_values(double values[ROLE_NAME], struct pose_name *name
             names[role - ROLE_NAME] = cell;
         } else if (role < ROLE_NAME && !status) {
             status = role == ROLE_TRIGGER ? read_trigger(&values[role], cell)
-                     : role == ROLE_SPACE ? read_space(&values[role], cell)
+                     : role == ROLE_SPACE ? read_space(&values[role], columns, cell)
                                           : read_value(&values[role], columns, role, cell);
         }
     }
+    keep_texts(name, columns, line);
     if (!line->spoilt.data) { /* a row with an error keeps its name */
         set_name(name, text, names[0], names[1]);
     }
@@ -1217,8 +1816,8 @@ static conus_status read_values(double values[ROLE_NAME], struct pose_name *name
 static conus_status read_row(conus_pose_row *row, struct pose_name *name, const struct columns *columns,
                              const struct table_line *line, struct text text, const conus_pose_options *options)
 {
-    double values[ROLE_NAME] = {[ROLE_TIME] = NAN, [ROLE_ERROR_DEG] = NAN, [ROLE_ERROR_MM] = NAN,
-                                [ROLE_NEAR] = NAN, [ROLE_FAR] = NAN,       [ROLE_SPACE] = NAN};
+    double values[ROLE_NAME] = {[ROLE_TIME] = NAN, [ROLE_ERROR_DEG] = NAN, [ROLE_ERROR_MM] = NAN, [ROLE_NEAR] = NAN,
+                                [ROLE_FAR] = NAN,  [ROLE_SPACE] = NAN,     [ROLE_DEPTH] = NAN};
     conus_status status = read_values(values, name, columns, line, text);
     /* A row may have other signs than the table, but not another space's axes and units. */
     double space = values[ROLE_SPACE];
@@ -1245,20 +1844,25 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
     row->is_point = columns->is_of_points;
     row->range[0] = values[ROLE_NEAR];
     row->range[1] = values[ROLE_FAR];
+    double depth = values[ROLE_DEPTH] * columns->depth_mm;
+    if (!status && columns->has[ROLE_DEPTH] && isfinite(depth)) {
+        status = depth > 0 ? CONUS_OK
+                           : fail(CONUS_ERROR_DATA, "column %s: %g, allowed is more than 0", columns->shown[ROLE_DEPTH],
+                                  values[ROLE_DEPTH]);
+        row->range[0] = isnan(row->range[0]) ? 0 : row->range[0];
+        row->range[1] = depth;
+    }
+    if (!status && columns->ends_at_target && isnan(row->range[1])) {
+        double way[3];
+        vec3_sub(way, values + ROLE_TX, values + ROLE_X); /* of the world by now */
+        row->range[0] = isnan(row->range[0]) ? 0 : row->range[0];
+        row->range[1] = vec3_length(way);
+    }
     row->time_s = values[ROLE_TIME];
     row->trigger = values[ROLE_TRIGGER] != 0;
     row->error_deg = values[ROLE_ERROR_DEG];
     row->error_mm = values[ROLE_ERROR_MM];
     return status;
-}
-
-static bool has_digit(struct text line)
-{
-    bool found = false;
-    for (size_t i = 0; i < line.size && !found; i++) {
-        found = line.data[i] >= '0' && line.data[i] <= '9';
-    }
-    return found;
 }
 
 /* Whether the three coordinates of a row hold nothing. */
@@ -1307,13 +1911,11 @@ static enum columns_line read_table_line(conus_pose_row *row, struct pose_name *
 static conus_status read_bare(conus_pose_row *row, struct pose_name *name, const struct columns *columns,
                               struct text line, const conus_pose_options *options)
 {
-    double point[3];
-    if (!read_point_anyhow(point, &name->text, &columns->table, line)) {
-        return CONUS_ERROR_DATA;
-    }
-    conus_status status = conus_frame_to_world(point, options->frame, point);
+    double values[ROLE_NAME] = {[ROLE_SPACE] = NAN};
     row->is_point = true;
-    return status ? status : pose_of_point(&row->pose, point);
+    return read_point_anyhow(values + ROLE_X, &name->text, &columns->table, line)
+               ? pose_from_values(&row->pose, columns, values, options)
+               : CONUS_ERROR_DATA;
 }
 
 enum columns_line columns_read(conus_pose_row *row, struct pose_name *name, conus_status *bad,
