@@ -365,7 +365,7 @@ static conus_status set_freeview_space(conus_pose_list *list, const json_t *root
     if (!is_scanner && !text_equal(system, "tkreg")) {
         return fail(CONUS_ERROR_DATA, "vox2ras \"%.*s\", allowed are scanner_ras and tkreg", POSE_QUOTE(system));
     }
-    return is_scanner || any_space ? CONUS_OK : fail(CONUS_ERROR_DATA, "%s", pose_why_tkras);
+    return is_scanner || any_space ? CONUS_OK : fail(CONUS_ERROR_DATA, "%s", space_why_tkras);
 }
 
 /* {"name": "M1", "x": 1, "y": 2, "z": 3}, in any case; another key of a direction would be lost. */

@@ -136,10 +136,6 @@ static bool read_line(double point[3], struct text *name, const struct layout *l
     return fine;
 }
 
-const char pose_why_tkras[] =
-    "FreeSurfer's tkRAS, which counts from the middle of the voxels of an image that is not in the file: save scanner "
-    "RAS (Freeview has both); --any-space takes the positions as they are, for an atlas in tkRAS";
-
 static const struct layout *find_layout(struct text head, const char *path)
 {
     const struct layout *found = NULL;
@@ -330,7 +326,7 @@ conus_status pose_lists_parse(conus_pose_list *list, struct text text, const con
                                       "if these are RAS, take the column t out");
     }
     if (layout->brain == POSE_BRAIN_OTHER && !options->any_space) {
-        return fail(CONUS_ERROR_DATA, "%s", pose_why_tkras);
+        return fail(CONUS_ERROR_DATA, "%s", space_why_tkras);
     }
     if (layout->space) {
         list->space = pose_space_named(text_from(layout->space), layout->brain);

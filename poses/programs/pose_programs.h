@@ -59,8 +59,6 @@ conus_status pose_lead_dbs_find(bool *found, conus_pose_list *list, struct text 
 /** Points of programs whose lists have their columns in known places (pose_lists.c), FreeSurfer's and caps among them.
  * A list that is known, but holds no positions of a brain, is CONUS_ERROR_DATA. */
 conus_status pose_lists_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
-/** Why positions in tkRAS are refused. */
-extern const char pose_why_tkras[];
 /** Whether a text with this @p head is such a list, by its words or by how the name @p path ends; NULL: it has none. */
 bool pose_lists_know(struct text head, const char *path);
 

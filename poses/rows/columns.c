@@ -1524,9 +1524,10 @@ static conus_status check_numbers(const struct head *head, struct notes *notes)
         bool is_other = kind == LINE_ROW && bad && has_words_for_numbers(head->out, text);
         census.bad += is_other;
         if (kind == LINE_ROW && bad && has_glyph(head->out, text)) {
-            return fail(CONUS_ERROR_DATA,
-                        "line %zu: a character before a number that is no minus (as PDFs lose them): %s", number,
-                        conus_message());
+            char where[128];
+            snprintf(where, sizeof where, "line %zu: a character before a number that is no minus (as PDFs lose them)",
+                     number);
+            return fail_in(CONUS_ERROR_DATA, where);
         }
         if (is_other && !first_fault[0]) {
             snprintf(first_fault, sizeof first_fault, "%s", conus_message());

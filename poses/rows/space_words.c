@@ -197,6 +197,10 @@ void space_words_hear_of(struct space_words *words, struct text word)
     hear_sentence(words, word, true);
 }
 
+const char space_why_tkras[] =
+    "FreeSurfer's tkRAS, which counts from the middle of the voxels of an image that is not in the file: save scanner "
+    "RAS (Freeview has both); --any-space takes the positions as they are, for an atlas in tkRAS";
+
 void space_move_from_mni305(double p[3])
 {
     static const double matrix[3][4] = {
