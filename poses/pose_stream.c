@@ -254,7 +254,8 @@ static conus_status find_format(conus_pose_stream *stream)
         }
     }
     struct text head = {lines->data, lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT};
-    found = !status && pose_lists_know(head, stream->path) ? CONUS_POSE_FORMAT_LIST : found;
+    bool is_own_word = stream->options.columns; /* the user knows the columns */
+    found = !status && !is_own_word && pose_lists_know(head, stream->path) ? CONUS_POSE_FORMAT_LIST : found;
     const char *kind =
         status || found == CONUS_POSE_FORMAT_LIST ? NULL : forms_why_none((struct text){lines->data, lines->size});
     if (kind) {

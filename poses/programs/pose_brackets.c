@@ -6,6 +6,7 @@
 #include "base/formats/json_text.h"
 #include "base/formats/table.h"
 #include "poses/rows/pose_row.h"
+#include "poses/rows/space_words.h"
 
 #include <math.h>
 #include <string.h>
@@ -307,6 +308,16 @@ static conus_status parse_cells(conus_pose_list *list, struct text text, const c
                               ? CONUS_OK
                               : fail(CONUS_ERROR_DATA, "several columns with three numbers in a cell: which are the "
                                                        "positions? Take the others out");
+    struct space_words said = {0};
+    if (!status && !options->any_space) {
+        space_words_hear(&said, cells.header);
+        list->space = said.space;
+        status = said.why || said.mm > 1 || said.mm < 0 || said.has_signs || said.is_mni305
+                     ? fail(CONUS_ERROR_DATA,
+                            "the header says \"%s\" of coordinates in one cell: give x, y and z columns of their own",
+                            said.heard)
+                     : CONUS_OK;
+    }
     (void)next_line(&text, &line); /* the header */
     while (!status && next_line(&text, &line)) {
         double point[3] = {0};
@@ -345,16 +356,16 @@ enum pose_brackets pose_brackets_json(json_t *root)
 }
 
 /* Freeview's point sets say in which space they are. */
-static conus_status set_freeview_space(conus_pose_list *list, const json_t *root)
+static conus_status set_freeview_space(conus_pose_list *list, const json_t *root, bool any_space)
 {
     struct text system = json_text_of(json_object_get(root, "vox2ras"));
     bool is_scanner = text_equal(system, "scanner_ras");
-    list->space =
-        is_scanner ? pose_space_named(text_from("FreeSurfer scanner RAS"), POSE_BRAIN_SUBJECT)
-                   : pose_space_named(text_from("FreeSurfer tkRAS (Freeview can save scanner RAS)"), POSE_BRAIN_OTHER);
-    return is_scanner || text_equal(system, "tkreg")
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "vox2ras \"%.*s\", allowed are scanner_ras and tkreg", POSE_QUOTE(system));
+    list->space = is_scanner ? pose_space_named(text_from("FreeSurfer scanner RAS"), POSE_BRAIN_SUBJECT)
+                             : pose_space_named(text_from("FreeSurfer tkRAS"), POSE_BRAIN_OTHER);
+    if (!is_scanner && !text_equal(system, "tkreg")) {
+        return fail(CONUS_ERROR_DATA, "vox2ras \"%.*s\", allowed are scanner_ras and tkreg", POSE_QUOTE(system));
+    }
+    return is_scanner || any_space ? CONUS_OK : fail(CONUS_ERROR_DATA, "%s", space_why_tkras);
 }
 
 /* {"name": "M1", "x": 1, "y": 2, "z": 3}, in any case; another key of a direction would be lost. */
@@ -395,7 +406,7 @@ conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const 
     }
     conus_status status = json_text_load(&root, text);
     bool is_freeview = pose_brackets_json(root) == BRACKETS_FREEVIEW;
-    status = status || !is_freeview ? status : set_freeview_space(list, root);
+    status = status || !is_freeview ? status : set_freeview_space(list, root, options->any_space);
     json_t *objects = is_freeview ? json_object_get(root, "points") : root;
     for (void *at = is_freeview ? NULL : json_object_iter(root); !status && at; at = json_object_iter_next(root, at)) {
         double point[3] = {0};

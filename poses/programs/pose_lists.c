@@ -4,6 +4,7 @@
 #include "poses/programs/pose_programs.h"
 
 #include "poses/rows/pose_row.h"
+#include "poses/rows/space_words.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -47,13 +48,12 @@ static const struct layout {
     {"", "Size(mm^2)  TalX   TalY   TalZ",
      .refused = "clusters in Talairach's space (FixMNI = 1): run mri_surfcluster again with --nofixmni"},
     {"", "vox2ras=scanner", .count = "\n", .space = "FreeSurfer scanner RAS", .brain = POSE_BRAIN_SUBJECT, .x = 1},
-    {"", "^#!ascii label", .count = "\n", .space = "FreeSurfer tkRAS (Freeview can save scanner RAS)",
-     .brain = POSE_BRAIN_OTHER, .x = 1},
+    {"", "^#!ascii label", .count = "\n", .space = "FreeSurfer tkRAS", .brain = POSE_BRAIN_OTHER, .x = 1},
     {"", "\nuseRealRAS 1", .count = "numpoints ", .space = "FreeSurfer scanner RAS", .brain = POSE_BRAIN_SUBJECT,
      .name = -1, .flags = ENDS_EARLY},
-    {"", "\nuseRealRAS 0", .count = "numpoints ", .space = "FreeSurfer tkRAS (Freeview can save scanner RAS)",
-     .brain = POSE_BRAIN_OTHER, .name = -1, .flags = ENDS_EARLY},
-    {".LEPTO", "", .space = "FreeSurfer tkRAS (iELVis)", .brain = POSE_BRAIN_OTHER, .name = -1},
+    {"", "\nuseRealRAS 0", .count = "numpoints ", .space = "FreeSurfer tkRAS", .brain = POSE_BRAIN_OTHER, .name = -1,
+     .flags = ENDS_EARLY},
+    {".LEPTO", "", .space = "FreeSurfer tkRAS", .brain = POSE_BRAIN_OTHER, .name = -1},
     /* FSL */
     {"", "^Cluster Index\tValue\tx\ty\tz", .x = 2, .flags = NEEDS_MINUS},
     {"", "^Cluster Index\tZ\tx\ty\tz", .x = 2, .flags = NEEDS_MINUS},
@@ -106,17 +106,6 @@ static bool is_elc(struct text text)
 {
     return text_starts(text, "# ASA electrode file") || text_starts(text, "ReferenceLabel") ||
            text_starts(text, "NumberPositions=");
-}
-
-/* MNI 305 to MNI 152 (FreeSurfer's wiki, CoordinateSystems, 8b). */
-static void move_to_mni152(double p[3])
-{
-    static const double m[3][4] = {
-        {0.9975, -0.0073, 0.0176, -0.0429}, {0.0146, 1.0009, -0.0024, 1.5496}, {-0.0130, -0.0093, 0.9971, 1.1840}};
-    const double q[3] = {p[0], p[1], p[2]};
-    for (int i = 0; i < 3; i++) {
-        p[i] = m[i][0] * q[0] + m[i][1] * q[1] + m[i][2] * q[2] + m[i][3];
-    }
 }
 
 /* The point and the name of a line; false if its three fields are no numbers, with a message. */
@@ -204,7 +193,7 @@ static conus_status read_points(conus_pose_list *list, const struct layout *layo
             pose_flip_point(point);
         }
         if (is_read && (layout->flags & IS_MNI305)) {
-            move_to_mni152(point);
+            space_move_from_mni305(point);
         }
         conus_status bad = is_read ? pose_of_point(&row.pose, point) : CONUS_ERROR_DATA;
         bool is_none = name.size && name.data[0] == '-'; /* as a vertex -1 */
@@ -335,6 +324,9 @@ conus_status pose_lists_parse(conus_pose_list *list, struct text text, const con
     if ((layout->flags & NEEDS_LPS) && options->space != CONUS_SPACE_LPS) {
         return fail(CONUS_ERROR_DATA, "x,y,z,t,label is how ANTs has points, which are LPS: --space lps reads them so; "
                                       "if these are RAS, take the column t out");
+    }
+    if (layout->brain == POSE_BRAIN_OTHER && !options->any_space) {
+        return fail(CONUS_ERROR_DATA, "%s", space_why_tkras);
     }
     if (layout->space) {
         list->space = pose_space_named(text_from(layout->space), layout->brain);

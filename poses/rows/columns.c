@@ -627,6 +627,20 @@ static const struct family *find_named(struct head *head)
     return is_whole(&head->named) ? &head->named : NULL;
 }
 
+/* Whether rows are called x, y and z. */
+static bool is_on_its_side(const struct head *head)
+{
+    struct text rest = head->text;
+    struct text text;
+    struct table_line line;
+    size_t called = 0;
+    while (text_line(&rest, &text)) {
+        bool fits = table_split(&line, &head->out->table, text) && line.count > 1;
+        called += fits && text_is_one_of(line.cells[0], "x/y/z", false);
+    }
+    return called == 3;
+}
+
 /* One way of saying where the device points, or none. */
 static void choose_families(struct head *head)
 {
@@ -694,7 +708,9 @@ static void choose_families(struct head *head)
         FAULT(head, "x y z are needed, and only, without m00...m33");
     }
     if (!has_matrix && !position) {
-        FAULT(head, "x y z are needed: no columns say where rows are");
+        FAULT(head, "%s",
+              is_on_its_side(head) ? "a table on its side, whose rows are called x, y and z: exchange rows and columns"
+                                   : "x y z are needed: no columns say where rows are");
         for (size_t i = 0; i < head->family_count; i++) {
             const struct family *family = &head->families[i];
             if (family->kind == UNKNOWN || family->kind == TURNED) {
@@ -1273,19 +1289,22 @@ static conus_status refuse_bare(const struct head *head)
     for (size_t i = 0; i < line.given; i++) {
         is_in_front = is_in_front && (i + 3 < line.given || table_number(&value, table, line.cells[i]));
     }
+    const char *commas = table->separator == TABLE_COMMAS && numbers <= 6
+                             ? "; are they decimal commas? Put a semicolon or a tab between numbers then"
+                             : "";
     return numbers == 4
-               ? fail(CONUS_ERROR_DATA,
-                      "no header, and 4 numbers in a line: in \"%.*s\" the point is in the first three (then a "
-                      "value or "
-                      "radius) or in the last three (before them the row's number); put a line in front that says "
-                      "which: "
-                      "\"x%sy%sz%svalue\" or \"row%sx%sy%sz\"%s",
-                      TEXT_SHOW(text_trim(text), 60), s, s, s, s, s, s,
-                      is_in_front ? "" : ", with a word for each column")
+               ? fail(
+                     CONUS_ERROR_DATA,
+                     "no header, and 4 numbers in a line: in \"%.*s\" the point is in the first three (then a value or "
+                     "radius) or in the last three (before them the row's number); put a line in front that says "
+                     "which: "
+                     "\"x%sy%sz%svalue\" or \"row%sx%sy%sz\"%s%s",
+                     TEXT_SHOW(text_trim(text), 60), s, s, s, s, s, s,
+                     is_in_front ? "" : ", with a word for each column", commas)
                : fail(CONUS_ERROR_DATA,
                       "no header, and %zu numbers in a line, neither the 16 of a matrix nor the x y z of a point: "
-                      "\"%.*s\"; put a line of names in front, a word for each column, x%sy%sz among them",
-                      numbers, TEXT_SHOW(text_trim(text), 60), s, s);
+                      "\"%.*s\"; put a line of names in front, a word for each column, x%sy%sz among them%s",
+                      numbers, TEXT_SHOW(text_trim(text), 60), s, s, commas);
 }
 
 /* Whether more than half of the rows of the head are points. */
@@ -1523,9 +1542,10 @@ static conus_status check_numbers(const struct head *head, struct notes *notes)
         bool is_other = kind == LINE_ROW && bad && has_words_for_numbers(head->out, text);
         census.bad += is_other;
         if (kind == LINE_ROW && bad && has_glyph(head->out, text)) {
-            return fail(CONUS_ERROR_DATA,
-                        "line %zu: a character before a number that is no minus (as PDFs lose them): %s", number,
-                        conus_message());
+            char where[128];
+            snprintf(where, sizeof where, "line %zu: a character before a number that is no minus (as PDFs lose them)",
+                     number);
+            return fail_in(CONUS_ERROR_DATA, where);
         }
         if (is_other && !first_fault[0]) {
             snprintf(first_fault, sizeof first_fault, "%s", conus_message());
@@ -1598,17 +1618,6 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     return status;
 }
 
-/* MNI 305 to MNI 152, RAS mm (FreeSurfer's wiki, CoordinateSystems, 8b). */
-static void move_from_mni305(double p[3])
-{
-    static const double rows[3][4] = {
-        {0.9975, -0.0073, 0.0176, -0.0429}, {0.0146, 1.0009, -0.0024, 1.5496}, {-0.0130, -0.0093, 0.9971, 1.1840}};
-    const double from[3] = {p[0], p[1], p[2]};
-    for (int i = 0; i < 3; i++) {
-        p[i] = vec3_dot(rows[i], from) + rows[i][3];
-    }
-}
-
 static conus_status pose_from_values(conus_pose_row *row, const struct columns *columns, double v[ROLE_NAME],
                                      const conus_pose_options *options)
 {
@@ -1633,8 +1642,8 @@ static conus_status pose_from_values(conus_pose_row *row, const struct columns *
     status = status || columns->has[ROLE_M00] ? status : conus_frame_to_world(x, &own, x);
     status = status || !columns->has[ROLE_TX] ? status : conus_frame_to_world(t, &own, t);
     if (columns->said.is_mni305) {
-        move_from_mni305(x);
-        move_from_mni305(t);
+        space_move_from_mni305(x);
+        space_move_from_mni305(t);
     }
     if (status || columns->is_of_points) {
         return status ? status : pose_of_point(out, x);

@@ -2,6 +2,8 @@
 /* Finds the words of spaces and units in sentences. */
 #include "poses/rows/space_words.h"
 
+#include "base/geometry/math3.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -193,4 +195,18 @@ void space_words_hear(struct space_words *words, struct text line)
 void space_words_hear_of(struct space_words *words, struct text word)
 {
     hear_sentence(words, word, true);
+}
+
+const char space_why_tkras[] =
+    "FreeSurfer's tkRAS, which counts from the middle of the voxels of an image that is not in the file: save scanner "
+    "RAS (Freeview has both); --any-space takes the positions as they are, for an atlas in tkRAS";
+
+void space_move_from_mni305(double p[3])
+{
+    static const double matrix[3][4] = {
+        {0.9975, -0.0073, 0.0176, -0.0429}, {0.0146, 1.0009, -0.0024, 1.5496}, {-0.0130, -0.0093, 0.9971, 1.1840}};
+    const double from[3] = {p[0], p[1], p[2]};
+    for (int i = 0; i < 3; i++) {
+        p[i] = vec3_dot(matrix[i], from) + matrix[i][3];
+    }
 }

@@ -25,4 +25,10 @@ void space_words_hear(struct space_words *words, struct text line);
 /** Hears what is said of coordinates alone: the cells of a column, or a word of its header. */
 void space_words_hear_of(struct space_words *words, struct text word);
 
+/** Why positions in tkRAS are refused. */
+extern const char space_why_tkras[];
+
+/** Moves a point of MNI 305 to MNI 152, RAS mm (FreeSurfer's wiki, CoordinateSystems, 8b). */
+void space_move_from_mni305(double p[3]);
+
 #endif

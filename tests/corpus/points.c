@@ -16,7 +16,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { PREFIXES = 4096, FEW = 512, FAILURES = 4000, SHORT = 16, PATH_SIZE = 1024, LARGEST = 1 << 20 };
+enum { PREFIXES = 4096, FEW = 512, FAILURES = 4000, SHORT = 16, PATH_SIZE = 1024, LARGEST = 1 << 20, LONGEST = 230 };
 
 /* Spaces that need an atlas have the frame of one whose world is right, anterior, superior from the space's origin. */
 static const conus_frame frames[] = {
@@ -298,6 +298,7 @@ static void run_entry(const char *folder, const char *file, json_t *facts)
     test_folder(name);
     check_keys(&entry);
     take_options(&entry);
+    entry.options.longest = LONGEST;
     copy_file(&entry, folder, file);
     json_array_foreach(json_object_get(facts, "beside"), i, beside)
     {
