@@ -299,7 +299,8 @@ static void a_closed_surface_has_an_inner_point(void **state)
         double most = 0;
         double least = INFINITY;
         for (int i = 0; i < 16 * 16 * 16; i++) {
-            const double at[3] = {i % 16 - 5, i / 16 % 16 - 5, i / 256 - 5};
+            const int whole[3] = {i % 16 - 5, i / 16 % 16 - 5, i / 256 - 5};
+            const double at[3] = {whole[0], whole[1], whole[2]};
             double depth = INFINITY;
             double off = 0;
             for (int a = 0; a < 3; a++) {
