@@ -45,7 +45,9 @@ conus_status rows_file_report(struct rows_file *file, const conus_selector *sele
                                       .format = file->format,
                                       .frame = options->frame,
                                       .command = options->command,
-                                      .atlas = options->atlas};
+                                      .atlas = options->atlas,
+                                      .places = options->places,
+                                      .place_count = options->place_count};
     if (!file->path) {
         return CONUS_OK;
     }
