@@ -71,8 +71,9 @@ static int close_atlas(void **state)
     return 0;
 }
 
-static void say_space(const char *transform)
+static void say_space(const char *transform, int code)
 {
+    atlas->volumes[0].info.space_code = code;
     snprintf(atlas->volumes[0].info.transform, sizeof atlas->volumes[0].info.transform, "%s", transform);
 }
 
@@ -199,7 +200,7 @@ static void a_position_is_one_of_a_cap(void **state)
     (void)state;
     conus_place place;
     const struct position *f3 = position_find(text_from("F3"));
-    say_space("sform, code 4 (MNI 152)");
+    say_space("sform, code 4 (MNI 152)", 4);
     assert_ok(conus_place_find(&place, atlas, "f3", NULL));
     assert_int_equal(place.kind, CONUS_PLACE_POSITION);
     assert_memory_equal(place.point, f3->point, sizeof place.point);
@@ -216,16 +217,16 @@ static void a_position_is_one_of_a_cap(void **state)
     assert_ok(conus_place_find(&place, atlas, "1020:C3", NULL));
     assert_int_equal(place.kind, CONUS_PLACE_POSITION);
     refuse_place("1020:A1", "no such position");
-    say_space("sform, code 1 (scanner)");
+    say_space("sform, code 1 (scanner)", 1);
     refuse_place("F3", "it is not known whether the atlas lies there; 1020:F3 says that it does");
     assert_ok(conus_place_find(&place, atlas, "1020:F3", NULL));
     refuse_place("Xyz", "no area");
     assert_null(strstr(conus_message(), "10-20"));
-    say_space("sform, code 3 (Talairach)");
+    say_space("sform, code 3 (Talairach)", 3);
     refuse_place("F3", "another brain");
     refuse_place("1020:F3", "another brain");
     refuse_place("MNI 1 2 3", "it says MNI, but the atlas is another brain");
-    say_space("test");
+    say_space("test", 0);
 }
 
 static void several_areas_that_have_a_position_are_refused(void **state)
@@ -384,7 +385,7 @@ static void memory_may_fail(void **state)
     test_every_allocation(find_each, NULL);
 }
 
-TEST_GROUP(place)
+TEST_GROUP(plan_place)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_area_has_its_inner_point),
