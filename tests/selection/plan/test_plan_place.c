@@ -154,6 +154,25 @@ static void an_area_on_both_sides_is_refused(void **state)
     conus_atlas_destroy(split);
 }
 
+/* 22 % of it lie on the left, and its inner point is half its depth from the midline: that is not near. */
+static void an_area_beside_the_midline_is_refused(void **state)
+{
+    (void)state;
+    static const struct area_row some[] = {
+        {1, "Wide", 0, NULL, 0}, {2, "A_L", 0, NULL, 0}, {3, "A_R", 0, NULL, 0}, {0}};
+    static uint32_t labels[14 * 11 * 9];
+    for (size_t i = 0; i < 14 * 11 * 9; i++) {
+        labels[i] = i % 14 >= 5 && i / 14 % 11 < 9 ? 1 : i / 14 % 11 == 10 ? 2 + (i % 14 > 6) : 0;
+    }
+    conus_atlas *own = NULL;
+    conus_place place;
+    assert_ok(area_rows_atlas(&own, (const size_t[]){14, 11, 9}, labels, some));
+    assert_fails(conus_place_find(&place, own, "Wide", NULL), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "Wide lies on both sides"));
+    assert_ok(conus_place_find(&place, own, "left a", NULL));
+    conus_atlas_destroy(own);
+}
+
 /* An atlas without any side has areas of both sides that lie across the midline: none has an inner point. */
 static void without_sides_the_midline_is_no_excuse(void **state)
 {
@@ -391,6 +410,7 @@ TEST_GROUP(plan_place)
         cmocka_unit_test(an_area_has_its_inner_point),
         cmocka_unit_test(what_is_hidden_has_the_same),
         cmocka_unit_test(an_area_on_both_sides_is_refused),
+        cmocka_unit_test(an_area_beside_the_midline_is_refused),
         cmocka_unit_test(without_sides_the_midline_is_no_excuse),
         cmocka_unit_test(the_ccf_has_its_own_midline),
         cmocka_unit_test(a_position_is_one_of_a_cap),
