@@ -351,12 +351,12 @@ static conus_status search_grid(struct deepest *deepest, const struct closed_mes
 
 static conus_status find_in_solid(struct deepest *deepest, const struct mesh *mesh)
 {
-    static const double LEAST_STEP = 1.0 / 1024;
+    enum { HALVINGS = 10 }; /* of the grid's step, where no point is inside */
     struct closed_mesh solid;
     struct deepest own = {0};
     conus_status status = init_solid(&solid, mesh);
-    for (double step = 1; !status && !own.count && step >= LEAST_STEP; step /= 2) {
-        status = search_grid(&own, &solid, step);
+    for (int k = 0; !status && !own.count && k <= HALVINGS; k++) {
+        status = search_grid(&own, &solid, ldexp(1, -k));
     }
     for (size_t i = 0; i < own.count && !status; i++) {
         status = add_point(deepest, &own.points[i]);

@@ -78,8 +78,8 @@ complete_fish() {
     mandoc -T lint -W warning pages/*.1 | grep -v 'missing date' | tee lint
     [ ! -s lint ]
     mandoc -T utf8 -O width=100 pages/conus-query.1 | col -bx >text
-    grep -q -- '--origin X,Y,Z' text
-    grep -qF -- 'conus query ATLAS (--origin X,Y,Z' text
+    grep -q -- '--origin PLACE' text
+    grep -qF -- 'conus query ATLAS (--origin PLACE' text
     grep -qF -- '--pathway FILE[,KEY=VALUE]...' text
     # A choice is explained as in the help.
     for text in <(conus query --help) text; do

@@ -85,6 +85,8 @@ first_line() {
     [ "$(conus query $AAL --origin C3 --toward Hippocampus_L -q | sed -n 2p)" = \
         'toward Hippocampus_L: (-27.0, -13.0, -15.0), 6.0 mm inside' ]
     [[ $(conus query $AAL --origin C3 --toward near:Precentral_L -q | sed -n 2p) == 'toward nearest in Precentral_L: '* ]]
+    [ "$(conus query $AAL --origin C3 --toward Hippocampus_L --segments - -q | head -n 1)" = \
+        'origin position C3: (-67.7, -11.3, 61.2)' ]
     fails 2 '"hippocampus" may be any of 2: "Hippocampus_L" (37), "Hippocampus_R" (38)' query $AAL --point hippocampus
     fails 2 'Or a 10-20 position, as C3' query $AAL --point Hippo
 }
@@ -95,5 +97,18 @@ first_line() {
         --camera-origin 0,0,300 --camera-toward Core --size 64x64 -o a.png
     [[ $stderr == *'note: toward Anterior left: (-15.0, 25.0, 15.0), 15.3 mm inside'* ]]
     [[ $stderr == *'note: camera-toward Core: '* ]]
+    conus render brain.atlas.json --cuts axial --at Core -o cut.png -q
+    conus render brain.atlas.json --cuts axial --at 3,-14,10 -o same.png -q
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+import numpy as np
+a, b = (np.array(oiio.ImageBuf(name).get_pixels(oiio.UINT8)) for name in ("cut.png", "same.png"))
+assert a.shape == b.shape and (a == b).all()
+END
+    printf '<html>\n<!-- atlas -->\n</html>\n' >template.html
+    run -0 --separate-stderr conus page brain.atlas.json --origin=-90,30,20 --toward 'left anterior' \
+        --template template.html -o page.html
+    [[ $stderr == *'note: toward Anterior left: (-15.0, 25.0, 15.0), 15.3 mm inside'* ]]
+    grep -q 'origin=-90,30,20&toward=-15,25,15&' <(sed 's/\\u0026/\&/g; s/&amp;/\&/g' page.html)
     fails 2 '--camera-toward: no area' render brain.atlas.json --camera-origin 0,0,300 --camera-toward Xyz -o b.png
 }

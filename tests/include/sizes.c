@@ -33,6 +33,7 @@ SIZE(conus_manifest_options, 32);
 SIZE(conus_catalogue_options, 24);
 SIZE(conus_roi_options, 48);
 SIZE(conus_connectivity_options, 16);
+SIZE(conus_place_options, 32);
 
 SIZE(conus_voxels, 216);
 SIZE(conus_create_options, 32);
@@ -58,6 +59,8 @@ SIZE(conus_contacts, 24);
 SIZE(conus_segment, 72);
 SIZE(conus_clearance, 80);
 SIZE(conus_step, 16);
+SIZE(conus_place, 88);
+SIZE(conus_named_place, 104);
 SIZE(conus_context_surface, 96);
 SIZE(conus_admission, 64);
 SIZE(conus_chance, 64);

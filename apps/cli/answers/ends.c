@@ -46,6 +46,8 @@ conus_status rows_file_report(struct rows_file *file, const conus_selector *sele
                                       .frame = options->frame,
                                       .command = options->command,
                                       .atlas = options->atlas,
+                                      .places = options->places,
+                                      .place_count = options->place_count,
                                       .marks = options->marks};
     if (!file->path) {
         return CONUS_OK;

@@ -71,8 +71,9 @@ static int close_atlas(void **state)
     return 0;
 }
 
-static void say_space(const char *transform)
+static void say_space(const char *transform, int code)
 {
+    atlas->volumes[0].info.space_code = code;
     snprintf(atlas->volumes[0].info.transform, sizeof atlas->volumes[0].info.transform, "%s", transform);
 }
 
@@ -153,6 +154,25 @@ static void an_area_on_both_sides_is_refused(void **state)
     conus_atlas_destroy(split);
 }
 
+/* 22 % of it lie on the left, and its inner point is half its depth from the midline: that is not near. */
+static void an_area_beside_the_midline_is_refused(void **state)
+{
+    (void)state;
+    static const struct area_row some[] = {
+        {1, "Wide", 0, NULL, 0}, {2, "A_L", 0, NULL, 0}, {3, "A_R", 0, NULL, 0}, {0}};
+    static uint32_t labels[14 * 11 * 9];
+    for (size_t i = 0; i < 14 * 11 * 9; i++) {
+        labels[i] = i % 14 >= 5 && i / 14 % 11 < 9 ? 1 : i / 14 % 11 == 10 ? 2 + (i % 14 > 6) : 0;
+    }
+    conus_atlas *own = NULL;
+    conus_place place;
+    assert_ok(area_rows_atlas(&own, (const size_t[]){14, 11, 9}, labels, some));
+    assert_fails(conus_place_find(&place, own, "Wide", NULL), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "Wide lies on both sides"));
+    assert_ok(conus_place_find(&place, own, "left a", NULL));
+    conus_atlas_destroy(own);
+}
+
 /* An atlas without any side has areas of both sides that lie across the midline: none has an inner point. */
 static void without_sides_the_midline_is_no_excuse(void **state)
 {
@@ -199,7 +219,7 @@ static void a_position_is_one_of_a_cap(void **state)
     (void)state;
     conus_place place;
     const struct position *f3 = position_find(text_from("F3"));
-    say_space("sform, code 4 (MNI 152)");
+    say_space("sform, code 4 (MNI 152)", 4);
     assert_ok(conus_place_find(&place, atlas, "f3", NULL));
     assert_int_equal(place.kind, CONUS_PLACE_POSITION);
     assert_memory_equal(place.point, f3->point, sizeof place.point);
@@ -216,16 +236,16 @@ static void a_position_is_one_of_a_cap(void **state)
     assert_ok(conus_place_find(&place, atlas, "1020:C3", NULL));
     assert_int_equal(place.kind, CONUS_PLACE_POSITION);
     refuse_place("1020:A1", "no such position");
-    say_space("sform, code 1 (scanner)");
+    say_space("sform, code 1 (scanner)", 1);
     refuse_place("F3", "it is not known whether the atlas lies there; 1020:F3 says that it does");
     assert_ok(conus_place_find(&place, atlas, "1020:F3", NULL));
     refuse_place("Xyz", "no area");
     assert_null(strstr(conus_message(), "10-20"));
-    say_space("sform, code 3 (Talairach)");
+    say_space("sform, code 3 (Talairach)", 3);
     refuse_place("F3", "another brain");
     refuse_place("1020:F3", "another brain");
     refuse_place("MNI 1 2 3", "it says MNI, but the atlas is another brain");
-    say_space("test");
+    say_space("test", 0);
 }
 
 static void several_areas_that_have_a_position_are_refused(void **state)
@@ -299,7 +319,8 @@ static void a_closed_surface_has_an_inner_point(void **state)
         double most = 0;
         double least = INFINITY;
         for (int i = 0; i < 16 * 16 * 16; i++) {
-            const double at[3] = {i % 16 - 5, i / 16 % 16 - 5, i / 256 - 5};
+            const int whole[3] = {i % 16 - 5, i / 16 % 16 - 5, i / 256 - 5};
+            const double at[3] = {whole[0], whole[1], whole[2]};
             double depth = INFINITY;
             double off = 0;
             for (int a = 0; a < 3; a++) {
@@ -383,12 +404,13 @@ static void memory_may_fail(void **state)
     test_every_allocation(find_each, NULL);
 }
 
-TEST_GROUP(place)
+TEST_GROUP(plan_place)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_area_has_its_inner_point),
         cmocka_unit_test(what_is_hidden_has_the_same),
         cmocka_unit_test(an_area_on_both_sides_is_refused),
+        cmocka_unit_test(an_area_beside_the_midline_is_refused),
         cmocka_unit_test(without_sides_the_midline_is_no_excuse),
         cmocka_unit_test(the_ccf_has_its_own_midline),
         cmocka_unit_test(a_position_is_one_of_a_cap),

@@ -84,7 +84,7 @@ static void every_prefix_is_read_or_refused(void **state)
     }
 }
 
-TEST_GROUP(place)
+TEST_GROUP(place_words)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_place_has_a_form),
