@@ -222,6 +222,13 @@ const struct option aim_options[] = {
      .help = "or direction of the axis, of any length but 0",
      .flags = OPTION_OF_CONE,
      .needs = "origin"},
+    {.name = "inward",
+     FIELD(aim_settings, inward),
+     .help = "or straight into the head from a position of a cap like C3: against the scalp's normal there",
+     .words = "EEG, fNIRS, optode, perpendicular",
+     .flags = OPTION_OF_CONE,
+     .needs = "origin",
+     .excludes = "toward,direction"},
     {.name = "up",
      FIELD(aim_settings, up),
      .value = "X,Y,Z",
@@ -414,7 +421,8 @@ bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
         return option_given(arguments, "aperture-diameter") ||
                refuse("--focus needs --aperture-diameter MM with it: how wide the beam is at the transducer");
     }
-    if (has_origin && !option_given(arguments, "toward") && !option_given(arguments, "direction")) {
+    bool is_inward = option_find(arguments->command, "inward") && option_given(arguments, "inward");
+    if (has_origin && !option_given(arguments, "toward") && !option_given(arguments, "direction") && !is_inward) {
         return refuse("--origin needs --toward PLACE or --direction X,Y,Z with it");
     }
     if (!has_origin && aim_needed && !option_given(arguments, "pose")) {
@@ -442,6 +450,24 @@ int settings_pose_toward(conus_pose *out, double *distance, struct named_places 
     return print_status(conus_pose_toward(out, from, to, up ? above : NULL));
 }
 
+/* The direction into the head at the place that was found last. */
+static int find_inward(double along[3], const struct named_places *places)
+{
+    const conus_place *place = places->count ? &places->items[places->count - 1].place : NULL;
+    if (!place || place->kind != CONUS_PLACE_POSITION) {
+        return print_usage_error("--inward: the normal of the scalp is known at positions of a cap, like --origin C3; "
+                                 "elsewhere --toward PLACE or --direction X,Y,Z says where to");
+    }
+    for (int a = 0; a < 3; a++) {
+        along[a] = 0 - place->outward[a];
+    }
+    return along[0] != 0 || along[1] != 0 || along[2] != 0
+               ? EXIT_DONE
+               : print_usage_error(
+                     "--inward: the table of positions has no normal for %s; --toward PLACE says where to",
+                     place->name);
+}
+
 int settings_pose(conus_pose *out, double *target, struct named_places *places, const struct aim_settings *settings,
                   const struct arguments *arguments)
 {
@@ -457,6 +483,11 @@ int settings_pose(conus_pose *out, double *target, struct named_places *places, 
     } else if (option_given(arguments, "toward")) {
         code = settings_pose_toward(out, target, places, (const char *const[]){"origin", "toward"},
                                     (const char *const[]){settings->origin, settings->toward}, given_up);
+    } else if (settings->inward) {
+        code = named_places_find(from, places, "origin", settings->origin, NULL);
+        code = code ? code : find_inward(along, places);
+        conus_frame_direction_to_world(above, places->frame, settings->up);
+        code = code ? code : print_status(conus_pose_along(out, from, along, given_up ? above : NULL));
     } else {
         code = named_places_find(from, places, "origin", settings->origin, NULL);
         conus_frame_direction_to_world(along, places->frame, settings->direction);

@@ -43,8 +43,9 @@ struct aim_settings {
     double direction[3], up[3];
     const char *pose;
     const char *focus, *transducer; /* places, of a beam */
-    double aperture;                /* mm; 0 = it is none */
-    double angle;                   /* degrees */
+    bool inward;
+    double aperture; /* mm; 0 = it is none */
+    double angle;    /* degrees */
     struct space_settings space;
 };
 

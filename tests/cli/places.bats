@@ -18,7 +18,7 @@ first_line() {
     done
     [ "$(conus query sphere.nii.gz --point -5 3 7 --radius 4 --format tsv -q)" = "$plain" ]
     [ "$(first_line sphere.nii.gz --point=-5,3,7)" = "$(first_line sphere.nii.gz --point -5,3,7)" ]
-    [[ $(first_line sphere.nii.gz --point=-5,3,7) == "ball of radius"* ]]
+    [[ $(first_line sphere.nii.gz --point=-5,3,7) == "point ("* ]]
     [ "$(conus query sphere.nii.gz --origin 0 -90 0 --toward 0,0,0 --format tsv -q)" = \
         "$(conus query sphere.nii.gz --origin=0,-90,0 --toward 0 0 0 --format tsv -q)" ]
     [ "$(first_line sphere.nii.gz --origin 0 -90 0 --toward 0,0,0)" = 'origin (0.0, -90.0, 0.0)' ]
@@ -89,6 +89,22 @@ first_line() {
         'origin position C3: (-67.7, -11.3, 61.2)' ]
     fails 2 '"hippocampus" may be any of 2: "Hippocampus_L" (37), "Hippocampus_R" (38)' query $AAL --point hippocampus
     fails 2 'Or a 10-20 position, as C3' query $AAL --point Hippo
+    # Inwards from C3, whose normal in the table is (-0.815, 0.177, 0.552).
+    local inward=$(conus query $AAL --origin C3 --inward --angle 20 --format tsv -q)
+    [ "$inward" = "$(conus query $AAL --origin C3 --direction 0.815,-0.177,-0.552 --angle 20 --format tsv -q)" ]
+    conus render $AAL --origin C3 --inward --size 64x64 -q -o a.png
+    fails 2 'the table of positions has no normal for Nz' query $AAL --origin Nz --inward
+    fails 2 'known at positions of a cap, like --origin C3' query $AAL --origin Hippocampus_L --inward
+    fails 2 'known at positions of a cap, like --origin C3' query $AAL --origin=-90,0,0 --inward
+    fails 2 '--inward and --toward exclude each other' query $AAL --origin C3 --inward --toward C4
+    fails 2 '--inward has no effect without --origin' query $AAL --inward
+    # A beam, too, has places, and so has a range that ends at one.
+    run -0 --separate-stderr conus query $AAL --focus Thalamus_L --transducer C3 --aperture-diameter 60 -q
+    [ "${lines[0]}" = 'focus Thalamus_L: (-11.0, -17.0, 8.0), 9.1 mm inside' ]
+    [ "${lines[1]}" = 'transducer position C3: (-67.7, -11.3, 61.2)' ]
+    [[ ${lines[3]} == 'cone of 42.1 degrees, 0 to 77.96 mm deep, from (-11.00, -17.00, 8.00) along '* ]]
+    run -0 conus query $AAL --origin C3 --toward Hippocampus_L --range 0,target --radius 1 --segments - --format tsv -q
+    [ "$(tail -1 <<<"$output" | cut -f 5,13-15 | tr '\t' ' ')" = 'Hippocampus_L -27 -13 -15' ]
 }
 
 @test "pictures and pages take places, and say how they were understood" {
