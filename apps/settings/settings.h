@@ -26,6 +26,7 @@ struct atlas_settings {
     struct option_list pathways, streamlines;
     conus_tractogram **shared; /* [streamlines.count]: those that several atlases get, NULL until one has; else NULL */
     size_t hemispheres;        /* conus_hemispheres */
+    size_t sides;              /* 1: the first atlas is mirrored */
     struct option_list only, hide;
     struct option_list transforms;
     uint64_t max_memory;

@@ -67,7 +67,8 @@ _ARGUMENTS = {
     "--any-space": "any_space", "--atlas-transform": "transforms", "--axis": "axis", "--context": "context",
     "--labels": "labels", "--labels-anyway": "labels_anyway", "--mask-object": "name", "--max-memory": "max_memory",
     "--pathway": "pathways", "--probability": "probability", "--probe-tip": "tip", "--search": "search", "--sidecar": "sidecar",
-    "--streamlines": "streamlines", "as ATLAS": "as source", "is ATLAS": "is source",
+    "--sides": "sides", "--sides exchanged": 'sides="exchanged"', "--streamlines": "streamlines",
+    "as ATLAS": "as source", "is ATLAS": "is source",
     "--pathway FILE,name=NAME": "pathways=[(map, {name: (low, high)})]",
 }  # fmt: skip
 _OPTION = re.compile(rf"(?<![\w/.-])({'|'.join(sorted(_ARGUMENTS, key=len, reverse=True))})(?![\w/-])(:?)")

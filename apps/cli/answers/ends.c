@@ -78,6 +78,7 @@ int rows_file_write(const struct rows_file *file, const struct provenance *prove
     }
     struct provenance own = *provenance;
     own.option = file->kind->option;
+    own.is_table = false;
     own.question.rows = file->kind->word;
     own.question.region = file->kind->rows == CONUS_ROWS_CONNECTIONS ? own.question.region : "axis";
     return answer_write(file->reports[0], file->path, file->sidecar, &own);
