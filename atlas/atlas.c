@@ -466,22 +466,14 @@ const char *conus_atlas_note(const conus_atlas *atlas, size_t index)
     return atlas && index < atlas->notes.count ? atlas->notes.lines[index] : NULL;
 }
 
-conus_brain_view conus_atlas_brain(const conus_atlas *atlas)
+conus_severity conus_atlas_note_severity(const conus_atlas *atlas, size_t index)
 {
-    conus_brain_view view = {.edition = "", .source = "", .words = "unknown"};
-    if (atlas->brain) {
-        view = space_brain_stated(atlas->brain);
-    } else if (atlas->has_ccf && !atlas->is_moved) {
-        view = (conus_brain_view){.brain = CONUS_BRAIN_TEMPLATE, .edition = "", .source = "CCF", .words = "Allen CCF"};
-    } else if (atlas->volume_count && !atlas->is_moved) {
-        view = space_brain(&atlas->volumes[0].info);
-    }
-    view.is_moved = atlas->is_moved;
-    return view;
+    return notes_severity(&atlas->notes, index);
 }
 
 void atlas_note_move(conus_atlas *atlas)
 {
     atlas->is_moved = true;
+    atlas->is_mirrored = false;
     atlas->brain = atlas->brain == CONUS_BRAIN_OWN ? CONUS_BRAIN_OWN : CONUS_BRAIN_UNKNOWN;
 }

@@ -57,6 +57,7 @@ struct conus_atlas {
     bool has_other_colours;    /**< Of a palette or the safe ones; places[].own_rgb are those that objects had. */
     bool has_palette;          /**< Not of the safe ones, beside which a cone's answer is coloured by rank.     */
     bool is_moved;             /**< atlas_move() or atlas_warp() moved it.                             */
+    bool is_mirrored;          /**< Only conus_atlas_exchange_sides() did: it lies where its files say. */
     double own_from_world[16]; /**< If so: from where the atlas is to where its files have it; with warps to their
                                     input. */
     struct warp *warps;        /**< Fields after own_from_world: points go through the last one first. */

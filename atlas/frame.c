@@ -2,6 +2,7 @@
 /* Spaces of positions, and the place of the Allen CCF in an atlas. */
 #include "atlas/frame.h"
 
+#include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "conus/space.h"
 
@@ -153,6 +154,22 @@ static bool find_own(double own_from_ccf[16], const conus_atlas *atlas)
         memcpy(own, info->world_from_voxel, sizeof own);
     }
     return find_in_grid(own_from_ccf, info, own);
+}
+
+conus_brain_view conus_atlas_brain(const conus_atlas *atlas)
+{
+    conus_brain_view view = {.edition = "", .source = "", .words = "unknown"};
+    double own_from_ccf[16];
+    bool is_elsewhere = atlas->is_moved && !atlas->is_mirrored;
+    if (atlas->brain) {
+        view = space_brain_stated(atlas->brain);
+    } else if (!is_elsewhere && find_own(own_from_ccf, atlas)) {
+        view = (conus_brain_view){.brain = CONUS_BRAIN_TEMPLATE, .edition = "", .source = "CCF", .words = "Allen CCF"};
+    } else if (atlas->volume_count && !is_elsewhere) {
+        view = conus_volume_brain(&atlas->volumes[0].info);
+    }
+    view.is_moved = is_elsewhere;
+    return view;
 }
 
 static conus_status find_ccf(double world_from_ccf[16], const conus_atlas *atlas)

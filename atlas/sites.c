@@ -293,3 +293,8 @@ const char *conus_sites_note(const conus_sites *sites, size_t index)
 {
     return index < sites->notes.count ? sites->notes.lines[index] : NULL;
 }
+
+conus_severity conus_sites_note_severity(const conus_sites *sites, size_t index)
+{
+    return notes_severity(&sites->notes, index);
+}

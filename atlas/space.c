@@ -190,7 +190,7 @@ conus_brain_view space_brain_stated(conus_brain brain)
     return (conus_brain_view){.brain = brain, .edition = "", .source = "stated", .words = brain_words[brain]};
 }
 
-conus_brain_view space_brain(const conus_volume_info *info)
+conus_brain_view conus_volume_brain(const conus_volume_info *info)
 {
     static const conus_brain of_code[] = {[SPACE_TALAIRACH] = CONUS_BRAIN_TALAIRACH,
                                           [SPACE_MNI] = CONUS_BRAIN_MNI152,
@@ -212,6 +212,39 @@ conus_brain_view space_brain(const conus_volume_info *info)
                  : view.edition == earlier ? "MNI 152, earlier than NLin2009"
                                            : brain_words[view.brain];
     return view;
+}
+
+static bool is_of_mni(conus_brain brain)
+{
+    return brain == CONUS_BRAIN_MNI152 || brain == CONUS_BRAIN_COLIN27 || brain == CONUS_BRAIN_MNI305;
+}
+
+static bool is_of_mouse(const conus_brain_view *view)
+{
+    return view->brain == CONUS_BRAIN_TEMPLATE && strcmp(view->source, "CCF") == 0;
+}
+
+conus_brain_gap conus_brain_compare(conus_brain_view a, conus_brain_view b)
+{
+    if (!a.brain || !b.brain) {
+        return CONUS_BRAIN_GAP_NONE;
+    }
+    if (a.brain == CONUS_BRAIN_MNI152 && b.brain == CONUS_BRAIN_MNI152) {
+        return a.edition[0] && b.edition[0] && strcmp(a.edition, b.edition) != 0 ? CONUS_BRAIN_GAP_SOME_MM
+                                                                                 : CONUS_BRAIN_GAP_NONE;
+    }
+    if (a.brain == b.brain && a.brain != CONUS_BRAIN_TEMPLATE) {
+        return CONUS_BRAIN_GAP_NONE;
+    }
+    if (is_of_mni(a.brain) && is_of_mni(b.brain)) {
+        bool has_305 = a.brain == CONUS_BRAIN_MNI305 || b.brain == CONUS_BRAIN_MNI305;
+        return has_305 ? CONUS_BRAIN_GAP_SOME_MM : CONUS_BRAIN_GAP_SMALL;
+    }
+    if (is_of_mouse(&a) != is_of_mouse(&b) || a.brain == CONUS_BRAIN_OWN || b.brain == CONUS_BRAIN_OWN) {
+        return CONUS_BRAIN_GAP_OTHER;
+    }
+    bool has_template = a.brain == CONUS_BRAIN_TEMPLATE || b.brain == CONUS_BRAIN_TEMPLATE;
+    return is_of_mouse(&a) ? CONUS_BRAIN_GAP_NONE : has_template ? CONUS_BRAIN_GAP_SOME_MM : CONUS_BRAIN_GAP_OTHER;
 }
 
 bool space_brain_parse(conus_brain *out, struct text word)

@@ -40,9 +40,6 @@ bool space_is_guess(const conus_volume_info *info);
 /** Name of a NIfTI xform code, "unknown" outside 0..5. */
 const char *space_code_name(int code);
 
-/** Whose brain a volume is of, by its header and its grid; for an atlas conus_atlas_brain() says it. */
-conus_brain_view space_brain(const conus_volume_info *info);
-
 /** The same of a brain that is stated. */
 conus_brain_view space_brain_stated(conus_brain brain);
 

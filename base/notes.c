@@ -59,6 +59,11 @@ conus_status notes_put(struct notes *notes, conus_severity severity, const char 
     return CONUS_OK;
 }
 
+conus_severity notes_severity(const struct notes *notes, size_t index)
+{
+    return index < notes->count ? notes->marks[index].severity : CONUS_SEVERITY_NOTE;
+}
+
 void notes_cut(struct notes *notes, size_t count)
 {
     while (notes->count > count) {
@@ -82,8 +87,7 @@ conus_status notes_move_in(struct notes *notes, struct notes *from, const char *
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < from->count; i++) {
-        status = notes_put(notes, from->marks ? from->marks[i].severity : CONUS_SEVERITY_NOTE, "%s: %s", where,
-                           from->lines[i]);
+        status = notes_put(notes, from->marks[i].severity, "%s: %s", where, from->lines[i]);
     }
     notes_finish(from);
     return status;

@@ -19,7 +19,7 @@ struct note_mark {
 
 struct notes {
     char **lines;
-    struct note_mark *marks; /**< [count]; NULL of an atlas that was attached. */
+    struct note_mark *marks; /**< [count] */
     size_t count;
     const struct note_sink *sink; /**< Receives what is added; NULL = notes wait for notes_move(). */
 };
@@ -30,11 +30,15 @@ void notes_finish(struct notes *notes);
 conus_status notes_put(struct notes *notes, conus_severity severity, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/** Adds what was chosen, assumed or left out, as is usual. */
+/** Adds what was chosen, assumed, left out, or is odd, while the answer names the places and areas that the data mean.
+ */
 #define notes_add(notes, ...) notes_put(notes, CONUS_SEVERITY_NOTE, __VA_ARGS__)
 
-/** Adds what looks wrong, so that names, places or answers may be wrong, too. */
+/** Adds that an answer may well name another place or another area than the data mean. */
 #define notes_warn(notes, ...) notes_put(notes, CONUS_SEVERITY_WARNING, __VA_ARGS__)
+
+/** How much note @p index matters; past the last CONUS_SEVERITY_NOTE. */
+conus_severity notes_severity(const struct notes *notes, size_t index);
 
 /** Forgets all lines but the first @p count. */
 void notes_cut(struct notes *notes, size_t count);

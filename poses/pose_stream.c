@@ -142,7 +142,7 @@ static conus_status note_equal_names(struct notes *notes, struct row_names *name
     }
     if (first) {
         status =
-            notes_warn(notes, "poses %zu and %zu are both called \"%.60s\"; %zu of %zu have the name of an earlier one",
+            notes_add(notes, "poses %zu and %zu are both called \"%.60s\"; %zu of %zu have the name of an earlier one",
                        first[-1].row + 1, first->row + 1, first->name, repeated, count);
     }
     memory_free(sorted);
@@ -883,6 +883,11 @@ conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atla
 const char *conus_pose_stream_note(const conus_pose_stream *stream, size_t index)
 {
     return stream && index < stream->list.notes.count ? stream->list.notes.lines[index] : NULL;
+}
+
+conus_severity conus_pose_stream_note_severity(const conus_pose_stream *stream, size_t index)
+{
+    return notes_severity(&stream->list.notes, index);
 }
 
 static conus_status read_all(conus_pose_list *list, conus_pose_stream *stream)

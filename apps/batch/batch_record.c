@@ -145,7 +145,8 @@ int batch_record_write(const char *path, const char *text, const struct batch_re
     json_object_del(root, "Checksum"); /* of a shard */
     if (root && set_record(root, json_from_record(record)) && set_command(root, command) &&
         provenance_put_input(root, record->level_file) && provenance_put_input(root, record->probe_file) &&
-        (!question || json_object_set_new(root, "Question", question_json(question)) == 0) && provenance_seal(root)) {
+        (!question || json_object_set_new(root, "Question", question_json(question)) == 0) &&
+        provenance_put_warnings(root) && provenance_seal(root)) {
         char *dumped = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(DIGITS));
         whole = dumped && asprintf(&whole, "%s\n", dumped) >= 0 ? whole : NULL;
         free(dumped);

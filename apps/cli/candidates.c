@@ -293,8 +293,9 @@ static int thin_out(struct place *place, const char *option, const struct reques
         return print_usage_error("--%s: no candidate: %s has no points", option, place->path);
     }
     conus_status status = place->apart > 0 ? conus_sites_space(place->sites, place->apart) : CONUS_OK;
-    for (size_t i = 0; !request->settings->common.quiet && conus_sites_note(place->sites, i); i++) {
-        print_error_line("note: %s", conus_sites_note(place->sites, i));
+    for (size_t i = 0; conus_sites_note(place->sites, i); i++) {
+        say_note(conus_sites_note_severity(place->sites, i), request->settings->common.quiet, "%s",
+                 conus_sites_note(place->sites, i));
     }
     return status ? print_status(status) : check_memory(place, option, request);
 }

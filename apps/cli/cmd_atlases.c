@@ -39,7 +39,7 @@ static const struct option own_options[] = {
     {.name = "quiet",
      .letter = 'q',
      OPTION_AT(struct list_settings, common.quiet),
-     .help = "print only errors on stderr, no notes"},
+     .help = "print only errors and warnings on stderr, no notes"},
     {0},
 };
 
@@ -179,7 +179,7 @@ static int run_atlases(const void *given, const struct arguments *arguments)
 {
     (void)arguments;
     const struct list_settings *settings = given;
-    const conus_catalogue_options options = {.log = settings->common.quiet ? NULL : log_note};
+    const conus_catalogue_options options = {.log = settings->common.quiet ? log_note_quiet : log_note};
     conus_catalogue *catalogue = NULL;
     if (settings->places && settings->format != LIST_TABLE && settings->format != LIST_TSV) {
         return print_usage_error("--places is for --format table and tsv; json has the places anyway");

@@ -270,6 +270,7 @@ static int put_text(FILE *out, const struct citation *citation)
     put_wrapped(out, text.data);
     fputc('\n', out);
     citation_list(out, citation);
+    citation_warnings(out, citation);
     free(text.data);
     return EXIT_DONE;
 }

@@ -45,7 +45,7 @@ static const struct option_group groups[] = {
 static int write_manifest(const char *folder, const char *name, const struct manifest_settings *settings)
 {
     const conus_manifest_options options = {.max_memory = settings->max_memory,
-                                            .log = settings->common.quiet ? NULL : log_note};
+                                            .log = settings->common.quiet ? log_note_quiet : log_note};
     char *path = NULL;
     if (asprintf(&path, "%s%s%s.atlas.json", folder, path_joint(folder, strlen(folder)), name) < 0) {
         return print_no_memory();

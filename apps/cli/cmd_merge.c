@@ -280,8 +280,23 @@ static int copy_all(struct merge *merge)
     return batch_file_checksum(merge->temporary, &merge->record.crc, &merge->record.bytes) ? EXIT_DONE : EXIT_DATA;
 }
 
+/* Those of all parts are the whole's. */
+static void say_warnings(const struct merge *merge)
+{
+    for (size_t i = 0; i < merge->count; i++) {
+        json_t *root = provenance_load(merge->parts[i].sidecar, BATCH_RECORD_LIMIT);
+        const json_t *warnings = json_object_get(root, "Warnings");
+        for (size_t k = 0; k < json_array_size(warnings); k++) {
+            const char *line = json_string_value(json_array_get(warnings, k));
+            say_warning("%s", line ? line : "");
+        }
+        json_decref(root);
+    }
+}
+
 static int write_whole(struct merge *merge)
 {
+    say_warnings(merge);
     char *text = NULL;
     size_t size = 0;
     int code = copy_all(merge);

@@ -77,7 +77,7 @@ static const struct option own_options[] = {
     {.name = "quiet",
      .letter = 'q',
      OPTION_AT(struct mesh_settings, common.quiet),
-     .help = "print only errors on stderr, no notes and no progress"},
+     .help = "print only errors and warnings on stderr, no notes and no progress"},
     {0},
 };
 
@@ -106,7 +106,7 @@ static int run_mesh(const void *given, const struct arguments *arguments)
         .decimate = settings->decimate,
         .max_memory = settings->atlas.max_memory,
         .progress = !settings->common.quiet && system_is_terminal(STDERR_FILENO) ? show_progress : NULL,
-        .log = settings->common.quiet ? NULL : log_note,
+        .log = settings->common.quiet ? log_note_quiet : log_note,
     };
     if (options.no_smoothing && option_given(arguments, "pass-band")) {
         return print_usage_error("--pass-band has no effect with --smooth 0");

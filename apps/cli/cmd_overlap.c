@@ -116,17 +116,21 @@ static void say_place(const struct overlap *overlap, size_t index, const conus_r
     const conus_volume_info *info = conus_roi_volume(roi);
     const conus_coverage *best = conus_overlap_coverage(coverages, 0);
     const conus_volume_info *atlas = conus_atlas_volume(named->atlas, 0);
-    if (overlap->settings->request.common.quiet) {
-        return;
-    }
+    const conus_brain_view brains[] = {conus_volume_brain(info), conus_atlas_brain(named->atlas)};
+    conus_brain_gap gap = conus_brain_compare(brains[0], brains[1]);
+    bool quiet = overlap->settings->request.common.quiet;
     atlases_prefix(prefix, named);
     if (!best->object) {
-        print_error_line("note: %s%s: covers no area and no pathway; are it and the atlas in one space?", prefix,
-                         info->path);
+        say_note(CONUS_SEVERITY_NOTE, quiet, "%s%s: covers no area and no pathway; are it and the atlas in one space?",
+                 prefix, info->path);
     }
-    if (spaces_differ(info, atlas)) {
-        print_error_line("note: %s%s: its header names another space (%s) than the atlas's (%s)", prefix, info->path,
-                         info->transform, atlas->transform);
+    if (gap) {
+        say_note(gap == CONUS_BRAIN_GAP_SMALL ? CONUS_SEVERITY_NOTE : CONUS_SEVERITY_WARNING, quiet,
+                 "%s%s: is of another brain (%s) than the atlas (%s)", prefix, info->path, brains[0].words,
+                 brains[1].words);
+    } else if ((!brains[0].brain || !brains[1].brain) && spaces_differ(info, atlas)) {
+        say_note(CONUS_SEVERITY_NOTE, quiet, "%s%s: its header names another space (%s) than the atlas's (%s)", prefix,
+                 info->path, info->transform, atlas->transform);
     }
 }
 
@@ -153,7 +157,8 @@ static int add_answer(struct overlap *overlap, size_t index, const char *path, c
 static int add_region(struct overlap *overlap, const char *path)
 {
     conus_roi *roi = NULL;
-    conus_status status = load_region(&roi, overlap, path, overlap->settings->request.common.quiet ? NULL : log_note);
+    conus_status status =
+        load_region(&roi, overlap, path, overlap->settings->request.common.quiet ? log_note_quiet : log_note);
     if (status) {
         messages_hold(true);
         return print_failure(overlap, path, print_status(status));

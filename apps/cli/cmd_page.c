@@ -109,7 +109,7 @@ static const struct option quiet_option[] = {
     {.name = "quiet",
      .letter = 'q',
      OPTION_AT(struct page_settings, common.quiet),
-     .help = "print only errors on stderr, no notes"},
+     .help = "print only errors and warnings on stderr, no notes"},
     {0},
 };
 

@@ -361,8 +361,11 @@ static void say_nearest(const struct query_run *run, const struct query *query)
     }
     const conus_result *nearest = conus_selection_result(selection, 0);
     if (nearest && nearest->distance > query->radius) {
-        print_error_line("note: the point lies outside of the atlas; the nearest to it is %s, %.2f mm away",
-                         conus_atlas_object(atlas, nearest->object)->name, nearest->distance);
+        double longest = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
+        say_note(nearest->distance > longest / 4 ? CONUS_SEVERITY_WARNING : CONUS_SEVERITY_NOTE,
+                 run->settings->request.common.quiet,
+                 "the point lies outside of the atlas; the nearest to it is %s, %.2f mm away",
+                 conus_atlas_object(atlas, nearest->object)->name, nearest->distance);
     }
     conus_selection_destroy(selection);
 }
@@ -397,7 +400,7 @@ static int answer_points(struct query_run *run)
         memcpy(query.point, run->points[i], sizeof query.point);
         code = ask_atlases(run, &query, &fault);
         code = fault ? print_status(CONUS_ERROR_ARGUMENT) : code;
-        if (!code && !run->request.settings->common.quiet) {
+        if (!code) {
             say_nearest(run, &query);
         }
     }

@@ -81,6 +81,7 @@ void request_list_inputs(struct provenance *out, const struct request *request)
 {
     const struct request_settings *settings = request->settings;
     out->question = (struct question){request->arguments, "answers", settings->engine.radius > 0 ? "cylinder" : "cone"};
+    out->is_table = request->format == CONUS_FORMAT_TABLE;
     provenance_add_input(out, settings->aim.pose);
     provenance_add_input(out, coordinates_of(request));
     provenance_add_input(out, settings_level_file(&settings->engine));

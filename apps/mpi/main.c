@@ -175,6 +175,7 @@ static void add_astray(conus_astray *sum, const conus_astray *more)
     add_oddity(&sum->away, &more->away);
     add_oddity(&sum->tiny, &more->tiny);
     sum->points += more->points;
+    add_oddity(&sum->far, &more->far);
     add_oddity(&sum->apart, &more->apart);
 }
 
@@ -268,6 +269,9 @@ static int answer_batch(const struct cluster *cluster, const struct batch_settin
     own.threads = settings->threads ? settings->threads : 1; /* ranks are the processors */
     own.common.quiet = settings->common.quiet || cluster->rank > 0;
     own.common.verbose = settings->common.verbose && cluster->rank == 0;
+    if (cluster->rank > 0) {
+        warnings_mute();
+    }
     int code = open_batch(&run, &own, arguments);
     size_t shared = 0;
     for (size_t i = 0; !code && i < run.batch.atlases.count; i++) {

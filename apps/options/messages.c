@@ -11,6 +11,7 @@
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { LINE_SIZE = 2048, WORD_SIZE = 64 };
@@ -20,6 +21,11 @@ static _Thread_local char said[LINE_SIZE];
 static _Thread_local bool is_held;
 static _Thread_local bool is_unfinished;
 
+/* The thread's warnings, which its answers say, too. */
+static _Thread_local char **warnings;
+static _Thread_local size_t warning_count;
+static _Thread_local bool is_mute;
+
 void make_plain_line(char *text)
 {
     for (char *c = text; (c = strpbrk(c, "\n\t"));) {
@@ -28,21 +34,83 @@ void make_plain_line(char *text)
     conus_plain_text(text);
 }
 
-/* On a terminal with colours a note is told from an error by its word. */
+/* The word by which a line begins that is no error; "" where it is one. */
+static const char *severity_word(const char *line)
+{
+    static const char *const words[] = {"note:", "warning:"};
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        if (strncmp(line, words[i], strlen(words[i])) == 0) {
+            return words[i];
+        }
+    }
+    return "";
+}
+
+/* On a terminal with colours notes and warnings are told from errors by their words. */
 static void print_error_list(const char *format, va_list args)
 {
-    static const char note[] = "note:";
     vsnprintf(said, sizeof said, format, args);
     make_plain_line(said);
     if (!is_held) {
-        bool is_note = strncmp(said, note, strlen(note)) == 0;
+        const char *word = severity_word(said);
         const char *form = !terminal_has_colour(STDERR_FILENO) ? "conus: %s%s\n"
-                           : is_note                           ? "conus: \033[33m%s\033[0m%s\n"
+                           : *word == 'w'                      ? "conus: \033[1;31m%s\033[0m%s\n"
+                           : *word                             ? "conus: \033[33m%s\033[0m%s\n"
                                                                : "\033[1mconus:\033[0m %s%s\n";
         fputs(is_unfinished ? "\r\033[K" : "", stderr);
         is_unfinished = false;
-        fprintf(stderr, form, is_note ? note : "", said + (is_note ? strlen(note) : 0));
+        fprintf(stderr, form, word, said + strlen(word));
     }
+}
+
+/* Without memory it is printed all the same. False where it is known. */
+static bool keep_warning(const char *line)
+{
+    for (size_t i = 0; i < warning_count; i++) {
+        if (strcmp(warnings[i], line) == 0) {
+            return false;
+        }
+    }
+    char **more = realloc(warnings, (warning_count + 1) * sizeof *more);
+    char *copy = more ? strdup(line) : NULL;
+    warnings = more ? more : warnings;
+    if (copy) {
+        warnings[warning_count++] = copy;
+    }
+    return true;
+}
+
+void say_note(conus_severity severity, bool quiet, const char *format, ...)
+{
+    char line[LINE_SIZE];
+    bool warns = severity >= CONUS_SEVERITY_WARNING;
+    va_list args;
+    va_start(args, format);
+    vsnprintf(line, sizeof line, format, args);
+    va_end(args);
+    make_plain_line(line);
+    if (warns ? !is_mute && keep_warning(line) : !quiet) {
+        print_error_line("%s: %s", warns ? "warning" : "note", line);
+    }
+}
+
+const char *warning_line(size_t index)
+{
+    return index < warning_count ? warnings[index] : NULL;
+}
+
+void warnings_forget(void)
+{
+    while (warning_count) {
+        free(warnings[--warning_count]);
+    }
+    free(warnings);
+    warnings = NULL;
+}
+
+void warnings_mute(void)
+{
+    is_mute = true;
 }
 
 void messages_unfinished(bool is)
@@ -118,13 +186,20 @@ void log_line(void *user, const conus_note *note)
 void log_note(void *user, const conus_note *note)
 {
     (void)user;
-    print_error_line("note: %s", note->line);
+    say_note(note->severity, false, "%s", note->line);
+}
+
+void log_note_quiet(void *user, const conus_note *note)
+{
+    (void)user;
+    say_note(note->severity, true, "%s", note->line);
 }
 
 void log_warning(void *user, const conus_note *note)
 {
+    (void)user;
     if (note->severity >= CONUS_SEVERITY_WARNING) {
-        log_note(user, note);
+        print_error_line("note: %s", note->line);
     }
 }
 

@@ -6,6 +6,7 @@
 #include "conus/status.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 
 enum exit_code {
     EXIT_DONE = 0,
@@ -17,6 +18,18 @@ enum exit_code {
 
 /** Writes "conus: " and the line to stderr; control characters become spaces. */
 void print_error_line(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/** Prints "note: " and the line, unless @p quiet; a warning as "warning: ", and once. A thread's warnings are kept, so
+ * that its answers can say them. */
+void say_note(conus_severity severity, bool quiet, const char *format, ...) __attribute__((format(printf, 3, 4)));
+#define say_warning(...) say_note(CONUS_SEVERITY_WARNING, false, __VA_ARGS__)
+
+/** Warning @p index of this thread, from 0; NULL past the last. */
+const char *warning_line(size_t index);
+/** Forgets the thread's warnings: what follows is about other files. */
+void warnings_forget(void);
+/** This thread says no warnings from here on: another process does. */
+void warnings_mute(void);
 
 /** Whether the terminal's last line is unfinished, as that of a progress is: a message takes its place. */
 void messages_unfinished(bool is);
@@ -56,10 +69,11 @@ int exit_code_of(conus_status status);
 /** A conus_log that writes what a driver says to stderr. */
 void log_line(void *user, const conus_note *note);
 
-/** A conus_log that writes notes to stderr. */
+/** A conus_log that says notes and warnings, and one for --quiet. */
 void log_note(void *user, const conus_note *note);
+void log_note_quiet(void *user, const conus_note *note);
 
-/** Likewise, but only of notes that warn that something looks wrong. */
+/** A conus_log that writes of what an engine says only what looks wrong. */
 void log_warning(void *user, const conus_note *note);
 
 /** The name, among those that @p name_at lists up to its NULL, that @p word was most likely meant to be; NULL if none

@@ -18,8 +18,8 @@
 enum { CHUNK = 1 << 13, DIGITS = 9 };
 
 /* All that conus writes but descriptions of columns, rows, and what was added by others. */
-static const char *const sealed[] = {"Space", "GeneratedBy", "Atlas",   "Atlases", "Settings", "Queries",
-                                     "Batch", "Inputs",      "Outputs", "Sources", "Question", "Plan"};
+static const char *const sealed[] = {"Space",  "GeneratedBy", "Atlas",   "Atlases",  "Settings", "Queries", "Batch",
+                                     "Inputs", "Outputs",     "Sources", "Question", "Plan",     "Warnings"};
 
 void provenance_hash_finish(char out[SHA256_TEXT], struct sha256_ctx *context)
 {
@@ -233,6 +233,27 @@ json_t *question_json(const struct question *question)
                      "region", question->region, "options", options);
 }
 
+bool provenance_put_warnings(json_t *root)
+{
+    json_t *list = json_object_get(root, "Warnings");
+    const char *line;
+    bool whole = true;
+    for (size_t i = 0; (line = warning_line(i)); i++) {
+        json_t *text = json_from_path(line);
+        bool known = false;
+        if (!list) {
+            list = json_array();
+            whole = json_object_set_new(root, "Warnings", list) == 0;
+        }
+        for (size_t k = 0; k < json_array_size(list) && !known; k++) {
+            known = json_equal(json_array_get(list, k), text);
+        }
+        whole = (known || json_array_append(list, text) == 0) && whole;
+        json_decref(text);
+    }
+    return whole;
+}
+
 static bool add_files(json_t *root, const struct provenance *provenance)
 {
     json_t *outputs = json_array();
@@ -253,7 +274,7 @@ static bool add_files(json_t *root, const struct provenance *provenance)
     for (size_t i = 0; i < provenance->output_count; i++) {
         whole = json_array_append_new(outputs, json_from_output(&provenance->outputs[i])) == 0 && whole;
     }
-    return json_object_set_new(root, "Outputs", outputs) == 0 && whole;
+    return json_object_set_new(root, "Outputs", outputs) == 0 && provenance_put_warnings(root) && whole;
 }
 
 const char *provenance_json_rows(const char *text, size_t size)
@@ -351,6 +372,20 @@ int answer_write_json(const char *path, const struct provenance *provenance, con
     return provenance_write(path, text, size, &own);
 }
 
+/* The warnings, a line each, and then the text; NULL without memory. */
+static char *put_warnings_before(const char *text)
+{
+    struct system_text joined;
+    FILE *out = system_text_open(&joined);
+    for (size_t i = 0; out && warning_line(i); i++) {
+        fprintf(out, "warning: %s\n%s", warning_line(i), warning_line(i + 1) ? "" : "\n");
+    }
+    if (out) {
+        fputs(text, out);
+    }
+    return system_text_close(&joined);
+}
+
 int answer_write(conus_report *report, const char *path, const char *sidecar, const struct provenance *provenance)
 {
     const char *text = NULL;
@@ -362,14 +397,11 @@ int answer_write(conus_report *report, const char *path, const char *sidecar, co
     if (provenance_json_rows(text, size)) {
         return answer_write_json(path, provenance, text, size);
     }
-    if (!sidecar) {
-        return output_write_table(path, text, size);
-    }
-    char *kept = malloc(size + 1); /* the sidecar takes its place in the report */
-    if (!kept) {
+    char *kept = provenance->is_table ? put_warnings_before(text) : text_copy(text, size);
+    if (!kept) { /* the sidecar takes the text's place in the report */
         return print_no_memory();
     }
-    memcpy(kept, text, size);
+    size = provenance->is_table ? strlen(kept) : size;
     /* The sidecar is written first, but it is the answer that was asked for, and that a message names. */
     int code = output_is_stdout(path) || system_allows(path, 0) ? EXIT_DONE : output_check_folder(path, SYSTEM_WRITE);
     code = code ? code : answer_write_sidecar(report, path, sidecar, provenance, kept, size);

@@ -39,6 +39,7 @@ struct provenance {
     size_t input_count, output_count;
     char plain[4096]; /**< A file of poses without the words behind it. */
     struct question question;
+    bool is_table;      /**< The answer is a table for people, which begins with the warnings. */
     const char *option; /**< Whose file the answer goes to; NULL = "output". */
     const conus_pose_stream
         *poses; /**< Where steps came from, which are forgotten: it says whether they had angles. May be NULL. */
@@ -73,6 +74,9 @@ int answer_write_sidecar(conus_report *report, const char *path, const char *sid
 
 /** Adds a file to "Inputs", which it makes if there is none; a NULL path only makes it. False without memory. */
 bool provenance_put_input(json_t *root, const char *path);
+
+/** Adds the thread's warnings to "Warnings", which there is only where there are some. False without memory. */
+bool provenance_put_warnings(json_t *root);
 
 /** The question as JSON, with all options that are a part of it. NULL without memory. */
 json_t *question_json(const struct question *question);

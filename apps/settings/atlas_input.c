@@ -554,7 +554,8 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
     if (status) {
         return print_status(status);
     }
-    int code = choose_hemispheres(atlas, name->path, settings);
+    int code = print_status(settings->sides ? conus_atlas_exchange_sides(atlas) : CONUS_OK);
+    code = code ? code : choose_hemispheres(atlas, name->path, settings);
     code = code ? code : add_streamlines(atlas, additions->streamlines, true, &progress);
     /* Points go through the first transform first; the atlas goes back through the last one first. */
     for (size_t i = settings->transforms.count; i > 0 && !code; i--) {

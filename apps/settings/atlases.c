@@ -124,6 +124,7 @@ static int load_at(struct atlases *atlases, size_t index, const struct atlas_set
     if (index) {
         own.labels = NULL;
         own.probability = 0;
+        own.sides = 0;
         own.pathways = own.only = own.hide = (struct option_list){0};
         own.streamlines = atlases->shared ? own.streamlines : (struct option_list){0};
     }
@@ -211,15 +212,25 @@ static bool overlap(const conus_atlas *a, const conus_atlas *b)
 void atlases_say_spaces(const struct atlases *atlases, const struct common_settings *settings)
 {
     const struct named_atlas *first = &atlases->items[0];
+    const conus_brain_view own = conus_atlas_brain(first->atlas);
     const conus_volume_info *a = conus_atlas_volume(first->atlas, 0);
-    for (size_t i = 1; i < atlases->count && !settings->quiet; i++) {
+    for (size_t i = 1; i < atlases->count; i++) {
         const struct named_atlas *other = &atlases->items[i];
+        const conus_brain_view brain = conus_atlas_brain(other->atlas);
         const conus_volume_info *b = conus_atlas_volume(other->atlas, 0);
-        if (spaces_differ(a, b)) {
-            print_error_line("note: %s (%s) and %s (%s) name different spaces: one pose may not fit both", first->name,
-                             a->transform, other->name, b->transform);
-        } else if (!overlap(first->atlas, other->atlas)) {
-            print_error_line("note: %s and %s do not overlap: are they in one space?", first->name, other->name);
+        conus_brain_gap gap = conus_brain_compare(own, brain);
+        if (gap) {
+            say_note(gap == CONUS_BRAIN_GAP_SMALL ? CONUS_SEVERITY_NOTE : CONUS_SEVERITY_WARNING, settings->quiet,
+                     "%s (%s) and %s (%s) are different brains: %s", first->name, own.words, other->name, brain.words,
+                     gap == CONUS_BRAIN_GAP_OTHER ? "one pose fits one of them only"
+                                                  : "a pose may be some mm off in one");
+        } else if ((!own.brain || !brain.brain) && spaces_differ(a, b)) {
+            say_note(CONUS_SEVERITY_NOTE, settings->quiet,
+                     "%s (%s) and %s (%s) name different spaces: one pose may not fit both", first->name, a->transform,
+                     other->name, b->transform);
+        }
+        if (!gap && !overlap(first->atlas, other->atlas)) {
+            say_warning("%s and %s do not overlap: are they in one space?", first->name, other->name);
         }
     }
 }

@@ -56,7 +56,8 @@ static size_t count_same(const char *const *words, size_t end, size_t i, bool ex
 }
 
 /* One note for all that say the same as the first of them, words[i]. */
-static void say_shared(const char *of, const char *const *words, size_t count, size_t i)
+static void say_shared(const char *of, const char *const *words, size_t count, size_t i, conus_severity severity,
+                       bool quiet)
 {
     char list[LIST_SIZE] = "";
     size_t size = 0;
@@ -70,17 +71,17 @@ static void say_shared(const char *of, const char *const *words, size_t count, s
     int common = (int)(threshold_in(words[i]) - words[i]);
     size_t pathways = count_same(words, count, i, false);
     if (values == 1) {
-        print_error_line("note: %s%zu pathways: %s", of, pathways, words[i]);
+        say_note(severity, quiet, "%s%zu pathways: %s", of, pathways, words[i]);
     } else if (values <= LISTED) {
-        print_error_line("note: %s%zu pathways: %.*ss %s", of, pathways, common - 1, words[i], list);
+        say_note(severity, quiet, "%s%zu pathways: %.*ss %s", of, pathways, common - 1, words[i], list);
     } else {
-        print_error_line("note: %s%zu pathways: %.*ss %s and %zu more (conus info says which)", of, pathways,
-                         common - 1, words[i], list, values - LISTED);
+        say_note(severity, quiet, "%s%zu pathways: %.*ss %s and %zu more (conus info says which)", of, pathways,
+                 common - 1, words[i], list, values - LISTED);
     }
 }
 
 /* `of` begins each note: "NAME: ", or nothing. */
-static void say_notes(const conus_atlas *atlas, const char *of)
+static void say_notes(const conus_atlas *atlas, const char *of, bool quiet)
 {
     size_t count = conus_atlas_note_count(atlas);
     const char **words = calloc(count + 1, sizeof *words); /* without memory each is said by itself */
@@ -89,9 +90,9 @@ static void say_notes(const conus_atlas *atlas, const char *of)
     }
     for (size_t i = 0; i < count; i++) {
         if (!words || !words[i] || count_same(words, count, i, false) == 1) {
-            print_error_line("note: %s%s", of, conus_atlas_note(atlas, i));
+            say_note(conus_atlas_note_severity(atlas, i), quiet, "%s%s", of, conus_atlas_note(atlas, i));
         } else if (!count_same(words, i, i, false)) {
-            say_shared(of, words, count, i);
+            say_shared(of, words, count, i, conus_atlas_note_severity(atlas, i), quiet);
         }
     }
     free((void *)words);
@@ -99,16 +100,14 @@ static void say_notes(const conus_atlas *atlas, const char *of)
 
 void atlas_notes_say(const conus_atlas *atlas, const struct common_settings *settings)
 {
-    if (!settings->quiet) {
-        say_notes(atlas, "");
-    }
+    say_notes(atlas, "", settings->quiet);
 }
 
 void atlases_say_notes(const struct atlases *atlases, const struct common_settings *settings)
 {
-    for (size_t i = 0; i < atlases->count && !settings->quiet; i++) {
+    for (size_t i = 0; i < atlases->count; i++) {
         char of[ATLAS_PREFIX_SIZE];
-        say_notes(atlases->items[i].atlas, atlases_prefix(of, &atlases->items[i]));
+        say_notes(atlases->items[i].atlas, atlases_prefix(of, &atlases->items[i]), settings->quiet);
     }
 }
 
@@ -125,16 +124,16 @@ static void say_open(const conus_atlas *atlas, const char *of)
         odd += object->closed && object->volume_mm3 == 0;
     }
     if (odd) {
-        print_error_line(
-            "note: %s%zu of %zu surfaces overlap themselves, or have parts that face inwards and are no cavities: "
-            "there is no fraction",
-            of, odd, surfaces);
+        say_note(CONUS_SEVERITY_NOTE, false,
+                 "%s%zu of %zu surfaces overlap themselves, or have parts that face inwards and are no cavities: "
+                 "there is no fraction",
+                 of, odd, surfaces);
     }
     if (open) {
-        print_error_line(
-            "note: %s%zu of %zu surfaces are not closed: paths count only where a ray goes in and comes out, and "
-            "there is no fraction",
-            of, open, surfaces);
+        say_note(CONUS_SEVERITY_NOTE, false,
+                 "%s%zu of %zu surfaces are not closed: paths count only where a ray goes in and comes out, and "
+                 "there is no fraction",
+                 of, open, surfaces);
     }
 }
 
@@ -148,18 +147,22 @@ void atlases_say_open(const struct atlases *atlases, const struct engine_setting
     }
 }
 
-enum { LINE_SIZE = 1024, LINE_LIMIT = 3 };
+enum { LINE_SIZE = 1024, LINE_LIMIT = 4 };
 
 /* Notes about the poses, for one atlas. */
 struct lines {
     char at[LINE_LIMIT][LINE_SIZE];
+    conus_severity severity[LINE_LIMIT];
     size_t count;
 };
 
-__attribute__((format(printf, 2, 3))) static void add_line(struct lines *lines, const char *format, ...)
+/* What holds for more than half of `all` is no slip of some of them: it warns. */
+__attribute__((format(printf, 4, 5))) static void add_line(struct lines *lines, const conus_oddity *oddity,
+                                                           uint64_t all, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
+    lines->severity[lines->count] = oddity && 2 * oddity->count > all ? CONUS_SEVERITY_WARNING : CONUS_SEVERITY_NOTE;
     vsnprintf(lines->at[lines->count++], LINE_SIZE, format, args);
     va_end(args);
 }
@@ -169,11 +172,11 @@ static void add_inside(struct lines *out, const struct aimed *aimed, const char 
     const conus_oddity *inside = &aimed->found.inside;
     const char *name = conus_atlas_object(aimed->atlas, inside->object)->name;
     if (file) {
-        add_line(out,
+        add_line(out, NULL, 0,
                  "%s: %" PRIu64 " of %" PRIu64 " devices lie inside an area, the first in line %" PRIu64 ", inside %s",
                  file, inside->count, aimed->found.poses, inside->first, name);
     } else {
-        add_line(out, "the device lies inside %s", name);
+        add_line(out, NULL, 0, "the device lies inside %s", name);
     }
 }
 
@@ -183,24 +186,25 @@ static void add_away(struct lines *out, const struct aimed *aimed, const char *f
     const bool probes = aimed->is_of_probes;
     const char *what = probes ? "probe" : away->angle > 0 ? "cone" : "cylinder";
     if (file) {
-        add_line(out, "%s: %" PRIu64 " of %" PRIu64 " %ss %s, the first in line %" PRIu64 "%s", file, away->count,
+        add_line(out, away, aimed->found.poses,
+                 "%s: %" PRIu64 " of %" PRIu64 " %ss %s, the first in line %" PRIu64 "%s", file, away->count,
                  aimed->found.poses, what, probes ? "pass nothing of the atlas" : "point away from the atlas",
                  away->first, remedy);
     } else {
-        add_line(out, "the %s %s%s", what, probes ? "passes nothing of the atlas" : "points away from the atlas",
-                 remedy);
+        add_line(out, away, aimed->found.poses, "the %s %s%s", what,
+                 probes ? "passes nothing of the atlas" : "points away from the atlas", remedy);
     }
 }
 
 static void add_tiny(struct lines *out, const conus_astray *found, const char *file, const char *remedy)
 {
     if (file) {
-        add_line(out,
+        add_line(out, &found->tiny, found->poses,
                  "%s: %" PRIu64 " of %" PRIu64
                  " devices lie within 1 mm of the world's origin, the first in line %" PRIu64 "%s",
                  file, found->tiny.count, found->poses, found->tiny.first, remedy);
     } else {
-        add_line(out, "the device lies within 1 mm of the world's origin%s", remedy);
+        add_line(out, &found->tiny, found->poses, "the device lies within 1 mm of the world's origin%s", remedy);
     }
 }
 
@@ -209,8 +213,15 @@ static void add_apart(struct lines *out, const struct aimed *aimed, const char *
 {
     const conus_astray *found = &aimed->found;
     const conus_oddity *apart = &found->apart;
-    if (file && 5 * apart->count > found->points) {
-        add_line(out,
+    const conus_oddity *far = &found->far;
+    if (file && 2 * far->count > found->points) {
+        add_line(out, far, found->points,
+                 "%s: %" PRIu64 " of %" PRIu64
+                 " points lie farther from the atlas than a quarter of its length, the first in line %" PRIu64
+                 "; are they in its space?",
+                 file, far->count, found->points, far->first);
+    } else if (file && 5 * apart->count > found->points) {
+        add_line(out, NULL, 0,
                  "%s: %" PRIu64 " of %" PRIu64
                  " points lie more than %s outside of the atlas, the first in line %" PRIu64 "; are they in its space?",
                  file, apart->count, found->points, aimed->radius > 0 ? "the radius" : "a quarter of its longest edge",
@@ -283,8 +294,10 @@ static bool has_line(const struct lines *lines, const char *line)
 }
 
 /* The line of atlas `index`, unless an earlier one has said it. */
-static void say_line(const struct lines *lines, const struct aimed *aimed, size_t count, size_t index, const char *line)
+static void say_line(const struct lines *lines, const struct aimed *aimed, size_t count, size_t index, size_t which,
+                     bool quiet)
 {
+    const char *line = lines[index].at[which];
     char names[LINE_SIZE] = "";
     size_t size = 0;
     size_t holders = 0;
@@ -300,18 +313,19 @@ static void say_line(const struct lines *lines, const struct aimed *aimed, size_
         }
     }
     bool is_of_all = holders == count;
-    print_error_line("note: %s%s%s%s", line, is_of_all ? "" : " (", is_of_all ? "" : names, is_of_all ? "" : ")");
+    say_note(lines[index].severity[which], quiet, "%s%s%s%s", line, is_of_all ? "" : " (", is_of_all ? "" : names,
+             is_of_all ? "" : ")");
 }
 
 void aim_notes_say(const struct aimed *aimed, size_t count, const char *file, const struct common_settings *settings)
 {
-    struct lines *lines = settings->quiet ? NULL : calloc(count, sizeof *lines);
+    struct lines *lines = calloc(count, sizeof *lines);
     for (size_t i = 0; lines && i < count; i++) {
         find_lines(&lines[i], &aimed[i], file);
     }
     for (size_t i = 0; lines && i < count; i++) {
         for (size_t k = 0; k < lines[i].count; k++) {
-            say_line(lines, aimed, count, i, lines[i].at[k]);
+            say_line(lines, aimed, count, i, k, settings->quiet);
         }
     }
     free(lines);

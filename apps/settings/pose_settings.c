@@ -307,9 +307,7 @@ const char *pose_settings_row_error(const conus_pose_row *row)
 
 void pose_settings_say_none(const char *path, const struct common_settings *common)
 {
-    if (!common->quiet) {
-        print_error_line("note: %s: no poses in it", pose_settings_file_name(path));
-    }
+    say_note(CONUS_SEVERITY_NOTE, common->quiet, "%s: no poses in it", pose_settings_file_name(path));
 }
 
 static int print_match_error(const char *path, const struct named_atlas *atlas, bool has_any_space)
@@ -319,31 +317,31 @@ static int print_match_error(const char *path, const struct named_atlas *atlas, 
                             conus_message(), has_any_space ? ", --any-space takes them as they are" : "");
 }
 
-/* Notes of a list or stream. */
-typedef const char *note_at(const void *poses, size_t index);
+/* Notes of a list, or else a stream. */
+struct pose_notes {
+    const conus_pose_list *list;
+    const conus_pose_stream *stream;
+};
 
-static const char *note_of_list(const void *poses, size_t index)
+static const char *note_at(const struct pose_notes *notes, size_t index)
 {
-    return conus_pose_list_note(poses, index);
-}
-
-static const char *note_of_stream(const void *poses, size_t index)
-{
-    return conus_pose_stream_note(poses, index);
+    return notes->list ? conus_pose_list_note(notes->list, index) : conus_pose_stream_note(notes->stream, index);
 }
 
 /* A note about one atlas is not said again for the next. */
-static size_t say_notes(const void *poses, note_at *at, const char *path, bool once, size_t first)
+static size_t say_notes(const struct pose_notes *notes, const char *path, bool once, size_t first, bool quiet)
 {
     const char *note;
     size_t i = first;
-    for (; (note = at(poses, i)); i++) {
+    for (; (note = note_at(notes, i)); i++) {
         bool said = false;
         for (size_t k = 0; k < i && once && !said; k++) {
-            said = strcmp(at(poses, k), note) == 0;
+            said = strcmp(note_at(notes, k), note) == 0;
         }
+        conus_severity severity = notes->list ? conus_pose_list_note_severity(notes->list, i)
+                                              : conus_pose_stream_note_severity(notes->stream, i);
         if (!said) {
-            print_error_line("note: %s: %s", pose_settings_file_name(path), note);
+            say_note(severity, quiet, "%s: %s", pose_settings_file_name(path), note);
         }
     }
     return i;
@@ -357,18 +355,14 @@ int pose_settings_match_list(conus_pose_list *poses, const char *path, const str
             return print_match_error(path, &atlases->items[i], settings);
         }
     }
-    if (!common->quiet) {
-        say_notes(poses, note_of_list, path, atlases->count > 1, 0);
-    }
+    say_notes(&(struct pose_notes){.list = poses}, path, atlases->count > 1, 0, common->quiet);
     return EXIT_DONE;
 }
 
 void pose_settings_say_late(const conus_pose_stream *poses, const char *path, size_t said,
                             const struct common_settings *common)
 {
-    if (!common->quiet) {
-        say_notes(poses, note_of_stream, path, false, said);
-    }
+    say_notes(&(struct pose_notes){.stream = poses}, path, false, said, common->quiet);
 }
 
 int pose_settings_match_stream(size_t *said, conus_pose_stream *poses, const char *path, const struct atlases *atlases,
@@ -379,6 +373,6 @@ int pose_settings_match_stream(size_t *said, conus_pose_stream *poses, const cha
             return print_match_error(path, &atlases->items[i], true);
         }
     }
-    *said = common->quiet ? 0 : say_notes(poses, note_of_stream, path, atlases->count > 1, 0);
+    *said = say_notes(&(struct pose_notes){.stream = poses}, path, atlases->count > 1, 0, common->quiet);
     return EXIT_DONE;
 }

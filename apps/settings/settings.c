@@ -17,6 +17,7 @@
 static const char *const apertures[] = {"circle", "square", NULL};
 const char *const settings_engines[] = {"auto", "rays", "gl", NULL};
 static const char *const samplings[] = {"exact", "slices", NULL};
+static const char *const sides[] = {"as-is", "exchanged", NULL};
 const char *const settings_hemispheres[] = {"as-is", "split", "merged", NULL};
 static const char *const layers[] = {"visible", "all", NULL};
 
@@ -40,7 +41,7 @@ const struct option quiet_options[] = {
     {.name = "quiet",
      .letter = 'q',
      FIELD(common_settings, quiet),
-     .help = "print only errors on stderr, no notes",
+     .help = "print only errors and warnings on stderr, no notes",
      .role = OPTION_OF_RUN},
     {.name = "verbose",
      .letter = 'v',
@@ -94,6 +95,12 @@ const struct option atlas_options[] = {
          "cut areas of both sides in two at x = 0 (split), or report left and right areas of one name as one (merged):",
      .choices = settings_hemispheres,
      .words = "left, right, side"},
+    {.name = "sides",
+     FIELD(atlas_settings, sides),
+     .value = "HOW",
+     .help = "mirror ATLAS, whose voxels lie the other way round than its header says, as a warning tells (exchanged):",
+     .choices = sides,
+     .words = "left, right, mirror, flip"},
     {.name = "atlas-transform",
      FIELD(atlas_settings, transforms),
      .value = "FILE[,KEY]...",

@@ -28,6 +28,7 @@ struct atlas_settings {
     conus_tractogram **shared; /* [streamlines.count]: those that several atlases get, NULL until one has; else NULL.
                                   Where there are such, bundles are asked about: --only without one keeps them all */
     size_t hemispheres;        /* conus_hemispheres */
+    size_t sides;              /* 1: the first atlas is mirrored */
     struct option_list only, hide;
     struct option_list transforms;
     uint64_t max_memory;

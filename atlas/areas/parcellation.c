@@ -160,14 +160,14 @@ static conus_status link_parents(conus_atlas *atlas, struct label_map *number_of
         area->parent = (uint32_t)*parent;
         if (!area->parent || is_cyclic(atlas, number)) {
             if (++count <= NOTED) {
-                status = notes_warn(&atlas->notes, "area %u: its parent %u %s: treated as a root", label->number,
-                                    label->parent, area->parent ? "lies below it" : "is not in the label table");
+                status = notes_add(&atlas->notes, "area %u: its parent %u %s: treated as a root", label->number,
+                                   label->parent, area->parent ? "lies below it" : "is not in the label table");
             }
             area->parent = 0;
         }
     }
     return status || count <= NOTED ? status
-                                    : notes_warn(&atlas->notes, "%zu more areas are treated as roots", count - NOTED);
+                                    : notes_add(&atlas->notes, "%zu more areas are treated as roots", count - NOTED);
 }
 
 /* "N labels ... : 3, 17, 20, ..." for the areas that `wanted` picks. */
@@ -215,7 +215,7 @@ static conus_status add_notes(conus_atlas *atlas, const struct label_table *tabl
                    : note_areas(atlas, CONUS_SEVERITY_NOTE, "areas of the label table without a voxel", has_no_voxels);
     }
     if (!status && !atlas->area_count) {
-        status = notes_warn(&atlas->notes, "the volume has no label but 0: nothing can be selected");
+        status = notes_add(&atlas->notes, "the volume has no label but 0: nothing can be selected");
     }
     return status;
 }

@@ -2,6 +2,8 @@
 /* Left and right: words for the side in names, pairs of areas, the side of each area, and sides that look swapped. */
 #include "atlas/areas/sides.h"
 
+#include "atlas/placement.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
 
@@ -413,7 +415,7 @@ static conus_status compare(conus_atlas *atlas, const struct mean_x *means, cons
     return notes_warn(
         &atlas->notes,
         "%zu of %zu pairs of a left and a right area lie the other way round, %s (x %.1f mm) to the right "
-        "of %s (%.1f mm): names or positions have left and right exchanged",
+        "of %s (%.1f mm): names or positions have left and right exchanged; --sides exchanged mirrors the atlas",
         swapped, pair_count, atlas->objects[example - 1].name, means[example].sum / means[example].weight,
         atlas->objects[right_of[example] - 1].name, means[right_of[example]].sum / means[right_of[example]].weight);
 }
@@ -448,6 +450,63 @@ conus_status swapped_sides_note(conus_atlas *atlas)
     }
     memory_free(means);
     memory_free(right_of);
+    return status;
+}
+
+/* Takes out the note that left and right are exchanged. */
+static void drop_exchanged(conus_atlas *atlas)
+{
+    struct notes *notes = &atlas->notes;
+    if (atlas->exchanged) {
+        size_t at = atlas->exchanged - 1;
+        memory_free(notes->lines[at]);
+        memmove(notes->lines + at, notes->lines + at + 1, (notes->count - at - 1) * sizeof *notes->lines);
+        memmove(notes->marks + at, notes->marks + at + 1, (notes->count - at - 1) * sizeof *notes->marks);
+        notes->count--;
+        atlas->exchanged = 0;
+    }
+}
+
+conus_status conus_atlas_exchange_sides(conus_atlas *atlas)
+{
+    const bool was_moved = atlas->is_moved;
+    const conus_brain brain = atlas->brain;
+    const struct note_sink *sink = atlas->notes.sink;
+    double mirror[16];
+    double middle[3] = {0};
+    if (atlas->volume_count) {
+        const conus_volume_info *info = &atlas->volumes[0].info;
+        for (int axis = 0; axis < 3; axis++) {
+            middle[axis] = ((double)info->dim[axis] - 1) / 2;
+        }
+        mat4_point(middle, info->world_from_voxel, middle);
+    }
+    mat4_identity(mirror);
+    mirror[0] = -1;
+    mirror[12] = 2 * middle[0];
+    int *codes = memory_zeroed(atlas->volume_count, sizeof *codes);
+    if (!codes) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        codes[i] = atlas->volumes[i].info.space_code;
+    }
+    atlas->notes.sink = NULL; /* of what the mirror itself would say */
+    size_t count = atlas->notes.count;
+    conus_status status = atlas_move(atlas, mirror, "the exchange of sides");
+    atlas->notes.sink = sink;
+    if (!status) {
+        notes_cut(&atlas->notes, count);
+        drop_exchanged(atlas);
+        atlas->is_mirrored = !was_moved;
+        atlas->brain = brain;
+        for (size_t i = 0; i < atlas->volume_count; i++) {
+            atlas->volumes[i].info.space_code = codes[i];
+        }
+        status = notes_add(&atlas->notes, "left and right of its places were exchanged, about x = %.4g mm", middle[0]);
+        status = status ? status : swapped_sides_note(atlas);
+    }
+    memory_free(codes);
     return status;
 }
 

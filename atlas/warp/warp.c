@@ -26,12 +26,12 @@ static conus_status note_facts(struct notes *notes, const struct deformation *fi
             notes_warn(notes, "%s: 1 mm^3 becomes %.3g mm^3 of the atlas: is the field in mm?", words, facts.growth);
     }
     if (!status && facts.folds) {
-        status = notes_warn(notes, "%s: the field folds (Jacobian <= 0) in %zu of %zu cells", words, facts.folds,
-                            facts.cells);
+        status = notes_add(notes, "%s: the field folds (Jacobian <= 0) in %zu of %zu cells", words, facts.folds,
+                           facts.cells);
     }
     if (!status && facts.unstated) {
-        status = notes_warn(notes, "%s: the field has no value at %.3g %% of its nodes: nothing of the atlas is there",
-                            words, 100 * (double)facts.unstated / (double)facts.nodes);
+        status = notes_add(notes, "%s: the field has no value at %.3g %% of its nodes: nothing of the atlas is there",
+                           words, 100 * (double)facts.unstated / (double)facts.nodes);
     }
     if (!status && facts.mirrors) {
         status = notes_warn(notes, "%s mirrors: left areas of the atlas are right ones where poses are", words);
@@ -47,16 +47,16 @@ static conus_status note_meshes(struct notes *notes, const struct warped_meshes 
 {
     conus_status status = CONUS_OK;
     if (meshes->outside) {
-        status = notes_warn(notes, "%s: %zu of %zu vertices lie outside of the field%s", words, meshes->outside,
-                            meshes->vertices, stays ? "; those outside of its grid stay where they are" : "");
+        status = notes_add(notes, "%s: %zu of %zu vertices lie outside of the field%s", words, meshes->outside,
+                           meshes->vertices, stays ? "; those outside of its grid stay where they are" : "");
     }
     if (!status && meshes->lost) {
-        status = notes_warn(notes, "%s: %zu of %zu vertices have no place: the field folds there, or has no value",
-                            words, meshes->lost, meshes->vertices);
+        status = notes_add(notes, "%s: %zu of %zu vertices have no place: the field folds there, or has no value",
+                           words, meshes->lost, meshes->vertices);
     }
     if (!status && meshes->cut) {
-        status = notes_warn(notes, "%s: %zu of %zu triangles are left out, with a vertex that has no place", words,
-                            meshes->cut, meshes->triangles);
+        status = notes_add(notes, "%s: %zu of %zu triangles are left out, with a vertex that has no place", words,
+                           meshes->cut, meshes->triangles);
     }
     return status;
 }
@@ -65,18 +65,18 @@ static conus_status note_tracts(struct notes *notes, const struct warped_tracts 
 {
     conus_status status = CONUS_OK;
     if (tracts->outside) {
-        status = notes_warn(notes, "%s: %llu of %llu points of streamlines lie outside of the field%s", words,
-                            (unsigned long long)tracts->outside, (unsigned long long)tracts->points,
-                            stays ? "; those outside of its grid stay where they are" : "");
+        status = notes_add(notes, "%s: %llu of %llu points of streamlines lie outside of the field%s", words,
+                           (unsigned long long)tracts->outside, (unsigned long long)tracts->points,
+                           stays ? "; those outside of its grid stay where they are" : "");
     }
     if (!status && tracts->lost) {
-        status = notes_warn(
+        status = notes_add(
             notes, "%s: %llu of %llu points of streamlines have no place: the field folds there, or has no value",
             words, (unsigned long long)tracts->lost, (unsigned long long)tracts->points);
     }
     if (!status && tracts->cut) {
-        status = notes_warn(notes, "%s: %llu of %llu streamlines are left out, with a point that has no place", words,
-                            (unsigned long long)tracts->cut, (unsigned long long)tracts->streamlines);
+        status = notes_add(notes, "%s: %llu of %llu streamlines are left out, with a point that has no place", words,
+                           (unsigned long long)tracts->cut, (unsigned long long)tracts->streamlines);
     }
     return status;
 }
@@ -94,10 +94,10 @@ static conus_status note_grid(conus_atlas *atlas, const struct warp_plan *plan, 
         behind, grid->dim[0], grid->dim[1], grid->dim[2], grid->spacing[0], grid->spacing[1], grid->spacing[2]);
     return status || coarse <= WARP_AS_FINE
                ? status
-               : notes_warn(&atlas->notes,
-                            "%s: voxels of this grid are up to %.3g times as long as the atlas's, so that areas are "
-                            "coarser: grid=IMAGE takes a finer one",
-                            plan->words, coarse);
+               : notes_add(&atlas->notes,
+                           "%s: voxels of this grid are up to %.3g times as long as the atlas's, so that areas are "
+                           "coarser: grid=IMAGE takes a finer one",
+                           plan->words, coarse);
 }
 
 static conus_status check_state(const conus_atlas *atlas)

@@ -374,8 +374,8 @@ conus_status warped_volumes_note(const struct warped_volumes *volumes, conus_atl
     double part = volumes->sampled ? 100 * (double)volumes->outside / (double)volumes->sampled : 0;
     conus_status status = CONUS_OK;
     if (part > 0) {
-        status = notes_warn(&atlas->notes, "%s: %.2g %% of the atlas's voxels lie outside of the field, and are lost",
-                            words, part);
+        status = notes_add(&atlas->notes, "%s: %.2g %% of the atlas's voxels lie outside of the field, and are lost",
+                           words, part);
     }
     return status ? status : note_lost(volumes, atlas, words);
 }

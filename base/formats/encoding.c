@@ -60,10 +60,10 @@ static conus_status say(const struct census *census, struct notes *notes)
 {
     return !notes ? CONUS_OK
            : census->letters
-               ? notes_warn(notes,
-                            "line %zu: a byte that is not UTF-8 in a text that has letters in UTF-8, too: such bytes "
-                            "(%zu) are read as Windows-1252, and letters may be wrong",
-                            census->line, census->stray)
+               ? notes_add(notes,
+                           "line %zu: a byte that is not UTF-8 in a text that has letters in UTF-8, too: such bytes "
+                           "(%zu) are read as Windows-1252, and letters may be wrong",
+                           census->line, census->stray)
                : notes_add(notes, "the text is not UTF-8: it is read as Windows-1252");
 }
 
@@ -73,8 +73,8 @@ static conus_status say_declared(const struct census *census, struct text text, 
     bool has_letters = census->size > text.size; /* each grows */
     return !notes || !has_letters || !text_is_utf8(text)
                ? CONUS_OK
-               : notes_warn(notes, "the text is read as Windows-1252, as its XML declares, but its letters are those "
-                                   "of UTF-8, too: they may be wrong");
+               : notes_add(notes, "the text is read as Windows-1252, as its XML declares, but its letters are those "
+                                  "of UTF-8, too: they may be wrong");
 }
 
 conus_status encoding_decode(char **owned, struct text *text, struct notes *notes)

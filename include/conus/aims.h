@@ -33,8 +33,8 @@ typedef struct conus_astray {
     conus_oddity away;   /**< The cone or cylinder misses the box around all objects. */
     conus_oddity tiny;   /**< Within 1 mm of 0 in every coordinate, and not at 0. */
     uint64_t points;     /**< Points counted. */
-    conus_oddity apart;  /**< The ball around a point misses the box around all objects; of a point without a radius it
-                            is one of a quarter of the box's longest edge. The pose is not turned. */
+    conus_oddity far;    /**< A point is farther from that box than a quarter of its longest edge; likewise. */
+    conus_oddity apart;  /**< The ball around a point misses the box around all objects; the pose is not turned. */
 } conus_astray;
 
 /** In what other way the first of some odd poses may have been meant. */

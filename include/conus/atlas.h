@@ -322,6 +322,18 @@ typedef enum conus_hemispheres {
 CONUS_CHECKED conus_status conus_atlas_set_hemispheres(conus_atlas *atlas, conus_hemispheres hemispheres);
 
 /**
+ * Mirrors an atlas whose voxels are stored from the other side than its header says: about the middle of its first
+ * volume along x, so that its grid stays where it is, or without a volume about x = 0. What is in the atlas is mirrored
+ * with it; whose brain it is stays known. The note of conus_atlas_exchanged() goes, and comes again if names and places
+ * contradict each other then. Before conus_atlas_transform() and before a selector or renderer is made.
+ * @param atlas The atlas; unchanged on failure, but perhaps for its notes.
+ * @return #CONUS_OK; #CONUS_ERROR_MEMORY; #CONUS_ERROR_DATA where a field has moved it.
+ * @threads One at a time, while no other thread uses the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_exchange_sides(conus_atlas *atlas);
+
+/**
  * Finds out which areas are left and which right. The side of an area is that of the label table, or that in a pair as
  * #CONUS_HEMISPHERES_MERGED makes one, or that of a word in its name, such as "left" or "rh". An area without any of
  * these has the side of the nearest area above it in the tree that has one. Where it lies does not count.

@@ -247,6 +247,33 @@ typedef struct conus_brain_view {
  */
 CONUS_API conus_brain_view conus_atlas_brain(const conus_atlas *atlas);
 
+/**
+ * Tells the same of a volume alone, by its header and its grid.
+ * @param info The volume.
+ * @return The brain. Its texts are static.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_API conus_brain_view conus_volume_brain(const conus_volume_info *info);
+
+/** How far apart two brains are. */
+typedef enum conus_brain_gap {
+    CONUS_BRAIN_GAP_NONE = 0, /**< None that is known. */
+    CONUS_BRAIN_GAP_SMALL,    /**< MNI 152 and Colin 27, which half of the field takes for one. */
+    CONUS_BRAIN_GAP_SOME_MM,  /**< Other editions of MNI 152, NLin2009 and an earlier one, and other templates. */
+    CONUS_BRAIN_GAP_OTHER     /**< Another brain. */
+} conus_brain_gap;
+
+/**
+ * Compares two brains.
+ * @param a One.
+ * @param b The other.
+ * @return #CONUS_BRAIN_GAP_NONE also where one is unknown, and of one person's own and another own one.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_API conus_brain_gap conus_brain_compare(conus_brain_view a, conus_brain_view b);
+
 /** Where the areas of an atlas lie: those that are not hidden, of voxels, or else of surfaces. */
 typedef struct conus_placement {
     size_t struct_size; /**< Its size, as #CONUS_PLACEMENT_INIT sets it; 0 = that of this version. */
@@ -400,8 +427,19 @@ CONUS_API size_t conus_atlas_note_count(const conus_atlas *atlas);
 CONUS_API const char *conus_atlas_note(const conus_atlas *atlas, size_t index);
 
 /**
+ * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
+ * data mean.
+ * @param atlas The atlas.
+ * @param index From 0.
+ * @return #CONUS_SEVERITY_NOTE also past the last.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_API conus_severity conus_atlas_note_severity(const conus_atlas *atlas, size_t index);
+
+/**
  * Gives the note that left and right are exchanged, of the names or of the places. Tell nobody a side of such an atlas:
- * names say one, places the other.
+ * names say one, places the other. conus_atlas_exchange_sides() mends one whose places are.
  * @param atlas The atlas.
  * @return The note: at least three pairs of a left and a right area, and three quarters of all, lie the other way
  * round. NULL where they do not. Borrowed until the atlas is changed or ends.

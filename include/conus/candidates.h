@@ -209,6 +209,17 @@ CONUS_CHECKED conus_status conus_sites_write_maps(const char *path, const conus_
 CONUS_API const char *conus_sites_note(const conus_sites *sites, size_t index);
 
 /**
+ * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
+ * data mean.
+ * @param sites The sites.
+ * @param index From 0.
+ * @return #CONUS_SEVERITY_NOTE also past the last.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API conus_severity conus_sites_note_severity(const conus_sites *sites, size_t index);
+
+/**
  * Ends sites.
  * @param sites NULL is allowed.
  * @threads One at a time for each @p sites.

@@ -327,6 +327,17 @@ CONUS_CHECKED conus_status conus_pose_stream_match(conus_pose_stream *stream, co
 CONUS_API const char *conus_pose_stream_note(const conus_pose_stream *stream, size_t index);
 
 /**
+ * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
+ * data mean.
+ * @param stream The stream.
+ * @param index From 0.
+ * @return #CONUS_SEVERITY_NOTE also past the last.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API conus_severity conus_pose_stream_note_severity(const conus_pose_stream *stream, size_t index);
+
+/**
  * Ends a stream.
  * @param stream NULL is allowed.
  * @threads One at a time for each @p stream.
@@ -407,6 +418,17 @@ CONUS_CHECKED conus_status conus_pose_list_match(conus_pose_list *list, const co
  * @since 0.1
  */
 CONUS_API const char *conus_pose_list_note(const conus_pose_list *list, size_t index);
+
+/**
+ * Tells how much note @p index matters. A warning says that an answer may name another place or another area than the
+ * data mean.
+ * @param list The list.
+ * @param index From 0.
+ * @return #CONUS_SEVERITY_NOTE also past the last.
+ * @threads One at a time for each @p list.
+ * @since 0.1
+ */
+CONUS_API conus_severity conus_pose_list_note_severity(const conus_pose_list *list, size_t index);
 
 /**
  * Ends a list.

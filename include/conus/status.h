@@ -46,8 +46,8 @@ CONUS_API const char *conus_message(void);
 
 /** How much a note matters. */
 typedef enum conus_severity {
-    CONUS_SEVERITY_NOTE = 1, /**< Something was chosen, assumed or left out, as is usual. */
-    CONUS_SEVERITY_WARNING   /**< Something looks wrong: names, places or answers may be. */
+    CONUS_SEVERITY_NOTE = 1, /**< Something was chosen, assumed, left out, or is odd. */
+    CONUS_SEVERITY_WARNING   /**< An answer may name another place or another area than the data mean. */
 } conus_severity;
 
 /** One thing that a careful user should know; no error. */

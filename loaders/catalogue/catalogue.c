@@ -13,7 +13,7 @@
 static void stop_here(conus_catalogue *catalogue, const char *what, size_t limit)
 {
     if (!catalogue->source.full) {
-        job_warn(&catalogue->job, "%s: more than %zu %s: the rest is left out", catalogue->source.name, limit, what);
+        job_note(&catalogue->job, "%s: more than %zu %s: the rest is left out", catalogue->source.name, limit, what);
     }
     catalogue->source.full = true;
 }
@@ -117,14 +117,14 @@ struct names catalogue_list(struct job *job, conus_catalogue *catalogue, const c
         }
     }
     if (!system_allows(folder, SYSTEM_READ | SYSTEM_RUN)) {
-        job_warn(&catalogue->job, "%s: %s: cannot read this folder: %s", catalogue->source.name, folder,
+        job_note(&catalogue->job, "%s: %s: cannot read this folder: %s", catalogue->source.name, folder,
                  text_error(errno));
         return names;
     }
     *LIST_ADD(&catalogue->job, &catalogue->source.folders) = id;
     names = job_names(job, folder, "");
     if (names.count == NAMES_LIMIT) {
-        job_warn(&catalogue->job, "%s: %s: more than %d names: the others are left out", catalogue->source.name, folder,
+        job_note(&catalogue->job, "%s: %s: more than %d names: the others are left out", catalogue->source.name, folder,
                  NAMES_LIMIT);
     }
     sift_names(&names, catalogue);

@@ -59,7 +59,7 @@ size_t mesh_cache_content(const void *entry, size_t size)
 
 static conus_status note_others(struct notes *notes, const char *path)
 {
-    return notes_warn(notes, "%s: not used, since others can write to it or own it", path);
+    return notes_add(notes, "%s: not used, since others can write to it or own it", path);
 }
 
 /* Opens the folder; -1 if there is none or, with a note, if it is not ours alone. */

@@ -639,7 +639,7 @@ conus_status cifti_labels(uint32_t **out, const struct cifti *cifti, size_t map,
         status = label_table_check_singles(&from->table, labels, cifti->count, TOLERANCE_SINGLE_END, "labels", notes);
     }
     if (!status && negative) {
-        status = notes_warn(notes, "%zu vertices or voxels have labels below 0 and belong to no area", negative);
+        status = notes_add(notes, "%zu vertices or voxels have labels below 0 and belong to no area", negative);
     }
     if (status) {
         memory_free(labels);

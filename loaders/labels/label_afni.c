@@ -144,7 +144,7 @@ static void parse_dtable(struct job *job, struct label_table *out, struct text *
     }
     uint64_t wanted;
     if (text_to_uint(find_attribute(tag, "ni_dimen"), UINT32_MAX, &wanted) && wanted != entries) {
-        job_warn(job, "the AFNI label table has %zu entries, though its ni_dimen says %llu", entries,
+        job_note(job, "the AFNI label table has %zu entries, though its ni_dimen says %llu", entries,
                  (unsigned long long)wanted); /* people write these by hand */
     }
 }

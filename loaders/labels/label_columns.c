@@ -241,7 +241,7 @@ static void fill_row(struct job *job, struct label_row *row, const struct text c
     }
     label->hemisphere = label_hemisphere_of(hemisphere);
     if (hemisphere.size && !label->hemisphere) {
-        job_warn(job, "label table, line %zu: hemisphere \"%.*s\" is none of L, R, B: taken as not given", line,
+        job_note(job, "label table, line %zu: hemisphere \"%.*s\" is none of L, R, B: taken as not given", line,
                  TEXT_SHOW(hemisphere, 40));
     }
     const struct text parent = cells[cells[PARENT].size ? PARENT : PARENT_IDENTIFIER];
@@ -307,7 +307,7 @@ static void keep_identifier(struct job *job, struct identifiers *known, uint32_t
 static void find_parents(struct job *job, struct label_table *table, size_t first, struct identifiers *known)
 {
     if (known->in_doubt) {
-        job_warn(job,
+        job_note(job,
                  "label table: several rows have the identifier %u: as a parent it means the first of them, label %u",
                  known->doubtful, known->doubtful_number);
     }
@@ -315,7 +315,7 @@ static void find_parents(struct job *job, struct label_table *table, size_t firs
         struct label *label = &table->entries[i];
         const uint64_t *number = label->has_parent ? label_map_at(&known->numbers, label->parent) : NULL;
         if (label->has_parent && number && !*number) {
-            job_warn(job, "label table: %s has the parent_identifier %u, which no row has: no parent",
+            job_note(job, "label table: %s has the parent_identifier %u, which no row has: no parent",
                      label->name ? label->name : "a row", label->parent);
         }
         if (label->has_parent) {

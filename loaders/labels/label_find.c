@@ -150,7 +150,7 @@ static bool judge_freesurfer(struct job *job, const struct label_search *search,
     bool own = first && first->name && strcmp(first->name, "Left-Cerebral-Exterior") == 0;
     bool taken = !own || !search->use.voxels || kind_of_volume(search) != FOREIGN || numbers_agree(&search->use, WHOLE);
     if (!taken) {
-        job_warn(job,
+        job_note(job,
                  "%s is not taken for the label table: neither the name nor the labels of %s are FreeSurfer's; "
                  "--labels uses it all the same",
                  path_base(path), path_base(search->volume->info->path));
@@ -174,7 +174,7 @@ static void search_freesurfer(struct job *job, struct label_search *search, cons
     if (path && numbers_agree(&search->use, kind)) {
         search_judged(job, search, path, take_freesurfer);
     } else if (path) {
-        job_warn(job,
+        job_note(job,
                  "%s: its name is one of FreeSurfer's, but its labels do not lie as FreeSurfer's do: %s is not taken; "
                  "--labels uses it all the same",
                  path_base(search->volume->info->path), path);
@@ -253,12 +253,12 @@ static bool judge_similar(struct job *job, const struct label_search *search, co
     bool background = !table->zero || label_is_background(text_from(table->zero));
     bool taken = fit.strays <= fit.voxels / STRAYS && background && fit.used && 10 * fit.used >= 9 * fit.names;
     if (!taken && fit.unnamed) {
-        job_warn(job,
+        job_note(job,
                  "%s is not taken for the label table: it has no name for label %u (of %zu voxels %zu have no name); "
                  "--labels %s uses it all the same",
                  name, fit.unnamed, fit.voxels, fit.strays, name);
     } else if (!taken) {
-        job_warn(job,
+        job_note(job,
                  "%s is not taken for the label table: of its %zu names %zu have voxels%s; --labels %s uses it all the "
                  "same",
                  name, fit.names, fit.used, background ? "" : ", and it calls 0 an area", name);
@@ -471,7 +471,7 @@ static void search_beside(struct job *job, struct label_search *search)
 static void settle_search(struct job *job, struct label_search *search)
 {
     if (search->source && search->why) {
-        job_warn(job, "%s: passed over", search->why);
+        job_note(job, "%s: passed over", search->why);
     } else if (search->why) {
         job_bad(job, "%s", search->why);
     } else if (!search->source) {
@@ -484,7 +484,7 @@ static void settle_search(struct job *job, struct label_search *search)
                 endings = job_format(job, "%s%s%.*s", endings, endings[0] ? ", " : "", (int)ending.size, ending.data);
             }
         }
-        job_warn(job,
+        job_note(job,
                  "no label table found: areas are called by their numbers (looked inside %s; beside it for %.*s%s; in "
                  "its folder for an inherited dseg.tsv, an atlas XML of FSL or SPM, a table with a similar name, "
                  "structures.json, FreeSurferColorLUT.txt)",

@@ -210,7 +210,7 @@ void label_search_offer(struct job *job, struct label_search *search, struct lab
 static void pass_over(struct job *job, struct label_search *search, const char *why)
 {
     if (search->judge) {
-        job_warn(job, "%s: passed over", why);
+        job_note(job, "%s: passed over", why);
     } else if (!search->why) {
         search->why = why;
     }
@@ -221,7 +221,7 @@ static void note_unknown(struct job *job, const struct label_search *search, con
 {
     bool expected = !inside && !path_ends_in(name, ".json"); /* BIDS has a .json beside every image */
     if (expected && !search->source && !search->judge) {
-        job_warn(job, "%s is not a label table of a known format: passed over", name);
+        job_note(job, "%s is not a label table of a known format: passed over", name);
     }
 }
 
@@ -250,7 +250,7 @@ void label_search_text(struct job *job, struct label_search *search, const char 
     if (why) {
         pass_over(job, search, why);
     } else if (!offer.table->count && !search->source) {
-        job_warn(job, "%s in %s has no label but 0: passed over", format->name, name);
+        job_note(job, "%s in %s has no label but 0: passed over", format->name, name);
     } else if (offer.table->count && (!search->judge || search->judge(job, search, offer.table, path))) {
         offer.source = job_format(job, "%s %s %s", format->name, file ? "in" : "inside", name);
         label_search_offer(job, search, &offer);
@@ -266,7 +266,7 @@ void label_search_file(struct job *job, struct label_search *search, const char 
         return;
     }
     if (system_stat(&info, path) && info.size > limit) { /* tables of results may be called so */
-        job_warn(job, "%s: %lld bytes, a label table may have %llu: passed over", path_base(path), (long long)info.size,
+        job_note(job, "%s: %lld bytes, a label table may have %llu: passed over", path_base(path), (long long)info.size,
                  (unsigned long long)limit);
         return;
     }

@@ -109,7 +109,7 @@ static bool settle(struct job *job, const struct attempt *attempt, const char *p
     }
     const char *why = job_tried(job, attempt);
     if (why) {
-        job_warn(job, "%s: passed over: %s", path_base(path), why);
+        job_note(job, "%s: passed over: %s", path_base(path), why);
     }
     return !why;
 }
@@ -137,7 +137,7 @@ static void take_names(struct job *job, struct label_table *out, const char *pat
         return;
     }
     if (!count_from_one(job, table, count)) {
-        job_warn(job,
+        job_note(job,
                  "%s is not used for the names of the volumes: needed is another name for each number from 0 to %zu, "
                  "or from 1 to %zu",
                  path_base(path), count - 1, count);

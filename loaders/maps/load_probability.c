@@ -39,7 +39,7 @@ static void check_strays(struct job *job, const struct value_spread *spread, dou
     const char *most = NUMBER_TEXT(scale);
     if (value_spread_strays(&strays, spread, scale)) {
         if (strays) {
-            job_warn(job,
+            job_note(job,
                      "%s: %llu voxels have values below 0 or above the scale, %s (from %s to %s): they count as the "
                      "nearest of these",
                      path, (unsigned long long)strays, most, least, largest);

@@ -115,10 +115,10 @@ static void warn_of_bands(struct job *job, const conus_atlas *atlas, size_t coun
     }
     for (size_t i = 0; i < count; i++) {
         if (!bands[i].voxels) {
-            job_warn(job, "pathway %s: no voxel has a value %s", bands[i].name,
+            job_note(job, "pathway %s: no voxel has a value %s", bands[i].name,
                      ends_text(job, bands[i].low, bands[i].high));
         } else if (tolerance_same(bands[i].high, largest) && !is_taken) {
-            job_warn(job,
+            job_note(job,
                      "pathway %s: values are below %s, the largest of the volume, whose voxels are not in it; without "
                      "an upper end they are",
                      bands[i].name, NUMBER_TEXT(bands[i].high));
@@ -157,7 +157,7 @@ static void choose_threshold(struct job *job, conus_volume_info *info, const str
     }
     uint64_t strays = 0;
     if (scale.is_probability && info->minimum >= 0 && value_spread_strays(&strays, &spread, scale.value) && strays) {
-        job_warn(job, "pathway %s: %llu voxels have values above the scale, %g, up to %s", name,
+        job_note(job, "pathway %s: %llu voxels have values above the scale, %g, up to %s", name,
                  (unsigned long long)strays, scale.value, maximum);
     }
     if (tolerance_least(info->threshold) > info->maximum) {

@@ -170,6 +170,7 @@ static struct labelled_surface *read_labelled(const struct planning *p)
     if (JOB_CALL(p->job,
                  vertex_labels_read(&surface->labels, labels, &options, p->area->noted ? &again : &p->job->notes))) {
         surface->path = options.surface;
+        surface->labels_path = options.hemisphere ? NULL : labels;
         job_own(p->job, end_vertex_labels, &surface->labels);
         p->plan->labelled_count++;
     }

@@ -12,7 +12,8 @@ struct parcellations;
 
 /** A surface that the labels of its vertices cut into areas. */
 struct labelled_surface {
-    const char *path; /**< The surface's. */
+    const char *path;        /**< The surface's. */
+    const char *labels_path; /**< NULL where the manifest says which side it is. */
     struct vertex_labels labels;
 };
 

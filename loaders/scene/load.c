@@ -71,6 +71,7 @@ static void read_surface(struct job *job, struct surface *out, const char *path,
         return;
     }
     out->source = job_format(job, "labels of vertices in %s", labels);
+    (void)JOB_CALL(job, mesh_file_sides_match(out->about.hemisphere, path, vertices->hemisphere, labels));
     (void)JOB_CALL(job, vertex_labels_extend(vertices, out->mesh.vertex_count));
     if (vertices->count != out->mesh.vertex_count) {
         job_bad(job, "%s: labels of %zu vertices, the surface %s has %zu", labels, vertices->count, path,

@@ -53,8 +53,8 @@ static void hand_out_parts(struct surfaces *surfaces, const struct labelled_surf
             part->mesh = (struct mesh){0};
         }
         if (area->surface == labelled && !surfaces->meshes[i].triangle_count) {
-            (void)JOB_CALL(surfaces->job, notes_warn(&surfaces->notes, "%s: label %u is on no triangle, left out",
-                                                     area->path, area->part));
+            (void)JOB_CALL(surfaces->job, notes_add(&surfaces->notes, "%s: label %u is on no triangle, left out",
+                                                    area->path, area->part));
         }
     }
 }
@@ -70,7 +70,13 @@ static void cut_labelled(struct surfaces *surfaces, struct labelled_surface *lab
         job_refuse(surfaces->job, "vertex_labels: %s: a surface that numbers its vertices is needed, any but STL",
                    path_base(labelled->path));
     }
-    (void)JOB_CALL(surfaces->job, mesh_file_read(&mesh, NULL, labelled->path, &options, &surfaces->notes));
+    struct label said = {0};
+    (void)JOB_CALL(surfaces->job, mesh_file_read(&mesh, &said, labelled->path, &options, &surfaces->notes));
+    if (labelled->labels_path) {
+        (void)JOB_CALL(surfaces->job, mesh_file_sides_match(said.hemisphere, labelled->path, labels->hemisphere,
+                                                            labelled->labels_path));
+    }
+    label_finish(&said);
     (void)JOB_CALL(surfaces->job, vertex_labels_extend(labels, mesh.vertex_count));
     if (mesh.vertex_count != labels->count) {
         job_bad(surfaces->job, "vertex_labels: %zu labels, %s has %zu vertices: they must be as many", labels->count,

@@ -546,7 +546,7 @@ static void warn_of_table(struct load *load)
     label_table_of_volume(job, table, &source, &volume, NULL);
     (void)job_dropped(job, &attempt);
     if (job_ok(job) && table->count) {
-        job_warn(job, "%s: its values are stated to be probabilities, so %s, which names %zu labels, is not used",
+        job_note(job, "%s: its values are stated to be probabilities, so %s, which names %zu labels, is not used",
                  path_base(volume.info->path), source, table->count);
     }
 }

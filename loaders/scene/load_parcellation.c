@@ -103,7 +103,7 @@ static void consider_image(struct job *job, struct parcellation *part, const cha
 {
     const char *path = fsl_image_find(job, xml_path, image);
     if (!path) {
-        job_warn(job, "image %s of the FSL atlas is not there", image);
+        job_note(job, "image %s of the FSL atlas is not there", image);
         return;
     }
     struct volume_file file = {0};
@@ -148,7 +148,7 @@ static void compare_with_volume(struct job *job, struct parcellation *part)
     const char *why = job_dropped(job, &attempt);
     job_adopt(job, source);
     if (why[0]) {
-        job_warn(job, "%s", why);
+        job_note(job, "%s", why);
     } else {
         part->is_disputed = label_tables_note(job, part->table, part->source, table, source);
     }

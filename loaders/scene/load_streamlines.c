@@ -160,8 +160,7 @@ conus_atlas *streamlines_borrow(struct job *job, const conus_atlas *alone)
         job_need(job, NULL);
     }
     for (size_t i = 0; i < alone->notes.count; i++) {
-        conus_severity severity = alone->notes.marks ? alone->notes.marks[i].severity : CONUS_SEVERITY_NOTE;
-        (void)JOB_CALL(job, notes_put(&atlas->notes, severity, "%s", alone->notes.lines[i]));
+        (void)JOB_CALL(job, notes_put(&atlas->notes, notes_severity(&alone->notes, i), "%s", alone->notes.lines[i]));
     }
     for (size_t i = 0; i < alone->files.count; i++) {
         const struct file_sum *sum = &alone->files.items[i];

@@ -218,7 +218,7 @@ static void note_loss(struct job *job, const struct label_map *lost, struct parc
         list = job_format(job, "%s%s%u", list, i ? ", " : "", labels[i]);
     }
     if (gone) {
-        job_warn(job, "%s: areas that lose all of their voxels to earlier parcellations: %zu (%s%s)", file_name(part),
+        job_note(job, "%s: areas that lose all of their voxels to earlier parcellations: %zu (%s%s)", file_name(part),
                  gone, list, gone > SHOWN ? ", ..." : "");
     }
 }

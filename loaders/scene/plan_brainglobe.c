@@ -82,7 +82,7 @@ static void plan_template(struct job *job, struct manifest *out, const struct br
     const bool is_there = has_array(job, path, &atlas->metadata);
     const char *why = job_tried(job, &attempt);
     if (why) {
-        job_warn(job, "the template is left out: %s", why);
+        job_note(job, "the template is left out: %s", why);
     } else if (!is_there) {
         job_note(job, "%s: the template of %g micrometres was not downloaded, and is left out", path,
                  atlas->metadata.resolution[0]);
@@ -97,7 +97,7 @@ static void note_rest(struct job *job, const struct brainglobe_atlas *atlas, con
 {
     const char *orientation = atlas->metadata.orientation;
     if (orientation[0] && strcasecmp(orientation, axes) != 0) {
-        job_warn(job,
+        job_note(job,
                  "%smanifest.json: orientation \"%s\" is not heeded: BrainGlobe's API takes all arrays as \"%s\", and "
                  "so does conus",
                  folder, orientation, axes);

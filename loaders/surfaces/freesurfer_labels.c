@@ -155,8 +155,8 @@ static conus_status note_colours(const struct annot *annot)
         int length = (int)(entry->name.size < 80 ? entry->name.size : 80);
         if (!entry->colour && !label_is_background(entry->name)) {
             status =
-                notes_warn(annot->notes, "\"%.*s\" is black, which stands for unlabelled vertices, too: it has none",
-                           length, entry->name.data);
+                notes_add(annot->notes, "\"%.*s\" is black, which stands for unlabelled vertices, too: it has none",
+                          length, entry->name.data);
         } else if (before && before->colour == entry->colour && entry->colour && collisions++ < NOTES_LIMIT) {
             status = notes_warn(annot->notes,
                                 "\"%.*s\" has the colour of \"%.*s\", by which vertices name their area: all are taken "
@@ -220,10 +220,10 @@ static conus_status annot_fill_labels(uint32_t *labels, const struct annot *anno
         labels[vertex] = entry ? entry->number : 0;
         strangers += colour && !entry;
     }
-    return strangers ? notes_warn(annot->notes,
-                                  "%zu vertices have colours that the colour table lacks, and belong to no "
-                                  "area",
-                                  strangers)
+    return strangers ? notes_add(annot->notes,
+                                 "%zu vertices have colours that the colour table lacks, and belong to no "
+                                 "area",
+                                 strangers)
                      : CONUS_OK;
 }
 

@@ -42,7 +42,7 @@ static conus_status find_triples(const struct gifti_array **out, const struct gi
                     array->rank, array->dim[1]);
     }
     *out = array;
-    return count > 1 ? notes_warn(notes, "%zu %s arrays: the first was used", count, name) : CONUS_OK;
+    return count > 1 ? notes_add(notes, "%zu %s arrays: the first was used", count, name) : CONUS_OK;
 }
 
 static bool gifti_is_identity(const double m[16])
@@ -121,10 +121,10 @@ static conus_status gifti_find_place(double world[16], const struct gifti_array 
                    : fail(CONUS_ERROR_DATA, "VolGeomX_R to VolGeomZ_S: no directions at right angles");
     }
     status = note_matrix(points, notes);
-    return status ? status
-                  : notes_warn(notes,
-                               "the surface does not say in which space it is (DataSpace is unknown): vertices were "
-                               "taken as the world's");
+    return status
+               ? status
+               : notes_add(notes, "the surface does not say in which space it is (DataSpace is unknown): vertices were "
+                                  "taken as the world's");
 }
 
 conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_stored, struct notes *notes)
@@ -177,7 +177,7 @@ static conus_status gifti_fill_labels(uint32_t *labels, const struct gifti_array
                                                                        TOLERANCE_SINGLE_END, "LABEL array", notes)
                                            : CONUS_OK;
     return status || !negative ? status
-                               : notes_warn(notes, "%zu vertices have labels below 0 and belong to no area", negative);
+                               : notes_add(notes, "%zu vertices have labels below 0 and belong to no area", negative);
 }
 
 conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *gifti, size_t map, struct notes *notes)

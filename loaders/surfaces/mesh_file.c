@@ -260,19 +260,44 @@ static conus_status take_gifti_labels(struct vertex_labels *out, const struct by
     return status;
 }
 
+char mesh_file_side(char stated, const char *path)
+{
+    static const struct {
+        const char *word; /* in a name, behind a dot that stands before it */
+        char side;
+    } words[] = {{".lh.", 'L'}, {".rh.", 'R'}, {".L.", 'L'}, {".R.", 'R'}, {"hemi-L", 'L'}, {"hemi-R", 'R'}};
+    char name[256];
+    snprintf(name, sizeof name, ".%s", path_base(path));
+    char side = stated == 'B' ? '\0' : stated;
+    for (size_t i = 0; i < sizeof words / sizeof words[0] && !side; i++) {
+        side = (char)(strstr(name, words[i].word) ? words[i].side : '\0');
+    }
+    return side;
+}
+
+conus_status mesh_file_sides_match(char surface_side, const char *surface, char labels_side, const char *labels)
+{
+    static const char *const names[] = {"left", "right"};
+    char of_surface = mesh_file_side(surface_side, surface);
+    char of_labels = mesh_file_side(labels_side, labels);
+    return !of_surface || !of_labels || of_surface == of_labels
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "%s: labels of the %s side, the surface %s is of the %s one", labels,
+                      names[of_labels == 'R'], surface, names[of_surface == 'R']);
+}
+
 /* One area, called as the file is: "V1_exvivo" of lh.V1_exvivo.label, with the side that this says. */
 static conus_status take_freesurfer_label(struct vertex_labels *out, struct text text, const char *path)
 {
     const char *name = path_base(path);
-    bool left = strncmp(name, "lh.", 3) == 0;
-    bool right = strncmp(name, "rh.", 3) == 0;
-    name += left || right ? 3 : 0;
+    bool has_side = strncmp(name, "lh.", 3) == 0 || strncmp(name, "rh.", 3) == 0;
+    name += has_side ? 3 : 0;
     size_t ending = path_ending_length(name, ".label/.label.gz");
     conus_status status = freesurfer_label_parse(&out->labels, &out->count, text);
     struct label *label = status ? NULL : label_table_add(&out->table, 1);
     status = status || label ? status : CONUS_ERROR_MEMORY;
     status = status ? status : label_set_text(&label->name, (struct text){name, strlen(name) - ending});
-    out->hemisphere = left ? 'L' : right ? 'R' : '\0';
+    out->hemisphere = has_side ? mesh_file_side('\0', path) : '\0';
     out->is_list = true;
     return status;
 }

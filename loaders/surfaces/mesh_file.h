@@ -22,6 +22,13 @@ struct mesh_file_options {
  * without memory. */
 char *mesh_file_name(const char *path);
 
+/** The side of a file of a surface: @p stated ('L', 'R') or else that of its name: "lh." or "rh.", "hemi-L", ".L.". 0 =
+ * neither says. */
+char mesh_file_side(char stated, const char *path);
+
+/** CONUS_ERROR_DATA where a surface is of another side than the labels of its vertices. */
+conus_status mesh_file_sides_match(char surface_side, const char *surface, char labels_side, const char *labels);
+
 /** Reads the surface @p path: GIFTI or FreeSurfer, each plain or gzip, by content; else, by its name, that of another
  * program (loaders/surfaces/foreign/mesh_foreign.h). Checked by mesh_check(), path set. @p
  * about, if not NULL, gets name and hemisphere as far as the file says them; its strings are the caller's to

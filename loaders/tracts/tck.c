@@ -250,7 +250,7 @@ conus_status tck_read(struct tractogram *out, struct byte_stream *stream, uint64
     size_t found = tck.build.tractogram.streamline_count;
     if (!status && tck.has_count &&
         tck.stated != found) { /* as interrupted programs leave it; MRtrix does not trust it */
-        status = notes_warn(
+        status = notes_add(
             notes, "count: the header says %llu, the file has %zu streamlines and its end; all of them are used",
             (unsigned long long)tck.stated, found);
     }

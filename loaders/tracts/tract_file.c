@@ -75,7 +75,7 @@ static conus_status check(struct tractogram *tractogram, struct notes *notes)
     if (status || tractogram->streamline_count) {
         return status;
     }
-    return notes_warn(notes, "streamlines: the file has none");
+    return notes_add(notes, "streamlines: the file has none");
 }
 
 /* Reads a whole stream, in one of the formats that are streams. */

@@ -78,7 +78,7 @@ static conus_status read_order(struct order *out, const uint8_t *field, struct n
         return fail(CONUS_ERROR_DATA, "voxel_order: found \"%s\", needed is one letter of each of LR, PA and IS",
                     out->letters);
     }
-    return field[0] ? CONUS_OK : notes_warn(notes, "voxel_order: not stated, taken as LPS, TrackVis's own");
+    return field[0] ? CONUS_OK : notes_add(notes, "voxel_order: not stated, taken as LPS, TrackVis's own");
 }
 
 /* The rotation, or reflection, that is nearest to @p m, whose columns have length 1: Newton's iteration for the polar

@@ -96,17 +96,17 @@ static conus_status note_other(const conus_volume_info *info, const struct nifti
 {
     double other[16];
     if (place_qform(other, p)) {
-        return notes_warn(notes, "the qform (code %d) is not valid and was not used; the sform (code %d) was",
-                          p->qform_code, p->sform_code);
+        return notes_add(notes, "the qform (code %d) is not valid and was not used; the sform (code %d) was",
+                         p->qform_code, p->sform_code);
     }
     double distance = mm * space_corner_distance(info->dim, used, other);
     return distance <= 1
                ? CONUS_OK
-               : notes_warn(notes,
-                            "the sform (code %d, %s) and the qform (code %d, %s) put a corner of the grid %.4g mm "
-                            "apart; the sform was used",
-                            p->sform_code, space_code_name(p->sform_code), p->qform_code,
-                            space_code_name(p->qform_code), distance);
+               : notes_add(notes,
+                           "the sform (code %d, %s) and the qform (code %d, %s) put a corner of the grid %.4g mm "
+                           "apart; the sform was used",
+                           p->sform_code, space_code_name(p->sform_code), p->qform_code, space_code_name(p->qform_code),
+                           distance);
 }
 
 /* Sets world_from_voxel, spacing, orientation and transform of `info`, whose dim is set. The sform wins over the

@@ -534,10 +534,10 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
                     (unsigned long long)header->offset, flag, (unsigned long long)range.extra);
     }
     if (range.extra && !header->footer) {
-        status = notes_warn(&o->notes, "%llu bytes after the last voxel were ignored", (unsigned long long)range.extra);
+        status = notes_add(&o->notes, "%llu bytes after the last voxel were ignored", (unsigned long long)range.extra);
     }
     if (!status && range.junk) {
-        status = notes_warn(&o->notes, "%zu bytes after the end of the gzip data were ignored", range.junk);
+        status = notes_add(&o->notes, "%zu bytes after the end of the gzip data were ignored", range.junk);
     }
     return status;
 }

@@ -259,8 +259,8 @@ static size_t block_values(float *out, const double *values, size_t count, doubl
 
 static conus_status note_bad(const struct volume_file *file, size_t bad, double instead, struct notes *notes)
 {
-    return notes_warn(notes, "%s: %zu voxels are not finite numbers (or beyond float32) and %s", file->path, bad,
-                      isnan(instead) ? "belong to nothing" : "count as 0");
+    return notes_add(notes, "%s: %zu voxels are not finite numbers (or beyond float32) and %s", file->path, bad,
+                     isnan(instead) ? "belong to nothing" : "count as 0");
 }
 
 static conus_status read_values(float **out, struct volume_file *file, double instead, struct notes *notes)

@@ -238,7 +238,8 @@ conus_status pose_coordsystem_find(conus_pose_list *list, const char *path)
     conus_status status = name.size ? set_space(&list->space, name) : CONUS_OK;
     bool is_named = list->space.name[0];
     return status ? status
-                  : notes_warn(&list->notes, "no *_%s beside it: positions are taken as mm, and %s%s%s", system_ending,
-                               is_named ? "the space is that of its name, \"" : "no space is known", list->space.name,
-                               is_named ? "\"" : "");
+                  : notes_put(&list->notes, is_named ? CONUS_SEVERITY_NOTE : CONUS_SEVERITY_WARNING,
+                              "no *_%s beside it: positions are taken as mm, and %s%s%s", system_ending,
+                              is_named ? "the space is that of its name, \"" : "no space is known", list->space.name,
+                              is_named ? "\"" : "");
 }

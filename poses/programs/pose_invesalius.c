@@ -37,9 +37,9 @@ static conus_status read_version(struct reading *reading, struct text line)
     }
     return version <= NEWEST_VERSION
                ? CONUS_OK
-               : notes_warn(&reading->list->notes,
-                            "markers of InVesalius, version %llu; 0 to %d are known, and this one is read as they are",
-                            (unsigned long long)version, NEWEST_VERSION);
+               : notes_add(&reading->list->notes,
+                           "markers of InVesalius, version %llu; 0 to %d are known, and this one is read as they are",
+                           (unsigned long long)version, NEWEST_VERSION);
 }
 
 static conus_status read_header(struct reading *reading, struct text line)

@@ -115,6 +115,11 @@ const char *conus_pose_list_note(const conus_pose_list *list, size_t index)
     return list && index < list->notes.count ? list->notes.lines[index] : NULL;
 }
 
+conus_severity conus_pose_list_note_severity(const conus_pose_list *list, size_t index)
+{
+    return notes_severity(&list->notes, index);
+}
+
 const char *conus_pose_list_electrodes(const conus_pose_list *list)
 {
     return list ? list->electrodes : NULL;
@@ -163,31 +168,6 @@ static const char *edition_of(const char *name)
     return text_mentions(text, "2009") ? "NLin2009" : text_mentions(text, "Lin") ? "earlier" : "";
 }
 
-static bool is_of_mni(conus_brain brain)
-{
-    return brain == CONUS_BRAIN_MNI152 || brain == CONUS_BRAIN_COLIN27 || brain == CONUS_BRAIN_MNI305;
-}
-
-/* How far apart the templates of poses and atlas are. */
-enum apart { SAME, NEARLY_SAME, SOME_MM, OTHER_BRAIN };
-
-static enum apart compare_templates(conus_brain a, const char *edition, const conus_brain_view *b)
-{
-    bool both_mni = is_of_mni(a) && is_of_mni(b->brain);
-    if (a == CONUS_BRAIN_MNI152 && b->brain == CONUS_BRAIN_MNI152) {
-        return edition[0] && b->edition[0] && strcmp(edition, b->edition) != 0 ? SOME_MM : SAME;
-    }
-    if (a == b->brain && a != CONUS_BRAIN_TEMPLATE) {
-        return SAME;
-    }
-    if (both_mni) {
-        return a == CONUS_BRAIN_MNI305 || b->brain == CONUS_BRAIN_MNI305 ? SOME_MM : NEARLY_SAME;
-    }
-    bool is_animal = strcmp(b->source, "CCF") == 0;
-    bool has_template = a == CONUS_BRAIN_TEMPLATE || b->brain == CONUS_BRAIN_TEMPLATE;
-    return has_template && !is_animal ? SOME_MM : OTHER_BRAIN;
-}
-
 conus_status pose_space_match(struct notes *notes, const struct pose_space *space, const conus_atlas *atlas)
 {
     static const conus_brain brains[] = {
@@ -219,16 +199,14 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
                           "positions are in \"%s\"; they must be in the world of the person's scan, as the atlas is",
                           space->name);
     }
-    enum apart apart = brain == CONUS_BRAIN_OWN || view.brain == CONUS_BRAIN_OWN
-                           ? OTHER_BRAIN
-                           : compare_templates(brain, edition_of(space->name), &view);
-    switch (apart) {
-    case SAME:
+    const conus_brain_view own = {.brain = brain, .edition = edition_of(space->name), .source = ""};
+    switch (conus_brain_compare(own, view)) {
+    case CONUS_BRAIN_GAP_NONE:
         return CONUS_OK;
-    case NEARLY_SAME:
+    case CONUS_BRAIN_GAP_SMALL:
         return notes_add(notes, "positions are in \"%s\", the atlas is %s: areas differ by some mm", space->name,
                          words);
-    case SOME_MM:
+    case CONUS_BRAIN_GAP_SOME_MM:
         return notes_warn(notes, "positions are in \"%s\", the atlas in another template (%s): some mm may lie between",
                           space->name, words);
     default:

@@ -221,5 +221,5 @@ conus_status pose_note_space(struct notes *notes, const conus_pose_options *opti
 {
     static const char text[] = "the file says that its positions are RAS, and as such they are taken";
     bool said = notes->count && strcmp(notes->lines[notes->count - 1], text) == 0;
-    return options->space == CONUS_SPACE_LPS && !lps && !said ? notes_warn(notes, "%s", text) : CONUS_OK;
+    return options->space == CONUS_SPACE_LPS && !lps && !said ? notes_add(notes, "%s", text) : CONUS_OK;
 }

@@ -272,6 +272,7 @@ def load(
     palette: Union[str, Sequence[str]] = (),
     cache: bool = True,
     template: Optional[str] = None,
+    sides: str = "as-is",
 ) -> Atlas:
     """Loads an atlas.
 
@@ -335,6 +336,8 @@ def load(
     template
         Whose brain it is, of a path, whatever its header says: "mni152", "colin27", "mni305", or "none" for one
         person's own, in the space of that person's scan. ``Atlas.brain`` says what is known.
+    sides
+        "exchanged" mirrors an atlas whose voxels lie the other way round than its header says (``Atlas.exchanged``).
 
     Returns
     -------
@@ -364,6 +367,8 @@ def load(
         raise ArgumentError(f"affine: a {type(source).__name__} needs one; only paths and images of nibabel do not")
     else:
         raw = _from_array(source, affine, labels, labels_anyway, "array", 0)
+    if choice("sides", sides, ("as-is", "exchanged")):
+        check(lib.conus_atlas_exchange_sides(raw))
     how = choice("hemispheres", hemispheres, ("as-is", "split", "merged"))
     if how:
         check(lib.conus_atlas_set_hemispheres(raw, how))
@@ -1379,6 +1384,12 @@ class Atlas:
     def notes(self) -> list[str]:
         """Notes from loading the atlas."""
         return [python_words(text(lib.conus_atlas_note(self._p, i))) for i in range(lib.conus_atlas_note_count(self._p))]
+
+    @property
+    def warnings(self) -> list[str]:
+        """Those of the notes that warn: an answer may name another place or another area than the data mean."""
+        return [note for i, note in enumerate(self.notes)
+                if lib.conus_atlas_note_severity(self._p, i) == lib.CONUS_SEVERITY_WARNING]
 
     @property
     def brain(self) -> str:

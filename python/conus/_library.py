@@ -68,7 +68,8 @@ _ARGUMENTS = {
     "--hemispheres split": 'hemispheres="split"', "--hemispheres": "hemispheres", "--space": "space",
     "--labels": "labels", "--labels-anyway": "labels_anyway", "--mask-object": "name", "--max-memory": "max_memory",
     "--pathway": "pathways", "--probability": "probability", "--probe-tip": "tip", "--search": "search", "--sidecar": "sidecar",
-    "--streamlines": "streamlines", "as ATLAS": "as source", "is ATLAS": "is source",
+    "--sides": "sides", "--sides exchanged": 'sides="exchanged"', "--streamlines": "streamlines",
+    "as ATLAS": "as source", "is ATLAS": "is source",
     "--pathway FILE,name=NAME": "pathways=[(map, {name: (low, high)})]",
 }  # fmt: skip
 _OPTION = re.compile(rf"(?<![\w/.-])({'|'.join(sorted(_ARGUMENTS, key=len, reverse=True))})(?![\w/-])(:?)")

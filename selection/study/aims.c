@@ -222,11 +222,12 @@ void conus_aims_add_point(conus_aims *aims, uint64_t number, const double point[
         gap[i] = fmax(0, fmax(aims->low[i] - point[i], point[i] - aims->high[i]));
     }
     aims->found.points++;
-    double reach = radius;
-    for (int i = 0; i < 3 && radius == 0; i++) {
-        reach = fmax(reach, (aims->high[i] - aims->low[i]) / 4);
+    double longest =
+        fmax(aims->high[0] - aims->low[0], fmax(aims->high[1] - aims->low[1], aims->high[2] - aims->low[2]));
+    if (vec3_length(gap) > longest / 4) {
+        count(&aims->found.far, number, &ball, 0);
     }
-    if (vec3_length(gap) > reach * (1 + margin)) {
+    if (radius > 0 && vec3_length(gap) > radius * (1 + margin)) {
         count(&aims->found.apart, number, &ball, 0);
     }
 }
@@ -252,5 +253,6 @@ void aims_merge(conus_astray *aims, const conus_astray *from)
     merge(&aims->away, &from->away);
     merge(&aims->tiny, &from->tiny);
     aims->points += from->points;
+    merge(&aims->far, &from->far);
     merge(&aims->apart, &from->apart);
 }

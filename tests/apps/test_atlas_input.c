@@ -214,8 +214,15 @@ static void notes_say_which_atlases_do_not_belong_together(void **state)
         double x;
         int code;
         const char *note; /* NULL = none */
-    } cases[] = {{0, 4, NULL},      {0.9, 4, NULL}, {1.1, 4, "do not overlap"}, {0, 2, NULL},
-                 {0, 1, "scanner"}, {0, 0, NULL},   {9, 2, "do not overlap"},   {9, 3, "Talairach"}};
+        bool warns;
+    } cases[] = {{0, 4, NULL, false},
+                 {0.9, 4, NULL, false},
+                 {1.1, 4, "do not overlap", true},
+                 {0, 2, NULL, false},
+                 {0, 0, NULL, false},
+                 {9, 2, "do not overlap", true},
+                 {0, 1, "scanner", false},
+                 {9, 3, "one (MNI 152) and other (Talairach) are different brains", true}};
     (void)state;
     test_folder("names");
     char *first = strdup(write_voxels("one.nii", 0, 4));
@@ -224,12 +231,20 @@ static void notes_say_which_atlases_do_not_belong_together(void **state)
         struct loading loading = {.first = first, .settings.more = {&other, 1}};
         load(&loading);
         assert_int_equal(loading.code, EXIT_DONE);
+        const char *start = cases[i].warns ? "warning: one " : "note: one ";
+        warnings_forget();
         char *words = words_of(say_spaces, &loading);
-        assert_true(cases[i].note ? strstr(words, cases[i].note) && strstr(words, "note: one ") : !*words);
+        assert_true(cases[i].note ? strstr(words, cases[i].note) && strstr(words, start) : !*words);
         free(words);
+        words = words_of(say_spaces, &loading);
+        assert_int_equal(*words != '\0', cases[i].note && !cases[i].warns); /* a warning is said once */
+        free(words);
+        assert_int_equal(warning_line(0) != NULL, cases[i].warns);
+        assert_null(warning_line(1));
+        warnings_forget();
         loading.common.quiet = true;
         words = words_of(say_spaces, &loading);
-        assert_string_equal(words, "");
+        assert_int_equal(*words != '\0', cases[i].warns);
         free(words);
         atlases_finish(&loading.atlases);
     }

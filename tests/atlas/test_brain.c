@@ -47,7 +47,7 @@ static void a_grid_tells_in_every_order_and_direction(void **state)
     for (size_t i = 0; i < sizeof grids / sizeof grids[0]; i++) {
         for (int way = 0; way < 48; way++) {
             conus_volume_info info = grid_of(grids[i].dim, grids[i].spacing, grids[i].low, orders[way / 8], way % 8);
-            conus_brain_view brain = space_brain(&info);
+            conus_brain_view brain = conus_volume_brain(&info);
             assert_int_equal(brain.brain, grids[i].brain);
             assert_string_equal(brain.words, grids[i].words);
             assert_string_equal(brain.source, brain.brain ? "grid" : "");
@@ -63,16 +63,16 @@ static void a_grid_nearby_does_not_tell(void **state)
     for (int axis = 0; axis < 3; axis++) {
         conus_volume_info info = grid_of(grids[0].dim, 1, grids[0].low, order, 1);
         info.world_from_voxel[12 + axis] += 0.5;
-        assert_int_equal(space_brain(&info).brain, CONUS_BRAIN_UNKNOWN);
+        assert_int_equal(conus_volume_brain(&info).brain, CONUS_BRAIN_UNKNOWN);
         info = grid_of(grids[0].dim, 1, grids[0].low, order, 0);
         info.dim[axis]++;
-        assert_int_equal(space_brain(&info).brain, CONUS_BRAIN_UNKNOWN);
+        assert_int_equal(conus_volume_brain(&info).brain, CONUS_BRAIN_UNKNOWN);
         info = grid_of(grids[0].dim, 1, grids[0].low, order, 0);
         info.world_from_voxel[5 * axis] *= 1.01;
-        assert_int_equal(space_brain(&info).brain, CONUS_BRAIN_UNKNOWN);
+        assert_int_equal(conus_volume_brain(&info).brain, CONUS_BRAIN_UNKNOWN);
         info = grid_of(grids[0].dim, 1, grids[0].low, order, 0);
         info.world_from_voxel[4 * axis + (axis + 1) % 3] = 0.01;
-        assert_int_equal(space_brain(&info).brain, CONUS_BRAIN_UNKNOWN);
+        assert_int_equal(conus_volume_brain(&info).brain, CONUS_BRAIN_UNKNOWN);
     }
 }
 
@@ -101,7 +101,7 @@ static void the_header_comes_before_the_grid(void **state)
         conus_volume_info info =
             grid_of(grids[cases[i].grid].dim, grids[cases[i].grid].spacing, grids[cases[i].grid].low, order, 0);
         info.space_code = cases[i].code;
-        conus_brain_view brain = space_brain(&info);
+        conus_brain_view brain = conus_volume_brain(&info);
         assert_int_equal(brain.brain, cases[i].brain);
         assert_string_equal(brain.edition, cases[i].edition);
         assert_string_equal(brain.source, cases[i].source);

@@ -74,6 +74,8 @@ static void every_layout_of_the_grid_is_one_place(void **state)
         conus_atlas *atlas = layout(orders[k / 8], back);
         conus_frame frame;
         assert_ok(conus_frame_find(&frame, atlas, CONUS_SPACE_CCF, NULL));
+        assert_int_equal(conus_atlas_brain(atlas).brain, CONUS_BRAIN_TEMPLATE);
+        assert_string_equal(conus_atlas_brain(atlas).words, "Allen CCF");
         for (size_t i = 0; i < sizeof points / sizeof points[0]; i++) {
             double world[3];
             double wanted[3];

@@ -59,7 +59,8 @@ static void three_quarters_of_three_pairs_are_told(void **state)
     (void)state;
     assert_string_equal(said(atlas_of(4, 4)),
                         "4 of 4 pairs of a left and a right area lie the other way round, A_L (x 2.5 mm) to the right "
-                        "of A_R (-3.5 mm): names or positions have left and right exchanged");
+                        "of A_R (-3.5 mm): names or positions have left and right exchanged; --sides "
+                        "exchanged mirrors the atlas");
     assert_non_null(strstr(said(atlas_of(4, 3)), "3 of 4 pairs"));
     assert_non_null(strstr(said(atlas_of(3, 3)), "3 of 3 pairs"));
     assert_string_equal(said(atlas_of(4, 2)), "");
@@ -134,6 +135,38 @@ static void real_atlases_are_told(void **state)
     }
 }
 
+/* Exchanged sides are mended in place: the grid and the brain stay, the note goes; it comes where they were right. */
+static void exchanged_sides_are_mended(void **state)
+{
+    (void)state;
+    for (size_t swapped = 0; swapped <= 4; swapped += 4) {
+        conus_atlas *atlas = atlas_of(4, swapped);
+        double low[2][3];
+        double high[2][3];
+        assert_ok(swapped_sides_note(atlas));
+        assert_int_equal(conus_atlas_exchanged(atlas) != NULL, swapped != 0);
+        atlas->volumes[0].info.space_code = 4;
+        assert_ok(conus_atlas_bounds(low[0], high[0], atlas));
+        assert_ok(conus_atlas_exchange_sides(atlas));
+        assert_int_equal(conus_atlas_exchanged(atlas) != NULL, swapped == 0);
+        assert_int_equal(conus_atlas_brain(atlas).brain, CONUS_BRAIN_MNI152);
+        assert_false(conus_atlas_brain(atlas).is_moved);
+        assert_ok(conus_atlas_bounds(low[1], high[1], atlas));
+        assert_near(low[0][0], low[1][0], 1e-12);
+        assert_near(high[0][0], high[1][0], 1e-12);
+        for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
+            assert_null(strstr(conus_atlas_note(atlas, i), " mirrors: "));
+            assert_int_equal(conus_atlas_note_severity(atlas, i) == CONUS_SEVERITY_WARNING,
+                             conus_atlas_note(atlas, i) == conus_atlas_exchanged(atlas));
+        }
+        assert_ok(conus_atlas_exchange_sides(atlas)); /* and back */
+        assert_int_equal(conus_atlas_exchanged(atlas) != NULL, swapped != 0);
+        assert_ok(conus_atlas_move(atlas, mirror));
+        assert_true(conus_atlas_brain(atlas).is_moved);
+        conus_atlas_destroy(atlas);
+    }
+}
+
 static conus_status note(void *data)
 {
     return swapped_sides_note(data);
@@ -155,6 +188,7 @@ TEST_GROUP(swapped_sides)
         cmocka_unit_test(large_grids_are_sampled),
         cmocka_unit_test(surfaces_have_sides),
         cmocka_unit_test(real_atlases_are_told),
+        cmocka_unit_test(exchanged_sides_are_mended),
         cmocka_unit_test(every_failing_allocation_is_clean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

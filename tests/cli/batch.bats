@@ -451,7 +451,7 @@ alone() {
         printf '{"iEEGCoordinateSystem": "ScanRAS", "iEEGCoordinateUnits": "%s"}' "$1" >sub-1_coordsystem.json
     }
     ask() {
-        conus batch sphere.nii.gz --poses sub-1_electrodes.tsv --radius 3 --labels sphere.tsv --quiet "$@"
+        conus batch sphere.nii.gz,template=none --poses sub-1_electrodes.tsv --radius 3 --labels sphere.tsv --quiet "$@"
     }
     system mm
     ask -o rows.tsv
@@ -470,11 +470,11 @@ alone() {
     sed -i 's/Ball/Sphere/' sphere.tsv
     ask -o rows.tsv --resume
     fails 2 'would overwrite the input sub-1_coordsystem.json' \
-        batch sphere.nii.gz --poses sub-1_electrodes.tsv --radius 3 --quiet -o sub-1_coordsystem.tsv --force
+        batch sphere.nii.gz,template=none --poses sub-1_electrodes.tsv --radius 3 --quiet -o sub-1_coordsystem.tsv --force
     for command in "query --pose" "sweep --angle 5 --pose"; do
         # shellcheck disable=SC2086 # words
         fails 2 'would overwrite the input sub-1_coordsystem.json' \
-            $command sub-1_electrodes.tsv sphere.nii.gz --along-shafts --quiet --format tsv -o sub-1_coordsystem.tsv
+            $command sub-1_electrodes.tsv sphere.nii.gz,template=none --along-shafts --quiet --format tsv -o sub-1_coordsystem.tsv
     done
 }
 

@@ -141,7 +141,7 @@ cells() {
     run -0 --separate-stderr conus $U --from entries.txt --toward centroid,of=Ball --depth target
     [[ "$stderr" == *"conus: 3 candidates: "* ]]
     run -0 --separate-stderr conus $U --from entries.txt --toward centroid --depth target
-    [[ "$stderr" == *"note: the centroid of U, "*", is not in it"* ]]
+    [[ "$stderr" == *"warning: the centroid of U, "*", is not in it"* ]]
     run -0 --separate-stderr conus $U --from entries.txt --toward deepest --depth target
     [[ "$stderr" == *"conus: 3 candidates: 3 have"* ]]
     run -0 --separate-stderr conus $U --from entries.txt --toward voxels,spacing=5,of=Ball --depth target
@@ -221,7 +221,7 @@ cells() {
     run -0 conus $asked --from entries.txt --toward scan.txt --any-space -q
     printf '0.04 0 0.005\n0.03 0 0.005\n' >metres.txt
     run -0 --separate-stderr conus $asked --from metres.txt --toward targets.txt
-    [[ "$stderr" == *"note: metres.txt: all positions lie within 1 mm of the origin, as if they were in metres"* ]]
+    [[ "$stderr" == *"warning: metres.txt: all positions lie within 1 mm of the origin, as if they were in metres"* ]]
 }
 
 @test "a plan from entries can be verified, and knows its files" {

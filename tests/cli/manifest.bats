@@ -109,7 +109,7 @@ END
     printf 'name\tx\ty\tz\tsize\nA1\t0\t9\t0\tn/a\n' >sub_electrodes.tsv
     cp two/two.atlas.json two/same.atlas.json
     for name in two same; do
-        answers batch two/$name.atlas.json --poses sub_electrodes.tsv --radius 2 --format afni -o $name.txt --quiet
+        run -0 "$CONUS" batch two/$name.atlas.json --poses sub_electrodes.tsv --radius 2 --format afni -o $name.txt --quiet
         grep -q "^$name  " $name.txt
         grep -o '"fingerprint": *"[0-9a-f]*"' $name.txt.json >$name.print
     done

@@ -350,7 +350,7 @@ data32="0" data33="1"/></Marker></InstrumentMarker>'
     sphere --size 16
     printf 'name\tx\ty\tz\nA\t0.05\t0.03\t0.01\nB\t-0.05\t0.01\t0.09\n' >sub-01_electrodes.tsv
     printf '{"EEGCoordinateSystem":"individual","EEGCoordinateUnits":"mm"}' >sub-01_coordsystem.json
-    note='note: sub-01_electrodes.tsv: all positions lie within 1 mm of the origin, as if they were in metres; '
+    note='warning: sub-01_electrodes.tsv: all positions lie within 1 mm of the origin, as if they were in metres; '
     note+='they are taken as mm, as sub-01_coordsystem.json says'
     run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose sub-01_electrodes.tsv --radius 2
     [[ "$stderr" == *"$note"* ]]

@@ -40,7 +40,7 @@ AIM=(--origin 0,14.6,0 --direction 0,1,0)
 @test "contacts that lie outside of the atlas are told, by the name of their file" {
     probe
     run -0 --separate-stderr conus query slabs.nii.gz --probe np.json --origin 0,300,500 --direction 0,0,-1 --format tsv
-    [[ "$stderr" == *"note: np.json: 20 of 20 points lie more than the radius outside of the atlas"* ]]
+    [[ "$stderr" == *"warning: np.json: 20 of 20 points lie farther from the atlas than a quarter of its length, the first in line "* ]]
 }
 
 @test "channels decide the string of Open Ephys, heights above the tip that of SpikeGLX" {

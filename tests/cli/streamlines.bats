@@ -250,7 +250,7 @@ open("arc.trx/header.json", "w").write("{\"NB_STREAMLINES\": 2, \"NB_VERTICES\":
     scene
     tck far.tck 500,0,0 510,0,0
     run -0 --separate-stderr "$CONUS" query slabs.nii.gz --origin 0,0,100 --toward 0,0,0 --streamlines far.tck
-    check_message 'note: bundle far: none of 2 points is in the box around the areas: is it in their space?'
+    check_message 'warning: bundle far: none of 2 points is in the box around the areas: is it in their space?'
     # all coordinates are from 0 to 31, as indices of the 32 voxels would be; a TCK is in mm
     tck positive.tck 0,0,0 9,9,9 20,20,20
     printf '# vtk DataFile Version 3.0\nSPACE=RAS\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n%s\nLINES 1 4\n3 0 1 2\n' \

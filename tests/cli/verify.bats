@@ -537,7 +537,7 @@ store() {
     grep -vxFf <(tr -s ' \n' '\n' <<<"$text") options >others
     # Numbers, vectors and choices are kept as they are.
     printf -- '--%s\n' angle aperture axis block bregma context-blocks decay delay direction engine endpoint-radius enlarge exponent eye format \
-        growth head hemispheres layers mask-of max-memory order origin point poses-format probability probe-roll probe-tip progress radius range rate \
+        growth head hemispheres layers sides mask-of max-memory order origin point poses-format probability probe-roll probe-tip progress radius range rate \
         resolution samples sampling screen-mm screen-pose seconds slice-fraction slices snappiness space stickiness threads \
         threshold tool-axis toward up voxels-of window | grep -vxFf - others >unknown || true
     [ ! -s unknown ] || { cat unknown; echo 'these options are not known to apps/cli/verify/replay.c'; return 1; }

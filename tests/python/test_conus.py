@@ -80,6 +80,8 @@ def test_exchanged_sides_have_a_note():
         names = {i + 1: f"{'ABCABC'[i]}_{side}" for i, side in enumerate(sides)}
         note = conus.load(labels, AFFINE, labels=names).exchanged
         assert note is None if said is None else note.startswith(said)
+        assert conus.load(labels, AFFINE, labels=names).warnings == ([] if said is None else [note])
+        assert (conus.load(labels, AFFINE, labels=names, sides="exchanged").exchanged is None) == (said is not None)
 
 
 def test_notes_of_a_load_that_fails_go_to_the_logger(caplog, tmp_path):

@@ -64,7 +64,7 @@ def warned(ask, *arguments, **options):
 def noted(*arguments):
     """The program's notes about poses."""
     lines = call_conus(*arguments).stderr.decode().splitlines()
-    return [line.split("note: ")[1] for line in lines if re.search("(device|cone|cylinder)s? ", line)]
+    return [re.split("note: |warning: ", line)[1] for line in lines if re.search("(device|cone|cylinder)s? ", line)]
 
 
 @pytest.mark.parametrize("name", POSES)

@@ -81,6 +81,7 @@ int rows_file_write(const struct rows_file *file, const struct provenance *prove
     }
     struct provenance own = *provenance;
     own.option = file->kind->option;
+    own.is_table = false;
     own.question.rows = file->kind->word;
     bool is_of_axis = file->kind->rows != CONUS_ROWS_CONNECTIONS && file->kind->rows != CONUS_ROWS_CLUSTERS;
     own.question.region = is_of_axis ? "axis" : own.question.region;

@@ -54,6 +54,8 @@ bool citation_has_rays(const struct citation *citation);
 
 /** Writes the paragraph; one line. */
 void citation_methods(FILE *out, const struct citation *citation);
+/** Writes the warnings that the sidecar has, a line each, below a heading; nothing where it has none. */
+void citation_warnings(FILE *out, const struct citation *citation);
 /** Writes the references, a line each. */
 void citation_list(FILE *out, const struct citation *citation);
 /** Writes them as BibTeX. */

@@ -223,6 +223,8 @@ static const struct {
     unsigned freedom; /* enum freedom */
 } free_values[] = {
     {"Checksum", FREE},
+    {"Warnings", FREE}, /* words of this version; what they are about is in the rows */
+    {"Warnings[]", FREE},
     {"GeneratedBy[].Version", FREE}, /* the verdict has a line about it */
     {"GeneratedBy[].CommandLine", FREE},
     {"Batch.fingerprint", FREE_OLDER | FREE_ENGINE | FREE_MOVED},

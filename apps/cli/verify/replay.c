@@ -625,7 +625,7 @@ struct saying {
     size_t length;
 };
 
-/* A message: of several the last counts, without "conus: ". */
+/* A message: of several the last counts, without "conus: ". Warnings are none. */
 static void take_line(struct saying *saying)
 {
     static const char name[] = "conus: ";
@@ -633,9 +633,12 @@ static void take_line(struct saying *saying)
     line[saying->length] = '\0';
     saying->length = 0;
     drop_quotes(line);
+    line += strncmp(line, name, strlen(name)) ? 0 : strlen(name);
+    if (strncmp(line, "warning: ", strlen("warning: ")) == 0) {
+        return; /* which is said under --quiet, too */
+    }
     saying->replay->is_said = true;
-    snprintf(saying->replay->why, sizeof saying->replay->why, "%s",
-             strncmp(line, name, strlen(name)) ? line : line + strlen(name));
+    snprintf(saying->replay->why, sizeof saying->replay->why, "%s", line);
 }
 
 static void take_bytes(struct saying *saying, const char *bytes, size_t size)

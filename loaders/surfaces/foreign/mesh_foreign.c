@@ -136,9 +136,9 @@ static conus_status say_unstated(const struct reading *work)
     }
     const char *path = work->first_unstated;
     return work->unstated == 1
-               ? notes_warn(work->notes, "%s does not state its space; RAS was taken", path)
-               : notes_warn(work->notes, "%zu mesh files do not state their space, %s the first; RAS was taken",
-                            work->unstated, path);
+               ? notes_add(work->notes, "%s does not state its space; RAS was taken", path)
+               : notes_add(work->notes, "%zu mesh files do not state their space, %s the first; RAS was taken",
+                           work->unstated, path);
 }
 
 static conus_status foreign_take_whole(struct mesh *out, struct foreign_mesh *foreign, struct reading *work,

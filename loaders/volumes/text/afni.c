@@ -271,7 +271,7 @@ static void afni_place(struct job *job, struct text_volume *out, const struct he
         const char *why = job_tried(job, &attempt);
         has_plumb = !why;
         if (why) {
-            job_warn(job, "IJK_TO_DICOM_REAL was used; %s", why);
+            job_note(job, "IJK_TO_DICOM_REAL was used; %s", why);
         }
     }
     const double *matrix = afni_take_numbers(job, 12, &header->matrix);
@@ -282,7 +282,7 @@ static void afni_place(struct job *job, struct text_volume *out, const struct he
     double gap = has_plumb ? space_corner_distance(dim, lps, plumb) : 0;
     header_turn_lps(lps);
     if (gap > tolerance) {
-        job_warn(
+        job_note(
             job,
             "IJK_TO_DICOM_REAL was used; ORIENT_SPECIFIC, ORIGIN and DELTA, with which AFNI shows oblique data, put "
             "a corner of the grid %.1f mm away",

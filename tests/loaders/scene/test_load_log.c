@@ -125,7 +125,7 @@ static int write_files(void **state)
 
 static const struct wanted of_volume[] = {
     {CONUS_SEVERITY_WARNING, "v.nii", "neither sform nor qform is set"},
-    {CONUS_SEVERITY_WARNING, "v.nii", "5 bytes after the last voxel were ignored"},
+    {CONUS_SEVERITY_NOTE, "v.nii", "5 bytes after the last voxel were ignored"},
     {CONUS_SEVERITY_WARNING, "v.nii", "label 1 is named twice"},
     {CONUS_SEVERITY_WARNING, "v.nii", "does not name: 2 (2, 9)"},
     {CONUS_SEVERITY_NOTE, "v.nii", "without a voxel: 1 (5)"},
@@ -184,10 +184,10 @@ static const char scene[] = "\"parcellation\": \"v.nii\", \"areas\": [{\"file\":
                             "\"P\"}], \"context\": \"c.nii\"";
 
 static const struct wanted behind_volume[] = {
-    {CONUS_SEVERITY_WARNING, "a.gii", "2 surfaces (a.gii, b.gii): the surface does not say in which space it is"},
+    {CONUS_SEVERITY_NOTE, "a.gii", "2 surfaces (a.gii, b.gii): the surface does not say in which space it is"},
     {CONUS_SEVERITY_NOTE, "a.gii", "2 surfaces (a.gii, b.gii): the surface is not closed"},
     {CONUS_SEVERITY_NOTE, "p.nii", "pathway P: values up to 1, taken as probabilities"},
-    {CONUS_SEVERITY_WARNING, "c.nii", "1 voxels are not finite numbers"},
+    {CONUS_SEVERITY_NOTE, "c.nii", "1 voxels are not finite numbers"},
     {CONUS_SEVERITY_WARNING, "c.nii", "lies beside the box around the areas"},
 };
 
@@ -243,7 +243,7 @@ static void a_scene_that_fails(void **state)
     conus_atlas *atlas = NULL;
     struct heard heard = {0};
     const struct wanted of_surface[] = {
-        {CONUS_SEVERITY_WARNING, "a.gii", "a.gii: the surface does not say in which space it is"},
+        {CONUS_SEVERITY_NOTE, "a.gii", "a.gii: the surface does not say in which space it is"},
         {CONUS_SEVERITY_NOTE, "a.gii", "a.gii: the surface is not closed"},
     };
     assert_fails(
@@ -267,7 +267,7 @@ static void pathways_and_contexts(void **state)
     struct heard heard = {0};
     const conus_pathway_options pathway = {.log = hear, .log_user = &heard};
     const conus_context_options context = {.log = hear, .log_user = &heard};
-    const struct wanted holed = {CONUS_SEVERITY_WARNING, "c.nii", "1 voxels are not finite numbers"};
+    const struct wanted holed = {CONUS_SEVERITY_NOTE, "c.nii", "1 voxels are not finite numbers"};
     const struct wanted scaled = {CONUS_SEVERITY_NOTE, "p.nii", "pathway p: values up to 1, taken as probabilities"};
     assert_ok(conus_atlas_create(&atlas, NULL, NULL, 0, NULL));
     assert_ok(conus_atlas_set_context(atlas, test_in("c.nii"), &context));
@@ -320,7 +320,7 @@ static void objects_of_one_file_say_it_once(void **state)
     const conus_load_options options = {.log = hear, .log_user = &heard};
     const struct wanted wanted[] = {
         {CONUS_SEVERITY_NOTE, "two.obj", "the surface is not closed"},
-        {CONUS_SEVERITY_WARNING, "two.obj", "does not state its space; RAS was taken"},
+        {CONUS_SEVERITY_NOTE, "two.obj", "does not state its space; RAS was taken"},
     };
     write_text("two.obj", "o A\nv 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\no B\nv 0 0 5\nv 9 0 5\nv 0 9 5\nf 4 5 6\n");
     assert_ok(conus_atlas_load(&atlas, test_in("two.obj"), &options));

@@ -3,10 +3,12 @@
 #include "builders/gifti_builder.h"
 #include "conus/atlas_info.h"
 #include "conus/file.h"
+#include "loaders/surfaces/mesh_file.h"
 #include "test.h"
 
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 #define TABLE                                                                                                          \
     "<LabelTable><Label Key=\"0\">unknown</Label><Label Key=\"5\" Red=\"1\" Green=\"0\" Blue=\"0\">V1</Label>"         \
@@ -91,11 +93,53 @@ static void fsaverage_by_its_annotation(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* A side is what a file states, or else what its name does; "B" and nothing go with either. */
+static void sides_that_two_files_state_are_compared(void **state)
+{
+    (void)state;
+    static const struct {
+        char surface_side;
+        const char *surface;
+        char labels_side;
+        const char *labels;
+        bool fits;
+    } cases[] = {{'L', "a.gii", 'L', "b.gii", true},
+                 {'L', "a.gii", 'R', "b.gii", false},
+                 {'B', "a.gii", 'R', "b.gii", true},
+                 {0, "lh.pial", 0, "lh.aparc.annot", true},
+                 {0, "lh.pial", 0, "rh.aparc.annot", false},
+                 {0, "rh/pial", 0, "lh.aparc.annot", true},
+                 {0, "/rh.x/lh.pial.gz", 'R', "b.gii", false},
+                 {'R', "lh.pial", 0, "rh.aparc.annot", true}, /* what is stated holds */
+                 {0, "s.L.midthickness.surf.gii", 0, "s.R.aparc.label.gii", false},
+                 {0, "tpl-fsLR_hemi-L_sphere.surf.gii", 0, "x_hemi-R_dseg.label.gii", false},
+                 {0, "MOTOR.L1.gii", 0, "x_hemi-R_dseg.label.gii", true}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_status status =
+            mesh_file_sides_match(cases[i].surface_side, cases[i].surface, cases[i].labels_side, cases[i].labels);
+        if ((status == CONUS_OK) != cases[i].fits) {
+            fail_msg("%s, %s: %d", cases[i].surface, cases[i].labels, (int)status);
+        }
+    }
+    char annot[1024];
+    char link[1024];
+    conus_atlas *atlas = NULL;
+    snprintf(annot, sizeof annot, "%s", test_shared("meshes/fsaverage5/lh.aparc.annot"));
+    snprintf(link, sizeof link, "%s", test_scratch("rh.aparc.annot"));
+    assert_int_equal(symlink(annot, link), 0);
+    const conus_load_options options = {.labels = link};
+    conus_status status = conus_atlas_load(&atlas, test_shared("meshes/fsaverage5/pial_left.gii.gz"), &options);
+    assert_fails(status, CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "rh.aparc.annot: labels of the right side, the surface "));
+    assert_null(atlas);
+}
+
 TEST_GROUP(load_surface)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_surface_that_changes_is_an_error),
         cmocka_unit_test(fsaverage_by_its_annotation),
+        cmocka_unit_test(sides_that_two_files_state_are_compared),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

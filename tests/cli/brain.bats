@@ -1,0 +1,149 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: BSD-3-Clause
+# Whose brain an atlas is, and that no answer of another one is quiet.
+
+load helpers
+SAMPLES=$BATS_TEST_DIRNAME/../fuzz/corpus/poses
+
+need() {
+    [ -e "/usr/share/mricron/templates/$1.nii.gz" ] || skip "no $1"
+}
+
+@test "a warning is said under --quiet, in JSON, in the sidecar, in the table and in cite" {
+    need JHU-WhiteMatter-labels-1mm
+    local ask='query JHU-WhiteMatter-labels-1mm --origin=-90,0,10 --toward=0,0,10 --angle 20'
+    local words='21 of 21 pairs of a left and a right area lie the other way round'
+    run -0 --separate-stderr "$CONUS" $ask
+    [[ "$stderr" == *"conus: warning: $words"*'--sides exchanged mirrors the atlas'* ]]
+    [[ "${lines[0]}" == "warning: $words"* ]]
+    run -0 --separate-stderr "$CONUS" $ask -q
+    check_message "warning: $words"
+    run -0 --separate-stderr "$CONUS" $ask -q --format tsv
+    check_message "warning: $words"
+    [[ "$output" == query$'\t'* && "$output" != *"$words"* ]]
+    run -0 --separate-stderr "$CONUS" $ask -q --format json
+    jq -e --arg words "$words" '.Warnings | length == 1 and (.[0] | startswith($words))' <<<"$output"
+    "$CONUS" $ask -q -o jhu.tsv
+    jq -e --arg words "$words" '.Warnings | length == 1 and (.[0] | startswith($words))' jhu.json
+    "$CONUS" verify jhu.tsv
+    run -0 "$CONUS" cite jhu.tsv
+    has 'conus warned of this result:'
+    has "- $words"
+    run -0 --separate-stderr "$CONUS" $ask --sides exchanged -q -o mended.tsv
+    [ -z "$stderr" ]
+    jq -e 'has("Warnings") | not' mended.json
+    "$CONUS" verify mended.tsv
+    diff <(cut -f 4 jhu.tsv | sed 's/_R$/_L/') <(cut -f 4 mended.tsv)
+}
+
+@test "a result without warnings has no key Warnings, and one whose warnings were changed does not verify" {
+    sphere --size 16
+    "$CONUS" query sphere.nii.gz --origin 0,0,90 --toward 0,0,0 -q -o q.tsv
+    jq -e 'has("Warnings") | not' q.json
+    "$CONUS" query sphere.nii.gz --origin 0,0,90 --direction 0,0,1 -q -o away.tsv
+    jq -e '.Warnings == ["the cone points away from the atlas; looking the other way it would hit Sphere first"]' away.json
+    "$CONUS" verify away.tsv
+    sed -i 's/the cone points away/the cone points near/' away.json
+    run -1 "$CONUS" verify away.tsv
+}
+
+@test "batch, its parts and merge keep the warnings, of which two have one" {
+    sphere --size 16
+    printf 'x\ty\tz\tdx\tdy\tdz\n0\t0\t90\t0\t0\t1\n0\t0\t91\t0\t0\t1\n0\t0\t90\t0\t0\t-1\n0\t0\t90\t0\t0\t-1\n' >poses.tsv
+    for i in 0 1; do
+        "$CONUS" batch sphere.nii.gz --poses poses.tsv --shard $i/2 -q -o part.$i.tsv
+    done
+    jq -e '.Warnings == ["poses.tsv: 2 of 2 cones point away from the atlas, the first in line 2; looking the other way it would hit Sphere first"]' part.0.json
+    jq -e 'has("Warnings") | not' part.1.json
+    "$CONUS" merge part.0.tsv part.1.tsv -o merged.tsv
+    jq -e '.Warnings | length == 1' merged.json
+    "$CONUS" batch sphere.nii.gz --poses poses.tsv -q -o all.tsv # 2 of 4 are no more than half
+    jq -e 'has("Warnings") | not' all.json
+    cmp all.tsv merged.tsv
+    "$CONUS" verify merged.tsv
+}
+
+# Poses of people's own scans and in spaces of templates, on what there is of atlases: r refused, w warning, n note,
+# - nothing.
+@test "each list of poses on each atlas: refused, warned of, noted, or answered without a word" {
+    need aal
+    need inia19-NeuroMaps
+    sphere --size 16
+    local places='<Marker description="a"><Matrix4D data00="0" data01="0" data02="1" data03="-90" data10="0" data11="1"
+data12="0" data13="0" data20="-1" data21="0" data22="0" data23="10" data30="0" data31="0" data32="0" data33="1"/></Marker>'
+    local space
+    for space in RAS LPS MNI; do
+        printf '<InstrumentMarkerList coordinateSpace="%s"><InstrumentMarker>%s</InstrumentMarker></InstrumentMarkerList>\n' \
+            $space "$places" >localite-$space.txt
+    done
+    printf '<InstrumentMarkerList><InstrumentMarker>%s</InstrumentMarker></InstrumentMarkerList>\n' "$places" >localite-none.txt
+    sed 's/NIfTI:Scanner/NIfTI:Aligned/' "$SAMPLES/brainsight.txt" >aligned.txt
+    cp "$SAMPLES/brainsight.txt" scanner.txt
+    cp "$SAMPLES/simnibs.mat" simnibs.txt
+    cp "$SAMPLES/invesalius.mkss" invesalius.txt
+    printf 'name\tx\ty\tz\nA1\t-40\t-20\t50\n' >contact
+    for space in individual MNI152NLin2009cAsym MNI152NLin6Asym Talairach fsaverage tkRAS; do
+        mkdir $space
+        cp contact $space/sub-1_electrodes.tsv
+        printf '{"iEEGCoordinateSystem": "%s", "iEEGCoordinateUnits": "mm"}' $space >$space/sub-1_coordsystem.json
+    done
+    "$CONUS" phantom slabs --size 24 -o .
+    /usr/bin/python3 - slabs.nii.gz <<'END' # as large as the Allen CCF, 13.2 x 8 x 11.4 mm along y, z and x
+import gzip, struct, sys
+data = bytearray(gzip.open(sys.argv[1]).read())
+steps = [(11.4 / 24, 0, 0, -5.7), (0, 13.2 / 24, 0, -6.6), (0, 0, 8 / 24, -4)]
+struct.pack_into("<3f", data, 80, 11.4 / 24, 13.2 / 24, 8 / 24)
+struct.pack_into("<2h", data, 252, 0, 1)
+for row, step in enumerate(steps):
+    struct.pack_into("<4f", data, 280 + 16 * row, *step)
+gzip.open("mouse.nii.gz", "wb").write(data)
+END
+    local atlases=(aal HarvardOxford-cort-maxprob-thr0-1mm JHU-WhiteMatter-labels-1mm inia19-NeuroMaps mouse.nii.gz aal,template=none)
+    local file wanted found atlas
+    while read -r file wanted; do
+        found=
+        for atlas in "${atlases[@]}"; do
+            run --separate-stderr "$CONUS" query "$atlas" --pose "$file" --radius 3 --format tsv
+            local said
+            said=$(grep 'ositions are in "' <<<"$stderr" || true)
+            case $status/$said in
+                3/*': positions are in "'*) found+=r ;;
+                [01]/*warning:*) found+=w ;;
+                [01]/*note:*) found+=n ;;
+                [01]/) found+=- ;;
+                *) found+="?" ;;
+            esac
+            if [[ $found == *[rw] ]]; then # and so it is under --quiet
+                run --separate-stderr "$CONUS" query "$atlas" --pose "$file" --radius 3 --format tsv -q
+                [[ "$stderr" == *'ositions are in "'* ]]
+            fi
+        done
+        [ "$found" = "$wanted" ] || { echo "$file: $found, wanted $wanted"; return 1; }
+    done <<'END'
+localite-RAS.txt rrrwr-
+localite-LPS.txt rrrwr-
+localite-none.txt rrrwr-
+localite-MNI.txt n--wrr
+scanner.txt rrrwr-
+aligned.txt wwwwww
+simnibs.txt rrrwr-
+invesalius.txt rrrwr-
+individual/sub-1_electrodes.tsv rrrwr-
+tkRAS/sub-1_electrodes.tsv rrrwrw
+MNI152NLin2009cAsym/sub-1_electrodes.tsv nwwwrr
+MNI152NLin6Asym/sub-1_electrodes.tsv n--wrr
+Talairach/sub-1_electrodes.tsv rrrwrr
+fsaverage/sub-1_electrodes.tsv wwwwrr
+END
+}
+
+@test "atlases of other brains beside each other are told" {
+    need aal
+    local ask='--origin=-90,0,10 --toward=0,0,10 --angle 20 --format tsv'
+    run -0 --separate-stderr "$CONUS" query aal --atlas HarvardOxford-cort-maxprob-thr0-1mm $ask
+    [[ "$stderr" == *'note: aal (Colin 27) and HarvardOxford-cort-maxprob-thr0-1mm (MNI 152, earlier than NLin2009) are different brains'* ]]
+    run -0 --separate-stderr "$CONUS" query aal --atlas aal,template=mni305 $ask -q
+    check_message 'warning: aal (Colin 27) and aal-2 (MNI 305) are different brains: a pose may be some mm off in one'
+    run -0 --separate-stderr "$CONUS" query aal --atlas aal,template=none $ask -q
+    check_message "warning: aal (Colin 27) and aal-2 (one person's own) are different brains: one pose fits one of them only"
+}
