@@ -27,17 +27,13 @@ struct finding {
 
 enum brain { BRAIN_UNKNOWN, BRAIN_MNI152, BRAIN_OTHER };
 
-/* Whose brain the atlas is: positions and words that say MNI fit MNI 152 and Colin 27. */
+/* Whether positions and words that say MNI fit the atlas: they do MNI 152 and Colin 27. */
 static enum brain brain_of(const conus_atlas *atlas)
 {
-    const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
-    const char *transform = volume ? volume->transform : "";
-    bool is_moved = atlas->is_moved || strstr(transform, ", moved") || strstr(transform, ", warped");
-    return is_moved                           ? BRAIN_UNKNOWN
-           : atlas->has_ccf                   ? BRAIN_OTHER
-           : strstr(transform, "(MNI 152)")   ? BRAIN_MNI152
-           : strstr(transform, "(Talairach)") ? BRAIN_OTHER
-                                              : BRAIN_UNKNOWN;
+    const conus_brain brain = atlas->has_ccf ? CONUS_BRAIN_TEMPLATE : conus_atlas_brain(atlas).brain;
+    return brain == CONUS_BRAIN_UNKNOWN                                  ? BRAIN_UNKNOWN
+           : brain == CONUS_BRAIN_MNI152 || brain == CONUS_BRAIN_COLIN27 ? BRAIN_MNI152
+                                                                         : BRAIN_OTHER;
 }
 
 /* Numbers in the space of the frame, unless words beside them say that they are in another. */
