@@ -260,8 +260,10 @@ int batch_task_build(struct batch_task *task)
     for (size_t i = 0; i < task->atlases.count; i++) {
         const struct named_atlas *item = &task->atlases.items[i];
         struct aimed *aimed = &task->aimed[i];
-        *aimed = (struct aimed){
-            .atlas = item->atlas, .name = item->name, .frame = &task->frame, .radius = settings->engine.radius};
+        *aimed = (struct aimed){.atlas = item->atlas,
+                                .name = item->name,
+                                .frame = &task->frame,
+                                .radius = settings_point_radius(&settings->engine, format_is_foreign(task->format))};
         engine.level = i ? NULL : engine.level;
         conus_status status = conus_selector_create(&aimed->selector, item->atlas, &engine);
         status = status   ? status

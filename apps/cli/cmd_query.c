@@ -309,13 +309,11 @@ static int answer_row(void *user, const conus_pose_row *row)
 {
     struct query_run *run = user;
     struct request *request = &run->request;
-    double radius = request->settings->engine.radius;
+    double radius = settings_point_radius(&request->settings->engine, run->probe || format_is_foreign(request->format));
     char why[256] = "";
     if (row->is_point && !run->probe) {
         settings_point_error(why, &request->settings->engine, request->arguments);
     }
-    bool is_at_least = run->probe || format_is_foreign(request->format); /* no place for what is only near */
-    radius = is_at_least && radius == 0 ? CONUS_POINT_RADIUS : radius;
     struct query query = {.id = row->id,
                           .line = row->line,
                           .pose = row->pose,

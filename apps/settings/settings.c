@@ -408,6 +408,11 @@ void settings_point_error(char out[256], const struct engine_settings *engine, c
     }
 }
 
+double settings_point_radius(const struct engine_settings *engine, bool has_no_place)
+{
+    return engine->radius == 0 && has_no_place ? CONUS_POINT_RADIUS : engine->radius;
+}
+
 const char *settings_understood(char out[96], const struct aim_settings *aim, const struct engine_settings *engine,
                                 bool has_points)
 {

@@ -105,6 +105,10 @@ enum { DEFAULT_ANGLE = 10 };
  * along an axis, with what to state. "" where there is none, and with a radius. */
 void settings_point_error(char out[256], const struct engine_settings *engine, const struct arguments *arguments);
 
+/** Radius of the balls around points, mm: that of --radius, or that of a point where @p has_no_place for what is only
+ * near: contacts of probes, formats of other programs. 0 = there is one. */
+double settings_point_radius(const struct engine_settings *engine, bool has_no_place);
+
 /** How poses are asked that are no plain cones, for conus_report_options.understood: beams, or points; NULL = they
  * are. */
 const char *settings_understood(char out[96], const struct aim_settings *aim, const struct engine_settings *engine,

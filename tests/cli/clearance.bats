@@ -88,7 +88,7 @@ poses() {
     fails 2 '--clearance u-shape.tsv would overwrite' query $NEEDLE --clearance u-shape.tsv
     fails 2 'hold no clearance' query $NEEDLE --clearance - --format afni
     fails 2 '--point and --clearance exclude each other' query u-shape.nii.gz --point 0,0,0 --radius 2 --clearance rows.tsv
-    fails 2 'needs --toward X,Y,Z or --direction' query u-shape.nii.gz --origin 0,0,0 --clearance rows.tsv
+    fails 2 'needs --toward PLACE or --direction' query u-shape.nii.gz --origin 0,0,0 --clearance rows.tsv
     poses >poses.tsv
     fails 2 '--segments and --clearance are the same file' batch u-shape.nii.gz --poses poses.tsv --clearance - --segments -
     fails 2 '--segments and --clearance have one sidecar, a.json' batch u-shape.nii.gz --poses poses.tsv --clearance a.tsv --segments a.csv
