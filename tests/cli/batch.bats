@@ -125,7 +125,7 @@ alone() {
     for command in "sweep --pose" "sweep --angles 5 --pose" "sweep --jitter 1,1 --samples 32 --pose" "track --poses"; do
         # the ball is hit at 70 mm, and ends at 110
         conus ${command%% *} sphere.nii.gz ${command#* } poses.tsv --format tsv --range 0,100 -q >rows
-        [ "$(cut -f 2 rows | grep -c area)" -eq 1 ]
+        [ "$(cut -f 2,4 rows | grep -c area)" -eq 1 ]
     done
     conus render sphere.nii.gz --pose poses.tsv -o '{row}.png' --size 64x64 -q --range 0,100
     conus render sphere.nii.gz --pose poses.tsv -o 'cone{row}.png' --size 64x64 -q --range 0,65 --row 1
@@ -160,7 +160,7 @@ alone() {
     [[ "$(cell name 5)" == "line 5: angle: 180 degrees"* ]]
     [ "$(cell pixels 5)/$(cell share 5)/$(cell index 5)" = n/a/n/a/n/a ]
     [ "$(awk -F'\t' '{ print NF }' <<<"$output" | sort -u)" = 24 ]
-    run -1 conus batch sphere.nii.gz --poses poses.tsv --format ndjson
+    run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --format ndjson
     [[ "${lines[2]}" == '{"query":"b","kind":"error","index":null,"name":"line 3: '* ]]
     run -1 conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv
     grep -q '"errors": 4' rows.json
