@@ -125,7 +125,7 @@ alone() {
     for command in "sweep --pose" "sweep --angles 5 --pose" "sweep --jitter 1,1 --samples 32 --pose" "track --poses"; do
         # the ball is hit at 70 mm, and ends at 110
         conus ${command%% *} sphere.nii.gz ${command#* } poses.tsv --format tsv --range 0,100 -q >rows
-        [ "$(cut -f 2 rows | grep -c area)" -eq 1 ]
+        [ "$(cut -f 2,4 rows | grep -c area)" -eq 1 ]
     done
     conus render sphere.nii.gz --pose poses.tsv -o '{row}.png' --size 64x64 -q --range 0,100
     conus render sphere.nii.gz --pose poses.tsv -o 'cone{row}.png' --size 64x64 -q --range 0,65 --row 1
@@ -160,7 +160,7 @@ alone() {
     [[ "$(cell name 5)" == "line 5: angle: 180 degrees"* ]]
     [ "$(cell pixels 5)/$(cell share 5)/$(cell index 5)" = n/a/n/a/n/a ]
     [ "$(awk -F'\t' '{ print NF }' <<<"$output" | sort -u)" = 24 ]
-    run -1 conus batch sphere.nii.gz --poses poses.tsv --format ndjson
+    run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --format ndjson
     [[ "${lines[2]}" == '{"query":"b","kind":"error","index":null,"name":"line 3: '* ]]
     run -1 conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv
     grep -q '"errors": 4' rows.json
@@ -500,7 +500,7 @@ alone() {
 @test "a closed pipe ends it" {
     setup_ball 5000
     set +o pipefail
-    { batch 2>said || echo $? >code; } | head -n 1 >first
+    { batch -q 2>said || echo $? >code; } | head -n 1 >first
     [ "$(cat code)" -eq 3 ]
     [ ! -s said ]
 }
@@ -511,7 +511,7 @@ alone() {
     hold_batch -o stopped.tsv
     wait_for_blocks 1 stopped.tsv
     stop_held INT 130
-    grep -q 'conus: interrupted after 100 poses; continue with: conus batch .* -o stopped.tsv --progress json --resume' said
+    grep -q 'conus: interrupted after 100 poses; continue with: conus batch .* -o stopped.tsv -q --progress json --resume' said
     hold_batch -o stopped.tsv --resume
     wait_for_blocks 2 stopped.tsv
     stop_held TERM 143
@@ -532,7 +532,7 @@ stop() {
 # and then is silent.
 pipe_in() {
     [ -p silent ] || mkfifo silent
-    env --default-signal=INT "$CONUS" batch sphere.nii.gz --poses - --angle 12 --block 100 "$@" <silent >piped.tsv 2>said 3>&- &
+    env --default-signal=INT "$CONUS" batch sphere.nii.gz --poses - --angle 12 --block 100 -q "$@" <silent >piped.tsv 2>said 3>&- &
     pid=$!
     exec 5>silent
     { cat poses.tsv; printf '1\t2\t3\t4\t5\t6'; } >&5
@@ -560,7 +560,7 @@ pipe_in() {
 @test "a reader that goes ends a batch that waits for a silent pipe" {
     setup_ball 2000
     mkfifo silent rows
-    timeout $HANG "$CONUS" batch sphere.nii.gz --poses silent --angle 12 --threads 2 >rows 2>said 3>&- &
+    timeout $HANG "$CONUS" batch sphere.nii.gz --poses silent --angle 12 --threads 2 -q >rows 2>said 3>&- &
     pid=$!
     head -n 1 rows >first &
     exec 5>silent
@@ -582,7 +582,7 @@ pipe_in() {
 
 @test "progress is JSON for programs, and nothing where nobody looks" {
     setup_ball 2000
-    run -0 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --block 500 --progress json -o rows.tsv
+    run -0 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --block 500 -q --progress json -o rows.tsv
     [[ "${stderr_lines[0]}" == '{"done":500,"total":2000,"errors":0,"rate":'*',"finished":false}' ]]
     [[ "${stderr_lines[-1]}" == '{"done":2000,"total":2000,"errors":0,"rate":'*',"finished":true}' ]]
     answers batch sphere.nii.gz --poses poses.tsv -o other.tsv

@@ -95,7 +95,7 @@ fill_progress() {
 # write its progress into a pipe that is full.
 hold() {
     fill_progress
-    env --default-signal=INT "$CONUS" "$@" --progress json 2>progress 3>&- 6>&- &
+    env --default-signal=INT "$CONUS" "$@" -q --progress json 2>progress 3>&- 6>&- &
     pid=$!
 }
 

@@ -188,7 +188,7 @@ all_catch_signals() {
 # hold_ranks N: resumes killed.tsv on ranks that are children of process $pid, and that cannot finish: the first waits
 # to write its progress into a pipe that is full, and the others wait for it.
 hold_ranks() {
-    local command=("$CONUS_MPI" batch sphere.nii.gz --poses poses.tsv --block 1 -o killed.tsv --resume --progress json)
+    local command=("$CONUS_MPI" batch sphere.nii.gz --poses poses.tsv --block 1 -o killed.tsv --resume -q --progress json)
     fill_progress
     env --default-signal=INT "${mpi[@]}" -n 1 bash -c 'exec "$@" 2>progress' first "${command[@]}" \
         : -n $(($1 - 1)) "${command[@]}" 2>others 3>&- 6>&- &
