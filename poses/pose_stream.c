@@ -85,6 +85,7 @@ struct extent {
     double farthest;        /* Largest distance from the origin, mm. */
 };
 
+static const double HEAD_LENGTH = 180;                      /* mm, where the atlas's longest edge is not known */
 static const double NEAR_ORIGIN = 1, NEAR_EACH_OTHER = 0.2; /* mm */
 enum { LEAST = 3 };                                         /* positions that say something by lying near each other */
 
@@ -339,7 +340,9 @@ static conus_status note_extent(conus_pose_stream *stream)
 {
     const struct extent extent = stream->extent;
     stream->extent = (struct extent){0};
-    bool of_people = stream->options.space < CONUS_SPACE_CCF && !is_of_rodents(stream->format);
+    bool is_list = stream->format == CONUS_POSE_FORMAT_LIST; /* of people or of rodents, as the caller says */
+    bool of_people = stream->options.space < CONUS_SPACE_CCF && (is_list || !is_of_rodents(stream->format));
+    const double longest = stream->options.longest > 0 ? stream->options.longest : HEAD_LENGTH;
     if (!of_people || stream->is_partial) {
         return CONUS_OK;
     }
@@ -349,6 +352,12 @@ static conus_status note_extent(conus_pose_stream *stream)
     }
     bool near_origin = extent.farthest > 0 && extent.farthest <= NEAR_ORIGIN;
     bool near_each_other = extent.count >= LEAST && side > 0 && side <= NEAR_EACH_OTHER;
+    bool is_far = is_list && extent.farthest > 10 * longest;
+    if (is_far || (is_list && near_origin && extent.count >= LEAST)) {
+        return fail(CONUS_ERROR_DATA,
+                    "positions lie up to %g mm from the origin, as if they were in %s: save them in mm",
+                    extent.farthest, is_far ? "micrometres" : "metres");
+    }
     if (!near_origin && !near_each_other) {
         return CONUS_OK;
     }
