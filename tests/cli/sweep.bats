@@ -26,9 +26,9 @@ aim='--origin 0,-60,0.2 --toward 0,0,0.2'
     answers sweep nested.nii.gz --origin 0,-100,40 --direction 0,1,0 --angle 20 --format tsv
     [ "${#lines[@]}" -eq 2 ]
     [ "$(cell margin_deg 1)" != n/a ]
-    answers sweep nested.nii.gz --origin 0,-100,40 --direction 0,1,0 --angle 1 --quiet
-    [ "${#lines[@]}" -eq 4 ]
-    answers sweep nested.nii.gz --origin 0,-100,0 --direction 0,-1,0 --angle 179 --format tsv --quiet
+    run -0 --separate-stderr "$CONUS" sweep nested.nii.gz --origin 0,-100,40 --direction 0,1,0 --angle 1 --quiet
+    [ "${#lines[@]}" -eq 5 ] # the warning, that it points away, stands above the table
+    run -0 --separate-stderr "$CONUS" sweep nested.nii.gz --origin 0,-100,0 --direction 0,-1,0 --angle 179 --format tsv --quiet
     [ "${#lines[@]}" -eq 1 ]
 }
 
