@@ -343,7 +343,7 @@ static conus_status note_extent(conus_pose_stream *stream)
     stream->extent = (struct extent){0};
     bool is_list = stream->format == CONUS_POSE_FORMAT_LIST; /* of people or of rodents, as the caller says */
     bool of_people = stream->options.space < CONUS_SPACE_CCF && (is_list || !is_of_rodents(stream->format));
-    const double longest = stream->options.longest > 0 ? stream->options.longest : HEAD_LENGTH;
+    const double longest = fmax(stream->options.longest, HEAD_LENGTH);
     if (!of_people || stream->is_partial) {
         return CONUS_OK;
     }
