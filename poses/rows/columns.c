@@ -1308,18 +1308,6 @@ static bool has_points(const struct head *head)
     return points && 2 * points >= rows;
 }
 
-/* Whether a line opens a bracket that it does not close, or the other way round: a list of MATLAB's, whose lines are no
- * rows. */
-static bool has_open_bracket(struct text head)
-{
-    struct text line;
-    bool found = false;
-    while (!found && text_line(&head, &line)) {
-        found = line.size && !memchr(line.data, '[', line.size) != !memchr(line.data, ']', line.size);
-    }
-    return found;
-}
-
 static conus_status plan_bare(struct head *head)
 {
     const conus_pose_options *options = head->options;
@@ -1340,9 +1328,6 @@ static conus_status plan_bare(struct head *head)
                    : fail(CONUS_ERROR_DATA,
                           "\"%.*s\": neither names of columns nor three numbers in a line; " POSE_FORMATS " is needed",
                           POSE_QUOTE(line));
-    }
-    if (has_open_bracket(head->text)) {
-        return fail(CONUS_ERROR_DATA, "a list in brackets over several lines: lines of x y z alone are read");
     }
     if (!has_points(head)) {
         return refuse_bare(head);

@@ -116,7 +116,6 @@ static void what_can_be_read_in_two_ways_is_refused(void **state)
         {"-42,5,12,0,30,1\n", "6 numbers in a line"},
         {"-42,5, 12, 30\n", "4 numbers in a line"},
         {"x;y;z\n-1,250;2,500;3,100\n", "1,250 may be 1250 or 1.25"},
-        {"p = [ -42 -20 50; 38 14 -4\n  -8 -92 2 ];\n", "a list in brackets over several lines"},
         {"nx,ny,nz\n0,0,1\n", "nx ny nz may be something else"},
         {"focus_x,focus_y,focus_z\n0,0,1\n", "focus_x focus_y focus_z may be something else"},
         {"x,y,z,nx,ny,nz\n1,2,3,0,0,1\n", "nx ny nz beside x y z"},
