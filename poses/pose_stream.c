@@ -356,7 +356,7 @@ static conus_status note_extent(conus_pose_stream *stream)
     bool is_far = is_list && extent.farthest > 10 * longest;
     if (is_far || (is_list && near_origin && extent.count >= LEAST)) {
         return fail(CONUS_ERROR_DATA,
-                    "positions lie up to %g mm from the origin, as if they were in %s: save them in mm",
+                    "positions lie up to %.3g mm from the origin, as if they were in %s: save them in mm",
                     extent.farthest, is_far ? "micrometres" : "metres");
     }
     if (!near_origin && !near_each_other) {
