@@ -342,7 +342,7 @@ static conus_status note_extent(conus_pose_stream *stream)
     stream->extent = (struct extent){0};
     bool is_list = stream->format == CONUS_POSE_FORMAT_LIST; /* of people or of rodents, as the caller says */
     bool of_people = stream->options.space < CONUS_SPACE_CCF && (is_list || !is_of_rodents(stream->format));
-    const double longest = stream->options.longest > 0 ? stream->options.longest : HEAD_LENGTH;
+    const double longest = fmax(stream->options.longest, HEAD_LENGTH);
     if (!of_people || stream->is_partial) {
         return CONUS_OK;
     }
@@ -355,7 +355,7 @@ static conus_status note_extent(conus_pose_stream *stream)
     bool is_far = is_list && extent.farthest > 10 * longest;
     if (is_far || (is_list && near_origin && extent.count >= LEAST)) {
         return fail(CONUS_ERROR_DATA,
-                    "positions lie up to %g mm from the origin, as if they were in %s: save them in mm",
+                    "positions lie up to %.3g mm from the origin, as if they were in %s: save them in mm",
                     extent.farthest, is_far ? "micrometres" : "metres");
     }
     if (!near_origin && !near_each_other) {
