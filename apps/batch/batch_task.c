@@ -160,8 +160,10 @@ static int check_files(const struct batch_task *task)
 int batch_task_open(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
-    int code =
-        atlases_load_all(&task->atlases, &settings->atlas, &settings->context); /* whose size open_poses() asks */
+    int code = pose_settings_check_file(settings->poses, "poses", task->arguments);
+    code = code ? code
+                : atlases_load_all(&task->atlases, &settings->atlas,
+                                   &settings->context); /* whose size open_poses() asks */
     code =
         code ? code : space_settings_frame(&task->frame, &task->atlases, &settings->aim.space, settings->common.quiet);
     code = code ? code : open_poses(task);

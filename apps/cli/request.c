@@ -9,6 +9,7 @@
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 const struct option request_level_options[] = {
     {.name = "level",
@@ -121,7 +122,11 @@ int request_load_atlases(struct request *request)
 int request_load(struct request *request, int (*load_poses)(void *user), void *user)
 {
     const struct request_settings *settings = request->settings;
-    int code = request_load_atlases(request); /* whose size tells centimetres from millimetres */
+    const char *name = request->arguments->command->name;
+    bool is_of_pose = strcmp(name, "query") == 0 || strcmp(name, "sweep") == 0;
+    const char *option = is_of_pose ? "pose" : "poses";
+    int code = pose_settings_check_file(settings->aim.pose, option, request->arguments);
+    code = code ? code : request_load_atlases(request); /* whose size tells centimetres from millimetres */
     code = code
                ? code
                : space_settings_frame(&request->frame, &request->atlases, &settings->aim.space, settings->common.quiet);

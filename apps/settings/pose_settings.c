@@ -169,6 +169,14 @@ static bool is_atlas(const char *path)
     return is_name;
 }
 
+int pose_settings_check_file(const char *path, const char *option, const struct arguments *arguments)
+{
+    return path && arguments->operand_count && is_atlas(path)
+               ? print_data_error("%s: is an atlas, not a file of poses; the atlas comes first: conus %s %s --%s %s",
+                                  path, arguments->command->name, path, option, arguments->operands[0])
+               : EXIT_DONE;
+}
+
 int pose_settings_print_error(conus_status status, const char *path, const char *option,
                               const struct arguments *arguments)
 {
@@ -177,10 +185,7 @@ int pose_settings_print_error(conus_status status, const char *path, const char 
     snprintf(why, sizeof why, "%s", conus_message()); /* which the catalogue would replace */
     if (conus_path_is_tractogram(path)) {
         print_error_line("%s: is a tractogram, not a file of poses; --streamlines %s adds it to the atlas", path, path);
-    } else if (arguments->operand_count && is_atlas(path)) {
-        print_error_line("%s: is an atlas, not a file of poses; the atlas comes first: conus %s %s --%s %s", path,
-                         arguments->command->name, path, option, arguments->operands[0]);
-    } else {
+    } else if (!pose_settings_check_file(path, option, arguments)) {
         print_error_line("%s", why);
     }
     return code;

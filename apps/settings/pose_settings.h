@@ -55,6 +55,10 @@ void pose_settings_text(char out[128], const struct pose_file_settings *settings
 /** Name of the file of poses @p path for messages: itself, or "standard input". */
 const char *pose_settings_file_name(const char *path);
 
+/** Before the atlas is loaded: refuses an atlas in the place of the file of poses of option @p option. Prints an error
+ * unless the exit code is 0. */
+int pose_settings_check_file(const char *path, const char *option, const struct arguments *arguments);
+
 /** Prints why no poses were read from the file @p path of option @p option ("pose"): of an atlas or a tractogram that
  * stands there, what to type instead. Gives the exit code that goes with @p status. */
 int pose_settings_print_error(conus_status status, const char *path, const char *option,
