@@ -40,7 +40,7 @@ answers_are() {
 
 @test "a left and a right area of one name are told apart in tables and legends" {
     bands
-    printf 'index\tname\themisphere\n1\tTop\tL\n2\tTop\tR\n3\tThree\tL\n4\tFour\tR\n' >sides.tsv
+    printf 'index\tname\themisphere\n1\tTop\tL\n2\tTop\tR\n3\tThree\tL\n4\tFour\tR\n5\tFive\tL\n6\tSix\tR\n' >sides.tsv
     local cone=(bands.nii --labels sides.tsv --origin=0,0,60 --toward=0,0,0 --angle 20)
     answers query "${cone[@]}" -q
     grep -Eq '^ +[12]  Top +left 1 ' <<<"$output"
