@@ -43,6 +43,8 @@ static const char *attribute(const conus_image *image, const char *end)
 }
 
 /* Every pixel's hash stands in the manifest with the object's name, and covers it wholly. */
+enum { PIXELS = CONUS_RESOLUTION_DEFAULT * CONUS_RESOLUTION_DEFAULT };
+
 static void pixels_lead_to_names(void **state)
 {
     (void)state;
@@ -65,7 +67,7 @@ static void pixels_lead_to_names(void **state)
     assert_string_equal(attribute(image, "/hash"), "MurmurHash3_32");
     assert_string_equal(attribute(image, "/conversion"), "uint32_to_float32");
     size_t hit = 0;
-    for (size_t i = 0; i < 256; i++) {
+    for (size_t i = 0; i < PIXELS; i++) {
         uint32_t number = conus_image_uints(image, "object")[i];
         uint32_t hash;
         memcpy(&hash, &conus_image_floats(image, "CryptoObject00.R")[i], sizeof hash);
@@ -79,7 +81,7 @@ static void pixels_lead_to_names(void **state)
             assert_int_equal(hash, 0);
         }
     }
-    assert_true(hit > 0 && hit < 256);
+    assert_true(hit > 0 && hit < PIXELS);
     conus_image_destroy(image);
     conus_selection_destroy(selection);
     conus_selector_destroy(selector);
