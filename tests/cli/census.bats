@@ -84,10 +84,10 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
 
 @test "points of a file are asked what is at them" {
     nested
-    printf '0 0 0 origin\n0 0 20 above\n0 0 30 out\n' >points.txt
+    printf -- '-1 0 0 origin\n0 0 20 above\n0 0 30 out\n' >points.txt
     answers query nested.nii.gz --pose points.txt -q
     [ "${lines[0]}" = 'asked as points: what is at each, or else nearest to it' ]
-    has 'query origin: point (0.00, 0.00, 0.00), RAS mm'
+    has 'query origin: point (-1.00, 0.00, 0.00), RAS mm'
     answers query nested.nii.gz --pose points.txt --format tsv -q
     [ "$(cut -f 1,4,13 <<<"$output" | tail -n +2 | tr '\t\n' '/;')" = 'origin/Core/0;above/Shell outer/0;out/Shell outer/6;' ]
     [ "$(cell z 3)" = 30 ]
@@ -116,7 +116,7 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
 
 @test "points of a file with --radius are balls" {
     nested
-    printf '0 0 0 origin\n0 0 20 above\n' >points.txt
+    printf -- '-1 0 0 origin\n0 0 20 above\n' >points.txt
     answers query nested.nii.gz --pose points.txt --radius 3 --format tsv
     [ "$(cell query 1)/$(cell name 1)" = origin/Core ]
     [ "$(awk -F'\t' '$1 == "above" && $2 == "area"' <<<"$output" | cut -f5-6)" != "" ]

@@ -171,8 +171,8 @@ says() {
     has 'another length or CRC-32 than out/threads.json records'
     sed -i '1s/score/Score/' out/qc.csv
     says 1 'line 1, query query, name: score: Score, answered again: score' out/qc.csv
-    sed -i 's/"pixels": 164/"pixels": 163/' out/qj.json
-    says 1 '"pixels": 163,, answered again: "pixels": 164,' out/qj.json
+    sed -i 's/"pixels": 2616/"pixels": 2615/' out/qj.json
+    says 1 '"pixels": 2615,, answered again: "pixels": 2616,' out/qj.json
     has 'was changed after conus wrote it: it has another SHA-256'
     printf ' ' >>out/q.txt
     says 1 'why: out/q.txt was changed' out/q.txt
@@ -187,7 +187,7 @@ says() {
     cp out/deep.exr out/seen.exr
     says 1 'its bytes differ' out/seen.exr --sidecar out/layers.json
     conus query atlas/nested.nii.gz --origin 0,-100,1 --toward 0,0,0 --angle 30 --layers all --image out/seen.exr -q -o x.tsv --force
-    says 1 'of 256 pixels differ' out/seen.exr --sidecar out/layers.json
+    says 1 'of 4096 pixels differ' out/seen.exr --sidecar out/layers.json
 }
 
 @test "one byte of a source changed: the source is named, and the rows that it changes" {
@@ -536,10 +536,10 @@ store() {
     done | sed -nE 's/^  +(-[a-z], )?(--[a-z-]+) [A-Z@].*/\2/p' | sort -u >options
     grep -vxFf <(tr -s ' \n' '\n' <<<"$text") options >others
     # Numbers, vectors and choices are kept as they are.
-    printf -- '--%s\n' angle aperture axis block bregma context-blocks decay delay direction engine endpoint-radius enlarge exponent eye format \
+    printf -- '--%s\n' angle aperture aperture-diameter axis block bregma context-blocks decay delay direction engine endpoint-radius enlarge exponent eye focus format \
         growth head hemispheres layers sides mask-of max-memory order origin point poses-format probability probe-roll probe-tip progress radius range rate \
         resolution samples sampling screen-mm screen-pose seconds slice-fraction slices snappiness space stickiness threads \
-        threshold tool-axis toward up voxels-of window | grep -vxFf - others >unknown || true
+        threshold tool-axis toward transducer up voxels-of window | grep -vxFf - others >unknown || true
     [ ! -s unknown ] || { cat unknown; echo 'these options are not known to apps/cli/verify/replay.c'; return 1; }
 }
 
