@@ -200,10 +200,16 @@ static void say_question(const struct batch_task *task)
                          settings->probe.path, what, tip[0], tip[1]);
         return;
     }
-    if (settings->common.quiet || settings->of_axis || settings->is_again) {
+    const conus_pose_format format = conus_pose_stream_format(task->poses);
+    bool may_mix = format == CONUS_POSE_FORMAT_BRAINSIGHT || format == CONUS_POSE_FORMAT_MARKUPS ||
+                   format == CONUS_POSE_FORMAT_NIBS; /* points and poses in one file */
+    bool is_said = conus_pose_stream_has_points(task->poses) && !may_mix;
+    if (settings->common.quiet || settings->of_axis || settings->is_again || is_said) {
         return;
     }
-    if (engine->radius > 0) {
+    if (settings->aim.aperture > 0) {
+        snprintf(shape, sizeof shape, "beams from their focus to an aperture of %g mm", settings->aim.aperture);
+    } else if (engine->radius > 0) {
         snprintf(shape, sizeof shape, "%s %g mm%s", is_square ? "square rods of half width" : "cylinders of radius",
                  engine->radius, conus_pose_stream_has_points(task->poses) ? ", round points balls" : "");
     } else {

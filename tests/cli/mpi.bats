@@ -97,7 +97,7 @@ setup_poses() {
     printf '0\t0\t5\t0\t0\t90\n0\t0\t90\t0\t0\t180\n' >>poses.tsv
     sed -i '30i 0\t0\t4\t0\t0\t90\n0\t0\t91\t0\t0\t180' poses.tsv
     conus batch sphere.nii.gz --poses poses.tsv --angle 4 -o rows.tsv 2>wanted
-    [ "$(grep -c . wanted)" -eq 2 ]
+    [ "$(grep -c . wanted)" -eq 3 ]
     grep -q 'poses.tsv: 2 of 124 devices lie inside an area, the first in line 30, inside Sphere' wanted
     for n in 1 3; do
         ranks "$n" sphere.nii.gz --poses poses.tsv --angle 4 --block 1 -o ranks.tsv --force 2>said
@@ -281,7 +281,7 @@ said_how_to_go_on() {
     local command=("$CONUS_MPI" batch sphere.nii.gz --poses poses.tsv --block 1 -o full.tsv)
     printf 'trap "" XFSZ\nulimit -f 20\nexec "$@"\n' >limited.sh # no more than 20 KB
     "${mpi[@]}" -n 1 bash limited.sh "${command[@]}" : -n 1 "${command[@]}" 2>said 3>&- && return 1 || [ $? -eq 3 ]
-    [ "$(grep -c '^conus: ' said)" -eq 1 ]
+    [ "$(grep '^conus: ' said | grep -vc '^conus: note: ')" -eq 1 ]
     grep -q '^conus: full.tsv: cannot write' said
     [ ! -e full.tsv ]
     ranks 2 sphere.nii.gz --poses poses.tsv -o full.tsv --resume

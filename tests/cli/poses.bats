@@ -440,7 +440,7 @@ data32="0" data33="1"/></Marker></InstrumentMarker>'
     printf '0 -8 0 below\n0 0 0\n0 x 0 bad\n0 0 90 far\n' >points.txt
     run -1 --separate-stderr "$CONUS" query sphere.nii.gz --pose points.txt --radius 5 --layers all --format tsv
     [ "${stderr_lines[0]}" = 'conus: points.txt:3: y: "x" is not a finite number' ]
-    [[ "${stderr_lines[1]}" == 'conus: note: points.txt: 1 of 3 points lie more than the radius outside of the atlas, '* ]]
+    [[ "${stderr_lines[1]}" == 'conus: warning: points.txt: 2 of 3 points lie farther from the atlas than a quarter of its length, '* ]]
     [ "$(cell query 1)/$(cell name 1)/$(cell distance_mm 1)" = below/Sphere/3 ]
     local wanted=$output
     run -1 --separate-stderr "$CONUS" batch sphere.nii.gz --poses points.txt --radius 5 --layers all
@@ -505,10 +505,10 @@ data32="0" data33="1"/></Marker></InstrumentMarker>'
         [[ $stderr != *'did you mean'* ]]
     done
     printf 'x (cm),y (cm),z (cm)\n0,-.8,0\n' >unit.csv
-    answers query sphere.nii.gz --pose unit.csv --radius 5 --format tsv
+    answers query sphere.nii.gz --pose unit.csv --radius 5 --format tsv -q
     wanted=$output
     printf '0 -8 0\n' >plain.txt
-    answers query sphere.nii.gz --pose plain.txt --radius 5 --format tsv
+    answers query sphere.nii.gz --pose plain.txt --radius 5 --format tsv -q
     [ "$output" = "$wanted" ]
 }
 

@@ -105,7 +105,7 @@ END
     conus query ras.nii --space bregma --pose poses.csv --angle 4 --format tsv --quiet >wanted
     printf 'x,y,z,dx,dy,dz,far\n0,0,90,0,0,-1,9\n' >ranged.csv
     fails 3 'ranged.csv: near and far: the window has one range for all poses' view ras.nii --poses ranged.csv
-    diff replayed.tsv wanted
+    diff replayed.tsv <(cut -f 1,4- wanted) # without row and time_s
     conus query ras.nii --space bregma --origin=0,-1,2 --toward=0.5,-1,-3 --angle 4 --format tsv --quiet >wanted
     diff aimed.tsv wanted
     export ASAN_OPTIONS=detect_leaks=0 # Mesa forgets 128 bytes of a driver that is unloaded before anything was drawn

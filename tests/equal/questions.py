@@ -746,6 +746,7 @@ READERS = {
     "probe_interface": (None, "query ph/nested.nii.gz --probe {f} --origin 0,-20,0 --direction 0,1,0.1"),
     "results": (None, "diff {f} {f}", "diff in/ball.tsv {f}"),
     "sidecar": ("rows.json", "verify {d}/rows.tsv", "cite {d}/rows.tsv"),
+    "table": (None, POSES),
     "tiff": ("x.tif", VOLUME),
     "tract": (None, LINES),
     "transfer": (None, "render ph/nested.nii.gz --size 64x48 --context ph/brain/brain-context.nii.gz --transfer {f} "
