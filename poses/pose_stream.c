@@ -144,7 +144,7 @@ static conus_status note_equal_names(struct notes *notes, struct row_names *name
     if (first) {
         status =
             notes_add(notes, "poses %zu and %zu are both called \"%.60s\"; %zu of %zu have the name of an earlier one",
-                       first[-1].row + 1, first->row + 1, first->name, repeated, count);
+                      first[-1].row + 1, first->row + 1, first->name, repeated, count);
     }
     memory_free(sorted);
     buffer_finish(&names->text);

@@ -11,7 +11,6 @@
 
 #include <string.h>
 
-
 /* F of Eq. 7. */
 static conus_status check_slice_fraction(const conus_selector_options *options)
 {
@@ -113,7 +112,8 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
     selector->atlas = atlas;
     selector->volume_count = atlas->volume_count;
     selector->options = *options_of(conus_selector_options, options);
-    selector->options.resolution = selector->options.resolution ? selector->options.resolution : CONUS_RESOLUTION_DEFAULT;
+    selector->options.resolution =
+        selector->options.resolution ? selector->options.resolution : CONUS_RESOLUTION_DEFAULT;
     conus_status status = selector_prepare_ranking(selector);
     status = status ? status : conus_selector_set_range(selector, NULL);
     const char *level = selector->options.level;
