@@ -641,6 +641,6 @@ matsimnibs() { printf '%s %s 0 -40\n%s %s 0 -20\n0 0 -1 90\n0 0 0 1\n' "-$2" "$1
     fails 3 'cap-nose.elc: a cap that names no space, and does not lie on the head of MNI 152' \
         query sphere.nii.gz --pose "$points/cap-nose.elc" --radius 200
     fails 3 'whereami.txt: AFNI' query sphere.nii.gz --pose "$points/whereami.txt" --radius 200
-    answers query sphere.nii.gz --pose "$points/3dclust-rai.1D" --poses-format list --radius 200 --format tsv
-    answers query sphere.nii.gz --pose - --radius 200 --format tsv <"$points/3dclust-rai.1D"
+    answers query sphere.nii.gz --pose "$points/3dclust-rai.1D" --poses-format list --radius 200 --format tsv -q
+    answers query sphere.nii.gz --pose - --radius 200 --format tsv -q <"$points/3dclust-rai.1D"
 }
