@@ -239,7 +239,7 @@ int batch_task_build(struct batch_task *task)
         .threads = settings->threads,
         .block = settings->block,
         .angle = settings_angle(&settings->aim, &settings->engine),
-        .point_error = task->point_error[0] ? task->point_error : NULL,
+        .point_error = task->point_error[0] && !task->probe ? task->point_error : NULL, /* contacts are asked */
         .report = {.rows = settings->of_axis   ? settings->of_axis->rows
                            : settings->summary ? CONUS_ROWS_SUMMARIES
                                                : CONUS_ROWS_ANSWERS,

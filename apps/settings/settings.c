@@ -396,7 +396,8 @@ const struct option slices_options[] = {
 
 void settings_point_error(char out[256], const struct engine_settings *engine, const struct arguments *arguments)
 {
-    static const char *const of_axis[] = {"angle", "layers", "range", "segments", "clearance", "image", "jitter"};
+    static const char *const of_axis[] = {"angle",    "layers",    "range", "aperture-diameter",
+                                          "segments", "clearance", "image", "jitter"};
     out[0] = '\0';
     for (size_t i = 0; i < sizeof of_axis / sizeof of_axis[0] && engine->radius == 0 && !out[0]; i++) {
         if (option_find(arguments->command, of_axis[i]) && option_given(arguments, of_axis[i])) {

@@ -89,16 +89,38 @@ static conus_status end_head(struct reading *reading)
                                         reading->lps ? "LPS" : "RAS");
 }
 
-/* The last field but one of a row as Slicer 5 writes it; "" of others. */
-static struct text status_of(struct text line, size_t fields)
+/* Counts the fields of a row; *status is the last but one. */
+static size_t count_fields(struct text *status, struct text line)
 {
-    struct text field = {"", 0};
-    struct text before = {"", 0};
+    struct text last = {"", 0};
     size_t count = 0;
-    for (bool more = true; text_field(&line, ',', &more, &field); count++) {
-        before = count + 2 == fields ? field : before;
+    for (bool more = true, found = true; more && found;) {
+        *status = last;
+        enum text_quotes quotes;
+        found = text_quoted_field(&line, ',', &more, &last, &quotes);
+        count += found;
     }
-    return count == fields && fields == FIELDS_OF_5 ? before : (struct text){"", 0};
+    return count;
+}
+
+/* A row of Slicer 5 has two fields more than the header names, or none: the first says whether the point was placed
+ * (vtkMRMLMarkupsNode::PositionDefined). One more, or other two, are what decimal commas make. */
+static conus_status check_fields(const struct reading *reading, struct text line)
+{
+    struct text status = {"", 0};
+    uint64_t number;
+    if (reading->columns.field_count != FIELDS_OF_5) {
+        return CONUS_OK;
+    }
+    size_t count = count_fields(&status, line);
+    bool is_of_5 = count == FIELDS_OF_5 && text_to_uint(status, 9, &number);
+    if (count > FIELDS_OF_5 - 2 && !is_of_5) {
+        return fail(CONUS_ERROR_DATA, "%zu fields, the header has %d; decimals are written with a point", count,
+                    FIELDS_OF_5 - 2);
+    }
+    return is_of_5 && number != 2
+               ? fail(CONUS_ERROR_DATA, "position status \"%.*s\", not 2: the point was not placed", POSE_QUOTE(status))
+               : CONUS_OK;
 }
 
 static conus_status read_point(struct reading *reading, struct text line, size_t number)
@@ -108,10 +130,7 @@ static conus_status read_point(struct reading *reading, struct text line, size_t
     conus_pose_row row = pose_row_at(number);
     row.is_point = true;
     conus_status bad = pose_columns_split(fields, &reading->columns, line);
-    struct text status = status_of(line, reading->columns.field_count);
-    if (!bad && status.size && !text_equal(status, "2")) { /* vtkMRMLMarkupsNode::PositionDefined */
-        bad = fail(CONUS_ERROR_DATA, "position status \"%.*s\", not 2: the point was not placed", POSE_QUOTE(status));
-    }
+    bad = bad ? bad : check_fields(reading, line);
     bad = bad ? bad : pose_columns_point(point, &reading->columns, fields, X, 1);
     if (!bad && reading->lps) {
         pose_flip_point(point);

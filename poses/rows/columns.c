@@ -452,6 +452,7 @@ static void take_family(struct head *head, const struct family *family, enum rol
     }
     if (first == ROLE_X && family->at[0] != NONE && !head->options->any_space) {
         space_words_hear_of(&out->said, text_from(head->names[family->at[0]]));
+        space_words_hear_of(&out->said, text_from(family->stem)); /* of "TalX", one word, "tal" */
     }
 }
 
@@ -1107,13 +1108,33 @@ static bool has_digit(struct text line)
     return found;
 }
 
+/* Whether a line has several words and too few cells for a row: "Note. Talairach coordinates, p < 0.05." */
+static bool is_sentence(const struct columns *columns, struct text text)
+{
+    struct table_line line;
+    struct text word;
+    size_t words = 0;
+    if (!columns->has_header || !table_split(&line, &columns->table, text) || line.count >= columns->count) {
+        return false;
+    }
+    while (text_word(&text, &word)) {
+        size_t letters = 0;
+        for (size_t i = 0; i < word.size; i++) {
+            letters += (word.data[i] | 0x20) >= 'a' && (word.data[i] | 0x20) <= 'z';
+        }
+        words += letters >= 2;
+    }
+    return words >= 2;
+}
+
 /* Whether a line of the head is a title, a comment or a closing line: neither a row nor the header. */
 static bool is_of_words(struct text *inside, const struct head *head, struct text text, size_t number)
 {
     const struct columns *out = head->out;
     bool is_header = number == out->head_lines && out->has_header;
     bool is_comment = table_is_comment(inside, text);
-    return is_comment || (!is_header && (number < out->table.first || (number > out->head_lines && !has_digit(text))));
+    return is_comment || (!is_header && (number < out->table.first ||
+                                         (number > out->head_lines && (!has_digit(text) || is_sentence(out, text)))));
 }
 
 /* What is said of spaces and units; the user's word, and a column of LPS or RAS, beat it. */

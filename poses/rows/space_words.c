@@ -24,14 +24,14 @@ static const struct row {
     const char *why; /* positions cannot be taken, whatever the atlas */
 } rows[] = {
     {"mni305/fsaverage", STRONG, MNI305, "MNI 305", NULL},
-    {"talairach/tal", STRONG, POSE_BRAIN_TALAIRACH, "Talairach", NULL},
-    {"tk/tkr/tkras/tkreg/surfaceras", STRONG, POSE_BRAIN_OTHER, "tkRAS", NULL},
+    {"talairach/tal/tlrc/mni2tal", STRONG, POSE_BRAIN_TALAIRACH, "Talairach", NULL},
+    {"tk/tkr/tkras/tkrras/tkreg/tkregras/surfaceras", STRONG, POSE_BRAIN_OTHER, "tkRAS", NULL},
     {"radiological", STRONG, 0, NULL,
      "radiological: left and right may be exchanged; --space lps or ras says which they are"},
     {"mni/mni152/icbm/icbm152", STRONG, POSE_BRAIN_MNI152, "MNI 152", NULL},
     {"mcp/earbar/earbars/ear/interaural/lambda/dura/pia/midcommissural", ORIGIN, 0, NULL,
      "counted from a point (MCP, ear bars, lambda, dura) that the atlas does not know"},
-    {"native/scanner/individual/head/device/leksell/crw/scs/ctf", WEAK, POSE_BRAIN_SUBJECT, NULL, NULL},
+    {"native/scanner/individual/acpc/head/device/leksell/crw/scs/ctf", WEAK, POSE_BRAIN_SUBJECT, NULL, NULL},
     {"voxel/voxels/vox/ijk/matrix", WEAK, 0, NULL,
      "voxels, which only the image that they were counted in places; mm are needed"},
     {"ras/lps", WEAK, SIGNS, NULL, NULL},

@@ -58,7 +58,7 @@ def reference(labels, voxel_from_world, pose, radius, depths):
 
 
 def query(conus, path, pose, radius, depths):
-    command = [conus, "query", path, "--quiet", "--origin=" + ",".join(map(repr, pose[:3])),
+    command = [conus, "query", path, "--quiet", "--resolution", "16", "--origin=" + ",".join(map(repr, pose[:3])),
                "--direction=" + ",".join(map(repr, pose[3:6])), "--layers", "all", "--format", "tsv"]
     command += ["--radius", repr(radius)] if radius else ["--angle", repr(pose[6])]
     command += ["--range", f"{depths[0]!r},{depths[1]!r}"] if depths else []

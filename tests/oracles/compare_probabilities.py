@@ -78,6 +78,7 @@ def query(conus, path, region, how=("--layers", "all")):
     else:
         command += ["--origin=" + numbers(region["origin"]), "--direction=" + numbers(region["direction"]), *how,
                     "--aperture", "square" if region["square"] else "circle"]
+        command += ["--resolution", "16"]
         command += ["--angle", repr(region["angle"])] if region["shape"] == "cone" else ["--radius", repr(region["radius"])]
         command += ["--range", numbers(region["range"])] if region["range"] else []
     out = subprocess.run(command, check=True, capture_output=True, text=True).stdout

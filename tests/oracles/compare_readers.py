@@ -711,6 +711,9 @@ poses("matrix", in_lines("1 0 0 @X\n0 1 0 @Y\n0 0 1 57\n0 0 0 1\n", ".txt"), *CO
       nan="nan in row 0, column 3", far="inf in row 0, column 3", comma=("4 numbers in a line", 3))
 poses("points", in_lines("@X @Y @Z @T\n", ".txt"), *BALL, empty=b",,,\n", lps=LPS, nan=NO_POINTS,
       far=NO_POINTS, comma=None)
+poses("list", in_lines("@X @Y @Z\ninfo\nnumpoints 1\nuseRealRAS 1\n", ".dat"), *BALL, named=False,
+      windows=Never("the file has no names"), empty=b"\n", lps=RAS_ONLY, nan=("not whole", 3),
+      far=("not whole", 3), comma=("not whole", 3))
 poses(
     "brainsight",
     in_lines(
@@ -726,7 +729,7 @@ poses(
         'data12="0" data13="@Y" data20="-1" data21="0" data22="0" data23="57" data30="0" data31="0" data32="0" data33="1"/>\n'
         "</Marker>\n</InstrumentMarker>\n</InstrumentMarkerList>\n", ".xml", S="RAS"), *CONE, lps={"S": "LPS"})
 poses("electrodes", in_lines("name\tx\ty\tz\n@T\t@X\t@Y\t@Z\n", "_electrodes.tsv"), *BALL, windows=NOT_UTF8,
-      empty=b"\t\t\t\n", lps=RAS_ONLY)
+      empty=b"\t\t\t\n", lps=RAS_ONLY, comma=None)
 poses(
     "markups",
     in_lines(
@@ -1508,8 +1511,7 @@ def brainglobe(reader, make, at, lps, **cells):
         bom=is_named(text=lambda text: b"\xef\xbb\xbf" + text), windows=is_named(name=LETTERS),
         crlf=is_named(text=lambda text: text.replace(b"\n", b"\r\n")),
         empty_rows=is_named(text=lambda text: text.replace(b"\n", b"\n\n")),
-        nan=lambda path: refuses("invalid token near 'NaN'", make(path, metadata=', "unused": NaN'), *at),
-        lps=lps(is_named), big_endian=is_named(big=True),
+        nan=is_named(metadata=', "unused": NaN'), lps=lps(is_named), big_endian=is_named(big=True),
         minus=lambda path: refuses(NOT_WHOLE, make(path, array=voxels(-1, "i2")), *at),
         out_of_range=lambda path: refuses(NOT_WHOLE, make(path, array=voxels(2**32, "f8")), *at), **cells)
 
