@@ -715,11 +715,13 @@ class Clusters(_Study):
         whole, maximum = (records["part"] == part for part in (lib.CONUS_CLUSTER_WHOLE, lib.CONUS_CLUSTER_MAXIMUM))
         columns = identity_of(self.atlas.objects, records)
         kind = np.select([whole, maximum], ["cluster", "maximum"], columns["kind"].astype(object))
+        names = np.array(columns["name"].astype(object))
+        names[whole] = None
         return pandas.DataFrame({
             "cluster": records["cluster"],
             "kind": pandas.Categorical(kind),
             "index": columns["index"],
-            "name": pandas.Categorical(np.where(whole, None, columns["name"].astype(object))),
+            "name": pandas.Categorical(names),
             "volume_mm3": records["volume"],
             "fraction": records["fraction"],
             "cluster_fraction": records["cluster_fraction"],

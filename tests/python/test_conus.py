@@ -531,7 +531,7 @@ def test_ten_lines_of_the_documents_draw_a_figure(tmp_path, monkeypatch, capsys)
     lines = page_blocks()[0]
     assert len([line for line in lines.splitlines() if line]) <= 10
     exec(lines, {})
-    assert capsys.readouterr().out.startswith("Frontal_Inf_Oper_L 0.905")
+    assert capsys.readouterr().out.startswith("Frontal_Inf_Oper_L 0.906")
     assert (tmp_path / "hits.png").read_bytes()[:4] == b"\x89PNG"
 
 

@@ -67,7 +67,7 @@ def test_rows_are_those_of_the_program(tmp_path, case):
 def test_lost_frames_and_angles_are_those_of_the_program(tmp_path):
     times, origins, directions, trigger = trembling_hand(40)
     angle = np.linspace(2, 30, 40)
-    origins[3], directions[9], angle[20], times[30] = np.nan, 0, 200, times[10]
+    origins[3, 0], directions[9], angle[20], times[30] = np.nan, 0, 200, times[10]
     write_poses(tmp_path / "hand.tsv", times, origins, directions, trigger, angle)
     rows = run_conus("track", AAL, "--poses", tmp_path / "hand.tsv", "--score=intenselect", "--format=tsv", "-q")
     with pytest.warns(conus.PoseWarning, match="^4 of 40 steps are left out, the first is step 3: .*nan"):
