@@ -603,8 +603,9 @@ static size_t find_word(struct head *head, struct text word)
     size_t found = NONE;
     size_t count = 0;
     for (size_t i = 0; i < head->line.count; i++) {
-        bool is_it = text_equal_ignoring_case(head->line.cells[i], "") == false &&
-                     head->line.cells[i].size == word.size && text_contains(head->line.cells[i], word);
+        struct text cell = head->line.cells[i];
+        bool is_it = cell.size && cell.size == word.size &&
+                     (head->out->is_bids ? text_compare(cell, word) == 0 : text_contains(cell, word));
         found = is_it && !count ? i : found;
         count += is_it;
     }
@@ -950,6 +951,11 @@ static void find_columns(struct head *head)
         if (column != NONE) {
             set_role(head, column, ROLE_NAME);
         }
+    }
+    if (out->is_bids) { /* other columns are of others, whatever they are called */
+        take_family(head, find_named(head), ROLE_X, "x y z");
+        out->is_of_points = true;
+        return;
     }
     find_roles(head);
     choose_families(head);
@@ -1573,6 +1579,13 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     if (status) {
         memory_free(head);
         return status;
+    }
+    if (out->is_bids) {
+        static const char *const xyz[3] = {"x", "y", "z"};
+        for (int k = 0; k < 3; k++) {
+            head->words.at[k] = head->words.at[k].size ? head->words.at[k] : text_from(xyz[k]);
+        }
+        head->words.name = head->words.name.size ? head->words.name : text_from("name");
     }
     table_decide(&out->table, head_text);
     *is_short = out->table.cells == 0;
