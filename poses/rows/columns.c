@@ -1849,8 +1849,7 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
     }
     if (!status && columns->ends_at_target && isnan(row->range[1])) {
         double way[3];
-        vec3_sub(way, values + ROLE_TX, values + ROLE_X); /* of the world by now */
-        row->range[0] = isnan(row->range[0]) ? 0 : row->range[0];
+        vec3_sub(way, values + ROLE_TX, values + ROLE_X); /* of the world by now; pose_row_end() says where it begins */
         row->range[1] = vec3_length(way);
     }
     row->time_s = values[ROLE_TIME];

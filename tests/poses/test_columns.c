@@ -300,6 +300,26 @@ static void angles_and_ends(void **state)
     }
 }
 
+/* Whatever calls the target, the range is that of the options. */
+static void ranges_end_at_targets(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {
+        "x,y,z,tx,ty,tz\n0,0,0,3,4,0\n",
+        "x,y,z,target_x,target_y,target_z\n0,0,0,3,4,0\n",
+        "entry_x,entry_y,entry_z,tip_x,tip_y,tip_z\n0,0,0,3,4,0\n",
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        const conus_pose_options options = {.to_target = true, .near = 2, .beyond = 1};
+        conus_pose_list *list = pose_text_parse(text_from(texts[i]), &options);
+        const conus_pose_row *row = conus_pose_list_row(list, 0);
+        if (row->error || row->range[0] != 2 || row->range[1] != 6) {
+            fail_msg("case %zu: %s, %g to %g", i, row->error ? row->error : "", row->range[0], row->range[1]);
+        }
+        conus_pose_list_destroy(list);
+    }
+}
+
 /* Rows that are none, and lines of words, are passed over with a note each, and are not counted. */
 static void lines_that_are_no_rows(void **state)
 {
@@ -437,6 +457,7 @@ TEST_GROUP(columns)
         cmocka_unit_test(numbers_are_judged),
         cmocka_unit_test(columns_are_named_by_the_user),
         cmocka_unit_test(angles_and_ends),
+        cmocka_unit_test(ranges_end_at_targets),
         cmocka_unit_test(lines_that_are_no_rows),
         cmocka_unit_test(every_prefix_is_refused_or_shorter),
         cmocka_unit_test(other_encodings_are_read),
