@@ -995,6 +995,20 @@ static uint64_t sum_of(struct text text)
     return sum;
 }
 
+/* R writes the names of rows without a name of their column: there the header gets an empty cell. */
+static void shift_header(struct head *head)
+{
+    struct table_line *line = &head->line;
+    const size_t cells = head->out->table.cells;
+    if (!cells || line->given + 1 != cells || line->count == cells) {
+        return;
+    }
+    memmove(line->cells + 1, line->cells, sizeof line->cells - sizeof line->cells[0]);
+    line->cells[0] = (struct text){"", 0};
+    line->count += line->count < TABLE_CELLS;
+    line->given++;
+}
+
 /* Looks for the header above the first row: a line of as many cells, with coordinates among them, or a comment of that
  * kind; else the first line of as many cells. Without a row any line with coordinates. */
 static bool find_header(struct head *head)
@@ -1035,6 +1049,7 @@ static bool find_header(struct head *head)
         head->out->head_lines = best.size ? line_of_best : line_of_fallback;
         head->out->header_sum = sum_of(header);
         (void)split_header(head, header, table->cells);
+        shift_header(head);
         find_columns(head);
     }
     return found;
@@ -1061,22 +1076,6 @@ static void decide_by_header(struct head *head)
         }
     }
     head->out->table = best;
-}
-
-/* R writes the names of rows without a name of their column: all roles move by one. */
-static void shift_roles(struct head *head)
-{
-    struct columns *out = head->out;
-    if (!out->table.cells || head->line.given + 1 != out->table.cells || head->line.count == out->table.cells) {
-        return;
-    }
-    memmove(out->role_of + 1, out->role_of, sizeof out->role_of - 1);
-    memmove(head->line.cells + 1, head->line.cells, sizeof head->line.cells - sizeof head->line.cells[0]);
-    head->line.cells[0] = (struct text){"", 0};
-    head->line.count++;
-    head->line.given++;
-    out->role_of[0] = ROLES;
-    out->count++;
 }
 
 /* Finds the columns whose texts are kept, by their names as they stand in the header. */
@@ -1605,7 +1604,6 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
         status = buffer_status(&head->faults);
         status = status ? status : refuse(head);
     } else {
-        shift_roles(head);
         status = check_options(head);
         status = status ? status : note_angles(head, notes);
         status = status ? status : find_row_names(head, notes);

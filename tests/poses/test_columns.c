@@ -282,6 +282,8 @@ static void angles_and_ends(void **state)
         {"entry_x,entry_y,entry_z,target_x,target_y,target_z\n0,0,0,3,4,0\n", false, {0, 0, 0}, {3, 4, 0}, 5},
         {"x,y,z,tx,ty,tz\n0,0,0,3,4,0\n", false, {0, 0, 0}, {3, 4, 0}, NAN},
         {"x,y,z,dx,dy,dz,depth (cm)\n0,0,0,3,4,0,2\n", false, {0, 0, 0}, {3, 4, 0}, 20},
+        {"x\ty\tz\tdx\tdy\tdz\tdepth (cm)\nA\t0\t0\t0\t3\t4\t0\t2\n", false, {0, 0, 0}, {3, 4, 0}, 20}, /* R */
+        {"depth (cm)\tx\ty\tz\tdx\tdy\tdz\tangle\nA\t2\t0\t0\t0\t3\t4\t0\t0\n", false, {0, 0, 0}, {3, 4, 0}, 20},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         conus_pose_list *list = pose_text_parse(text_from(cases[i].text),
