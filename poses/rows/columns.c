@@ -1355,6 +1355,10 @@ static conus_status plan_bare(struct head *head)
     if (!has_points(head)) {
         return refuse_bare(head);
     }
+    if (head->words.at[0].size || head->words.name.size) {
+        struct text word = head->words.at[0].size ? head->words.at[0] : head->words.name;
+        return fail(CONUS_ERROR_DATA, "no header, so that no column is called \"%.*s\"", POSE_QUOTE(word));
+    }
     return options->axis == CONUS_AXIS_OF_FORMAT
                ? CONUS_OK
                : fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",

@@ -256,6 +256,32 @@ static void columns_are_named_by_the_user(void **state)
     assert_int_equal(conus_pose_path_length(path), strlen(path)); /* a file is called so */
 }
 
+/* A word that changes nothing is refused. */
+static void words_without_use_are_refused(void **state)
+{
+    (void)state;
+    static const char electrodes[] = "name\tx\ty\tz\nA\t1\t2\t3\n";
+    static const char *const bad[][3] = {
+        {"1 0 0 1\n0 1 0 2\n0 0 1 3\n0 0 0 1\n", "unit=cm", "and not for matrix"},
+        {"(1, 2, 3) -> (1, 2, 9)\n", "unit=cm", "and not for list"},
+        {"1 2 3 A\n", "name=who", "no header"},
+        {"1 2 3\n", "x=a,y=b,z=c", "no header"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        pose_text_refuse(text_from(bad[i][0]), &(conus_pose_options){.columns = bad[i][1]}, bad[i][2]);
+    }
+    conus_pose_list *list = NULL;
+    assert_fails(
+        conus_pose_list_load(&list, pose_sample("fiducials.fcsv"), &(conus_pose_options){.columns = "unit=um"}),
+        CONUS_ERROR_DATA);
+    static const char *const good[] = {"1 2 3 A\n", "name,x,y,z\nA,1,2,3\n", electrodes};
+    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
+        list = pose_text_parse(text_from(good[i]), &(conus_pose_options){.columns = "unit=cm"});
+        assert_row_at(pose_row_of(list, 0, "A"), 10, 20, 30);
+        conus_pose_list_destroy(list);
+    }
+}
+
 /* Tilts lead the tip lateral and anterior; IBL's angles are those from the tip to the top; a depth alone is straight
  * down from bregma. Axes end at a depth and at a target, but not where they only point. */
 static void angles_and_ends(void **state)
@@ -458,6 +484,7 @@ TEST_GROUP(columns)
         cmocka_unit_test(spaces_are_heard),
         cmocka_unit_test(numbers_are_judged),
         cmocka_unit_test(columns_are_named_by_the_user),
+        cmocka_unit_test(words_without_use_are_refused),
         cmocka_unit_test(angles_and_ends),
         cmocka_unit_test(ranges_end_at_targets),
         cmocka_unit_test(lines_that_are_no_rows),
