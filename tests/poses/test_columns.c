@@ -336,6 +336,7 @@ static void ranges_end_at_targets(void **state)
         "x,y,z,tx,ty,tz\n0,0,0,3,4,0\n",
         "x,y,z,target_x,target_y,target_z\n0,0,0,3,4,0\n",
         "entry_x,entry_y,entry_z,tip_x,tip_y,tip_z\n0,0,0,3,4,0\n",
+        "(0, 0, 0) -> (3, 4, 0)\n",
     };
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         const conus_pose_options options = {.to_target = true, .near = 2, .beyond = 1};
