@@ -345,7 +345,8 @@ static conus_status note_extent(conus_pose_stream *stream)
     bool is_list = stream->format == CONUS_POSE_FORMAT_LIST; /* of people or of rodents, as the caller says */
     bool of_people = stream->options.space < CONUS_SPACE_CCF && (is_list || !is_of_rodents(stream->format));
     const double longest = fmax(stream->options.longest, HEAD_LENGTH);
-    if (!of_people || stream->is_partial) {
+    bool is_stated = !is_read_whole(stream) && stream->columns.has_unit; /* columns.c asks the others */
+    if (!of_people || stream->is_partial || is_stated) {
         return CONUS_OK;
     }
     double side = 0;

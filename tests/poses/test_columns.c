@@ -215,6 +215,7 @@ static void numbers_are_judged(void **state)
         {"name,x,y,z\nleft a,-42,0,0\nright a,42,0,0\nleft b,-9,0,0\n", NULL},
         {"x (cm),y (cm),z (cm)\n-4.2,-2,5\n3.8,1.4,-.4\n-.8,-9.2,.2\n", NULL},
         {"x,y,z\n66,53,61\n26,70,34\n", NULL},
+        {"x (um),y (um),z (um)\n100,200,300\n", NULL},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         conus_pose_list *list = pose_text_parse(text_from(cases[i][0]), &(conus_pose_options){.longest = 180});
