@@ -244,7 +244,9 @@ static conus_status find_format(conus_pose_stream *stream)
 {
     struct pose_lines *lines = &stream->lines;
     size_t used = 0;
-    conus_status status = pose_lines_fill_head(lines, POSE_LINE_LIMIT);
+    struct columns_words words;
+    conus_status status = columns_words_parse(&words, stream->options.columns);
+    status = status ? status : pose_lines_fill_head(lines, POSE_LINE_LIMIT);
     conus_pose_format found = CONUS_POSE_FORMAT_AUTO;
     while (!status && found == CONUS_POSE_FORMAT_AUTO) {
         bool all = lines->ended || lines->size >= POSE_LINE_LIMIT;
@@ -255,7 +257,7 @@ static conus_status find_format(conus_pose_stream *stream)
         }
     }
     struct text head = {lines->data, lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT};
-    bool is_own_word = stream->options.columns; /* the user knows the columns */
+    bool is_own_word = words.at[0].size; /* the user knows the columns */
     found = !status && !is_own_word && pose_lists_know(head, stream->path) ? CONUS_POSE_FORMAT_LIST : found;
     const char *kind =
         status || found == CONUS_POSE_FORMAT_LIST ? NULL : forms_why_none((struct text){lines->data, lines->size});
@@ -343,7 +345,8 @@ static conus_status note_extent(conus_pose_stream *stream)
     bool is_list = stream->format == CONUS_POSE_FORMAT_LIST; /* of people or of rodents, as the caller says */
     bool of_people = stream->options.space < CONUS_SPACE_CCF && (is_list || !is_of_rodents(stream->format));
     const double longest = fmax(stream->options.longest, HEAD_LENGTH);
-    if (!of_people || stream->is_partial) {
+    bool is_stated = !is_read_whole(stream) && stream->columns.has_unit; /* columns.c asks the others */
+    if (!of_people || stream->is_partial || is_stated) {
         return CONUS_OK;
     }
     double side = 0;
@@ -420,6 +423,12 @@ static conus_status begin_text(conus_pose_stream *stream)
     }
     if (!status && stream->options.keep_count && (is_read_whole(stream) || !stream->columns.has_header)) {
         return fail(CONUS_ERROR_DATA, "only a table with a header has columns to be kept, and not %s",
+                    conus_pose_format_name(stream->format));
+    }
+    const char *words = stream->options.columns;
+    bool has_columns = !is_read_whole(stream) || stream->format == CONUS_POSE_FORMAT_ELECTRODES;
+    if (!status && words && words[0] && !has_columns) {
+        return fail(CONUS_ERROR_DATA, "\"%.60s\" is for tables, points and electrodes (BIDS), and not for %s", words,
                     conus_pose_format_name(stream->format));
     }
     return status || !is_read_whole(stream) ? status : read_whole(stream);

@@ -229,7 +229,7 @@ static conus_status parse_spoken(conus_pose_list *list, struct text text, const 
         row.is_point = !spoken.has_target;
         bad = bad            ? bad
               : row.is_point ? pose_of_point(&row.pose, ends[0])
-                             : conus_pose_toward(&row.pose, ends[0], ends[1], NULL);
+                             : pose_row_toward(&row, ends[0], ends[1], NULL);
         status = pose_list_add(list, &row, spoken.name, bad ? conus_message() : NULL);
     }
     return status;

@@ -604,8 +604,9 @@ static size_t find_word(struct head *head, struct text word)
     size_t found = NONE;
     size_t count = 0;
     for (size_t i = 0; i < head->line.count; i++) {
-        bool is_it = text_equal_ignoring_case(head->line.cells[i], "") == false &&
-                     head->line.cells[i].size == word.size && text_contains(head->line.cells[i], word);
+        struct text cell = head->line.cells[i];
+        bool is_it = cell.size && cell.size == word.size &&
+                     (head->out->is_bids ? text_compare(cell, word) == 0 : text_contains(cell, word));
         found = is_it && !count ? i : found;
         count += is_it;
     }
@@ -952,6 +953,11 @@ static void find_columns(struct head *head)
             set_role(head, column, ROLE_NAME);
         }
     }
+    if (out->is_bids) { /* other columns are of others, whatever they are called */
+        take_family(head, find_named(head), ROLE_X, "x y z");
+        out->is_of_points = true;
+        return;
+    }
     find_roles(head);
     choose_families(head);
     refuse_pairs(head);
@@ -988,6 +994,20 @@ static uint64_t sum_of(struct text text)
         sum = (sum ^ (unsigned char)text.data[i]) * UINT64_C(1099511628211);
     }
     return sum;
+}
+
+/* R writes the names of rows without a name of their column: there the header gets an empty cell. */
+static void shift_header(struct head *head)
+{
+    struct table_line *line = &head->line;
+    const size_t cells = head->out->table.cells;
+    if (!cells || line->given + 1 != cells || line->count == cells) {
+        return;
+    }
+    memmove(line->cells + 1, line->cells, sizeof line->cells - sizeof line->cells[0]);
+    line->cells[0] = (struct text){"", 0};
+    line->count += line->count < TABLE_CELLS;
+    line->given++;
 }
 
 /* Looks for the header above the first row: a line of as many cells, with coordinates among them, or a comment of that
@@ -1030,6 +1050,7 @@ static bool find_header(struct head *head)
         head->out->head_lines = best.size ? line_of_best : line_of_fallback;
         head->out->header_sum = sum_of(header);
         (void)split_header(head, header, table->cells);
+        shift_header(head);
         find_columns(head);
     }
     return found;
@@ -1056,22 +1077,6 @@ static void decide_by_header(struct head *head)
         }
     }
     head->out->table = best;
-}
-
-/* R writes the names of rows without a name of their column: all roles move by one. */
-static void shift_roles(struct head *head)
-{
-    struct columns *out = head->out;
-    if (!out->table.cells || head->line.given + 1 != out->table.cells || head->line.count == out->table.cells) {
-        return;
-    }
-    memmove(out->role_of + 1, out->role_of, sizeof out->role_of - 1);
-    memmove(head->line.cells + 1, head->line.cells, sizeof head->line.cells - sizeof head->line.cells[0]);
-    head->line.cells[0] = (struct text){"", 0};
-    head->line.count++;
-    head->line.given++;
-    out->role_of[0] = ROLES;
-    out->count++;
 }
 
 /* Finds the columns whose texts are kept, by their names as they stand in the header. */
@@ -1371,6 +1376,10 @@ static conus_status plan_bare(struct head *head)
     if (!has_points(head)) {
         return refuse_bare(head);
     }
+    if (head->words.at[0].size || head->words.name.size) {
+        struct text word = head->words.at[0].size ? head->words.at[0] : head->words.name;
+        return fail(CONUS_ERROR_DATA, "no header, so that no column is called \"%.*s\"", POSE_QUOTE(word));
+    }
     return options->axis == CONUS_AXIS_OF_FORMAT
                ? CONUS_OK
                : fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",
@@ -1595,6 +1604,13 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
         memory_free(head);
         return status;
     }
+    if (out->is_bids) {
+        static const char *const xyz[3] = {"x", "y", "z"};
+        for (int k = 0; k < 3; k++) {
+            head->words.at[k] = head->words.at[k].size ? head->words.at[k] : text_from(xyz[k]);
+        }
+        head->words.name = head->words.name.size ? head->words.name : text_from("name");
+    }
     table_decide(&out->table, head_text);
     *is_short = out->table.cells == 0;
     if (!out->table.cells) {
@@ -1613,7 +1629,6 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
         status = buffer_status(&head->faults);
         status = status ? status : refuse(head);
     } else {
-        shift_roles(head);
         status = check_options(head);
         status = status ? status : note_angles(head, notes);
         status = status ? status : find_row_names(head, notes);
@@ -1857,8 +1872,7 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
     }
     if (!status && columns->ends_at_target && isnan(row->range[1])) {
         double way[3];
-        vec3_sub(way, values + ROLE_TX, values + ROLE_X); /* of the world by now */
-        row->range[0] = isnan(row->range[0]) ? 0 : row->range[0];
+        vec3_sub(way, values + ROLE_TX, values + ROLE_X); /* of the world by now; pose_row_end() says where it begins */
         row->range[1] = vec3_length(way);
     }
     row->time_s = values[ROLE_TIME];

@@ -61,9 +61,10 @@ struct columns {
     char shown[ROLES][COLUMN_NAME_SIZE]; /**< What the header calls it. */
     size_t head_lines;                   /**< Lines to the end of the header. */
     uint64_t header_sum;                 /**< Of the header's line. */
-    bool is_bids;                        /**< Before columns_plan(): marks belong to cells, no column is unusual. */
-    bool is_of_points;                   /**< It gives no direction. */
-    bool has_space;                      /**< It says itself in which space the numbers are: */
+    bool is_bids; /**< Before columns_plan(): marks belong to cells, no column is unusual, and only x, y, z and name, or
+                     those that the user names, have a role. */
+    bool is_of_points; /**< It gives no direction. */
+    bool has_space;    /**< It says itself in which space the numbers are: */
     conus_space space;
     double scale;                 /**< Units of the space per unit of positions. */
     size_t kept[POSE_KEPT_LIMIT]; /**< Columns whose texts are kept, in the order of the options. */

@@ -83,11 +83,16 @@ conus_status pose_row_toward(conus_pose_row *row, const double origin[3], const 
 
 void pose_row_end(conus_pose_row *row, const conus_pose_options *options)
 {
-    if (!options->to_target || row->error || row->is_point) {
+    if (row->error || row->is_point) {
         return;
     }
     bool is_own = row->range[1] == row->target_mm; /* of a file whose targets end its axes */
-    row->range[0] = isnan(row->range[0]) ? options->near : row->range[0];
+    if (isnan(row->range[0]) && (options->to_target || is_own)) {
+        row->range[0] = options->to_target ? options->near : 0;
+    }
+    if (!options->to_target) {
+        return;
+    }
     row->range[1] = isnan(row->range[1]) || is_own ? row->target_mm + options->beyond : row->range[1];
     row->angle =
         row->angle == 0 && options->aperture > 0 ? 2 * atan(options->aperture / 2 / row->target_mm) : row->angle;

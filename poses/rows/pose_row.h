@@ -76,7 +76,8 @@ conus_status pose_roll(conus_pose *pose, double turn);
 /** conus_pose_toward() of a row, which keeps how far its target is. */
 conus_status pose_row_toward(conus_pose_row *row, const double origin[3], const double target[3], const double up[3]);
 
-/** Ends the row's range at its target, where @p options say so: a row that has none gets an error. */
+/** Ends the row's range at its target, where @p options say so: a row that has none gets an error. A range that the
+ * file ends at the target begins where they say, or at the device. */
 void pose_row_end(conus_pose_row *row, const conus_pose_options *options);
 
 /** Eq. 24: a device at @p origin, world mm, whose tip leans by @p tilt_ml to the side and by @p tilt_ap to the front of

@@ -215,6 +215,7 @@ static void numbers_are_judged(void **state)
         {"name,x,y,z\nleft a,-42,0,0\nright a,42,0,0\nleft b,-9,0,0\n", NULL},
         {"x (cm),y (cm),z (cm)\n-4.2,-2,5\n3.8,1.4,-.4\n-.8,-9.2,.2\n", NULL},
         {"x,y,z\n66,53,61\n26,70,34\n", NULL},
+        {"x (um),y (um),z (um)\n100,200,300\n", NULL},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         conus_pose_list *list = pose_text_parse(text_from(cases[i][0]), &(conus_pose_options){.longest = 180});
@@ -256,6 +257,32 @@ static void columns_are_named_by_the_user(void **state)
     assert_int_equal(conus_pose_path_length(path), strlen(path)); /* a file is called so */
 }
 
+/* A word that changes nothing is refused. */
+static void words_without_use_are_refused(void **state)
+{
+    (void)state;
+    static const char electrodes[] = "name\tx\ty\tz\nA\t1\t2\t3\n";
+    static const char *const bad[][3] = {
+        {"1 0 0 1\n0 1 0 2\n0 0 1 3\n0 0 0 1\n", "unit=cm", "and not for matrix"},
+        {"(1, 2, 3) -> (1, 2, 9)\n", "unit=cm", "and not for list"},
+        {"1 2 3 A\n", "name=who", "no header"},
+        {"1 2 3\n", "x=a,y=b,z=c", "no header"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        pose_text_refuse(text_from(bad[i][0]), &(conus_pose_options){.columns = bad[i][1]}, bad[i][2]);
+    }
+    conus_pose_list *list = NULL;
+    assert_fails(
+        conus_pose_list_load(&list, pose_sample("fiducials.fcsv"), &(conus_pose_options){.columns = "unit=um"}),
+        CONUS_ERROR_DATA);
+    static const char *const good[] = {"1 2 3 A\n", "name,x,y,z\nA,1,2,3\n", electrodes};
+    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
+        list = pose_text_parse(text_from(good[i]), &(conus_pose_options){.columns = "unit=cm"});
+        assert_row_at(pose_row_of(list, 0, "A"), 10, 20, 30);
+        conus_pose_list_destroy(list);
+    }
+}
+
 /* Tilts lead the tip lateral and anterior; IBL's angles are those from the tip to the top; a depth alone is straight
  * down from bregma. Axes end at a depth and at a target, but not where they only point. */
 static void angles_and_ends(void **state)
@@ -282,6 +309,8 @@ static void angles_and_ends(void **state)
         {"entry_x,entry_y,entry_z,target_x,target_y,target_z\n0,0,0,3,4,0\n", false, {0, 0, 0}, {3, 4, 0}, 5},
         {"x,y,z,tx,ty,tz\n0,0,0,3,4,0\n", false, {0, 0, 0}, {3, 4, 0}, NAN},
         {"x,y,z,dx,dy,dz,depth (cm)\n0,0,0,3,4,0,2\n", false, {0, 0, 0}, {3, 4, 0}, 20},
+        {"x\ty\tz\tdx\tdy\tdz\tdepth (cm)\nA\t0\t0\t0\t3\t4\t0\t2\n", false, {0, 0, 0}, {3, 4, 0}, 20}, /* R */
+        {"depth (cm)\tx\ty\tz\tdx\tdy\tdz\tangle\nA\t2\t0\t0\t0\t3\t4\t0\t0\n", false, {0, 0, 0}, {3, 4, 0}, 20},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         conus_pose_list *list = pose_text_parse(text_from(cases[i].text),
@@ -295,6 +324,27 @@ static void angles_and_ends(void **state)
         bool ends = isnan(cases[i].end) ? isnan(row->range[1]) : fabs(row->range[1] - cases[i].end) < 1e-9;
         if (!ends || (!isnan(cases[i].end) && row->range[0] != 0)) {
             fail_msg("case %zu: %g to %g", i, row->range[0], row->range[1]);
+        }
+        conus_pose_list_destroy(list);
+    }
+}
+
+/* Whatever calls the target, the range is that of the options. */
+static void ranges_end_at_targets(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {
+        "x,y,z,tx,ty,tz\n0,0,0,3,4,0\n",
+        "x,y,z,target_x,target_y,target_z\n0,0,0,3,4,0\n",
+        "entry_x,entry_y,entry_z,tip_x,tip_y,tip_z\n0,0,0,3,4,0\n",
+        "(0, 0, 0) -> (3, 4, 0)\n",
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        const conus_pose_options options = {.to_target = true, .near = 2, .beyond = 1};
+        conus_pose_list *list = pose_text_parse(text_from(texts[i]), &options);
+        const conus_pose_row *row = conus_pose_list_row(list, 0);
+        if (row->error || row->range[0] != 2 || row->range[1] != 6) {
+            fail_msg("case %zu: %s, %g to %g", i, row->error ? row->error : "", row->range[0], row->range[1]);
         }
         conus_pose_list_destroy(list);
     }
@@ -436,7 +486,9 @@ TEST_GROUP(columns)
         cmocka_unit_test(spaces_are_heard),
         cmocka_unit_test(numbers_are_judged),
         cmocka_unit_test(columns_are_named_by_the_user),
+        cmocka_unit_test(words_without_use_are_refused),
         cmocka_unit_test(angles_and_ends),
+        cmocka_unit_test(ranges_end_at_targets),
         cmocka_unit_test(lines_that_are_no_rows),
         cmocka_unit_test(every_prefix_is_refused_or_shorter),
         cmocka_unit_test(other_encodings_are_read),

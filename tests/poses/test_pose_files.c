@@ -268,6 +268,24 @@ static void electrodes_are_points(void **state)
     conus_pose_list_destroy(list);
 }
 
+/* BIDS says what x, y, z and name are; other columns are of others, whatever they are called. */
+static void electrodes_have_the_columns_of_bids(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {
+        "id\tname\tx\ty\tz\tMNI_x\tMNI_y\tMNI_z\n7\tA1\t-2\t3\t4\t-42\t-20\t50\n",
+        "name\tx\ty\tz\ttarget_x\ttarget_y\ttarget_z\tdepth\nA1\t-2\t3\t4\t-42\tn/a\t50\tdeep\n",
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        conus_pose_list *list = parse(texts[i], NULL);
+        const conus_pose_row *row = pose_row_of(list, 0, "A1");
+        assert_null(row->error);
+        assert_true(row->is_point);
+        assert_row_at(row, -2, 3, 4);
+        conus_pose_list_destroy(list);
+    }
+}
+
 /* BEP032's positions are micrometres on the probe, unless a file says which space they are in. */
 static void positions_on_a_probe_are_refused(void **state)
 {
@@ -822,6 +840,7 @@ TEST_GROUP(pose_files)
         cmocka_unit_test(localite_has_mni),
         cmocka_unit_test(localite_is_read_strictly),
         cmocka_unit_test(electrodes_are_points),
+        cmocka_unit_test(electrodes_have_the_columns_of_bids),
         cmocka_unit_test(positions_on_a_probe_are_refused),
         cmocka_unit_test(contacts_look_along_their_shafts),
         cmocka_unit_test(coordinate_systems_are_found),
