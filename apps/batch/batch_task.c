@@ -319,16 +319,22 @@ static int identify(struct batch_task *task)
     }
     pose_settings_text(reading, &settings->file, &settings->aim, &settings->engine);
     conus_status status = conus_batch_sidecar(&sidecar, &size, task->batch);
-    const char *const sources[] = {angle,
-                                   reading,
-                                   conus_batch_header(task->batch),
-                                   task->pose_hash,
-                                   conus_pose_stream_space(task->poses),
-                                   conus_pose_stream_coordsystem_sha256(task->poses),
-                                   format,
-                                   info ? path_name(info->path) : "",
-                                   first && strcmp(first, asked) == 0 ? path_name(asked) : NULL,
-                                   NULL};
+    const char *words = settings->poses + conus_pose_path_length(settings->poses); /* by which they are read */
+    const char *sources[11] = {angle,
+                               reading,
+                               conus_batch_header(task->batch),
+                               task->pose_hash,
+                               conus_pose_stream_space(task->poses),
+                               conus_pose_stream_coordsystem_sha256(task->poses),
+                               format,
+                               info ? path_name(info->path) : ""};
+    const char **more = sources + 8;
+    if (first && strcmp(first, asked) == 0) {
+        *more++ = path_name(asked);
+    }
+    if (*words) {
+        *more++ = words;
+    }
     int code = status        ? print_status(status)
                : task->piped ? EXIT_DONE
                              : provenance_hash_file(task->pose_hash, settings->poses);
