@@ -229,8 +229,8 @@ int batch_task_build(struct batch_task *task)
     if (conus_pose_stream_format(task->poses) == CONUS_POSE_FORMAT_POINTS && task->point_error[0]) {
         return print_data_error("%s: %s", pose_settings_file_name(settings->poses), task->point_error);
     }
-    bool has_points = conus_pose_stream_has_points(task->poses) && !task->point_error[0] && !settings->of_axis &&
-                      !format_is_foreign(task->format);
+    bool has_points = conus_pose_stream_has_points(task->poses) && !task->point_error[0] && !task->probe &&
+                      !settings->of_axis && !format_is_foreign(task->format);
     const char *understood = settings_understood(task->understood, &settings->aim, &settings->engine, has_points);
     if (understood && !settings->common.quiet) {
         print_error_line("note: %s: %s", pose_settings_file_name(settings->poses), understood);
