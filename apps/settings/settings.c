@@ -533,7 +533,7 @@ int settings_pose_cone(double *angle, double out[2], double target, const struct
     out[1] = range.beyond + target;
     *angle = aim->aperture > 0 ? 2 * atan(aim->aperture / 2 / target) : *angle;
     if (!(out[0] < out[1])) {
-        return print_usage_error("--range: the target is %.10g mm away, and NEAR is %.10g", out[1], out[0]);
+        return print_usage_error("--range: the target is %.10g mm away, and NEAR is %.10g", target, out[0]);
     }
     return EXIT_DONE;
 }
