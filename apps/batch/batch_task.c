@@ -195,9 +195,10 @@ static void say_question(const struct batch_task *task)
         if (settings->engine.radius > 0) {
             snprintf(what, sizeof what, "what is within %g mm of them", settings->engine.radius);
         }
-        print_error_line("note: %s: the %zu contacts of %s at each pose, and %s; the tip is at x %g, y %g um",
-                         pose_settings_file_name(settings->poses), conus_probe_contact_count(task->probe),
-                         settings->probe.path, what, tip[0], tip[1]);
+        say_note(CONUS_SEVERITY_NOTE, false,
+                 "%s: the %zu contacts of %s at each pose, and %s; the tip is at x %g, y %g um",
+                 pose_settings_file_name(settings->poses), conus_probe_contact_count(task->probe), settings->probe.path,
+                 what, tip[0], tip[1]);
         return;
     }
     const conus_pose_format format = conus_pose_stream_format(task->poses);
@@ -218,7 +219,8 @@ static void say_question(const struct batch_task *task)
                  option_given(task->arguments, "angle") ? "" : " (--angle DEGREES is not given)",
                  conus_pose_stream_has_angles(task->poses) ? " where the file has no angle" : "");
     }
-    print_error_line("note: %s: %s; %u x %u rays", pose_settings_file_name(settings->poses), shape, rays, rays);
+    say_note(CONUS_SEVERITY_NOTE, false, "%s: %s; %u x %u rays", pose_settings_file_name(settings->poses), shape, rays,
+             rays);
 }
 
 int batch_task_build(struct batch_task *task)
@@ -233,7 +235,7 @@ int batch_task_build(struct batch_task *task)
                       !settings->of_axis && !format_is_foreign(task->format);
     const char *understood = settings_understood(task->understood, &settings->aim, &settings->engine, has_points);
     if (understood && !settings->common.quiet) {
-        print_error_line("note: %s: %s", pose_settings_file_name(settings->poses), understood);
+        say_note(CONUS_SEVERITY_NOTE, false, "%s: %s", pose_settings_file_name(settings->poses), understood);
     }
     const conus_batch_options options = {
         .threads = settings->threads,

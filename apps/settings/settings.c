@@ -600,9 +600,7 @@ conus_selector_options settings_engine(const struct engine_settings *settings, c
         .radius = settings->radius,
         .level = settings->level,
         .score = settings->score,
-        .log = common->verbose ? log_line
-               : common->quiet ? NULL
-                               : log_warning,
+        .log = common->verbose ? log_line : log_note_quiet,
     };
 }
 
