@@ -195,9 +195,10 @@ static void say_question(const struct batch_task *task)
         if (settings->engine.radius > 0) {
             snprintf(what, sizeof what, "what is within %g mm of them", settings->engine.radius);
         }
-        print_error_line("note: %s: the %zu contacts of %s at each pose, and %s; the tip is at x %g, y %g um",
-                         pose_settings_file_name(settings->poses), conus_probe_contact_count(task->probe),
-                         settings->probe.path, what, tip[0], tip[1]);
+        say_note(CONUS_SEVERITY_NOTE, false,
+                 "%s: the %zu contacts of %s at each pose, and %s; the tip is at x %g, y %g um",
+                 pose_settings_file_name(settings->poses), conus_probe_contact_count(task->probe), settings->probe.path,
+                 what, tip[0], tip[1]);
         return;
     }
     const conus_pose_format format = conus_pose_stream_format(task->poses);
@@ -218,7 +219,8 @@ static void say_question(const struct batch_task *task)
                  option_given(task->arguments, "angle") ? "" : " (--angle DEGREES is not given)",
                  conus_pose_stream_has_angles(task->poses) ? " where the file has no angle" : "");
     }
-    print_error_line("note: %s: %s; %u x %u rays", pose_settings_file_name(settings->poses), shape, rays, rays);
+    say_note(CONUS_SEVERITY_NOTE, false, "%s: %s; %u x %u rays", pose_settings_file_name(settings->poses), shape, rays,
+             rays);
 }
 
 int batch_task_build(struct batch_task *task)
@@ -229,11 +231,11 @@ int batch_task_build(struct batch_task *task)
     if (conus_pose_stream_format(task->poses) == CONUS_POSE_FORMAT_POINTS && task->point_error[0]) {
         return print_data_error("%s: %s", pose_settings_file_name(settings->poses), task->point_error);
     }
-    bool has_points = conus_pose_stream_has_points(task->poses) && !task->point_error[0] && !settings->of_axis &&
-                      !format_is_foreign(task->format);
+    bool has_points = conus_pose_stream_has_points(task->poses) && !task->point_error[0] && !task->probe &&
+                      !settings->of_axis && !format_is_foreign(task->format);
     const char *understood = settings_understood(task->understood, &settings->aim, &settings->engine, has_points);
     if (understood && !settings->common.quiet) {
-        print_error_line("note: %s: %s", pose_settings_file_name(settings->poses), understood);
+        say_note(CONUS_SEVERITY_NOTE, false, "%s: %s", pose_settings_file_name(settings->poses), understood);
     }
     const conus_batch_options options = {
         .threads = settings->threads,
@@ -319,16 +321,22 @@ static int identify(struct batch_task *task)
     }
     pose_settings_text(reading, &settings->file, &settings->aim, &settings->engine);
     conus_status status = conus_batch_sidecar(&sidecar, &size, task->batch);
-    const char *const sources[] = {angle,
-                                   reading,
-                                   conus_batch_header(task->batch),
-                                   task->pose_hash,
-                                   conus_pose_stream_space(task->poses),
-                                   conus_pose_stream_coordsystem_sha256(task->poses),
-                                   format,
-                                   info ? path_name(info->path) : "",
-                                   first && strcmp(first, asked) == 0 ? path_name(asked) : NULL,
-                                   NULL};
+    const char *words = settings->poses + conus_pose_path_length(settings->poses); /* by which they are read */
+    const char *sources[11] = {angle,
+                               reading,
+                               conus_batch_header(task->batch),
+                               task->pose_hash,
+                               conus_pose_stream_space(task->poses),
+                               conus_pose_stream_coordsystem_sha256(task->poses),
+                               format,
+                               info ? path_name(info->path) : ""};
+    const char **more = sources + 8;
+    if (first && strcmp(first, asked) == 0) {
+        *more++ = path_name(asked);
+    }
+    if (*words) {
+        *more++ = words;
+    }
     int code = status        ? print_status(status)
                : task->piped ? EXIT_DONE
                              : provenance_hash_file(task->pose_hash, settings->poses);

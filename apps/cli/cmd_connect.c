@@ -55,10 +55,10 @@ static void say_hidden_areas(const struct connect *connect)
     }
     bool looks_round = !option_given(arguments, "endpoint-radius") || ends->radius > 0;
     if (hidden && looks_round && !connect->settings->request.common.quiet) {
-        print_error_line(
-            "note: %zu area%s hidden: an end in one of them has the nearest area that is not, if it is near "
-            "enough; with --endpoint-radius 0 none",
-            hidden, hidden == 1 ? " is" : "s are");
+        say_note(CONUS_SEVERITY_NOTE, false,
+                 "%zu area%s hidden: an end in one of them has the nearest area that is not, if it is near "
+                 "enough; with --endpoint-radius 0 none",
+                 hidden, hidden == 1 ? " is" : "s are");
     }
 }
 

@@ -553,9 +553,9 @@ static void say_probe(const struct query_run *run, const conus_pose *poses)
         while (conus_probe_at(run->probe, first)->index < i) {
             first++;
         }
-        print_error_line("note: %s: %s: the tip is at x %g, y %g um; %sits x axis points along %g,%g,%g",
-                         run->settings->probe.path, conus_probe_at(run->probe, first)->probe, tip[0], tip[1],
-                         run->settings->probe.roll != 0 ? "without the roll, " : "", across[0], across[1], across[2]);
+        say_note(CONUS_SEVERITY_NOTE, false, "%s: %s: the tip is at x %g, y %g um; %sits x axis points along %g,%g,%g",
+                 run->settings->probe.path, conus_probe_at(run->probe, first)->probe, tip[0], tip[1],
+                 run->settings->probe.roll != 0 ? "without the roll, " : "", across[0], across[1], across[2]);
     }
 }
 

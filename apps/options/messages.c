@@ -195,14 +195,6 @@ void log_note_quiet(void *user, const conus_note *note)
     say_note(note->severity, true, "%s", note->line);
 }
 
-void log_warning(void *user, const conus_note *note)
-{
-    (void)user;
-    if (note->severity >= CONUS_SEVERITY_WARNING) {
-        print_error_line("note: %s", note->line);
-    }
-}
-
 /* Insertions, deletions and replacements that turn a into b (Levenshtein 1966), by rows. */
 static size_t edit_distance(const char *a, const char *b)
 {

@@ -69,12 +69,9 @@ int exit_code_of(conus_status status);
 /** A conus_log that writes what a driver says to stderr. */
 void log_line(void *user, const conus_note *note);
 
-/** A conus_log that says notes and warnings, and one for --quiet. */
+/** A conus_log that says notes and warnings, and one that says only what looks wrong, as --quiet does. */
 void log_note(void *user, const conus_note *note);
 void log_note_quiet(void *user, const conus_note *note);
-
-/** A conus_log that writes of what an engine says only what looks wrong. */
-void log_warning(void *user, const conus_note *note);
 
 /** The name, among those that @p name_at lists up to its NULL, that @p word was most likely meant to be; NULL if none
  * is close. */

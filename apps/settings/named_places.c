@@ -69,6 +69,6 @@ void named_places_say(const struct named_places *places)
     for (size_t i = 0; i < places->count; i++) {
         char text[CONUS_PLACE_TEXT];
         conus_place_text(text, &places->items[i].place, places->frame);
-        print_error_line("note: %s %s", places->items[i].option, text);
+        say_note(CONUS_SEVERITY_NOTE, false, "%s %s", places->items[i].option, text);
     }
 }

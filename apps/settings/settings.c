@@ -534,7 +534,7 @@ int settings_pose_cone(double *angle, double out[2], double target, const struct
     out[1] = range.beyond + target;
     *angle = aim->aperture > 0 ? 2 * atan(aim->aperture / 2 / target) : *angle;
     if (!(out[0] < out[1])) {
-        return print_usage_error("--range: the target is %.10g mm away, and NEAR is %.10g", out[1], out[0]);
+        return print_usage_error("--range: the target is %.10g mm away, and NEAR is %.10g", target, out[0]);
     }
     return EXIT_DONE;
 }
@@ -601,9 +601,7 @@ conus_selector_options settings_engine(const struct engine_settings *settings, c
         .radius = settings->radius,
         .level = settings->level,
         .score = settings->score,
-        .log = common->verbose ? log_line
-               : common->quiet ? NULL
-                               : log_warning,
+        .log = common->verbose ? log_line : log_note_quiet,
     };
 }
 

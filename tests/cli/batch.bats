@@ -57,6 +57,13 @@ wait_for_lines() {
     check_message '--resume needs a file of poses, not a pipe'
 }
 
+@test "a run that is resumed has the words behind its poses" {
+    setup_ball 30
+    conus batch sphere.nii.gz --poses poses.tsv,unit=mm --angle 12 -q -o rows.tsv || [ $? -eq 1 ]
+    run -2 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv,unit=cm --angle 12 -q -o rows.tsv --resume
+    check_message 'rows.tsv: there is a file already'
+}
+
 @test "one SHA-256 for any number of threads and any size of blocks" {
     setup_ball 500
     batch --threads 1 -o rows.tsv

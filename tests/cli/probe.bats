@@ -37,6 +37,13 @@ AIM=(--origin 0,14.6,0 --direction 0,1,0)
     conus query slabs.nii.gz --probe np.json --pose entry.tsv --range 0,7 --format tsv -q | diff <(printf '%s\n' "$output") -
 }
 
+@test "points in a file of many poses for a probe are not asked as points" {
+    probe
+    printf 'x\ty\tz\n0\t14.6\t0\n' >points.tsv
+    run --separate-stderr conus batch slabs.nii.gz --probe np.json --poses points.tsv
+    [[ "$stderr" != *'asked as points'* ]]
+}
+
 @test "contacts that lie outside of the atlas are told, by the name of their file" {
     probe
     run -0 --separate-stderr conus query slabs.nii.gz --probe np.json --origin 0,300,500 --direction 0,0,-1 --format tsv

@@ -273,6 +273,7 @@ shanks() {
     done
     fails 2 'not two numbers NEAR,FAR or NEAR,target[+MM]' query nested.nii.gz "${aim[@]}" --range 0,target-1
     fails 2 'the target is 80 mm away, and NEAR is 90' query nested.nii.gz "${aim[@]}" --range 90,target
+    fails 2 'the target is 80 mm away, and NEAR is 90' query nested.nii.gz "${aim[@]}" --range 90,target+5
     fails 2 'needs the target of --toward' query nested.nii.gz --origin 0,0,100 --direction 0,0,-1 --range 0,target
     fails 2 'two numbers LOW,HIGH' query nested.nii.gz "${aim[@]}" --range 5
     printf 'x,y,z,dx,dy,dz\n0,0,100,0,0,-1\n' >along.csv
