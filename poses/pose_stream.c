@@ -876,6 +876,11 @@ uint64_t pose_stream_position(const conus_pose_stream *stream)
     return stream->taken;
 }
 
+size_t pose_stream_kept_count(const conus_pose_stream *stream)
+{
+    return stream->options.keep_count;
+}
+
 const char *conus_pose_stream_coordsystem(const conus_pose_stream *stream)
 {
     return stream ? conus_pose_list_coordsystem(&stream->list) : "";

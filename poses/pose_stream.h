@@ -13,6 +13,9 @@ conus_status pose_stream_parse(conus_pose_stream **out, struct text text, const 
 /** Rows that were read or passed over. */
 uint64_t pose_stream_position(const conus_pose_stream *stream);
 
+/** How many texts conus_pose_row.kept of its rows has. */
+size_t pose_stream_kept_count(const conus_pose_stream *stream);
+
 /** All poses of @p text (docs/formats.md). A row that is no pose is kept with its error; CONUS_ERROR_DATA is for a text
  * in which no row can be read: an unknown or missing column, nothing at all, not text. @p options NULL = the default.
  */

@@ -469,7 +469,7 @@ static void drop_exchanged(conus_atlas *atlas)
 
 conus_status conus_atlas_exchange_sides(conus_atlas *atlas)
 {
-    const bool was_moved = atlas->is_moved;
+    const bool stays_known = !atlas->is_moved || atlas->is_mirrored; /* mirrored twice, it lies where it did */
     const conus_brain brain = atlas->brain;
     const struct note_sink *sink = atlas->notes.sink;
     double mirror[16];
@@ -498,7 +498,7 @@ conus_status conus_atlas_exchange_sides(conus_atlas *atlas)
     if (!status) {
         notes_cut(&atlas->notes, count);
         drop_exchanged(atlas);
-        atlas->is_mirrored = !was_moved;
+        atlas->is_mirrored = stays_known;
         atlas->brain = brain;
         for (size_t i = 0; i < atlas->volume_count; i++) {
             atlas->volumes[i].info.space_code = codes[i];

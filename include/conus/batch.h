@@ -113,8 +113,8 @@ CONUS_API uint32_t conus_batch_threads(const conus_batch *batch);
  * @param limit Poses to answer at most.
  * @param sink Receives the blocks.
  * @param user Passed to @p sink.
- * @return #CONUS_OK; #CONUS_ERROR_CANCELLED where @p sink ends the run; the errors of conus_pose_stream_read() and
- * conus_select().
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT where @p poses keeps another number of columns than the marks of the report
+ * have; #CONUS_ERROR_CANCELLED where @p sink ends the run; the errors of conus_pose_stream_read() and conus_select().
  * @threads One at a time for each @p batch.
  * @since 0.1
  */

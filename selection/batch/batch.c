@@ -485,6 +485,12 @@ conus_status conus_batch_run(conus_batch *batch, conus_pose_stream *poses, uint6
                              void *user)
 {
     struct run run = {.batch = batch, .poses = poses, .left = limit, .sink = sink, .user = user};
+    size_t wanted = batch->blocks[0].kept_count;
+    size_t kept = pose_stream_kept_count(poses);
+    if (kept != wanted) {
+        return fail(CONUS_ERROR_ARGUMENT, "keep: the poses have %zu columns, the marks of the report %zu", kept,
+                    wanted);
+    }
     return ring_run(&(const struct ring){.user = &run,
                                          .workers = batch->options.threads,
                                          .slots = batch->block_count,

@@ -161,6 +161,8 @@ static void exchanged_sides_are_mended(void **state)
         }
         assert_ok(conus_atlas_exchange_sides(atlas)); /* and back */
         assert_int_equal(conus_atlas_exchanged(atlas) != NULL, swapped != 0);
+        assert_int_equal(conus_atlas_brain(atlas).brain, CONUS_BRAIN_MNI152);
+        assert_false(conus_atlas_brain(atlas).is_moved);
         assert_ok(conus_atlas_move(atlas, mirror));
         assert_true(conus_atlas_brain(atlas).is_moved);
         conus_atlas_destroy(atlas);

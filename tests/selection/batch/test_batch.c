@@ -484,6 +484,32 @@ static void a_failure_ends_the_run(void **state)
     }
 }
 
+static void as_many_columns_are_kept_as_the_report_has(void **state)
+{
+    struct fixture *fixture = *state;
+    static const char *const columns[] = {"m00", "m01", "m02"};
+    for (size_t kept = 0; kept <= 3; kept++) {
+        for (size_t marked = 0; marked <= 3; marked++) {
+            const conus_row_marks marks = {.names = columns, .count = marked};
+            const conus_batch_options options = {.threads = 1,
+                                                 .report = {.format = CONUS_FORMAT_NDJSON, .marks = &marks}};
+            struct received received = {0};
+            conus_batch *batch = NULL;
+            conus_pose_stream *poses = NULL;
+            assert_ok(conus_batch_create(&batch, fixture->selector, &options));
+            assert_ok(conus_pose_stream_open(&poses, fixture->path,
+                                             &(conus_pose_options){.keep = columns, .keep_count = kept}));
+            conus_status status = conus_batch_run(batch, poses, UINT64_MAX, receive, &received);
+            assert_int_equal(status, kept == marked ? CONUS_OK : CONUS_ERROR_ARGUMENT);
+            assert_int_equal(received.poses, kept == marked ? POSES : 0);
+            assert_non_null(kept == marked ? "" : strstr(conus_message(), "keep: "));
+            buffer_finish(&received.text);
+            conus_pose_stream_destroy(poses);
+            conus_batch_destroy(batch);
+        }
+    }
+}
+
 TEST_GROUP(batch)
 {
     const struct CMUnitTest tests[] = {
@@ -498,6 +524,7 @@ TEST_GROUP(batch)
         cmocka_unit_test(every_failing_allocation_is_clean_with_several_atlases),
         cmocka_unit_test(every_failing_allocation_is_clean),
         cmocka_unit_test(a_failure_ends_the_run),
+        cmocka_unit_test(as_many_columns_are_kept_as_the_report_has),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
