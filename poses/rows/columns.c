@@ -663,6 +663,9 @@ static void choose_families(struct head *head)
         position = position ? position : find_kind(head, OTHER_SPACE);
         target = position == target ? NULL : target;
     }
+    if (direction && strcmp(direction->stem, "d") == 0 && target && strcmp(target->stem, "tip") == 0) {
+        target = NULL; /* rows of conus plan say where the tip is, on the axis */
+    }
     take_family(head, position, ROLE_X, "x y z");
     take_family(head, target, ROLE_TX, "tx ty tz");
     take_family(head, direction, ROLE_DX, "dx dy dz");
