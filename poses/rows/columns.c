@@ -33,8 +33,9 @@ static const struct {
     {ROLE_PHI, "phi"},
     {ROLE_THETA, "theta"},
     {ROLE_SPACE, "space"},
-    {ROLE_NAME, "query id/id/name/label/channel/electrode/contact/site/roi/region/sensor/optode/marker/area/structure/"
-                "probe/cluster/cluster id/cluster index/index"},
+    {ROLE_NAME,
+     "query id/query/id/name/label/channel/electrode/contact/site/roi/region/sensor/optode/marker/area/structure/"
+     "probe/cluster/cluster id/cluster index/index"},
 };
 
 /* The third list: what a column says that makes a row no mere point. */
