@@ -18,8 +18,9 @@
 enum { CHUNK = 1 << 13, DIGITS = 9 };
 
 /* All that conus writes but descriptions of columns, rows, and what was added by others. */
-static const char *const sealed[] = {"Space",  "GeneratedBy", "Atlas",   "Atlases",  "Settings", "Queries", "Batch",
-                                     "Inputs", "Outputs",     "Sources", "Question", "Plan",     "Warnings"};
+static const char *const sealed[] = {"Space",    "GeneratedBy", "Atlas",      "Atlases", "Settings", "Queries",
+                                     "Batch",    "Inputs",      "Outputs",    "Sources", "Question", "Plan",
+                                     "Warnings", "Places",      "Understood", "Kept"};
 
 void provenance_hash_finish(char out[SHA256_TEXT], struct sha256_ctx *context)
 {

@@ -14,7 +14,7 @@ import sys
 import tempfile
 
 SEALED = ["Space", "GeneratedBy", "Atlas", "Atlases", "Settings", "Queries", "Batch", "Inputs", "Outputs", "Sources",
-          "Question", "Plan"]
+          "Question", "Plan", "Places", "Understood", "Kept"]
 
 
 class Real(str):

@@ -61,6 +61,10 @@ first_line() {
     [ "$(jq -c '.Places[0] | [.option, .words, .is, .name, (.at | map(round))]' a.json)" = \
         '["toward","left anterior","inner point","Anterior left",[-15,25,15]]' ]
     conus verify a.tsv
+    sed 's/"inner point"/"own point"/' a.json >b.json
+    cp a.tsv b.tsv
+    run -1 --separate-stderr conus verify b.tsv
+    [[ "$output$stderr" == *'Checksum does not fit'* ]]
     sed -i 's/"left anterior"/"left lateral"/' a.json
     run --separate-stderr conus verify a.tsv
     [ "$status" -ne 0 ]
