@@ -762,8 +762,15 @@ class Selector(Guarded):
         -------
         Answers
             Those of :meth:`near`, by point. A point that is not finite is in ``errors``.
+
+        Raises
+        ------
+        ArgumentError
+            Where the selector has a range: a point has no axis, along which it could be.
         """
-        names = points.ids if isinstance(points, Poses) else None
+        if self._options[0].range[1] > 0:
+            raise ArgumentError("range: a point has no axis, along which a range of depths could be")
+        names = points._marks() if isinstance(points, Poses) else None
         at = points.origins if isinstance(points, Poses) else points
         at = rows_of("points", self.space.to_world("points", at) if self.space and names is None else at, (3,))
         array = ffi.new("conus_pose_array *", {"count": len(at), "origin": ffi.cast("double *", at.ctypes.data)})

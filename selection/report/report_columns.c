@@ -123,7 +123,7 @@ static struct cell get_row(const conus_report *report, const struct report_row *
     return integer_cell(report->queries[row->query].number);
 }
 
-static const struct report_column row_column = {"row", NULL, "number of the pose in its file, from 1", NAMED(get_row),
+static const struct report_column row_column = {"row", NULL, "number of the pose in its file, from 1", .get = get_row,
                                                 .home = HOME_MARKS};
 static const struct report_column time_column = {
     "time_s",          "s", "time of the pose", .type = COLUMN_TIME, .offset = offsetof(struct report_query, time_s),
@@ -959,18 +959,24 @@ static void list_named(struct report_columns *out, const char *const *names, siz
     }
 }
 
-static void list_answers(struct report_columns *out, const conus_report *report)
+/* Of which contact an answer is, and of which point. */
+static void list_asked(struct report_columns *out, const conus_report *report)
 {
-    list_table(out, report, answer_columns, COUNT_OF(answer_columns));
-    if (report->options.tracker) {
-        list_table(out, report, track_columns, COUNT_OF(track_columns));
-    }
     if (report->options.probe) {
         list_table(out, report, probe_columns, COUNT_OF(probe_columns));
     }
     if (report->options.points) {
         list_table(out, report, point_columns, COUNT_OF(point_columns));
     }
+}
+
+static void list_answers(struct report_columns *out, const conus_report *report)
+{
+    list_table(out, report, answer_columns, COUNT_OF(answer_columns));
+    if (report->options.tracker) {
+        list_table(out, report, track_columns, COUNT_OF(track_columns));
+    }
+    list_asked(out, report);
 }
 
 static void list_bep032(struct report_columns *out, const conus_report *report)
@@ -1009,12 +1015,7 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     case CONUS_ROWS_SUMMARIES:
         list_named(out, summary_common, COUNT_OF(summary_common));
         list_table(out, report, summary_columns, COUNT_OF(summary_columns));
-        if (report->options.points) {
-            list_table(out, report, point_columns, COUNT_OF(point_columns));
-        }
-        if (report->options.probe) {
-            list_table(out, report, probe_columns, COUNT_OF(probe_columns));
-        }
+        list_asked(out, report);
         break;
     case CONUS_ROWS_SHARES:
         list_answers(out, report);
@@ -1092,12 +1093,13 @@ bool conus_column_is_number(const char *name)
     static const struct {
         const struct report_column *columns;
         size_t count;
-    } tables[] = {
-        ALL_OF(answer_columns),     ALL_OF(track_columns),      ALL_OF(share_columns),     ALL_OF(admission_columns),
-        ALL_OF(chance_columns),     ALL_OF(coverage_columns),   ALL_OF(segment_columns),   ALL_OF(clearance_columns),
-        ALL_OF(connection_columns), ALL_OF(summary_columns),    ALL_OF(electrode_columns), ALL_OF(voxel_columns),
-        ALL_OF(plan_columns),       ALL_OF(constraint_columns), ALL_OF(profile_columns),   ALL_OF(tolerance_columns),
-        ALL_OF(probe_columns),      ALL_OF(bep032_columns),     ALL_OF(error_columns),     ALL_OF(cluster_columns)};
+    } tables[] = {ALL_OF(answer_columns),    ALL_OF(track_columns),      ALL_OF(share_columns),
+                  ALL_OF(admission_columns), ALL_OF(chance_columns),     ALL_OF(coverage_columns),
+                  ALL_OF(segment_columns),   ALL_OF(clearance_columns),  ALL_OF(connection_columns),
+                  ALL_OF(summary_columns),   ALL_OF(electrode_columns),  ALL_OF(voxel_columns),
+                  ALL_OF(plan_columns),      ALL_OF(constraint_columns), ALL_OF(profile_columns),
+                  ALL_OF(tolerance_columns), ALL_OF(probe_columns),      ALL_OF(bep032_columns),
+                  ALL_OF(error_columns),     ALL_OF(cluster_columns),    {&row_column, 1}};
     for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (size_t k = 0; k < tables[i].count; k++) {
             if (strcmp(tables[i].columns[k].name, name) == 0) {

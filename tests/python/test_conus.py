@@ -240,6 +240,7 @@ def test_many_points_are_those_of_the_program(radius, tmp_path):
     assert_rows_of_the_program(atlas.near_many([p for p in points if np.isfinite(p[0])], radius).to_dataframe(), rows)
     of_file = atlas.near_many(conus.read_poses(tmp_path / "points.txt"), radius)
     assert np.array_equal(of_file.results["object"], many.results["object"])
+    assert_rows_of_the_program(of_file.to_dataframe(), rows)
     for i in (0, 1, 2, 4):
         one = atlas.near(points[i], radius)
         for member in ("object", "distance", "volume"):
@@ -248,6 +249,8 @@ def test_many_points_are_those_of_the_program(radius, tmp_path):
         assert [[hit.name for hit in atlas.near(p)] for p in (points[1], points[4])] == [["right"], ["left", "right"]]
     with pytest.raises(conus.ArgumentError, match="radius"):
         atlas.near_many(points, -1)
+    with pytest.raises(conus.ArgumentError, match="range"):
+        atlas.selector(range=(0, 20)).near_many(points)
 
 
 @needs_aal

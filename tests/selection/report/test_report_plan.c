@@ -144,6 +144,7 @@ static void constraints_are_worded(void **state)
         assert_fails(conus_report_add_profile(report, made.plan, steps[i]), CONUS_ERROR_ARGUMENT);
         conus_report_destroy(report);
     }
+    assert_true(conus_column_is_number("row"));
     assert_true(conus_column_is_number("reach1_mm"));
     assert_true(conus_column_is_number("avoid12_at_mm"));
     assert_true(conus_column_is_number("p_reach1"));

@@ -285,6 +285,26 @@ static void the_allen_atlas_has_ids_and_sides(void **state)
     finish(&asked);
 }
 
+/* The contact comes before its place, in answers and in summaries. */
+static void columns_have_one_order(void **state)
+{
+    (void)state;
+    struct asked asked = ask();
+    const conus_rows rows[] = {CONUS_ROWS_ANSWERS, CONUS_ROWS_SUMMARIES};
+    for (size_t i = 0; i < 2; i++) {
+        conus_report *report = NULL;
+        const char *found = NULL;
+        size_t size = 0;
+        const conus_report_options options = {
+            .rows = rows[i], .format = CONUS_FORMAT_TSV, .probe = asked.probe, .points = true};
+        assert_ok(conus_report_create(&report, asked.selector, &options));
+        assert_ok(conus_report_text(&found, &size, report));
+        assert_non_null(strstr(found, "\tprobe\tshank_id\tchannel\tx\ty\tz\n"));
+        conus_report_destroy(report);
+    }
+    finish(&asked);
+}
+
 static void only_answers_to_contacts_are_taken(void **state)
 {
     (void)state;
@@ -340,6 +360,7 @@ TEST_GROUP(report_probe)
         cmocka_unit_test(the_smallest_area_has_all_contacts),
         cmocka_unit_test(strings_follow_shanks_and_channels),
         cmocka_unit_test(the_allen_atlas_has_ids_and_sides),
+        cmocka_unit_test(columns_have_one_order),
         cmocka_unit_test(only_answers_to_contacts_are_taken),
         cmocka_unit_test(every_failing_allocation_is_survived),
     };
