@@ -3,6 +3,7 @@
 #include "batch/batch_task.h"
 
 #include "base/system/system.h"
+#include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/outputs.h"
@@ -91,10 +92,10 @@ static int open_poses(struct batch_task *task)
     if (task->shard.count > 1 && format_is_of_probe(task->format)) {
         return print_usage_error("--shard: a probe's string is one whole; --jobs answers many probes");
     }
-    task->piped = output_is_no_file(settings->poses);
+    task->piped = poses_are_no_file(settings->poses);
     if (task->piped && (task->shard.count > 1 || settings->resume)) {
         return print_usage_error("%s needs a file of poses, not %s", settings->resume ? "--resume" : "--shard",
-                                 output_is_stdout(settings->poses) ? "standard input" : "a pipe");
+                                 poses_are_stdin(settings->poses) ? "standard input" : "a pipe");
     }
     conus_status status = conus_pose_stream_open(&task->poses, settings->poses, &options);
     if (status) {

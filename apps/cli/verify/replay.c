@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "conus/catalogue.h"
 #include "conus/version.h"
+#include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/progress.h"
@@ -437,7 +438,7 @@ bool replay_check(struct replay *out, const struct command *const *commands)
         if (role == OPTION_LIVE) {
             return fail_replay(out, "its poses came from a tracker (--%s), which cannot be asked again", name);
         }
-        if (role == OPTION_READS_POSES && output_is_stdout(use->value)) {
+        if (role == OPTION_READS_POSES && poses_are_stdin(use->value)) {
             return fail_replay(out, "its poses came from standard input, which cannot be read again");
         }
         if (role == OPTION_ENDS || (role == OPTION_PLAIN && is_text)) {
