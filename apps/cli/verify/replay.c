@@ -591,9 +591,15 @@ static void put_words(struct writing *out)
     if (!arguments->operand_count) { /* one row of a table of --jobs */
         const json_t *batch = json_object_get(replay->record->root, "Batch");
         const char *poses = json_string_value(json_object_get(batch, "pose_file"));
+        const char *words = json_string_value(json_object_get(batch, "pose_words"));
         char *read = poses ? stage_word(out->stage, poses) : NULL;
-        put_path(out, "poses", read);
+        char *worded = NULL;
+        if (read && words && asprintf(&worded, "%s,%s", read, words) < 0) {
+            worded = NULL;
+        }
+        put_path(out, "poses", words ? worded : read);
         put_output(out, option_find(replay->command, "output"), replay->result, NULL);
+        free(worded);
         free(read);
     } else if (!out->has_output) {
         put_output(out, option_find(replay->command, "output"), NULL, NULL);
