@@ -182,7 +182,7 @@ static double radius_of(const struct batch_task *task)
 }
 
 /* Says what is asked: an --angle that was forgotten is seen here. */
-static void say_question(const struct batch_task *task)
+static void say_question(const struct batch_task *task, const char *understood)
 {
     const struct batch_settings *settings = task->settings;
     const struct engine_settings *engine = &settings->engine;
@@ -206,12 +206,15 @@ static void say_question(const struct batch_task *task)
     bool may_mix = format == CONUS_POSE_FORMAT_BRAINSIGHT || format == CONUS_POSE_FORMAT_MARKUPS ||
                    format == CONUS_POSE_FORMAT_NIBS; /* points and poses in one file */
     bool is_said = conus_pose_stream_has_points(task->poses) && !may_mix;
-    if (settings->common.quiet || settings->of_axis || settings->is_again || is_said) {
+    if (understood) {
+        say_note(CONUS_SEVERITY_NOTE, settings->common.quiet || settings->is_again, "%s: %s",
+                 pose_settings_file_name(settings->poses), understood);
+    }
+    bool is_beam = settings->aim.aperture > 0;
+    if (settings->common.quiet || settings->of_axis || settings->is_again || is_said || is_beam) {
         return;
     }
-    if (settings->aim.aperture > 0) {
-        snprintf(shape, sizeof shape, "beams from their focus to an aperture of %g mm", settings->aim.aperture);
-    } else if (engine->radius > 0) {
+    if (engine->radius > 0) {
         snprintf(shape, sizeof shape, "%s %g mm%s", is_square ? "square rods of half width" : "cylinders of radius",
                  engine->radius, conus_pose_stream_has_points(task->poses) ? ", round points balls" : "");
     } else {
@@ -235,9 +238,6 @@ int batch_task_build(struct batch_task *task)
     bool has_points = conus_pose_stream_has_points(task->poses) && !task->point_error[0] && !task->probe &&
                       !settings->of_axis && !format_is_foreign(task->format);
     const char *understood = settings_understood(task->understood, &settings->aim, &settings->engine, has_points);
-    if (understood && !settings->common.quiet) {
-        say_note(CONUS_SEVERITY_NOTE, false, "%s: %s", pose_settings_file_name(settings->poses), understood);
-    }
     const conus_batch_options options = {
         .threads = settings->threads,
         .block = settings->block,
@@ -288,7 +288,7 @@ int batch_task_build(struct batch_task *task)
         print_error_line("engine: %s; %" PRIu32 " threads", conus_selector_engine(task->aimed[0].selector),
                          conus_batch_threads(task->batch));
     }
-    say_question(task);
+    say_question(task, understood);
     atlases_say_notes(&task->atlases, &settings->common);
     atlases_say_spaces(&task->atlases, &settings->common);
     atlases_say_open(&task->atlases, &settings->engine, &settings->common);
