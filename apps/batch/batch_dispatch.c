@@ -103,10 +103,10 @@ static bool check_outputs_differ(const struct batch_output *outputs, size_t coun
             }
         }
     }
-    if (count > 1 && output_is_no_file(poses)) {
+    if (count > 1 && poses_are_no_file(poses)) {
         return refuse("--%s besides --%s reads the poses once more: it needs a file of poses, not %s",
                       option_of(&outputs[1]), option_of(&outputs[0]),
-                      output_is_stdout(poses) ? "standard input" : "a pipe");
+                      poses_are_stdin(poses) ? "standard input" : "a pipe");
     }
     return true;
 }

@@ -2,6 +2,7 @@
 /* Writes the record of a batch into its sidecar, with the hashes that identify its inputs. */
 #include "batch/batch_record.h"
 
+#include "conus/pose_file.h"
 #include "conus/version.h"
 #include "options/input_file.h"
 #include "options/messages.h"
@@ -92,8 +93,14 @@ static json_t *json_from_record(const struct batch_record *record)
                   "poses", (json_int_t)record->poses, "errors", (json_int_t)record->errors, "bytes",
                   (json_int_t)record->bytes, "heading", (json_int_t)record->header_size, "crc32", crc);
     if (record->pose_file) {
-        json_t *path = json_string(record->pose_file);
+        size_t length = conus_pose_path_length(record->pose_file);
+        const char *words = record->pose_file + length;
+        json_t *path = json_stringn(record->pose_file, length);
         json_object_set_new(batch, "pose_file", path ? path : json_null());
+        if (*words) {
+            json_t *text = json_string(words + 1);
+            json_object_set_new(batch, "pose_words", text ? text : json_null());
+        }
         json_object_set_new(batch, "pose_file_sha256",
                             *record->pose_hash ? json_string(record->pose_hash) : json_null());
         json_object_set_new(batch, "angle_deg", json_real(record->angle));

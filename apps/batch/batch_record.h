@@ -17,7 +17,7 @@ struct batch_record {
     uint64_t bytes, header_size;   /**< Size of the file, and of the header row in it. */
     uint64_t atlases;              /**< Read back: how many were asked, each with rows of its own. */
     uint32_t crc;                  /**< CRC-32 of the file's bytes. */
-    const char *pose_file;         /**< As given; NULL = as the sidecar says already, */
+    const char *pose_file;         /**< As given, with the words behind it; NULL = as the sidecar says already, */
     const char *pose_hash;         /**< its SHA-256, "" of standard input, */
     const char *coordsystem;       /**< The file that gives units and space of its positions; "" = none, */
     const char *coordsystem_hash;  /**< its SHA-256, */

@@ -3,6 +3,7 @@
 #include "batch/batch_task.h"
 
 #include "base/system/system.h"
+#include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/outputs.h"
@@ -91,10 +92,10 @@ static int open_poses(struct batch_task *task)
     if (task->shard.count > 1 && format_is_of_probe(task->format)) {
         return print_usage_error("--shard: a probe's string is one whole; --jobs answers many probes");
     }
-    task->piped = output_is_no_file(settings->poses);
+    task->piped = poses_are_no_file(settings->poses);
     if (task->piped && (task->shard.count > 1 || settings->resume)) {
         return print_usage_error("%s needs a file of poses, not %s", settings->resume ? "--resume" : "--shard",
-                                 output_is_stdout(settings->poses) ? "standard input" : "a pipe");
+                                 poses_are_stdin(settings->poses) ? "standard input" : "a pipe");
     }
     conus_status status = conus_pose_stream_open(&task->poses, settings->poses, &options);
     if (status) {
@@ -181,7 +182,7 @@ static double radius_of(const struct batch_task *task)
 }
 
 /* Says what is asked: an --angle that was forgotten is seen here. */
-static void say_question(const struct batch_task *task)
+static void say_question(const struct batch_task *task, const char *understood)
 {
     const struct batch_settings *settings = task->settings;
     const struct engine_settings *engine = &settings->engine;
@@ -205,12 +206,15 @@ static void say_question(const struct batch_task *task)
     bool may_mix = format == CONUS_POSE_FORMAT_BRAINSIGHT || format == CONUS_POSE_FORMAT_MARKUPS ||
                    format == CONUS_POSE_FORMAT_NIBS; /* points and poses in one file */
     bool is_said = conus_pose_stream_has_points(task->poses) && !may_mix;
-    if (settings->common.quiet || settings->of_axis || settings->is_again || is_said) {
+    if (understood) {
+        say_note(CONUS_SEVERITY_NOTE, settings->common.quiet || settings->is_again, "%s: %s",
+                 pose_settings_file_name(settings->poses), understood);
+    }
+    bool is_beam = settings->aim.aperture > 0;
+    if (settings->common.quiet || settings->of_axis || settings->is_again || is_said || is_beam) {
         return;
     }
-    if (settings->aim.aperture > 0) {
-        snprintf(shape, sizeof shape, "beams from their focus to an aperture of %g mm", settings->aim.aperture);
-    } else if (engine->radius > 0) {
+    if (engine->radius > 0) {
         snprintf(shape, sizeof shape, "%s %g mm%s", is_square ? "square rods of half width" : "cylinders of radius",
                  engine->radius, conus_pose_stream_has_points(task->poses) ? ", round points balls" : "");
     } else {
@@ -234,9 +238,6 @@ int batch_task_build(struct batch_task *task)
     bool has_points = conus_pose_stream_has_points(task->poses) && !task->point_error[0] && !task->probe &&
                       !settings->of_axis && !format_is_foreign(task->format);
     const char *understood = settings_understood(task->understood, &settings->aim, &settings->engine, has_points);
-    if (understood && !settings->common.quiet) {
-        say_note(CONUS_SEVERITY_NOTE, false, "%s: %s", pose_settings_file_name(settings->poses), understood);
-    }
     const conus_batch_options options = {
         .threads = settings->threads,
         .block = settings->block,
@@ -287,7 +288,7 @@ int batch_task_build(struct batch_task *task)
         print_error_line("engine: %s; %" PRIu32 " threads", conus_selector_engine(task->aimed[0].selector),
                          conus_batch_threads(task->batch));
     }
-    say_question(task);
+    say_question(task, understood);
     atlases_say_notes(&task->atlases, &settings->common);
     atlases_say_spaces(&task->atlases, &settings->common);
     atlases_say_open(&task->atlases, &settings->engine, &settings->common);

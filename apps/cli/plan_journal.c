@@ -129,13 +129,13 @@ int plan_journal_init(struct plan_journal *out, bool *replaces, const struct jou
                          : settings->merge.count ? "merge"
                                                  : NULL;
     bool is_file = !output_is_no_file(output);
-    bool is_piped = poses && output_is_no_file(poses);
+    bool is_piped = poses && poses_are_no_file(poses);
     bool is_other = false;
     *out = (struct plan_journal){
         .settings = settings, .command = request->command_line, .shard = {0, 1}, .count = UINT64_MAX};
     if (option && is_piped) {
         return print_usage_error("--%s needs a file of poses, not %s", option,
-                                 output_is_stdout(poses) ? "standard input" : "a pipe");
+                                 poses_are_stdin(poses) ? "standard input" : "a pipe");
     }
     if (option && !settings->merge.count && !is_file) {
         return print_usage_error("--%s has no effect without a file for --output", option);

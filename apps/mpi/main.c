@@ -7,6 +7,7 @@
 #include "batch/batch_task.h"
 #include "mpi/node_atlas.h"
 #include "mpi/ordered_file.h"
+#include "options/input_file.h"
 #include "options/interrupt.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -332,7 +333,7 @@ static int lead(void *user, const struct batch_settings *settings, const struct 
     struct batch_settings own = *settings;
     char text[64];
     struct shard shard;
-    if (!settings->output || output_is_stdout(settings->output) || output_is_no_file(settings->poses)) {
+    if (!settings->output || output_is_stdout(settings->output) || poses_are_no_file(settings->poses)) {
         return print_usage_error("conus-mpi batch needs files for --poses and --%s",
                                  settings->of_axis ? settings->of_axis->option : "output");
     }

@@ -4,11 +4,12 @@
 
 #include "base/system/system.h"
 #include "base/text.h"
+#include "conus/pose_file.h"
 #include "options/messages.h"
+#include "options/output.h"
 
 #include <errno.h>
 #include <inttypes.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -104,4 +105,19 @@ int input_file_read(char **text, size_t *size, const char *path, enum input_kind
     *text = bytes;
     *size = count;
     return EXIT_DONE;
+}
+
+bool poses_are_stdin(const char *path)
+{
+    return output_is_stdout(path) || (path[0] == '-' && conus_pose_path_length(path) == 1);
+}
+
+bool poses_are_no_file(const char *path)
+{
+    char plain[SYSTEM_PATH];
+    if (poses_are_stdin(path)) {
+        return true;
+    }
+    snprintf(plain, sizeof plain, "%.*s", (int)conus_pose_path_length(path), path);
+    return output_is_no_file(plain);
 }

@@ -3,6 +3,7 @@
 #ifndef CONUS_OPTIONS_INPUT_FILE_H
 #define CONUS_OPTIONS_INPUT_FILE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -15,5 +16,10 @@ enum input_kind { INPUT_FILE, INPUT_FILE_OR_PIPE };
 /** Reads @p path, at most @p limit bytes; a NUL stands behind them. @p text is the caller's to free(). Returns the exit
  * code and prints an error unless it is 0. */
 int input_file_read(char **text, size_t *size, const char *path, enum input_kind kind, uint64_t limit);
+
+/** Whether a file of poses, with the words behind it, is standard input; and whether it is that or a pipe, and so can
+ * be read but once. */
+bool poses_are_stdin(const char *path);
+bool poses_are_no_file(const char *path);
 
 #endif

@@ -91,12 +91,6 @@ void provenance_add_input(struct provenance *provenance, const char *path)
 {
     if (path && *path) {
         assert(provenance->input_count < PROVENANCE_FILES);
-        size_t length = conus_pose_path_length(path);
-        if (path[length] && length < sizeof provenance->plain) {
-            memcpy(provenance->plain, path, length);
-            provenance->plain[length] = '\0';
-            path = provenance->plain;
-        }
         provenance->inputs[provenance->input_count++] = path;
     }
 }
@@ -270,7 +264,9 @@ static bool add_files(json_t *root, const struct provenance *provenance)
         }
     }
     for (size_t i = 0; i < provenance->input_count; i++) {
-        whole = provenance_put_input(root, provenance->inputs[i]) && whole;
+        char *plain = text_copy(provenance->inputs[i], conus_pose_path_length(provenance->inputs[i]));
+        whole = plain && provenance_put_input(root, plain) && whole;
+        free(plain);
     }
     for (size_t i = 0; i < provenance->output_count; i++) {
         whole = json_array_append_new(outputs, json_from_output(&provenance->outputs[i])) == 0 && whole;

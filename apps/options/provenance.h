@@ -34,10 +34,10 @@ struct question {
 
 /** Facts about an answer that the library does not know. Zeroed, there are none. */
 struct provenance {
-    const char *inputs[PROVENANCE_FILES]; /**< Files that were read, besides those of the atlas. */
+    const char *inputs[PROVENANCE_FILES]; /**< Files that were read, besides those of the atlas; words may stand
+                                             behind those of poses. */
     struct provenance_output outputs[PROVENANCE_FILES];
     size_t input_count, output_count;
-    char plain[4096]; /**< A file of poses without the words behind it. */
     struct question question;
     bool is_table;      /**< The answer is a table for people, which begins with the warnings. */
     const char *option; /**< Whose file the answer goes to; NULL = "output". */

@@ -4,6 +4,7 @@
 
 #include "base/path.h"
 #include "conus/streamlines.h"
+#include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/settings.h"
@@ -148,7 +149,7 @@ void pose_settings_text(char out[128], const struct pose_file_settings *settings
 
 const char *pose_settings_file_name(const char *path)
 {
-    return output_is_stdout(path) ? "standard input" : path;
+    return poses_are_stdin(path) ? "standard input" : path;
 }
 
 /* Whether it is the name of an installed atlas, or a file that only an atlas can be. */

@@ -55,6 +55,8 @@ wait_for_lines() {
     cmp rows.tsv piped.tsv
     run -2 --separate-stderr conus batch sphere.nii.gz --poses <(cat poses.tsv) --angle 12 -o other.tsv --resume
     check_message '--resume needs a file of poses, not a pipe'
+    run -2 --separate-stderr conus batch sphere.nii.gz --poses -,unit=mm --angle 12 -o other.tsv --resume <poses.tsv
+    check_message '--resume needs a file of poses, not standard input'
 }
 
 @test "a run that is resumed has the words behind its poses" {

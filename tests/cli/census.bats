@@ -201,6 +201,8 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
     answers query nested.nii.gz --pose beams.csv --aperture-diameter 40 --format tsv
     [ "$(grep -P '^1\t' <<<"$output")" = "$(tail -n +2 <<<"$rows")" ]
     rows=$output
+    run -0 --separate-stderr conus batch nested.nii.gz --poses beams.csv --aperture-diameter 40 --format tsv
+    [ "$(grep -c beam <<<"$stderr")" = 1 ]
     run -0 conus batch nested.nii.gz --poses beams.csv --aperture-diameter 40 -q
     [ "$output" = "$rows" ]
     answers query nested.nii.gz --pose beams.csv --aperture-diameter 40 --format json

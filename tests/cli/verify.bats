@@ -229,6 +229,20 @@ says() {
     says 1 'why: atlas/slabs.nii.gz changed' out/pathway.tsv
 }
 
+@test "words behind a file of poses are no part of its name" {
+    conus phantom sphere -o . --size 24 --spacing 3,3,3
+    printf 'x\ty\tz\ttx\tty\ttz\n9\t0\t0\t0\t0\t0\n' >p.tsv
+    printf 'atlas\tposes\toutput\nsphere.nii.gz\tp.tsv,unit=cm\tjob.tsv\n' >jobs.tsv
+    conus batch --jobs jobs.tsv -q
+    conus batch sphere.nii.gz --poses p.tsv,unit=cm -q -o b.tsv
+    conus query sphere.nii.gz --pose p.tsv,unit=cm -q -o c.tsv
+    [ "$(jq -r '.Batch | .pose_file + " " + .pose_words' job.json)" = 'p.tsv unit=cm' ]
+    local result
+    for result in job b c; do
+        answers verify "$result.tsv"
+    done
+}
+
 @test "a sidecar that was changed is named, and what it changes" {
     study
     sed -i 's/--angle 30/--angle 31/' out/q.json

@@ -3,6 +3,7 @@
 #include "cli/verify/record.h"
 
 #include "base/order.h"
+#include "conus/pose_file.h"
 #include "options/provenance.h"
 
 #include <stdarg.h>
@@ -325,8 +326,10 @@ void record_finish(struct record *record)
 
 bool record_add_input(struct record *record, const char *path)
 {
+    const size_t length = conus_pose_path_length(path); /* words may stand behind it */
     for (size_t i = 0; i < record->input_count; i++) {
-        if (strcmp(record->inputs[i].path, path) == 0) {
+        const char *known = record->inputs[i].path;
+        if (strcmp(known, path) == 0 || (strncmp(known, path, length) == 0 && !known[length])) {
             return true;
         }
     }

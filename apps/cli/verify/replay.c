@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "conus/catalogue.h"
 #include "conus/version.h"
+#include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/progress.h"
@@ -437,7 +438,7 @@ bool replay_check(struct replay *out, const struct command *const *commands)
         if (role == OPTION_LIVE) {
             return fail_replay(out, "its poses came from a tracker (--%s), which cannot be asked again", name);
         }
-        if (role == OPTION_READS_POSES && output_is_stdout(use->value)) {
+        if (role == OPTION_READS_POSES && poses_are_stdin(use->value)) {
             return fail_replay(out, "its poses came from standard input, which cannot be read again");
         }
         if (role == OPTION_ENDS || (role == OPTION_PLAIN && is_text)) {
@@ -590,9 +591,15 @@ static void put_words(struct writing *out)
     if (!arguments->operand_count) { /* one row of a table of --jobs */
         const json_t *batch = json_object_get(replay->record->root, "Batch");
         const char *poses = json_string_value(json_object_get(batch, "pose_file"));
+        const char *words = json_string_value(json_object_get(batch, "pose_words"));
         char *read = poses ? stage_word(out->stage, poses) : NULL;
-        put_path(out, "poses", read);
+        char *worded = NULL;
+        if (read && words && asprintf(&worded, "%s,%s", read, words) < 0) {
+            worded = NULL;
+        }
+        put_path(out, "poses", words ? worded : read);
         put_output(out, option_find(replay->command, "output"), replay->result, NULL);
+        free(worded);
         free(read);
     } else if (!out->has_output) {
         put_output(out, option_find(replay->command, "output"), NULL, NULL);
