@@ -545,27 +545,134 @@ static conus_status set_freeview_space(conus_pose_list *list, const json_t *root
     return is_scanner || any_space ? CONUS_OK : fail(CONUS_ERROR_DATA, "%s", space_why_tkras);
 }
 
-/* {"name": "M1", "x": 1, "y": 2, "z": 3}, in any case; another key of a direction would be lost. */
-static conus_status read_object(double point[3], struct text *id, json_t *object)
+/* The names of objects' values, in the order in which they come first. */
+struct keys {
+    const char *at[KEYS];
+    size_t count;
+};
+
+static bool is_unit(const char *key)
 {
-    static const char *const names[] = {"x", "y", "z"};
-    bool found[3] = {false, false, false};
+    return text_is_one_of(text_from(key), "unit/units", false);
+}
+
+static conus_status find_keys(struct keys *keys, json_t *object)
+{
     for (void *at = json_object_iter(object); at; at = json_object_iter_next(object, at)) {
-        struct text key = text_from(json_object_iter_key(at));
+        const char *key = json_object_iter_key(at);
         const json_t *value = json_object_iter_value(at);
-        for (size_t k = 0; k < 3; k++) {
-            if (text_equal_ignoring_case(key, names[k]) && json_is_number(value)) {
-                point[k] = json_number_value(value);
-                found[k] = true;
-            }
+        bool is_known = is_unit(key) || (json_is_object(value) && strcmp(key, "coordinates") == 0);
+        for (size_t i = 0; i < keys->count && !is_known; i++) {
+            is_known = strcmp(keys->at[i], key) == 0;
         }
-        *id = text_is_one_of(key, "name/label/id", false) && json_is_string(value) ? json_text_of(value) : *id;
-        if (text_is_one_of(key, "tx/dx/nx/qw/qx/angle/depth", false)) {
-            return fail(CONUS_ERROR_DATA, "an object with the key \"%.*s\": save these poses as a table",
-                        POSE_QUOTE(key));
+        if (!is_known && keys->count == KEYS) {
+            return fail(CONUS_ERROR_DATA, "objects with more than %d keys", KEYS);
+        }
+        if (!is_known) {
+            keys->at[keys->count++] = key;
         }
     }
-    return found[0] && found[1] && found[2] ? CONUS_OK : fail(CONUS_ERROR_DATA, "the numbers x, y and z are needed");
+    return CONUS_OK;
+}
+
+static conus_status hear_unit_key(struct buffer *comments, json_t *object)
+{
+    for (void *at = json_object_iter(object); at; at = json_object_iter_next(object, at)) {
+        struct text unit = json_text_of(json_object_iter_value(at));
+        struct space_words said = {0};
+        if (!is_unit(json_object_iter_key(at))) {
+            continue;
+        }
+        space_words_hear_of(&said, unit);
+        if (!(said.mm > 0) || said.are_two) {
+            return fail(CONUS_ERROR_DATA, "\"%s\" is \"%.*s\", allowed are mm, um, cm and m", json_object_iter_key(at),
+                        POSE_QUOTE(unit));
+        }
+        buffer_text(comments, "# unit ");
+        buffer_append(comments, unit.data, unit.size);
+        buffer_text(comments, "\n");
+    }
+    return CONUS_OK;
+}
+
+static void sheet_value(struct buffer *sheet, const json_t *value)
+{
+    if (json_is_integer(value)) {
+        buffer_format(sheet, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
+    } else if (json_is_real(value)) {
+        buffer_format(sheet, "%.17g", json_real_value(value));
+    } else if (json_is_boolean(value)) {
+        buffer_text(sheet, json_is_true(value) ? "1" : "0");
+    } else if (json_is_string(value)) {
+        sheet_words(sheet, json_text_of(value));
+    } else if (value && !json_is_null(value)) {
+        buffer_text(sheet, "list");
+    }
+}
+
+/* [{"name": "M1", "x": 1, "y": 2, "z": 3}]: each is a row, its keys are columns, those of "coordinates" among them. */
+static conus_status parse_objects(conus_pose_list *list, json_t *objects, bool is_freeview,
+                                  const conus_pose_options *options)
+{
+    struct keys keys = {0};
+    struct buffer sheet = {0};
+    struct buffer comments = {0};
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < json_array_size(objects); i++) {
+        json_t *object = json_array_get(objects, i);
+        json_t *inner = json_object_get(object, "coordinates");
+        status = find_keys(&keys, inner);
+        status = status ? status : hear_unit_key(&comments, inner);
+        status = status || (is_freeview && inner) ? status : find_keys(&keys, object);
+        status = status || is_freeview ? status : hear_unit_key(&comments, object);
+    }
+    for (size_t k = 0; k < keys.count; k++) {
+        buffer_text(&sheet, k ? "\t" : "");
+        sheet_words(&sheet, text_from(keys.at[k]));
+    }
+    buffer_text(&sheet, "\n");
+    for (size_t i = 0; !status && i < json_array_size(objects); i++) {
+        json_t *object = json_array_get(objects, i);
+        json_t *inner = json_object_get(object, "coordinates");
+        size_t empty = sheet.size;
+        for (size_t k = 0; k < keys.count; k++) {
+            const json_t *value = json_object_get(inner, keys.at[k]);
+            buffer_text(&sheet, k ? "\t" : "");
+            sheet_value(&sheet, value ? value : json_object_get(object, keys.at[k]));
+        }
+        buffer_text(&sheet, sheet.size == empty + keys.count - 1 || !keys.count ? "?\n" : "\n");
+    }
+    buffer_append(&sheet, comments.data, comments.size);
+    if (!status && json_array_size(objects)) {
+        status = buffer_status(&comments);
+        status = status ? status : sheet_read(list, &sheet, options, "the numbers x, y and z are needed");
+    }
+    buffer_finish(&sheet);
+    buffer_finish(&comments);
+    return status;
+}
+
+/* {"M1": [1, 2, 3]} */
+static conus_status parse_map(conus_pose_list *list, json_t *root, const conus_pose_options *options)
+{
+    struct buffer sheet = {0};
+    sheet_header(&sheet, options, false);
+    for (void *at = json_object_iter(root); at; at = json_object_iter_next(root, at)) {
+        double point[3] = {0};
+        struct text key = text_from(json_object_iter_key(at));
+        if (text_is_one_of(key, "x/y/z", false)) { /* of three points, by columns */
+            buffer_finish(&sheet);
+            return fail(CONUS_ERROR_DATA, "the names x, y and z: a table on its side; save it by rows "
+                                          "(orient=\"records\")");
+        }
+        if (read_triple(point, json_object_iter_value(at))) {
+            buffer_text(&sheet, "?\n");
+            continue;
+        }
+        sheet_point(&sheet, key, point);
+        buffer_text(&sheet, "\n");
+    }
+    return sheet_read(list, &sheet, options, "three numbers are needed");
 }
 
 conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
@@ -583,25 +690,10 @@ conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const 
     conus_status status = json_text_load(&root, text);
     bool is_freeview = pose_brackets_json(root) == BRACKETS_FREEVIEW;
     status = status || !is_freeview ? status : set_freeview_space(list, root, options->any_space);
-    json_t *objects = is_freeview ? json_object_get(root, "points") : root;
-    for (void *at = is_freeview ? NULL : json_object_iter(root); !status && at; at = json_object_iter_next(root, at)) {
-        double point[3] = {0};
-        struct text key = text_from(json_object_iter_key(at));
-        conus_status bad = read_triple(point, json_object_iter_value(at));
-        if (text_is_one_of(key, "x/y/z", false)) { /* of three points, by columns */
-            status = fail(CONUS_ERROR_DATA, "the names x, y and z: a table on its side; save it by rows "
-                                            "(orient=\"records\")");
-            break;
-        }
-        status = add_point(list, options, point, key, bad);
-    }
-    for (size_t i = 0; !status && i < json_array_size(objects); i++) {
-        struct text id = {"", 0};
-        double point[3] = {0};
-        json_t *object = json_array_get(objects, i);
-        json_t *inner = json_object_get(object, "coordinates");
-        conus_status bad = read_object(point, &id, inner ? inner : object);
-        status = add_point(list, options, point, id, bad);
+    if (!status) {
+        status = is_freeview            ? parse_objects(list, json_object_get(root, "points"), true, options)
+                 : json_is_object(root) ? parse_map(list, root, options)
+                                        : parse_objects(list, root, false, options);
     }
     json_decref(root);
     return status;
