@@ -257,7 +257,8 @@ static conus_status find_format(conus_pose_stream *stream)
         }
     }
     struct text head = {lines->data, lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT};
-    bool is_own_word = words.at[0].size; /* the user knows the columns */
+    bool is_in_brackets = pose_brackets_begin(head) || pose_brackets_are_spoken(head); /* read as a table */
+    bool is_own_word = words.at[0].size && !is_in_brackets;                            /* the user knows the columns */
     found = !status && !is_own_word && pose_lists_know(head, stream->path) ? CONUS_POSE_FORMAT_LIST : found;
     const char *kind =
         status || found == CONUS_POSE_FORMAT_LIST ? NULL : forms_why_none((struct text){lines->data, lines->size});
@@ -426,7 +427,10 @@ static conus_status begin_text(conus_pose_stream *stream)
                     conus_pose_format_name(stream->format));
     }
     const char *words = stream->options.columns;
-    bool has_columns = !is_read_whole(stream) || stream->format == CONUS_POSE_FORMAT_ELECTRODES;
+    const struct text head = {stream->lines.data, stream->lines.size};
+    bool has_columns =
+        !is_read_whole(stream) || stream->format == CONUS_POSE_FORMAT_ELECTRODES ||
+        (stream->format == CONUS_POSE_FORMAT_LIST && (pose_brackets_begin(head) || pose_brackets_are_spoken(head)));
     if (!status && words && words[0] && !has_columns) {
         return fail(CONUS_ERROR_DATA, "\"%.60s\" is for tables, points and electrodes (BIDS), and not for %s", words,
                     conus_pose_format_name(stream->format));

@@ -3,21 +3,108 @@
  * JSON whose names or objects are points; and lines of "name: (x, y, z)". */
 #include "poses/programs/pose_programs.h"
 
+#include "base/buffer.h"
 #include "base/formats/json_text.h"
 #include "base/formats/table.h"
+#include "poses/rows/columns.h"
 #include "poses/rows/pose_row.h"
 #include "poses/rows/space_words.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { MATRIX = 16, ROW = 4 };
+enum { MATRIX = 16, ROW = 4, KEYS = 64 };
+
+/* What is read here becomes a table, so that columns.h judges and hears all of it alike: a header, then lines. */
+static void sheet_header(struct buffer *sheet, const conus_pose_options *options, bool has_target)
+{
+    buffer_text(sheet, "name");
+    for (size_t k = 0; k < 3; k++) {
+        buffer_format(sheet, "\t%s",
+                      options->space < CONUS_SPACE_CCF ? (const char *[]){"x", "y", "z"}[k]
+                                                       : conus_space_axis(options->space, k));
+    }
+    buffer_text(sheet, has_target ? "\ttx\tty\ttz\n" : "\n");
+}
+
+/* A cell of words, in quotation marks where there are any. */
+static void sheet_words(struct buffer *sheet, struct text words)
+{
+    buffer_text(sheet, words.size ? "\"" : "");
+    for (size_t i = 0; i < words.size; i++) {
+        bool is_plain = (unsigned char)words.data[i] >= ' ';
+        buffer_append(sheet, is_plain ? words.data + i : " ", 1);
+        buffer_text(sheet, words.data[i] == '"' ? "\"" : "");
+    }
+    buffer_text(sheet, words.size ? "\"" : "");
+}
+
+static void sheet_point(struct buffer *sheet, struct text name, const double point[3])
+{
+    sheet_words(sheet, name);
+    for (size_t k = 0; k < 3; k++) {
+        buffer_format(sheet, "\t%.17g", point[k]);
+    }
+}
+
+static void sheet_comment(struct buffer *sheet, struct text words)
+{
+    buffer_text(sheet, "# ");
+    for (size_t i = 0; i < words.size; i++) {
+        buffer_append(sheet, (unsigned char)words.data[i] >= ' ' ? words.data + i : " ", 1);
+    }
+    buffer_text(sheet, "\n");
+}
+
+/* Reads the sheet, and ends it. Its second line is line 1. @p why: what is wrong with a line that is no row. */
+static conus_status sheet_read(conus_pose_list *list, struct buffer *sheet, const conus_pose_options *asked,
+                               const char *why)
+{
+    struct columns columns = {0};
+    conus_pose_options options = *asked;
+    bool is_short = false;
+    conus_status status = buffer_status(sheet);
+    struct text rest = {sheet->data, sheet->size};
+    struct text line;
+    struct text inside;
+    options.keep_count = 0;
+    options.format = CONUS_POSE_FORMAT_AUTO;
+    status = status ? status : columns_plan(&columns, &is_short, &list->notes, rest, &options);
+    if (!status && columns.said.space.name[0] && !list->space.name[0]) {
+        list->space = columns.said.space;
+    }
+    for (size_t number = 1; !status && text_line(&rest, &line); number++) {
+        conus_pose_row row = pose_row_at(number - 1);
+        struct pose_name name = {.text = {"", 0}};
+        conus_status bad = CONUS_OK;
+        if (number == 1 || table_is_blank(line) || table_is_comment(&inside, line)) {
+            continue;
+        }
+        enum columns_line kind = columns_read(&row, &name, &bad, &columns, line, number, &options);
+        row.line = number - 1;
+        status = pose_list_add(list, &row, name.text, kind != LINE_ROW ? why : bad ? conus_message() : NULL);
+    }
+    buffer_finish(sheet);
+    return status;
+}
+
+/* Behind lines of comments and empty ones. */
+static struct text behind_comments(struct text text)
+{
+    struct text rest = text;
+    struct text line;
+    struct text inside;
+    while (text_line(&rest, &line) && (!text_trim(line).size || table_is_comment(&inside, line))) {
+        text = rest;
+    }
+    return text_trim(text);
+}
 
 /* Behind "NAME =" and white space, the first bracket; an empty text where there is none. */
 static struct text opened(struct text text)
 {
     static const char name[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
-    struct text rest = text_trim(text);
+    struct text rest = behind_comments(text);
     const char *equals = rest.size ? memchr(rest.data, '=', rest.size) : NULL;
     struct text before = {rest.data, equals ? (size_t)(equals - rest.data) : 0};
     if (equals && text_has_only(text_trim(before), name)) {
@@ -41,6 +128,9 @@ struct reading {
     double numbers[MATRIX];
     size_t count, width; /* numbers of this row; of each, 0 = not known yet */
     size_t rows;
+    conus_space space;   /* of matrices */
+    struct buffer sheet; /* of points */
+    struct buffer comments;
 };
 
 static conus_status add_point(conus_pose_list *list, const conus_pose_options *options, const double point[3],
@@ -70,7 +160,8 @@ static conus_status end_row(struct reading *reading)
     reading->width = width;
     reading->rows++;
     if (width == 3) {
-        status = add_point(reading->list, reading->options, reading->numbers, text_from(""), CONUS_OK);
+        sheet_point(&reading->sheet, text_from(""), reading->numbers);
+        buffer_text(&reading->sheet, "\n");
         reading->count = 0;
     } else if (reading->rows % ROW == 0) {
         conus_pose_row row = pose_row_at(reading->rows / ROW);
@@ -78,8 +169,7 @@ static conus_status end_row(struct reading *reading)
         for (size_t i = 0; i < MATRIX; i++) {
             m[i] = reading->numbers[4 * (i % 4) + i / 4];
         }
-        conus_status bad =
-            pose_of_matrix(&row.pose, m, reading->options->space == CONUS_SPACE_LPS, reading->options->axis);
+        conus_status bad = pose_of_matrix(&row.pose, m, reading->space == CONUS_SPACE_LPS, reading->options->axis);
         status = pose_list_add(reading->list, &row, text_from(""), bad ? conus_message() : NULL);
         reading->count = 0;
     }
@@ -114,6 +204,12 @@ static conus_status parse_numbers(struct reading *reading, struct text text)
     for (size_t at = 0; !status && at < text.size;) {
         const char c = text.data[at];
         size_t size = 0;
+        if (c == '#' || c == '%') { /* to the line's end; read by hear_around() */
+            while (at < text.size && text.data[at] != '\n') {
+                at++;
+            }
+            continue;
+        }
         while (at + size < text.size && !memchr(marks, text.data[at + size], sizeof marks - 1)) {
             size++;
         }
@@ -130,6 +226,79 @@ static conus_status parse_numbers(struct reading *reading, struct text text)
     if (!status && (depth || reading->count)) {
         status = fail(CONUS_ERROR_DATA, depth ? "a bracket [ that is not closed" : "the last matrix is not whole");
     }
+    return status;
+}
+
+/* Takes the comments of a text in brackets, and the words of the name that it gives them: "tal = [", "pts_lps = [". */
+static void find_comments(struct buffer *comments, struct text text, struct text numbers)
+{
+    struct text name = {text.data, (size_t)(numbers.data - text.data)};
+    struct text line;
+    while (text_line(&text, &line)) {
+        const char *mark = NULL;
+        for (size_t i = 0; i < line.size && !mark; i++) {
+            mark = memchr("#%", line.data[i], 2) || text_starts((struct text){line.data + i, line.size - i}, "//")
+                       ? line.data + i
+                       : NULL;
+        }
+        if (mark) {
+            sheet_comment(comments, (struct text){mark + 1, (size_t)(line.data + line.size - mark) - 1});
+        }
+    }
+    name = behind_comments(name);
+    sheet_comment(comments, name);
+    for (size_t i = 0, size; i < name.size; i += size + 1) {
+        size = 0;
+        while (i + size < name.size && !memchr("_ =0123456789\t\r\n", name.data[i + size], 16)) {
+            size++;
+        }
+        const struct text word = {name.data + i, size};
+        if (text_is_one_of(word, "ras/lps/vox/voxel/voxels/ijk/native/scanner/tal/mni/cm/mm/um", false)) {
+            buffer_format(comments, "# coordinates in %.*s\n", (int)word.size, word.data);
+        }
+    }
+}
+
+/* What is said of matrices, which cannot be brought to another unit. */
+static conus_status hear_of_matrices(struct reading *reading, struct text comments)
+{
+    struct space_words said = {0};
+    struct text line;
+    while (!reading->options->any_space && text_line(&comments, &line)) {
+        space_words_hear(&said, line);
+    }
+    bool has_unit = reading->options->columns || (reading->options->unit > 0 && reading->options->unit != 1);
+    if (reading->width != 3 && has_unit) {
+        return fail(CONUS_ERROR_DATA, "matrices in brackets are in mm: no words behind FILE or other unit fit them");
+    }
+    reading->list->space = said.space;
+    reading->space = said.has_signs ? said.signs : reading->options->space;
+    return said.why || said.are_two || said.is_mni305 || (said.mm > 0 && said.mm != 1)
+               ? fail(CONUS_ERROR_DATA, "matrices in brackets that are said to be \"%s\": RAS or LPS mm are needed",
+                      said.heard[0] ? said.heard : "in another unit than mm")
+               : CONUS_OK;
+}
+
+static conus_status parse_list(conus_pose_list *list, struct text text, const conus_pose_options *options)
+{
+    struct reading reading = {.list = list, .options = options};
+    struct text numbers = opened(text);
+    find_comments(&reading.comments, text, numbers);
+    sheet_header(&reading.sheet, options, false);
+    conus_status status = buffer_status(&reading.comments);
+    const struct text comments = {reading.comments.data, reading.comments.size};
+    status = status ? status : hear_of_matrices(&reading, comments);
+    bool is_said = status == CONUS_ERROR_DATA; /* against matrices, not against points */
+    status = status && !is_said ? status : parse_numbers(&reading, numbers);
+    if (!status && reading.width == 3) {
+        list->space = (struct pose_space){0};
+        buffer_append(&reading.sheet, comments.data, comments.size);
+        status = sheet_read(list, &reading.sheet, options, "three numbers are needed");
+    } else if (!status && is_said) { /* again, for its message */
+        status = hear_of_matrices(&reading, comments);
+    }
+    buffer_finish(&reading.sheet);
+    buffer_finish(&reading.comments);
     return status;
 }
 
@@ -210,29 +379,33 @@ bool pose_brackets_are_spoken(struct text text)
 
 static conus_status parse_spoken(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
+    struct buffer sheet = {0};
+    struct spoken spoken;
     struct text line;
     struct text inside;
-    conus_status status = CONUS_OK;
-    for (size_t number = 1; !status && text_line(&text, &line); number++) {
-        struct spoken spoken;
-        conus_pose_row row = pose_row_at(number);
-        double ends[2][3];
-        if (table_is_blank(line) || table_is_comment(&inside, line)) {
-            continue;
-        }
-        bool fine = read_spoken(&spoken, line);
-        conus_status bad = fine ? CONUS_OK
-                                : fail(CONUS_ERROR_DATA, "not as the first line: (x, y, z) and a name, or "
-                                                         "(x, y, z) -> (x, y, z)");
-        bad = bad ? bad : conus_frame_to_world(ends[0], options->frame, spoken.point);
-        bad = bad || !spoken.has_target ? bad : conus_frame_to_world(ends[1], options->frame, spoken.target);
-        row.is_point = !spoken.has_target;
-        bad = bad            ? bad
-              : row.is_point ? pose_of_point(&row.pose, ends[0])
-                             : pose_row_toward(&row, ends[0], ends[1], NULL);
-        status = pose_list_add(list, &row, spoken.name, bad ? conus_message() : NULL);
+    struct text rest = text;
+    bool has_target = false;
+    while (text_line(&rest, &line)) {
+        bool is_row = !table_is_blank(line) && !table_is_comment(&inside, line);
+        has_target = has_target || (is_row && read_spoken(&spoken, line) && spoken.has_target);
     }
-    return status;
+    sheet_header(&sheet, options, has_target);
+    while (text_line(&text, &line)) {
+        if (table_is_blank(line)) {
+            buffer_text(&sheet, "\n");
+        } else if (table_is_comment(&inside, line)) {
+            sheet_comment(&sheet, inside);
+        } else if (read_spoken(&spoken, line)) {
+            sheet_point(&sheet, spoken.name, spoken.point);
+            for (size_t k = 0; k < 3 && spoken.has_target; k++) {
+                buffer_format(&sheet, "\t%.17g", spoken.target[k]);
+            }
+            buffer_text(&sheet, "\n");
+        } else {
+            buffer_text(&sheet, "?\n");
+        }
+    }
+    return sheet_read(list, &sheet, options, "not as the first line: (x, y, z) and a name, or (x, y, z) -> (x, y, z)");
 }
 
 /* A table with the three coordinates in one cell: "(-42, -20, 50)". */
@@ -310,9 +483,17 @@ static conus_status parse_cells(conus_pose_list *list, struct text text, const c
                                                        "positions? Take the others out");
     struct space_words said = {0};
     if (!status && !options->any_space) {
+        struct text rest = text;
+        struct text inside;
         space_words_hear(&said, cells.header);
+        while (text_line(&rest, &line)) {
+            if (table_is_comment(&inside, line)) {
+                space_words_hear(&said, inside);
+            }
+        }
         list->space = said.space;
-        status = said.why || said.mm > 1 || said.mm < 0 || said.has_signs || said.is_mni305
+        status = (options->unit > 0 && options->unit != 1) || said.why || said.mm > 1 || said.mm < 0 ||
+                         said.has_signs || said.is_mni305
                      ? fail(CONUS_ERROR_DATA,
                             "the header says \"%s\" of coordinates in one cell: give x, y and z columns of their own",
                             said.heard)
@@ -368,35 +549,141 @@ static conus_status set_freeview_space(conus_pose_list *list, const json_t *root
     return is_scanner || any_space ? CONUS_OK : fail(CONUS_ERROR_DATA, "%s", space_why_tkras);
 }
 
-/* {"name": "M1", "x": 1, "y": 2, "z": 3}, in any case; another key of a direction would be lost. */
-static conus_status read_object(double point[3], struct text *id, json_t *object)
+/* The names of objects' values, in the order in which they come first. */
+struct keys {
+    const char *at[KEYS];
+    size_t count;
+};
+
+static bool is_unit(const char *key)
 {
-    static const char *const names[] = {"x", "y", "z"};
-    bool found[3] = {false, false, false};
+    return text_is_one_of(text_from(key), "unit/units", false);
+}
+
+static conus_status find_keys(struct keys *keys, json_t *object)
+{
     for (void *at = json_object_iter(object); at; at = json_object_iter_next(object, at)) {
-        struct text key = text_from(json_object_iter_key(at));
+        const char *key = json_object_iter_key(at);
         const json_t *value = json_object_iter_value(at);
-        for (size_t k = 0; k < 3; k++) {
-            if (text_equal_ignoring_case(key, names[k]) && json_is_number(value)) {
-                point[k] = json_number_value(value);
-                found[k] = true;
-            }
+        bool is_known = is_unit(key) || (json_is_object(value) && strcmp(key, "coordinates") == 0);
+        for (size_t i = 0; i < keys->count && !is_known; i++) {
+            is_known = strcmp(keys->at[i], key) == 0;
         }
-        *id = text_is_one_of(key, "name/label/id", false) && json_is_string(value) ? json_text_of(value) : *id;
-        if (text_is_one_of(key, "tx/dx/nx/qw/qx/angle/depth", false)) {
-            return fail(CONUS_ERROR_DATA, "an object with the key \"%.*s\": save these poses as a table",
-                        POSE_QUOTE(key));
+        if (!is_known && keys->count == KEYS) {
+            return fail(CONUS_ERROR_DATA, "objects with more than %d keys", KEYS);
+        }
+        if (!is_known) {
+            keys->at[keys->count++] = key;
         }
     }
-    return found[0] && found[1] && found[2] ? CONUS_OK : fail(CONUS_ERROR_DATA, "the numbers x, y and z are needed");
+    return CONUS_OK;
+}
+
+static conus_status hear_unit_key(struct buffer *comments, json_t *object)
+{
+    for (void *at = json_object_iter(object); at; at = json_object_iter_next(object, at)) {
+        struct text unit = json_text_of(json_object_iter_value(at));
+        struct space_words said = {0};
+        if (!is_unit(json_object_iter_key(at))) {
+            continue;
+        }
+        space_words_hear_of(&said, unit);
+        if (!(said.mm > 0) || said.are_two) {
+            return fail(CONUS_ERROR_DATA, "\"%s\" is \"%.*s\", allowed are mm, um, cm and m", json_object_iter_key(at),
+                        POSE_QUOTE(unit));
+        }
+        buffer_text(comments, "# unit ");
+        buffer_append(comments, unit.data, unit.size);
+        buffer_text(comments, "\n");
+    }
+    return CONUS_OK;
+}
+
+static void sheet_value(struct buffer *sheet, const json_t *value)
+{
+    if (json_is_integer(value)) {
+        buffer_format(sheet, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
+    } else if (json_is_real(value)) {
+        buffer_format(sheet, "%.17g", json_real_value(value));
+    } else if (json_is_boolean(value)) {
+        buffer_text(sheet, json_is_true(value) ? "1" : "0");
+    } else if (json_is_string(value)) {
+        sheet_words(sheet, json_text_of(value));
+    } else if (value && !json_is_null(value)) {
+        buffer_text(sheet, "list");
+    }
+}
+
+/* [{"name": "M1", "x": 1, "y": 2, "z": 3}]: each is a row, its keys are columns, those of "coordinates" among them. */
+static conus_status parse_objects(conus_pose_list *list, json_t *objects, bool is_freeview,
+                                  const conus_pose_options *options)
+{
+    struct keys keys = {0};
+    struct buffer sheet = {0};
+    struct buffer comments = {0};
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < json_array_size(objects); i++) {
+        json_t *object = json_array_get(objects, i);
+        json_t *inner = json_object_get(object, "coordinates");
+        status = find_keys(&keys, inner);
+        status = status ? status : hear_unit_key(&comments, inner);
+        status = status || (is_freeview && inner) ? status : find_keys(&keys, object);
+        status = status || is_freeview ? status : hear_unit_key(&comments, object);
+    }
+    for (size_t k = 0; k < keys.count; k++) {
+        buffer_text(&sheet, k ? "\t" : "");
+        sheet_words(&sheet, text_from(keys.at[k]));
+    }
+    buffer_text(&sheet, "\n");
+    for (size_t i = 0; !status && i < json_array_size(objects); i++) {
+        json_t *object = json_array_get(objects, i);
+        json_t *inner = json_object_get(object, "coordinates");
+        size_t empty = sheet.size;
+        for (size_t k = 0; k < keys.count; k++) {
+            const json_t *value = json_object_get(inner, keys.at[k]);
+            buffer_text(&sheet, k ? "\t" : "");
+            sheet_value(&sheet, value ? value : json_object_get(object, keys.at[k]));
+        }
+        buffer_text(&sheet, sheet.size == empty + keys.count - 1 || !keys.count ? "?\n" : "\n");
+    }
+    buffer_append(&sheet, comments.data, comments.size);
+    if (!status && json_array_size(objects)) {
+        status = buffer_status(&comments);
+        status = status ? status : sheet_read(list, &sheet, options, "the numbers x, y and z are needed");
+    }
+    buffer_finish(&sheet);
+    buffer_finish(&comments);
+    return status;
+}
+
+/* {"M1": [1, 2, 3]} */
+static conus_status parse_map(conus_pose_list *list, json_t *root, const conus_pose_options *options)
+{
+    struct buffer sheet = {0};
+    sheet_header(&sheet, options, false);
+    for (void *at = json_object_iter(root); at; at = json_object_iter_next(root, at)) {
+        double point[3] = {0};
+        struct text key = text_from(json_object_iter_key(at));
+        if (text_is_one_of(key, "x/y/z", false)) { /* of three points, by columns */
+            buffer_finish(&sheet);
+            return fail(CONUS_ERROR_DATA, "the names x, y and z: a table on its side; save it by rows "
+                                          "(orient=\"records\")");
+        }
+        if (read_triple(point, json_object_iter_value(at))) {
+            buffer_text(&sheet, "?\n");
+            continue;
+        }
+        sheet_point(&sheet, key, point);
+        buffer_text(&sheet, "\n");
+    }
+    return sheet_read(list, &sheet, options, "three numbers are needed");
 }
 
 conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     json_t *root = NULL;
-    struct reading reading = {.list = list, .options = options};
     if (pose_brackets_begin(text)) {
-        return parse_numbers(&reading, opened(text));
+        return parse_list(list, text, options);
     }
     if (pose_brackets_are_spoken(text)) {
         return parse_spoken(list, text, options);
@@ -407,25 +694,10 @@ conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const 
     conus_status status = json_text_load(&root, text);
     bool is_freeview = pose_brackets_json(root) == BRACKETS_FREEVIEW;
     status = status || !is_freeview ? status : set_freeview_space(list, root, options->any_space);
-    json_t *objects = is_freeview ? json_object_get(root, "points") : root;
-    for (void *at = is_freeview ? NULL : json_object_iter(root); !status && at; at = json_object_iter_next(root, at)) {
-        double point[3] = {0};
-        struct text key = text_from(json_object_iter_key(at));
-        conus_status bad = read_triple(point, json_object_iter_value(at));
-        if (text_is_one_of(key, "x/y/z", false)) { /* of three points, by columns */
-            status = fail(CONUS_ERROR_DATA, "the names x, y and z: a table on its side; save it by rows "
-                                            "(orient=\"records\")");
-            break;
-        }
-        status = add_point(list, options, point, key, bad);
-    }
-    for (size_t i = 0; !status && i < json_array_size(objects); i++) {
-        struct text id = {"", 0};
-        double point[3] = {0};
-        json_t *object = json_array_get(objects, i);
-        json_t *inner = json_object_get(object, "coordinates");
-        conus_status bad = read_object(point, &id, inner ? inner : object);
-        status = add_point(list, options, point, id, bad);
+    if (!status) {
+        status = is_freeview            ? parse_objects(list, json_object_get(root, "points"), true, options)
+                 : json_is_object(root) ? parse_map(list, root, options)
+                                        : parse_objects(list, root, false, options);
     }
     json_decref(root);
     return status;

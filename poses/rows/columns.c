@@ -515,7 +515,7 @@ static void find_roles(struct head *head)
             if (column == NONE || head->out->role_of[column] != ROLES) {
                 continue;
             }
-            bool is_loose = role == ROLE_NAME && !text_is_one_of(name, "query id/id/name", true);
+            bool is_loose = role == ROLE_NAME && !text_is_one_of(name, "query id/query/id/name", true);
             if (!is_loose && find_name(head, copy, column + 1) != NONE) {
                 FAULT(head, "column \"%.*s\" twice", POSE_QUOTE(head->line.cells[column]));
             }

@@ -264,7 +264,6 @@ static void words_without_use_are_refused(void **state)
     static const char electrodes[] = "name\tx\ty\tz\nA\t1\t2\t3\n";
     static const char *const bad[][3] = {
         {"1 0 0 1\n0 1 0 2\n0 0 1 3\n0 0 0 1\n", "unit=cm", "and not for matrix"},
-        {"(1, 2, 3) -> (1, 2, 9)\n", "unit=cm", "and not for list"},
         {"1 2 3 A\n", "name=who", "no header"},
         {"1 2 3\n", "x=a,y=b,z=c", "no header"},
     };
