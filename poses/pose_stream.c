@@ -255,7 +255,8 @@ static conus_status find_format(conus_pose_stream *stream)
         }
     }
     struct text head = {lines->data, lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT};
-    bool is_own_word = stream->options.columns; /* the user knows the columns */
+    bool is_in_brackets = pose_brackets_begin(head) || pose_brackets_are_spoken(head); /* read as a table */
+    bool is_own_word = stream->options.columns && !is_in_brackets;                     /* the user knows the columns */
     found = !status && !is_own_word && pose_lists_know(head, stream->path) ? CONUS_POSE_FORMAT_LIST : found;
     const char *kind =
         status || found == CONUS_POSE_FORMAT_LIST ? NULL : forms_why_none((struct text){lines->data, lines->size});

@@ -267,6 +267,10 @@ static conus_status hear_of_matrices(struct reading *reading, struct text commen
     while (!reading->options->any_space && text_line(&comments, &line)) {
         space_words_hear(&said, line);
     }
+    bool has_unit = reading->options->columns || (reading->options->unit > 0 && reading->options->unit != 1);
+    if (reading->width != 3 && has_unit) {
+        return fail(CONUS_ERROR_DATA, "matrices in brackets are in mm: no words behind FILE or other unit fit them");
+    }
     reading->list->space = said.space;
     reading->space = said.has_signs ? said.signs : reading->options->space;
     return said.why || said.are_two || said.is_mni305 || (said.mm > 0 && said.mm != 1)
@@ -282,17 +286,16 @@ static conus_status parse_list(conus_pose_list *list, struct text text, const co
     find_comments(&reading.comments, text, numbers);
     sheet_header(&reading.sheet, options, false);
     conus_status status = buffer_status(&reading.comments);
-    status = status ? status : hear_of_matrices(&reading, (struct text){reading.comments.data, reading.comments.size});
-    bool is_refused = status == CONUS_ERROR_DATA;
-    conus_status read = status && !is_refused ? status : parse_numbers(&reading, numbers);
-    if (reading.width == 3) {
+    const struct text comments = {reading.comments.data, reading.comments.size};
+    status = status ? status : hear_of_matrices(&reading, comments);
+    bool is_said = status == CONUS_ERROR_DATA; /* against matrices, not against points */
+    status = status && !is_said ? status : parse_numbers(&reading, numbers);
+    if (!status && reading.width == 3) {
         list->space = (struct pose_space){0};
-        buffer_append(&reading.sheet, reading.comments.data, reading.comments.size);
-        status = read ? read : sheet_read(list, &reading.sheet, options, "three numbers are needed");
-    } else if (is_refused) { /* again, for its message */
-        status = hear_of_matrices(&reading, (struct text){reading.comments.data, reading.comments.size});
-    } else {
-        status = read;
+        buffer_append(&reading.sheet, comments.data, comments.size);
+        status = sheet_read(list, &reading.sheet, options, "three numbers are needed");
+    } else if (!status && is_said) { /* again, for its message */
+        status = hear_of_matrices(&reading, comments);
     }
     buffer_finish(&reading.sheet);
     buffer_finish(&reading.comments);
@@ -489,7 +492,8 @@ static conus_status parse_cells(conus_pose_list *list, struct text text, const c
             }
         }
         list->space = said.space;
-        status = said.why || said.mm > 1 || said.mm < 0 || said.has_signs || said.is_mni305
+        status = (options->unit > 0 && options->unit != 1) || said.why || said.mm > 1 || said.mm < 0 ||
+                         said.has_signs || said.is_mni305
                      ? fail(CONUS_ERROR_DATA,
                             "the header says \"%s\" of coordinates in one cell: give x, y and z columns of their own",
                             said.heard)

@@ -109,6 +109,16 @@ static void keep(struct space_words *words, struct text heard, const struct row 
     }
 }
 
+/* Whether a sentence is nothing but RAS or LPS, and perhaps a unit. */
+static bool is_alone(const struct sentence *sentence)
+{
+    bool all = true;
+    for (size_t i = 0; i < sentence->count; i++) {
+        all = all && token_is(sentence, i, "ras/lps/in/all/points/mm/cm/um/m");
+    }
+    return all;
+}
+
 static bool is_heard(const struct sentence *sentence, size_t index, const struct row *row, bool of_coordinates)
 {
     static const char small[] = "the/a/from/to/surface/mid";
@@ -126,6 +136,9 @@ static bool is_heard(const struct sentence *sentence, size_t index, const struct
     if (row->weight == ORIGIN) {
         bool near = index && token_is(sentence, index - 1, "from/to");
         return near || (index >= 2 && token_is(sentence, index - 1, small) && token_is(sentence, index - 2, "from/to"));
+    }
+    if (row->brain == SIGNS && is_alone(sentence)) {
+        return true;
     }
     return row->weight == STRONG || of_coordinates || has_context(sentence, index);
 }
