@@ -39,7 +39,7 @@ static struct fixture make_fixture(conus_atlas *atlas, const double origin[3])
     test_need_gl();
     struct fixture fixture = {.atlas = atlas};
     conus_pose pose;
-    assert_ok(conus_selector_create(&fixture.selector, atlas, NULL));
+    assert_ok(conus_selector_create(&fixture.selector, atlas, &(conus_selector_options){.resolution = 16}));
     assert_ok(conus_pose_toward(&pose, origin, (double[]){0, 0, 0}, NULL));
     assert_ok(conus_select(&fixture.selection, fixture.selector, &pose, radians_from_degrees(20)));
     assert_ok(conus_renderer_create(&fixture.renderer, atlas, NULL));
