@@ -1000,6 +1000,7 @@ END
     export XDG_STATE_HOME=$PWD/state
     background timeout $HANG "$CONUS" view sphere.nii.gz --quiet >said 2>&1
     wait_until "$child" find_window
+    wait_until "$child" is_drawn # until then it places itself
     xdotool windowsize "$window" 801 602 windowmove "$window" 31 22
     close_window "$window" # events come in the order of the requests to the display
     wait "$child"
@@ -1052,6 +1053,11 @@ END
 import OpenImageIO as oiio
 assert oiio.ImageBuf("large.png").get_pixels(oiio.UINT8).shape[:2] == (900, 1400)
 END
+}
+
+# is_drawn: whether $window has drawn an atlas, whose name is in its title then.
+is_drawn() {
+    xdotool getwindowname "$window" | grep -q '^conus - '
 }
 
 # is_at WxH+X+Y: whether $window is there, and of that size.
