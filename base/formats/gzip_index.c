@@ -73,9 +73,9 @@ static uint32_t append_window(struct gzip_indexer *indexer, z_stream *z)
 
 void gzip_indexer_stop(struct gzip_indexer *indexer, struct z_stream_s *z, uint64_t unpacked, uint64_t packed)
 {
-    enum { IN_LAST_BLOCK = 64, BEFORE_A_BLOCK = 128 };
+    enum { IN_LAST_BLOCK = 64 };
     struct gzip_point *last = last_point(indexer);
-    bool begins = (z->data_type & BEFORE_A_BLOCK) && !(z->data_type & IN_LAST_BLOCK);
+    bool begins = (z->data_type & GZIP_BEFORE_A_BLOCK) && !(z->data_type & IN_LAST_BLOCK);
     if (indexer->failed || !begins || (last && unpacked - last->unpacked < indexer->spacing)) {
         return;
     }

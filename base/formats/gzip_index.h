@@ -14,7 +14,8 @@ enum {
     GZIP_INDEX_SPAN = 1 << 20,   /**< Least number of unpacked bytes in a span, except the last. */
     GZIP_INDEX_POINTS = 512,     /**< Spans are longer if there would be more points, but for two. */
     GZIP_INDEX_WINDOW = 1 << 15, /**< Bytes of an unpacked window, at most.                     */
-    GZIP_INDEX_LIMIT = 1 << 25   /**< Bytes of an index.                                        */
+    GZIP_INDEX_LIMIT = 1 << 25,  /**< Bytes of an index.                                        */
+    GZIP_BEFORE_A_BLOCK = 128    /**< Of zlib's data_type: a block of deflate begins here.       */
 };
 
 /** A point, in this machine's numbers. */

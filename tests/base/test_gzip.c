@@ -228,6 +228,89 @@ static void a_header_may_have_a_checksum(void **state)
     buffer_finish(&bare);
 }
 
+/* Appends a member with `flags` (RFC 1952) and all that they announce. */
+static void append_flagged(struct buffer *out, unsigned flags, const struct buffer *plain)
+{
+    enum { FLAGS = 3, HEADER = 10, FHCRC = 2, FEXTRA = 4, FNAME = 8, FCOMMENT = 16 };
+    struct buffer bare = {0};
+    struct buffer header = {0};
+    append_gzip(&bare, plain->data, plain->size);
+    bare.data[FLAGS] = (char)flags;
+    buffer_append(&header, bare.data, HEADER);
+    buffer_append(&header, "\3\0a\0b", flags & FEXTRA ? 5 : 0);
+    buffer_append(&header, "name", flags & FNAME ? 5 : 0);
+    buffer_append(&header, "", flags & FCOMMENT ? 1 : 0);
+    uint32_t crc = (uint32_t)crc32(0, (const Bytef *)header.data, (uInt)header.size);
+    buffer_append(&header, (const uint8_t[]){(uint8_t)crc, (uint8_t)(crc >> 8)}, flags & FHCRC ? 2 : 0);
+    buffer_append(out, header.data, header.size);
+    buffer_append(out, bare.data + HEADER, bare.size - HEADER);
+    buffer_finish(&bare);
+    buffer_finish(&header);
+}
+
+/* What zlib makes of it: the number of unpacked bytes, all members together, or -1. */
+static ptrdiff_t unpack_by_zlib(uint8_t *out, size_t limit, const uint8_t *data, size_t size)
+{
+    z_stream z = {.next_out = out, .avail_out = (uInt)limit};
+    int code = Z_STREAM_END;
+    assert_int_equal(inflateInit2(&z, 16 + MAX_WBITS), Z_OK);
+    z.next_in = (z_const Bytef *)data;
+    z.avail_in = (uInt)size;
+    for (bool more = true; more; more = code == Z_STREAM_END && gzip_is(z.next_in, z.avail_in)) {
+        inflateReset(&z);
+        code = inflate(&z, Z_FINISH);
+    }
+    for (; z.avail_in && !*z.next_in; z.avail_in--) {
+        z.next_in++;
+    }
+    ptrdiff_t got = code == Z_STREAM_END && !z.avail_in ? z.next_out - out : -1;
+    inflateEnd(&z);
+    return got;
+}
+
+static void assert_as_zlib(const uint8_t *data, size_t size)
+{
+    enum { LIMIT = 4096 };
+    uint8_t expected[LIMIT];
+    struct bytes bytes;
+    uint8_t *exact = malloc(size ? size : 1);
+    assert_non_null(exact);
+    memcpy(exact, data, size);
+    ptrdiff_t count = unpack_by_zlib(expected, LIMIT, exact, size);
+    conus_status status = gzip_unpack_all(&bytes, exact, size, LIMIT);
+    assert_int_equal(status == CONUS_OK, count >= 0);
+    if (!status) {
+        assert_int_equal(bytes.size, count);
+        assert_memory_equal(bytes.data, expected, bytes.size);
+        bytes_finish(&bytes);
+    }
+    free(exact);
+}
+
+/* Every kind of header, in two members, cut off anywhere and with each bit flipped. */
+static void headers_and_trailers_are_read_as_zlib_reads_them(void **state)
+{
+    (void)state;
+    struct buffer plain = {0};
+    fill(&plain, 40);
+    for (unsigned flags = 0; flags < 32; flags++) {
+        struct buffer packed = {0};
+        append_flagged(&packed, flags, &plain);
+        append_flagged(&packed, 31 - flags, &plain);
+        uint8_t *data = (uint8_t *)packed.data;
+        for (size_t size = 0; size <= packed.size; size++) {
+            assert_as_zlib(data, size);
+        }
+        for (size_t bit = 0; bit < 8 * packed.size; bit++) {
+            data[bit / 8] ^= (uint8_t)(1 << bit % 8);
+            assert_as_zlib(data, packed.size);
+            data[bit / 8] ^= (uint8_t)(1 << bit % 8);
+        }
+        buffer_finish(&packed);
+    }
+    buffer_finish(&plain);
+}
+
 static conus_status attempt(void *data)
 {
     const struct buffer *packed = data;
@@ -343,6 +426,7 @@ TEST_GROUP(gzip)
         cmocka_unit_test(sizes_must_agree_with_the_header),
         cmocka_unit_test(bombs_are_stopped),
         cmocka_unit_test(a_header_may_have_a_checksum),
+        cmocka_unit_test(headers_and_trailers_are_read_as_zlib_reads_them),
         cmocka_unit_test(flipped_bits_are_found),
         cmocka_unit_test(every_failing_allocation),
         cmocka_unit_test(every_prefix_is_refused),
