@@ -5,6 +5,7 @@
 #include "base/byte_order.h"
 #include "base/memory.h"
 #include "base/text.h"
+#include "base/threads.h"
 #include "loaders/tiff/tiff_lzw.h"
 
 #include <libdeflate.h>
@@ -687,21 +688,68 @@ static conus_status unpack_page(uint8_t *out, const struct tiff *tiff, const str
     return status;
 }
 
+/* Pages that threads unpack, each a block of them. */
+struct unpacking {
+    const struct tiff *tiff;
+    uint8_t *out;
+    size_t pieces;
+    size_t next[THREADS_MOST]; /* page of each block; its end where none has failed */
+};
+
+static size_t block_begin(const struct unpacking *unpacking, size_t piece)
+{
+    return threads_begin(piece, unpacking->pieces, unpacking->tiff->page_count, 1);
+}
+
+/* Unpacks what is left of a block, up to the first page that fails. */
+static conus_status unpack_block(struct unpacking *unpacking, size_t piece)
+{
+    const struct tiff *tiff = unpacking->tiff;
+    struct tiff_unpacker unpacker = {0};
+    conus_status status = CONUS_OK;
+    for (size_t *page = &unpacking->next[piece], end = block_begin(unpacking, piece + 1); !status && *page < end;) {
+        status = unpack_page(unpacking->out + *page * tiff->page_bytes, tiff, &tiff->pages[*page], &unpacker);
+        status = status ? fail_page(status, *page) : CONUS_OK;
+        *page += !status;
+    }
+    libdeflate_free_decompressor(unpacker.deflate);
+    memory_free(unpacker.lzw);
+    return status;
+}
+
+static void unpack_piece(void *user, size_t piece)
+{
+    (void)unpack_block(user, piece); /* a page that fails does so again, with its message on the caller's thread */
+}
+
+static conus_status unpack_pages(uint8_t *out, const struct tiff *tiff)
+{
+    enum { LEAST_BYTES = 1 << 20 };
+    struct unpacking unpacking = {.tiff = tiff, .out = out};
+    conus_status status = CONUS_OK;
+    unpacking.pieces = threads_for(tiff->page_count, LEAST_BYTES / (tiff->page_bytes + 1) + 1);
+    for (size_t i = 0; i < unpacking.pieces; i++) {
+        unpacking.next[i] = block_begin(&unpacking, i);
+    }
+    if (unpacking.pieces > 1) {
+        threads_run(unpack_piece, &unpacking, unpacking.pieces);
+    }
+    for (size_t i = 0; !status && i < unpacking.pieces; i++) {
+        status = unpack_block(&unpacking, i);
+    }
+    return status;
+}
+
 conus_status tiff_unpack(struct bytes *out, const struct tiff *tiff)
 {
-    struct tiff_unpacker unpacker = {0};
     size_t size = tiff->depth * tiff->page_bytes; /* counted when the file was parsed */
     uint8_t *data = memory_raw(size, 1);
     conus_status status = data ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status && tiff->whole) {
         memcpy(data, tiff->file.data + tiff->start, size);
+    } else if (!status) {
+        status = unpack_pages(data, tiff);
     }
-    for (size_t i = 0; !status && !tiff->whole && i < tiff->page_count; i++) {
-        status = unpack_page(data + i * tiff->page_bytes, tiff, &tiff->pages[i], &unpacker);
-        status = status ? fail_page(status, i) : CONUS_OK;
-    }
-    libdeflate_free_decompressor(unpacker.deflate);
-    memory_free(unpacker.lzw);
     if (status) {
         memory_free(data);
         return status;

@@ -56,11 +56,55 @@ static void memory_is_limited(void **state)
     buffer_finish(&b.bytes);
 }
 
+/* Pages enough for several threads; of those that are damaged the first one is named, whichever was tried first. */
+static void pages_are_unpacked_by_threads(void **state)
+{
+    (void)state;
+    enum { SIDE = 512, BYTES = SIDE * SIDE, PAGES = 24 };
+    const struct tiff_field fields[] = {
+        {.tag = TAG_COMPRESSION, .value = 8}, {.tag = TAG_WIDTH, .value = SIDE}, {.tag = TAG_LENGTH, .value = SIDE}};
+    uint8_t *pixels = memory_zeroed(PAGES, BYTES);
+    size_t middles[PAGES]; /* of the packed pages */
+    struct tiff_builder b;
+    struct tiff tiff;
+    struct bytes bytes;
+    assert_non_null(pixels);
+    tiff_begin(&b);
+    for (size_t page = 0; page < PAGES; page++) {
+        static uint8_t packed[BYTES + BYTES / 8];
+        uLongf length = sizeof packed;
+        for (size_t i = 0; i < BYTES; i++) {
+            pixels[page * BYTES + i] = (uint8_t)(i * i / 7 + page * (i % 5));
+        }
+        assert_int_equal(compress(packed, &length, pixels + page * BYTES, BYTES), Z_OK);
+        size_t before = b.bytes.size;
+        tiff_add_page(&b, packed, length, fields, 3);
+        middles[page] = before + (b.bytes.size - before) / 2;
+    }
+    uint8_t *data = (uint8_t *)b.bytes.data;
+    assert_ok(tiff_parse(&tiff, data, b.bytes.size));
+    assert_ok(tiff_unpack(&bytes, &tiff));
+    assert_int_equal(bytes.size, PAGES * BYTES);
+    assert_memory_equal(bytes.data, pixels, bytes.size);
+    bytes_finish(&bytes);
+    for (size_t page = PAGES; page-- > 0; page -= page < 7 ? page : 7) {
+        char expected[96];
+        memset(data + middles[page], 0xff, 64);
+        snprintf(expected, sizeof expected, "page %zu: strip 0: damaged, or not as long as its pixels", page);
+        assert_fails(tiff_unpack(&bytes, &tiff), CONUS_ERROR_DATA);
+        assert_string_equal(conus_message(), expected);
+    }
+    tiff_finish(&tiff);
+    memory_free(pixels);
+    buffer_finish(&b.bytes);
+}
+
 TEST_GROUP(tiff)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pages_are_counted),
         cmocka_unit_test(memory_is_limited),
+        cmocka_unit_test(pages_are_unpacked_by_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
