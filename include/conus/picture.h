@@ -241,8 +241,7 @@ typedef struct conus_view {
 
 /**
  * Draws the atlas: its areas, or its pathways where it has any (all areas would hide them), and
- * then of the areas those that the selection hits, or with #CONUS_LAYERS_ALL passes. A draft has those of the picture
- * before.
+ * then of the areas those that the selection hits, or with #CONUS_LAYERS_ALL passes.
  * Where left and right, or the like, are across the picture to within 15 degrees, letters at its edges say so; else a
  * cross of all directions does. These and the scale bar lie beside what is drawn; with a camera in the corner where
  * they hide least, on a patch where they hide something. The legend lists what conus_selection_result() lists, in that

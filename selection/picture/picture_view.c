@@ -885,9 +885,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     picture_keep_listed(&picture);
     status = status ? status : find_opacities(&picture);
     status = status ? status : picture_rank(&picture, picture_is_dark(&picture.options));
-    if (!status && !picture.options.draft) {
-        status = renderer_include(renderer, picture.areas);
-    }
+    status = status ? status : renderer_include(renderer, picture.areas);
     status = status ? status : mark_streamlines(renderer, picture.options.selection);
     if (!status) {
         find_ball(&picture, &renderer->colour);

@@ -8,6 +8,7 @@
 #include "render/image/image.h"
 #include "test.h"
 #include "test_gl.h"
+#include "value_maps.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -284,10 +285,61 @@ static void rolled_up_areas_look_like_one(void **state)
     conus_image_destroy(two);
 }
 
+/* Two balls, at x = -12 and 12. */
+static double two_balls(const double p[3])
+{
+    return hypot(hypot(fabs(p[0]) - 12, p[1]), p[2]) < 8 ? p[0] < 0 ? 1 : 2 : 0;
+}
+
+/* A pathway below them, beside which areas are drawn only where the cone hits them. */
+static conus_atlas *balls_beside_a_pathway(void)
+{
+    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, identity);
+    conus_atlas *atlas = picture_atlas(&grid, two_balls, NULL, NULL);
+    conus_volume_info info = picture_grid((size_t[]){50, 50, 2}, (double[]){1, 1, 1}, identity);
+    float *values = memory_zeroed(values_of(&info), sizeof *values);
+    info.role = CONUS_ROLE_SCALAR;
+    info.threshold = 0.5;
+    for (size_t v = 0; v < values_of(&info); v++) {
+        values[v] = 1;
+    }
+    assert_ok(pathway_of_values(atlas, &info, values, "tract"));
+    return atlas;
+}
+
+/* A draft of one answer after the picture of another: the areas beside a pathway are those of the draft's own. */
+static void a_draft_has_the_areas_of_its_answer(void **state)
+{
+    (void)state;
+    struct fixture left = make_fixture(balls_beside_a_pathway(), (double[]){-60, 0, 0});
+    conus_selection *right = NULL;
+    conus_pose pose;
+    assert_ok(conus_pose_toward(&pose, (double[]){60, 0, 0}, (double[]){0, 0, 0}, NULL));
+    assert_ok(conus_select(&right, left.selector, &pose, radians_from_degrees(20)));
+    const conus_view whole = {.selection = left.selection, .no_legend = true};
+    conus_view draft = {.selection = right, .no_legend = true, .draft = true, .side = CONUS_SIDE_FRONT};
+    conus_image_destroy(render(&left, whole));
+    conus_image *after_another = render(&left, draft);
+    draft.draft = false;
+    conus_image_destroy(render(&left, draft));
+    draft.draft = true;
+    conus_image *after_its_own = render(&left, draft);
+    assert_true(difference(after_another, after_its_own) == 0);
+    draft.selection = NULL; /* after Escape there is none */
+    conus_image *of_none = render(&left, draft);
+    assert_true(difference(of_none, after_its_own) > 0.01);
+    conus_image_destroy(after_another);
+    conus_image_destroy(after_its_own);
+    conus_image_destroy(of_none);
+    conus_selection_destroy(right);
+    finish(&left);
+}
+
 TEST_GROUP(picture_view)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rolled_up_areas_look_like_one),
+        cmocka_unit_test(a_draft_has_the_areas_of_its_answer),
         cmocka_unit_test(pictures_have_their_size_and_are_opaque),
         cmocka_unit_test(a_cone_that_begins_in_an_area_is_not_drawn_through_it),
         cmocka_unit_test(options_show_in_the_picture),
