@@ -456,6 +456,35 @@ const conus_result *conus_selection_result(const conus_selection *selection, siz
     return selection && index < selection->statistics.count ? &selection->statistics.results[index] : NULL;
 }
 
+/* What has its colour first. */
+static int colour_class(const conus_selection *selection, const conus_result *result)
+{
+    enum { HIT, ASKED_FOR, BEHIND };
+    return result->pixels ? HIT : result->object > selection->atlas->area_count ? ASKED_FOR : BEHIND;
+}
+
+size_t conus_selection_rank(const conus_selection *selection, uint32_t object)
+{
+    const size_t count = conus_selection_count(selection);
+    const conus_result *results = conus_selection_result(selection, 0);
+    const bool is_known = selection && object && object <= selection->atlas->object_count;
+    const uint32_t shown = is_known && selection->group ? selection->group[object] : object;
+    size_t place = 0;
+    while (is_known && place < count && results[place].object != shown) {
+        place++;
+    }
+    if (!is_known || place == count) {
+        return 0;
+    }
+    const int own = colour_class(selection, &results[place]);
+    size_t rank = 1;
+    for (size_t i = 0; i < count; i++) {
+        const int other = colour_class(selection, &results[i]);
+        rank += results[i].object && (other < own || (other == own && i < place));
+    }
+    return rank;
+}
+
 const conus_step *conus_selection_step(const conus_selection *selection)
 {
     return selection && selection->is_step ? &selection->step : NULL;

@@ -273,9 +273,22 @@ static double find_depth(const conus_pose *pose)
     return depth;
 }
 
+/* The objects that are hit, or their places among the colours. */
+static void write_hits(FILE *out, bool ranks)
+{
+    const char *before = "";
+    for (size_t i = 0; i < conus_selection_count(page.selection); i++) {
+        const uint32_t object = conus_selection_result(page.selection, i)->object;
+        if (object) {
+            fprintf(out, "%s%zu", before, ranks ? conus_selection_rank(page.selection, object) : (size_t)object);
+            before = ", ";
+        }
+    }
+}
+
 /* Asks what is in a cone. {"depth": mm to the deepest hit, 0 where the cone has no end, "hits": numbers of the objects
- * in the answer's order}, or {"error": ...}; web_rows() has the answer, and pictures what it hits. Neither has those of
- * the question before where this one is refused. */
+ * in the answer's order, "ranks": the place of each among the colours}, or {"error": ...}; web_rows() has the answer,
+ * and pictures what it hits. Neither has those of the question before where this one is refused. */
 EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double toward_x, double toward_y,
                                          double toward_z, double angle, uint32_t resolution, int all_layers)
 {
@@ -295,14 +308,9 @@ EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double to
     FILE *out = status ? NULL : begin_text();
     if (out) {
         fprintf(out, "{\"depth\": %.9g, \"hits\": [", all_layers ? 0 : find_depth(&pose));
-        const char *before = "";
-        for (size_t i = 0; i < conus_selection_count(page.selection); i++) {
-            const uint32_t object = conus_selection_result(page.selection, i)->object;
-            if (object) {
-                fprintf(out, "%s%u", before, object);
-                before = ", ";
-            }
-        }
+        write_hits(out, false);
+        fputs("], \"ranks\": [", out);
+        write_hits(out, true);
         fputs("]}", out);
     }
     return status ? say_error() : end_text(out);
@@ -470,15 +478,15 @@ static struct paint *choose_paints(void)
                                                                  : own[c];
         }
     }
-    for (size_t i = 0, rank = 0; paints && i < count; i++) {
+    for (size_t i = 0; paints && i < count; i++) {
         const conus_result *result = conus_selection_result(page.selection, i);
-        if (result->object) {
+        const size_t rank = conus_selection_rank(page.selection, result->object);
+        if (rank) {
             const uint8_t *rgb = !by_rank ? conus_atlas_object(page.atlas, result->object)->rgb
-                                 : rank < sizeof ranks / sizeof *ranks ? ranks[rank]
-                                                                       : more;
+                                 : rank <= sizeof ranks / sizeof *ranks ? ranks[rank - 1]
+                                                                        : more;
             memcpy(paints[result->object].rgb, rgb, sizeof more);
             paints[result->object].is_behind = !result->pixels;
-            rank++;
         }
     }
     return paints;

@@ -249,6 +249,17 @@ CONUS_API size_t conus_selection_count(const conus_selection *selection);
  */
 CONUS_API const conus_result *conus_selection_result(const conus_selection *selection, size_t index);
 
+/**
+ * Tells the place of an object among the colours that pictures give to an answer: what is hit first comes first, in the
+ * order of the results, then pathways and bundles, which somebody asked for, then areas that are only behind others.
+ * @param selection NULL has none.
+ * @param object Its number, from 1. Objects that a level joins have the same place.
+ * @return From 1; 0 = the cone does not reach it.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API size_t conus_selection_rank(const conus_selection *selection, uint32_t object);
+
 /** The evidence behind the results: for each of n x n pixels, row j = 0 at the device's bottom (Eq. 3). */
 typedef struct conus_evidence {
     uint32_t resolution;    /**< n. */

@@ -119,7 +119,7 @@ static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool 
         status = what.emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
     if (!status && view->selection && !view->own_colours) {
-        ranks = figure->ranks ? NULL : picture_ranks(view->selection, NULL);
+        ranks = figure->ranks ? NULL : picture_ranks(view->selection);
         const uint32_t *by = ranks ? ranks : figure->ranks;
         rgb = by ? picture_rank_colours(by, cutter->cut.atlas, LOOK_NOT_HIT) : NULL;
         line_rgb = by ? picture_rank_colours(by, cutter->cut.atlas, LOOK_OUTLINE) : NULL;

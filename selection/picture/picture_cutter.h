@@ -20,7 +20,7 @@ void cutter_cone(struct cut_cone *out, const conus_selection *selection);
 struct cutter_figure {
     cut_line *line; /**< Gets the lines of surfaces, which are then not drawn. */
     void *line_user;
-    const uint32_t *ranks;   /**< [objects + 1] NULL = picture_ranks() without what is listed.   */
+    const uint32_t *ranks;   /**< [objects + 1] NULL = picture_ranks().                          */
     const uint8_t *emphasis; /**< [objects + 1] NULL = picture_emphasis(). */
 };
 

@@ -61,21 +61,13 @@ bool picture_has_ranks(const conus_selection *selection, bool own_colours)
     return selection && !own_colours && !selection->atlas->has_palette;
 }
 
-uint32_t *picture_ranks(const conus_selection *selection, const bool *listed)
+uint32_t *picture_ranks(const conus_selection *selection)
 {
-    enum { HIT, ASKED_FOR, OTHER, PLACES };
-    size_t count = selection->atlas->object_count + 1;
+    const size_t count = selection->atlas->object_count + 1;
     uint32_t *ranks = memory_zeroed(count, sizeof *ranks);
-    uint32_t rank = 0;
-    for (int place = HIT; place < PLACES; place++) {
-        for (size_t i = 0; ranks && i < conus_selection_count(selection); i++) {
-            const conus_result *result = conus_selection_result(selection, i);
-            const uint32_t object = result->object;
-            const bool is_asked_for = object > selection->atlas->area_count || (listed && listed[object]);
-            if (object && place == (result->pixels ? HIT : is_asked_for ? ASKED_FOR : OTHER)) {
-                ranks[object] = ++rank;
-            }
-        }
+    for (size_t i = 0; ranks && i < conus_selection_count(selection); i++) {
+        const uint32_t object = conus_selection_result(selection, i)->object;
+        ranks[object] = (uint32_t)conus_selection_rank(selection, object);
     }
     for (uint32_t object = 1; ranks && object < count; object++) {
         ranks[object] = ranks[group_of(selection, object)];

@@ -16,11 +16,8 @@ double picture_cone_depth(const conus_selection *selection);
  * a palette, which somebody chose. */
 bool picture_has_ranks(const conus_selection *selection, bool own_colours);
 
-/** The place of each object in the answer, by number: [object count + 1] from 1, 0 = not in the cone, to be freed. What
- * is hit first comes first, then pathways, bundles and what is @p listed ([object count + 1], NULL = none): they were
- * asked for, and have colours before areas that are only behind others. Objects that a level joins have the same. NULL
- * without memory. */
-uint32_t *picture_ranks(const conus_selection *selection, const bool *listed);
+/** conus_selection_rank() of each object, by number: [object count + 1], to be freed. NULL without memory. */
+uint32_t *picture_ranks(const conus_selection *selection);
 
 enum { PICTURE_RANKS = 6 };
 /** sRGB of each object by its rank, to be freed; where the atlas has a palette its colours, but what has a rank has

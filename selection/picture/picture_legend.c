@@ -232,25 +232,18 @@ static const char *name_of(struct picture_legend *legend, const struct picture *
     return say(legend, "%s%s%s%s%s", tag, word, word[0] ? " " : "", name, hidden ? " (not seen)" : "");
 }
 
-/* Objects that are listed though the cone does not hit them have the ranks behind those that it does, in the order of
- * the legend. Haze has its colours before there is a cone. */
-static void rank_listed(const struct picture *picture)
+/* Colours are of the answer, and of what somebody had listed though the cone does not hit it: that has its own, so that
+ * nothing that is not hit has the colour of a hit. */
+static uint8_t (*colours_of(const struct picture *picture, unsigned not_hit))[3]
 {
-    const conus_atlas *atlas = picture->atlas;
-    const uint32_t *group = picture->options.selection->group;
-    uint32_t *ranks = picture->ranks;
-    uint32_t last = 0;
-    for (size_t n = 1; n <= atlas->object_count; n++) {
-        last = ranks[n] > last ? ranks[n] : last;
-    }
-    for (size_t i = 0; i < atlas->object_count; i++) {
-        uint32_t n = (uint32_t)((atlas->area_count + i) % atlas->object_count + 1);
-        uint32_t shown = group ? group[n] : n;
-        if (!ranks[shown] && picture_draws(picture, n) && picture_stands_out(picture, n)) {
-            ranks[shown] = ++last;
+    const bool *listed = picture->options.listed;
+    uint8_t(*rgb)[3] = picture_rank_colours(picture->ranks, picture->atlas, not_hit);
+    for (size_t n = 1; rgb && listed && n <= picture->atlas->object_count; n++) {
+        if (listed[n] && !picture->ranks[n]) {
+            memcpy(rgb[n], picture->atlas->objects[n - 1].rgb, sizeof *rgb);
         }
-        ranks[n] = haze_is(picture->hazy, n) ? 0 : ranks[shown];
     }
+    return rgb;
 }
 
 conus_status picture_rank(struct picture *picture, bool on_dark)
@@ -258,13 +251,12 @@ conus_status picture_rank(struct picture *picture, bool on_dark)
     if (!picture->options.selection || picture->options.own_colours) {
         return CONUS_OK;
     }
-    picture->ranks = picture_ranks(picture->options.selection, picture->options.listed);
-    if (picture->ranks) {
-        rank_listed(picture);
-        picture->rgb =
-            picture_rank_colours(picture->ranks, picture->atlas, on_dark ? LOOK_NOT_HIT : LOOK_NOT_HIT_ON_WHITE);
-        picture->line_rgb = picture_rank_colours(picture->ranks, picture->atlas, LOOK_OUTLINE);
+    picture->ranks = picture_ranks(picture->options.selection);
+    for (size_t n = 1; picture->ranks && n <= picture->atlas->object_count; n++) { /* haze has its colours */
+        picture->ranks[n] = haze_is(picture->hazy, n) ? 0 : picture->ranks[n];
     }
+    picture->rgb = picture->ranks ? colours_of(picture, on_dark ? LOOK_NOT_HIT : LOOK_NOT_HIT_ON_WHITE) : NULL;
+    picture->line_rgb = picture->ranks ? colours_of(picture, LOOK_OUTLINE) : NULL;
     return picture->rgb && picture->line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 

@@ -255,6 +255,30 @@ static void colours_go_and_come_back(void **state)
     viewer_finish(&viewer);
 }
 
+/* From the left one area is hit, and the pathway is the last of those behind it: it was asked for, and has the second
+ * colour in lists as in pictures. */
+static void lists_have_the_colours_of_pictures(void **state)
+{
+    static const uint8_t ranks[][3] = {{LOOK_RGB(LOOK_RANK_1)}, {LOOK_RGB(LOOK_RANK_2)}, {LOOK_RGB(LOOK_RANK_3)}};
+    struct viewer viewer;
+    (void)state;
+    load(&viewer, "brain", "brain.atlas.json");
+    viewer.cone.options.layers = CONUS_LAYERS_ALL;
+    viewer.tools[FIRST_TOOL].angle = 20;
+    tool_aim_along(&viewer, FIRST_TOOL, (double[]){-90, 0, 0}, (double[]){1, 0, 0});
+    const conus_selection *selection = viewer_selection(&viewer);
+    const uint32_t pathway = (uint32_t)viewer.drawn->object_count;
+    size_t last = conus_selection_count(selection) - 1;
+    while (!conus_selection_result(selection, last)->object) {
+        last--;
+    }
+    assert_int_equal(conus_selection_result(selection, last)->object, pathway);
+    assert_colour(&viewer, conus_selection_result(selection, 0)->object, ranks[0]);
+    assert_colour(&viewer, pathway, ranks[1]);
+    assert_colour(&viewer, conus_selection_result(selection, 1)->object, ranks[2]);
+    viewer_finish(&viewer);
+}
+
 /* A move after which the same areas are hit first is none that cuts show, another one is. */
 static void moves_are_told_from_other_changes(void **state)
 {
@@ -683,6 +707,7 @@ TEST_GROUP(viewer)
         cmocka_unit_test(files_are_watched),
         cmocka_unit_test(a_node_is_shown_whole_in_part_or_not),
         cmocka_unit_test(colours_go_and_come_back),
+        cmocka_unit_test(lists_have_the_colours_of_pictures),
         cmocka_unit_test(moves_are_told_from_other_changes),
         cmocka_unit_test(an_area_that_comes_to_lie_behind_is_a_change),
         cmocka_unit_test(settings_of_the_atlas_are_all_set_or_none),

@@ -380,27 +380,9 @@ static bool colours_by_rank(const struct viewer *viewer, uint32_t object)
     return is_neutral(viewer) && !viewer->display.own_colours && viewer->drawn->appearance.haze[object] == HAZE_NONE;
 }
 
-/* With a level an area is drawn as the one above it that is asked about. */
-static bool is_shown_as(const struct viewer *viewer, uint32_t object, uint32_t hit)
-{
-    while (viewer->cone.level[0] && object && object != hit) {
-        object = conus_atlas_object(viewer->drawn->atlas, object)->parent;
-    }
-    return object == hit;
-}
-
 size_t viewer_rank(const struct viewer *viewer, uint32_t object)
 {
-    const conus_selection *selection = viewer_selection(viewer);
-    size_t rank = 0;
-    for (size_t i = 0; object && colours_by_rank(viewer, object) && i < conus_selection_count(selection); i++) {
-        const uint32_t hit = conus_selection_result(selection, i)->object;
-        rank += hit > 0;
-        if (hit && is_shown_as(viewer, object, hit)) {
-            return rank;
-        }
-    }
-    return 0;
+    return object && colours_by_rank(viewer, object) ? conus_selection_rank(viewer_selection(viewer), object) : 0;
 }
 
 unsigned viewer_cut_version(const struct viewer *viewer)

@@ -34,6 +34,8 @@ let atlas = null;
 let objects = [];
 /** Numbers of the objects that the answer has, in its order. @type {number[]} */
 let hits = [];
+/** The place of each among the colours. @type {number[]} */
+let ranks = [];
 /** The files of the open atlas, each with whether it is an image below the areas. @type {[string, ArrayBuffer, boolean?][]} */
 let files = [];
 /** Those that came last, of which one may be opened. @type {[string, ArrayBuffer, boolean?][]} */
@@ -194,7 +196,7 @@ function fillTable() {
     const [title, ...rgb] = objects[number - 1];
     const nearest = nearestOf(row);
     const [swatch, name] = tr.cells[1].childNodes;
-    swatch.style.setProperty("--chip", byRank() ? RANKS[i] ?? "LOOK_RANK_MORE" : `rgb(${rgb.slice(0, 3)})`);
+    swatch.style.setProperty("--chip", byRank() ? RANKS[ranks[i] - 1] ?? "LOOK_RANK_MORE" : `rgb(${rgb.slice(0, 3)})`);
     swatch.classList.toggle("behind", !row.pixels);
     if (name.data !== title) name.data = title;
     for (const [column, text] of Object.entries({ 0: String(row.rank), 2: row.pixels ? `${(100 * row.share).toFixed(2)} %` : "behind", 3: String(row.pixels), 4: typeof nearest === "number" ? nearest.toFixed(1) : "" })) {
@@ -292,8 +294,9 @@ async function answer() {
     const given = spare.splice(0);
     const [why, field] = refused ? [refused] : lastWrong(true); // and then conus is asked what it refuses
     const drawn = await ask("draw", { question: why ? { ...question, toward: question.origin } : question, cuts: needed.filter(isCut).map(({ request }) => request), view: solid?.request ?? null, chosen, given }, given);
-    const marked = byRank() ? drawn.hits : [];
     hits = drawn.hits;
+    ranks = drawn.ranks;
+    const marked = byRank() ? hits.map((_, i) => hits[ranks.indexOf(i + 1)]) : []; // in the order of the colours
     spare.push(...needed.filter(isCut).flatMap(({ pane, request }, i) => pane.show(drawn.cuts[i], request, marked)));
     if (solid) spare.push(...view.show(drawn.view, solid.request, marked));
     for (const { pane, key } of needed) pane.key = key;

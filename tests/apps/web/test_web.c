@@ -45,11 +45,11 @@ static void asks_well(const char *answer, const char *hits, double depth)
 static void test_rows_of_an_answer(void **state)
 {
     (void)state;
-    asks_well(web_ask(3, 50, 4, 3, 0, 4, 1, 16, 0), "\"hits\": [1]}", 38);
+    asks_well(web_ask(3, 50, 4, 3, 0, 4, 1, 16, 0), "\"hits\": [1], \"ranks\": [1]}", 38);
     const char *first = web_rows(CONUS_FORMAT_CSV);
     assert_non_null(strstr(first, "Slab anterior,SlA,1,1,208,1,"));
     assert_null(strstr(first, "Slab posterior"));
-    asks_well(web_ask(3, 50, 4, 3, 0, 4, 1, 16, 1), "\"hits\": [1, 2]}", 0);
+    asks_well(web_ask(3, 50, 4, 3, 0, 4, 1, 16, 1), "\"hits\": [1, 2], \"ranks\": [1, 2]}", 0);
     assert_non_null(strstr(web_rows(CONUS_FORMAT_CSV), "Slab posterior"));
     assert_non_null(strstr(web_sidecar(), "\"sha256\""));
 }
