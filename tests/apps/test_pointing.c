@@ -220,7 +220,8 @@ static void a_cone_reaches_from_its_entry_to_its_deepest_hit(void **state)
     viewer.cone.options.layers = CONUS_LAYERS_ALL; /* then all counts up to the end */
     tool_reselect(&viewer);
     extent_find(&extent, &viewer, FIRST_TOOL);
-    assert_near(extent.solid, 110.5, 1e-9);
+    assert_near(extent.solid, 110.5, 1e-4);
+    assert_near(extent.end, 110.5, 1e-4);
     viewer.cone.options.layers = CONUS_LAYERS_VISIBLE;
     viewer.cone.options.range[0] = 80;
     viewer.cone.options.range[1] = 100;
@@ -236,6 +237,26 @@ static void a_cone_reaches_from_its_entry_to_its_deepest_hit(void **state)
     assert_near(extent.entry[1], viewer.centre[1], 1e-9);
     assert_near(extent.reach, 1.5 * viewer.radius, 1e-9);
     assert_near(extent.solid, extent.end, 0); /* nothing ends it */
+    viewer_finish(&viewer);
+}
+
+/* The axis from (-5, 90, 0) along (0.35, -1, 0) leaves the blocks at their side, x = 20.5, after 77.2 mm. With all
+ * layers the cone ends where its deepest ray does: at the edge (20.5, -20.5, z), 0.35 * 25.5 + 110.5 over the length of
+ * the direction, 1.0595, less what its 64 rays a side may miss. */
+static void a_cone_through_all_reaches_its_deepest_exit(void **state)
+{
+    struct viewer viewer;
+    struct extent extent;
+    (void)state;
+    open_atlases(&viewer, make_blocks(20), NULL);
+    viewer.tools[FIRST_TOOL].angle = 40;
+    tool_aim_along(&viewer, FIRST_TOOL, (double[]){-5, 90, 0}, (double[]){0.35, -1, 0});
+    extent_find(&extent, &viewer, FIRST_TOOL);
+    assert_near(extent.end, 77.2, 0.1);
+    viewer.cone.options.layers = CONUS_LAYERS_ALL;
+    tool_reselect(&viewer);
+    extent_find(&extent, &viewer, FIRST_TOOL);
+    assert_near(extent.end, 112.7, 1);
     viewer_finish(&viewer);
 }
 
@@ -407,6 +428,7 @@ TEST_GROUP(pointing)
         cmocka_unit_test(the_mouse_puts_the_apex_there),
         cmocka_unit_test(the_cone_is_held_freed_and_cleared),
         cmocka_unit_test(a_cone_reaches_from_its_entry_to_its_deepest_hit),
+        cmocka_unit_test(a_cone_through_all_reaches_its_deepest_exit),
         cmocka_unit_test(a_cone_turns_about_its_entry),
         cmocka_unit_test(one_ray_names_one_area),
         cmocka_unit_test(the_cuts_follow_the_chosen_place),

@@ -54,6 +54,24 @@ static void find_hits(double out[2], const conus_selection *selection, const dou
     }
 }
 
+/* The depth along the axis at which a ray of the cone leaves the last object that it passes; negative without one. */
+static double find_deepest(const conus_selection *selection, const double apex[3], const double axis[3])
+{
+    size_t count;
+    const conus_interval *intervals = conus_selection_intervals(&count, selection);
+    const conus_evidence evidence = conus_selection_evidence(selection);
+    double deepest = -1;
+    for (size_t i = 0; i < count; i++) {
+        const size_t pixel = intervals[i].pixel;
+        const double first = (double)evidence.distance[pixel];
+        if (evidence.in_cone[pixel]) {
+            double slant = first > 0 ? depth_of(selection, pixel, apex, axis) / first : 1;
+            deepest = fmax(deepest, slant * intervals[i].exit);
+        }
+    }
+    return deepest;
+}
+
 void extent_find(struct extent *out, struct viewer *viewer, enum tool_number number)
 {
     conus_selector_options options;
@@ -79,6 +97,9 @@ void extent_find(struct extent *out, struct viewer *viewer, enum tool_number num
     double hits[2] = {-1, -1};
     if (selection) {
         find_hits(hits, selection, apex, axis);
+        if (options.layers == CONUS_LAYERS_ALL && !(options.range[1] > 0)) {
+            out->end = fmax(out->end, find_deepest(selection, apex, axis));
+        }
     }
     out->first = hits[0] < 0 ? out->end : hits[0];
     out->solid = options.layers != CONUS_LAYERS_ALL ? hits[1] : -1;

@@ -14,7 +14,7 @@ struct extent {
     double near;     /**< Depths along the axis from the apex: the cone begins, */
     double first;    /**< has its nearest hit, else it ends there, */
     double solid;    /**< has its deepest hit, where only first hits count, else it ends there, */
-    double end;      /**< and ends: its range does, or else it leaves what is shown. */
+    double end;      /**< and ends: its range does, or else its axis leaves what is shown, with all layers all rays. */
 };
 
 /** Finds it for a tool that has a pose. */
