@@ -129,8 +129,32 @@ static void say_place(const struct overlap *overlap, size_t index, const conus_r
                  "%s%s: is of another brain (%s) than the atlas (%s)", prefix, info->path, brains[0].words,
                  brains[1].words);
     } else if ((!brains[0].brain || !brains[1].brain) && spaces_differ(info, atlas)) {
-        say_note(CONUS_SEVERITY_NOTE, quiet, "%s%s: its header names another space (%s) than the atlas's (%s)", prefix,
-                 info->path, info->transform, atlas->transform);
+        bool is_template = brains[1].brain && brains[1].brain != CONUS_BRAIN_OWN;
+        say_note(is_template ? CONUS_SEVERITY_WARNING : CONUS_SEVERITY_NOTE, quiet,
+                 "%s%s: its header names another space (%s) than the atlas's (%s)%s", prefix, info->path,
+                 info->transform, atlas->transform,
+                 is_template ? "; what was drawn on somebody's own scan must be moved to the atlas's brain first" : "");
+    }
+}
+
+/* A note where an atlas has bundles, which have no row. */
+static void say_bundles(const struct overlap *overlap, const struct named_atlas *named)
+{
+    char prefix[ATLAS_PREFIX_SIZE];
+    const char *first = NULL;
+    size_t count = 0;
+    for (size_t number = conus_atlas_object_count(named->atlas); number; number--) {
+        const conus_object *object = conus_atlas_object(named->atlas, number);
+        if (object->kind == CONUS_KIND_BUNDLE && !conus_atlas_is_hidden(named->atlas, (uint32_t)number)) {
+            first = object->name;
+            count++;
+        }
+    }
+    atlases_prefix(prefix, named);
+    if (count) {
+        say_note(CONUS_SEVERITY_NOTE, overlap->settings->request.common.quiet,
+                 "%s%s%s: a bundle has no inside, and no row; a map of where its streamlines are has one, as --pathway",
+                 prefix, first, count > 1 ? " and other bundles" : "");
     }
 }
 
@@ -200,6 +224,9 @@ static int answer_overlap(struct overlap *overlap)
         return code;
     }
     request_say_notes(request);
+    for (size_t i = 0; i < request->atlases.count; i++) {
+        say_bundles(overlap, &request->atlases.items[i]);
+    }
     struct provenance provenance = {0};
     request_list_inputs(&provenance, request);
     provenance.question.rows = "coverages";
@@ -217,7 +244,8 @@ static int run_overlap(const void *given, const struct arguments *arguments)
     const struct overlap_settings *settings = given;
     struct overlap overlap = {.settings = settings};
     if (option_given(arguments, "threshold") && settings->threshold == 0) {
-        return print_usage_error("--threshold: 0 would take the whole volume; leave it out for a mask");
+        return print_usage_error("--threshold: 0 would take the whole volume; leave it out for a mask, else give "
+                                 "the least value that counts, as 0.001");
     }
     if (!space_settings_check(arguments, &settings->request.aim.space)) {
         return EXIT_USAGE;

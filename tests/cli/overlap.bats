@@ -75,6 +75,33 @@ scene() {
     [ "$(cell region_fraction 1)" = 1 ]
 }
 
+# The phantom's header says scanner, on no grid that is known: on a template a warning, which -q keeps.
+@test "a region of somebody's own scan on a template's atlas is warned of" {
+    scene
+    local words="cone.nii.gz: its header names another space (sform, code 1 (scanner)) than the atlas's"
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz,template=mni152 cone.nii.gz -q --format tsv
+    [ -z "$stderr" ] # the same space: nothing is known to differ
+    /usr/bin/python3 - <<'EOF'
+import gzip, struct
+data = bytearray(gzip.open("nested.nii.gz").read())
+struct.pack_into("<hh", data, 252, 4, 4)
+gzip.open("mni.nii.gz", "wb").write(data)
+EOF
+    run -0 --separate-stderr "$CONUS" overlap mni.nii.gz cone.nii.gz -q --format json
+    [[ "$stderr" == "conus: warning: $words (sform, code 4 (MNI 152)); what was drawn on somebody's own scan must be "* ]]
+    [[ "$(jq -r '.Warnings[0]' <<<"$output")" == *"$words"* ]]
+}
+
+@test "a bundle has no row, and that is said" {
+    scene
+    python3 "$BATS_TEST_DIRNAME/tck.py" line.tck 0,-90,0 0,90,0
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz cone.nii.gz --streamlines line.tck --format tsv
+    [ "$(grep -c bundle <<<"$output" || true)" -eq 0 ]
+    check_message "line: a bundle has no inside, and no row; a map of where its streamlines are has one, as --pathway"
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz cone.nii.gz --streamlines line.tck --hide line --format tsv
+    [[ "$stderr" != *"no row"* ]]
+}
+
 # Voxels of 2.7e-5 mm^3.
 @test "volumes below 0.1 mm^3 have digits" {
     conus phantom nested --size 16 --spacing 0.03,0.03,0.03 -o .
