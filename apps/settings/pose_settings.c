@@ -88,7 +88,7 @@ const struct option probe_settings_options[] = {
              "points along the axis; several poses are insertions of one probe",
      .words = "ProbeInterface, Neuropixels, electrodes, contacts",
      .role = OPTION_READS,
-     .excludes = "point,angle,aperture-diameter,segments,clearance,image,deep,mask,streamlines-out,connectivity"},
+     .excludes = "point,angle,aperture-diameter,segments,clearance,image,mask,streamlines-out,connectivity"},
     {.name = "probe-tip",
      OPTION_AT(struct probe_settings, tip),
      .value = "MM",

@@ -30,7 +30,7 @@ PLAN = "plan u-shape.nii.gz --toward targets.tsv --depth target+5 --reach Ball -
 # The command, its outputs with their endings, and the files that it reads.
 ATLAS = ["u-shape.nii.gz", "u-shape.tsv"]
 ROWS = [
-    (f"query u-shape.nii.gz {AIM} --layers all", {"output": ".tsv", "mask": ".nii.gz", "deep": ".exr", "image": ".png"}, ATLAS),
+    (f"query u-shape.nii.gz {AIM} --layers all", {"output": ".tsv", "mask": ".nii.gz", "image": ".exr"}, ATLAS),
     (f"query u-shape.nii.gz {AIM} {MORE} --context grey.nii.gz --context-blocks 0.5 --voxels-of all",
      {"output": ".csv", "sidecar": ".json", "voxels": ".tsv", "endpoints": ".tsv", "connectivity": ".tsv", "streamlines-out": ".tck"},
      ["u-shape.nii.gz", "own.tsv", "bundle.tck", "shift.txt", "grey.nii.gz"]),

@@ -225,8 +225,6 @@ END
     for output in image=seen.png mask=mask.nii.gz; do
         fails 2 "--atlas and --${output%=*} exclude each other" query ball.nii.gz --atlas slabs.nii.gz "${aim[@]}" "--$output"
     done
-    fails 2 '--atlas and --deep exclude each other' \
-        query ball.nii.gz --atlas slabs.nii.gz "${aim[@]}" --layers all --deep deep.exr
     for format in afni bids spikeglx open-ephys; do
         fails 2 "--format: formats of other programs have no column for the atlas" \
             query ball.nii.gz --atlas slabs.nii.gz --pose poses.tsv --format "$format"

@@ -49,7 +49,7 @@ setup_file() {
     make q.txt query $S $aim
     make q-format query $S $aim --format tsv
     make layers.tsv query $N $aim --layers all --voxels out/voxels.tsv --voxels-of all --image out/seen.exr \
-        --deep out/deep.exr --mask out/in_dseg.nii.gz
+        --mask out/in_dseg.nii.gz
     make mask.tsv query $N $aim --mask out/in_mask.nii.gz --mask-object Core --image out/seen.png
     make plan.tsv plan $S --poses needles.tsv --reach Sphere,length=5
     make range.tsv query $S $aim --range 70,95 --aperture square --resolution 40
@@ -152,7 +152,6 @@ says() {
     inventory | diff "$BATS_TEST_TMPDIR/before" - # it wrote nothing here
     says 0 identical out/voxels.tsv --sidecar out/layers.json
     says 0 identical out/seen.exr --sidecar out/layers.json
-    says 0 identical out/deep.exr --sidecar out/layers.json
     says 0 identical out/seen.png --sidecar out/mask.json
     cd /
     says 0 identical "$BATS_TEST_TMPDIR/work/out/layers.tsv"
@@ -184,7 +183,7 @@ says() {
     says 1 'its bytes differ from those of the new answer' out/in_mask.nii.gz
     has 'out/in_mask.nii.gz was changed after conus wrote it'
     cp out/seen.exr kept.exr
-    cp out/deep.exr out/seen.exr
+    cp atlas/nested.nii.gz out/seen.exr
     says 1 'its bytes differ' out/seen.exr --sidecar out/layers.json
     conus query atlas/nested.nii.gz --origin 0,-100,1 --toward 0,0,0 --angle 30 --layers all --image out/seen.exr -q -o x.tsv --force
     says 1 'of 4096 pixels differ' out/seen.exr --sidecar out/layers.json
@@ -542,7 +541,7 @@ store() {
 # verify must know every option with a text, or refuse a sidecar with it.
 @test "every option of the commands that are answered again is known, or refused on purpose" {
     study
-    local text='--angles --atlas --atlas-transform --clearance --clusters --connect --connectivity --contacts --context --coordsystem --deep --endpoints --hide --image --jitter --jobs
+    local text='--angles --atlas --atlas-transform --clearance --clusters --connect --connectivity --contacts --context --coordsystem --endpoints --hide --image --jitter --jobs
         --keep --labels --level --listen --mask --mask-object --only --output --pathway --pose --poses --probe --probes --reference --score
         --segments --shard --sidecar --streamlines --streamlines-out --tool --voxels --world-from-tracker'
     for command in query batch sweep track overlap connect; do

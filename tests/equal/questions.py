@@ -330,7 +330,7 @@ def other_programs(ask):
 
 
 def pictures_of_answers(ask):
-    """Voxels, images, deep images, masks."""
+    """Voxels, images, masks."""
     for atlas, aim in (("ph/nested.nii.gz", BALL_AIM), ("ph/tubes.nii.gz", BALL_AIM), ("ph/u-shape.nii.gz", BALL_AIM),
                        ("ph/grid7/tubes.nii.gz", BALL_AIM), ("ph/brain/brain.atlas.json", BRAIN_AIM),
                        ("in/outside.atlas.json", BALL_AIM)):
@@ -338,7 +338,7 @@ def pictures_of_answers(ask):
                         "--angle 30 --aperture square --resolution 20"):
             both = "--image {o}/seen.exr --voxels {o}/voxels.tsv --voxels-of all -o {o}/rows.tsv"
             ask(f"query {atlas} {aim} {options} {both}")
-            ask(f"query {atlas} {aim} {options} --layers all --deep {{o}}/deep.exr {both}")
+            ask(f"query {atlas} {aim} {options} --layers all {both}")
             ask(f"query {atlas} {aim} {options} --image {{o}}/seen.png -o {{o}}/rows.csv")
         if atlas.endswith(".nii.gz") or atlas.startswith("in/"):
             for name in ("mask.nii.gz", "cone_dseg.nii.gz", "cone_mask.nii"):
@@ -367,8 +367,7 @@ def gl(ask):
             ask(f"query {atlas} --engine gl --pose in/{table} {options} -o {{o}}/rows.tsv")
         for block in (1, 64):
             ask(f"batch {atlas} --engine gl --poses in/{table} --block {block} -o {{o}}/rows.tsv")
-        ask(f"query {atlas} --engine gl {BALL_AIM} --angle 30 --image {{o}}/seen.exr --layers all --deep "
-            f"{{o}}/deep.exr "
+        ask(f"query {atlas} --engine gl {BALL_AIM} --angle 30 --image {{o}}/seen.exr --layers all "
             "-o {o}/rows.json")
         ask(f"query {atlas} --engine gl {BALL_AIM} --angle 30 --image {{o}}/seen.png --format ndjson")
         ask(f"sweep {atlas} --engine gl {BALL_AIM} --angle 8 --jitter 2,1 --samples 64 --format tsv")
@@ -823,8 +822,7 @@ def labelled(ask, atlas, table, aim):
     ask(f"query {atlas} --pose {table} -o {{o}}/rows.tsv")
     ask(f"query {atlas} --pose {table} --layers all --format ndjson")
     ask(f"batch {atlas} --poses {table} --threads 2 --layers all -o {{o}}/rows.csv")
-    ask(f"query {atlas} {aim} --angle 20 --layers all --image {{o}}/seen.exr --deep {{o}}/deep.exr -o "
-        f"{{o}}/rows.json")
+    ask(f"query {atlas} {aim} --angle 20 --layers all --image {{o}}/seen.exr -o {{o}}/rows.json")
     ask(f"sweep {atlas} {aim} --angle 60 --format tsv")
 
 
@@ -880,7 +878,7 @@ def shared_volumes(ask):
         ask(f"query {left} {paths} --pose in/brain.tsv {options} -o {{o}}/rows.tsv")
     ask(f"query {left} {paths} {AIM} --angle 40 --mask {{o}}/f_probseg.nii.gz --mask-object Fornix --layers "
         f"all "
-        "--deep {o}/deep.exr --voxels {o}/voxels.tsv -o {o}/rows.json")
+        "--voxels {o}/voxels.tsv -o {o}/rows.json")
     for table in ("fsleyes-lut/harvard-oxford-cortical.lut", "itksnap/MRIcrop-seg.label",
                   "freesurfer/FreeSurferColorLUT.txt",
                   "bids/tpl-MNI152NLin6Asym_atlas-HOCPAL_dseg.tsv", "brainglobe/ccf25.structures.json",
@@ -912,8 +910,7 @@ def shared_surfaces(ask):
                 f"{{o}}/rows.tsv")
             ask(f"query {fs5}/{surface}_{side}.gii.gz --pose in/brain.tsv -o {{o}}/rows.json")
     ask(f"query {fs5}/pial_left.gii.gz --labels {fs5}/lh.aparc.annot {AIM} --angle 40 --image {{o}}/seen.exr "
-        f"--layers all "
-        "--deep {o}/deep.exr -o {o}/rows.tsv")
+        f"--layers all -o {{o}}/rows.tsv")
 
 
 def shared_foreign(ask):
