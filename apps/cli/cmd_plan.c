@@ -25,7 +25,7 @@ struct plan_settings {
     const char *poses_out;
     const char *top;
     bool infeasible, no_pruning;
-    const char *rank, *score, *pareto;
+    const char *rank, *score;
     const char *constraint_rows, *profile, *tolerance, *pivot, *box;
     const char *jitter, *contacts;
     struct journal_settings journal;
@@ -109,12 +109,6 @@ static const struct option list_options[] = {
      FIELD(score),
      .value = "FORMULA",
      .help = "formula of keys, numbers, + - * / and parentheses, which is the key score",
-     .role = OPTION_ASKS},
-    {.name = "pareto",
-     FIELD(pareto),
-     .value = "KEY,...",
-     .help = "column front: 1 where no pose is at least as good in all these keys and better in one",
-     .words = "trade-off",
      .role = OPTION_ASKS},
     {.name = "infeasible",
      FIELD(infeasible),
@@ -414,7 +408,6 @@ static int try_poses(struct planning *planning)
         .no_pruning = settings->no_pruning,
         .rank = settings->rank,
         .score = settings->score,
-        .pareto = settings->pareto,
         .angle = settings_angle(&settings->request.aim, &settings->request.engine),
         .far = planning->candidates.far,
         .entries = settings->map ? conus_sites_count(planning->candidates.from.sites) : 0,
@@ -782,7 +775,7 @@ static int run_plan(const void *given, const struct arguments *arguments)
 
 static void help_keys(FILE *out)
 {
-    fputs("Keys of --rank, --score and --pareto\n"
+    fputs("Keys of --rank and --score\n"
           "  leeway                      mm by which no point of the axis may be off before a constraint breaks\n"
           "  slack                       least clearance from what is avoided, less its margin, mm\n"
           "  clearance                   the same with the margin, mm\n"

@@ -92,9 +92,6 @@ typedef struct conus_plan_options {
                            KEY/STEP compares floor(key / STEP). NULL = "leeway,-depth". */
     const char *score;  /**< Formula of the key score: numbers, keys, + - * / and parentheses, as of Eq. 12. NULL =
                            none. */
-    const char *pareto; /**< Keys for conus_planned.front, as of rank without steps; NULL = none. All that is feasible
-                           is kept for it: 8 bytes a key and 16 a pose, and its fronts take up to the square of the
-                           poses' number in time. */
     double angle;       /**< Opening of poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0.
                            Only measures of the cone need it. */
     double far;         /**< Far end of poses that have none of their own, mm from the apex; 0 = that of the selector's
@@ -135,23 +132,21 @@ typedef struct conus_verdict {
 
 /** A pose of the list. */
 typedef struct conus_planned {
-    const char *id;      /**< As of conus_pose_row. */
-    uint64_t candidate;  /**< Number of its row in the stream, from 1. */
-    uint64_t rank;       /**< From 1; 0 where it is infeasible. */
-    uint64_t front;      /**< 1 where no pose is at least as good in all keys of pareto and better in one, 2 where none
-                            is when these are gone, and so on; 0 without pareto, and where it is infeasible. */
-    bool feasible;       /**< All constraints hold. */
-    size_t broken;       /**< Index of the first constraint that does not hold; SIZE_MAX = none. */
-    conus_pose pose;     /**< Apex and axis. */
-    double near;         /**< Where the needle begins, mm from the apex. */
-    double far;          /**< Where it ends. */
-    double angle;        /**< Opening of its cone, radians; 0 of a cylinder. */
-    double leeway;       /**< The least of the verdicts' (Eq. 22), mm; NaN where none is known. */
-    size_t leeway_of;    /**< Index of that constraint; SIZE_MAX where there is none. */
-    double slack;        /**< The least of the clearances' slacks, mm; NaN without one. */
-    double clearance;    /**< The least clearance, radius taken off, mm; NaN without one. */
-    size_t clearance_of; /**< Index of the constraint that has it; SIZE_MAX where there is none. */
-    double score;        /**< By the formula; NaN without one. */
+    const char *id;                /**< As of conus_pose_row. */
+    uint64_t candidate;            /**< Number of its row in the stream, from 1. */
+    uint64_t rank;                 /**< From 1; 0 where it is infeasible. */
+    bool feasible;                 /**< All constraints hold. */
+    size_t broken;                 /**< Index of the first constraint that does not hold; SIZE_MAX = none. */
+    conus_pose pose;               /**< Apex and axis. */
+    double near;                   /**< Where the needle begins, mm from the apex. */
+    double far;                    /**< Where it ends. */
+    double angle;                  /**< Opening of its cone, radians; 0 of a cylinder. */
+    double leeway;                 /**< The least of the verdicts' (Eq. 22), mm; NaN where none is known. */
+    size_t leeway_of;              /**< Index of that constraint; SIZE_MAX where there is none. */
+    double slack;                  /**< The least of the clearances' slacks, mm; NaN without one. */
+    double clearance;              /**< The least clearance, radius taken off, mm; NaN without one. */
+    size_t clearance_of;           /**< Index of the constraint that has it; SIZE_MAX where there is none. */
+    double score;                  /**< By the formula; NaN without one. */
     const conus_verdict *verdicts; /**< [constraints] Of each constraint. */
     uint64_t entry;                /**< As of conus_pose_row, 0 = none. */
     uint64_t target;               /**< Likewise. */

@@ -953,7 +953,6 @@ class Selector(Guarded):
         top: Optional[int] = 20,
         rank: Optional[str] = None,
         score: Optional[str] = None,
-        pareto: Optional[str] = None,
         infeasible: bool = False,
         jitter: Any = None,
         samples: int = 0,
@@ -1009,7 +1008,7 @@ class Selector(Guarded):
             Opening of the cone, degrees, of poses that have none of their own; 10 unless there is a radius.
         top
             Poses to list; None = all.
-        rank, score, pareto
+        rank, score
             As of the program: "leeway,-depth" by default.
         infeasible
             Lists the others, too, behind those.
@@ -1043,7 +1042,7 @@ class Selector(Guarded):
             far, beyond = depth_of(depth)
             stream = candidates_stream(self, entries, targets, tilt, roll, beyond, constraints.reached(), sources)
         return plan_of(self, constraints, stream, errors, far, infeasible, top, threads, angle, shanks,
-                       (rank, score, pareto), jitter, samples, sources)
+                       (rank, score), jitter, samples, sources)
 
     def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", box: Any = None,
                   **options: Any) -> pandas.DataFrame:

@@ -341,7 +341,7 @@ def plan_of(
     far: Optional[float], infeasible: bool, top: Optional[int], threads: Optional[int], angle: Any, shanks: Any,
     words: Sequence[Optional[str]], jitter: Any, samples: int, sources: Optional[Mapping[str, Array]],
 ) -> Plan:
-    """What :meth:`Selector.plan` gives; ``words`` are rank, score and pareto, ``sources`` what has maps.
+    """What :meth:`Selector.plan` gives; ``words`` are rank and score, ``sources`` what has maps.
 
     The stream is what fills ``sources``.
     """
@@ -356,8 +356,8 @@ def plan_of(
         if places.ndim != 2 or places.shape[1] != 2:
             raise ArgumentError(f"shanks: an array of shape {places.shape}, wanted is (n, 2)")
         options.shanks, options.shank_count = ffi.from_buffer("double[]", places), len(places)
-    texts = [optional(utf8, name, word) for name, word in zip(("rank", "score", "pareto"), words)]
-    options.rank, options.score, options.pareto = texts
+    texts = [optional(utf8, name, word) for name, word in zip(("rank", "score"), words)]
+    options.rank, options.score = texts
     errors_of_pose = _jitter_of(jitter, samples)
     options.jitter = errors_of_pose
     rows = constraints.array()

@@ -88,7 +88,7 @@ static void summarise(struct plan_trial *trial, const struct plan_asked *asked)
             }
         }
     }
-    plan_order_keys(trial->keys, trial->pareto, planned, &asked->order);
+    plan_order_keys(trial->keys, planned, &asked->order);
 }
 
 conus_status plan_trial_measure(struct plan_trial *trial, struct plan_judge *judge, const struct plan_asked *asked,
@@ -111,7 +111,7 @@ static conus_status add_chance(struct plan_trial *trial, struct plan_worker *wor
 {
     conus_status status = plan_jitter_ask(&trial->planned, trial->verdicts, &worker->judge, asked->count,
                                           &asked->jitter, false, least, !asked->options.no_pruning);
-    plan_order_keys(trial->keys, trial->pareto, &trial->planned, &asked->order);
+    plan_order_keys(trial->keys, &trial->planned, &asked->order);
     return status;
 }
 
@@ -167,8 +167,7 @@ conus_status plan_trial_try(struct plan_trial *trial, struct plan_worker *worker
     trial->is_lone = breaks == 1 && enough > 1;
     bool is_wanted = measures_all;
     if (!status && !is_wanted && trial->planned.feasible) {
-        is_wanted = true;
-        status = asked->order.pareto_count ? CONUS_OK : may_enter(&is_wanted, trial, worker, asked);
+        status = may_enter(&is_wanted, trial, worker, asked);
     } else if (!status && !is_wanted) {
         is_wanted = asked->options.infeasible && worker->bar.infeasible < asked->options.top;
     }

@@ -479,12 +479,6 @@ static struct cell get_plan_rank(const conus_report *report, const struct report
     return rank_cell(row->planned.pose->rank);
 }
 
-static struct cell get_front(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return rank_cell(row->planned.pose->front);
-}
-
 static struct cell get_feasible(const conus_report *report, const struct report_row *row)
 {
     (void)report;
@@ -535,10 +529,6 @@ static struct cell get_target(const conus_report *report, const struct report_ro
 static const struct report_column plan_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
     {"rank", NULL, "1 is the best of those that break nothing", .get = get_plan_rank},
-    {"front", NULL,
-     "1 where no pose is at least as good in all of the keys and better in one; 2 when those are "
-     "gone, and so on",
-     .get = get_front},
     {"feasible", NULL, "1 if the pose breaks no constraint, else 0", .get = get_feasible},
     {"broken", NULL, "the first constraint that it breaks, by the name of its structure, else by its kind",
      NAMED(get_broken)},

@@ -12,7 +12,7 @@ needles() {
 
 @test "shards that are joined are the plan of one run: list, rows, map, what is said" {
     needles
-    for more in '--infeasible --pareto leeway,-depth --avoid Ball,margin=2' '--length 1,2 --top 60 --shanks 0,0;0.5,0 --roll 180'; do
+    for more in '--infeasible --avoid Ball,margin=2' '--length 1,2 --top 60 --shanks 0,0;0.5,0 --roll 180'; do
         rm -f shard.*
         conus $ask --toward voxels,spacing=6 $more -o whole.tsv --constraints rows.tsv \
             --target-map whole.nii.gz --force 2>said

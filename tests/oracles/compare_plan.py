@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """conus plan --poses against constraints tried one by one (Eq. 17, 21, 22; needles.py, structures.py).
 
-What is measured of every needle and constraint, verdicts, leeways, the funnel, the order of the list and its fronts are
+What is measured of every needle and constraint, verdicts, leeways, the funnel and the order of the list are
 computed anew: on AAL, on a flipped and a sheared grid with a pathway and streamlines, on surfaces of the Allen atlas.
 Lengths and distances agree within 1e-6 mm. A leeway is tried on both sides: with it the reach is long enough, with 2e-6
 mm more it is not. Then: the same text as batch --segments and --clearance; the same bytes for any number of threads and
@@ -331,24 +331,6 @@ def check_leeways(question, table, rows, folder, random, count):
     print(f"{count} poses off by less than their leeways: none breaks a constraint")
 
 
-def dominates(a, b):
-    return all(x >= y for x, y in zip(a, b)) and a != b
-
-
-def check_fronts(question, table, folder, keys):
-    """The columns of keys, larger ones better, of "-" smaller ones."""
-    rows = question.run(table, folder, "--top", "all", "--pareto", ",".join(key for key, _ in keys))[0]
-    left = {row["query"]: tuple((-1 if key[0] == "-" else 1) * number(row[column]) for key, column in keys) for row in rows}
-    wanted, front = {}, 1
-    while left:
-        first = [one for one in left if not any(dominates(other, left[one]) for other in left.values())]
-        wanted.update(dict.fromkeys(first, str(front)))
-        left = {one: value for one, value in left.items() if one not in first}
-        front += 1
-    assert {row["query"]: row["front"] for row in rows} == wanted
-    print(f"{front - 1} fronts of {len(rows)} poses")
-
-
 def check_ranks(question, table, folder):
     """Other keys, smaller first, and in steps."""
     for rank, key in (("slack,-depth", lambda row: (-number(row["slack_mm"]), number(row["far_mm"]))),
@@ -364,7 +346,6 @@ def check_answers(question, table, folder, extra):
     """What must hold between answers."""
     check_equal(question, table, folder)
     check_monotone(question, table, folder, extra)
-    check_fronts(question, table, folder, [("leeway", "leeway_mm"), ("-depth", "far_mm"), ("slack", "slack_mm")])
     check_ranks(question, table, folder)
 
 

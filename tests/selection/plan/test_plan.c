@@ -466,10 +466,9 @@ static void describe(struct buffer *out, const struct answer *answer, size_t con
     }
     for (size_t i = 0; i < conus_plan_count(answer->plan); i++) {
         const conus_planned *p = conus_plan_pose(answer->plan, i);
-        buffer_format(out, "%a %s %llu %llu %llu %d %zu %a %zu %a %a %zu %s", p->p_ok, p->id,
-                      (unsigned long long)p->candidate, (unsigned long long)p->rank, (unsigned long long)p->front,
-                      p->feasible, p->broken, p->leeway, p->leeway_of, p->slack, p->clearance, p->clearance_of,
-                      text_number(number, p->score));
+        buffer_format(out, "%a %s %llu %llu %d %zu %a %zu %a %a %zu %s", p->p_ok, p->id,
+                      (unsigned long long)p->candidate, (unsigned long long)p->rank, p->feasible, p->broken, p->leeway,
+                      p->leeway_of, p->slack, p->clearance, p->clearance_of, text_number(number, p->score));
         for (size_t k = 0; k < constraints; k++) {
             const conus_verdict *v = &p->verdicts[k];
             buffer_format(out, " %d %a %a %a %a %u %a", v->holds, v->value, v->slack, v->leeway, v->depth, v->object,
@@ -489,13 +488,13 @@ static void same_with_any_threads_and_pruning(void **state)
         {.top = 5},
         {.top = 5, .rank = "p_ok,-depth", .jitter = &off},
         {.top = 4, .rank = "leeway/0.5,p_ok", .jitter = &off, .infeasible = true},
-        {.top = 4, .rank = "p_ok/0.25,score", .score = "p_ok * leeway", .pareto = "-depth,p_ok", .jitter = &ends},
+        {.top = 4, .rank = "p_ok/0.25,score", .score = "p_ok * leeway", .jitter = &ends},
         {.top = 5, .rank = "slack"},
         {.top = 7, .rank = "clearance/0.5,-reach"},
         {.top = 3, .rank = "leeway/0.25,-depth", .infeasible = true},
         {.top = UINT64_MAX, .infeasible = true},
         {.top = 4, .rank = "score", .score = "leeway + 0.1 * slack - depth / 100"},
-        {.top = 10, .rank = "-depth", .pareto = "leeway,slack"},
+        {.top = 10, .rank = "-depth"},
     };
     conus_constraint wants[3] = {reach("1", 4), avoid("2", 1), avoid("3", 0.25)};
     conus_atlas *atlas = boxes();
@@ -633,16 +632,13 @@ static void ranks_by_what_is_printed(void **state)
     (void)state;
     conus_constraint wants[2] = {reach("1", 0), avoid("2", 0)};
     conus_atlas *atlas = boxes();
-    struct answer answer = ask(&(struct asked){.atlas = atlas,
-                                               .constraints = wants,
-                                               .count = 2,
-                                               .options = {.top = UINT64_MAX,
-                                                           .rank = " -reach/2, score",
-                                                           .score = "leeway * 2 - slack / 3",
-                                                           .pareto = "leeway,-depth"},
-                                               .path = write_random("ranks.tsv", NEEDLES)});
+    struct answer answer = ask(
+        &(struct asked){.atlas = atlas,
+                        .constraints = wants,
+                        .count = 2,
+                        .options = {.top = UINT64_MAX, .rank = " -reach/2, score", .score = "leeway * 2 - slack / 3"},
+                        .path = write_random("ranks.tsv", NEEDLES)});
     size_t count = conus_plan_count(answer.plan);
-    size_t fronts[NEEDLES] = {0};
     assert_true(count > 100);
     for (size_t i = 0; i < count; i++) {
         const conus_planned *a = conus_plan_pose(answer.plan, i);
@@ -657,25 +653,6 @@ static void ranks_by_what_is_printed(void **state)
             assert_true(steps > 0 || printed(a->score) > printed(b->score) ||
                         (printed(a->score) == printed(b->score) && a->candidate < b->candidate));
         }
-    }
-    /* Fronts by definition: the front of a pose is one after the last front that has a better pose. */
-    for (bool changes = true; changes;) {
-        changes = false;
-        for (size_t i = 0; i < count; i++) {
-            const conus_planned *a = conus_plan_pose(answer.plan, i);
-            size_t front = 1;
-            for (size_t k = 0; k < count; k++) {
-                const conus_planned *b = conus_plan_pose(answer.plan, k);
-                double gain = printed(b->leeway) - printed(a->leeway);
-                double save = printed(a->far) - printed(b->far);
-                front = gain >= 0 && save >= 0 && gain + save > 0 && fronts[k] >= front ? fronts[k] + 1 : front;
-            }
-            changes = changes || front != fronts[i];
-            fronts[i] = front;
-        }
-    }
-    for (size_t i = 0; i < count; i++) {
-        assert_int_equal(conus_plan_pose(answer.plan, i)->front, fronts[i]);
     }
     end(&answer);
     conus_atlas_destroy(atlas);
@@ -763,15 +740,10 @@ static void bad_arguments(void **state)
     };
     static const double beyond[4] = {0, 0, 0, 1001};
     static const conus_plan_options options[] = {
-        {.rank = "depht"},   {.rank = "reach2"},
-        {.rank = "depth/0"}, {.rank = "depth*2"},
-        {.rank = ""},        {.rank = "share"},
-        {.score = "2 *"},    {.score = "score"},
-        {.pareto = "size"},  {.pareto = "depth/2"},
-        {.rank = "score"},   {.far = -1},
-        {.far = NAN},        {.shanks = beyond, .shank_count = 2},
-        {.shanks = beyond},  {.angle = 4},
-        {.threads = 100000},
+        {.rank = "depht"},  {.rank = "reach2"}, {.rank = "depth/0"}, {.rank = "depth*2"},
+        {.rank = ""},       {.rank = "share"},  {.score = "2 *"},    {.score = "score"},
+        {.rank = "score"},  {.far = -1},        {.far = NAN},        {.shanks = beyond, .shank_count = 2},
+        {.shanks = beyond}, {.angle = 4},       {.threads = 100000},
     };
     conus_atlas *atlas = boxes();
     conus_selector *selector = NULL;
@@ -825,7 +797,6 @@ static void every_failing_allocation_is_survived(void **state)
                           .count = 3,
                           .options = {.threads = 1,
                                       .infeasible = true,
-                                      .pareto = "depth",
                                       .score = "leeway * p_ok",
                                       .jitter = &(const conus_jitter_options){.shift = 1, .samples = 16}},
                           .path = write_needles("memory.tsv", rows, 2)};
@@ -870,8 +841,8 @@ static char *tell(const conus_plan *plan, const conus_plan_options *options)
     struct buffer out = {0};
     for (size_t i = 0; i < conus_plan_count(plan); i++) {
         const conus_planned *pose = conus_plan_pose(plan, i);
-        buffer_format(&out, "%s %llu %llu %zu %.17g\n", pose->id, (unsigned long long)pose->rank,
-                      (unsigned long long)pose->front, pose->broken, pose->leeway);
+        buffer_format(&out, "%s %llu %zu %.17g\n", pose->id, (unsigned long long)pose->rank, pose->broken,
+                      pose->leeway);
     }
     for (size_t i = 0; i <= conus_plan_constraint_count(plan); i++) {
         const conus_planned *miss = conus_plan_miss(plan, i);
@@ -968,7 +939,7 @@ static void parts_make_the_whole(void **state)
         {.top = 5, .entries = ENTRIES, .targets = TARGETS},
         {.top = 40, .infeasible = true, .threads = 3},
         {.top = UINT64_MAX, .infeasible = true, .no_pruning = true},
-        {.top = 3, .pareto = "leeway,-depth", .entries = ENTRIES},
+        {.top = 3, .entries = ENTRIES},
     };
     conus_atlas *atlas = boxes();
     conus_selector *selector = NULL;
