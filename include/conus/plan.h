@@ -396,18 +396,17 @@ CONUS_CHECKED conus_status conus_plan_add_state(uint64_t *end, conus_plan *plan,
 
 /** A degree of freedom. Shifts and the depth are in mm, up to 20; turns in radians, up to 30 degrees. */
 typedef enum conus_freedom {
-    CONUS_FREEDOM_X = 0,     /**< Shift along x, */
-    CONUS_FREEDOM_Y,         /**< y, */
-    CONUS_FREEDOM_Z,         /**< or z of the world, or of conus_tolerance_options.shifts. */
-    CONUS_FREEDOM_DEPTH,     /**< The far end along the axis; the near end stays. */
-    CONUS_FREEDOM_SIDE,      /**< Shift along the device's x. */
-    CONUS_FREEDOM_UP,        /**< Shift along the device's y. */
-    CONUS_FREEDOM_PITCH,     /**< Turn about the device's x, */
-    CONUS_FREEDOM_YAW,       /**< about its y, */
-    CONUS_FREEDOM_AZIMUTH,   /**< about the vertical (conus_tolerance_options.up), */
-    CONUS_FREEDOM_ELEVATION, /**< or towards the vertical; of an axis along it about the device's x. All turns are about
+    CONUS_FREEDOM_X = 0,    /**< Shift along x, */
+    CONUS_FREEDOM_Y,        /**< y, */
+    CONUS_FREEDOM_Z,        /**< or z of the world, or of conus_tolerance_options.shifts. */
+    CONUS_FREEDOM_DEPTH,    /**< The far end along the axis; the near end stays. */
+    CONUS_FREEDOM_SIDE,     /**< Shift along the device's x. */
+    CONUS_FREEDOM_UP,       /**< Shift along the device's y. */
+    CONUS_FREEDOM_PITCH,    /**< Turn about the device's x, */
+    CONUS_FREEDOM_YAW,      /**< about its y, */
+    CONUS_FREEDOM_AZIMUTH,  /**< about the vertical (conus_tolerance_options.up), */
+    CONUS_FREEDOM_ELEVATION /**< or towards the vertical; of an axis along it about the device's x. All turns are about
                                lines through the pivot, by the right-hand rule. */
-    CONUS_FREEDOM_BOX        /**< x, y, z, then pitch and after it yaw about the device's own y, at once. */
 } conus_freedom;
 
 /** How many rows conus_plan_tolerance() fills: two for each degree of freedom. */
@@ -439,8 +438,6 @@ typedef struct conus_tolerance_options {
     double pivot;        /**< Depth of the point about which the needle turns, mm; 0 = the device's position. */
     bool pivot_at_tip;   /**< It turns about the far end. */
     double shifts[3][3]; /**< World directions of x, y and z, of any length but 0; all 0 = the world's. */
-    double box[5];       /**< For conus_plan_box(): by how much x, y and z, mm, and pitch and yaw, radians, may be off
-                            at once, to either side; all 0 = nothing is asked. */
     double up[3];        /**< World direction about and towards which azimuth and elevation turn, of any length but 0;
                             all 0 = the world's z. */
 } conus_tolerance_options;
@@ -461,22 +458,6 @@ typedef struct conus_tolerance_options {
  */
 CONUS_CHECKED conus_status conus_plan_tolerance(conus_tolerance *out, conus_plan *plan, const conus_planned *pose,
                                                 const conus_tolerance_options *options);
-
-/**
- * Finds the factor by which a box of deviations may grow. With holds_to no deviation in the box breaks a constraint;
- * with fails_at one is known that does, and the rest of @p out says which constraint breaks. Both are up to 1 % apart,
- * or farther where 20,000 parts of the box do not prove more. fails_at is NaN where none breaks up to 20 mm or 30
- * degrees. Constraints without a leeway are asked in the middle of each part only: method sampled.
- * @param[out] out Of #CONUS_FREEDOM_BOX; holds_to and fails_at are factors.
- * @param plan The plan.
- * @param pose From conus_plan_pose() or conus_plan_try() of this plan.
- * @param options With a box.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number out of its range or no box; the errors of conus_select().
- * @threads As for conus_plan_tolerance().
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_plan_box(conus_tolerance *out, conus_plan *plan, const conus_planned *pose,
-                                          const conus_tolerance_options *options);
 /** @} */
 
 #ifdef __cplusplus

@@ -1044,14 +1044,13 @@ class Selector(Guarded):
         return plan_of(self, constraints, stream, errors, far, infeasible, top, threads, angle, shanks,
                        (rank, score), jitter, samples, sources)
 
-    def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", box: Any = None,
-                  **options: Any) -> pandas.DataFrame:
+    def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", **options: Any) -> pandas.DataFrame:
         """By how much needles may be off before a constraint breaks: :meth:`Plan.tolerance` of all given poses.
 
         ``options`` are those of :meth:`plan`. Of a pose that breaks a constraint as it is all are 0.
         """
         given: dict[str, Any] = {"infeasible": True, "top": None, **options}
-        return self.plan(reach, avoid, **given).tolerance(pivot, box)
+        return self.plan(reach, avoid, **given).tolerance(pivot)
 
     def sweep(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
@@ -1617,11 +1616,10 @@ class Atlas:
                                    "resolution": resolution})
         return selector.plan(reach, avoid, **options)
 
-    def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", box: Any = None,
-                  **options: Any) -> pandas.DataFrame:
+    def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", **options: Any) -> pandas.DataFrame:
         """By how much needles may be off before a constraint breaks: see :meth:`Selector.tolerance`."""
         given: dict[str, Any] = {"infeasible": True, "top": None, **options}
-        return self.plan(reach, avoid, **given).tolerance(pivot, box)
+        return self.plan(reach, avoid, **given).tolerance(pivot)
 
     def sweep(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
               angle: float = 60, **options: Any) -> Sweep:

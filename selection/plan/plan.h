@@ -128,15 +128,6 @@ conus_status plan_jitter_init(struct plan_jitter *out, const conus_jitter_option
 conus_status plan_jitter_ask(conus_planned *pose, conus_verdict *verdicts, struct plan_judge *judge, size_t count,
                              const struct plan_jitter *jitter, bool is_whole, double least, bool has_bounds);
 
-/* plan_tolerance.c */
-
-/** Checks options and fills in defaults; shifts become unit vectors. */
-conus_status plan_tolerance_fill(conus_tolerance_options *out, const conus_tolerance_options *options);
-
-/** Tells where constraint @p index breaks at a pose that is off. */
-conus_status plan_tolerance_describe(conus_tolerance *row, struct plan_judge *judge, size_t index,
-                                     const conus_planned *moved);
-
 /* plan.c */
 
 /** The judge of single poses outside of a run. */

@@ -675,20 +675,13 @@ static const struct report_column profile_columns[] = {
 
 static bool is_turn(const struct report_row *row)
 {
-    conus_freedom freedom = row->planned.tolerance.freedom;
-    return freedom >= CONUS_FREEDOM_PITCH && freedom < CONUS_FREEDOM_BOX;
-}
-
-static bool is_box(const struct report_row *row)
-{
-    return row->planned.tolerance.freedom == CONUS_FREEDOM_BOX;
+    return row->planned.tolerance.freedom >= CONUS_FREEDOM_PITCH;
 }
 
 /* Shifts by what the space calls its axes. */
 static struct cell get_freedom(const conus_report *report, const struct report_row *row)
 {
-    static const char *const names[] = {"x",     "y",   "z",       "depth",     "side", "up",
-                                        "pitch", "yaw", "azimuth", "elevation", "box"};
+    static const char *const names[] = {"x", "y", "z", "depth", "side", "up", "pitch", "yaw", "azimuth", "elevation"};
     static const char *const axes[][3] = {
         [CONUS_SPACE_CCF] = {"ap", "dv", "ml"}, [CONUS_SPACE_BREGMA] = {"ap", "ml", "dv"}};
     conus_freedom freedom = row->planned.tolerance.freedom;
@@ -699,13 +692,13 @@ static struct cell get_freedom(const conus_report *report, const struct report_r
 static struct cell get_side(const conus_report *report, const struct report_row *row)
 {
     (void)report;
-    return text_cell(is_box(row) ? "+-" : row->planned.tolerance.negative ? "-" : "+");
+    return text_cell(row->planned.tolerance.negative ? "-" : "+");
 }
 
 static struct cell get_unit(const conus_report *report, const struct report_row *row)
 {
     (void)report;
-    return text_cell(is_box(row) ? "times" : is_turn(row) ? "degree" : "mm");
+    return text_cell(is_turn(row) ? "degree" : "mm");
 }
 
 static struct cell off_cell(const struct report_row *row, double off)
@@ -745,10 +738,10 @@ static struct cell get_method(const conus_report *report, const struct report_ro
 
 static const struct report_column tolerance_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
-    {"freedom", NULL, "the degree of freedom: shift along an axis of the space or the device, depth, turn, or box",
+    {"freedom", NULL, "the degree of freedom: shift along an axis of the space or the device, depth, or turn",
      NAMED(get_freedom)},
-    {"side", NULL, "+ or -, to which side; +- of a box", NAMED(get_side)},
-    {"unit", NULL, "of the next two: mm, degree, or times the box", NAMED(get_unit)},
+    {"side", NULL, "+ or -, to which side", NAMED(get_side)},
+    {"unit", NULL, "of the next two: mm or degree", NAMED(get_unit)},
     {"holds_to", NULL, "no constraint breaks up to here; proven, if the method is exact or graze", .get = get_holds_to},
     {"fails_at", NULL, "here one breaks; n/a where none does up to 20 mm or 30 degrees", .get = get_fails_at},
     {"breaks", NULL, "the constraint that breaks there, by the name of its structure, else by its kind",

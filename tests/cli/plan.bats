@@ -279,15 +279,6 @@ END
     cmp <(grep ^b tips.tsv) <(grep ^b depths.tsv) # 26 is b's tip
     [ "$(grep ^c tips.tsv)" != "$(grep ^c depths.tsv)" ] # 36 is c's tip: its yaw is 25.6 and 30 degrees
     answers verify tips.tsv
-    answers $U --reach U,length=5 --avoid Ball,margin=3 --tolerance box.tsv --box 0.5,0,0,0,0 -o plan.tsv -q --force
-    awk -F '\t' '$1 == "b" && $2 == "box" && $5 > 5.9 && $5 <= 6 && $6 >= 6 && $6 < 6.1 && $5 > 0.985 * $6' box.tsv >one
-    [ "$(cut -f 3,4,7,13 one)" = "+-"$'\t'"times"$'\t'"U"$'\t'"exact" ] # by 3 mm, as above
-    [ "$(wc -l <box.tsv)" -eq 43 ]
-    answers verify box.tsv
-    for bad in 1 0,0,0,0,0 1,1,1,1,-1 1,1,1,1,nan 1,1,1,1,1,1 1e9,1,1,1,1; do
-        fails 2 'is not five numbers X,Y,Z,PITCH,YAW' $U --reach U --tolerance - --box $bad
-    done
-    fails 2 'box' $U --reach U --box 1,1,1,1,1
     fails 2 'neither a number nor entry nor tip' $U --reach U --tolerance - --pivot middle
     fails 2 'pivot' $U --reach U --pivot tip
     fails 2 'both on standard output' $U --reach U --tolerance - --constraints -

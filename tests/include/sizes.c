@@ -91,7 +91,7 @@ SIZE(conus_verdict, 56);
 SIZE(conus_planned, 312);
 SIZE(conus_plan_faults, 24);
 SIZE(conus_tolerance, 80);
-SIZE(conus_tolerance_options, 160);
+SIZE(conus_tolerance_options, 120);
 #endif
 
 extern int sizes_are_known;
