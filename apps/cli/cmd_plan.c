@@ -24,7 +24,7 @@ struct plan_settings {
     struct candidate_settings candidates;
     const char *poses_out;
     const char *top;
-    bool infeasible, no_pruning;
+    bool infeasible;
     const char *rank, *score;
     const char *constraint_rows, *profile, *tolerance, *pivot;
     const char *jitter, *contacts;
@@ -191,10 +191,6 @@ static const struct option run_options[] = {
      OPTION_FROM_TO(1, 1024),
      .words = "parallel, cores",
      .role = OPTION_KEPT},
-    {.name = "no-pruning",
-     FIELD(no_pruning),
-     .help = "measure everything of every pose: slower, the same answer",
-     .role = OPTION_OF_RUN},
     {.name = "progress",
      FIELD(progress),
      .value = "KIND",
@@ -384,7 +380,6 @@ static int try_poses(struct planning *planning)
         .threads = settings->threads,
         .top = planning->top,
         .infeasible = settings->infeasible,
-        .no_pruning = settings->no_pruning,
         .rank = settings->rank,
         .score = settings->score,
         .angle = settings_angle(&settings->request.aim, &settings->request.engine),

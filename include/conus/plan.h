@@ -87,7 +87,6 @@ typedef struct conus_plan_options {
     uint64_t top;       /**< Poses to list; 0 = 20, UINT64_MAX = all. Memory grows with them alone. */
     bool infeasible;    /**< Poses that break a constraint are listed, too, behind the others, by candidate; within
                            top. */
-    bool no_pruning;    /**< Everything is measured of every pose: slower, the same answer. */
     const char *rank;   /**< Keys separated by commas, the more important first; larger is better, of -KEY smaller;
                            KEY/STEP compares floor(key / STEP). NULL = "leeway,-depth". */
     const char *score;  /**< Formula of the key score: numbers, keys, + - * / and parentheses, as of Eq. 12. NULL =
@@ -378,7 +377,7 @@ CONUS_CHECKED conus_status conus_plan_state(const char **text, size_t *size, con
 /**
  * Takes over the results of another plan, with the same atlas, selector, constraints and options, for rows of the same
  * poses. conus_plan_run() then passes over these rows, except candidates that are kept; the result is as if it had
- * tried them all. Of these options only the threads and the pruning may differ, and entries and targets may be 0.
+ * tried them all. Of these options only the threads may differ, and entries and targets may be 0.
  * @param[out] end Number of the row behind those that are known, from 0.
  * @param plan Not run before. The stream that it will run is at the first row of its first state.
  * @param text [size] From conus_plan_state(). Its rows follow those of the state added before.

@@ -354,7 +354,7 @@ static conus_status read_block(void *user, size_t slot, bool *may_follow)
     }
     *may_follow = count && plan->rows;
     block->end = pose_stream_position(plan->poses);
-    if (!status && !plan->asked.options.no_pruning && !plan->was_mapped &&
+    if (!status && !plan->asked.measures_all && !plan->was_mapped &&
         pose_stream_position(plan->poses) - plan->start >= MAPS_AFTER) {
         status = make_maps(plan);
     }
@@ -593,7 +593,7 @@ static conus_status ask_chances(void *user, size_t slot, size_t worker, const at
     struct entry *entry = plan->blocks[slot].listed;
     conus_status status =
         plan_jitter_ask(&entry->planned, (conus_verdict *)(entry + 1), &plan->workers[worker].judge, plan->asked.count,
-                        &plan->asked.jitter, true, 0, !plan->asked.options.no_pruning);
+                        &plan->asked.jitter, true, 0, !plan->asked.measures_all);
     (void)stop;
     plan_order_keys(NULL, &entry->planned, &plan->asked.order); /* the score of infeasible poses, too */
     return status;
@@ -821,6 +821,11 @@ const conus_jitter_options *conus_plan_jitter(const conus_plan *plan)
 bool conus_plan_has_leeway(const conus_plan *plan, size_t index)
 {
     return index < plan->asked.count && plan->asked.constraints[index].has_leeway;
+}
+
+void plan_measure_all(conus_plan *plan)
+{
+    plan->asked.measures_all = true;
 }
 
 struct plan_judge *plan_judge_of(conus_plan *plan)

@@ -130,6 +130,9 @@ conus_status plan_jitter_ask(conus_planned *pose, conus_verdict *verdicts, struc
 
 /* plan.c */
 
+/** Measures everything of every pose, also what decides nothing: slower, the same answer, to compare with. */
+void plan_measure_all(conus_plan *plan);
+
 /** The judge of single poses outside of a run. */
 struct plan_judge *plan_judge_of(conus_plan *plan);
 

@@ -14,6 +14,7 @@ struct plan_asked {
     size_t count;
     struct plan_order order;
     struct plan_jitter jitter;
+    bool measures_all; /**< Of every pose, also what decides nothing. */
 };
 
 /** The results of earlier poses, so that less has to be measured of later ones. */

@@ -241,7 +241,7 @@ cells() {
     local scene=("${asked[@]}" --from box.ply)
     conus "${scene[@]}" --top all -o all.tsv --map a.func.gii --structure CortexLeft
     conus "${scene[@]}" --top 1 -o one.tsv --map b.func.gii --structure CortexLeft --threads 1
-    conus "${scene[@]}" --top 1 -o one.tsv --map c.func.gii --structure CortexLeft --no-pruning --threads 3
+    conus "${scene[@]}" --top 1 -o one.tsv --map c.func.gii --structure CortexLeft --threads 3
     cmp a.func.gii b.func.gii
     cmp a.func.gii c.func.gii
     conus "${asked[@]}" --from box.ply,spacing=50 --top 1 -o one.tsv --map thin.shape.gii
@@ -291,7 +291,7 @@ END
         --length 0,50 -q --force)
     conus "${scene[@]}" --top all -o all.tsv --map a.nii.gz --target-map t.nii.gz
     conus "${scene[@]}" --top 1 -o one.tsv --map b.nii.gz --target-map u.nii.gz --threads 1
-    conus "${scene[@]}" --top 1 -o one.tsv --map c.nii.gz --target-map v.nii.gz --no-pruning --threads 3
+    conus "${scene[@]}" --top 1 -o one.tsv --map c.nii.gz --target-map v.nii.gz --threads 3
     cmp a.nii.gz b.nii.gz
     cmp a.nii.gz c.nii.gz
     cmp t.nii.gz u.nii.gz

@@ -213,7 +213,7 @@ columns() {
         $1 == "b" { fine += near($at["p_ok"], 0.9270) + near($at["p_reach1"], 0.9332) + near($at["p_avoid1"], 0.9938) }
         $1 == "a" { fine += near($at["p_ok"], 0.6912) + near($at["p_reach1"], 0.9998) + near($at["p_avoid1"], 0.6915) }
         END { exit fine != 6 }' <<<"$output"
-    answers $ask -o plan.tsv --constraints rows.tsv --no-pruning --threads 1
+    answers $ask -o plan.tsv --constraints rows.tsv --threads 1
     answers $ask -o again.tsv --constraints again-rows.tsv --threads 3
     cmp plan.tsv again.tsv
     cmp rows.tsv again-rows.tsv
@@ -332,7 +332,7 @@ for i in range(60):
 END
     local ask="$TEMPLATES/aal.nii.gz --poses needles.tsv --radius 0.65"
     answers plan $ask --reach Hippocampus_L,length=5 --avoid Insula_L,margin=2 --top all --infeasible -q -o plan.tsv
-    answers plan $ask --reach Hippocampus_L,length=5 --avoid Insula_L,margin=2 --top all --infeasible -q -o again.tsv --threads 3 --no-pruning
+    answers plan $ask --reach Hippocampus_L,length=5 --avoid Insula_L,margin=2 --top all --infeasible -q -o again.tsv --threads 3
     cmp plan.tsv again.tsv
     [ "$(awk -F '\t' '$3 == 1' plan.tsv | wc -l)" -gt 3 ]
     answers batch $ask -q --segments segments.tsv

@@ -32,15 +32,14 @@ needles() {
     answers verify merged.tsv
 }
 
-# Pruning changes no byte, and makes resuming quick.
 @test "a plan that is killed or interrupted is resumed, and may be resumed again" {
     needles
-    printf '40 %s 5\n0 40 %s\n' {-10..10..4} >entries.txt # so many that it is not done before it is stopped
+    printf '40 %s 5\n0 40 %s\n' {-10..10..2} >entries.txt # so many that it is not done before it is stopped
     local own="$ask --toward voxels --avoid Ball,margin=0.5 --top 30"
     conus $own -o whole.tsv -q
     for signal in KILL TERM; do # a shell has its background ignore SIGINT
         rm -f plan.*
-        background "$CONUS" $own --no-pruning --threads 1 --resume -o plan.tsv -q
+        background "$CONUS" $own --threads 1 --resume -o plan.tsv -q
         wait_until "$child" grep -qs '^left [1-9]' plan.tsv.journal
         kill -STOP "$child"
         fails 3 'plan.tsv.journal: another conus is writing this file' $own --resume -o plan.tsv -q

@@ -6,8 +6,8 @@
 #include "base/memory.h"
 #include "base/text_number.h"
 #include "conus/candidates.h"
-#include "conus/plan.h"
 #include "scene.h"
+#include "selection/plan/plan.h"
 #include "test.h"
 
 #include <math.h>
@@ -75,6 +75,7 @@ struct asked {
     const conus_constraint *constraints;
     size_t count;
     conus_plan_options options;
+    bool measures_all;
     const char *path;
 };
 
@@ -89,6 +90,9 @@ static conus_status try_ask(struct answer *out, const struct asked *asked)
     conus_status status = conus_selector_create(&out->selector, asked->atlas, &asked->selector);
     status = status ? status
                     : conus_plan_create(&out->plan, out->selector, asked->constraints, asked->count, &asked->options);
+    if (!status && asked->measures_all) {
+        plan_measure_all(out->plan);
+    }
     status = status ? status : conus_pose_stream_open(&stream, asked->path, NULL);
     status = status ? status : conus_plan_run(out->plan, stream, UINT64_MAX);
     conus_pose_stream_destroy(stream);
@@ -506,7 +510,7 @@ static void same_with_any_threads_and_pruning(void **state)
             for (int way = 0; way < 4; way++) {
                 struct asked asked = {.atlas = atlas, .selector = {.radius = 0.3}, .constraints = wants, .count = 3};
                 asked.options = ways[w];
-                asked.options.no_pruning = way == 0;
+                asked.measures_all = way == 0;
                 asked.options.threads = (const uint32_t[]){1, 1, 2, 7}[way];
                 asked.path = path;
                 struct answer answer = ask(&asked);
@@ -530,8 +534,7 @@ static void same_with_any_threads_and_pruning(void **state)
 static void same_of_many(void **state)
 {
     (void)state;
-    static const conus_plan_options ways[] = {
-        {.top = 5, .no_pruning = true, .threads = 2}, {.top = 5, .threads = 1}, {.top = 5, .threads = 3}};
+    static const uint32_t threads[3] = {2, 1, 3};
     const conus_constraint wants[3] = {reach("1", 4), avoid("2", 1), avoid("3", 0.25)};
     conus_atlas *atlas = boxes();
     struct asked asked = {.atlas = atlas,
@@ -541,7 +544,8 @@ static void same_of_many(void **state)
                           .path = write_random("many.tsv", MANY)};
     struct buffer texts[3] = {0};
     for (int way = 0; way < 3; way++) {
-        asked.options = ways[way];
+        asked.options = (conus_plan_options){.top = 5, .threads = threads[way]};
+        asked.measures_all = way == 0;
         struct answer answer = ask(&asked);
         describe(&texts[way], &answer, 3);
         end(&answer);
@@ -571,8 +575,9 @@ static void same_of_many_shanks(void **state)
                           .path = write_random("shanks.tsv", MANY)};
     struct buffer texts[3] = {0};
     for (int way = 0; way < 3; way++) {
-        asked.options = (conus_plan_options){
-            .top = 5, .no_pruning = way == 0, .threads = 1 + (uint32_t)way, .shanks = pair[0], .shank_count = 2};
+        asked.options =
+            (conus_plan_options){.top = 5, .threads = 1 + (uint32_t)way, .shanks = pair[0], .shank_count = 2};
+        asked.measures_all = way == 0;
         struct answer answer = ask(&asked);
         describe(&texts[way], &answer, 4);
         assert_int_equal(conus_plan_count(answer.plan), 5);
@@ -915,6 +920,9 @@ static conus_plan *run_part(char **state, conus_selector *selector, const struct
     options.progress = halt_after;
     options.progress_user = &halt;
     assert_ok(conus_plan_create(&halt.plan, selector, asked->constraints, asked->count, &options));
+    if (asked->measures_all) {
+        plan_measure_all(halt.plan);
+    }
     for (; known && *known; known++) {
         assert_ok(conus_plan_add_state(&end, halt.plan, *known, strlen(*known)));
     }
@@ -938,14 +946,15 @@ static void parts_make_the_whole(void **state)
     const conus_plan_options options[] = {
         {.top = 5, .entries = ENTRIES, .targets = TARGETS},
         {.top = 40, .infeasible = true, .threads = 3},
-        {.top = UINT64_MAX, .infeasible = true, .no_pruning = true},
+        {.top = UINT64_MAX, .infeasible = true},
         {.top = 3, .entries = ENTRIES},
     };
     conus_atlas *atlas = boxes();
     conus_selector *selector = NULL;
     assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.radius = 0.4}));
     for (size_t o = 0; o < 8; o++) {
-        struct asked asked = {.constraints = wants[o & 1], .count = 2, .options = options[o / 2]};
+        struct asked asked = {
+            .constraints = wants[o & 1], .count = 2, .options = options[o / 2], .measures_all = o / 2 == 2};
         char *ends[4] = {NULL};
         char *again[2] = {NULL};
         char *cut;
@@ -1005,8 +1014,8 @@ static void pruning_changes_no_digit(void **state)
         memcpy(targets[i], (double[]){test_random(&seed, 8, 30), test_random(&seed, 8, 20), 13}, sizeof targets[i]);
     }
     assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.radius = 0.2}));
-    for (int no_pruning = 0; no_pruning < 2; no_pruning++) {
-        const conus_plan_options options = {.threads = 1, .top = UINT64_MAX, .no_pruning = no_pruning};
+    for (int measures_all = 0; measures_all < 2; measures_all++) {
+        const conus_plan_options options = {.threads = 1, .top = UINT64_MAX};
         conus_plan *plan = NULL;
         conus_pose_stream *stream = NULL;
         assert_ok(conus_candidates_open(&stream, &(conus_candidates){.entries = entries[0],
@@ -1016,9 +1025,12 @@ static void pruning_changes_no_digit(void **state)
                                                                      .to_target = true,
                                                                      .beyond = 3}));
         assert_ok(conus_plan_create(&plan, selector, wants, 2, &options));
+        if (measures_all) {
+            plan_measure_all(plan);
+        }
         assert_ok(conus_plan_run(plan, stream, UINT64_MAX));
         assert_true(conus_plan_count(plan) > 200);
-        told[no_pruning] = tell(plan, &options);
+        told[measures_all] = tell(plan, &options);
         conus_pose_stream_destroy(stream);
         conus_plan_destroy(plan);
     }
