@@ -496,7 +496,7 @@ def renders(ask):
     for transfer in ("brain", "surface", "grey", "bright", "in/grey.transfer"):
         ask(f"render ph/tubes.nii.gz {small} {context} --transfer {transfer} --no-legend -o "
             f"{{o}}/context.png")
-    for option in ("--slices 40", "--no-skipping", "--camera-up 0,1,1", "--hide 1 --only 1,300",
+    for option in ("--slices 40", "--camera-up 0,1,1", "--hide 1 --only 1,300",
                    "--labels in/tree.tsv --level 2", "--pathway ph/brain/brain-pathway.nii.gz", "--engine gl",
                    "--range 60,90", "--radius 5", "--aperture square --resolution 40", "--sampling slices"):
         ask(f"render ph/nested.nii.gz {small} {BALL_AIM} --camera-origin 90,-160,70 --camera-toward 0,0,0 "
