@@ -23,22 +23,22 @@ const struct option pose_file_options[] = {
      .value = "FORMAT",
      .help = "format of the file of poses; auto detects it from the content:",
      .choice_at = conus_pose_format_name,
-     .needs = "pose|poses|camera|jobs|from"},
+     .needs = "pose|poses|camera|from"},
     {.name = "axis",
      OPTION_AT(struct pose_file_settings, axis),
      .value = "AXIS",
      .help = "axis of the device, in the file's frame, along which it points; each format has its own, tables and "
              "matrices -z:",
      .choices = axes,
-     .needs = "pose|poses|camera|jobs"},
+     .needs = "pose|poses|camera"},
     {.name = "along-shafts",
      OPTION_AT(struct pose_file_settings, along_shafts),
      .help = "contacts of electrodes (BIDS) point along their shafts, each to the next",
-     .needs = "pose|poses|camera|jobs"},
+     .needs = "pose|poses|camera"},
     {.name = "any-space",
      OPTION_AT(struct pose_file_settings, any_space),
      .help = "accept positions even if the file names another space than the atlas",
-     .needs = "pose|poses|camera|jobs|from"},
+     .needs = "pose|poses|camera|from"},
     {0},
 };
 
@@ -50,7 +50,7 @@ const struct option keep_options[] = {
          "give the rows of the answer these columns of the table of poses, by their names in its header, as they are",
      .words = "group, subject, condition, copy",
      .role = OPTION_ASKS,
-     .needs = "pose|poses|jobs"},
+     .needs = "pose|poses"},
     {0},
 };
 

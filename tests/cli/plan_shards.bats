@@ -34,7 +34,7 @@ needles() {
 
 @test "a plan that is killed or interrupted is resumed, and may be resumed again" {
     needles
-    printf '40 %s 5\n0 40 %s\n' {-10..10..2} >entries.txt # so many that it is not done before it is stopped
+    printf '40 %s 5\n0 40 %s\n' {-11..11..2} >entries.txt # so many that it is not done before it is stopped
     local own="$ask --toward voxels --avoid Ball,margin=0.5 --top 30"
     conus $own -o whole.tsv -q
     for signal in KILL TERM; do # a shell has its background ignore SIGINT

@@ -92,8 +92,6 @@ setup_file() {
     conus batch $S --poses poses.tsv --shard 0/2 -q -o out/s0.tsv || [ $? -eq 1 ]
     conus batch $S --poses poses.tsv --shard 1/2 -q -o out/s1.tsv
     conus merge out/s0.tsv out/s1.tsv -o out/merged.tsv
-    printf 'atlas\tposes\toutput\n%s\tposes.tsv\tout/job1.tsv\n%s\thand.tsv\tout/job2.csv\n' $S $L >jobs.tsv
-    conus batch --jobs jobs.tsv --angle 12 -q || [ $? -eq 1 ]
     make sweep.tsv sweep $N $aim
     make angles.csv sweep $N --origin 0,-100,0 --toward 0,0,20 --angles 5:25:5
     make jitter.tsv sweep $S $aim --jitter 3,2 --samples 64
@@ -231,13 +229,11 @@ says() {
 @test "words behind a file of poses are no part of its name" {
     conus phantom sphere -o . --size 24 --spacing 3,3,3
     printf 'x\ty\tz\ttx\tty\ttz\n9\t0\t0\t0\t0\t0\n' >p.tsv
-    printf 'atlas\tposes\toutput\nsphere.nii.gz\tp.tsv,unit=cm\tjob.tsv\n' >jobs.tsv
-    conus batch --jobs jobs.tsv -q
     conus batch sphere.nii.gz --poses p.tsv,unit=cm -q -o b.tsv
     conus query sphere.nii.gz --pose p.tsv,unit=cm -q -o c.tsv
-    [ "$(jq -r '.Batch | .pose_file + " " + .pose_words' job.json)" = 'p.tsv unit=cm' ]
+    [ "$(jq -r '.Batch | .pose_file + " " + .pose_words' b.json)" = 'p.tsv unit=cm' ]
     local result
-    for result in job b c; do
+    for result in b c; do
         answers verify "$result.tsv"
     done
 }
@@ -449,7 +445,7 @@ hostile() {
     hostile "conus query atlas/sphere.nii.gz $aim -o ../../../evil.tsv --image ..png" 'angle_deg' 1
     hostile "conus batch atlas/sphere.nii.gz --poses poses.tsv -o $PWD/evil.tsv --force" 'differ' 1
     hostile "conus query $aim -- --output=$PWD/evil.tsv" 'it cannot be answered again'
-    hostile "conus batch --jobs poses.tsv -o out/x.tsv" 'cannot be verified'
+    hostile "conus batch --poses poses.tsv -o out/x.tsv" 'does not take its command line: ATLAS is missing'
     # Paths of files that lead out of the folder.
     jq '.Inputs = [{path: "../../../../x/../../y", sha256: null}]' "$BATS_FILE_TMPDIR/kept/out/q.json" >out/q.json
     says 3 'x/../../y is missing' out/q.tsv
@@ -541,7 +537,7 @@ store() {
 # verify must know every option with a text, or refuse a sidecar with it.
 @test "every option of the commands that are answered again is known, or refused on purpose" {
     study
-    local text='--angles --atlas --atlas-transform --clearance --clusters --connect --connectivity --contacts --context --coordsystem --endpoints --hide --image --jitter --jobs
+    local text='--angles --atlas --atlas-transform --clearance --clusters --connect --connectivity --contacts --context --coordsystem --endpoints --hide --image --jitter
         --keep --labels --level --listen --mask --mask-object --only --output --pathway --pose --poses --probe --probes --reference --score
         --segments --shard --sidecar --streamlines --streamlines-out --tool --voxels --world-from-tracker'
     for command in query batch sweep track overlap connect; do

@@ -160,12 +160,6 @@ def write_inputs(folder, facts):
     put("pairs.txt", "".join(f"{k} {name}\n" for k, name in enumerate(
         ("Arch_L", "Arch_R", "left middle", "right middle", "Rim L", "Rim"), 1)))
     put("grey.transfer", "relative\n# value r g b opacity\n0.1 0 0 0 0\n0.4 0.8 0.7 0.6 0.05\n1 1 1 1 0.3\n")
-    put("jobs.tsv", "# three and one that "
-        "fails\natlas\tposes\toutput\nph/sphere.nii.gz\tin/ball.tsv\tjobs/a.tsv\n"
-        "ph/nested.nii.gz\tin/bad.tsv\tjobs/b.csv\nph/none.nii.gz\tin/ball.tsv\tjobs/c.tsv\n"
-        "ph/tubes.nii.gz\tin/ball.tsv\tjobs/d.ndjson\n")
-    put("shafts.tsv", "atlas\tposes\toutput\nph/sphere.nii.gz\tin/plain_electrodes.tsv\tshafts/e.txt\n"
-        "ph/nested.nii.gz\tin/plain_electrodes.tsv\tshafts/f.txt\n")
     put("cube.obj", "o Lower, part\nv 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\nv 0 0 9\nv 9 0 9\nv 9 9 9\nv 0 9 9\n"
         "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\no Tip\nv 4 4 9.5\nv 7 4 9.5\nv 4 7 9.5\n"
         "v 4 4 15\nf 9 11 10\nf 9 10 12\nf 10 11 12\nf 11 9 12\n")
@@ -326,7 +320,6 @@ def other_programs(ask):
             ask(f"query ph/{kind}.nii.gz --pose in/{table} --radius {radius} --format {form} -o {{o}}/{name}")
         ask(f"batch ph/{kind}.nii.gz --poses in/{table} --radius 2 --format {form} --threads 2 -o "
             f"{{o}}/{name}")
-    ask("batch --jobs in/shafts.tsv --radius 3 --format spikeglx", makes="shafts")
 
 
 def pictures_of_answers(ask):
@@ -393,8 +386,6 @@ def batches(ask):
                 makes=f"shards-{form}")
         ask(f"merge {' '.join(reversed(shards))} -o {{o}}/merged.{form}")
         ask(f"merge {shards[0]} {shards[2]} -o {{o}}/merged.{form}")
-    ask("batch --jobs in/jobs.tsv", makes="jobs")
-    ask("batch --jobs in/jobs.tsv --resume")
     ask("batch ph/sphere.nii.gz --poses in/ball.tsv --resume -o again/rows.tsv", makes="again")
     ask("batch ph/sphere.nii.gz --poses in/ball.tsv --resume -o again/rows.tsv")
     ask("batch ph/sphere.nii.gz --poses in/bad.tsv --resume -o again/rows.tsv")
@@ -717,7 +708,6 @@ READERS = {
     "afni": ("x+orig.HEAD", VOLUME),
     "annot": ("lh.x.annot", SURFACE_LABELS),
     "batch_record": ("rows.json", "merge {d}/rows.tsv -o {o}/rows.tsv", "verify {d}/rows.tsv"),
-    "batch_table": (None, "batch --jobs {f}"),
     "brainglobe_atlas": ("atlases/x/1_0/manifest.json", "info {d}/atlases/x/1_0", "info {f}"),
     "brainglobe_metadata": ("metadata.json", "info {d}", "info {f}"),
     "cifti": ("x.dlabel.nii", VOLUME),
