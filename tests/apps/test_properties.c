@@ -127,6 +127,23 @@ static void values_missing_from_a_session(void **state)
         assert_int_equal(session_read(&window, root, "session", why), property->presence != PROPERTY_NEEDED);
         json_decref(root);
     }
+    for (size_t count = 0; count < 30; count += count ? 1 : 12) { /* of the place: none, or too few numbers */
+        char why[PROPERTY_REASON] = "";
+        json_t *root = session_json(&window);
+        for (size_t i = 30; i-- > count;) {
+            json_array_remove(json_object_get(root, "place"), i);
+        }
+        assert_false(session_read(&window, root, "session", why));
+        assert_non_null(strstr(why, "the atlas lay elsewhere"));
+        json_decref(root);
+    }
+    for (int i = 0; i < 2; i++) {
+        char why[PROPERTY_REASON] = "";
+        json_t *root = session_json(&window);
+        json_object_del(root, i ? "place" : "level");
+        assert_false(session_read(&window, root, "session", why));
+        json_decref(root);
+    }
     viewer_finish(&viewer);
 }
 
