@@ -331,13 +331,13 @@ static const struct report_column cluster_columns[] = {
 
 static const struct report_column cluster_error_columns[] = {
     {"volume_error_mm3", "mm^3",
-     "the volume is no farther off, estimated, where lines decide what is in several surfaces; 0 where it is exact",
+     "an estimate of how far the volume is off, where lines decide what is in several surfaces; 0 where it is exact",
      OF_ROW(NUMBER, cluster.volume_error)},
 };
 
 static const struct report_column error_columns[] = {
     {"volume_error_mm3", "mm^3",
-     "the volume is no farther off, estimated, where lines decide what is in several surfaces; 0 where it is exact",
+     "an estimate of how far the volume is off, where lines decide what is in several surfaces; 0 where it is exact",
      OF_ROW(NUMBER, coverage.volume_error)},
 };
 
