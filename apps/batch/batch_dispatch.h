@@ -8,9 +8,8 @@
 /** Answers one batch. Returns the exit code and prints an error unless it is 0; 128 and more is that of a signal. */
 typedef int batch_answer(void *user, const struct batch_settings *settings, const struct arguments *arguments);
 
-/** Calls @p answer for the batch that is asked for, or for each of those of --jobs that are the shard's; where one
- * cannot be answered it continues with the next, unless a signal was the reason. Gives the most serious exit code, and
- * prints an error about operands and options that are missing or exclude each other. */
+/** Calls @p answer for each file that the command line asks for, as long as all is well. Gives the most serious exit
+ * code, and prints an error about files that exclude each other. */
 int batch_dispatch(const struct batch_settings *settings, const struct arguments *arguments, batch_answer *answer,
                    void *user);
 

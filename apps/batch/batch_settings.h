@@ -23,7 +23,6 @@ struct batch_settings {
     struct axis_settings axis;
     const struct rows_kind *of_axis; /* no option: the rows of this run, whose file is the output; NULL = answers */
     bool is_again; /* no option: an earlier run over the same poses has said what there is to say about them */
-    const char *jobs;
     const char *shard;
     uint32_t threads, block;
     bool force, resume;

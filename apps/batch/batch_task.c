@@ -90,7 +90,7 @@ static int open_poses(struct batch_task *task)
         return code;
     }
     if (task->shard.count > 1 && format_is_of_probe(task->format)) {
-        return print_usage_error("--shard: a probe's string is one whole; --jobs answers many probes");
+        return print_usage_error("--shard: a probe's string is one whole");
     }
     task->piped = poses_are_no_file(settings->poses);
     if (task->piped && (task->shard.count > 1 || settings->resume)) {

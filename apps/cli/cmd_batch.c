@@ -98,7 +98,6 @@ const struct command cmd_batch = {
     .name = "batch",
     .summary = "answer many poses: multithreaded, sharded, resumable",
     .operands = {"ATLAS"},
-    .optional = true,
     .form = "--poses FILE",
     .description =
         "Answers every pose as conus query does, many at a time, in memory that does not grow with their\n"
@@ -107,8 +106,7 @@ const struct command cmd_batch = {
         "exit code is 1 at the end.",
     .examples = "  conus batch aal.nii.gz --poses poses.tsv -o rows.tsv\n"
                 "  conus batch aal.nii.gz --poses poses.tsv -o rows.tsv --resume\n"
-                "  conus batch aal.nii.gz --poses poses.tsv --shard 0/4 -o rows.0.tsv\n"
-                "  conus batch --jobs subjects.tsv --summary --resume\n",
+                "  conus batch aal.nii.gz --poses poses.tsv --shard 0/4 -o rows.0.tsv\n",
     .see_also = "  conus merge     joins the outputs of --shard\n"
                 "  conus verify    answers a result again, and compares\n",
     .answers = true,

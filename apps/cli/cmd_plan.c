@@ -24,9 +24,9 @@ struct plan_settings {
     struct candidate_settings candidates;
     const char *poses_out;
     const char *top;
-    bool infeasible, no_pruning;
-    const char *rank, *score, *pareto;
-    const char *constraint_rows, *profile, *tolerance, *pivot, *box;
+    bool infeasible;
+    const char *rank, *score;
+    const char *constraint_rows, *profile, *tolerance, *pivot;
     const char *jitter, *contacts;
     struct journal_settings journal;
     uint32_t threads, samples;
@@ -110,12 +110,6 @@ static const struct option list_options[] = {
      .value = "FORMULA",
      .help = "formula of keys, numbers, + - * / and parentheses, which is the key score",
      .role = OPTION_ASKS},
-    {.name = "pareto",
-     FIELD(pareto),
-     .value = "KEY,...",
-     .help = "column front: 1 where no pose is at least as good in all these keys and better in one",
-     .words = "trade-off",
-     .role = OPTION_ASKS},
     {.name = "infeasible",
      FIELD(infeasible),
      .help = "list poses that break a constraint, too, behind the others, with what they break"},
@@ -186,13 +180,6 @@ static const struct option rows_options[] = {
      .help = "what the needle turns about there: the device's position, the far end, or a depth (default entry)",
      .role = OPTION_ASKS,
      .needs = "tolerance"},
-    {.name = "box",
-     FIELD(box),
-     .value = "X,Y,Z,PITCH,YAW",
-     .help = "add by which factor all of these (mm and degrees) may be off at once there, each to either side",
-     .words = "together, combined",
-     .role = OPTION_ASKS,
-     .needs = "tolerance"},
     {0},
 };
 
@@ -204,10 +191,6 @@ static const struct option run_options[] = {
      OPTION_FROM_TO(1, 1024),
      .words = "parallel, cores",
      .role = OPTION_KEPT},
-    {.name = "no-pruning",
-     FIELD(no_pruning),
-     .help = "measure everything of every pose: slower, the same answer",
-     .role = OPTION_OF_RUN},
     {.name = "progress",
      FIELD(progress),
      .value = "KIND",
@@ -282,20 +265,6 @@ static bool read_pivot(conus_tolerance_options *out, const char *text)
     out->pivot_at_tip = text && strcmp(text, "tip") == 0;
     bool is_fine = !text || out->pivot_at_tip || strcmp(text, "entry") == 0 || number_parse(text, &out->pivot);
     return is_fine || refuse("--pivot: \"%s\" is neither a number nor entry nor tip", text);
-}
-
-/* Behind read_pivot(). */
-static bool read_box(conus_tolerance_options *out, const char *text)
-{
-    double sum = 0;
-    bool is_fine = !text || numbers_parse(out->box, 5, text, ',') == 5;
-    for (int way = 0; way < 5; way++) {
-        is_fine = is_fine && out->box[way] >= 0 && out->box[way] <= 1000;
-        sum += out->box[way];
-        out->box[way] = way < 3 ? out->box[way] : radians(out->box[way]);
-    }
-    is_fine = is_fine && (!text || sum > 0);
-    return is_fine || refuse("--box: \"%s\" is not five numbers X,Y,Z,PITCH,YAW from 0 to 1000, one above 0", text);
 }
 
 static bool has_avoided(const struct constraints *constraints)
@@ -411,10 +380,8 @@ static int try_poses(struct planning *planning)
         .threads = settings->threads,
         .top = planning->top,
         .infeasible = settings->infeasible,
-        .no_pruning = settings->no_pruning,
         .rank = settings->rank,
         .score = settings->score,
-        .pareto = settings->pareto,
         .angle = settings_angle(&settings->request.aim, &settings->request.engine),
         .far = planning->candidates.far,
         .entries = settings->map ? conus_sites_count(planning->candidates.from.sites) : 0,
@@ -759,7 +726,7 @@ static int run_plan(const void *given, const struct arguments *arguments)
     }
     bool fits = !code && settings_check_shape(&settings->request.aim, &settings->request.engine, arguments) &&
                 read_top(&planning.top, settings->top) && read_step(&planning.step, option_key(arguments, "profile")) &&
-                read_pivot(&planning.pivot, settings->pivot) && read_box(&planning.pivot, settings->box) &&
+                read_pivot(&planning.pivot, settings->pivot) &&
                 (!settings->jitter || settings_jitter(&planning.jitter, settings->jitter, settings->samples, true)) &&
                 space_settings_check(arguments, &settings->request.aim.space);
     code = code || fits ? code : EXIT_USAGE;
@@ -782,7 +749,7 @@ static int run_plan(const void *given, const struct arguments *arguments)
 
 static void help_keys(FILE *out)
 {
-    fputs("Keys of --rank, --score and --pareto\n"
+    fputs("Keys of --rank and --score\n"
           "  leeway                      mm by which no point of the axis may be off before a constraint breaks\n"
           "  slack                       least clearance from what is avoided, less its margin, mm\n"
           "  clearance                   the same with the margin, mm\n"

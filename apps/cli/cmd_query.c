@@ -110,9 +110,6 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
         format != CONUS_FORMAT_TABLE) {
         return refuse("%s: --voxels writes TSV; end the name in .tsv", settings->voxels);
     }
-    if (settings->files.deep && settings->request.engine.layers != CONUS_LAYERS_ALL) {
-        return refuse("--deep needs --layers all");
-    }
     return ends_check(&settings->ends, arguments);
 }
 
@@ -292,7 +289,7 @@ static int ask_atlases(struct query_run *run, const struct query *query, bool *f
             return EXIT_DONE;
         }
         code = status ? print_status(status) : add_answer(run, i, query, selection);
-        code = code ? code : selection_files_take(&run->files, &selection, run->request.atlases.items[i].atlas);
+        code = code ? code : selection_files_take(&run->files, selection, run->request.atlases.items[i].atlas);
         conus_selection_destroy(selection);
     }
     return code || !query->is_point ? code : refuse_axes(run, query->id, query->line, POINT_HAS_NO_AXIS);

@@ -399,7 +399,6 @@ struct render_settings {
     struct context_choice context;
     const char *transfer;
     bool has_shell;
-    bool no_skipping;
     struct cut_settings cuts;
     struct turn_settings turn;
     bool strips;
@@ -479,9 +478,6 @@ static const struct option picture_options[] = {
          "the same hits; auto is gl where there is a driver, else rays, and rays for hits:",
      .choices = settings_engines,
      .words = "GPU, CPU, software"},
-    {.name = "no-skipping",
-     OPTION_AT(struct render_settings, no_skipping),
-     .help = "sample empty space, too: the same picture, slower"},
     {0},
 };
 
@@ -869,8 +865,7 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
                        .listed = picture->translucent.listed,
                        .probes = picture->probes,
                        .probe_count = picture->probe_count,
-                       .frame = &picture->frame,
-                       .no_skipping = settings->no_skipping};
+                       .frame = &picture->frame};
     figure_view(&view, &settings->figure);
     if (picture->probe_count && !settings->translucent.opacity.count) {
         view.pale = FAINT;

@@ -183,10 +183,9 @@ bool render_cuts_have_places(const struct cut_settings *settings, const struct a
 
 bool render_cuts_check(const struct cut_settings *settings, const struct arguments *arguments)
 {
-    static const char *const of_space[] = {"view",    "camera",          "camera-origin", "field-of-view",
-                                           "frustum", "transfer",        "no-skipping",   "pathway-transfer",
-                                           "opacity", "context-opacity", "map",           "streamline-colour",
-                                           "frames",  "unselected",      "shell"};
+    static const char *const of_space[] = {
+        "view",    "camera",          "camera-origin", "field-of-view",     "frustum", "transfer",   "pathway-transfer",
+        "opacity", "context-opacity", "map",           "streamline-colour", "frames",  "unselected", "shell"};
     if (!settings->cuts) {
         return true;
     }

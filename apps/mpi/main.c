@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus-mpi batch: conus batch on all ranks of an MPI job. Rank 0 leads: it alone reads the command's files of jobs and
+/* conus-mpi batch: conus batch on all ranks of an MPI job. Rank 0 leads: it alone reads the command line and the
  * journals, and announces each batch to the others. The first rank of each node loads the atlases for all that run
  * there. Every rank reads the poses' file by itself, and passes over the poses that are others'. */
 #include "base/system/system.h"
@@ -377,14 +377,12 @@ static const struct command batch = {
     .name = "batch",
     .summary = "answer a file of poses on all ranks of an MPI job",
     .operands = {"ATLAS"},
-    .optional = true,
     .form = "--poses FILE -o FILE",
     .description =
         "As conus batch, whose file it writes byte for byte, started by mpirun or srun. Each rank answers with\n"
         "one thread unless --threads says otherwise; the ranks of a node share one atlas in memory.",
     .examples = "  mpirun -n 16 conus-mpi batch aal.nii.gz --poses poses.tsv -o rows.tsv\n"
-                "  mpirun -n 16 conus-mpi batch aal.nii.gz --poses poses.tsv -o rows.tsv --resume\n"
-                "  mpirun -n 16 conus-mpi batch --jobs subjects.tsv --summary --resume\n",
+                "  mpirun -n 16 conus-mpi batch aal.nii.gz --poses poses.tsv -o rows.tsv --resume\n",
     .groups = batch_groups,
     .settings_size = sizeof(struct batch_settings),
     .more_help = help_scores,

@@ -337,7 +337,8 @@ static int check_complete(const struct arguments *arguments)
     size_t next = arguments->operand_count;
     bool is_missing = next < OPERAND_LIMIT && command->operands[next] && !command->optional;
     if (is_missing && !(command->optional_last && (next + 1 == OPERAND_LIMIT || !command->operands[next + 1]))) {
-        return print_usage_error("%s is missing; conus %s --help shows how", command->operands[next], command->name);
+        return print_usage_error("%s is missing; %s %s --help shows how", command->operands[next],
+                                 command->program ? command->program : "conus", command->name);
     }
     for (size_t i = 0; (found = found_at(command, NULL, i)).option; i++) {
         if (found.option->required && !arguments->given[i]) {

@@ -285,7 +285,7 @@ const struct option aperture_options[] = {
              "its transducer at tx ty tz",
      OPTION_BETWEEN(0, 1e6),
      .flags = OPTION_OF_CONE,
-     .needs = "focus|pose|poses|jobs",
+     .needs = "focus|pose|poses",
      .excludes = "origin,angle,radius,range,layers"},
     {0},
 };

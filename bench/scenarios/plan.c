@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A plan of needles towards one area that keep away from its neighbours in the list, with pruning and without. */
-#include "conus/plan.h"
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "bench/support/bench.h"
+#include "selection/plan/plan.h"
 
 #include <stdio.h>
 
@@ -15,7 +15,7 @@ struct way {
     conus_selector *selector;
     conus_constraint wanted[WANTED];
     size_t count;
-    conus_plan_options options;
+    bool measures_all;
     const char *path;
     conus_plan *plan; /* the last run's */
     conus_status status;
@@ -27,7 +27,11 @@ static void run_plan(void *data)
     conus_pose_stream *poses = NULL;
     conus_plan_destroy(way->plan);
     way->plan = NULL;
-    conus_status status = conus_plan_create(&way->plan, way->selector, way->wanted, way->count, &way->options);
+    conus_status status = conus_plan_create(&way->plan, way->selector, way->wanted, way->count,
+                                            &(conus_plan_options){.threads = 1, .far = LENGTH});
+    if (!status && way->measures_all) {
+        plan_measure_all(way->plan);
+    }
     status = status ? status : conus_pose_stream_open(&poses, way->path, NULL);
     way->status = status ? status : conus_plan_run(way->plan, poses, UINT64_MAX);
     conus_pose_stream_destroy(poses);
@@ -85,8 +89,7 @@ conus_status bench_plan(struct bench *bench)
     uint32_t reached = status ? 0 : (uint32_t)atlas->object_count / 2;
     status = status ? status : write_needles(path, &atlas->volumes[0], reached, bench->options.poses);
     for (int w = 0; w < 2 && !status; w++) {
-        ways[w] = (struct way){.selector = selector, .path = path};
-        ways[w].options = (conus_plan_options){.threads = 1, .far = LENGTH, .no_pruning = w == 0};
+        ways[w] = (struct way){.selector = selector, .path = path, .measures_all = w == 0};
         for (uint32_t k = 0; k < WANTED && reached + k <= atlas->object_count; k++) {
             ways[w].wanted[ways[w].count++] =
                 (conus_constraint){.kind = k ? CONUS_CONSTRAINT_AVOID : CONUS_CONSTRAINT_REACH,

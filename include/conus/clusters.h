@@ -49,7 +49,7 @@ typedef struct conus_cluster_row {
 
 /**
  * Finds the clusters of a region of interest. A part of a cluster in an object is found as conus_overlap_create() finds
- * that of the region: over all clusters they sum to it, within its volume_error. A local maximum is a voxel, or
+ * that of the region: over all clusters they sum to it, about within its volume_error. A local maximum is a voxel, or
  * connected voxels of one value, without a higher neighbour (on the threshold's side); from the highest on those stay
  * that are at least #CONUS_MAXIMA_APART from all before them in their cluster. Masks have none.
  * @param[out] out The clusters; end it with conus_clusters_destroy().

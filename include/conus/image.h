@@ -20,8 +20,7 @@ typedef struct conus_image conus_image; /**< Named float and uint32 channels of 
 /**
  * Makes an image of the device's pixels: channels id (uint32: the atlas's own label), object (uint32), X, Y, Z, t
  * (float, world mm), top row first as in every image, with atlas and pose as attributes. Where a pixel has no hit, id
- * and object are 0, X, Y, Z are NaN and t is infinity. Channels CryptoObject00.R, .G, .B, .A hold the same as
- * Cryptomatte 1.2.0. A PNG of it is magnified, in the areas' colours, with a legend.
+ * and object are 0, X, Y, Z are NaN and t is infinity. A PNG of it is magnified, in the areas' colours, with a legend.
  * @param[out] out The image; end it with conus_image_destroy().
  * @param selection The selection. Its atlas must still be there.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a ball, which has no pixels.
@@ -29,19 +28,6 @@ typedef struct conus_image conus_image; /**< Named float and uint32 channels of 
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_image_of_selection(conus_image **out, const conus_selection *selection);
-
-/**
- * Writes everything in the cone as a deep OpenEXR image. Each interval of a pixel's ray inside an object is a sample,
- * by entry: id (uint32: the atlas's own label), object (uint32), Z and ZBack (float: depths along the axis where it
- * begins and ends), t and tBack (distances from the apex), A (1). The attribute idManifest names the objects. The file
- * appears whole or not at all.
- * @param selection The selection. Its atlas must still be there.
- * @param path The file.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT without #CONUS_LAYERS_ALL; #CONUS_ERROR_IO where the system refuses.
- * @threads Any, while none changes the atlas.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_selection_write_deep(const conus_selection *selection, const char *path);
 
 /**
  * Gives the width.

@@ -99,8 +99,8 @@ typedef struct conus_coverage {
     double peak; /**< Among the region's voxels or tetrahedra that are in it at least in part: the value farthest from 0
                     on the threshold's side; of a mask its value. */
     double peak_point[3]; /**< Centre of that one, world mm; of several the first in the file. */
-    double volume_error; /**< The volume is no farther off, mm³, where lines had a part in it (Eq. 16: an estimate, too
-                            large rather than too small); 0 = exact. */
+    double volume_error;  /**< An estimate of how far the volume is off, mm³, where lines had a part in it (Eq. 16),
+                             rather too large than too small: of 81 volumes one was off by 1.04 of it; 0 = exact. */
 } conus_coverage;
 
 /**

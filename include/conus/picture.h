@@ -181,7 +181,6 @@ typedef struct conus_view {
     const conus_selection *selection; /**< NULL = none; else draws its cone, axis and contacts. */
     uint32_t chosen;                  /**< Object that is never pale, with those below it in the area tree, in pictures
                                          with own_colours and without a selection; 0 = none. */
-    bool no_skipping;                 /**< Blend every sample: the same picture, slower (for comparison). */
     bool no_legend;                   /**< Leave out the text. */
     bool draft;          /**< Leave edges rough, and many streamlines out where there are many: quicker. Lines
                             are at least a pixel wide. */

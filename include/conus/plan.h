@@ -87,14 +87,10 @@ typedef struct conus_plan_options {
     uint64_t top;       /**< Poses to list; 0 = 20, UINT64_MAX = all. Memory grows with them alone. */
     bool infeasible;    /**< Poses that break a constraint are listed, too, behind the others, by candidate; within
                            top. */
-    bool no_pruning;    /**< Everything is measured of every pose: slower, the same answer. */
     const char *rank;   /**< Keys separated by commas, the more important first; larger is better, of -KEY smaller;
                            KEY/STEP compares floor(key / STEP). NULL = "leeway,-depth". */
     const char *score;  /**< Formula of the key score: numbers, keys, + - * / and parentheses, as of Eq. 12. NULL =
                            none. */
-    const char *pareto; /**< Keys for conus_planned.front, as of rank without steps; NULL = none. All that is feasible
-                           is kept for it: 8 bytes a key and 16 a pose, and its fronts take up to the square of the
-                           poses' number in time. */
     double angle;       /**< Opening of poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0.
                            Only measures of the cone need it. */
     double far;         /**< Far end of poses that have none of their own, mm from the apex; 0 = that of the selector's
@@ -135,23 +131,21 @@ typedef struct conus_verdict {
 
 /** A pose of the list. */
 typedef struct conus_planned {
-    const char *id;      /**< As of conus_pose_row. */
-    uint64_t candidate;  /**< Number of its row in the stream, from 1. */
-    uint64_t rank;       /**< From 1; 0 where it is infeasible. */
-    uint64_t front;      /**< 1 where no pose is at least as good in all keys of pareto and better in one, 2 where none
-                            is when these are gone, and so on; 0 without pareto, and where it is infeasible. */
-    bool feasible;       /**< All constraints hold. */
-    size_t broken;       /**< Index of the first constraint that does not hold; SIZE_MAX = none. */
-    conus_pose pose;     /**< Apex and axis. */
-    double near;         /**< Where the needle begins, mm from the apex. */
-    double far;          /**< Where it ends. */
-    double angle;        /**< Opening of its cone, radians; 0 of a cylinder. */
-    double leeway;       /**< The least of the verdicts' (Eq. 22), mm; NaN where none is known. */
-    size_t leeway_of;    /**< Index of that constraint; SIZE_MAX where there is none. */
-    double slack;        /**< The least of the clearances' slacks, mm; NaN without one. */
-    double clearance;    /**< The least clearance, radius taken off, mm; NaN without one. */
-    size_t clearance_of; /**< Index of the constraint that has it; SIZE_MAX where there is none. */
-    double score;        /**< By the formula; NaN without one. */
+    const char *id;                /**< As of conus_pose_row. */
+    uint64_t candidate;            /**< Number of its row in the stream, from 1. */
+    uint64_t rank;                 /**< From 1; 0 where it is infeasible. */
+    bool feasible;                 /**< All constraints hold. */
+    size_t broken;                 /**< Index of the first constraint that does not hold; SIZE_MAX = none. */
+    conus_pose pose;               /**< Apex and axis. */
+    double near;                   /**< Where the needle begins, mm from the apex. */
+    double far;                    /**< Where it ends. */
+    double angle;                  /**< Opening of its cone, radians; 0 of a cylinder. */
+    double leeway;                 /**< The least of the verdicts' (Eq. 22), mm; NaN where none is known. */
+    size_t leeway_of;              /**< Index of that constraint; SIZE_MAX where there is none. */
+    double slack;                  /**< The least of the clearances' slacks, mm; NaN without one. */
+    double clearance;              /**< The least clearance, radius taken off, mm; NaN without one. */
+    size_t clearance_of;           /**< Index of the constraint that has it; SIZE_MAX where there is none. */
+    double score;                  /**< By the formula; NaN without one. */
     const conus_verdict *verdicts; /**< [constraints] Of each constraint. */
     uint64_t entry;                /**< As of conus_pose_row, 0 = none. */
     uint64_t target;               /**< Likewise. */
@@ -383,7 +377,7 @@ CONUS_CHECKED conus_status conus_plan_state(const char **text, size_t *size, con
 /**
  * Takes over the results of another plan, with the same atlas, selector, constraints and options, for rows of the same
  * poses. conus_plan_run() then passes over these rows, except candidates that are kept; the result is as if it had
- * tried them all. Of these options only the threads and the pruning may differ, and entries and targets may be 0.
+ * tried them all. Of these options only the threads may differ, and entries and targets may be 0.
  * @param[out] end Number of the row behind those that are known, from 0.
  * @param plan Not run before. The stream that it will run is at the first row of its first state.
  * @param text [size] From conus_plan_state(). Its rows follow those of the state added before.
@@ -401,18 +395,17 @@ CONUS_CHECKED conus_status conus_plan_add_state(uint64_t *end, conus_plan *plan,
 
 /** A degree of freedom. Shifts and the depth are in mm, up to 20; turns in radians, up to 30 degrees. */
 typedef enum conus_freedom {
-    CONUS_FREEDOM_X = 0,     /**< Shift along x, */
-    CONUS_FREEDOM_Y,         /**< y, */
-    CONUS_FREEDOM_Z,         /**< or z of the world, or of conus_tolerance_options.shifts. */
-    CONUS_FREEDOM_DEPTH,     /**< The far end along the axis; the near end stays. */
-    CONUS_FREEDOM_SIDE,      /**< Shift along the device's x. */
-    CONUS_FREEDOM_UP,        /**< Shift along the device's y. */
-    CONUS_FREEDOM_PITCH,     /**< Turn about the device's x, */
-    CONUS_FREEDOM_YAW,       /**< about its y, */
-    CONUS_FREEDOM_AZIMUTH,   /**< about the vertical (conus_tolerance_options.up), */
-    CONUS_FREEDOM_ELEVATION, /**< or towards the vertical; of an axis along it about the device's x. All turns are about
+    CONUS_FREEDOM_X = 0,    /**< Shift along x, */
+    CONUS_FREEDOM_Y,        /**< y, */
+    CONUS_FREEDOM_Z,        /**< or z of the world, or of conus_tolerance_options.shifts. */
+    CONUS_FREEDOM_DEPTH,    /**< The far end along the axis; the near end stays. */
+    CONUS_FREEDOM_SIDE,     /**< Shift along the device's x. */
+    CONUS_FREEDOM_UP,       /**< Shift along the device's y. */
+    CONUS_FREEDOM_PITCH,    /**< Turn about the device's x, */
+    CONUS_FREEDOM_YAW,      /**< about its y, */
+    CONUS_FREEDOM_AZIMUTH,  /**< about the vertical (conus_tolerance_options.up), */
+    CONUS_FREEDOM_ELEVATION /**< or towards the vertical; of an axis along it about the device's x. All turns are about
                                lines through the pivot, by the right-hand rule. */
-    CONUS_FREEDOM_BOX        /**< x, y, z, then pitch and after it yaw about the device's own y, at once. */
 } conus_freedom;
 
 /** How many rows conus_plan_tolerance() fills: two for each degree of freedom. */
@@ -444,8 +437,6 @@ typedef struct conus_tolerance_options {
     double pivot;        /**< Depth of the point about which the needle turns, mm; 0 = the device's position. */
     bool pivot_at_tip;   /**< It turns about the far end. */
     double shifts[3][3]; /**< World directions of x, y and z, of any length but 0; all 0 = the world's. */
-    double box[5];       /**< For conus_plan_box(): by how much x, y and z, mm, and pitch and yaw, radians, may be off
-                            at once, to either side; all 0 = nothing is asked. */
     double up[3];        /**< World direction about and towards which azimuth and elevation turn, of any length but 0;
                             all 0 = the world's z. */
 } conus_tolerance_options;
@@ -466,22 +457,6 @@ typedef struct conus_tolerance_options {
  */
 CONUS_CHECKED conus_status conus_plan_tolerance(conus_tolerance *out, conus_plan *plan, const conus_planned *pose,
                                                 const conus_tolerance_options *options);
-
-/**
- * Finds the factor by which a box of deviations may grow. With holds_to no deviation in the box breaks a constraint;
- * with fails_at one is known that does, and the rest of @p out says which constraint breaks. Both are up to 1 % apart,
- * or farther where 20,000 parts of the box do not prove more. fails_at is NaN where none breaks up to 20 mm or 30
- * degrees. Constraints without a leeway are asked in the middle of each part only: method sampled.
- * @param[out] out Of #CONUS_FREEDOM_BOX; holds_to and fails_at are factors.
- * @param plan The plan.
- * @param pose From conus_plan_pose() or conus_plan_try() of this plan.
- * @param options With a box.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number out of its range or no box; the errors of conus_select().
- * @threads As for conus_plan_tolerance().
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_plan_box(conus_tolerance *out, conus_plan *plan, const conus_planned *pose,
-                                          const conus_tolerance_options *options);
 /** @} */
 
 #ifdef __cplusplus

@@ -299,8 +299,8 @@ static void add_labelled(const struct scene *scene, const struct manifest_pathwa
         probability_add(scene->job, load->atlas, file, volume, &label, &scale, threshold);
     }
     if (job_ok(scene->job)) {
-        job_note(scene->job, "%s: %zu areas by probabilities of %s and more (values: %s)", path_base(file->path),
-                 labels->count, NUMBER_TEXT(threshold), scale.words);
+        job_note(scene->job, "%s: %zu area%s by probabilities of %s and more (values: %s)", path_base(file->path),
+                 labels->count, labels->count == 1 ? "" : "s", NUMBER_TEXT(threshold), scale.words);
     }
     atlas_take(scene->job, load->atlas);
 }

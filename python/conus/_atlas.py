@@ -953,7 +953,6 @@ class Selector(Guarded):
         top: Optional[int] = 20,
         rank: Optional[str] = None,
         score: Optional[str] = None,
-        pareto: Optional[str] = None,
         infeasible: bool = False,
         jitter: Any = None,
         samples: int = 0,
@@ -1009,7 +1008,7 @@ class Selector(Guarded):
             Opening of the cone, degrees, of poses that have none of their own; 10 unless there is a radius.
         top
             Poses to list; None = all.
-        rank, score, pareto
+        rank, score
             As of the program: "leeway,-depth" by default.
         infeasible
             Lists the others, too, behind those.
@@ -1043,16 +1042,15 @@ class Selector(Guarded):
             far, beyond = depth_of(depth)
             stream = candidates_stream(self, entries, targets, tilt, roll, beyond, constraints.reached(), sources)
         return plan_of(self, constraints, stream, errors, far, infeasible, top, threads, angle, shanks,
-                       (rank, score, pareto), jitter, samples, sources)
+                       (rank, score), jitter, samples, sources)
 
-    def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", box: Any = None,
-                  **options: Any) -> pandas.DataFrame:
+    def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", **options: Any) -> pandas.DataFrame:
         """By how much needles may be off before a constraint breaks: :meth:`Plan.tolerance` of all given poses.
 
         ``options`` are those of :meth:`plan`. Of a pose that breaks a constraint as it is all are 0.
         """
         given: dict[str, Any] = {"infeasible": True, "top": None, **options}
-        return self.plan(reach, avoid, **given).tolerance(pivot, box)
+        return self.plan(reach, avoid, **given).tolerance(pivot)
 
     def sweep(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
@@ -1618,11 +1616,10 @@ class Atlas:
                                    "resolution": resolution})
         return selector.plan(reach, avoid, **options)
 
-    def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", box: Any = None,
-                  **options: Any) -> pandas.DataFrame:
+    def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", **options: Any) -> pandas.DataFrame:
         """By how much needles may be off before a constraint breaks: see :meth:`Selector.tolerance`."""
         given: dict[str, Any] = {"infeasible": True, "top": None, **options}
-        return self.plan(reach, avoid, **given).tolerance(pivot, box)
+        return self.plan(reach, avoid, **given).tolerance(pivot)
 
     def sweep(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
               angle: float = 60, **options: Any) -> Sweep:

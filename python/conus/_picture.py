@@ -283,7 +283,6 @@ class Renderer(Bound):
         chosen: Union[str, int, None] = None,
         fade: float = 0,
         legend: Union[bool, str] = True,
-        skipping: bool = True,
         draft: bool = False,
         style: str = "auto",
         view: Optional[str] = None,
@@ -334,8 +333,6 @@ class Renderer(Bound):
             False leaves out all text. "right" has the legend beside the drawing, "below" under it, where
             the picture becomes higher, "none" nowhere; True or "auto" on the right of a picture that is
             wide enough, else below.
-        skipping : bool
-            Skip empty space: the same picture, quicker.
         draft : bool
             Leave edges rough, and many streamlines out where there are many: quicker.
         style : str
@@ -403,7 +400,7 @@ class Renderer(Bound):
                     {"camera": camera, "camera_origin": camera_origin, "field_of_view": field_of_view,
                      "frustum": frustum, "opacity": opacity, "unselected": unselected,
                      "view": view,
-                     "fade": fade or None, "draft": draft or None, "skipping": None if skipping else skipping}, probes)
+                     "fade": fade or None, "draft": draft or None}, probes)
         if probes and (legend_rows is not None or legend_areas):
             raise ArgumentError("legend_rows, legend_areas: have no effect with probes, which have no legend")
         options.print = [width_mm is not None, False, True][choice("style", style, _STYLES)]
@@ -422,7 +419,6 @@ class Renderer(Bound):
             options.frame = selection.space._frame if selection.space else ffi.NULL
         options.chosen = 0 if chosen is None else self.atlas.find(chosen)
         options.fade, options.draft = real("fade", fade), flag("draft", draft)
-        options.no_skipping = not flag("skipping", skipping)
         beside = options.print and selection is not None and not alive
         options.side = choice("view", ("beside" if beside else "cone") if view is None else view, _SIDES)
         options.no_legend = legend is False

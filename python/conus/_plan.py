@@ -287,12 +287,11 @@ class Plan(Bound):
         broken = None if planned.feasible else int(planned.broken)
         return {"feasible": bool(planned.feasible), "broken": broken, **numbers_of, "verdicts": verdicts}
 
-    def tolerance(self, pivot: Any = "entry", box: Any = None) -> pandas.DataFrame:
+    def tolerance(self, pivot: Any = "entry") -> pandas.DataFrame:
         """By how much each pose may be off along each degree of freedom before a constraint breaks (Eq. 23).
 
-        The needle turns about ``pivot``: "entry", the device's position; "tip", its far end; or a depth in mm. A
-        ``box`` of x, y, z (mm), pitch and yaw (degrees) adds by which factor all of these may be off at once. The rows
-        are those of ``--tolerance``.
+        The needle turns about ``pivot``: "entry", the device's position; "tip", its far end; or a depth in mm. The
+        rows are those of ``--tolerance``.
         """
         options = ffi.new("conus_tolerance_options *")
         options.pivot_at_tip = pivot == "tip"
@@ -300,11 +299,6 @@ class Plan(Bound):
             options.pivot = real("pivot", pivot)
         elif pivot not in ("entry", "tip"):
             raise ArgumentError(f"pivot: {shown(pivot)} is neither a number nor entry nor tip")
-        if box is not None:
-            extents = numbers("box", box)
-            if extents.shape != (5,) or not (extents >= 0).all() or not extents.any():
-                raise ArgumentError(f"box: {shown(box)} is not x, y, z, pitch and yaw of 0 or more, one above 0")
-            options.box = [*extents[:3], *np.radians(extents[3:])]
         return self._table("TOLERANCE", options)
 
     def map(self, key: str, of: str = "entries") -> Array:
@@ -341,7 +335,7 @@ def plan_of(
     far: Optional[float], infeasible: bool, top: Optional[int], threads: Optional[int], angle: Any, shanks: Any,
     words: Sequence[Optional[str]], jitter: Any, samples: int, sources: Optional[Mapping[str, Array]],
 ) -> Plan:
-    """What :meth:`Selector.plan` gives; ``words`` are rank, score and pareto, ``sources`` what has maps.
+    """What :meth:`Selector.plan` gives; ``words`` are rank and score, ``sources`` what has maps.
 
     The stream is what fills ``sources``.
     """
@@ -356,8 +350,8 @@ def plan_of(
         if places.ndim != 2 or places.shape[1] != 2:
             raise ArgumentError(f"shanks: an array of shape {places.shape}, wanted is (n, 2)")
         options.shanks, options.shank_count = ffi.from_buffer("double[]", places), len(places)
-    texts = [optional(utf8, name, word) for name, word in zip(("rank", "score", "pareto"), words)]
-    options.rank, options.score, options.pareto = texts
+    texts = [optional(utf8, name, word) for name, word in zip(("rank", "score"), words)]
+    options.rank, options.score = texts
     errors_of_pose = _jitter_of(jitter, samples)
     options.jitter = errors_of_pose
     rows = constraints.array()

@@ -80,8 +80,8 @@ struct colour_marker {
 struct colour_view {
     const struct camera *camera;
     uint32_t width, height;
-    uint32_t slices; /**< N of Eq. 7; 0 = default.                                       */
-    bool no_skipping;
+    uint32_t slices;                  /**< N of Eq. 7; 0 = default.                                       */
+    bool no_skipping;                 /**< Blends every sample: the same picture, slower, to compare with. */
     double draft;                     /**< mm; fewer streamlines, at least so wide: see tube_layer.h. 0 = all. */
     struct picture_listener listener; /**< Hears of the pieces that are drawn, and of each time that rays are cast. */
     double shift[2];                  /**< From pixel centres to rays, in pixels, right and up.                   */

@@ -13,15 +13,14 @@
 
 /* clang-format off */
 #define EXR_FUNCTIONS(F)                                                                                               \
-    F(exr_, add_channel) F(exr_, add_part) F(exr_, attr_declare_by_type) F(exr_, attr_set_float) F(exr_, attr_set_int) \
-    F(exr_, attr_set_m44d) F(exr_, attr_set_string) F(exr_, attr_set_user) F(exr_, decoding_choose_default_routines)   \
-    F(exr_, decoding_destroy) F(exr_, decoding_initialize) F(exr_, decoding_run) F(exr_, decoding_update)              \
-    F(exr_, encoding_choose_default_routines) F(exr_, encoding_destroy) F(exr_, encoding_initialize)                   \
-    F(exr_, encoding_run) F(exr_, encoding_update) F(exr_, finish) F(exr_, get_attribute_by_index)                     \
-    F(exr_, get_attribute_count) F(exr_, get_channels) F(exr_, get_compression) F(exr_, get_count)                     \
-    F(exr_, get_data_window) F(exr_, get_default_error_message) F(exr_, get_scanlines_per_chunk) F(exr_, get_storage)  \
-    F(exr_, initialize_required_attr_simple) F(exr_, read_scanline_chunk_info) F(exr_, set_version)                    \
-    F(exr_, start_read) F(exr_, start_write) F(exr_, write_deep_scanline_chunk) F(exr_, write_header)                  \
+    F(exr_, add_channel) F(exr_, add_part) F(exr_, attr_set_float) F(exr_, attr_set_m44d) F(exr_, attr_set_string)     \
+    F(exr_, decoding_choose_default_routines) F(exr_, decoding_destroy) F(exr_, decoding_initialize)                   \
+    F(exr_, decoding_run) F(exr_, decoding_update) F(exr_, encoding_choose_default_routines)                           \
+    F(exr_, encoding_destroy) F(exr_, encoding_initialize) F(exr_, encoding_run) F(exr_, encoding_update)              \
+    F(exr_, finish) F(exr_, get_attribute_by_index) F(exr_, get_attribute_count) F(exr_, get_channels)                 \
+    F(exr_, get_compression) F(exr_, get_count) F(exr_, get_data_window) F(exr_, get_default_error_message)            \
+    F(exr_, get_scanlines_per_chunk) F(exr_, get_storage) F(exr_, initialize_required_attr_simple)                     \
+    F(exr_, read_scanline_chunk_info) F(exr_, start_read) F(exr_, start_write) F(exr_, write_header)                   \
     F(exr_, write_scanline_chunk_info)
 /* clang-format on */
 

@@ -45,23 +45,6 @@ void conus_image_destroy(conus_image *image)
     memory_free(image);
 }
 
-conus_status image_append_channel(struct image_channel **channels, size_t *count, const char *name,
-                                  enum image_type type, size_t values)
-{
-    struct image_channel *longer = memory_resize(*channels, *count + 1, sizeof *longer);
-    if (!longer) {
-        return CONUS_ERROR_MEMORY;
-    }
-    *channels = longer;
-    struct image_channel channel = {.type = type, .floats = memory_zeroed(values, sizeof(float))};
-    if (!channel.floats) {
-        return CONUS_ERROR_MEMORY;
-    }
-    snprintf(channel.name, sizeof channel.name, "%s", name);
-    longer[(*count)++] = channel;
-    return CONUS_OK;
-}
-
 conus_status image_add_channel(conus_image *image, const char *name, enum image_type type, struct image_channel **out)
 {
     size_t length = strlen(name);
@@ -77,12 +60,22 @@ conus_status image_add_channel(conus_image *image, const char *name, enum image_
         return fail(CONUS_ERROR_MEMORY, "image of %u x %u pixels and more than %zu channels, allowed are %llu bytes",
                     image->width, image->height, image->channel_count, (unsigned long long)IMAGE_MAX_BYTES);
     }
-    conus_status status =
-        image_append_channel(&image->channels, &image->channel_count, name, type, (size_t)image->width * image->height);
-    if (!status && out) {
-        *out = &image->channels[image->channel_count - 1];
+    struct image_channel *longer = memory_resize(image->channels, image->channel_count + 1, sizeof *longer);
+    if (!longer) {
+        return CONUS_ERROR_MEMORY;
     }
-    return status;
+    image->channels = longer;
+    struct image_channel channel = {.type = type,
+                                    .floats = memory_zeroed((size_t)image->width * image->height, sizeof(float))};
+    if (!channel.floats) {
+        return CONUS_ERROR_MEMORY;
+    }
+    snprintf(channel.name, sizeof channel.name, "%s", name);
+    longer[image->channel_count++] = channel;
+    if (out) {
+        *out = &longer[image->channel_count - 1];
+    }
+    return CONUS_OK;
 }
 
 conus_status image_create_rgba(conus_image **out, uint32_t width, uint32_t height)

@@ -86,8 +86,4 @@ static inline void image_lay(const struct image_rgba *to, size_t pixel, const fl
     }
 }
 
-/** image_add_channel() for a list of @p count channels of so many values each, without its checks. */
-conus_status image_append_channel(struct image_channel **channels, size_t *count, const char *name,
-                                  enum image_type type, size_t values);
-
 #endif

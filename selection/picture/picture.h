@@ -195,7 +195,4 @@ static inline size_t picture_flipped(uint32_t n, size_t pixel)
 /** Adds paths and SHA-256 of the atlas's files to the image's header; those of the context only if @p context. */
 conus_status picture_add_volumes(conus_image *image, const conus_atlas *atlas, bool context);
 
-/** Adds to the image's header how @p selection came about, the atlas's files, and what is in the cone. */
-conus_status picture_add_selection(conus_image *image, const conus_selection *selection);
-
 #endif

@@ -10,7 +10,6 @@
 #include "conus/version.h"
 #include "render/draw/legend.h"
 #include "render/image/image_srgb.h"
-#include "selection/picture/cryptomatte.h"
 #include "selection/selection.h"
 
 #include <math.h>
@@ -167,7 +166,8 @@ static conus_status add_names(conus_image *image, const conus_selection *selecti
     return add_buffer(image, "conus:objects", &text);
 }
 
-conus_status picture_add_selection(conus_image *image, const conus_selection *selection)
+/* How the selection came about, the atlas's files, and what is in the cone. */
+static conus_status add_attributes(conus_image *image, const conus_selection *selection)
 {
     const struct cone *cone = &selection->cone;
     char angle[TEXT_NUMBER_SIZE];
@@ -324,8 +324,7 @@ conus_status conus_image_of_selection(conus_image **out, const conus_selection *
     }
     conus_status status = image_create(&image, selection->evidence.resolution, selection->evidence.resolution);
     status = status ? status : add_channels(image, selection);
-    status = status ? status : picture_add_selection(image, selection);
-    status = status ? status : cryptomatte_add(image, selection);
+    status = status ? status : add_attributes(image, selection);
     status = status ? status : create_picture(&picture, selection);
     if (!status) {
         status = image_srgb_bytes(&image->png_rgba, picture);

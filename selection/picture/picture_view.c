@@ -712,7 +712,6 @@ static conus_status draw(struct picture *picture, conus_renderer *renderer)
     view->width = picture->drawing[0];
     view->height = picture->drawing[1];
     view->slices = picture->options.slices;
-    view->no_skipping = picture->options.no_skipping;
     view->draft = picture->options.draft ? pixel_mm(picture) : 0;
     view->listener = (struct picture_listener){picture->options.progress, picture->options.progress_user};
     view->fade = picture->options.fade;

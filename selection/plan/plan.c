@@ -27,7 +27,6 @@ struct entry {
     conus_planned planned;
     const double *keys; /* [key_count] Of the rank, as they are compared. */
     size_t key_count;
-    size_t feasible; /* its number among the feasible ones */
 };
 
 struct entries {
@@ -67,9 +66,6 @@ struct conus_plan {
     struct entries list;       /* Feasible poses during a run, then all that is listed. */
     struct entries infeasible; /* The first ones. */
     struct entry **misses;     /* [count] */
-    double *fronts;            /* [feasible][pareto_count] Keys of all feasible poses, */
-    uint64_t *front_poses;     /* [feasible] and their numbers */
-    size_t front_capacity, pose_capacity, feasible;
     struct bests bests[BESTS];
     struct plan_bar bar;
     pthread_mutex_t lock; /* of the bar, during a run */
@@ -96,7 +92,7 @@ static void finish_entries(struct entries *entries)
 
 static conus_status init_block(struct block *block, const conus_plan *plan)
 {
-    size_t key_count = 2 * plan->asked.order.rank_count + plan->asked.order.pareto_count;
+    size_t key_count = 2 * plan->asked.order.rank_count;
     block->trials = memory_zeroed(BLOCK, sizeof *block->trials);
     block->verdicts = memory_zeroed(BLOCK * plan->asked.count, sizeof *block->verdicts);
     block->keys = memory_zeroed(BLOCK * key_count, sizeof *block->keys);
@@ -107,7 +103,6 @@ static conus_status init_block(struct block *block, const conus_plan *plan)
         block->trials[i].verdicts = block->verdicts + i * plan->asked.count;
         block->trials[i].keys = block->keys + i * key_count;
         block->trials[i].bar = block->trials[i].keys + plan->asked.order.rank_count;
-        block->trials[i].pareto = block->trials[i].bar + plan->asked.order.rank_count;
     }
     return CONUS_OK;
 }
@@ -184,7 +179,7 @@ static conus_status init_options(conus_plan *plan, const conus_jitter_options *a
     status = status ? status
                     : batch_check_options(&plan->asked.options.threads, &block, &plan->asked.options.angle,
                                           plan->asked.selector);
-    plan->asked.options.rank = plan->asked.options.score = plan->asked.options.pareto = NULL;
+    plan->asked.options.rank = plan->asked.options.score = NULL;
     plan->asked.options.jitter = NULL;
     return status ? status : plan_jitter_init(&plan->asked.jitter, asked);
 }
@@ -259,8 +254,6 @@ void conus_plan_destroy(conus_plan *plan)
     memory_free(plan->shanks);
     memory_free(plan->left);
     memory_free((void *)plan->misses);
-    memory_free(plan->fronts);
-    memory_free(plan->front_poses);
     for (size_t k = 0; k < BESTS; k++) {
         memory_free(plan->bests[k].items);
         memory_free(plan->bests[k].keys);
@@ -361,7 +354,7 @@ static conus_status read_block(void *user, size_t slot, bool *may_follow)
     }
     *may_follow = count && plan->rows;
     block->end = pose_stream_position(plan->poses);
-    if (!status && !plan->asked.options.no_pruning && !plan->was_mapped &&
+    if (!status && !plan->asked.measures_all && !plan->was_mapped &&
         pose_stream_position(plan->poses) - plan->start >= MAPS_AFTER) {
         status = make_maps(plan);
     }
@@ -432,8 +425,7 @@ static struct entry *keep(const struct plan_trial *trial, const struct block *bl
     struct entry *entry = memory_raw(1, sizeof *entry + verdicts + keys + size);
     if (entry) {
         char *behind = (char *)(entry + 1);
-        *entry =
-            (struct entry){trial->planned, (double *)(behind + verdicts), plan->asked.order.rank_count, plan->feasible};
+        *entry = (struct entry){trial->planned, (double *)(behind + verdicts), plan->asked.order.rank_count};
         entry->planned.verdicts = memcpy(behind, trial->verdicts, verdicts);
         memcpy(behind + verdicts, trial->keys, keys);
         entry->planned.id = memcpy(behind + verdicts + keys, id, size);
@@ -500,16 +492,7 @@ static void take_best(conus_plan *plan, const struct plan_trial *trial, size_t k
 static conus_status take_feasible(conus_plan *plan, const struct plan_trial *trial, const struct block *block)
 {
     struct entries *list = &plan->list;
-    size_t keys = plan->asked.order.pareto_count;
     conus_status status = CONUS_OK;
-    if (keys) {
-        if (!memory_reserve(&plan->fronts, &plan->front_capacity, (plan->feasible + 1) * keys, sizeof *plan->fronts) ||
-            !memory_reserve(&plan->front_poses, &plan->pose_capacity, plan->feasible + 1, sizeof *plan->front_poses)) {
-            return CONUS_ERROR_MEMORY;
-        }
-        plan->front_poses[plan->feasible] = trial->planned.candidate;
-        memcpy(plan->fronts + plan->feasible * keys, trial->pareto, keys * sizeof *plan->fronts);
-    }
     plan->bar.has_feasible = true;
     for (size_t k = 0; k < BESTS; k++) {
         take_best(plan, trial, k);
@@ -517,7 +500,6 @@ static conus_status take_feasible(conus_plan *plan, const struct plan_trial *tri
     if (trial->is_measured) {
         status = keep_in(list, trial, block, plan);
     }
-    plan->feasible++;
     if (list->count > plan->asked.options.top &&
         list->count - plan->asked.options.top > plan->asked.options.top / 4 + SPARE) {
         cut_list(plan);
@@ -580,31 +562,21 @@ static void stop_reading(void *user)
 /* Makes the list from the poses that were kept. */
 static conus_status complete(conus_plan *plan)
 {
-    uint64_t *front = plan->asked.order.pareto_count ? memory_zeroed(plan->feasible, sizeof *front) : NULL;
-    conus_status status = CONUS_OK;
-    if (plan->asked.order.pareto_count) {
-        status = front ? plan_fronts(front, plan->fronts, plan->feasible, plan->asked.order.pareto_count)
-                       : CONUS_ERROR_MEMORY;
-    }
     cut_list(plan);
-    for (size_t i = 0; i < plan->list.count && !status; i++) {
-        struct entry *entry = plan->list.items[i];
-        entry->planned.rank = i + 1;
-        entry->planned.front = front ? front[entry->feasible] : 0;
+    for (size_t i = 0; i < plan->list.count; i++) {
+        plan->list.items[i]->planned.rank = i + 1;
     }
-    memory_free(front);
     size_t more = plan->asked.options.top - plan->list.count < plan->infeasible.count
                       ? (size_t)(plan->asked.options.top - plan->list.count)
                       : plan->infeasible.count;
-    if (!status &&
-        !memory_reserve(&plan->list.items, &plan->list.capacity, plan->list.count + more + 1, sizeof(struct entry *))) {
-        status = CONUS_ERROR_MEMORY;
+    if (!memory_reserve(&plan->list.items, &plan->list.capacity, plan->list.count + more + 1, sizeof(struct entry *))) {
+        return CONUS_ERROR_MEMORY;
     }
-    for (size_t i = 0; i < more && !status; i++) {
+    for (size_t i = 0; i < more; i++) {
         plan->list.items[plan->list.count++] = plan->infeasible.items[i];
         plan->infeasible.items[i] = NULL;
     }
-    return status;
+    return CONUS_OK;
 }
 
 static conus_status read_listed(void *user, size_t slot, bool *may_follow)
@@ -621,9 +593,9 @@ static conus_status ask_chances(void *user, size_t slot, size_t worker, const at
     struct entry *entry = plan->blocks[slot].listed;
     conus_status status =
         plan_jitter_ask(&entry->planned, (conus_verdict *)(entry + 1), &plan->workers[worker].judge, plan->asked.count,
-                        &plan->asked.jitter, true, 0, !plan->asked.options.no_pruning);
+                        &plan->asked.jitter, true, 0, !plan->asked.measures_all);
     (void)stop;
-    plan_order_keys(NULL, NULL, &entry->planned, &plan->asked.order); /* the score of infeasible poses, too */
+    plan_order_keys(NULL, &entry->planned, &plan->asked.order); /* the score of infeasible poses, too */
     return status;
 }
 
@@ -755,9 +727,6 @@ static void list_kept(struct plan_numbers *out, const conus_plan *plan)
             all[count++] = plan->bests[k].items[i].candidate;
         }
     }
-    for (size_t i = 0; i < plan->feasible && plan->asked.order.pareto_count; i++) {
-        all[count++] = plan->front_poses[i];
-    }
     for (size_t i = 0; i < plan->kept.count; i++) {
         all[count++] = plan->kept.items[i] > plan->done ? plan->kept.items[i] : 0;
     }
@@ -774,8 +743,7 @@ conus_status conus_plan_state(const char **text, size_t *size, conus_plan *plan)
     uint64_t rows[] = {plan->start, plan->done > plan->known ? plan->done : plan->known};
     uint64_t none[] = {plan->rejected.count, plan->rejected.line};
     size_t sites = (size_t)plan->bests[OF_ENTRY].count + (size_t)plan->bests[OF_TARGET].count;
-    size_t most =
-        plan->list.count + plan->infeasible.count + plan->asked.count + sites + plan->feasible + plan->kept.count;
+    size_t most = plan->list.count + plan->infeasible.count + plan->asked.count + sites + plan->kept.count;
     uint64_t *numbers = memory_raw(most + sites, sizeof *numbers);
     uint64_t *feasible = numbers;
     if (!numbers) {
@@ -855,6 +823,11 @@ bool conus_plan_has_leeway(const conus_plan *plan, size_t index)
     return index < plan->asked.count && plan->asked.constraints[index].has_leeway;
 }
 
+void plan_measure_all(conus_plan *plan)
+{
+    plan->asked.measures_all = true;
+}
+
 struct plan_judge *plan_judge_of(conus_plan *plan)
 {
     return &plan->workers[0].judge;
@@ -882,7 +855,7 @@ conus_status conus_plan_try(const conus_planned **out, conus_plan *plan, const c
     if (!status && plan->asked.jitter.errors) {
         status = plan_jitter_ask(&trial->planned, trial->verdicts, judge, plan->asked.count, &plan->asked.jitter, true,
                                  0, true);
-        plan_order_keys(NULL, NULL, &trial->planned, &plan->asked.order);
+        plan_order_keys(NULL, &trial->planned, &plan->asked.order);
     }
     for (size_t i = plan->asked.count; i-- > 0;) {
         trial->planned.broken = trial->verdicts[i].holds ? trial->planned.broken : i;

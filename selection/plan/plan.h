@@ -36,8 +36,8 @@ struct plan_name {
 struct plan_order {
     struct plan_name *names; /**< [name_count] The last is the score's, if there is one. */
     size_t name_count;
-    struct plan_key *rank, *pareto; /**< [rank_count], [pareto_count] */
-    size_t rank_count, pareto_count;
+    struct plan_key *rank; /**< [rank_count] */
+    size_t rank_count;
     struct formula *score; /**< NULL = none. */
     bool needs_leeway, needs_chance;
     size_t sure_count; /**< So many keys of the rank, the first ones, do without the chance. */
@@ -48,15 +48,12 @@ conus_status plan_order_init(struct plan_order *out, const struct plan_constrain
                              const conus_plan_options *options);
 void plan_order_finish(struct plan_order *order);
 
-/** Sets planned->score, and the keys of @p rank and @p pareto (either may be NULL) as they are compared: larger is
- * better. @p pose has its verdicts. */
-void plan_order_keys(double *rank, double *pareto, conus_planned *pose, const struct plan_order *order);
+/** Sets planned->score, and the keys of @p rank (may be NULL) as they are compared: larger is better. @p pose has its
+ * verdicts. */
+void plan_order_keys(double *rank, conus_planned *pose, const struct plan_order *order);
 
 /** Above 0 where keys @p a are better than @p b, below 0 where they are worse. */
 int plan_keys_compare(const double *a, const double *b, size_t count);
-
-/** The fronts of @p count poses with @p key_count keys each: front[i], from 1. */
-conus_status plan_fronts(uint64_t *front, const double *keys, size_t count, size_t key_count);
 
 /* plan_verdict.c */
 
@@ -131,16 +128,10 @@ conus_status plan_jitter_init(struct plan_jitter *out, const conus_jitter_option
 conus_status plan_jitter_ask(conus_planned *pose, conus_verdict *verdicts, struct plan_judge *judge, size_t count,
                              const struct plan_jitter *jitter, bool is_whole, double least, bool has_bounds);
 
-/* plan_tolerance.c */
-
-/** Checks options and fills in defaults; shifts become unit vectors. */
-conus_status plan_tolerance_fill(conus_tolerance_options *out, const conus_tolerance_options *options);
-
-/** Tells where constraint @p index breaks at a pose that is off. */
-conus_status plan_tolerance_describe(conus_tolerance *row, struct plan_judge *judge, size_t index,
-                                     const conus_planned *moved);
-
 /* plan.c */
+
+/** Measures everything of every pose, also what decides nothing: slower, the same answer, to compare with. */
+void plan_measure_all(conus_plan *plan);
 
 /** The judge of single poses outside of a run. */
 struct plan_judge *plan_judge_of(conus_plan *plan);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The order of poses: keys as they are printed, a score by a formula of them, and Pareto fronts. */
+/* The order of poses: keys as they are printed, and a score by a formula of them. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "base/order.h"
 #include "base/text.h"
 #include "base/text_number.h"
 #include "selection/plan/plan.h"
@@ -87,34 +86,28 @@ static conus_status parse_key(struct plan_key *out, struct text word, const stru
     return status;
 }
 
-static conus_status parse_keys(struct plan_key **out, size_t *count, const char *list, const struct plan_order *order,
-                               bool has_steps)
+static conus_status parse_keys(struct plan_order *order, const char *list)
 {
     bool more = true;
     struct text rest = text_from(list);
     conus_status status = CONUS_OK;
     while (more && !status) {
         struct text word;
-        struct plan_key *keys = memory_resize(*out, *count + 1, sizeof *keys);
+        struct plan_key *keys = memory_resize(order->rank, order->rank_count + 1, sizeof *keys);
         if (!keys) {
             return CONUS_ERROR_MEMORY;
         }
-        *out = keys;
+        order->rank = keys;
         text_field(&rest, ',', &more, &word);
-        status = parse_key(&keys[*count], word, order);
-        if (!status && keys[*count].step > 0 && !has_steps) {
-            status = fail(CONUS_ERROR_ARGUMENT, "a step, which only a rank has");
-        }
-        *count += 1;
+        status = parse_key(&keys[order->rank_count++], word, order);
     }
     return status;
 }
 
 static bool uses(const struct plan_order *order, enum plan_quantity quantity)
 {
-    for (size_t i = 0; i < order->rank_count + order->pareto_count; i++) {
-        const struct plan_key *key = i < order->rank_count ? &order->rank[i] : &order->pareto[i - order->rank_count];
-        if (order->names[key->name].quantity == quantity) {
+    for (size_t i = 0; i < order->rank_count; i++) {
+        if (order->names[order->rank[i].name].quantity == quantity) {
             return true;
         }
     }
@@ -144,12 +137,8 @@ conus_status plan_order_init(struct plan_order *out, const struct plan_constrain
         }
     }
     if (!status) {
-        status = parse_keys(&out->rank, &out->rank_count, options->rank ? options->rank : DEFAULT_RANK, out, true);
+        status = parse_keys(out, options->rank ? options->rank : DEFAULT_RANK);
         status = status == CONUS_ERROR_ARGUMENT ? fail_in(status, "rank") : status;
-    }
-    if (!status && options->pareto) {
-        status = parse_keys(&out->pareto, &out->pareto_count, options->pareto, out, false);
-        status = status == CONUS_ERROR_ARGUMENT ? fail_in(status, "pareto") : status;
     }
     if (status) {
         return status;
@@ -170,7 +159,6 @@ void plan_order_finish(struct plan_order *order)
 {
     memory_free(order->names);
     memory_free(order->rank);
-    memory_free(order->pareto);
     memory_free(order->score);
 }
 
@@ -208,7 +196,7 @@ static double compared(const struct plan_key *key, double value)
     return key->smaller ? -printed : printed;
 }
 
-void plan_order_keys(double *rank, double *pareto, conus_planned *pose, const struct plan_order *order)
+void plan_order_keys(double *rank, conus_planned *pose, const struct plan_order *order)
 {
     pose->score = NAN;
     if (order->score) {
@@ -221,9 +209,6 @@ void plan_order_keys(double *rank, double *pareto, conus_planned *pose, const st
     for (size_t i = 0; rank && i < order->rank_count; i++) {
         rank[i] = compared(&order->rank[i], value_of(&order->names[order->rank[i].name], pose));
     }
-    for (size_t i = 0; pareto && i < order->pareto_count; i++) {
-        pareto[i] = compared(&order->pareto[i], value_of(&order->names[order->pareto[i].name], pose));
-    }
 }
 
 int plan_keys_compare(const double *a, const double *b, size_t count)
@@ -234,66 +219,4 @@ int plan_keys_compare(const double *a, const double *b, size_t count)
         }
     }
     return 0;
-}
-
-/* Poses to be put in order: their keys, and which pose. */
-struct ranked {
-    const double *keys;
-    size_t pose;
-};
-
-static int better_first(const void *a, const void *b, void *key_count)
-{
-    return plan_keys_compare(((const struct ranked *)b)->keys, ((const struct ranked *)a)->keys, *(size_t *)key_count);
-}
-
-/* Whether keys `a` are at least as good in all and better in one. */
-static bool dominates(const double *a, const double *b, size_t count)
-{
-    bool is_better = false;
-    for (size_t i = 0; i < count; i++) {
-        if (a[i] < b[i]) {
-            return false;
-        }
-        is_better = is_better || a[i] > b[i];
-    }
-    return is_better;
-}
-
-/* In order of their keys, only an earlier pose can dominate a pose. Each front is a chain of its poses, newest first.
- * The first front without a pose that dominates is found by bisection: a pose that is dominated by one of a front is
- * dominated by one of each front before. */
-conus_status plan_fronts(uint64_t *front, const double *keys, size_t count, size_t key_count)
-{
-    struct ranked *poses = memory_raw(count, sizeof *poses);
-    size_t *newest = memory_raw(count, sizeof *newest); /* of each front, + 1 */
-    size_t *older = memory_raw(count, sizeof *older);   /* than each in its front, + 1 */
-    conus_status status = poses && newest && older ? CONUS_OK : CONUS_ERROR_MEMORY;
-    size_t fronts = 0;
-    for (size_t i = 0; i < count && !status; i++) {
-        poses[i] = (struct ranked){keys + i * key_count, i};
-    }
-    if (!status) {
-        order_sort_by(poses, count, sizeof *poses, better_first, &key_count);
-    }
-    for (size_t i = 0; i < count && !status; i++) {
-        size_t low = 0;
-        size_t high = fronts;
-        while (low < high) {
-            size_t middle = (low + high) / 2;
-            size_t other = newest[middle];
-            while (other && !dominates(poses[other - 1].keys, poses[i].keys, key_count)) {
-                other = older[other - 1];
-            }
-            *(other ? &low : &high) = other ? middle + 1 : middle;
-        }
-        older[i] = low < fronts ? newest[low] : 0;
-        newest[low] = i + 1;
-        fronts += low == fronts;
-        front[poses[i].pose] = low + 1;
-    }
-    memory_free(poses);
-    memory_free(newest);
-    memory_free(older);
-    return status;
 }

@@ -257,10 +257,6 @@ conus_status conus_report_add_tolerance(conus_report *report, conus_plan *plan, 
 {
     conus_tolerance_options filled = *options_of(conus_tolerance_options, options);
     conus_status status = begin_plan(report, plan, report->options.rows == CONUS_ROWS_TOLERANCE);
-    bool has_box = false;
-    for (int way = 0; way < 5; way++) {
-        has_box = has_box || filled.box[way] != 0;
-    }
     for (int a = 0; a < 3; a++) {
         const double axis[3] = {a == 0, a == 1, a == 2};
         conus_frame_direction_to_world(filled.shifts[a], &report->frame, axis);
@@ -269,14 +265,12 @@ conus_status conus_report_add_tolerance(conus_report *report, conus_plan *plan, 
     (void)pose_space_axes(axes, &report->frame);
     memcpy(filled.up, axes[0], sizeof filled.up);
     for (size_t i = 0; i < conus_plan_count(plan) && !status; i++) {
-        conus_tolerance tolerances[CONUS_TOLERANCE_COUNT + 1];
+        conus_tolerance tolerances[CONUS_TOLERANCE_COUNT];
         const conus_planned *pose = conus_plan_pose(plan, i);
         struct report_row *rows;
         status = conus_plan_tolerance(tolerances, plan, pose, &filled);
-        status = status || !has_box ? status : conus_plan_box(&tolerances[CONUS_TOLERANCE_COUNT], plan, pose, &filled);
-        size_t count = CONUS_TOLERANCE_COUNT + has_box;
-        status = status ? status : add_pose(&rows, report, pose, count);
-        for (size_t k = 0; k < count && !status; k++) {
+        status = status ? status : add_pose(&rows, report, pose, CONUS_TOLERANCE_COUNT);
+        for (size_t k = 0; k < CONUS_TOLERANCE_COUNT && !status; k++) {
             rows[k].planned.tolerance = tolerances[k];
         }
     }

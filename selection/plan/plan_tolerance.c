@@ -210,11 +210,13 @@ static conus_status advance(bool *grazes, struct course *course, struct plan_jud
     }
 }
 
-conus_status plan_tolerance_describe(conus_tolerance *row, struct plan_judge *judge, size_t index,
-                                     const conus_planned *moved)
+/* Tells where constraint `index` breaks. */
+static conus_status describe(conus_tolerance *row, struct plan_judge *judge, size_t index, const struct motion *motion)
 {
     conus_verdict verdict;
-    plan_judge_turn(judge, moved);
+    conus_planned moved;
+    move(&moved, motion, row->fails_at);
+    plan_judge_turn(judge, &moved);
     conus_status status = plan_judge(&verdict, judge, index, PLAN_SLACKS);
     if (status) {
         return status;
@@ -224,13 +226,6 @@ conus_status plan_tolerance_describe(conus_tolerance *row, struct plan_judge *ju
     row->depth = verdict.depth;
     needle_point(row->at, &judge->shanks[verdict.shank - 1].needle, verdict.depth);
     return CONUS_OK;
-}
-
-static conus_status describe(conus_tolerance *row, struct plan_judge *judge, size_t index, const struct motion *motion)
-{
-    conus_planned moved;
-    move(&moved, motion, row->fails_at);
-    return plan_tolerance_describe(row, judge, index, &moved);
 }
 
 /* Follows all constraints along a motion, always the one that is known to hold least far. */
@@ -265,7 +260,8 @@ static conus_status follow(conus_tolerance *row, struct plan_judge *judge, struc
     return status;
 }
 
-conus_status plan_tolerance_fill(conus_tolerance_options *out, const conus_tolerance_options *options)
+/* Checks options and fills in defaults; shifts become unit vectors. */
+static conus_status fill_options(conus_tolerance_options *out, const conus_tolerance_options *options)
 {
     static const double axes[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     *out = *options_of(conus_tolerance_options, options);
@@ -297,7 +293,7 @@ conus_status conus_plan_tolerance(conus_tolerance *out, conus_plan *plan, const 
     size_t count = conus_plan_constraint_count(plan);
     conus_tolerance rows[CONUS_TOLERANCE_COUNT];
     conus_tolerance_options filled;
-    conus_status status = plan_tolerance_fill(&filled, options);
+    conus_status status = fill_options(&filled, options);
     if (status) {
         return status;
     }

@@ -88,7 +88,7 @@ static void summarise(struct plan_trial *trial, const struct plan_asked *asked)
             }
         }
     }
-    plan_order_keys(trial->keys, trial->pareto, planned, &asked->order);
+    plan_order_keys(trial->keys, planned, &asked->order);
 }
 
 conus_status plan_trial_measure(struct plan_trial *trial, struct plan_judge *judge, const struct plan_asked *asked,
@@ -110,8 +110,8 @@ static conus_status add_chance(struct plan_trial *trial, struct plan_worker *wor
                                double least)
 {
     conus_status status = plan_jitter_ask(&trial->planned, trial->verdicts, &worker->judge, asked->count,
-                                          &asked->jitter, false, least, !asked->options.no_pruning);
-    plan_order_keys(trial->keys, trial->pareto, &trial->planned, &asked->order);
+                                          &asked->jitter, false, least, !asked->measures_all);
+    plan_order_keys(trial->keys, &trial->planned, &asked->order);
     return status;
 }
 
@@ -150,9 +150,8 @@ static conus_status may_enter(bool *out, struct plan_trial *trial, struct plan_w
 
 conus_status plan_trial_try(struct plan_trial *trial, struct plan_worker *worker, const struct plan_asked *asked)
 {
-    bool measures_all = asked->options.no_pruning;
     size_t breaks = 0;
-    size_t enough = measures_all ? SIZE_MAX : worker->bar.has_feasible ? 1 : 2; /* a miss breaks one constraint */
+    size_t enough = asked->measures_all ? SIZE_MAX : worker->bar.has_feasible ? 1 : 2; /* a miss breaks one constraint */
     conus_status status = CONUS_OK;
     trial->planned.broken = SIZE_MAX;
     trial->is_measured = false;
@@ -165,10 +164,9 @@ conus_status plan_trial_try(struct plan_trial *trial, struct plan_worker *worker
     }
     trial->planned.feasible = !breaks;
     trial->is_lone = breaks == 1 && enough > 1;
-    bool is_wanted = measures_all;
+    bool is_wanted = asked->measures_all;
     if (!status && !is_wanted && trial->planned.feasible) {
-        is_wanted = true;
-        status = asked->order.pareto_count ? CONUS_OK : may_enter(&is_wanted, trial, worker, asked);
+        status = may_enter(&is_wanted, trial, worker, asked);
     } else if (!status && !is_wanted) {
         is_wanted = asked->options.infeasible && worker->bar.infeasible < asked->options.top;
     }

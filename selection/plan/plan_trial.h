@@ -14,6 +14,7 @@ struct plan_asked {
     size_t count;
     struct plan_order order;
     struct plan_jitter jitter;
+    bool measures_all; /**< Of every pose, also what decides nothing. */
 };
 
 /** The results of earlier poses, so that less has to be measured of later ones. */
@@ -41,9 +42,9 @@ struct plan_trial {
     conus_planned planned; /**< The id is that at `id` of its block's strings. */
     size_t id;
     conus_verdict *verdicts;
-    double *keys, *pareto; /**< As they are compared. */
-    double *bar; /**< [rank_count] What it has to be better than, where it has a bar: the last of a full list, or
-                    the best of its entry or target so far where that is less. */
+    double *keys; /**< As they are compared. */
+    double *bar;  /**< [rank_count] What it has to be better than, where it has a bar: the last of a full list, or
+                     the best of its entry or target so far where that is less. */
     bool has_bar;
     bool is_known;    /**< A state has this pose, and has counted it. */
     bool is_measured; /**< All of this is whole. */

@@ -331,13 +331,13 @@ static const struct report_column cluster_columns[] = {
 
 static const struct report_column cluster_error_columns[] = {
     {"volume_error_mm3", "mm^3",
-     "the volume is no farther off, estimated, where lines decide what is in several surfaces; 0 where it is exact",
+     "an estimate of how far the volume is off, where lines decide what is in several surfaces; 0 where it is exact",
      OF_ROW(NUMBER, cluster.volume_error)},
 };
 
 static const struct report_column error_columns[] = {
     {"volume_error_mm3", "mm^3",
-     "the volume is no farther off, estimated, where lines decide what is in several surfaces; 0 where it is exact",
+     "an estimate of how far the volume is off, where lines decide what is in several surfaces; 0 where it is exact",
      OF_ROW(NUMBER, coverage.volume_error)},
 };
 
@@ -479,12 +479,6 @@ static struct cell get_plan_rank(const conus_report *report, const struct report
     return rank_cell(row->planned.pose->rank);
 }
 
-static struct cell get_front(const conus_report *report, const struct report_row *row)
-{
-    (void)report;
-    return rank_cell(row->planned.pose->front);
-}
-
 static struct cell get_feasible(const conus_report *report, const struct report_row *row)
 {
     (void)report;
@@ -535,10 +529,6 @@ static struct cell get_target(const conus_report *report, const struct report_ro
 static const struct report_column plan_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
     {"rank", NULL, "1 is the best of those that break nothing", .get = get_plan_rank},
-    {"front", NULL,
-     "1 where no pose is at least as good in all of the keys and better in one; 2 when those are "
-     "gone, and so on",
-     .get = get_front},
     {"feasible", NULL, "1 if the pose breaks no constraint, else 0", .get = get_feasible},
     {"broken", NULL, "the first constraint that it breaks, by the name of its structure, else by its kind",
      NAMED(get_broken)},
@@ -685,20 +675,13 @@ static const struct report_column profile_columns[] = {
 
 static bool is_turn(const struct report_row *row)
 {
-    conus_freedom freedom = row->planned.tolerance.freedom;
-    return freedom >= CONUS_FREEDOM_PITCH && freedom < CONUS_FREEDOM_BOX;
-}
-
-static bool is_box(const struct report_row *row)
-{
-    return row->planned.tolerance.freedom == CONUS_FREEDOM_BOX;
+    return row->planned.tolerance.freedom >= CONUS_FREEDOM_PITCH;
 }
 
 /* Shifts by what the space calls its axes. */
 static struct cell get_freedom(const conus_report *report, const struct report_row *row)
 {
-    static const char *const names[] = {"x",     "y",   "z",       "depth",     "side", "up",
-                                        "pitch", "yaw", "azimuth", "elevation", "box"};
+    static const char *const names[] = {"x", "y", "z", "depth", "side", "up", "pitch", "yaw", "azimuth", "elevation"};
     static const char *const axes[][3] = {
         [CONUS_SPACE_CCF] = {"ap", "dv", "ml"}, [CONUS_SPACE_BREGMA] = {"ap", "ml", "dv"}};
     conus_freedom freedom = row->planned.tolerance.freedom;
@@ -709,13 +692,13 @@ static struct cell get_freedom(const conus_report *report, const struct report_r
 static struct cell get_side(const conus_report *report, const struct report_row *row)
 {
     (void)report;
-    return text_cell(is_box(row) ? "+-" : row->planned.tolerance.negative ? "-" : "+");
+    return text_cell(row->planned.tolerance.negative ? "-" : "+");
 }
 
 static struct cell get_unit(const conus_report *report, const struct report_row *row)
 {
     (void)report;
-    return text_cell(is_box(row) ? "times" : is_turn(row) ? "degree" : "mm");
+    return text_cell(is_turn(row) ? "degree" : "mm");
 }
 
 static struct cell off_cell(const struct report_row *row, double off)
@@ -755,10 +738,10 @@ static struct cell get_method(const conus_report *report, const struct report_ro
 
 static const struct report_column tolerance_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
-    {"freedom", NULL, "the degree of freedom: shift along an axis of the space or the device, depth, turn, or box",
+    {"freedom", NULL, "the degree of freedom: shift along an axis of the space or the device, depth, or turn",
      NAMED(get_freedom)},
-    {"side", NULL, "+ or -, to which side; +- of a box", NAMED(get_side)},
-    {"unit", NULL, "of the next two: mm, degree, or times the box", NAMED(get_unit)},
+    {"side", NULL, "+ or -, to which side", NAMED(get_side)},
+    {"unit", NULL, "of the next two: mm or degree", NAMED(get_unit)},
     {"holds_to", NULL, "no constraint breaks up to here; proven, if the method is exact or graze", .get = get_holds_to},
     {"fails_at", NULL, "here one breaks; n/a where none does up to 20 mm or 30 degrees", .get = get_fails_at},
     {"breaks", NULL, "the constraint that breaks there, by the name of its structure, else by its kind",

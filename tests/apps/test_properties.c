@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The table of the window's state, row by row: sessions have each value, older sessions have numbers for names, and the
- * documents list every row. */
+/* The table of the window's state, row by row: sessions have each value, and the documents list every row. */
 #include "viewer/commands/keys.h"
 #include "viewer/commands/script.h"
 #include "viewer/session/session.h"
@@ -15,7 +14,7 @@
 
 static bool is_enum(const struct property *property)
 {
-    return property->type == PROPERTY_NAME || property->type == PROPERTY_NAME_OR_NUMBER;
+    return property->type == PROPERTY_NAME;
 }
 
 /* The row's value in a session. */
@@ -46,7 +45,7 @@ static bool opens_with(struct window *window, const struct property *property, j
     return fine;
 }
 
-static void enums_are_written_by_name_and_read_by_number(void **state)
+static void enums_are_written_and_read_by_name(void **state)
 {
     struct viewer viewer;
     struct window window;
@@ -54,7 +53,6 @@ static void enums_are_written_by_name_and_read_by_number(void **state)
     window_scene_open(&window, &viewer);
     for (enum property_id id = 0; id < PROPERTY_COUNT; id++) {
         const struct property *property = &properties[id];
-        bool has_numbers = property->type == PROPERTY_NAME_OR_NUMBER;
         for (int value = (int)property->low; is_enum(property) && value <= (int)property->high; value++) {
             double was = property_value(&window, id);
             if (property->names && !property->names[value - (int)property->low]) {
@@ -70,9 +68,9 @@ static void enums_are_written_by_name_and_read_by_number(void **state)
             assert_true(opens_with(&window, property, name));
             assert_near(property_value(&window, id), value, 0);
             property_put(&window, property, (double[PROPERTY_NUMBERS]){was});
-            assert_int_equal(opens_with(&window, property, json_integer(value)), has_numbers);
-            assert_int_equal(opens_with(&window, property, json_real(value)), has_numbers);
-            assert_near(property_value(&window, id), has_numbers ? value : was, 0);
+            assert_false(opens_with(&window, property, json_integer(value)));
+            assert_false(opens_with(&window, property, json_real(value)));
+            assert_near(property_value(&window, id), was, 0);
         }
     }
     viewer_finish(&viewer);
@@ -125,6 +123,23 @@ static void values_missing_from_a_session(void **state)
         assert_true(find(root, property) || property->presence >= PROPERTY_ZERO);
         json_object_del(property->object ? json_object_get(root, property->object) : root, property->name);
         assert_int_equal(session_read(&window, root, "session", why), property->presence != PROPERTY_NEEDED);
+        json_decref(root);
+    }
+    for (size_t count = 0; count < 30; count += count ? 1 : 12) { /* of the place: none, or too few numbers */
+        char why[PROPERTY_REASON] = "";
+        json_t *root = session_json(&window);
+        for (size_t i = 30; i-- > count;) {
+            json_array_remove(json_object_get(root, "place"), i);
+        }
+        assert_false(session_read(&window, root, "session", why));
+        assert_non_null(strstr(why, "the atlas lay elsewhere"));
+        json_decref(root);
+    }
+    for (int i = 0; i < 2; i++) {
+        char why[PROPERTY_REASON] = "";
+        json_t *root = session_json(&window);
+        json_object_del(root, i ? "place" : "level");
+        assert_false(session_read(&window, root, "session", why));
         json_decref(root);
     }
     viewer_finish(&viewer);
@@ -256,7 +271,7 @@ static void tips_name_the_keys_of_the_table(void **state)
 TEST_GROUP(properties)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(enums_are_written_by_name_and_read_by_number),
+        cmocka_unit_test(enums_are_written_and_read_by_name),
         cmocka_unit_test(values_that_no_row_allows_are_refused),
         cmocka_unit_test(values_missing_from_a_session),
         cmocka_unit_test(the_document_lists_the_values_of_a_session),

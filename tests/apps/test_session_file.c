@@ -40,7 +40,7 @@ static void no_prefix_of_a_session_is_one(void **state)
     session_file_finish(&file);
 }
 
-/* Manifests and objects with values of other types are refused; values that older sessions lack are unknown. */
+/* Manifests and objects with values of other types are refused; a checksum and options may be missing. */
 static void other_json_is_no_session(void **state)
 {
     static const char *const bad[] = {"[]",
@@ -49,10 +49,13 @@ static void other_json_is_no_session(void **state)
                                       "{\"conus_session\": \"1\", \"atlas\": \"a\"}",
                                       "{\"conus_session\": 1, \"atlas\": 5}",
                                       "{\"conus_session\": 1, \"atlas\": \"\"}",
-                                      "{\"conus_session\": 1, \"atlas\": \"a\", \"atlas\": \"b\"}"};
-    static const char *const poor[] = {"{\"conus_session\": 1, \"atlas\": \"a\"}",
-                                       "{\"conus_session\": 1, \"atlas\": \"a\", \"opened\": 5}",
-                                       "{\"conus_session\": 1, \"atlas\": \"a\", \"opened\": {\"options\": [5]}}"};
+                                      "{\"conus_session\": 1, \"atlas\": \"a\", \"atlas\": \"b\"}",
+                                      "{\"conus_session\": 1, \"atlas\": \"a\"}",
+                                      "{\"conus_session\": 1, \"atlas\": \"a\", \"opened\": 5}",
+                                      "{\"conus_session\": 1, \"atlas\": \"a\", \"opened\": {\"options\": []}}"};
+    static const char *const poor[] = {
+        "{\"conus_session\": 1, \"atlas\": \"a\", \"opened\": {\"folder\": \"\"}}",
+        "{\"conus_session\": 1, \"atlas\": \"a\", \"opened\": {\"folder\": \"\", \"options\": [5]}}"};
     struct session_file file;
     (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {

@@ -83,7 +83,7 @@ hold_on() {
         xdotool click 1
         settle_keys
         ! becomes "$1 (held)" || return 0
-        ! jq -e '.frozen == 1' slabs-session.json || xdotool click 1
+        ! jq -e '.frozen == true' slabs-session.json || xdotool click 1
         settle_keys
     done
     return 1
@@ -227,7 +227,7 @@ seen() {
     titled 'conus - slabs.nii.gz [slabs-session.json] - Slab posterior (held)'
     quit
     mv slabs-session.json before.json
-    jq -e '.hidden == [1] and .frozen == 1 and .has_pose == 1' before.json
+    jq -e '.hidden == [1] and .frozen == true and .has_pose == true' before.json
     jq -e '.panels[1] > 384' state/conus/window.json
     # the area read from the title is the one that conus answers for that cone, without hidden areas
     jq -r '.world_from_device | "--origin=\(.[12]),\(.[13]),\(.[14]) --direction=\(-.[8]),\(-.[9]),\(-.[10])"' \

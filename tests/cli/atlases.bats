@@ -476,16 +476,6 @@ two_places() {
         <(conus query cubes --origin=7,7,-60 --toward=7,7,7 --format json)
 }
 
-@test "a table of batches takes names, too" {
-    make_volumes
-    put marked.nii.gz usr/share/mricron/templates/cubes.nii.gz
-    printf 'x\ty\tz\ttx\tty\ttz\ttime_s\n7\t7\t-60\t7\t7\t7\t0\n' >poses.tsv
-    printf 'atlas\tposes\toutput\ncubes\tposes.tsv\trows.tsv\n' >jobs.tsv
-    conus batch --jobs jobs.tsv -q
-    conus batch marked.nii.gz --poses poses.tsv -o b.tsv -q
-    diff rows.tsv b.tsv
-}
-
 # The list
 
 @test "an empty list says where it looked" {

@@ -718,39 +718,9 @@ pipe_in() {
     [ -z "$stderr" ]
 }
 
-@test "--jobs answers a table of batches, and goes on where one cannot be" {
+@test "two outputs have two sidecars, and there is an atlas" {
     setup_ball 40
-    mkdir sub
-    cp sphere.nii.gz sub/other.nii.gz
-    cp sphere.tsv sub/other.tsv
-    printf 'output\tatlas\tposes\n' >jobs.tsv
-    printf 'a.tsv\tsphere.nii.gz\tposes.tsv\n# not this one\nb.tsv\tnone.nii.gz\tposes.tsv\n\n' >>jobs.tsv
-    printf 'c.tsv\tsub/other.nii.gz\tposes.tsv\r\n' >>jobs.tsv
-    batch -o rows.tsv
-    run -3 --separate-stderr conus batch --jobs jobs.tsv --angle 12
-    check_message none.nii.gz
-    cmp rows.tsv a.tsv
-    cmp rows.tsv c.tsv
-    [ ! -e b.tsv ]
-    sed -i 's/none.nii.gz/sphere.nii.gz/' jobs.tsv
-    answers batch --jobs jobs.tsv --angle 12 --resume
-    cmp rows.tsv b.tsv
-    rm a.tsv a.json b.tsv b.json c.tsv c.json
-    answers batch --jobs jobs.tsv --angle 12 --shard 1/3
-    [ -e b.tsv ] && [ ! -e a.tsv ] && [ ! -e c.tsv ]
-    printf 'atlas\tposes\toutput\nsphere.nii.gz\tposes.tsv\town.tsv\n' >own.tsv
-    fails 2 '--output own.tsv would overwrite the input own.tsv' batch --jobs own.tsv --force
-    fails 2 'exclude each other' batch sphere.nii.gz --jobs jobs.tsv
-    fails 2 '--jobs and --poses exclude each other' batch --jobs jobs.tsv --poses poses.tsv
     fails 2 'ATLAS is missing' batch --poses poses.tsv
-    printf 'atlas\tposes\na\tb\n' >bad.tsv
-    fails 3 'bad.tsv:1: the header is not atlas, poses and output' batch --jobs bad.tsv
-    printf 'atlas\tposes\toutput\na\tb\n' >bad.tsv
-    fails 3 'bad.tsv:2: not three fields' batch --jobs bad.tsv
-    printf 'atlas\tposes\toutput\na\tb\tc\na\tb\tc\n' >bad.tsv
-    fails 3 "bad.tsv:3: output c is another row's, too" batch --jobs bad.tsv
-    printf '\xef\xbb\xbfatlas\tposes\toutput\na\tb\td.tsv\na\tb\tz.tsv\na\tb\tsub/../d.csv\na\tb\tz.tsv\n' >bad.tsv
-    fails 3 "bad.tsv:4: sidecar sub/../d.json is another row's, too" batch --jobs bad.tsv
     fails 2 '--output and --segments have one sidecar, e.json' batch sphere.nii.gz --poses poses.tsv -o e.tsv \
         --segments e.csv
 }

@@ -51,8 +51,8 @@ cells() {
     needles
     conus $P --avoid Ball --depth target+4 --tilt 6,3 --radius 1 --top 40 -q -o plan.tsv --poses-out poses.tsv
     conus $U --avoid Ball --poses poses.tsv --radius 1 --top 40 -q -o again.tsv
-    cut -f 1,2,4,5,8- plan.tsv >a
-    cut -f 1,2,4,5,8- again.tsv >b
+    cut -f 1-4,7- plan.tsv >a
+    cut -f 1-4,7- again.tsv >b
     [ "$(wc -l <a)" -eq 41 ]
     cmp a b
     conus batch u-shape.nii.gz --poses poses.tsv --clearance near.tsv,within=99 --segments segments.tsv --radius 1 -q -o all.tsv
@@ -73,8 +73,8 @@ cells() {
     conus $P --depth target+4 --roll 90 $shanks --avoid Ball,shank=2 -q --top all -o plan.tsv --poses-out poses.tsv
     [ "$(cut -f 1 plan.tsv | grep -c '^e1-t1-r[1-4]$')" -eq 4 ]
     conus $U --avoid Ball,shank=2 --poses poses.tsv $shanks -q --top all -o again.tsv
-    cut -f 1,2,4,5,8- plan.tsv >a
-    cut -f 1,2,4,5,8- again.tsv >b
+    cut -f 1-4,7- plan.tsv >a
+    cut -f 1-4,7- again.tsv >b
     cmp a b
     printf 'query_id x y z dx dy dz far angle\na 40 0 5 -1 0 0 30 12.3\nb 40 0 5 -1 0 0 30 n/a\n' | tr ' ' '\t' >open.tsv
     conus plan u-shape.nii.gz --reach U,share=0.01 --poses open.tsv --angle 20 -q -o plan.tsv --force --poses-out poses.tsv
@@ -89,17 +89,17 @@ cells() {
     needles
     conus $P --depth target+4 -q -o plan.tsv --poses-out lines.mrk.json
     conus $U --poses lines.mrk.json --depth 30 --infeasible -q --format tsv -o again.tsv
-    output=$(sort plan.tsv) && a=$(cut -f 8-10 plan.tsv | sort)
-    [ "$(cut -f 8-10 again.tsv | sort)" = "$a" ]
+    output=$(sort plan.tsv) && a=$(cut -f 7-9 plan.tsv | sort)
+    [ "$(cut -f 7-9 again.tsv | sort)" = "$a" ]
     [ "$(jq '.markups | length' lines.mrk.json)" -eq 6 ]
     conus $P --depth target+4 -q -o plan.tsv --force --poses-out lines.vtk
     [ "$(sed -n '6,/LINES/p' lines.vtk | awk 'NF == 3 && $1 != "LINES" { printf "%.5f %.5f %.5f%s", $1, $2, $3, NR % 2 ? " " : "\n" }')" = \
-        "$(awk -F '\t' 'NR > 1 { for (i = 8; i < 17; i += i == 10 ? 4 : 1) printf "%.5f%s", $i, i < 16 ? " " : "\n" }' plan.tsv)" ]
-    [ "$(sed -n '/LOOKUP/,$p' lines.vtk | tail -n +2)" = "$(awk -F '\t' 'NR > 1 { print $19 }' plan.tsv)" ]
+        "$(awk -F '\t' 'NR > 1 { for (i = 7; i < 16; i += i == 9 ? 4 : 1) printf "%.5f%s", $i, i < 15 ? " " : "\n" }' plan.tsv)" ]
+    [ "$(sed -n '/LOOKUP/,$p' lines.vtk | tail -n +2)" = "$(awk -F '\t' 'NR > 1 { print $18 }' plan.tsv)" ]
     conus info u-shape.nii.gz --streamlines lines.vtk,name=Needles | grep -q 'streamlines  6 with 12 points'
     conus $P --depth target+4 -q -o best.tsv --force --poses-out best.txt
     conus $U --poses best.txt --depth 30 --infeasible -q --format tsv >again.tsv
-    [ "$(sed -n 2p best.tsv | cut -f 8-13)" = "$(sed -n 2p again.tsv | cut -f 8-13)" ]
+    [ "$(sed -n 2p best.tsv | cut -f 7-12)" = "$(sed -n 2p again.tsv | cut -f 7-12)" ]
     fails 2 'does not end in .tsv, .mrk.json, .vtk or .txt' $P --depth 30 --poses-out best.csv
 }
 
@@ -241,7 +241,7 @@ cells() {
     local scene=("${asked[@]}" --from box.ply)
     conus "${scene[@]}" --top all -o all.tsv --map a.func.gii --structure CortexLeft
     conus "${scene[@]}" --top 1 -o one.tsv --map b.func.gii --structure CortexLeft --threads 1
-    conus "${scene[@]}" --top 1 -o one.tsv --map c.func.gii --structure CortexLeft --no-pruning --threads 3
+    conus "${scene[@]}" --top 1 -o one.tsv --map c.func.gii --structure CortexLeft --threads 3
     cmp a.func.gii b.func.gii
     cmp a.func.gii c.func.gii
     conus "${asked[@]}" --from box.ply,spacing=50 --top 1 -o one.tsv --map thin.shape.gii
@@ -291,7 +291,7 @@ END
         --length 0,50 -q --force)
     conus "${scene[@]}" --top all -o all.tsv --map a.nii.gz --target-map t.nii.gz
     conus "${scene[@]}" --top 1 -o one.tsv --map b.nii.gz --target-map u.nii.gz --threads 1
-    conus "${scene[@]}" --top 1 -o one.tsv --map c.nii.gz --target-map v.nii.gz --no-pruning --threads 3
+    conus "${scene[@]}" --top 1 -o one.tsv --map c.nii.gz --target-map v.nii.gz --threads 3
     cmp a.nii.gz b.nii.gz
     cmp a.nii.gz c.nii.gz
     cmp t.nii.gz u.nii.gz

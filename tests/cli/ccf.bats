@@ -124,7 +124,7 @@ plan() {
         "$CONUS" plan "$atlas" --space bregma --poses down.tsv $reach --constraints values.tsv -o list.tsv -q --force
         awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } NR == 2 { exit !(($at["value"] - 1.6)^2 < 1e-12) }
             END { if (NR != 2) exit 1 }' values.tsv
-        plan 5 "$atlas" --poses down.tsv $reach --tolerance - --box 1,0,1,2,3 >tolerance.now
+        plan 5 "$atlas" --poses down.tsv $reach --tolerance - >tolerance.now
         plan 5 "$atlas" --from from.txt --toward to.txt --tilt 20,5 --roll 45 $reach --constraints - >tilts.now
         plan 6 "$atlas" --poses down.tsv $reach --jitter entry=0.3,target=0.6 --samples 256 >jitter.now
         for table in tolerance tilts jitter; do

@@ -305,26 +305,6 @@ said_how_to_go_on() {
     [ "$(grep -c '^conus: --shard: "3/3" is not I/N' said)" -eq 1 ]
 }
 
-@test "--jobs answers a table of batches, and goes on where one cannot be" {
-    setup_poses
-    printf 'atlas\tposes\toutput\n' >jobs.tsv
-    printf 'sphere.nii.gz\tposes.tsv\ta.tsv\nnone.nii.gz\tposes.tsv\tb.tsv\n' >>jobs.tsv
-    printf 'sphere.nii.gz\tposes.tsv\tc.tsv\n' >>jobs.tsv
-    conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv
-    ranks 3 --jobs jobs.tsv --block 8 2>said && return 1 || [ $? -eq 3 ]
-    [ "$(grep '^conus: ' said | grep -vc '^conus: note: ')" -eq 1 ]
-    grep -q 'none.nii.gz' said
-    cmp rows.tsv a.tsv
-    cmp rows.tsv c.tsv
-    [ ! -e b.tsv ]
-    sed -i 's/none.nii.gz/sphere.nii.gz/' jobs.tsv
-    ranks 2 --jobs jobs.tsv --resume
-    cmp rows.tsv b.tsv
-    rm a.tsv a.json b.tsv b.json c.tsv c.json
-    ranks 2 --jobs jobs.tsv --shard 1/3
-    [ -e b.tsv ] && [ ! -e a.tsv ] && [ ! -e c.tsv ]
-}
-
 @test "progress is that of all ranks" {
     setup_poses 2000
     ranks 3 sphere.nii.gz --poses poses.tsv --block 8 -o rows.tsv --progress json 2>said

@@ -66,15 +66,6 @@ load helpers
     "$CONUS" query u-shape.nii.gz --pose - <poses.tsv >/dev/null
 }
 
-@test "in a table of batches no row writes what another reads" {
-    conus phantom u-shape -o . --size 16
-    printf 'x\ty\tz\tdx\tdy\tdz\n40\t0\t0\t-1\t0\t0\n' | tee a.tsv >b.tsv
-    printf 'atlas\tposes\toutput\nu-shape.nii.gz\ta.tsv\tb.tsv\nu-shape.nii.gz\tb.tsv\tc.tsv\n' >jobs
-    run -2 "$CONUS" batch --jobs jobs --force
-    [[ "$output" == *'--output b.tsv would overwrite the input b.tsv'* ]]
-    cmp a.tsv b.tsv
-}
-
 @test "a table beside the atlas that is not its own may be replaced" {
     conus phantom u-shape -o . --size 16
     rm u-shape.tsv u-shape.json

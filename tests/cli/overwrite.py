@@ -20,7 +20,7 @@ CONUS = os.path.abspath(sys.argv[1])
 LONG = os.environ.get("CONUS_TEST_LONG")
 
 # Options that name files that are read, of any command.
-READ = """pose probe poses jobs labels pathway streamlines atlas-transform context world-from-tracker from toward apart
+READ = """pose probe poses labels pathway streamlines atlas-transform context world-from-tracker from toward apart
 camera merge transfer map@render palette pathway-transfer template sidecar@verify sidecar@cite""".split()
 
 AIM = "--origin 40,0,0 --toward 0,0,0 --angle 20"
@@ -30,7 +30,7 @@ PLAN = "plan u-shape.nii.gz --toward targets.tsv --depth target+5 --reach Ball -
 # The command, its outputs with their endings, and the files that it reads.
 ATLAS = ["u-shape.nii.gz", "u-shape.tsv"]
 ROWS = [
-    (f"query u-shape.nii.gz {AIM} --layers all", {"output": ".tsv", "mask": ".nii.gz", "deep": ".exr", "image": ".png"}, ATLAS),
+    (f"query u-shape.nii.gz {AIM} --layers all", {"output": ".tsv", "mask": ".nii.gz", "image": ".exr"}, ATLAS),
     (f"query u-shape.nii.gz {AIM} {MORE} --context grey.nii.gz --context-blocks 0.5 --voxels-of all",
      {"output": ".csv", "sidecar": ".json", "voxels": ".tsv", "endpoints": ".tsv", "connectivity": ".tsv", "streamlines-out": ".tck"},
      ["u-shape.nii.gz", "own.tsv", "bundle.tck", "shift.txt", "grey.nii.gz"]),
@@ -43,7 +43,6 @@ ROWS = [
     ("query pair.hdr " + AIM, {"output": ".tsv", "mask": ".nii.gz"}, ["pair.hdr", "pair.img", "pair.tsv"]),
     ("batch u-shape.nii.gz --poses poses.tsv", {"output": ".tsv", "segments": ".csv", "clearance": ".ndjson"},
      [*ATLAS, "poses.tsv"]),
-    ("batch --jobs jobs.tsv", {"column": ".tsv"}, [*ATLAS, "poses.tsv", "jobs.tsv"]),
     ("merge shard0.tsv shard1.tsv", {"output": ".tsv"}, ["shard0.tsv", "shard0.json", "shard1.tsv", "shard1.json"]),
     ("track u-shape.nii.gz --poses track.tsv", {"output": ".tsv", "sidecar": ".json"}, [*ATLAS, "track.tsv"]),
     (f"sweep u-shape.nii.gz --pose poses.tsv {MORE}", {"output": ".tsv", "sidecar": ".json"},
@@ -113,7 +112,6 @@ def make_inputs(folder):
     write("apart.tsv", "query_id\tx\ty\tz\tdx\tdy\tdz\tfar\na\t40\t0\t40\t-1\t0\t0\t30\n")
     write("entries.tsv", "40 0 0\n30 20 0\n")
     write("targets.tsv", "0 0 0\n")
-    write("jobs.tsv", "atlas\tposes\toutput\nu-shape.nii.gz\tposes.tsv\tOUTPUT\n")
     write("camera.txt", "1 0 0 0\n0 1 0 0\n0 0 1 200\n0 0 0 1\n")
     write("transfer.txt", "0 1 1 1 0\n1 1 1 1 1\n")
     write("palette.txt", "#112233 #445566\n")
@@ -136,13 +134,7 @@ def command(folder, row, chosen, path):
     words += ["--quiet"] if words[0] != "merge" else []
     for i, (option, ending) in enumerate(row[1].items()):
         value = path if option == chosen else f"new{i}{ending}"
-        if option == "column": # of a table
-            with open(f"{folder}/jobs.tsv", "r+", encoding="utf-8") as file:
-                text = file.read().replace("OUTPUT", value)
-                file.seek(0)
-                file.write(text)
-        else:
-            words += [f"--{option}", value]
+        words += [f"--{option}", value]
     return words
 
 

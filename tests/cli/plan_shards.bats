@@ -12,7 +12,7 @@ needles() {
 
 @test "shards that are joined are the plan of one run: list, rows, map, what is said" {
     needles
-    for more in '--infeasible --pareto leeway,-depth --avoid Ball,margin=2' '--length 1,2 --top 60 --shanks 0,0;0.5,0 --roll 180'; do
+    for more in '--infeasible --avoid Ball,margin=2' '--length 1,2 --top 60 --shanks 0,0;0.5,0 --roll 180'; do
         rm -f shard.*
         conus $ask --toward voxels,spacing=6 $more -o whole.tsv --constraints rows.tsv \
             --target-map whole.nii.gz --force 2>said
@@ -32,15 +32,14 @@ needles() {
     answers verify merged.tsv
 }
 
-# Pruning changes no byte, and makes resuming quick.
 @test "a plan that is killed or interrupted is resumed, and may be resumed again" {
     needles
-    printf '40 %s 5\n0 40 %s\n' {-10..10..4} >entries.txt # so many that it is not done before it is stopped
+    printf '40 %s 5\n0 40 %s\n' {-11..11..2} >entries.txt # so many that it is not done before it is stopped
     local own="$ask --toward voxels --avoid Ball,margin=0.5 --top 30"
     conus $own -o whole.tsv -q
     for signal in KILL TERM; do # a shell has its background ignore SIGINT
         rm -f plan.*
-        background "$CONUS" $own --no-pruning --threads 1 --resume -o plan.tsv -q
+        background "$CONUS" $own --threads 1 --resume -o plan.tsv -q
         wait_until "$child" grep -qs '^left [1-9]' plan.tsv.journal
         kill -STOP "$child"
         fails 3 'plan.tsv.journal: another conus is writing this file' $own --resume -o plan.tsv -q

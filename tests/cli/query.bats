@@ -307,23 +307,6 @@ END
     check_message 'engine: rays'
 }
 
-@test "--deep writes every layer of one pose" {
-    conus phantom nested -o .
-    local aim='--origin 0,-60,3 --toward 0,0,0 --layers all'
-    fails 2 '--deep needs --layers all' query nested.nii.gz --origin 0,-60,3 --toward 0,0,0 --deep deep.exr
-    fails 2 '--deep: "deep.png" does not end in .exr' query nested.nii.gz $aim --deep deep.png
-    fails 2 '--output and --deep are the same file' query nested.nii.gz $aim --deep x.exr --format table -o x.exr
-    fails 3 'no/deep.exr: cannot write' query nested.nii.gz $aim --deep no/deep.exr -o b.txt
-    printf 'x,y,z,tx,ty,tz\n0,-60,3,0,0,0\n0,60,3,0,0,0\n' >poses.csv
-    fails 2 '--deep shows one pose, poses.csv has 2' query nested.nii.gz --pose poses.csv --layers all --deep deep.exr
-    nothing_left nested.json nested.nii.gz nested.tsv poses.csv
-    answers query nested.nii.gz $aim --deep deep.exr -o a.tsv
-    [ "$(head -c 4 deep.exr | od -An -tx1 | tr -d ' ')" = 762f3101 ]
-    grep -aq deepscanline deep.exr
-    grep -aq idManifest deep.exr
-    fails 3 'deep.exr: OpenEXR file of 1 parts, the first tiled or deep' diff deep.exr deep.exr
-}
-
 @test "--image writes what the device saw" {
     sphere --size 32
     local aim='--origin 0,0,100 --toward 0,0,0'
@@ -394,7 +377,7 @@ refuses() {
     python3 "$BATS_TEST_DIRNAME/tck.py" lines.tck -30,0,0 30,0,0 -- 0,-20,0 0,0,9
     printf 'time_s\tx\ty\tz\ttx\tty\ttz\n0\t0\t0\t90\t0\t0\t0\n' >hand.tsv
     local aim='--origin 0,-100,0 --toward 0,0,0 --angle 30 -q' N=nested.nii.gz option file
-    local outputs=(output=o.tsv voxels=v.tsv\ --voxels-of=all image=i.png deep=d.exr mask=m.nii.gz segments=s.tsv endpoints=e.tsv
+    local outputs=(output=o.tsv voxels=v.tsv\ --voxels-of=all image=i.png mask=m.nii.gz segments=s.tsv endpoints=e.tsv
         connectivity=c.tsv streamlines-out=l.tck)
     for option in "${outputs[@]}"; do
         file=${option#*=}

@@ -18,13 +18,6 @@ png_size() {
     [ -z "$output" ]
 }
 
-@test "skipping empty space leaves the picture as it is" {
-    sphere --size 32
-    gl render sphere.nii.gz -o a.exr $SMALL
-    gl render sphere.nii.gz -o b.exr $SMALL --no-skipping
-    answers diff a.exr b.exr --tolerance 1e-5
-}
-
 @test "a cone, a camera and the legend change it" {
     sphere --size 32
     gl render sphere.nii.gz -o plain.exr $SMALL

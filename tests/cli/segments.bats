@@ -86,7 +86,6 @@ shanks() {
     fails 2 'the same file' batch u-shape.nii.gz --poses poses.tsv -o - --segments -
     fails 2 '--summary has no effect without --output' batch u-shape.nii.gz --poses poses.tsv --segments rows.tsv --summary
     fails 2 '--order has no effect without --output' batch u-shape.nii.gz --poses poses.tsv --segments rows.tsv --order depth
-    fails 2 '--jobs and --segments exclude each other' batch --jobs poses.tsv --segments rows.tsv
     fails 2 'needs a file of poses, not standard input' batch u-shape.nii.gz --poses - -o a.tsv --segments b.tsv <poses.tsv
     fails 2 "formats of other programs hold no segments" batch u-shape.nii.gz --poses poses.tsv --segments rows.txt --format bids
     [ ! -e rows.tsv ]

@@ -101,14 +101,6 @@ same_rows() {
     [ "$(wc -l <summary.tsv)" -eq 121 ]
 }
 
-@test "a table of batches asks the atlas of each row, and then those of --atlas" {
-    atlases 3
-    printf 'atlas\tposes\toutput\nball.nii.gz\tposes.tsv\tone.tsv\nslabs.nii.gz\tposes.tsv\tother.tsv\n' >jobs.tsv
-    conus batch --jobs jobs.tsv --atlas slabs.nii.gz -q
-    conus batch ball.nii.gz --atlas slabs.nii.gz --poses poses.tsv -q | cmp - one.tsv
-    [ "$(tail -n +2 other.tsv | cut -f 2 | sort -u | tr '\n' ' ')" = "slabs slabs-2 " ]
-}
-
 @test "a batch is resumed with the same atlases, and only with them" {
     atlases 400
     both=(ball.nii.gz --atlas slabs.nii.gz --poses poses.tsv)
@@ -225,8 +217,6 @@ END
     for output in image=seen.png mask=mask.nii.gz; do
         fails 2 "--atlas and --${output%=*} exclude each other" query ball.nii.gz --atlas slabs.nii.gz "${aim[@]}" "--$output"
     done
-    fails 2 '--atlas and --deep exclude each other' \
-        query ball.nii.gz --atlas slabs.nii.gz "${aim[@]}" --layers all --deep deep.exr
     for format in afni bids spikeglx open-ephys; do
         fails 2 "--format: formats of other programs have no column for the atlas" \
             query ball.nii.gz --atlas slabs.nii.gz --pose poses.tsv --format "$format"

@@ -73,11 +73,10 @@ near() {
     answers "${view[@]}" -o rows.tsv --image seen.exr
     not grep -q '"hidden"' rows.json
     not grep -aq conus:hidden seen.exr
-    answers "${view[@]}" --hide Inner --force -o rows.tsv --image seen.exr --layers all --deep deep.exr
+    answers "${view[@]}" --hide Inner --force -o rows.tsv --image seen.exr --layers all
     grep -q '"hidden": "areas 300"' rows.json
     grep -aq 'conus:hidden' seen.exr
     grep -aq 'areas 300' seen.exr
-    grep -aq 'areas 300' deep.exr
 }
 
 @test "a point, a mask, a sweep and a track do without what is hidden" {

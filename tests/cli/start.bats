@@ -107,7 +107,7 @@ END
     diff <(queried sphere.nii.gz | tail -n +2) <(awk -F '\t' '$2 == "sphere"' first.tsv | cut -f 1,3-)
     queried slabs.nii.gz | diff second.tsv -
     # other settings of the view stay: colours, and which side is shown where
-    jq -e '.safe_colours and .radiological == 1' second.json
+    jq -e '.safe_colours and .radiological == true' second.json
     printf '%s\npicture alone.png 64 64\n' "$AIM" | view slabs.nii.gz --safe-colours
     conus diff second.png alone.png
 }

@@ -35,7 +35,7 @@ is_query() {
     port=$(free_port)
     live nested.nii.gz --listen "$port" --second-tool Left
     track "$port" LeftToTracker -4 5 80 RightToTracker 9 2 90
-    until look '.second.has_pose and .has_pose == 1'; do
+    until look '.second.has_pose and .has_pose == true'; do
         runs "$child"
     done
     look '.second.on and .second.world_from_device[12:15] == [-4, 5, 80] and .world_from_device[12:15] == [9, 2, 90]'
@@ -56,7 +56,7 @@ is_query() {
     port=$(free_port)
     live nested.nii.gz --listen "$port"
     track "$port" RightToTracker 9 2 90
-    until look '.has_pose == 1'; do
+    until look '.has_pose == true'; do
         runs "$child"
     done
     tell settle 'results fine.tsv' # which it waits for as long as the pictures are coarse
@@ -76,7 +76,7 @@ is_query() {
         runs "$child"
     done
     tell 'second results second.tsv'
-    look '.pointer == "mouse" and .has_pose == 0 and .second.pointer == "tracker" and .second.world_from_device[12:15] == [-4, 4, 80]'
+    look '.pointer == "mouse" and .has_pose == false and .second.pointer == "tracker" and .second.world_from_device[12:15] == [-4, 4, 80]'
     is_query second.tsv -4 4 80 --angle 5
     leave
 }

@@ -49,7 +49,7 @@ setup_file() {
     make q.txt query $S $aim
     make q-format query $S $aim --format tsv
     make layers.tsv query $N $aim --layers all --voxels out/voxels.tsv --voxels-of all --image out/seen.exr \
-        --deep out/deep.exr --mask out/in_dseg.nii.gz
+        --mask out/in_dseg.nii.gz
     make mask.tsv query $N $aim --mask out/in_mask.nii.gz --mask-object Core --image out/seen.png
     make plan.tsv plan $S --poses needles.tsv --reach Sphere,length=5
     make range.tsv query $S $aim --range 70,95 --aperture square --resolution 40
@@ -92,8 +92,6 @@ setup_file() {
     conus batch $S --poses poses.tsv --shard 0/2 -q -o out/s0.tsv || [ $? -eq 1 ]
     conus batch $S --poses poses.tsv --shard 1/2 -q -o out/s1.tsv
     conus merge out/s0.tsv out/s1.tsv -o out/merged.tsv
-    printf 'atlas\tposes\toutput\n%s\tposes.tsv\tout/job1.tsv\n%s\thand.tsv\tout/job2.csv\n' $S $L >jobs.tsv
-    conus batch --jobs jobs.tsv --angle 12 -q || [ $? -eq 1 ]
     make sweep.tsv sweep $N $aim
     make angles.csv sweep $N --origin 0,-100,0 --toward 0,0,20 --angles 5:25:5
     make jitter.tsv sweep $S $aim --jitter 3,2 --samples 64
@@ -152,7 +150,6 @@ says() {
     inventory | diff "$BATS_TEST_TMPDIR/before" - # it wrote nothing here
     says 0 identical out/voxels.tsv --sidecar out/layers.json
     says 0 identical out/seen.exr --sidecar out/layers.json
-    says 0 identical out/deep.exr --sidecar out/layers.json
     says 0 identical out/seen.png --sidecar out/mask.json
     cd /
     says 0 identical "$BATS_TEST_TMPDIR/work/out/layers.tsv"
@@ -184,7 +181,7 @@ says() {
     says 1 'its bytes differ from those of the new answer' out/in_mask.nii.gz
     has 'out/in_mask.nii.gz was changed after conus wrote it'
     cp out/seen.exr kept.exr
-    cp out/deep.exr out/seen.exr
+    cp atlas/nested.nii.gz out/seen.exr
     says 1 'its bytes differ' out/seen.exr --sidecar out/layers.json
     conus query atlas/nested.nii.gz --origin 0,-100,1 --toward 0,0,0 --angle 30 --layers all --image out/seen.exr -q -o x.tsv --force
     says 1 'of 4096 pixels differ' out/seen.exr --sidecar out/layers.json
@@ -232,13 +229,11 @@ says() {
 @test "words behind a file of poses are no part of its name" {
     conus phantom sphere -o . --size 24 --spacing 3,3,3
     printf 'x\ty\tz\ttx\tty\ttz\n9\t0\t0\t0\t0\t0\n' >p.tsv
-    printf 'atlas\tposes\toutput\nsphere.nii.gz\tp.tsv,unit=cm\tjob.tsv\n' >jobs.tsv
-    conus batch --jobs jobs.tsv -q
     conus batch sphere.nii.gz --poses p.tsv,unit=cm -q -o b.tsv
     conus query sphere.nii.gz --pose p.tsv,unit=cm -q -o c.tsv
-    [ "$(jq -r '.Batch | .pose_file + " " + .pose_words' job.json)" = 'p.tsv unit=cm' ]
+    [ "$(jq -r '.Batch | .pose_file + " " + .pose_words' b.json)" = 'p.tsv unit=cm' ]
     local result
-    for result in job b c; do
+    for result in b c; do
         answers verify "$result.tsv"
     done
 }
@@ -450,7 +445,7 @@ hostile() {
     hostile "conus query atlas/sphere.nii.gz $aim -o ../../../evil.tsv --image ..png" 'angle_deg' 1
     hostile "conus batch atlas/sphere.nii.gz --poses poses.tsv -o $PWD/evil.tsv --force" 'differ' 1
     hostile "conus query $aim -- --output=$PWD/evil.tsv" 'it cannot be answered again'
-    hostile "conus batch --jobs poses.tsv -o out/x.tsv" 'cannot be verified'
+    hostile "conus batch --poses poses.tsv -o out/x.tsv" 'does not take its command line: ATLAS is missing'
     # Paths of files that lead out of the folder.
     jq '.Inputs = [{path: "../../../../x/../../y", sha256: null}]' "$BATS_FILE_TMPDIR/kept/out/q.json" >out/q.json
     says 3 'x/../../y is missing' out/q.tsv
@@ -542,7 +537,7 @@ store() {
 # verify must know every option with a text, or refuse a sidecar with it.
 @test "every option of the commands that are answered again is known, or refused on purpose" {
     study
-    local text='--angles --atlas --atlas-transform --clearance --clusters --connect --connectivity --contacts --context --coordsystem --deep --endpoints --hide --image --jitter --jobs
+    local text='--angles --atlas --atlas-transform --clearance --clusters --connect --connectivity --contacts --context --coordsystem --endpoints --hide --image --jitter
         --keep --labels --level --listen --mask --mask-object --only --output --pathway --pose --poses --probe --probes --reference --score
         --segments --shard --sidecar --streamlines --streamlines-out --tool --voxels --world-from-tracker'
     for command in query batch sweep track overlap connect; do

@@ -561,8 +561,8 @@ END
     conus phantom sphere -o .
     live sphere.nii.gz
     local step=0
-    look '.has_pose == 0 and .confirmed == []'
-    until look '.has_pose == 1'; do # over the middle of the 3-D pane
+    look '.has_pose == false and .confirmed == []'
+    until look '.has_pose == true'; do # over the middle of the 3-D pane
         step=$((step + 1))
         xdotool mousemove --window "$window" $((170 + step % 10)) 148
     done
@@ -587,18 +587,18 @@ END
     live nested.nii.gz
     tap() { for key; do xdotool key --window "$window" "$key"; pass; done; }
     tell 'aim 60 10 6 0 0 6' 'crosshair 1 2 3' 'orbit 10 0'
-    look '.results.order == "rank" and .has_pose == 1'
+    look '.results.order == "rank" and .has_pose == true'
     distance=$(jq '.orbit[3]' look$looks.json)
     tap F6 F6 Down space space # the hits, from the columns' button to their list, its first heading
-    look '.results.order == "name" and .frozen == 0'
+    look '.results.order == "name" and .frozen == false'
     tap Escape Escape # leave the list, and return to the panes
-    look '.has_pose == 1'
+    look '.has_pose == true'
     tap shift+Right shift+Down shift+Prior ctrl+Prior Left Prior
     look '.crosshair == [2, 1, 4] and .magnification > 1.09 and .magnification < 1.11'
     # 0.025 of a pane's height turns by 3.5 times as much in radians, 5 degrees; a click of the wheel is a tenth
     look "(.orbit[4] * 180 / 3.14159265 - 10 + 5.0134 | fabs) < 0.001 and .orbit[3] < 0.91 * $distance"
     tap Escape
-    look '.has_pose == 0'
+    look '.has_pose == false'
     leave
 }
 
@@ -676,7 +676,7 @@ END
     xdotool type --window "$window" "127.0.0.1:$(<port)"
     pass
     xdotool keydown --window "$window" Return
-    until look '.has_pose == 1'; do
+    until look '.has_pose == true'; do
         runs "$child"
     done
     xdotool keyup --window "$window" Return
@@ -731,7 +731,7 @@ at_apex() {
     conus phantom nested -o .
     printf 'point 0.5 0.5\nsave ball.json\n' | view sphere.nii.gz
     # a ball of 20 mm: its voxels of 1 mm have their faces within half a diagonal of that
-    jq -e '.angle_deg == 5 and .apex_at_eye == 0 and
+    jq -e '.angle_deg == 5 and .apex_at_eye == false and
         ([.world_from_device[12:15][] | . * .] | add | sqrt | . > 19.1 and . < 20.9)' ball.json
     view nested.nii.gz <<'END'
 angle 20
@@ -762,16 +762,16 @@ END
     conus query nested.nii.gz $(at_apex ray.json) --angle 0.1 --resolution 1 --format tsv -q | diff ray.tsv -
     diff ray.tsv opened.tsv
     diff ray.json opened.json
-    [ "$(jq -c '[.one_ray, .layers]' ray.json)" = '[1,"all"]' ]
+    [ "$(jq -c '[.one_ray, .layers]' ray.json)" = '[true,"all"]' ]
     [ "$(grep -c area ray.tsv)" -eq 1 ]
     run -1 grep -q area eye.tsv # past the ball, at a corner of the pane
     grep -q unassigned eye.tsv
     [ "$(wc -l <none.tsv)" -eq 1 ]
-    [ "$(jq -c '[.has_pose, .frozen]' none.json)" = '[0,0]' ]
-    # an older session does not have these values
+    [ "$(jq -c '[.has_pose, .frozen]' none.json)" = '[false,false]' ]
+    # a session may lack these values
     jq 'del(.one_ray, .apex_at_eye, .follow)' cone.json >old.json
     printf 'key 1\nkey x\nkey g\nopen old.json\nsave kept.json\n' | view nested.nii.gz
-    [ "$(jq -c '[.one_ray, .apex_at_eye, .follow]' kept.json)" = '[1,1,"tip"]' ]
+    [ "$(jq -c '[.one_ray, .apex_at_eye, .follow]' kept.json)" = '[true,true,"tip"]' ]
 }
 
 @test "changes are taken back and done again" {
@@ -830,7 +830,7 @@ END
     conus phantom sphere -o .
     live sphere.nii.gz
     local step=0 pose
-    until look '.has_pose == 1'; do # over the middle of the 3-D pane
+    until look '.has_pose == true'; do # over the middle of the 3-D pane
         step=$((step + 1))
         xdotool mousemove --window "$window" $((170 + step % 10)) 148
     done
@@ -840,18 +840,18 @@ END
         xdotool mousemove --window "$window" $((170 + step % 10)) 148
     done
     xdotool click 1
-    until look '.frozen == 1'; do :; done
+    until look '.frozen == true'; do :; done
     pose=$(jq -c .world_from_device "look$looks.json")
     xdotool mousemove --window "$window" 177 146 mousemove --window "$window" 172 151 mousemove --window "$window" 30 150
-    look ".frozen == 1 and .world_from_device == $pose"
+    look ".frozen == true and .world_from_device == $pose"
     xdotool mousedown 1 # a press on a panel is no click on the pane
     look true
     xdotool mousemove --window "$window" 177 148
     look true
     xdotool mouseup 1
-    look ".frozen == 1 and .world_from_device == $pose"
+    look ".frozen == true and .world_from_device == $pose"
     xdotool click 1
-    until look '.frozen == 0'; do :; done
+    until look '.frozen == false'; do :; done
     until look ".world_from_device != $pose"; do
         step=$((step + 1))
         xdotool mousemove --window "$window" $((170 + step % 10)) 148
@@ -860,9 +860,9 @@ END
     look true
     pose=$(jq -c .world_from_device "look$looks.json")
     xdotool mousemove --window "$window" 30 150 mousemove --window "$window" 450 150 mousemove --window "$window" 450 300
-    look ".frozen == 0 and .world_from_device == $pose"
+    look ".frozen == false and .world_from_device == $pose"
     xdotool key --window "$window" Escape
-    until look '.has_pose == 0'; do :; done
+    until look '.has_pose == false'; do :; done
     leave
 }
 
@@ -872,7 +872,7 @@ END
     live sphere.nii.gz --size 1000x640
     # the axis enters the sphere of 20 mm at y = 20, 50 mm from its apex
     tell 'aim 0 70 0 0 0 0' 'key space' 'orbit 270 10' settle 'screenshot ball.png'
-    look '.frozen == 1 and .orbit[4] != 0'
+    look '.frozen == true and .orbit[4] != 0'
     local x y orbit
     read -r x y < <(/usr/bin/python3 - <<'END'
 import numpy
@@ -888,7 +888,7 @@ END
     xdotool mousemove --window "$window" "$x" "$y" mousedown 1 mousemove --window "$window" $((x + 20)) $((y + 40))
     pass
     xdotool mouseup 1
-    look ".frozen == 1 and .orbit == $orbit and .crosshair == [0, 0, 0]"
+    look ".frozen == true and .orbit == $orbit and .crosshair == [0, 0, 0]"
     # the entry is where it was on the axis, at the same depth, and the axis has turned
     jq -e '.world_from_device as $m | [range(3) | $m[12 + .] - 50 * $m[8 + .]] as $entry
         | ($entry[0] | fabs) < 0.5 and ($entry[1] - 20 | fabs) < 0.5 and ($entry[2] | fabs) < 0.5 and $m[9] < 0.97' \
@@ -1257,9 +1257,9 @@ END
     live sphere.nii.gz
     tell 'pointer wand'
     xdotool mousemove --window "$window" 320 20 # in the axial pane, above its middle: in front of the sphere
-    look '.has_pose == 0'
+    look '.has_pose == false'
     xdotool mousedown 3
-    until look '.has_pose == 1'; do :; done
+    until look '.has_pose == true'; do :; done
     xdotool mouseup 3
     tell 'results wand.tsv'
     leave

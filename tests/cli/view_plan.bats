@@ -48,8 +48,8 @@ END
     conus plan u-shape.nii.gz "${plan[@]}" --poses needles.tsv --format tsv -q >wanted.tsv
     diff wanted.tsv list.tsv
     # a ends at 30 mm, b at 26; both are held at x = 40
-    [ "$(jq -c '[.range_mm, .frozen, .world_from_device[12], .crosshair[0]]' row.json)" = '[[0,30],1,40,10]' ]
-    [ "$(jq -c '[.range_mm, .frozen, .crosshair[0]]' first.json)" = '[[0,26],1,14]' ]
+    [ "$(jq -c '[.range_mm, .frozen, .world_from_device[12], .crosshair[0]]' row.json)" = '[[0,30],true,40,10]' ]
+    [ "$(jq -c '[.range_mm, .frozen, .crosshair[0]]' first.json)" = '[[0,26],true,14]' ]
     diff <(jq -c 'del(.crosshair)' row.json) <(jq -c 'del(.crosshair)' back.json)
     mkdir elsewhere
     cd elsewhere

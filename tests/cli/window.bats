@@ -67,8 +67,8 @@ save searched.json
 key escape
 save cleared.json
 END
-    jq -e '.has_pose == 1' searched.json
-    jq -e '.has_pose == 0' cleared.json
+    jq -e '.has_pose == true' searched.json
+    jq -e '.has_pose == false' cleared.json
 }
 
 @test "no key writes a file before its place is chosen" {
@@ -135,11 +135,11 @@ key_at() {
     conus phantom slabs -o .
     live slabs.nii.gz --size 1280x800
     tell 'aim 60 3 2 0 0 0' 'key space' 'orbit 10 0'
-    look '.frozen == 1 and .layers == "visible"'
+    look '.frozen == true and .layers == "visible"'
     orbit=$(jq -c .orbit "look$looks.json")
     click_at 1150 416 # Show
     key_at Escape
-    look '.has_pose == 1 and .frozen == 1'
+    look '.has_pose == true and .frozen == true'
     click_at 1150 416
     xdotool key --window "$window" h
     key_at Down
@@ -150,7 +150,7 @@ key_at() {
     click_at 1085 335 # the heading above the query's settings
     click_at 1085 397 # View, below Expert
     click_at 919 479  # Outlines
-    look '.outlines == 0'
+    look '.outlines == false'
     leave
 }
 

@@ -160,12 +160,6 @@ def write_inputs(folder, facts):
     put("pairs.txt", "".join(f"{k} {name}\n" for k, name in enumerate(
         ("Arch_L", "Arch_R", "left middle", "right middle", "Rim L", "Rim"), 1)))
     put("grey.transfer", "relative\n# value r g b opacity\n0.1 0 0 0 0\n0.4 0.8 0.7 0.6 0.05\n1 1 1 1 0.3\n")
-    put("jobs.tsv", "# three and one that "
-        "fails\natlas\tposes\toutput\nph/sphere.nii.gz\tin/ball.tsv\tjobs/a.tsv\n"
-        "ph/nested.nii.gz\tin/bad.tsv\tjobs/b.csv\nph/none.nii.gz\tin/ball.tsv\tjobs/c.tsv\n"
-        "ph/tubes.nii.gz\tin/ball.tsv\tjobs/d.ndjson\n")
-    put("shafts.tsv", "atlas\tposes\toutput\nph/sphere.nii.gz\tin/plain_electrodes.tsv\tshafts/e.txt\n"
-        "ph/nested.nii.gz\tin/plain_electrodes.tsv\tshafts/f.txt\n")
     put("cube.obj", "o Lower, part\nv 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\nv 0 0 9\nv 9 0 9\nv 9 9 9\nv 0 9 9\n"
         "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\no Tip\nv 4 4 9.5\nv 7 4 9.5\nv 4 7 9.5\n"
         "v 4 4 15\nf 9 11 10\nf 9 10 12\nf 10 11 12\nf 11 9 12\n")
@@ -326,11 +320,10 @@ def other_programs(ask):
             ask(f"query ph/{kind}.nii.gz --pose in/{table} --radius {radius} --format {form} -o {{o}}/{name}")
         ask(f"batch ph/{kind}.nii.gz --poses in/{table} --radius 2 --format {form} --threads 2 -o "
             f"{{o}}/{name}")
-    ask("batch --jobs in/shafts.tsv --radius 3 --format spikeglx", makes="shafts")
 
 
 def pictures_of_answers(ask):
-    """Voxels, images, deep images, masks."""
+    """Voxels, images, masks."""
     for atlas, aim in (("ph/nested.nii.gz", BALL_AIM), ("ph/tubes.nii.gz", BALL_AIM), ("ph/u-shape.nii.gz", BALL_AIM),
                        ("ph/grid7/tubes.nii.gz", BALL_AIM), ("ph/brain/brain.atlas.json", BRAIN_AIM),
                        ("in/outside.atlas.json", BALL_AIM)):
@@ -338,7 +331,7 @@ def pictures_of_answers(ask):
                         "--angle 30 --aperture square --resolution 20"):
             both = "--image {o}/seen.exr --voxels {o}/voxels.tsv --voxels-of all -o {o}/rows.tsv"
             ask(f"query {atlas} {aim} {options} {both}")
-            ask(f"query {atlas} {aim} {options} --layers all --deep {{o}}/deep.exr {both}")
+            ask(f"query {atlas} {aim} {options} --layers all {both}")
             ask(f"query {atlas} {aim} {options} --image {{o}}/seen.png -o {{o}}/rows.csv")
         if atlas.endswith(".nii.gz") or atlas.startswith("in/"):
             for name in ("mask.nii.gz", "cone_dseg.nii.gz", "cone_mask.nii"):
@@ -367,8 +360,7 @@ def gl(ask):
             ask(f"query {atlas} --engine gl --pose in/{table} {options} -o {{o}}/rows.tsv")
         for block in (1, 64):
             ask(f"batch {atlas} --engine gl --poses in/{table} --block {block} -o {{o}}/rows.tsv")
-        ask(f"query {atlas} --engine gl {BALL_AIM} --angle 30 --image {{o}}/seen.exr --layers all --deep "
-            f"{{o}}/deep.exr "
+        ask(f"query {atlas} --engine gl {BALL_AIM} --angle 30 --image {{o}}/seen.exr --layers all "
             "-o {o}/rows.json")
         ask(f"query {atlas} --engine gl {BALL_AIM} --angle 30 --image {{o}}/seen.png --format ndjson")
         ask(f"sweep {atlas} --engine gl {BALL_AIM} --angle 8 --jitter 2,1 --samples 64 --format tsv")
@@ -394,8 +386,6 @@ def batches(ask):
                 makes=f"shards-{form}")
         ask(f"merge {' '.join(reversed(shards))} -o {{o}}/merged.{form}")
         ask(f"merge {shards[0]} {shards[2]} -o {{o}}/merged.{form}")
-    ask("batch --jobs in/jobs.tsv", makes="jobs")
-    ask("batch --jobs in/jobs.tsv --resume")
     ask("batch ph/sphere.nii.gz --poses in/ball.tsv --resume -o again/rows.tsv", makes="again")
     ask("batch ph/sphere.nii.gz --poses in/ball.tsv --resume -o again/rows.tsv")
     ask("batch ph/sphere.nii.gz --poses in/bad.tsv --resume -o again/rows.tsv")
@@ -497,7 +487,7 @@ def renders(ask):
     for transfer in ("brain", "surface", "grey", "bright", "in/grey.transfer"):
         ask(f"render ph/tubes.nii.gz {small} {context} --transfer {transfer} --no-legend -o "
             f"{{o}}/context.png")
-    for option in ("--slices 40", "--no-skipping", "--camera-up 0,1,1", "--hide 1 --only 1,300",
+    for option in ("--slices 40", "--camera-up 0,1,1", "--hide 1 --only 1,300",
                    "--labels in/tree.tsv --level 2", "--pathway ph/brain/brain-pathway.nii.gz", "--engine gl",
                    "--range 60,90", "--radius 5", "--aperture square --resolution 40", "--sampling slices"):
         ask(f"render ph/nested.nii.gz {small} {BALL_AIM} --camera-origin 90,-160,70 --camera-toward 0,0,0 "
@@ -718,7 +708,6 @@ READERS = {
     "afni": ("x+orig.HEAD", VOLUME),
     "annot": ("lh.x.annot", SURFACE_LABELS),
     "batch_record": ("rows.json", "merge {d}/rows.tsv -o {o}/rows.tsv", "verify {d}/rows.tsv"),
-    "batch_table": (None, "batch --jobs {f}"),
     "brainglobe_atlas": ("atlases/x/1_0/manifest.json", "info {d}/atlases/x/1_0", "info {f}"),
     "brainglobe_metadata": ("metadata.json", "info {d}", "info {f}"),
     "cifti": ("x.dlabel.nii", VOLUME),
@@ -823,8 +812,7 @@ def labelled(ask, atlas, table, aim):
     ask(f"query {atlas} --pose {table} -o {{o}}/rows.tsv")
     ask(f"query {atlas} --pose {table} --layers all --format ndjson")
     ask(f"batch {atlas} --poses {table} --threads 2 --layers all -o {{o}}/rows.csv")
-    ask(f"query {atlas} {aim} --angle 20 --layers all --image {{o}}/seen.exr --deep {{o}}/deep.exr -o "
-        f"{{o}}/rows.json")
+    ask(f"query {atlas} {aim} --angle 20 --layers all --image {{o}}/seen.exr -o {{o}}/rows.json")
     ask(f"sweep {atlas} {aim} --angle 60 --format tsv")
 
 
@@ -880,7 +868,7 @@ def shared_volumes(ask):
         ask(f"query {left} {paths} --pose in/brain.tsv {options} -o {{o}}/rows.tsv")
     ask(f"query {left} {paths} {AIM} --angle 40 --mask {{o}}/f_probseg.nii.gz --mask-object Fornix --layers "
         f"all "
-        "--deep {o}/deep.exr --voxels {o}/voxels.tsv -o {o}/rows.json")
+        "--voxels {o}/voxels.tsv -o {o}/rows.json")
     for table in ("fsleyes-lut/harvard-oxford-cortical.lut", "itksnap/MRIcrop-seg.label",
                   "freesurfer/FreeSurferColorLUT.txt",
                   "bids/tpl-MNI152NLin6Asym_atlas-HOCPAL_dseg.tsv", "brainglobe/ccf25.structures.json",
@@ -912,8 +900,7 @@ def shared_surfaces(ask):
                 f"{{o}}/rows.tsv")
             ask(f"query {fs5}/{surface}_{side}.gii.gz --pose in/brain.tsv -o {{o}}/rows.json")
     ask(f"query {fs5}/pial_left.gii.gz --labels {fs5}/lh.aparc.annot {AIM} --angle 40 --image {{o}}/seen.exr "
-        f"--layers all "
-        "--deep {o}/deep.exr -o {o}/rows.tsv")
+        f"--layers all -o {{o}}/rows.tsv")
 
 
 def shared_foreign(ask):

@@ -85,13 +85,13 @@ SIZE(conus_streamline_list_view, 32);
 SIZE(conus_tractogram_info, 144);
 SIZE(conus_constraint, 128);
 SIZE(conus_candidates, 96);
-SIZE(conus_plan_options, 128);
+SIZE(conus_plan_options, 120);
 SIZE(conus_plan_best, 56);
 SIZE(conus_verdict, 56);
-SIZE(conus_planned, 320);
+SIZE(conus_planned, 312);
 SIZE(conus_plan_faults, 24);
 SIZE(conus_tolerance, 80);
-SIZE(conus_tolerance_options, 160);
+SIZE(conus_tolerance_options, 120);
 #endif
 
 extern int sizes_are_known;

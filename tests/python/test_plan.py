@@ -100,11 +100,6 @@ def test_contacts_and_tolerance(atlas):
     rows = atlas.tolerance({"right": 4}, **asked).set_index(["query", "freedom", "side"])
     assert len(rows) == 80 and rows.holds_to["3", "depth", "+"] == 0  # it is not feasible itself
     assert rows.holds_to["2", "depth", "-"] == pytest.approx(6, abs=2e-6)
-    rows = atlas.tolerance({"right": 4}, box=(2, 0, 0, 0, 0), **asked).set_index(["query", "freedom", "side"])
-    box = rows.loc["2", "box", "+-"]
-    assert box.holds_to <= 3 <= box.fails_at <= 1.011 * box.holds_to  # 6 mm back, as above
-    with pytest.raises(conus.ArgumentError, match="box"):
-        atlas.tolerance({"right": 4}, box=(1, 1, 1), **asked)
 
 
 def test_what_is_missed(atlas, tmp_path):

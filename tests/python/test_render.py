@@ -69,7 +69,6 @@ CASES = {
     "frustum": (None, {**CAMERA, "frustum": (-0.1, 0.3, -0.2, 0.2)}, ()),
     "slices": (None, {"slices": 40}, ()),
     "no legend": ({}, {"legend": False}, ("--no-legend",)),
-    "no skipping": (None, {"skipping": False}, ("--no-skipping",)),
     "transfer": (None, {"transfer": "surface"}, ()),
     "legend below": ({}, {"view": "left", "background": "white", "legend": "below", "dpi": 100}, ()),
     "legend right": ({}, {"view": "back", "background": "transparent", "legend": "right"}, ()),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files that show one selection: --image, --deep, --mask with its sidecar, --streamlines-out. */
+/* Files that show one selection: --image, --mask with its sidecar, --streamlines-out. */
 #include "cli/answers/selection_files.h"
 
 #include "base/path.h"
@@ -25,13 +25,6 @@ const struct option selection_file_options[] = {
      .role = OPTION_WRITES,
      .flags = OPTION_OF_CONE | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE | OPTION_IS_PICTURE,
      .endings = ".exr .png"},
-    {.name = "deep",
-     OPTION_AT(struct selection_file_settings, deep),
-     .value = "FILE.exr",
-     .help = "with --layers all: write every interval of every ray inside an object, as a deep image with names",
-     .role = OPTION_WRITES,
-     .flags = OPTION_OF_CONE | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE | OPTION_IS_PICTURE,
-     .endings = ".exr"},
     {.name = "mask",
      OPTION_AT(struct selection_file_settings, mask),
      .value = "FILE.nii.gz",
@@ -99,7 +92,6 @@ int selection_files_init(struct selection_files *out, struct outputs *outputs,
 void selection_files_finish(struct selection_files *files)
 {
     conus_image_destroy(files->image);
-    conus_selection_destroy(files->deep);
     conus_grid_destroy(files->mask);
     free(files->mask_sidecar);
     conus_streamline_list_destroy(files->streamlines);
@@ -117,20 +109,16 @@ static int take_mask(struct selection_files *files, const conus_selection *selec
                                           : EXIT_DONE;
 }
 
-int selection_files_take(struct selection_files *files, conus_selection **selection, const conus_atlas *atlas)
+int selection_files_take(struct selection_files *files, const conus_selection *selection, const conus_atlas *atlas)
 {
     const struct selection_file_settings *settings = files->settings;
-    conus_status status = settings->image ? conus_image_of_selection(&files->image, *selection) : CONUS_OK;
-    int code = status ? print_status(status) : settings->mask ? take_mask(files, *selection, atlas) : EXIT_DONE;
+    conus_status status = settings->image ? conus_image_of_selection(&files->image, selection) : CONUS_OK;
+    int code = status ? print_status(status) : settings->mask ? take_mask(files, selection, atlas) : EXIT_DONE;
     if (!code && settings->streamlines) {
-        status = conus_selection_streamlines(&files->streamlines, *selection, 0);
+        status = conus_selection_streamlines(&files->streamlines, selection, 0);
         code = status == CONUS_ERROR_ARGUMENT ? print_usage_error("--streamlines-out: %s", conus_message())
                : status                       ? print_status(status)
                                               : EXIT_DONE;
-    }
-    if (!code && settings->deep) {
-        files->deep = *selection;
-        *selection = NULL;
     }
     return code;
 }
@@ -155,9 +143,6 @@ int selection_files_write(const struct selection_files *files, conus_report *rep
 {
     const struct selection_file_settings *settings = files->settings;
     conus_status status = files->image ? conus_image_write(files->image, settings->image) : CONUS_OK;
-    if (!status && files->deep) {
-        status = conus_selection_write_deep(files->deep, settings->deep);
-    }
     if (!status && files->streamlines) {
         status = conus_streamline_list_write(files->streamlines, settings->streamlines);
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Files that show one selection: --image, --deep, --mask with its sidecar, --streamlines-out. */
+/** @file Files that show one selection: --image, --mask with its sidecar, --streamlines-out. */
 #ifndef CONUS_CLI_ANSWERS_SELECTION_FILES_H
 #define CONUS_CLI_ANSWERS_SELECTION_FILES_H
 
@@ -10,7 +10,7 @@
 #include "options/provenance.h"
 
 struct selection_file_settings {
-    const char *image, *deep;
+    const char *image;
     const char *mask;
     size_t mask_content; /**< conus_grid_content, if given. */
     const char *mask_object;
@@ -23,7 +23,6 @@ extern const struct option selection_file_options[];
 struct selection_files {
     const struct selection_file_settings *settings;
     conus_image *image;
-    conus_selection *deep;
     conus_grid_content mask_content;
     conus_grid *mask;
     char *mask_sidecar; /**< Path; NULL without a mask. */
@@ -38,8 +37,8 @@ int selection_files_init(struct selection_files *out, struct outputs *outputs,
                          const struct selection_file_settings *settings, const struct arguments *arguments);
 void selection_files_finish(struct selection_files *files);
 
-/** Takes what the files need. Of --deep that is the selection itself: *selection is NULL then. */
-int selection_files_take(struct selection_files *files, conus_selection **selection, const conus_atlas *atlas);
+/** Takes what the files need. */
+int selection_files_take(struct selection_files *files, const conus_selection *selection, const conus_atlas *atlas);
 
 /** Writes them; the mask's sidecar has the SHA-256 of the mask and the inputs of @p provenance. */
 int selection_files_write(const struct selection_files *files, conus_report *report,

@@ -588,25 +588,11 @@ static void put_words(struct writing *out)
                  (long long)replay->record->shard[1]);
         put_option(out, "shard", shard);
     }
-    if (!arguments->operand_count) { /* one row of a table of --jobs */
-        const json_t *batch = json_object_get(replay->record->root, "Batch");
-        const char *poses = json_string_value(json_object_get(batch, "pose_file"));
-        const char *words = json_string_value(json_object_get(batch, "pose_words"));
-        char *read = poses ? stage_word(out->stage, poses) : NULL;
-        char *worded = NULL;
-        if (read && words && asprintf(&worded, "%s,%s", read, words) < 0) {
-            worded = NULL;
-        }
-        put_path(out, "poses", words ? worded : read);
-        put_output(out, option_find(replay->command, "output"), replay->result, NULL);
-        free(worded);
-        free(read);
-    } else if (!out->has_output) {
+    if (!out->has_output) {
         put_output(out, option_find(replay->command, "output"), NULL, NULL);
     }
-    const char *atlas = arguments->operand_count ? arguments->operands[0] : record_atlas(replay->record, 0);
     put_word(out, strdup("--")); /* since a path may begin with a dash */
-    put_word(out, atlas ? atlas_word(out, atlas, 0) : NULL);
+    put_word(out, atlas_word(out, arguments->operands[0], 0));
     for (size_t i = 1; i < arguments->operand_count; i++) {
         put_word(out, stage_word(out->stage, arguments->operands[i]));
     }

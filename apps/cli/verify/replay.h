@@ -15,7 +15,6 @@ struct replay {
     const struct record *record;
     const struct found_file *found; /**< [record->input_count] */
     const struct command *command;
-    const char *result; /**< The name of the result, for --jobs. */
     const char *engine; /**< --engine in place of the recorded one; NULL = that. */
     struct arguments arguments;
     void *settings;

@@ -478,8 +478,7 @@ static int check_result(struct checking *checking, const struct command *const *
 {
     struct verdict *verdict = checking->verdict;
     struct record *record = &verdict->record;
-    struct replay replay = {
-        .record = record, .result = path_name(verdict->result), .engine = checking->settings->engine_name};
+    struct replay replay = {.record = record, .engine = checking->settings->engine_name};
     if (!read_sidecar(checking)) {
         return EXIT_DONE;
     }

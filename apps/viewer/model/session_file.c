@@ -27,7 +27,8 @@ bool session_file_read(struct session_file *out, const char *path)
     const json_t *opened = json_object_get(root, "opened");
     const json_t *options = json_object_get(opened, "options");
     const char *atlas = json_text(root, "atlas");
-    if (!json_is_integer(json_object_get(root, "conus_session")) || !atlas[0]) {
+    const char *folder = json_string_value(json_object_get(opened, "folder"));
+    if (!json_is_integer(json_object_get(root, "conus_session")) || !atlas[0] || !folder) {
         json_decref(root);
         return false;
     }
@@ -37,7 +38,7 @@ bool session_file_read(struct session_file *out, const char *path)
     }
     *out = (struct session_file){.root = root,
                                  .atlas = atlas,
-                                 .folder = json_text(opened, "folder"),
+                                 .folder = folder,
                                  .sha256 = json_text(opened, "sha256"),
                                  .bytes = (uint64_t)json_integer_value(json_object_get(opened, "bytes")),
                                  .options = of_texts ? options : NULL};

@@ -15,7 +15,7 @@
 struct session_file {
     json_t *root;
     const char *atlas;     /**< As it was given; borrowed from root, as what follows. */
-    const char *folder;    /**< "" = unknown, as in older sessions. */
+    const char *folder;    /**< "" = unknown. */
     const char *sha256;    /**< "" = unknown. */
     uint64_t bytes;        /**< With sha256. */
     const json_t *options; /**< An array of texts; NULL = unknown. */

@@ -24,7 +24,7 @@ void panel_property(struct window *window, enum property_id id)
         changed = ui_choose(property->label, &index, choices, (size_t)(property->high - property->low) + 1);
         ui_tip(tip);
         value = property->low + (double)index;
-    } else if (property->type == PROPERTY_FLAG || property->type == PROPERTY_TRUTH) {
+    } else if (property->type == PROPERTY_TRUTH) {
         changed = ui_check(property->label, &is_on, tip);
         value = is_on;
     } else {

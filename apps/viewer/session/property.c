@@ -43,10 +43,8 @@ static const char *const study_says[] = {"no study", "sweep: the shares over the
 #define OF_WINDOW(member)                                                                                              \
     .of_window = true, .offset = offsetof(struct window, member), .size = sizeof(((struct window *)0)->member)
 #define REALS(how_many, least, most) .type = PROPERTY_REAL, .count = (how_many), .low = (least), .high = (most)
-#define FLAG .type = PROPERTY_FLAG, .high = 1
 #define TRUTH .type = PROPERTY_TRUTH, .high = 1
-#define ENUM(array)                                                                                                    \
-    .type = PROPERTY_NAME_OR_NUMBER, .names = (array), .high = (int)(sizeof(array) / sizeof(array)[0]) - 1
+#define ENUM(array) .type = PROPERTY_NAME, .names = (array), .high = (int)(sizeof(array) / sizeof(array)[0]) - 1
 #define FAR 1e6 /* mm */
 #define ANGLE .label = "Opening", .format = "%.1f\u00b0", .slider = {0.1, 179}, .is_logarithmic = true
 
@@ -59,9 +57,9 @@ _Static_assert(offsetof(struct study_settings, samples) ==
 const struct property properties[PROPERTY_COUNT] = {
     [PROPERTY_POSE] = {NULL, "world_from_device", "the pose of the first tool: a 4 x 4 matrix, column by column, mm",
                        OF_VIEWER(tools[FIRST_TOOL].pose), REALS(16, -FAR, FAR), .undo = UNDO_LEAVES_MOVING},
-    [PROPERTY_HAS_POSE] = {NULL, "has_pose", "whether it has one", OF_VIEWER(tools[FIRST_TOOL].has_pose), FLAG,
+    [PROPERTY_HAS_POSE] = {NULL, "has_pose", "whether it has one", OF_VIEWER(tools[FIRST_TOOL].has_pose), TRUTH,
                            .undo = UNDO_LEAVES_MOVING},
-    [PROPERTY_FROZEN] = {NULL, "frozen", "whether the cone is held", OF_VIEWER(tools[FIRST_TOOL].held), FLAG},
+    [PROPERTY_FROZEN] = {NULL, "frozen", "whether the cone is held", OF_VIEWER(tools[FIRST_TOOL].held), TRUTH},
     [PROPERTY_POINTER] = {NULL, "pointer", "what moves the first tool", OF_VIEWER(tools[FIRST_TOOL].pointer),
                           ENUM(pointer_names)},
     [PROPERTY_ANGLE] = {NULL, "angle_deg", "full opening angle of the cone, degrees",
@@ -86,10 +84,10 @@ const struct property properties[PROPERTY_COUNT] = {
                               "there"},
     [PROPERTY_FILL] = {NULL, "fill", "opacity of the areas in the cuts, 0 to 1", OF_VIEWER(display.fill),
                        REALS(1, 0, 1), .label = "Areas", .format = "%.2f filled"},
-    [PROPERTY_OUTLINES] = {NULL, "outlines", "lines around the areas in the cuts", OF_VIEWER(display.no_outlines), FLAG,
-                           .is_negated = true, .label = "Outlines"},
+    [PROPERTY_OUTLINES] = {NULL, "outlines", "lines around the areas in the cuts", OF_VIEWER(display.no_outlines),
+                           TRUTH, .is_negated = true, .label = "Outlines"},
     [PROPERTY_RADIOLOGICAL] = {NULL, "radiological", "the head's left on the right of the cuts",
-                               OF_VIEWER(display.radiological), FLAG, .label = "Radiological (left is right)"},
+                               OF_VIEWER(display.radiological), TRUTH, .label = "Radiological (left is right)"},
     [PROPERTY_ORBIT] = {NULL, "orbit",
                         "where 3-D looks: its centre and the eye's distance, mm; azimuth and elevation, radians",
                         OF_VIEWER(orbit.centre), REALS(6, -FAR, FAR), .undo = UNDO_LEAVES},
@@ -98,10 +96,10 @@ const struct property properties[PROPERTY_COUNT] = {
     [PROPERTY_MAGNIFICATION] = {NULL, "magnification", "of the cuts", OF_VIEWER(magnification), REALS(1, 0.2, 50),
                                 .undo = UNDO_LEAVES},
     [PROPERTY_ENLARGED] = {NULL, "enlarged", "the pane that fills the middle", OF_WINDOW(screen.enlarged),
-                           .type = PROPERTY_NAME_OR_NUMBER, .low = -1, .high = PANE_COUNT - 1, .names = pane_names,
+                           .type = PROPERTY_NAME, .low = -1, .high = PANE_COUNT - 1, .names = pane_names,
                            .undo = UNDO_LEAVES},
     [PROPERTY_BY_HEAD] = {NULL, "by_head", "whether a tracked head moves the view; only then there are the next three",
-                          OF_VIEWER(head.on), FLAG, .presence = PROPERTY_OF_HEAD, .undo = UNDO_LEAVES,
+                          OF_VIEWER(head.on), TRUTH, .presence = PROPERTY_OF_HEAD, .undo = UNDO_LEAVES,
                           .is_set_apart = true},
     [PROPERTY_EYE] = {NULL, "eye", "where its eye is, mm", OF_VIEWER(head.eye), REALS(3, -FAR, FAR),
                       .presence = PROPERTY_OF_HEAD, .undo = UNDO_LEAVES, .is_set_apart = true},
@@ -115,12 +113,12 @@ const struct property properties[PROPERTY_COUNT] = {
                                  "which part of the picture's slices are sampled; only where it is not 0, the default",
                                  OF_VIEWER(cone.options.slice_fraction), REALS(1, 0, 1), .presence = PROPERTY_ZERO},
     [PROPERTY_APEX_AT_EYE] = {NULL, "apex_at_eye", "whether the mouse's cone begins at the eye, not at the surface",
-                              OF_VIEWER(cone.apex_at_eye), FLAG, .presence = PROPERTY_KEPT, .says = eye_says,
+                              OF_VIEWER(cone.apex_at_eye), TRUTH, .presence = PROPERTY_KEPT, .says = eye_says,
                               .label = "Start", .choices = apexes,
                               .tip = "where the mouse's cone has its apex: at the first surface under the mouse, of "
                                      "the context or of an\narea, or at the eye that looks at the 3-D pane"},
     [PROPERTY_ONE_RAY] = {NULL, "one_ray", "whether a single ray is asked in place of the cone",
-                          OF_VIEWER(cone.one_ray), FLAG, .presence = PROPERTY_KEPT, .says = ray_says,
+                          OF_VIEWER(cone.one_ray), TRUTH, .presence = PROPERTY_KEPT, .says = ray_says,
                           .label = "One area only", .change = CHANGES_ANSWER,
                           .tip = "in place of the cone a single ray along its axis, which names the area that it hits "
                                  "first"},
@@ -227,11 +225,6 @@ static const char *name_of(const struct property *property, int value)
     return property->name_of ? property->name_of(index) : property->names[index];
 }
 
-static bool is_enum(const struct property *property)
-{
-    return property->type == PROPERTY_NAME || property->type == PROPERTY_NAME_OR_NUMBER;
-}
-
 /* Its bytes in the window. */
 static void *address_of(const struct property *property, const struct window *window)
 {
@@ -250,7 +243,6 @@ void property_get(double out[PROPERTY_NUMBERS], const struct property *property,
         case PROPERTY_INTEGER:
             out[i] = ((const uint32_t *)place)[i];
             break;
-        case PROPERTY_FLAG:
         case PROPERTY_TRUTH:
             out[i] = *(const bool *)place != property->is_negated;
             break;
@@ -272,7 +264,6 @@ void property_put(struct window *window, const struct property *property, const 
         case PROPERTY_INTEGER:
             ((uint32_t *)place)[i] = (uint32_t)numbers[i];
             break;
-        case PROPERTY_FLAG:
         case PROPERTY_TRUTH:
             *(bool *)place = (numbers[i] > 0) != property->is_negated;
             break;
@@ -288,7 +279,7 @@ void property_put(struct window *window, const struct property *property, const 
 
 static json_t *number_json(const struct property *property, double number)
 {
-    return is_enum(property)                    ? json_string(name_of(property, (int)number))
+    return property->type == PROPERTY_NAME      ? json_string(name_of(property, (int)number))
            : property->type == PROPERTY_TRUTH   ? json_boolean(number > 0)
            : property->type == PROPERTY_INTEGER ? json_integer((json_int_t)number)
                                                 : json_real(number);
@@ -325,13 +316,12 @@ static bool read_number(double *out, const struct property *property, const json
         *out = json_is_true(value);
         return json_is_boolean(value);
     }
-    if (is_enum(property) && !(property->type == PROPERTY_NAME_OR_NUMBER && json_is_number(value))) {
+    if (property->type == PROPERTY_NAME) {
         return find_name(out, property, json_string_value(value));
     }
     *out = json_number_value(value);
     bool is_number = property->type == PROPERTY_INTEGER ? json_is_integer(value) : json_is_number(value);
-    return is_number && *out >= property->low && *out <= property->high &&
-           (!is_enum(property) || (floor(*out) == *out && name_of(property, (int)*out)));
+    return is_number && *out >= property->low && *out <= property->high;
 }
 
 bool session_refuse(char why[PROPERTY_REASON], const char *format, ...)
@@ -359,12 +349,10 @@ void property_allowed(char out[PROPERTY_REASON], const struct property *property
 {
     if (property->name_of) {
         snprintf(out, PROPERTY_REASON, "the name of a column");
-    } else if (is_enum(property)) {
+    } else if (property->type == PROPERTY_NAME) {
         list_names(out, PROPERTY_REASON, property);
     } else if (property->type == PROPERTY_TRUTH) {
         snprintf(out, PROPERTY_REASON, "true or false");
-    } else if (property->type == PROPERTY_FLAG) {
-        snprintf(out, PROPERTY_REASON, "0 or 1");
     } else if (property_count(property) > 1) {
         snprintf(out, PROPERTY_REASON, "%zu numbers from %.7g to %.7g", property->count, property->low, property->high);
     } else {
@@ -439,10 +427,10 @@ void property_next(struct window *window, enum property_id id)
 static bool read_word(double *out, const struct property *property, const char *word)
 {
     char *end;
-    if (is_enum(property)) {
+    if (property->type == PROPERTY_NAME) {
         return find_name(out, property, word);
     }
-    if (property->type == PROPERTY_FLAG || property->type == PROPERTY_TRUTH) {
+    if (property->type == PROPERTY_TRUTH) {
         *out = strcmp(word, "on") == 0;
         return *out > 0 || strcmp(word, "off") == 0;
     }

@@ -75,13 +75,11 @@ enum property_id {
 
 /** How a value is kept in the window, and how it is written in a session. */
 enum property_type {
-    PROPERTY_REAL = 0,       /**< double. */
-    PROPERTY_WHOLE,          /**< uint32_t, written as a real number; a fraction is dropped. */
-    PROPERTY_INTEGER,        /**< uint32_t, written as an integer. */
-    PROPERTY_FLAG,           /**< bool, written as 0 or 1. */
-    PROPERTY_TRUTH,          /**< bool, written as true or false. */
-    PROPERTY_NAME,           /**< An enum or size_t, written by name. */
-    PROPERTY_NAME_OR_NUMBER, /**< Likewise; older sessions have its number, which is still read. */
+    PROPERTY_REAL = 0, /**< double. */
+    PROPERTY_WHOLE,    /**< uint32_t, written as a real number; a fraction is dropped. */
+    PROPERTY_INTEGER,  /**< uint32_t, written as an integer. */
+    PROPERTY_TRUTH,    /**< bool. */
+    PROPERTY_NAME,     /**< An enum or size_t, written by name. */
 };
 
 /** Whether a session has to say it. */

@@ -306,11 +306,10 @@ static bool read_edits(struct session *out, const struct viewer *viewer, const j
                          read_preset(&out->edits.preset, drawn, json_object_get(root, "preset"), why));
 }
 
-/* Reads the level of the first atlas, as for --level. Older sessions have none. */
+/* Reads the level of the first atlas, as for --level. */
 static bool read_level(const char **out, const struct viewer *viewer, const json_t *root, char why[PROPERTY_REASON])
 {
-    const json_t *level = json_object_get(root, "level");
-    *out = level ? json_string_value(level) : viewer->cone.level;
+    *out = json_string_value(json_object_get(root, "level"));
     if (!*out || strlen(*out) >= LEVEL_LIMIT) {
         return session_refuse(why, "level: a text of up to %d bytes is needed", LEVEL_LIMIT - 1);
     }

@@ -32,16 +32,16 @@ json_t *session_thresholds(const struct view_atlas *view)
     return list;
 }
 
-enum { PLACES = 10, OLD_PLACES = 4 };
+enum { PLACES = 10, AXES_END = 4 };
 
 /* Where some points are in the atlas's own space, which is what --atlas-transform says: the origin, a step along each
- * axis, and what is 40 mm from the origin. Older sessions have the first four, which tell affines apart. */
+ * axis, which tell affines apart, and what is 40 mm from the origin. */
 static void find_place(double out[3 * PLACES], const struct view_atlas *view)
 {
     for (int i = 0; i < PLACES; i++) {
         double point[3] = {i == 1, i == 2, i == 3};
-        if (i >= OLD_PLACES) {
-            point[(i - OLD_PLACES) / 2] = i % 2 ? 40 : -40;
+        if (i >= AXES_END) {
+            point[(i - AXES_END) / 2] = i % 2 ? 40 : -40;
         }
         conus_atlas_own_point(out + (ptrdiff_t)3 * i, view->atlas, point);
     }
@@ -130,23 +130,19 @@ static bool read_thresholds(double *out, const struct view_atlas *view, const js
            session_refuse(why, "thresholds: a list of %zu, one for each pathway, is needed", count);
 }
 
-/* Checks that the atlas lies where it lay. Sessions older than transforms have no place. */
+/* Checks that the atlas lies where it lay. */
 static bool check_place(const struct view_atlas *view, const json_t *list, char why[PROPERTY_REASON])
 {
     double place[3 * PLACES];
-    size_t count = json_array_size(list);
+    bool fits = json_array_size(list) == 3 * PLACES;
     find_place(place, view);
-    for (size_t i = 0; list && (i == 0 || i < count); i++) {
+    for (size_t i = 0; fits && i < 3 * PLACES; i++) {
         const json_t *was = json_array_get(list, i);
-        bool fits = (count == 3 * PLACES || count == 3 * OLD_PLACES) &&
-                    (isfinite(place[i]) ? json_is_number(was) && fabs(json_number_value(was) - place[i]) <= 1e-6
-                                        : json_is_null(was));
-        if (!fits) {
-            return session_refuse(why, "the atlas lay elsewhere: the same --atlas-transform, or "
-                                       "transform in the manifest, is needed");
-        }
+        fits = isfinite(place[i]) ? json_is_number(was) && fabs(json_number_value(was) - place[i]) <= 1e-6
+                                  : json_is_null(was);
     }
-    return true;
+    return fits || session_refuse(why, "the atlas lay elsewhere: the same --atlas-transform, or transform in the "
+                                       "manifest, is needed");
 }
 
 static bool read_grey(struct appearance *out, const json_t *value, char why[PROPERTY_REASON])

@@ -3,9 +3,7 @@
  * deflates to just its own size must be stored as it is, since readers take it for that. The part of a chunk that is
  * noise, the rest being zero, grows byte by byte from nothing to all, and so passes through that size: 13 of the 2,425
  * flat pictures here have such a chunk. */
-#include "base/memory.h"
 #include "exr_oracle.h"
-#include "render/image/deep_image.h"
 #include "render/image/image_codecs.h"
 #include "test.h"
 
@@ -94,64 +92,10 @@ static void flat_pictures_read_back(void **state)
     }
 }
 
-/* One row of a deep picture whose pixels have these numbers of samples; `noisy` bytes of the samples are noise. */
-static void check_deep(const uint32_t *counts, uint32_t width, size_t noisy, uint64_t *seed)
-{
-    struct deep_image *image = NULL;
-    struct image_channel *channel = NULL;
-    struct bytes bytes;
-    assert_ok(deep_image_create(&image, width, 1, counts));
-    assert_ok(deep_image_add_channel(image, "id", IMAGE_UINT, &channel));
-    fill_values(channel->uints, image->sample_count, noisy, seed);
-    assert_ok(deep_image_format(&bytes, image));
-    write_scratch(test_scratch("row.exr"), &bytes);
-    struct exr_deep *deep = exr_deep_read(test_scratch("row.exr"));
-    assert_non_null(deep);
-    size_t sample = 0;
-    for (uint32_t x = 0; x < width; x++) {
-        assert_int_equal(exr_deep_count(deep, x, 0), counts[x]);
-        for (uint32_t s = 0; s < counts[x]; s++) {
-            assert_int_equal(exr_deep_uint(deep, "id", x, 0, s), channel->uints[sample++]);
-        }
-    }
-    exr_deep_close(deep);
-    bytes_finish(&bytes);
-    deep_image_destroy(image);
-}
-
-static void deep_samples_read_back(void **state)
-{
-    (void)state;
-    uint64_t seed = 13;
-    for (uint32_t count = 1; count <= 64; count += 7) {
-        for (size_t noisy = 0; noisy <= sizeof(uint32_t) * count; noisy++) {
-            check_deep(&count, 1, noisy, &seed);
-        }
-    }
-}
-
-/* The tables of counts: some pixels with a random number of samples, the rest with none. */
-static void deep_counts_read_back(void **state)
-{
-    (void)state;
-    uint64_t seed = 14;
-    for (uint32_t width = 1; width <= 40; width++) {
-        for (uint32_t filled = 0; filled <= width; filled++) {
-            uint32_t counts[40] = {0};
-            for (uint32_t x = 0; x < filled; x++) {
-                counts[x] = noise(&seed) >> 24;
-            }
-            check_deep(counts, width, 0, &seed);
-        }
-    }
-}
-
 TEST_GROUP(exr_written)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(flat_pictures_read_back),
-        cmocka_unit_test(deep_samples_read_back),
-        cmocka_unit_test(deep_counts_read_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

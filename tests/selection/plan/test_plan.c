@@ -6,8 +6,8 @@
 #include "base/memory.h"
 #include "base/text_number.h"
 #include "conus/candidates.h"
-#include "conus/plan.h"
 #include "scene.h"
+#include "selection/plan/plan.h"
 #include "test.h"
 
 #include <math.h>
@@ -75,6 +75,7 @@ struct asked {
     const conus_constraint *constraints;
     size_t count;
     conus_plan_options options;
+    bool measures_all;
     const char *path;
 };
 
@@ -89,6 +90,9 @@ static conus_status try_ask(struct answer *out, const struct asked *asked)
     conus_status status = conus_selector_create(&out->selector, asked->atlas, &asked->selector);
     status = status ? status
                     : conus_plan_create(&out->plan, out->selector, asked->constraints, asked->count, &asked->options);
+    if (!status && asked->measures_all) {
+        plan_measure_all(out->plan);
+    }
     status = status ? status : conus_pose_stream_open(&stream, asked->path, NULL);
     status = status ? status : conus_plan_run(out->plan, stream, UINT64_MAX);
     conus_pose_stream_destroy(stream);
@@ -466,10 +470,9 @@ static void describe(struct buffer *out, const struct answer *answer, size_t con
     }
     for (size_t i = 0; i < conus_plan_count(answer->plan); i++) {
         const conus_planned *p = conus_plan_pose(answer->plan, i);
-        buffer_format(out, "%a %s %llu %llu %llu %d %zu %a %zu %a %a %zu %s", p->p_ok, p->id,
-                      (unsigned long long)p->candidate, (unsigned long long)p->rank, (unsigned long long)p->front,
-                      p->feasible, p->broken, p->leeway, p->leeway_of, p->slack, p->clearance, p->clearance_of,
-                      text_number(number, p->score));
+        buffer_format(out, "%a %s %llu %llu %d %zu %a %zu %a %a %zu %s", p->p_ok, p->id,
+                      (unsigned long long)p->candidate, (unsigned long long)p->rank, p->feasible, p->broken, p->leeway,
+                      p->leeway_of, p->slack, p->clearance, p->clearance_of, text_number(number, p->score));
         for (size_t k = 0; k < constraints; k++) {
             const conus_verdict *v = &p->verdicts[k];
             buffer_format(out, " %d %a %a %a %a %u %a", v->holds, v->value, v->slack, v->leeway, v->depth, v->object,
@@ -489,13 +492,13 @@ static void same_with_any_threads_and_pruning(void **state)
         {.top = 5},
         {.top = 5, .rank = "p_ok,-depth", .jitter = &off},
         {.top = 4, .rank = "leeway/0.5,p_ok", .jitter = &off, .infeasible = true},
-        {.top = 4, .rank = "p_ok/0.25,score", .score = "p_ok * leeway", .pareto = "-depth,p_ok", .jitter = &ends},
+        {.top = 4, .rank = "p_ok/0.25,score", .score = "p_ok * leeway", .jitter = &ends},
         {.top = 5, .rank = "slack"},
         {.top = 7, .rank = "clearance/0.5,-reach"},
         {.top = 3, .rank = "leeway/0.25,-depth", .infeasible = true},
         {.top = UINT64_MAX, .infeasible = true},
         {.top = 4, .rank = "score", .score = "leeway + 0.1 * slack - depth / 100"},
-        {.top = 10, .rank = "-depth", .pareto = "leeway,slack"},
+        {.top = 10, .rank = "-depth"},
     };
     conus_constraint wants[3] = {reach("1", 4), avoid("2", 1), avoid("3", 0.25)};
     conus_atlas *atlas = boxes();
@@ -507,7 +510,7 @@ static void same_with_any_threads_and_pruning(void **state)
             for (int way = 0; way < 4; way++) {
                 struct asked asked = {.atlas = atlas, .selector = {.radius = 0.3}, .constraints = wants, .count = 3};
                 asked.options = ways[w];
-                asked.options.no_pruning = way == 0;
+                asked.measures_all = way == 0;
                 asked.options.threads = (const uint32_t[]){1, 1, 2, 7}[way];
                 asked.path = path;
                 struct answer answer = ask(&asked);
@@ -531,8 +534,7 @@ static void same_with_any_threads_and_pruning(void **state)
 static void same_of_many(void **state)
 {
     (void)state;
-    static const conus_plan_options ways[] = {
-        {.top = 5, .no_pruning = true, .threads = 2}, {.top = 5, .threads = 1}, {.top = 5, .threads = 3}};
+    static const uint32_t threads[3] = {2, 1, 3};
     const conus_constraint wants[3] = {reach("1", 4), avoid("2", 1), avoid("3", 0.25)};
     conus_atlas *atlas = boxes();
     struct asked asked = {.atlas = atlas,
@@ -542,7 +544,8 @@ static void same_of_many(void **state)
                           .path = write_random("many.tsv", MANY)};
     struct buffer texts[3] = {0};
     for (int way = 0; way < 3; way++) {
-        asked.options = ways[way];
+        asked.options = (conus_plan_options){.top = 5, .threads = threads[way]};
+        asked.measures_all = way == 0;
         struct answer answer = ask(&asked);
         describe(&texts[way], &answer, 3);
         end(&answer);
@@ -572,8 +575,9 @@ static void same_of_many_shanks(void **state)
                           .path = write_random("shanks.tsv", MANY)};
     struct buffer texts[3] = {0};
     for (int way = 0; way < 3; way++) {
-        asked.options = (conus_plan_options){
-            .top = 5, .no_pruning = way == 0, .threads = 1 + (uint32_t)way, .shanks = pair[0], .shank_count = 2};
+        asked.options =
+            (conus_plan_options){.top = 5, .threads = 1 + (uint32_t)way, .shanks = pair[0], .shank_count = 2};
+        asked.measures_all = way == 0;
         struct answer answer = ask(&asked);
         describe(&texts[way], &answer, 4);
         assert_int_equal(conus_plan_count(answer.plan), 5);
@@ -633,16 +637,13 @@ static void ranks_by_what_is_printed(void **state)
     (void)state;
     conus_constraint wants[2] = {reach("1", 0), avoid("2", 0)};
     conus_atlas *atlas = boxes();
-    struct answer answer = ask(&(struct asked){.atlas = atlas,
-                                               .constraints = wants,
-                                               .count = 2,
-                                               .options = {.top = UINT64_MAX,
-                                                           .rank = " -reach/2, score",
-                                                           .score = "leeway * 2 - slack / 3",
-                                                           .pareto = "leeway,-depth"},
-                                               .path = write_random("ranks.tsv", NEEDLES)});
+    struct answer answer = ask(
+        &(struct asked){.atlas = atlas,
+                        .constraints = wants,
+                        .count = 2,
+                        .options = {.top = UINT64_MAX, .rank = " -reach/2, score", .score = "leeway * 2 - slack / 3"},
+                        .path = write_random("ranks.tsv", NEEDLES)});
     size_t count = conus_plan_count(answer.plan);
-    size_t fronts[NEEDLES] = {0};
     assert_true(count > 100);
     for (size_t i = 0; i < count; i++) {
         const conus_planned *a = conus_plan_pose(answer.plan, i);
@@ -657,25 +658,6 @@ static void ranks_by_what_is_printed(void **state)
             assert_true(steps > 0 || printed(a->score) > printed(b->score) ||
                         (printed(a->score) == printed(b->score) && a->candidate < b->candidate));
         }
-    }
-    /* Fronts by definition: the front of a pose is one after the last front that has a better pose. */
-    for (bool changes = true; changes;) {
-        changes = false;
-        for (size_t i = 0; i < count; i++) {
-            const conus_planned *a = conus_plan_pose(answer.plan, i);
-            size_t front = 1;
-            for (size_t k = 0; k < count; k++) {
-                const conus_planned *b = conus_plan_pose(answer.plan, k);
-                double gain = printed(b->leeway) - printed(a->leeway);
-                double save = printed(a->far) - printed(b->far);
-                front = gain >= 0 && save >= 0 && gain + save > 0 && fronts[k] >= front ? fronts[k] + 1 : front;
-            }
-            changes = changes || front != fronts[i];
-            fronts[i] = front;
-        }
-    }
-    for (size_t i = 0; i < count; i++) {
-        assert_int_equal(conus_plan_pose(answer.plan, i)->front, fronts[i]);
     }
     end(&answer);
     conus_atlas_destroy(atlas);
@@ -763,15 +745,10 @@ static void bad_arguments(void **state)
     };
     static const double beyond[4] = {0, 0, 0, 1001};
     static const conus_plan_options options[] = {
-        {.rank = "depht"},   {.rank = "reach2"},
-        {.rank = "depth/0"}, {.rank = "depth*2"},
-        {.rank = ""},        {.rank = "share"},
-        {.score = "2 *"},    {.score = "score"},
-        {.pareto = "size"},  {.pareto = "depth/2"},
-        {.rank = "score"},   {.far = -1},
-        {.far = NAN},        {.shanks = beyond, .shank_count = 2},
-        {.shanks = beyond},  {.angle = 4},
-        {.threads = 100000},
+        {.rank = "depht"},  {.rank = "reach2"}, {.rank = "depth/0"}, {.rank = "depth*2"},
+        {.rank = ""},       {.rank = "share"},  {.score = "2 *"},    {.score = "score"},
+        {.rank = "score"},  {.far = -1},        {.far = NAN},        {.shanks = beyond, .shank_count = 2},
+        {.shanks = beyond}, {.angle = 4},       {.threads = 100000},
     };
     conus_atlas *atlas = boxes();
     conus_selector *selector = NULL;
@@ -825,7 +802,6 @@ static void every_failing_allocation_is_survived(void **state)
                           .count = 3,
                           .options = {.threads = 1,
                                       .infeasible = true,
-                                      .pareto = "depth",
                                       .score = "leeway * p_ok",
                                       .jitter = &(const conus_jitter_options){.shift = 1, .samples = 16}},
                           .path = write_needles("memory.tsv", rows, 2)};
@@ -870,8 +846,8 @@ static char *tell(const conus_plan *plan, const conus_plan_options *options)
     struct buffer out = {0};
     for (size_t i = 0; i < conus_plan_count(plan); i++) {
         const conus_planned *pose = conus_plan_pose(plan, i);
-        buffer_format(&out, "%s %llu %llu %zu %.17g\n", pose->id, (unsigned long long)pose->rank,
-                      (unsigned long long)pose->front, pose->broken, pose->leeway);
+        buffer_format(&out, "%s %llu %zu %.17g\n", pose->id, (unsigned long long)pose->rank, pose->broken,
+                      pose->leeway);
     }
     for (size_t i = 0; i <= conus_plan_constraint_count(plan); i++) {
         const conus_planned *miss = conus_plan_miss(plan, i);
@@ -944,6 +920,9 @@ static conus_plan *run_part(char **state, conus_selector *selector, const struct
     options.progress = halt_after;
     options.progress_user = &halt;
     assert_ok(conus_plan_create(&halt.plan, selector, asked->constraints, asked->count, &options));
+    if (asked->measures_all) {
+        plan_measure_all(halt.plan);
+    }
     for (; known && *known; known++) {
         assert_ok(conus_plan_add_state(&end, halt.plan, *known, strlen(*known)));
     }
@@ -967,14 +946,15 @@ static void parts_make_the_whole(void **state)
     const conus_plan_options options[] = {
         {.top = 5, .entries = ENTRIES, .targets = TARGETS},
         {.top = 40, .infeasible = true, .threads = 3},
-        {.top = UINT64_MAX, .infeasible = true, .no_pruning = true},
-        {.top = 3, .pareto = "leeway,-depth", .entries = ENTRIES},
+        {.top = UINT64_MAX, .infeasible = true},
+        {.top = 3, .entries = ENTRIES},
     };
     conus_atlas *atlas = boxes();
     conus_selector *selector = NULL;
     assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.radius = 0.4}));
     for (size_t o = 0; o < 8; o++) {
-        struct asked asked = {.constraints = wants[o & 1], .count = 2, .options = options[o / 2]};
+        struct asked asked = {
+            .constraints = wants[o & 1], .count = 2, .options = options[o / 2], .measures_all = o / 2 == 2};
         char *ends[4] = {NULL};
         char *again[2] = {NULL};
         char *cut;
@@ -1034,8 +1014,8 @@ static void pruning_changes_no_digit(void **state)
         memcpy(targets[i], (double[]){test_random(&seed, 8, 30), test_random(&seed, 8, 20), 13}, sizeof targets[i]);
     }
     assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.radius = 0.2}));
-    for (int no_pruning = 0; no_pruning < 2; no_pruning++) {
-        const conus_plan_options options = {.threads = 1, .top = UINT64_MAX, .no_pruning = no_pruning};
+    for (int measures_all = 0; measures_all < 2; measures_all++) {
+        const conus_plan_options options = {.threads = 1, .top = UINT64_MAX};
         conus_plan *plan = NULL;
         conus_pose_stream *stream = NULL;
         assert_ok(conus_candidates_open(&stream, &(conus_candidates){.entries = entries[0],
@@ -1045,9 +1025,12 @@ static void pruning_changes_no_digit(void **state)
                                                                      .to_target = true,
                                                                      .beyond = 3}));
         assert_ok(conus_plan_create(&plan, selector, wants, 2, &options));
+        if (measures_all) {
+            plan_measure_all(plan);
+        }
         assert_ok(conus_plan_run(plan, stream, UINT64_MAX));
         assert_true(conus_plan_count(plan) > 200);
-        told[no_pruning] = tell(plan, &options);
+        told[measures_all] = tell(plan, &options);
         conus_pose_stream_destroy(stream);
         conus_plan_destroy(plan);
     }

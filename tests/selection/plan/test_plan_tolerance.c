@@ -72,13 +72,6 @@ static conus_status find(conus_tolerance rows[CONUS_TOLERANCE_COUNT], struct tri
     return status ? status : conus_plan_tolerance(rows, trial->plan, tried, &trial->options);
 }
 
-static conus_status find_box(conus_tolerance *row, struct trial *trial)
-{
-    const conus_planned *tried = NULL;
-    conus_status status = conus_plan_try(&tried, trial->plan, &trial->row);
-    return status ? status : conus_plan_box(row, trial->plan, tried, &trial->options);
-}
-
 /* Turns a vector about an axis by half the angle, as quaternions do. */
 static void turn(double v[3], const double axis[3], double angle)
 {
@@ -143,27 +136,6 @@ static bool holds(const struct trial *trial, conus_plan *single, const double (*
         vec3_add_scaled(at, at, -depth, axis);
     }
     return is_held(single, shanks, count, moved, at, axis, (const double(*)[3])sides);
-}
-
-/* The same, off in five ways: turned about its x, then about its former y, and shifted. */
-static bool holds_off(const struct trial *trial, conus_plan *single, const double (*shanks)[2], size_t count,
-                      const double off[5])
-{
-    const double *m = trial->row.pose.world_from_device;
-    const double x[3] = {m[0], m[1], m[2]};
-    const double y[3] = {m[4], m[5], m[6]};
-    double turned[3][3] = {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {-m[8], -m[9], -m[10]}};
-    double at[3] = {m[12], m[13], m[14]};
-    vec3_add_scaled(at, at, trial->options.pivot, turned[2]);
-    for (int i = 0; i < 3; i++) {
-        turn(turned[i], x, off[3]);
-        turn(turned[i], y, off[4]);
-    }
-    vec3_add_scaled(at, at, -trial->options.pivot, turned[2]);
-    for (int a = 0; a < 3; a++) {
-        at[a] += off[a];
-    }
-    return is_held(single, shanks, count, trial->row, at, turned[2], (const double(*)[3])turned);
 }
 
 static double unit_of(const conus_tolerance *row)
@@ -286,59 +258,6 @@ static void beside_a_wall(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Height of the tip of the needle of beside_a_wall() that sinks by `factor` mm and leans by 2 degrees times
- * `factor`. */
-static double sunken(double factor)
-{
-    return factor + 26 * sin(radians_from_degrees(2) * factor) - 1.5;
-}
-
-static void box_above_a_wall(void **state)
-{
-    (void)state;
-    static const double degree = MATH3_PI / 180;
-    const conus_constraint wants[2] = {
-        {.kind = CONUS_CONSTRAINT_AVOID, .names = "2", .limit = 1},
-        {.kind = CONUS_CONSTRAINT_LEAN, .direction = {1, 0, 0}, .limit = radians_from_degrees(20)}};
-    const struct {
-        double box[5], factor; /* 0 = none breaks up to 20 mm */
-        double proven;         /* at least: along three of five ways nothing changes, but there are many parts */
-        size_t constraint;
-    } cases[] = {{{1, 1, 1, 2 * degree, 2 * degree}, root(sunken, 0, 1.5), 0.85, 0}, /* above the wall all along */
-                 {{0, 0, 1, 2 * degree, 0}, root(sunken, 0, 1.5), 0.989, 0},
-                 {{0, 0, 0.5, 0, 0}, 3, 0.989, 0},
-                 {{0, 0, 0, 0, 2 * degree}, 10, 0.989, 1},
-                 {{1, 0, 0, 0, 0}, 0, 0, 0}};
-    conus_tolerance row;
-    conus_atlas *atlas = boxes();
-    struct trial trial = begin(atlas, 0.5, wants, 2);
-    aim(&trial, (const double[]){0, 13, 13}, (const double[]){1, 0, 0}, NAN, 26);
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        memcpy(trial.options.box, cases[i].box, sizeof cases[i].box);
-        assert_ok(find_box(&row, &trial));
-        assert_int_equal(row.freedom, CONUS_FREEDOM_BOX);
-        assert_int_equal(row.method, CONUS_TOLERANCE_EXACT);
-        if (cases[i].factor > 0) {
-            assert_true(row.holds_to <= cases[i].factor && cases[i].factor <= row.fails_at);
-            assert_true(row.holds_to >= cases[i].proven * cases[i].factor && row.fails_at <= 1.011 * cases[i].factor);
-            assert_int_equal(row.constraint, cases[i].constraint);
-            assert_true(row.constraint == 1 || (row.object == 2 && row.at[2] <= 11.5 && row.at[2] > 11.49));
-        } else {
-            assert_true(row.holds_to == 20 && isnan(row.fails_at) && row.constraint == SIZE_MAX);
-        }
-    }
-    aim(&trial, (const double[]){0, 13, 11.4}, (const double[]){1, 0, 0}, NAN, 26);
-    assert_ok(find_box(&row, &trial));
-    assert_true(row.holds_to == 0 && row.fails_at == 0 && row.constraint == 0);
-    static const double bad[][5] = {{0}, {1, 1, 1, 1, -1}, {NAN, 1, 1, 1, 1}, {1, INFINITY, 1, 1, 1}};
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        memcpy(trial.options.box, bad[i], sizeof bad[i]);
-        assert_fails(find_box(&row, &trial), CONUS_ERROR_ARGUMENT);
-    }
-    end(&trial);
-    conus_atlas_destroy(atlas);
-}
-
 /* Constraints on the tip, on the first object along the axis, on a part of it, and on other needles. */
 static void other_constraints(void **state)
 {
@@ -433,7 +352,7 @@ static void grazed_and_broken(void **state)
     conus_atlas_destroy(atlas);
 }
 
-enum { EDGE = 9, PLACES = 20, DEVIATIONS = 400 };
+enum { EDGE = 9, PLACES = 20 };
 
 /* A turned and flipped grid with blobs of objects 1 and 2. */
 static conus_atlas *blobs(uint64_t *seed)
@@ -503,18 +422,6 @@ static void random_needles(void **state)
                 assert_true(row->fails_at - row->holds_to <= 1.001e-6 * unit_of(row));
                 found++;
             }
-        }
-        conus_tolerance box;
-        memcpy(trial.options.box, (const double[]){0.3, 0.1, 0.2, 0.02, 0.03}, sizeof trial.options.box);
-        assert_ok(find_box(&box, &trial));
-        assert_true(box.holds_to > 0);
-        for (int k = 0; k < DEVIATIONS; k++) { /* half of them on a face */
-            double off[5];
-            for (int way = 0; way < 5; way++) {
-                double factor = k % 10 == way ? copysign(1, test_random(&seed, -1, 1)) : test_random(&seed, -1, 1);
-                off[way] = 0.999999 * box.holds_to * factor * trial.options.box[way];
-            }
-            assert_true(holds_off(&trial, single, shanks, options.shank_count, off));
         }
         conus_plan_destroy(single);
         end(&trial);
@@ -593,8 +500,6 @@ static conus_status attempt(void *data)
     status = status ? status
                     : conus_pose_along(&trial.row.pose, (const double[]){0, 13, 13}, (const double[]){1, 0, 0}, NULL);
     status = status ? status : find(rows, &trial);
-    trial.options.box[2] = 1;
-    status = status ? status : find_box(rows, &trial);
     end(&trial);
     return status;
 }
@@ -620,10 +525,13 @@ static void failing_allocations_are_survived(void **state)
 TEST_GROUP(plan_tolerance)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(length_in_a_box),           cmocka_unit_test(beside_a_wall),
-        cmocka_unit_test(box_above_a_wall),          cmocka_unit_test(other_constraints),
-        cmocka_unit_test(grazed_and_broken),         cmocka_unit_test(random_needles),
-        cmocka_unit_test(contacts_are_as_many_tips), cmocka_unit_test(failing_allocations_are_survived),
+        cmocka_unit_test(length_in_a_box),
+        cmocka_unit_test(beside_a_wall),
+        cmocka_unit_test(other_constraints),
+        cmocka_unit_test(grazed_and_broken),
+        cmocka_unit_test(random_needles),
+        cmocka_unit_test(contacts_are_as_many_tips),
+        cmocka_unit_test(failing_allocations_are_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

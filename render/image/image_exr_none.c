@@ -2,8 +2,6 @@
 /* Stands for images in files of OpenEXR, in a build without that library: each function says so. */
 #include "render/image/image_codecs.h"
 
-#include "conus/picture.h"
-
 static conus_status refuse(void)
 {
     return fail(CONUS_ERROR_UNSUPPORTED, "this build of conus leaves out OpenEXR");
@@ -18,11 +16,5 @@ conus_status image_format_exr(struct bytes *out, const conus_image *image)
 conus_status image_parse_exr(conus_image **out, const uint8_t *data, size_t size)
 {
     (void)out, (void)data, (void)size;
-    return refuse();
-}
-
-conus_status conus_selection_write_deep(const conus_selection *selection, const char *path)
-{
-    (void)selection, (void)path;
     return refuse();
 }
