@@ -51,6 +51,7 @@ says() {
     [ "$(grep -cF -e "$1" <<<"$stderr")" = 1 ] || { echo "said: $stderr"; echo "wanted: $1"; return 1; }
 }
 
+# bats test_tags=main
 @test "a tractogram that is dropped, opened, typed or added by a script is asked as by conus query" {
     need_window
     scene

@@ -207,6 +207,7 @@ seen() {
     leave
 }
 
+# bats test_tags=main
 @test "start, open by name, search, save the session, isolate, point, hold, read the name, save a figure, close, start again: all is back" {
     need_window
     command -v xdotool >/dev/null || skip "no xdotool"

@@ -408,6 +408,7 @@ two_places() {
     export CONUS_ATLAS_PATH=$PWD/own
 }
 
+# bats test_tags=main
 @test "a path comes first" {
     two_places
     put l.nii.gz brodmann
@@ -423,6 +424,7 @@ two_places() {
     jq -e '.installed == null' json
 }
 
+# bats test_tags=main
 @test "an ambiguous name is an error with the candidates" {
     two_places
     fails 2 "aal: 2 atlases have that name: own:aal ($PWD/own/aal.nii.gz), mricron:aal" info aal
@@ -444,6 +446,7 @@ two_places() {
     fails 2 'give the path of one' info own:aal
 }
 
+# bats test_tags=main
 @test "an unknown name is an error that suggests others" {
     two_places
     fails 3 "brodman: cannot open: No such file or directory, and no installed atlas has that name ('conus atlases'" \
@@ -457,6 +460,7 @@ two_places() {
     not grep -q $'\e' <<<"$stderr"
 }
 
+# bats test_tags=main
 @test "a name stands for ATLAS in every command" {
     make_volumes
     put marked.nii.gz usr/share/mricron/templates/cubes.nii.gz
@@ -492,6 +496,7 @@ two_places() {
     fails 2 '--places is for --format table and tsv' atlases --places --format json
 }
 
+# bats test_tags=main
 @test "the list as a table and as JSON" {
     make_volumes
     put marked.nii.gz usr/share/mricron/templates/cubes.nii.gz
@@ -572,6 +577,7 @@ two_places() {
     check_message "note: own: $PWD/own/closed: cannot read this folder: Permission denied"
 }
 
+# bats test_tags=main
 @test "AAL of mricron-data has a name" {
     need_aal
     XDG_DATA_DIRS=${TEMPLATES%/mricron/templates}

@@ -35,6 +35,7 @@ wait_for_lines() {
     wait_until "$pid" has_lines "$@"
 }
 
+# bats test_tags=main
 @test "the rows are those of conus query" {
     setup_ball 300
     answers batch sphere.nii.gz --poses poses.tsv --angle 12 -o rows.tsv
@@ -66,6 +67,7 @@ wait_for_lines() {
     check_message 'rows.tsv: there is a file already'
 }
 
+# bats test_tags=main
 @test "one SHA-256 for any number of threads and any size of blocks" {
     setup_ball 500
     batch --threads 1 -o rows.tsv
@@ -156,6 +158,7 @@ alone() {
     [[ "$output" == *'line 2: range: needs exact sampling, slices see only what is first'* ]]
 }
 
+# bats test_tags=main
 @test "a pose without an answer gets a row that says why, and the exit code is 1" {
     setup_ball 2
     printf 'query_id\tx\ty\tz\ttx\tty\ttz\tangle\n' >poses.tsv
@@ -192,6 +195,7 @@ alone() {
     answers batch sphere.nii.gz --poses poses.tsv -o fine.tsv
 }
 
+# bats test_tags=main
 @test "shards joined are the file of one run" {
     setup_ball 101
     batch -o rows.tsv
@@ -323,6 +327,7 @@ alone() {
     nothing_left sphere.nii.gz sphere.tsv sphere.json poses.tsv whole.tsv whole.json
 }
 
+# bats test_tags=main
 @test "nothing is overwritten without --force" {
     setup_ball 5
     batch -o rows.tsv
@@ -340,6 +345,7 @@ alone() {
     fails 2 'rows.tsv: there is a file already' batch sphere.nii.gz --poses poses.tsv --angle 12 -o rows.tsv --resume
 }
 
+# bats test_tags=main
 @test "killed and resumed three times: the file of one run" {
     setup_ball 2000
     batch -o rows.tsv
@@ -487,6 +493,7 @@ alone() {
     done
 }
 
+# bats test_tags=main
 @test "a full disk: a message, and --resume goes on" {
     setup_ball 5000
     batch -o rows.tsv
@@ -598,6 +605,7 @@ pipe_in() {
     answers batch sphere.nii.gz --poses poses.tsv -o third.tsv --progress none
 }
 
+# bats test_tags=main
 @test "--summary: the best, the runner-up and the margin, one row per pose" {
     conus phantom nested -o . --size 48
     printf 'x\ty\tz\ttx\tty\ttz\n0\t0\t200\t0\t0\t0\n0\t0\t200\t0\t0\t400\n0\t0\t0\t0\t0\t0\n' >poses.tsv

@@ -183,6 +183,7 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
 
 # A beam of 40 mm at 60 mm is a cone of 2 atan(20 / 60) from its focus.
 @test "a beam is the cone from its focus to the transducer" {
+    need_all
     nested
     local beam=(--focus 0,0,0 --transducer 0,0,60 --aperture-diameter 40)
     answers query nested.nii.gz "${beam[@]}" --format tsv

@@ -6,6 +6,7 @@ load helpers
     /usr/bin/python3 "$BATS_TEST_DIRNAME/cuts.py" "$CONUS"
 }
 
+# bats test_tags=main
 @test "planes that are none, and places outside of the atlas, are refused in one line" {
     sphere --size 16
     local spoken
@@ -41,6 +42,7 @@ height() {
     head -c 24 "$1" | tail -c 4 | od -An -tu1 | awk '{ print $3 * 256 + $4 }'
 }
 
+# bats test_tags=main
 @test "a sheet is as high as its cuts need, unless a height is asked for" {
     sphere --size 16
     answers render sphere.nii.gz -o one.png --cuts axial,coronal,sagittal
@@ -51,6 +53,7 @@ height() {
     [ "$(height three.png)" -eq 500 ]
 }
 
+# bats test_tags=main
 @test "cuts go through the best hit's contact, and each row of a file has its own" {
     sphere --size 32
     printf 'query_id,x,y,z,tx,ty,tz,angle\na,60,0,8,0,0,8,5\nb,-60,0,0,0,0,0,5\n' >two.csv
@@ -140,6 +143,7 @@ print(*sorted(numpy.unique(rgb, axis=0, return_counts=True)[1])[:-6:-1])
 END
 }
 
+# bats test_tags=main
 @test "closed surfaces are filled, as labels are" {
     answers phantom brain -o brain
     answers render brain/brain.atlas.json --cuts axial --fill 1 -o full.png --size 300x300 -q
@@ -149,6 +153,7 @@ END
     [ "${full[4]}" -gt 1000 ] && [ "${lines[0]}" -lt $((full[4] / 2)) ]
 }
 
+# bats test_tags=main
 @test "3d adds the view in space before the cuts, which is the one that render draws" {
     sphere --size 32
     gl render sphere.nii.gz -o both.png --cuts 3d,axial --size 400x200 --no-legend --background white

@@ -14,6 +14,7 @@ load helpers
 }
 
 @test "both engines give one answer in all layers, in cones, cylinders and ranges" {
+    need_all
     need_aal
     local aim='--origin=-90,20,20 --toward=0,-10,10'
     for how in '--angle 20 --layers all' '--radius 4 --layers all' '--angle 12 --layers all --range 40,70' \
@@ -45,6 +46,7 @@ load helpers
 }
 
 @test "batches by OpenGL are those of the rays, whatever the block, with rows that are no poses" {
+    need_all
     sphere --size 32
     awk 'BEGIN {
         print "x\ty\tz\tdx\tdy\tdz\tangle"
@@ -65,6 +67,7 @@ load helpers
 
 # Mesa says that it has OpenGL 4.5, but its compiler knows GLSL 3.30 only.
 @test "where there is OpenGL, shaders that a driver refuses fail tests, and skip none" {
+    need_all
     need_gl
     export MESA_GL_VERSION_OVERRIDE=4.5 MESA_GLSL_VERSION_OVERRIDE=330
     sphere --size 16

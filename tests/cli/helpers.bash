@@ -248,6 +248,11 @@ need_pixels() {
         skip "no python3-openimageio"
 }
 
+# need_all: only scripts/test --all runs the test.
+need_all() {
+    [ -n "${CONUS_TEST_ALL-}" ] || skip "scripts/test --all runs it"
+}
+
 # need_long: only scripts/test --long runs the test.
 need_long() {
     [ -n "${CONUS_TEST_LONG-}" ] || skip "scripts/test --long runs it"

@@ -231,6 +231,7 @@ complaint() {
 }
 
 @test "what is written of a folder of the shared data loads: of hostile ones and every fourth, of all in --long" {
+    need_all
     local shared=${CONUS_SHARED_DATA:-$BATS_TEST_DIRNAME/../../../shared/data} loads=0 refused=0 folder step=4
     [ -z "${CONUS_TEST_LONG-}" ] || step=1
     [ -d "$shared" ] || skip "no shared data ($shared)"

@@ -314,6 +314,7 @@ same_answers() {
 }
 
 @test "poses of a person's own scan are refused on templates, warned of on unknown brains, and taken on that person's" {
+    need_all
     need_aal
     sphere --size 16
     local places='<InstrumentMarker><Marker description="a"><Matrix4D data00="0" data01="0" data02="1" data03="-90"

@@ -9,6 +9,7 @@ png_size() {
     head -c 24 "$1" | tail -c 8 | od -An -tu1 | awk '{ print $3 * 256 + $4 "x" $7 * 256 + $8 }'
 }
 
+# bats test_tags=main
 @test "an atlas becomes a picture of the size asked for" {
     sphere --size 32
     gl render sphere.nii.gz -o ball.png $SMALL
@@ -56,6 +57,7 @@ session() {
         '../a/b:c,60,0,0,0,0,0,20' 'left,-60,0,5,0,0,0,20' ',0,60,0,0,0,0,20' >>session.csv
 }
 
+# bats test_tags=main
 @test "every pose of a file becomes a picture with a name of its own" {
     sphere --size 32
     session
@@ -245,6 +247,7 @@ END
     answers diff a.exr b.exr
 }
 
+# bats test_tags=main
 @test "AAL around its contacts, in a context" {
     need_aal
     gl render "$aal" --context "$TEMPLATES/ch2bet.nii.gz" -o aal.png $SMALL \
@@ -264,6 +267,7 @@ END
     [ ! -e b.png ]
 }
 
+# bats test_tags=main
 @test "mistakes are named before anything is loaded" {
     fails 2 '--output FILE is missing' render a.nii
     fails 2 '--output: "a.jpg" does not end in .png, .svg, .pdf or .exr' render a.nii -o a.jpg
@@ -294,6 +298,7 @@ END
         render atlas.png -o transfer.png --context sphere.nii.gz --transfer transfer.png
 }
 
+# bats test_tags=main
 @test "without OpenGL pictures are drawn by rays; exit code 4 where OpenGL is asked for" {
     sphere --size 16
     answers render sphere.nii.gz -o rays.png $SMALL --engine rays --origin 0,0,50 --toward 0,0,0
@@ -317,6 +322,7 @@ END
     cmp by-0.png by-0-15.png
 }
 
+# bats test_tags=main
 @test "an atlas of surfaces without a volume: rows and picture into files" {
     "$CONUS" phantom brain -o brain
     cp brain/brain-01-AntL.surf.gii ant.gii

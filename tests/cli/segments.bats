@@ -240,6 +240,7 @@ shanks() {
 
 # Balls of 24, 16 and 8 mm around 0; the target is 80 mm from the device, in the outer shell.
 @test "a range ends at the target: the answer, segments, clearance and picture" {
+    need_all
     conus phantom nested -o . --size 32 --spacing 2,2,2
     local aim=(--origin 0,0,100 --toward 0,0,20 --radius 1) far files
     for far in target target+10; do

@@ -33,6 +33,7 @@ queried() {
 
 AIM=$'angle 20\naim 3 90 2 3 0 2'
 
+# bats test_tags=main
 @test "a path that is typed opens as if it had been given" {
     need_window
     own_folders
@@ -298,6 +299,7 @@ END
     [ "$(jq .objects other.json)" = 1 ]
 }
 
+# bats test_tags=main
 @test "an ATLAS that cannot be opened leads to the page" {
     need_window
     own_folders

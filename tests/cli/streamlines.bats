@@ -13,6 +13,7 @@ scene() {
 }
 AIM='--origin 0,0,100 --toward 0,0,0 --angle 20 -q'
 
+# bats test_tags=main
 @test "info tells of a tractogram, its bundle and its length" {
     scene
     answers info slabs.nii.gz --streamlines two.tck
@@ -75,6 +76,7 @@ assert (bundle["kind"], bundle["streamlines"], bundle["length_mm"]) == ("bundle"
         --streamlines more.tck,name=two
 }
 
+# bats test_tags=main
 @test "a table names the bundles and their files, a sidecar their sums" {
     scene
     # shellcheck disable=SC2086 # words
@@ -109,6 +111,7 @@ print(tract["path"], tract["streamlines"], tract["radius_mm"], tract["sha256"])'
     grep -Eq '^ +2  more +1 ' <<<"$output"
 }
 
+# bats test_tags=main
 @test "a TRX inside gzip is refused with a word" {
     scene
     printf 'PK\3\4' | gzip >lines.trx.gz
@@ -240,6 +243,7 @@ open("arc.trx/header.json", "w").write("{\"NB_STREAMLINES\": 2, \"NB_VERTICES\":
     conus info slabs.nii.gz --streamlines placed.trk,space=ras >/dev/null
 }
 
+# bats test_tags=main
 @test "no output overwrites a tractogram" {
     scene
     # shellcheck disable=SC2086
@@ -437,6 +441,7 @@ lines() {
 }
 TUBE='--origin 0,0,100 --direction 0,0,-1 --radius 5 --layers all --streamlines lines.tck -q'
 
+# bats test_tags=main
 @test "what of a bundle is in the cone has columns, a score and a table" {
     lines
     # shellcheck disable=SC2086
@@ -457,6 +462,7 @@ table_cell() {
     awk -F '\t' -v name="$1" 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } NR == 2 { print $at[name] }' rows.tsv
 }
 
+# bats test_tags=main
 @test "the streamlines that come in are a tractogram again" {
     lines
     # shellcheck disable=SC2086

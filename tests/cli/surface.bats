@@ -277,6 +277,7 @@ numbers() {
 }
 
 @test "a map colours the surface of the context" {
+    need_all
     square | gifti >skin.surf.gii
     numbers 6 "1 2 3 1 2 5" | gifti >m.shape.gii
     numbers 5 "1 2 3 1 2" | gifti >short.shape.gii

@@ -42,6 +42,7 @@ shifts() {
 # All coefficients of LPS x are -7 on 6 x 6 x 6 nodes 60 mm apart: within 90 mm of the middle it is right.txt. The atlas's
 # voxels are where the grid's are, so that none is another one.
 @test "a B-spline of ITK moves the atlas, and one of a list is chosen" {
+    need_all
     shifts
     coefficients=$(printf ' -7%.0s' {1..216}; printf ' 0%.0s' {1..432})
     spline=$(printf 'Transform: BSplineTransform_double_3_3\nParameters:%s\nFixedParameters: 6 6 6 %s\n' "$coefficients" \

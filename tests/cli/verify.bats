@@ -137,6 +137,7 @@ says() {
     [ -z "$(ls "${TMPDIR:?is set by study}")" ] # nothing is left
 }
 
+# bats test_tags=main
 @test "results of every kind are identical, in any locale, time zone and folder" {
     study
     export CONUS_ATLAS_PATH=own TZ=Asia/Kathmandu LC_ALL=C.UTF-8
@@ -187,6 +188,7 @@ says() {
     says 1 'of 4096 pixels differ' out/seen.exr --sidecar out/layers.json
 }
 
+# bats test_tags=main
 @test "one byte of a source changed: the source is named, and the rows that it changes" {
     study
     local aim='--origin 0,-100,0 --toward 0,0,0 --angle 30'
@@ -397,6 +399,7 @@ reseal() {
     says 0 identical out/name.tsv --search owned
 }
 
+# bats test_tags=main
 @test "what cannot be verified is said" {
     study
     rm out/q.json
@@ -553,6 +556,7 @@ store() {
 }
 
 # What a user of another machine answers again (data-samples/README.md). A version that writes other bytes makes it anew.
+# bats test_tags=main
 @test "the result that is shipped is answered again, byte for byte" {
     cp "$BATS_TEST_DIRNAME"/../../data-samples/u-shape* .
     run -0 "$CONUS" verify u-shape-answers.tsv

@@ -3,6 +3,7 @@
 load helpers
 load window
 
+# bats test_tags=main
 @test "it starts, shows four panes and panels, and ends" {
     need_window
     conus phantom u-shape -o .
@@ -49,6 +50,7 @@ END
     [ $i -eq 10 ]
 }
 
+# bats test_tags=main
 @test "exported files are those of conus query -o, sidecars included" {
     need_window
     conus phantom nested -o .
@@ -157,6 +159,7 @@ in_columns() {
     check_message 'none.nii'
 }
 
+# bats test_tags=main
 @test "a session is left and opened as it was" {
     need_window
     conus phantom slabs -o .
@@ -317,6 +320,7 @@ END
     check_message 'transfer: there is no context here, open it with --context'
 }
 
+# bats test_tags=main
 @test "what is hidden is not hit: the window's answers are those of --hide" {
     need_window
     conus phantom nested -o .
@@ -495,6 +499,7 @@ END
     fails 2 '--listen: "70000" is no address and port' view a.nii --listen 70000 --second-connect a
 }
 
+# bats test_tags=main
 @test "searching, hiding, isolating and taking it back" {
     need_window
     conus phantom slabs -o .
@@ -556,6 +561,7 @@ assert (hidden["3-D"] == none["3-D"]).all() # where the ball was not visible bef
 END
 }
 
+# bats test_tags=main
 @test "the mouse points, turns and confirms" {
     need_window
     conus phantom sphere -o .
@@ -1139,6 +1145,7 @@ is_at() {
     grep -q Sphere tiny.tsv
 }
 
+# bats test_tags=main
 @test "an atlas that is none ends it with a message" {
     need_window
     echo nonsense >none.nii

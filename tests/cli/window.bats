@@ -24,6 +24,7 @@ enter() {
     leave
 }
 
+# bats test_tags=main
 @test "what cannot be opened leaves the page with its path, no letter acts, and a second path takes its place" {
     conus phantom sphere -o .
     conus phantom slabs -o .
@@ -331,6 +332,7 @@ END
     [[ $stderr == *'"conus_session" is 9, and this conus reads 1: another version wrote it'* ]]
 }
 
+# bats test_tags=main
 @test "two clicks measure a distance, which sessions keep and figures show" {
     conus phantom slabs -o .
     live slabs.nii.gz

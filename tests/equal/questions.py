@@ -12,7 +12,6 @@ corpora. Each function in GROUPS is one group of commands, which runs beside oth
     makes   is a folder to make first
     before  are pairs (FROM, TO) of files and folders to copy first
     within  is the folder in which the command runs
-    named   is the name of the sum of all that it says, where that is not to be stored as a text
     program is another program than conus
 
 A file outside {o} belongs to the group that names its folder; no other group may write to it.
@@ -782,10 +781,7 @@ def files_of_fuzzers(ask):
 
 
 def files_of_corpus(ask):
-    """Each file of tests/corpus, asked about as its facts.json says, in a folder of its own with what is named there.
-
-    What must be said stands there, too, and corpus.c asks for it: so here are sums.
-    """
+    """Each file of tests/corpus, asked about as its facts.json says, in a folder of its own with what is named there."""
     for file in ask.facts["facts"]:
         form, rows = file.parent, json.loads(file.read_text(encoding="utf-8"))
         for name, row in ((name, row) for name, some in rows.items()
@@ -794,7 +790,7 @@ def files_of_corpus(ask):
             words = words if any(name in word for word in words) else [name, *words]
             beside = {place.split("/")[0] for word in words for place in (word, word.split(",")[0])}
             within = f"in/corpus/{form.name}/{name.replace('/', '_')}"
-            ask(f"info {shlex.join(words)} --format json", within=within, named=f"{form.name}: {shlex.join(words)}",
+            ask(f"info {shlex.join(words)} --format json", within=within,
                 before=[(form / top, f"{within}/{top}") for top in sorted(beside) if (form / top).exists()])
 
 
@@ -933,7 +929,5 @@ GROUPS = {
     "templates": templates, "shared-volumes": shared_volumes, "shared-surfaces": shared_surfaces,
     "shared-foreign": shared_foreign, "shared-hostile": shared_hostile,
 }
-# Groups about data that is not the tree's: none of its tables stands there as text.
-FOREIGN = ("templates", "shared-volumes", "shared-surfaces", "shared-foreign", "shared-hostile")
-# What --sample asks, beside the phantoms.
-SAMPLE = ("refusals", "help", "tables", "diffs", "files-of-fuzzers", "python")
+# Groups of which tests/equal/expected says what is expected.
+RECORDED = ("help", "tables")

@@ -141,10 +141,23 @@ bool test_allocation_failed(void)
     return has_failed;
 }
 
+size_t test_cases(size_t all)
+{
+    enum { SOME = 16, FEW = 128 };
+    return getenv("CONUS_TEST_LONG") ? all : all / (getenv("CONUS_TEST_ALL") ? SOME : FEW);
+}
+
+bool test_takes(size_t number)
+{
+    enum { EACH = 4 };
+    return getenv("CONUS_TEST_ALL") || number % EACH == 0;
+}
+
 void test_every_allocation(conus_status (*attempt)(void *data), void *data)
 {
-    enum { LIMIT = 100000 };
-    for (long n = 0; n < LIMIT; n++) {
+    enum { LIMIT = 100000, FIRST = 32 };
+    const long first = getenv("CONUS_TEST_ALL") ? LIMIT : FIRST;
+    for (long n = 0; n < LIMIT; n += 1 + n / first) {
         test_fail_allocation(n);
         conus_status status = attempt(data);
         bool failed = test_allocation_failed();
@@ -284,8 +297,9 @@ double test_random(uint64_t *state, double low, double high)
 size_t test_trials(size_t n)
 {
 #ifdef __SANITIZE_ADDRESS__
-    return (n + 3) / 4;
+    const bool is_whole = false;
 #else
-    return n;
+    const bool is_whole = getenv("CONUS_TEST_ALL");
 #endif
+    return is_whole ? n : (n + 3) / 4;
 }

@@ -44,9 +44,16 @@ bool test_allocation_failed(void);
 /** Makes every allocation of more than @p size bytes fail from now on; 0 ends it. */
 void test_limit_allocations(size_t size);
 
-/** Runs @p attempt with the n-th allocation failing for n = 0, 1, 2, ... until it succeeds without a failure: each
- * time it must return CONUS_ERROR_MEMORY, or CONUS_OK if it can do without. @p attempt cleans up after itself. */
+/** Runs @p attempt with the n-th allocation failing for n = 0, 1, 2, ... until it succeeds without a failure; without
+ * CONUS_TEST_ALL (scripts/test --all) behind the 32nd for fewer and fewer. Each time it must return CONUS_ERROR_MEMORY,
+ * or CONUS_OK if it can do without. @p attempt cleans up after itself. */
 void test_every_allocation(conus_status (*attempt)(void *data), void *data);
+
+/** How many of @p all cases a test tries: all in scripts/test --long (CONUS_TEST_LONG), a 16th in scripts/test --all
+ * (CONUS_TEST_ALL), else a 128th; always the same ones. */
+size_t test_cases(size_t all);
+/** Whether a test takes the case @p number: each in scripts/test --all, else every fourth. */
+bool test_takes(size_t number);
 
 /** Makes the @p k-th primitive of jobs (base/job/job.h) from now on fail as @p as; 0 = none. */
 void test_fail_primitive(size_t k, conus_status as);
@@ -85,8 +92,9 @@ bool test_has_note(const conus_atlas *atlas, const char *part);
 /** A deterministic generator (SplitMix64), so that random tests repeat. Uniform in [low, high). */
 double test_random(uint64_t *state, double low, double high);
 
-/** How many of @p n random trials a test makes: all of them, but every fourth in a build with AddressSanitizer. That
- * one is slow and needs every path once; the full number is for comparing results, in the build without it. */
+/** How many of @p n random trials a test makes: all of them in scripts/test --all (CONUS_TEST_ALL), else a fourth; so,
+ * too, in a build with AddressSanitizer. That one is slow and needs every path once; the full number is for comparing
+ * results, in the build without it. */
 size_t test_trials(size_t n);
 
 #endif
