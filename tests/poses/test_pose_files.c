@@ -128,7 +128,7 @@ static void brainsight_is_read_strictly(void **state)
     assert_row_fails(list, 0, "left", "left-handed");
     assert_row_fails(list, 1, "skewed", "not orthonormal within 0.002");
     assert_null(pose_row_of(list, 2, "rounded")->error);
-    assert_row_fails(list, 3, "short", "6 fields, m0n2 is number 7");
+    assert_row_fails(list, 3, "short", "6 fields, the header has 13");
     assert_row_fails(list, 4, "holes", "m0n1: \"(null)\"");
     assert_row_fails(list, 5, "nan", "Loc. X: \"nan\"");
     conus_pose_list_destroy(list);
