@@ -2,12 +2,14 @@
 /* Parses ProbeInterface's JSON, and puts the contacts of its probes where poses say. */
 #include "poses/programs/probe_interface.h"
 
+#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/formats/json_text.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/order.h"
+#include "poses/programs/probe_recording.h"
 #include "poses/rows/pose_list.h"
 #include "poses/rows/pose_row.h"
 
@@ -414,7 +416,9 @@ static conus_status read_root(conus_probe *out, const json_t *root, const conus_
     const json_t *probes = value_of(root, "probes");
     size_t count = json_array_size(probes);
     if (!json_is_string(kind) || strcmp(json_string_value(kind), "probeinterface") != 0) {
-        return fail(CONUS_ERROR_DATA, "specification: \"probeinterface\" is needed: not a file of ProbeInterface");
+        return fail(CONUS_ERROR_DATA,
+                    "specification: \"probeinterface\" is needed: not a file of ProbeInterface, nor a "
+                    ".ap.meta, .imro or settings.xml of a recording");
     }
     if (!count || count > PROBE_LIMIT) {
         return fail(CONUS_ERROR_DATA, "probes: found %zu, allowed are 1 to %d", count, PROBE_LIMIT);
@@ -434,11 +438,20 @@ conus_status probe_parse(conus_probe **out, struct text text, const conus_probe_
         return fail(CONUS_ERROR_ARGUMENT, "tip: %g mm, allowed are 0 to 1000", options->tip);
     }
     json_t *root = NULL;
+    struct buffer json = {0}; /* of a recording */
+    conus_probe_options own = *options;
     conus_probe *probe = memory_zeroed(1, sizeof *probe);
-    bool is_object = text_starts(text_trim(text), "{"); /* else no root is found */
-    conus_status status = !probe ? CONUS_ERROR_MEMORY : is_object ? json_text_load(&root, text) : CONUS_OK;
-    status = status ? status : read_root(probe, root, options);
+    conus_status status = probe ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status && probe_recording_is(text)) {
+        status = probe_recording_write(&json, text, own.tip);
+        own.tip = 0; /* its contour has it */
+        text = (struct text){json.data, json.size};
+    }
+    bool is_object = !status && text_starts(text_trim(text), "{"); /* else no root is found */
+    status = is_object ? json_text_load(&root, text) : status;
+    status = status ? status : read_root(probe, root, &own);
     json_decref(root);
+    buffer_finish(&json);
     if (status) {
         conus_probe_destroy(probe);
         return status;
