@@ -130,10 +130,7 @@ conus_status pose_fcsv_parse(conus_pose_list *list, struct text text, const conu
         .cells = {.names = names, .count = COLUMNS, .table.separator = TABLE_COMMAS},
     };
     struct text line;
-    conus_status status = options->axis == CONUS_AXIS_OF_FORMAT
-                              ? CONUS_OK
-                              : fail(CONUS_ERROR_DATA, "fiducials have no axes, so that no axis (%s) can be chosen",
-                                     pose_axis_name(options->axis));
+    conus_status status = pose_no_axis(options, "fiducials");
     for (size_t number = 1; !status && text_line(&text, &line); number++) {
         if (text_has_only(line, ",\t\r ")) {
             continue;

@@ -121,11 +121,8 @@ conus_status pose_ibl_parse(conus_pose_list *list, struct text text, const conus
                     "positions from bregma, which only an atlas of the Allen CCF can place: space ccf or "
                     "bregma is needed");
     }
-    if (options->axis != CONUS_AXIS_OF_FORMAT) {
-        return fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",
-                    pose_axis_name(options->axis));
-    }
-    conus_status status = json_text_load(&root, text);
+    conus_status status = pose_no_axis(options, "points");
+    status = status ? status : json_text_load(&root, text);
     const json_t *picks = json_object_get(root, picks_key);
     if (!status && !picks == !has_channels(root)) {
         status = fail(CONUS_ERROR_DATA, picks ? "\"xyz_picks\" and \"channel_N\": positions of IBL are one of them"

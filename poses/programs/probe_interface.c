@@ -93,24 +93,15 @@ static conus_status read_position(double out[3], const struct reading *reading, 
 
 static conus_status read_frame(struct reading *reading)
 {
-    static const struct {
-        const char *name;
-        double um;
-    } units[] = {{"um", 1}, {"mm", 1e3}, {"m", 1e6}};
     const json_t *dims = value_of(reading->json, "ndim");
-    const json_t *unit = value_of(reading->json, "si_units");
+    struct text unit = json_text_of(value_of(reading->json, "si_units"));
     reading->dims = json_is_integer(dims) ? (size_t)json_integer_value(dims) : 0;
     if (reading->dims != 2 && reading->dims != 3) {
         return refuse(reading, "%s", "ndim: 2 or 3 is needed");
     }
-    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
-        if (json_is_string(unit) && strcmp(json_string_value(unit), units[i].name) == 0) {
-            reading->scale = units[i].um;
-            return CONUS_OK;
-        }
-    }
-    return refuse(reading, "si_units: \"%.40s\", allowed are um, mm and m",
-                  json_is_string(unit) ? json_string_value(unit) : "");
+    reading->scale = 1000 * pose_unit(unit, "um/mm/m");
+    return reading->scale > 0 ? CONUS_OK
+                              : refuse(reading, "si_units: \"%.*s\", allowed are um, mm and m", POSE_QUOTE(unit));
 }
 
 /* In three dimensions the plane of the contacts says which way the shanks run; else they run along y. In two a plane
