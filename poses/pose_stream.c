@@ -837,11 +837,6 @@ bool conus_pose_stream_has_times(const conus_pose_stream *stream)
     return found;
 }
 
-static int compare_ids(const void *a, const void *b)
-{
-    return strcmp(*(const char *const *)a, *(const char *const *)b);
-}
-
 bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream)
 {
     if (!is_read_whole(stream)) {
@@ -854,7 +849,7 @@ bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream)
         ids[i] = stream->list.rows[i].id;
     }
     if (ids) {
-        order_sort(ids, count, sizeof *ids, compare_ids);
+        order_sort(ids, count, sizeof *ids, compare_text_pointers);
     }
     for (size_t i = 1; i < count && !repeated; i++) {
         repeated = strcmp(ids[i - 1], ids[i]) == 0;

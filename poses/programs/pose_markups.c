@@ -53,16 +53,10 @@ static conus_status read_position(double out[3], const struct markup *markup, co
     if (status.size && !text_equal(status, "defined")) {
         return fail(CONUS_ERROR_DATA, "positionStatus \"%.*s\": the point was not placed", POSE_QUOTE(status));
     }
-    if (json_array_size(position) != 3) {
+    if (!json_numbers(out, 3, position)) {
         return fail(CONUS_ERROR_DATA, "position: three numbers are needed");
     }
-    for (size_t i = 0; i < 3; i++) {
-        const json_t *value = json_array_get(position, i);
-        if (!json_is_number(value)) {
-            return fail(CONUS_ERROR_DATA, "position: entry %zu is not a number", i);
-        }
-        out[i] = json_number_value(value) * markup->scale;
-    }
+    vec3_scale(out, out, markup->scale);
     if (markup->lps) {
         pose_flip_point(out);
     }

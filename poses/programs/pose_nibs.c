@@ -86,14 +86,15 @@ static conus_status pose_by_matrix(conus_pose *out, const struct reading *readin
     double m[16];
     json_t *root = NULL;
     conus_status status = json_text_load(&root, named_cell(&reading->cells, MATRIX));
-    for (size_t i = 0; !status && i < 16; i++) {
-        const json_t *row = json_array_get(root, i / 4);
-        const json_t *value = json_array_get(row, i % 4);
-        m[4 * (i % 4) + i / 4] = json_number_value(value);
-        if (!json_is_number(value) || json_array_size(root) != 4 || json_array_size(row) != 4) {
-            status = fail(CONUS_ERROR_DATA, "four lists of four numbers are needed");
+    bool fine = json_array_size(root) == 4;
+    for (size_t i = 0; i < 4 && fine; i++) {
+        double row[4];
+        fine = json_numbers(row, 4, json_array_get(root, i));
+        for (size_t k = 0; k < 4 && fine; k++) {
+            m[4 * k + i] = row[k];
         }
     }
+    status = status || fine ? status : fail(CONUS_ERROR_DATA, "four lists of four numbers are needed");
     json_decref(root);
     if (status) {
         return fail_in(status, "the coil's matrix");

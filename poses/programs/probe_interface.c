@@ -69,12 +69,7 @@ static conus_status find_list(const json_t **out, const struct reading *reading,
 static bool read_numbers(double out[3], const json_t *list, size_t dims)
 {
     out[2] = 0;
-    bool whole = json_array_size(list) == dims;
-    for (size_t i = 0; i < dims && whole; i++) {
-        whole = json_is_number(json_array_get(list, i));
-        out[i] = json_number_value(json_array_get(list, i));
-    }
-    return whole;
+    return json_numbers(out, dims, list);
 }
 
 /* Position `i` of a list, micrometres. */

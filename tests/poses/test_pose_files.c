@@ -519,7 +519,7 @@ static void lines_may_be_looked_along_either_way(void **state)
                  NULL);
     assert_row_fails(list, 0, "1", "type \"\"");
     assert_row_fails(list, 1, "2", "three numbers");
-    assert_row_fails(list, 2, "3", "entry 2 is not a number");
+    assert_row_fails(list, 2, "3", "position: three numbers are needed");
     assert_row_fails(list, 3, "4", "three numbers");
     conus_pose_list_destroy(list);
 }
