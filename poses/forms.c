@@ -61,7 +61,11 @@ const char *forms_why_none(struct text text)
         {"\x28\xb5\x2f\xfd", "packed by zstd: unpack it, or let zstd -dc write it to standard input"},
         {"PK\x03\x04", "a zip file or a spreadsheet: unpack it, or export it as text with tabs or commas"},
         {"\xd0\xcf\x11\xe0", "a spreadsheet: export it as text with tabs or commas"},
-        {"(", "a table of the sites of SpikeGLX's probe (.imro) says which are on, and not where the probe lies"},
+        {"(",
+         "a table of the sites of SpikeGLX's probe (.imro) says which are on, and not where the probe lies: --probe "
+         "takes it, and a pose is another file"},
+        {"acqApLfSy=", "a recording by SpikeGLX (.meta) says where contacts are on the probe, and not where it lies: "
+                       "--probe takes it, and a pose is another file"},
         {"channel_groups", "a layout of a probe's channels (.prb) says where they are on it, and not where it lies"},
     };
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {

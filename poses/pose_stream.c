@@ -226,14 +226,6 @@ static struct text whole_lines(const struct pose_lines *lines)
 /* Whether all numbers of a text are the sixteen of a matrix, in one line or in four. */
 static bool is_matrix(struct text text)
 {
-    size_t lines = 0;
-    struct text line;
-    for (struct text rest = text; text_line(&rest, &line);) {
-        lines += text_trim(line).size > 0;
-    }
-    if (lines != 1 && lines != 4) {
-        return false;
-    }
     conus_pose_row row = pose_row_at(1);
     conus_status bad;
     const conus_frame ras = {.space = CONUS_SPACE_RAS};
@@ -336,6 +328,32 @@ static bool is_of_rodents(conus_pose_format format)
     return format == CONUS_POSE_FORMAT_IBL || format == CONUS_POSE_FORMAT_NWB || format == CONUS_POSE_FORMAT_LIST;
 }
 
+/* Points that are called left and lie on the right, or the other way round: half of either, of an atlas whose size is
+ * known. Of tables columns.c asks; of somebody's own scan the middle is not known. */
+static conus_status check_sides(const conus_pose_list *list, const conus_pose_options *options)
+{
+    struct columns_words words;
+    bool is_own = list->space.brain == POSE_BRAIN_SUBJECT || list->space.brain == POSE_BRAIN_OTHER;
+    size_t named[2] = {0}; /* left, right */
+    size_t wrong[2] = {0};
+    for (size_t i = 0; i < list->count; i++) {
+        const conus_pose_row *row = &list->rows[i];
+        int side = row->is_point && !row->error ? columns_side(text_from(row->id)) : 0;
+        named[side > 0] += side != 0;
+        wrong[side > 0] += side * row->pose.world_from_device[12] < -options->longest / 36;
+    }
+    bool is_asked = !is_own && options->longest > 0 && options->space < CONUS_SPACE_CCF && named[0] + named[1] >= 2;
+    bool is_wrong = (named[0] && 2 * wrong[0] >= named[0]) || (named[1] && 2 * wrong[1] >= named[1]);
+    conus_status status = columns_words_parse(&words, options->columns);
+    return status || !is_asked || !is_wrong || words.any_sides
+               ? status
+               : fail(CONUS_ERROR_DATA,
+                      "sides: %zu of %zu points called left lie on the right, %zu of %zu called right on the left: are "
+                      "x and y in another space than the file says, or --space? ',sides=anyway' behind FILE takes them "
+                      "as they are",
+                      wrong[0], named[0], wrong[1], named[1]);
+}
+
 /* Warns where a head in metres would be as small: all positions lie within 1 mm of the origin, but not at it, or three
  * and more within 0.2 mm of each other. In the CCF, from bregma and in IBL's files the positions of a probe are as near
  * to each other. */
@@ -410,6 +428,7 @@ static conus_status read_whole(conus_pose_stream *stream)
     for (size_t i = 0; !status && i < stream->list.count; i++) {
         extent_add(&stream->extent, &stream->list.rows[i]);
     }
+    status = status ? status : check_sides(&stream->list, &stream->options);
     return status ? status : note_extent(stream);
 }
 
@@ -426,13 +445,16 @@ static conus_status begin_text(conus_pose_stream *stream)
         return fail(CONUS_ERROR_DATA, "only a table with a header has columns to be kept, and not %s",
                     conus_pose_format_name(stream->format));
     }
-    const char *words = stream->options.columns;
+    const char *text = stream->options.columns;
+    struct columns_words words = {0};
+    status = status ? status : columns_words_parse(&words, text);
+    bool of_columns = words.at[0].size || words.name.size || words.unit > 0;
     const struct text head = {stream->lines.data, stream->lines.size};
     bool has_columns =
         !is_read_whole(stream) || stream->format == CONUS_POSE_FORMAT_ELECTRODES ||
         (stream->format == CONUS_POSE_FORMAT_LIST && (pose_brackets_begin(head) || pose_brackets_are_spoken(head)));
-    if (!status && words && words[0] && !has_columns) {
-        return fail(CONUS_ERROR_DATA, "\"%.60s\" is for tables, points and electrodes (BIDS), and not for %s", words,
+    if (!status && of_columns && !has_columns) {
+        return fail(CONUS_ERROR_DATA, "\"%.60s\" is for tables, points and electrodes (BIDS), and not for %s", text,
                     conus_pose_format_name(stream->format));
     }
     return status || !is_read_whole(stream) ? status : read_whole(stream);
@@ -815,11 +837,6 @@ bool conus_pose_stream_has_times(const conus_pose_stream *stream)
     return found;
 }
 
-static int compare_ids(const void *a, const void *b)
-{
-    return strcmp(*(const char *const *)a, *(const char *const *)b);
-}
-
 bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream)
 {
     if (!is_read_whole(stream)) {
@@ -832,7 +849,7 @@ bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream)
         ids[i] = stream->list.rows[i].id;
     }
     if (ids) {
-        order_sort(ids, count, sizeof *ids, compare_ids);
+        order_sort(ids, count, sizeof *ids, compare_text_pointers);
     }
     for (size_t i = 1; i < count && !repeated; i++) {
         repeated = strcmp(ids[i - 1], ids[i]) == 0;

@@ -140,7 +140,7 @@ static bool check_format(const struct request *request, const struct query_setti
                       "ndjson have one");
     }
     const char *why = format == CONUS_FORMAT_BEP032 && !settings->probe.path
-                          ? "--format: bep032 lists the contacts of probes; --probe FILE.json describes them"
+                          ? "--format: bep032 lists the contacts of probes; --probe FILE describes them"
                       : format != CONUS_FORMAT_BEP032 && settings->probes ? "--probes is written beside --format bep032"
                       : format != CONUS_FORMAT_BEP032 && settings->coordsystem
                           ? "--coordsystem is written beside --format bep032"

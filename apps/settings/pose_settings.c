@@ -82,17 +82,19 @@ int keep_settings_names(struct kept_names *out, const struct keep_settings *sett
 const struct option probe_settings_options[] = {
     {.name = "probe",
      OPTION_AT(struct probe_settings, path),
-     .value = "FILE.json",
-     .help = "instead of a cone, what is at each contact of a probe that ProbeInterface describes, and within --radius "
-             "MM (default 0.000001) of it: the tip is where the pose is, or at the far end of --range, and the shank "
+     .value = "FILE",
+     .help = "instead of a cone, what is at each contact of a probe that ProbeInterface (.json), SpikeGLX (.ap.meta, "
+             ".imro) or Open Ephys (settings.xml) describes, and within --radius MM (default 0.000001) of it: the tip "
+             "is where the pose is, or at the far end of --range, and the shank "
              "points along the axis; several poses are insertions of one probe",
-     .words = "ProbeInterface, Neuropixels, electrodes, contacts",
+     .words = "ProbeInterface, Neuropixels, SpikeGLX, Open Ephys, electrodes, contacts",
      .role = OPTION_READS,
      .excludes = "point,angle,aperture-diameter,segments,clearance,image,mask,streamlines-out,connectivity"},
     {.name = "probe-tip",
      OPTION_AT(struct probe_settings, tip),
      .value = "MM",
-     .help = "distance from the tip to the lowest contact, in place of the contour in the probe's file",
+     .help = "distance from the tip to the lowest contact, in place of the contour in the probe's file; of a recording "
+             "to the lowest row that the probe has",
      OPTION_ABOVE_TO(0, 1000),
      .needs = "probe"},
     {.name = "probe-roll",

@@ -78,3 +78,13 @@ struct text json_text_of(const json_t *value)
 {
     return json_is_string(value) ? (struct text){json_string_value(value), json_string_length(value)} : text_from("");
 }
+
+bool json_numbers(double *out, size_t count, const json_t *list)
+{
+    bool fine = json_array_size(list) == count;
+    for (size_t i = 0; i < count && fine; i++) {
+        fine = json_is_number(json_array_get(list, i));
+        out[i] = json_number_value(json_array_get(list, i));
+    }
+    return fine;
+}

@@ -19,4 +19,7 @@ conus_status json_text_load(json_t **out, struct text text);
 /** The text of @p value; "" where it is no text, or NULL. */
 struct text json_text_of(const json_t *value);
 
+/** Whether @p list is one of @p count numbers, which @p out then has. */
+bool json_numbers(double *out, size_t count, const json_t *list);
+
 #endif

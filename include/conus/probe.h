@@ -15,13 +15,14 @@
 extern "C" {
 #endif
 
-typedef struct conus_probe conus_probe; /**< The probes of a file of ProbeInterface. Immutable. */
+typedef struct conus_probe conus_probe; /**< The probes of a file of ProbeInterface or of a recording. Immutable. */
 
 /** How conus_probe_load() reads. */
 typedef struct conus_probe_options {
     size_t struct_size;  /**< Its size, as #CONUS_PROBE_OPTIONS_INIT sets it; 0 = that of this version. */
     double tip;          /**< mm from the tip of each probe to its lowest contact, up to 1000, in place of its contour;
-                            0 = by the contour, which it then must have. */
+                            0 = by the contour, which it then must have. Of a recording to the lowest row of the probe,
+                            recorded or not; 0 = by its part number. */
     uint64_t max_memory; /**< Largest file, bytes; 0 = 1 GiB. */
 } conus_probe_options;
 
@@ -42,7 +43,8 @@ typedef struct conus_probe_contact {
 } conus_probe_contact;
 
 /**
- * Loads a file of ProbeInterface (docs/formats.md).
+ * Loads a file of ProbeInterface, or the probes of a recording: SpikeGLX's .ap.meta or .imro, Open Ephys's settings.xml
+ * (docs/formats.md).
  * @param[out] out The probes; end them with conus_probe_destroy().
  * @param path A file.
  * @param options NULL = defaults.

@@ -515,12 +515,7 @@ static conus_status parse_cells(conus_pose_list *list, struct text text, const c
 /* Three numbers of a list. */
 static conus_status read_triple(double point[3], const json_t *list)
 {
-    bool fine = json_array_size(list) == 3;
-    for (size_t k = 0; fine && k < 3; k++) {
-        point[k] = json_number_value(json_array_get(list, k));
-        fine = json_is_number(json_array_get(list, k));
-    }
-    return fine ? CONUS_OK : fail(CONUS_ERROR_DATA, "three numbers are needed");
+    return json_numbers(point, 3, list) ? CONUS_OK : fail(CONUS_ERROR_DATA, "three numbers are needed");
 }
 
 enum pose_brackets pose_brackets_json(json_t *root)

@@ -3,6 +3,7 @@
 #include "poses/programs/pose_programs.h"
 
 #include "base/geometry/math3.h"
+#include "poses/rows/named_cells.h"
 #include "poses/rows/pose_row.h"
 
 #include <stdio.h>
@@ -20,17 +21,13 @@ static const struct {
     const char *prefix;
 } kinds[KINDS] = {{"Target Name", "target"}, {"Sample Name", "sample"}, {"Electrode Name", "electrode"}};
 
-enum { FIELD_LIMIT = 64 };
-
-static const size_t NO_COLUMN = SIZE_MAX;
-
 struct reading {
     conus_pose_list *list;
     const conus_pose_options *options;
     bool lps;
     bool has_space;
-    enum kind kind;     /* of the section; KINDS if its rows are passed over */
-    size_t at[COLUMNS]; /* field of each column, SIZE_MAX if there is none */
+    enum kind kind; /* of the section; KINDS if its rows are passed over */
+    struct named_cells cells;
     size_t rows[KINDS]; /* of each kind, in the whole file */
     size_t passed_over; /* rows of other sections */
     size_t line;
@@ -77,9 +74,9 @@ static conus_status read_space(struct reading *reading, struct text name)
                                                             : POSE_BRAIN_UNKNOWN;
     if (!nifti && !text_equal(name, "World")) {
         return fail(CONUS_ERROR_DATA,
-                    "line %zu: coordinate system \"%.*s\" is not the world of an image; export as NIfTI:Scanner, "
+                    "coordinate system \"%.*s\" is not the world of an image; export as NIfTI:Scanner, "
                     "NIfTI:Aligned, NIfTI:MNI-152, NIfTI:Talairach or World",
-                    reading->line, POSE_QUOTE(name));
+                    POSE_QUOTE(name));
     }
     reading->lps = !nifti;
     reading->has_space = true;
@@ -90,41 +87,23 @@ static conus_status read_space(struct reading *reading, struct text name)
 /* "# Target Name, Loc. X, ...", separated by tabs. */
 static conus_status begin_section(struct reading *reading, struct text header)
 {
-    struct text field;
-    size_t index = 0;
-    const char *twice = NULL;
-    reading->kind = KINDS;
-    for (int i = 0; i < COLUMNS; i++) {
-        reading->at[i] = NO_COLUMN;
+    struct named_cells *cells = &reading->cells;
+    conus_status status = named_cells_find(cells, header);
+    reading->kind = TARGETS;
+    while (reading->kind < KINDS && !text_equal(cells->line.cells[0], kinds[reading->kind].column)) {
+        reading->kind++;
     }
-    for (bool more = true; text_field(&header, '\t', &more, &field); index++) {
-        field = text_trim(field);
-        for (int i = 0; index == 0 && i < KINDS; i++) {
-            reading->kind = text_equal(field, kinds[i].column) ? (enum kind)i : reading->kind;
-        }
-        for (int i = 0; i < COLUMNS; i++) {
-            if (text_equal(field, names[i])) {
-                twice = reading->at[i] == NO_COLUMN ? twice : names[i];
-                reading->at[i] = index;
-            }
-        }
-    }
-    if (reading->kind == KINDS) {
-        return CONUS_OK;
-    }
-    if (twice) {
-        return fail(CONUS_ERROR_DATA, "line %zu: a column %s twice", reading->line, twice);
+    if (status || reading->kind == KINDS) {
+        return reading->kind == KINDS ? CONUS_OK : status;
     }
     size_t found = 0;
-    for (int i = X; i <= M22; i++) {
-        found += reading->at[i] != NO_COLUMN;
+    for (size_t i = X; i <= M22; i++) {
+        found += named_cells_has(cells, i);
         if (i == Z && found < 3) {
-            return fail(CONUS_ERROR_DATA, "line %zu: no columns Loc. X, Loc. Y, Loc. Z", reading->line);
+            return fail(CONUS_ERROR_DATA, "no columns Loc. X, Loc. Y, Loc. Z");
         }
     }
-    return found == 3 || found == 12
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "line %zu: only some of the columns m0n0...m2n2", reading->line);
+    return found == 3 || found == 12 ? CONUS_OK : fail(CONUS_ERROR_DATA, "only some of the columns m0n0...m2n2");
 }
 
 static conus_status read_comment(struct reading *reading, struct text line)
@@ -138,52 +117,16 @@ static conus_status read_comment(struct reading *reading, struct text line)
     if (has_prefix(rest, "Units:", &value) || has_prefix(rest, "units:", &value)) {
         return text_starts(value, "millimetres") || text_starts(value, "millimeters") || text_starts(value, "mm")
                    ? CONUS_OK
-                   : fail(CONUS_ERROR_DATA, "line %zu: units \"%.*s\", millimetres are needed", reading->line,
-                          POSE_QUOTE(value));
+                   : fail(CONUS_ERROR_DATA, "units \"%.*s\", millimetres are needed", POSE_QUOTE(value));
     }
     return memchr(rest.data, '\t', rest.size) ? begin_section(reading, rest) : CONUS_OK;
 }
 
-/* The fields that are read, by column. */
-static conus_status split_row(struct text fields[COLUMNS], struct text *name, const struct reading *reading,
-                              struct text line)
-{
-    struct text field;
-    size_t index = 0;
-    for (int i = 0; i < COLUMNS; i++) {
-        fields[i] = (struct text){"", 0};
-    }
-    for (bool more = true; text_field(&line, '\t', &more, &field); index++) {
-        field = text_trim(field);
-        *name = index ? *name : field;
-        for (int i = 0; i < COLUMNS; i++) {
-            fields[i] = reading->at[i] == index ? field : fields[i];
-        }
-    }
-    for (int i = 0; i <= M22; i++) {
-        if (reading->at[i] != NO_COLUMN && reading->at[i] >= index) {
-            return fail(CONUS_ERROR_DATA, "%zu fields, %s is number %zu", index, names[i], reading->at[i] + 1);
-        }
-    }
-    return CONUS_OK;
-}
-
-static conus_status read_numbers(double *out, const struct text *fields, int first, int count)
-{
-    for (int i = first; i < first + count; i++) {
-        if (!text_to_double(fields[i], &out[i - first]) || !isfinite(out[i - first])) {
-            return pose_no_number(names[i], fields[i]);
-        }
-    }
-    return CONUS_OK;
-}
-
 /* m0n0 m0n1 m0n2 is where the device's x points, and so on. */
-static conus_status read_matrix(conus_pose *out, const struct reading *reading, const struct text *fields,
-                                const double position[3])
+static conus_status read_matrix(conus_pose *out, const struct reading *reading, const double position[3])
 {
     double axes[9];
-    conus_status status = read_numbers(axes, fields, M00, 9);
+    conus_status status = named_cells_numbers(axes, &reading->cells, M00, 9);
     if (status) {
         return status;
     }
@@ -195,21 +138,20 @@ static conus_status read_matrix(conus_pose *out, const struct reading *reading, 
     return pose_of_matrix(out, m, reading->lps, reading->options->axis);
 }
 
-static conus_status read_pose(conus_pose_row *row, const struct reading *reading, const struct text *fields)
+static conus_status read_pose(conus_pose_row *row, const struct reading *reading)
 {
     double position[3];
-    conus_status status = read_numbers(position, fields, X, 3);
-    row->time_s = pose_clock(fields[DATE], fields[CLOCK]);
+    conus_status status = named_cells_numbers(position, &reading->cells, X, 3);
+    row->time_s = pose_clock(named_cell(&reading->cells, DATE), named_cell(&reading->cells, CLOCK));
     if (status) {
         return status;
     }
     row->is_point = true;
-    for (int i = M00; i <= M22; i++) {
-        bool is_null = !fields[i].size || text_equal(fields[i], "(null)");
-        row->is_point = row->is_point && (reading->at[i] == NO_COLUMN || is_null);
+    for (size_t i = M00; i <= M22; i++) {
+        row->is_point = row->is_point && named_cell_is_absent(&reading->cells, i);
     }
     if (!row->is_point) {
-        return read_matrix(&row->pose, reading, fields, position);
+        return read_matrix(&row->pose, reading, position);
     }
     if (reading->lps) {
         pose_flip_point(position);
@@ -241,34 +183,45 @@ static conus_status read_row(struct reading *reading, struct text line)
         return CONUS_OK;
     }
     if (!reading->has_space) {
-        return fail(CONUS_ERROR_DATA, "line %zu: a pose, but no coordinate system was named before", reading->line);
+        return fail(CONUS_ERROR_DATA, "a pose, but no coordinate system was named before");
     }
-    struct text fields[COLUMNS];
-    struct text name = {"", 0};
     char buffer[POSE_ID_LIMIT + 1];
     conus_pose_row row = pose_row_at(reading->line);
-    conus_status bad = split_row(fields, &name, reading, line);
-    bad = bad ? bad : read_pose(&row, reading, fields);
+    conus_status bad = named_cells_split(&reading->cells, line);
+    bad = bad ? bad : read_pose(&row, reading);
+    struct text name = reading->cells.line.cells[0];
     return pose_list_add(reading->list, &row, full_name(buffer, reading, name), bad ? conus_message() : NULL);
 }
 
 static conus_status read_lines(struct reading *reading, struct text text)
 {
     struct text line;
+    char where[POSE_ORDINAL_SIZE + 8];
     conus_status status = CONUS_OK;
     reading->kind = KINDS;
     reading->passed_over = 0;
-    for (reading->line = 1; !status && text_line(&text, &line); reading->line++) {
+    for (reading->line = 1; text_line(&text, &line); reading->line++) {
         if (text_trim(line).size) {
             status = line.data[0] == '#' ? read_comment(reading, line) : read_row(reading, line);
         }
+        if (status) {
+            snprintf(where, sizeof where, "line %zu", reading->line);
+            return fail_in(status, where);
+        }
     }
-    return status;
+    return CONUS_OK;
 }
 
 conus_status pose_brainsight_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     struct reading reading = {.list = list, .options = options, .counting = true};
+    reading.cells = (struct named_cells){
+        .names = names,
+        .count = COLUMNS,
+        .needed = DATE,
+        .may_be_longer = true,
+        .table = {TABLE_TABS, .quotes_are_plain = true},
+    };
     conus_status status = read_lines(&reading, text);
     reading.counting = false;
     reading.has_space = false;

@@ -133,15 +133,8 @@ conus_status pose_coordsystem_parse(struct pose_space *out, struct text text, co
     conus_status status = json_text_load(&root, text);
     status = status ? status : find_modality(&modality, root, modalities);
     status = status ? status : set_space(&space, value_of(root, modality, "CoordinateSystem"));
-    static const struct {
-        const char *name;
-        double scale;
-    } scales[] = {{"mm", 1}, {"cm", 10}, {"m", 1000}};
     struct text units = status ? (struct text){"", 0} : value_of(root, modality, "CoordinateUnits");
-    space.scale = 0;
-    for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++) {
-        space.scale = text_equal(units, scales[i].name) ? scales[i].scale : space.scale;
-    }
+    space.scale = pose_unit(units, "mm/cm/m");
     if (!status && space.scale == 0) {
         status = fail(CONUS_ERROR_DATA, "%.*sCoordinateUnits \"%.*s\", allowed are mm, cm and m", POSE_QUOTE(modality),
                       POSE_QUOTE(units));

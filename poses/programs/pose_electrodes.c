@@ -192,11 +192,8 @@ conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, cons
     own.any_space = options->any_space || list->coordsystem; /* which says what they are */
     own.format = CONUS_POSE_FORMAT_AUTO;
     struct reading reading = {.options = &own};
-    if (options->axis != CONUS_AXIS_OF_FORMAT) {
-        return fail(CONUS_ERROR_DATA, "contacts have no axes, so that no axis (%s) is to be chosen",
-                    pose_axis_name(options->axis));
-    }
-    conus_status status = pose_note_space(&list->notes, options, !is_ras);
+    conus_status status = pose_no_axis(options, "contacts");
+    status = status ? status : pose_note_space(&list->notes, options, !is_ras);
     status = status ? status : read_table(&reading, list, text);
     if (!status && reading.probe_name != TABLE_CELLS && !list->coordsystem) {
         status =

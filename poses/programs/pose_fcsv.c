@@ -2,7 +2,7 @@
 /* Parses 3D Slicer's lists of fiducials. */
 #include "poses/programs/pose_programs.h"
 
-#include "poses/rows/pose_columns.h"
+#include "poses/rows/named_cells.h"
 #include "poses/rows/pose_row.h"
 
 enum column { LABEL, X, Y, Z, COLUMNS };
@@ -12,13 +12,13 @@ static const char *const names[COLUMNS] = {"label", "x", "y", "z"};
 /* The columns that Slicer assumes where a file does not name them; since 5 rows have two more than it names. */
 static const char named[] = "id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID";
 static const char usual[] = "id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID,positionStatus,autoCreated";
-enum { FIELDS_OF_5 = 16 };
+enum { FIELDS_OF_5 = 16, STATUS = 14 };
 static const char usual_once[] = "label,x,y,z,sel,vis"; /* in Slicer 3 */
 
 struct reading {
     conus_pose_list *list;
     const conus_pose_options *options;
-    struct pose_columns columns;
+    struct named_cells cells;
     bool has_columns, has_space, lps;
     bool is_old; /* Slicer 3, which had RAS only */
 };
@@ -49,9 +49,9 @@ static bool take_key(struct text *value, struct text line, const char *key)
 
 static conus_status read_columns(struct reading *reading, struct text value)
 {
-    conus_status status = pose_columns_find(&reading->columns, text_equal(value, named) ? text_from(usual) : value);
+    conus_status status = named_cells_find(&reading->cells, text_equal(value, named) ? text_from(usual) : value);
     for (size_t i = X; !status && i <= Z; i++) {
-        if (!pose_columns_has(&reading->columns, i)) {
+        if (!named_cells_has(&reading->cells, i)) {
             status = fail(CONUS_ERROR_DATA, "columns: \"%.*s\", x, y and z are needed", POSE_QUOTE(value));
         }
     }
@@ -89,65 +89,48 @@ static conus_status end_head(struct reading *reading)
                                         reading->lps ? "LPS" : "RAS");
 }
 
-/* Counts the fields of a row; *status is the last but one. */
-static size_t count_fields(struct text *status, struct text line)
-{
-    struct text last = {"", 0};
-    size_t count = 0;
-    for (bool more = true, found = true; more && found;) {
-        *status = last;
-        enum text_quotes quotes;
-        found = text_quoted_field(&line, ',', &more, &last, &quotes);
-        count += found;
-    }
-    return count;
-}
-
 /* A row of Slicer 5 has two fields more than the header names, or none: the first says whether the point was placed
  * (vtkMRMLMarkupsNode::PositionDefined). One more, or other two, are what decimal commas make. */
-static conus_status check_fields(const struct reading *reading, struct text line)
+static conus_status check_status(const struct named_cells *cells)
 {
-    struct text status = {"", 0};
+    const size_t count = cells->line.count;
+    struct text status = count == FIELDS_OF_5 ? cells->line.cells[STATUS] : (struct text){"", 0};
     uint64_t number;
-    if (reading->columns.field_count != FIELDS_OF_5) {
+    bool is_of_5 = text_to_uint(status, 9, &number);
+    if (cells->width != FIELDS_OF_5 || (count <= STATUS && !is_of_5)) {
         return CONUS_OK;
     }
-    size_t count = count_fields(&status, line);
-    bool is_of_5 = count == FIELDS_OF_5 && text_to_uint(status, 9, &number);
-    if (count > FIELDS_OF_5 - 2 && !is_of_5) {
-        return fail(CONUS_ERROR_DATA, "%zu fields, the header has %d; decimals are written with a point", count,
-                    FIELDS_OF_5 - 2);
-    }
-    return is_of_5 && number != 2
+    return !is_of_5 ? fail(CONUS_ERROR_DATA, "%zu fields, the header has %d; decimals are written with a point", count,
+                           STATUS)
+           : number != 2
                ? fail(CONUS_ERROR_DATA, "position status \"%.*s\", not 2: the point was not placed", POSE_QUOTE(status))
                : CONUS_OK;
 }
 
 static conus_status read_point(struct reading *reading, struct text line, size_t number)
 {
-    struct text fields[COLUMNS];
     double point[3];
     conus_pose_row row = pose_row_at(number);
     row.is_point = true;
-    conus_status bad = pose_columns_split(fields, &reading->columns, line);
-    bad = bad ? bad : check_fields(reading, line);
-    bad = bad ? bad : pose_columns_point(point, &reading->columns, fields, X, 1);
+    conus_status bad = named_cells_split(&reading->cells, line);
+    bad = bad ? bad : check_status(&reading->cells);
+    bad = bad ? bad : named_cells_numbers(point, &reading->cells, X, 3);
     if (!bad && reading->lps) {
         pose_flip_point(point);
     }
     bad = bad ? bad : pose_of_point(&row.pose, point);
-    return pose_list_add(reading->list, &row, fields[LABEL], bad ? conus_message() : NULL);
+    return pose_list_add(reading->list, &row, named_cell(&reading->cells, LABEL), bad ? conus_message() : NULL);
 }
 
 conus_status pose_fcsv_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
-    struct reading reading = {.list = list, .options = options};
+    struct reading reading = {
+        .list = list,
+        .options = options,
+        .cells = {.names = names, .count = COLUMNS, .table.separator = TABLE_COMMAS},
+    };
     struct text line;
-    conus_status status = options->axis == CONUS_AXIS_OF_FORMAT
-                              ? CONUS_OK
-                              : fail(CONUS_ERROR_DATA, "fiducials have no axes, so that no axis (%s) can be chosen",
-                                     pose_axis_name(options->axis));
-    reading.columns = (struct pose_columns){.names = names, .count = COLUMNS, .separator = ',', .may_end_early = true};
+    conus_status status = pose_no_axis(options, "fiducials");
     for (size_t number = 1; !status && text_line(&text, &line); number++) {
         if (text_has_only(line, ",\t\r ")) {
             continue;

@@ -92,14 +92,10 @@ static conus_status read_channels(struct reading *reading, json_t *root)
 {
     const json_t *origin = json_object_get(root, "origin"); /* {"bregma": [ML, AP, DV]}, where the file has it */
     const json_t *bregma = json_object_get(origin, "bregma");
-    for (size_t i = 0; origin && i < 3; i++) {
-        const json_t *value = json_array_size(bregma) == 3 ? json_array_get(bregma, i) : NULL;
-        if (!json_is_number(value)) {
-            return fail(CONUS_ERROR_DATA, "origin.bregma: three numbers are needed, ML, AP, DV in CCF, micrometres");
-        }
-        reading->bregma[i] = json_number_value(value);
-    }
-    conus_status status = CONUS_OK;
+    conus_status status = !origin || json_numbers(reading->bregma, 3, bregma)
+                              ? CONUS_OK
+                              : fail(CONUS_ERROR_DATA, "origin.bregma: three numbers are needed, ML, AP, DV in CCF, "
+                                                       "micrometres");
     for (void *at = json_object_iter(root); at && !status; at = json_object_iter_next(root, at)) {
         const char *key = json_object_iter_key(at);
         const json_t *channel = json_object_iter_value(at);
@@ -121,11 +117,8 @@ conus_status pose_ibl_parse(conus_pose_list *list, struct text text, const conus
                     "positions from bregma, which only an atlas of the Allen CCF can place: space ccf or "
                     "bregma is needed");
     }
-    if (options->axis != CONUS_AXIS_OF_FORMAT) {
-        return fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",
-                    pose_axis_name(options->axis));
-    }
-    conus_status status = json_text_load(&root, text);
+    conus_status status = pose_no_axis(options, "points");
+    status = status ? status : json_text_load(&root, text);
     const json_t *picks = json_object_get(root, picks_key);
     if (!status && !picks == !has_channels(root)) {
         status = fail(CONUS_ERROR_DATA, picks ? "\"xyz_picks\" and \"channel_N\": positions of IBL are one of them"

@@ -3,7 +3,7 @@
 #include "poses/programs/pose_programs.h"
 
 #include "base/geometry/math3.h"
-#include "poses/rows/pose_columns.h"
+#include "poses/rows/named_cells.h"
 #include "poses/rows/pose_row.h"
 
 static const char first_line[] = "##INVESALIUS3_MARKER_FILE_";
@@ -18,7 +18,7 @@ static const char *const names[COLUMNS] = {"label",   "marker_type", "alpha",   
 struct reading {
     conus_pose_list *list;
     const conus_pose_options *options;
-    struct pose_columns columns;
+    struct named_cells cells;
     size_t fiducials;
 };
 
@@ -44,9 +44,9 @@ static conus_status read_version(struct reading *reading, struct text line)
 
 static conus_status read_header(struct reading *reading, struct text line)
 {
-    conus_status status = pose_columns_find(&reading->columns, line);
+    conus_status status = named_cells_find(&reading->cells, line);
     for (size_t i = X; !status && i < COLUMNS; i++) {
-        if (!pose_columns_has(&reading->columns, i)) {
+        if (!named_cells_has(&reading->cells, i)) {
             status =
                 fail(CONUS_ERROR_DATA,
                      "markers of InVesalius without the column %s: x, y and z are in its own space, which only its "
@@ -77,20 +77,20 @@ static void turn_by(double m[16], const double degrees[3])
 }
 
 /* The world columns of a marker without orientation have one nevertheless. */
-static conus_status read_pose(conus_pose_row *row, const struct reading *reading, const struct text *fields)
+static conus_status read_pose(conus_pose_row *row, const struct reading *reading)
 {
     double position[3];
     double angles[3];
     double m[16] = {[15] = 1};
-    if (pose_field_is_absent(fields[X])) {
+    if (named_cell_is_absent(&reading->cells, X)) {
         return fail(CONUS_ERROR_DATA, "x_world: not known; InVesalius knows the world of NIfTI images only");
     }
-    conus_status status = pose_columns_point(position, &reading->columns, fields, X, 1);
-    row->is_point = pose_columns_has(&reading->columns, ALPHA) && pose_field_is_absent(fields[ALPHA]);
+    conus_status status = named_cells_numbers(position, &reading->cells, X, 3);
+    row->is_point = named_cells_has(&reading->cells, ALPHA) && named_cell_is_absent(&reading->cells, ALPHA);
     if (status || row->is_point) {
         return status ? status : pose_of_point(&row->pose, position);
     }
-    status = pose_columns_point(angles, &reading->columns, fields, ALPHA_WORLD, 1);
+    status = named_cells_numbers(angles, &reading->cells, ALPHA_WORLD, 3);
     if (status) {
         return status;
     }
@@ -101,24 +101,23 @@ static conus_status read_pose(conus_pose_row *row, const struct reading *reading
 
 static conus_status read_row(struct reading *reading, struct text line, size_t number)
 {
-    struct text fields[COLUMNS];
     conus_pose_row row = pose_row_at(number);
-    conus_status bad = pose_columns_split(fields, &reading->columns, line);
+    conus_status bad = named_cells_split(&reading->cells, line);
+    struct text label = named_cell(&reading->cells, LABEL);
+    struct text type = named_cell(&reading->cells, TYPE);
     /* Points on the head, for registration. Old files know them by their labels. */
-    bool is_named =
-        text_equal(fields[LABEL], "LEI") || text_equal(fields[LABEL], "REI") || text_equal(fields[LABEL], "NAI");
-    bool is_fiducial = fields[TYPE].size ? text_equal(fields[TYPE], "0") : is_named;
+    bool is_fiducial = type.size ? text_equal(type, "0") : text_is_one_of(label, "LEI/REI/NAI", true);
     if (!bad && is_fiducial) {
         reading->fiducials++;
         return CONUS_OK;
     }
-    bad = bad ? bad : read_pose(&row, reading, fields);
-    return pose_list_add(reading->list, &row, fields[LABEL], bad ? conus_message() : NULL);
+    bad = bad ? bad : read_pose(&row, reading);
+    return pose_list_add(reading->list, &row, label, bad ? conus_message() : NULL);
 }
 
 conus_status pose_invesalius_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
-    struct reading reading = {.list = list, .options = options, .columns = {.names = names, .count = COLUMNS}};
+    struct reading reading = {.list = list, .options = options, .cells = {.names = names, .count = COLUMNS}};
     list->space = pose_space_named(text_from("InVesalius world"), POSE_BRAIN_SUBJECT);
     conus_status status = pose_note_space(&list->notes, options, false);
     if (status) {

@@ -95,11 +95,8 @@ static conus_status add_contacts(conus_pose_list *list, const struct matlab *mat
                                  size_t space)
 {
     const struct matlab_array *found = NULL;
-    if (options->axis != CONUS_AXIS_OF_FORMAT) {
-        return fail(CONUS_ERROR_DATA, "contacts have no axes, so that no axis (%s) is to be chosen",
-                    pose_axis_name(options->axis));
-    }
-    conus_status status = find_space(&found, &space, matlab);
+    conus_status status = pose_no_axis(options, "contacts");
+    status = status ? status : find_space(&found, &space, matlab);
     status = status ? status : note_space(list, space);
     status = status ? status : pose_note_space(&list->notes, options, false);
     return status ? status : add_leads(list, matlab, found);

@@ -33,13 +33,7 @@ static conus_status read_space_and_units(struct markup *markup)
     const json_t *value = json_object_get(markup->json, "coordinateUnits");
     value = json_is_array(value) ? json_array_get(value, 0) : value;
     struct text units = value ? json_text_of(value) : text_from("mm");
-    static const struct {
-        const char *name;
-        double scale;
-    } scales[] = {{"mm", 1}, {"um", 1e-3}, {"cm", 10}, {"m", 1000}};
-    for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++) {
-        markup->scale = text_equal(units, scales[i].name) ? scales[i].scale : markup->scale;
-    }
+    markup->scale = pose_unit(units, "um/mm/cm/m");
     return markup->scale > 0
                ? CONUS_OK
                : fail(CONUS_ERROR_DATA, "markups[%zu]: coordinateUnits \"%.*s\", allowed are um, mm, cm and m",
@@ -59,16 +53,10 @@ static conus_status read_position(double out[3], const struct markup *markup, co
     if (status.size && !text_equal(status, "defined")) {
         return fail(CONUS_ERROR_DATA, "positionStatus \"%.*s\": the point was not placed", POSE_QUOTE(status));
     }
-    if (json_array_size(position) != 3) {
+    if (!json_numbers(out, 3, position)) {
         return fail(CONUS_ERROR_DATA, "position: three numbers are needed");
     }
-    for (size_t i = 0; i < 3; i++) {
-        const json_t *value = json_array_get(position, i);
-        if (!json_is_number(value)) {
-            return fail(CONUS_ERROR_DATA, "position: entry %zu is not a number", i);
-        }
-        out[i] = json_number_value(value) * markup->scale;
-    }
+    vec3_scale(out, out, markup->scale);
     if (markup->lps) {
         pose_flip_point(out);
     }

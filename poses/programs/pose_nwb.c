@@ -260,12 +260,9 @@ conus_status pose_nwb_parse(conus_pose_list *list, struct text text, const conus
                                          PLACES "/*/localized_entity",
                                          PLACES "/*/space"};
     struct hdf5 *hdf5 = NULL;
-    if (options->axis != CONUS_AXIS_OF_FORMAT) {
-        return fail(CONUS_ERROR_DATA, "electrodes have no axes, so that no axis (%s) can be chosen",
-                    pose_axis_name(options->axis));
-    }
     uint64_t left = pose_memory(options) - text.size;
-    conus_status status = hdf5_read_bytes(&hdf5, text, wanted, sizeof wanted / sizeof wanted[0], left ? left : 1);
+    conus_status status = pose_no_axis(options, "electrodes");
+    status = status ? status : hdf5_read_bytes(&hdf5, text, wanted, sizeof wanted / sizeof wanted[0], left ? left : 1);
     if (!status && hdf5_find(hdf5, TABLE) && options->space < CONUS_SPACE_CCF) {
         status = fail(CONUS_ERROR_DATA,
                       "electrodes of NWB lie in the CCF or count from bregma: space ccf or bregma is needed");

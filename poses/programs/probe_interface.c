@@ -2,12 +2,14 @@
 /* Parses ProbeInterface's JSON, and puts the contacts of its probes where poses say. */
 #include "poses/programs/probe_interface.h"
 
+#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/formats/json_text.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/order.h"
+#include "poses/programs/probe_recording.h"
 #include "poses/rows/pose_list.h"
 #include "poses/rows/pose_row.h"
 
@@ -67,12 +69,7 @@ static conus_status find_list(const json_t **out, const struct reading *reading,
 static bool read_numbers(double out[3], const json_t *list, size_t dims)
 {
     out[2] = 0;
-    bool whole = json_array_size(list) == dims;
-    for (size_t i = 0; i < dims && whole; i++) {
-        whole = json_is_number(json_array_get(list, i));
-        out[i] = json_number_value(json_array_get(list, i));
-    }
-    return whole;
+    return json_numbers(out, dims, list);
 }
 
 /* Position `i` of a list, micrometres. */
@@ -91,24 +88,15 @@ static conus_status read_position(double out[3], const struct reading *reading, 
 
 static conus_status read_frame(struct reading *reading)
 {
-    static const struct {
-        const char *name;
-        double um;
-    } units[] = {{"um", 1}, {"mm", 1e3}, {"m", 1e6}};
     const json_t *dims = value_of(reading->json, "ndim");
-    const json_t *unit = value_of(reading->json, "si_units");
+    struct text unit = json_text_of(value_of(reading->json, "si_units"));
     reading->dims = json_is_integer(dims) ? (size_t)json_integer_value(dims) : 0;
     if (reading->dims != 2 && reading->dims != 3) {
         return refuse(reading, "%s", "ndim: 2 or 3 is needed");
     }
-    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
-        if (json_is_string(unit) && strcmp(json_string_value(unit), units[i].name) == 0) {
-            reading->scale = units[i].um;
-            return CONUS_OK;
-        }
-    }
-    return refuse(reading, "si_units: \"%.40s\", allowed are um, mm and m",
-                  json_is_string(unit) ? json_string_value(unit) : "");
+    reading->scale = 1000 * pose_unit(unit, "um/mm/m");
+    return reading->scale > 0 ? CONUS_OK
+                              : refuse(reading, "si_units: \"%.*s\", allowed are um, mm and m", POSE_QUOTE(unit));
 }
 
 /* In three dimensions the plane of the contacts says which way the shanks run; else they run along y. In two a plane
@@ -414,7 +402,9 @@ static conus_status read_root(conus_probe *out, const json_t *root, const conus_
     const json_t *probes = value_of(root, "probes");
     size_t count = json_array_size(probes);
     if (!json_is_string(kind) || strcmp(json_string_value(kind), "probeinterface") != 0) {
-        return fail(CONUS_ERROR_DATA, "specification: \"probeinterface\" is needed: not a file of ProbeInterface");
+        return fail(CONUS_ERROR_DATA,
+                    "specification: \"probeinterface\" is needed: not a file of ProbeInterface, nor a "
+                    ".ap.meta, .imro or settings.xml of a recording");
     }
     if (!count || count > PROBE_LIMIT) {
         return fail(CONUS_ERROR_DATA, "probes: found %zu, allowed are 1 to %d", count, PROBE_LIMIT);
@@ -434,11 +424,20 @@ conus_status probe_parse(conus_probe **out, struct text text, const conus_probe_
         return fail(CONUS_ERROR_ARGUMENT, "tip: %g mm, allowed are 0 to 1000", options->tip);
     }
     json_t *root = NULL;
+    struct buffer json = {0}; /* of a recording */
+    conus_probe_options own = *options;
     conus_probe *probe = memory_zeroed(1, sizeof *probe);
-    bool is_object = text_starts(text_trim(text), "{"); /* else no root is found */
-    conus_status status = !probe ? CONUS_ERROR_MEMORY : is_object ? json_text_load(&root, text) : CONUS_OK;
-    status = status ? status : read_root(probe, root, options);
+    conus_status status = probe ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status && probe_recording_is(text)) {
+        status = probe_recording_write(&json, text, own.tip);
+        own.tip = 0; /* its contour has it */
+        text = (struct text){json.data, json.size};
+    }
+    bool is_object = !status && text_starts(text_trim(text), "{"); /* else no root is found */
+    status = is_object ? json_text_load(&root, text) : status;
+    status = status ? status : read_root(probe, root, &own);
     json_decref(root);
+    buffer_finish(&json);
     if (status) {
         conus_probe_destroy(probe);
         return status;

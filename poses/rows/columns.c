@@ -1398,8 +1398,7 @@ struct census {
     size_t bad, rows;
 };
 
-/* The side that a name states: -1 left, +1 right, 0 none. */
-static int side_of(struct text name)
+int columns_side(struct text name)
 {
     static const char left[] = "left/l/lh/links/gauche", right[] = "right/r/rh/rechts/droite";
     int side = 0;
@@ -1420,8 +1419,8 @@ static int side_of_row(const struct head *head, struct text text, const char *na
 {
     struct table_line line;
     return column != NONE && table_split(&line, &head->out->table, text) && column < line.count
-               ? side_of(line.cells[column])
-               : side_of(text_from(name));
+               ? columns_side(line.cells[column])
+               : columns_side(text_from(name));
 }
 
 static size_t find_side_column(const struct head *head)
@@ -1988,7 +1987,7 @@ bool columns_plain_matrix(conus_pose_row *row, conus_status *bad, struct text te
             }
             count++;
         }
-        is_one = is_one && (count == 4 * lines || count == MATRIX_NUMBERS);
+        is_one = is_one && (count == 4 * lines || lines == 1);
     }
     if (count != MATRIX_NUMBERS || !is_one) { /* two rows of a tracker's eight numbers are none */
         return false;

@@ -56,6 +56,24 @@ conus_status pose_no_number(const char *what, struct text field)
                 has_comma ? "; decimals are written with a point" : "");
 }
 
+conus_status pose_no_axis(const conus_pose_options *options, const char *what)
+{
+    return options->axis == CONUS_AXIS_OF_FORMAT
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "%s have no direction, so that no axis (%s) can be chosen", what,
+                      pose_axis_name(options->axis));
+}
+
+double pose_unit(struct text name, const char *allowed)
+{
+    bool is_one = text_is_one_of(name, allowed, true);
+    return !is_one                  ? 0
+           : text_equal(name, "um") ? 1e-3
+           : text_equal(name, "mm") ? 1
+           : text_equal(name, "cm") ? 10
+                                    : 1000;
+}
+
 conus_status pose_check_angle(double angle)
 {
     return angle > 0 && angle < MATH3_PI

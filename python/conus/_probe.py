@@ -58,14 +58,15 @@ class Probe(Bound):
 
 
 def read_probe(path: Path, *, tip: float = 0, max_memory: int = 0) -> Probe:
-    """Reads the contacts of a file of ProbeInterface: give them to :meth:`Atlas.contacts`.
+    """Reads the contacts of a file of ProbeInterface, or of a recording: give them to :meth:`Atlas.contacts`.
 
     Parameters
     ----------
     path
-        A file.
+        A file; of a recording SpikeGLX's .ap.meta or .imro, or Open Ephys's settings.xml.
     tip
-        mm from the tip to the lowest contact, in place of the contour in the file; 0 = by the contour.
+        mm from the tip to the lowest contact, in place of the contour in the file; 0 = by the contour. Of a recording
+        to the lowest row of the probe, recorded or not; 0 = by its part number.
     max_memory
         Largest file, bytes; 0 = 1 GiB.
     """

@@ -200,3 +200,30 @@ AIM=(--origin 0,14.6,0 --direction 0,1,0)
     sed -i '0,/12.6/s//12.7/' points.json
     run -1 conus verify points.json
 }
+
+# recording: run.ap.meta, four channels of a Neuropixels 1.0 in banks 0 to 2, of which the second was not saved; rows are
+# 20 um, and the lowest one is 0.209 mm above the tip: contacts are at y = 14.391, 10.531 and 6.691.
+recording() {
+    conus phantom slabs -o .
+    printf '%s\n' acqApLfSy=4,4,1 imDatPrb_pn=NP1000 snsApLfSy=3,0,1 snsSaveChanSubset=0,2:3,8 \
+        '~imroTbl=(0,4)(0 0 0 500 250 1)(1 0 0 500 250 1)(2 1 0 500 250 1)(3 2 0 500 250 1)' >run.ap.meta
+}
+
+@test "the probe of a recording is placed by its part number, or by a stated tip" {
+    recording
+    printf '0 14.391 0\n0 10.531 0\n0 6.691 0\n' >points.txt
+    conus query slabs.nii.gz --pose points.txt --radius 0.000001 --format tsv -q | awk -F'\t' '!($1 in seen) { seen[$1]; print $4 }' >alone
+    answers query slabs.nii.gz --probe run.ap.meta "${AIM[@]}" --format tsv -q
+    printf '%s\n' "$output" | awk -F'\t' '!($1 in seen) { seen[$1]; print $4 }' | diff alone -
+    [ "$(printf '%s\n' "$output" | awk -F'\t' 'NR > 1 { print $1 }' | uniq | xargs)" = 'AP0 AP2 AP3' ]
+    [ "$(cell channel 1)" = 0 ]
+    run --separate-stderr conus query slabs.nii.gz --probe run.ap.meta "${AIM[@]}"
+    [[ "$stderr" == *'run.ap.meta: probe1: the tip is at x 35, y -209 um'* ]]
+    run --separate-stderr conus query slabs.nii.gz --probe run.ap.meta --probe-tip 0.25 "${AIM[@]}"
+    [[ "$stderr" == *'run.ap.meta: probe1: the tip is at x 35, y -250 um'* ]]
+    sed 's/NP1000/NP7777/' run.ap.meta >other.ap.meta
+    fails 3 'other.ap.meta: a table of sites of a probe "NP7777": its positions are not known' \
+        query slabs.nii.gz --probe other.ap.meta "${AIM[@]}"
+    fails 3 'says where contacts are on the probe, and not where it lies: --probe takes it' \
+        query slabs.nii.gz --pose run.ap.meta
+}

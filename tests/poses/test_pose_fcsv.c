@@ -75,12 +75,42 @@ static void fiducials_are_read_strictly(void **state)
     conus_pose_list_destroy(list);
 }
 
+/* Points called left and right that lie on the other side, as far as the atlas is known to be long. */
+static void sides_are_asked(void **state)
+{
+    (void)state;
+    static const char text[] = "# Markups fiducial file version = 4.11\n# CoordinateSystem = RAS\n"
+                               "1,42,-20,50,0,0,0,1,1,1,0,M1 left,,\n"
+                               "2,-42,-20,50,0,0,0,1,1,1,0,M1 right,,\n";
+    conus_pose_options options = {.longest = 200};
+    pose_text_refuse(text_from(text), &options, "sides: 1 of 1 points called left lie on the right, 1 of 1 called");
+    options.columns = "sides=anyway";
+    conus_pose_list *list = pose_text_parse(text_from(text), &options);
+    assert_row_at(pose_row_of(list, 0, "M1 left"), 42, -20, 50);
+    conus_pose_list_destroy(list);
+    list = pose_text_parse(text_from(text), NULL);
+    assert_int_equal(conus_pose_list_count(list), 2);
+    conus_pose_list_destroy(list);
+    options.columns = "unit=cm";
+    pose_text_refuse(text_from(text), &options, "is for tables, points and electrodes (BIDS), and not for markups");
+    options.columns = NULL; /* LPS, as it should say; a third of a side may be wrong */
+    list = pose_text_parse(text_from("# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n"
+                                     "1,42,20,50,0,0,0,1,1,1,0,lh,,\n"
+                                     "2,-42,20,50,0,0,0,1,1,1,0,rh,,\n"
+                                     "3,-10,20,50,0,0,0,1,1,1,0,lh,,\n"
+                                     "4,42,20,50,0,0,0,1,1,1,0,A1 left,,\n"),
+                           &options);
+    assert_int_equal(conus_pose_list_count(list), 4);
+    conus_pose_list_destroy(list);
+}
+
 TEST_GROUP(pose_fcsv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fiducials_are_points),
         cmocka_unit_test(fiducials_of_all_versions),
         cmocka_unit_test(fiducials_are_read_strictly),
+        cmocka_unit_test(sides_are_asked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

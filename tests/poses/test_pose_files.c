@@ -128,7 +128,7 @@ static void brainsight_is_read_strictly(void **state)
     assert_row_fails(list, 0, "left", "left-handed");
     assert_row_fails(list, 1, "skewed", "not orthonormal within 0.002");
     assert_null(pose_row_of(list, 2, "rounded")->error);
-    assert_row_fails(list, 3, "short", "6 fields, m0n2 is number 7");
+    assert_row_fails(list, 3, "short", "6 fields, the header has 13");
     assert_row_fails(list, 4, "holes", "m0n1: \"(null)\"");
     assert_row_fails(list, 5, "nan", "Loc. X: \"nan\"");
     conus_pose_list_destroy(list);
@@ -519,7 +519,7 @@ static void lines_may_be_looked_along_either_way(void **state)
                  NULL);
     assert_row_fails(list, 0, "1", "type \"\"");
     assert_row_fails(list, 1, "2", "three numbers");
-    assert_row_fails(list, 2, "3", "entry 2 is not a number");
+    assert_row_fails(list, 2, "3", "position: three numbers are needed");
     assert_row_fails(list, 3, "4", "three numbers");
     conus_pose_list_destroy(list);
 }
