@@ -26,6 +26,7 @@ questions=(
 )
 
 @test "the list is what conus query answers, for 50 poses and with all options" {
+    need_all
     need_window
     nested
     awk 'BEGIN { srand(7); print "x\ty\tz\ttx\tty\ttz"; for (i = 0; i < 50; i++) {
@@ -183,6 +184,7 @@ END
 }
 
 @test "sweep and jitter are what conus sweep prints, of each atlas and with all options" {
+    need_all
     need_window
     nested
     conus phantom slabs -o .

@@ -3,7 +3,6 @@
 load ../cli/helpers
 
 setup_file() {
-    command -v abidw >/dev/null || skip "no abigail-tools"
     mkdir -p "$BATS_FILE_TMPDIR/a library"/{include/conus,inner,scripts}
     cd "$BATS_FILE_TMPDIR/a library" || return
     cp "$BATS_TEST_DIRNAME/../../scripts/abi" scripts/
@@ -52,6 +51,7 @@ commit() {
 
 # changed SED: makes this change in each file of the library as it was; then runs scripts/abi.
 changed() {
+    command -v abidw >/dev/null || skip "no abigail-tools"
     cd "$BATS_FILE_TMPDIR/a library"
     git checkout -q .
     sed -i "$1" include/conus/thing.h inner/thing.h library.c CMakeLists.txt

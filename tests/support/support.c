@@ -141,6 +141,12 @@ bool test_allocation_failed(void)
     return has_failed;
 }
 
+/* Whether scripts/test --all or --long runs the test. */
+static bool is_thorough(void)
+{
+    return getenv("CONUS_TEST_ALL") || getenv("CONUS_TEST_LONG");
+}
+
 size_t test_cases(size_t all)
 {
     enum { SOME = 16, FEW = 128 };
@@ -150,13 +156,13 @@ size_t test_cases(size_t all)
 bool test_takes(size_t number)
 {
     enum { EACH = 4 };
-    return getenv("CONUS_TEST_ALL") || number % EACH == 0;
+    return is_thorough() || number % EACH == 0;
 }
 
 void test_every_allocation(conus_status (*attempt)(void *data), void *data)
 {
     enum { LIMIT = 100000, FIRST = 32 };
-    const long first = getenv("CONUS_TEST_ALL") ? LIMIT : FIRST;
+    const long first = is_thorough() ? LIMIT : FIRST;
     for (long n = 0; n < LIMIT; n += 1 + n / first) {
         test_fail_allocation(n);
         conus_status status = attempt(data);
@@ -299,7 +305,7 @@ size_t test_trials(size_t n)
 #ifdef __SANITIZE_ADDRESS__
     const bool is_whole = false;
 #else
-    const bool is_whole = getenv("CONUS_TEST_ALL");
+    const bool is_whole = is_thorough();
 #endif
     return is_whole ? n : (n + 3) / 4;
 }
