@@ -83,7 +83,7 @@ static const struct option run_options[] = {
      .help = "number of threads, 1 to 1024 (default: one per available processor, in conus-mpi one per rank); the rows "
              "do not depend on it",
      OPTION_FROM_TO(1, 1024),
-     .words = "parallel, cores",
+     .words = "parallel, cores, jobs",
      .common = true,
      .role = OPTION_KEPT},
     {.name = "block",

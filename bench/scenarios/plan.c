@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A plan of needles towards one area that keep away from its neighbours in the list, with pruning and without. */
+#include "selection/plan/plan.h"
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "bench/support/bench.h"
-#include "selection/plan/plan.h"
 
 #include <stdio.h>
 

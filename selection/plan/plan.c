@@ -591,9 +591,8 @@ static conus_status ask_chances(void *user, size_t slot, size_t worker, const at
 {
     conus_plan *plan = user;
     struct entry *entry = plan->blocks[slot].listed;
-    conus_status status =
-        plan_jitter_ask(&entry->planned, (conus_verdict *)(entry + 1), &plan->workers[worker].judge, plan->asked.count,
-                        &plan->asked.jitter, true, 0, !plan->asked.measures_all);
+    conus_status status = plan_jitter_ask(&entry->planned, (conus_verdict *)(entry + 1), &plan->workers[worker].judge,
+                                          plan->asked.count, &plan->asked.jitter, true, 0, !plan->asked.measures_all);
     (void)stop;
     plan_order_keys(NULL, &entry->planned, &plan->asked.order); /* the score of infeasible poses, too */
     return status;

@@ -151,7 +151,8 @@ static conus_status may_enter(bool *out, struct plan_trial *trial, struct plan_w
 conus_status plan_trial_try(struct plan_trial *trial, struct plan_worker *worker, const struct plan_asked *asked)
 {
     size_t breaks = 0;
-    size_t enough = asked->measures_all ? SIZE_MAX : worker->bar.has_feasible ? 1 : 2; /* a miss breaks one constraint */
+    size_t enough = worker->bar.has_feasible ? 1 : 2; /* a miss breaks one constraint */
+    enough = asked->measures_all ? SIZE_MAX : enough;
     conus_status status = CONUS_OK;
     trial->planned.broken = SIZE_MAX;
     trial->is_measured = false;

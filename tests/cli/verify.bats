@@ -105,7 +105,7 @@ setup_file() {
     make ends.tsv query $N --streamlines lines.tck $aim --endpoints out/ends-rows.tsv --streamlines-out out/lines.tck
     make listed.csv overlap $N --labels tree.tsv out/in_mask.nii.gz --level @list.txt
     conus query $S $aim --format tsv -q --sidecar out/stdout.tsv.json >out/stdout.tsv
-    results+=(out/{images-rows,ends-rows,s0,s1,merged,job1,passed,batch-passed}.tsv out/{job2,batch-only}.csv
+    results+=(out/{images-rows,ends-rows,s0,s1,merged,passed,batch-passed}.tsv out/batch-only.csv
         out/{in_dseg,in_mask}.nii.gz out/stdout.tsv)
     printf '%s\n' "${results[@]}" >results
     cp -r . "$BATS_FILE_TMPDIR/kept"
@@ -274,7 +274,7 @@ says() {
 # each kind of sidecar is changed alone.
 @test "every value of a sidecar that is changed is noticed, with the checksum recomputed" {
     study
-    run -0 python3 "$BATS_TEST_DIRNAME/leaves.py" "$CONUS" out/{several,batch,merged,job1,sweep,track,plan,passed,ends-rows}.tsv \
+    run -0 python3 "$BATS_TEST_DIRNAME/leaves.py" "$CONUS" out/{several,batch,merged,sweep,track,plan,passed,ends-rows}.tsv \
         out/regions.json out/in_mask.nii.gz
     echo "$output"
     count=$(sed -nE 's/^([0-9]+) values changed, \1 noticed$/\1/p' <<<"$output")

@@ -1189,9 +1189,9 @@ times times.json
 END
     grep -q '"selection_ms": {"count": ' times.json
     grep -q '"first_picture_ms": [1-9]' times.json
-    sed 's/"engine": "[a-z]*"/"engine": 2/' rays.json >gl.json
+    sed 's/"engine": "[a-z]*"/"engine": "gl"/' rays.json >gl.json
     echo 'results gl.tsv' | view nested.nii.gz --session gl.json
-    sed 's/"engine": "[a-z]*"/"engine": 1/' rays.json >rays1.json
+    sed 's/"engine": "[a-z]*"/"engine": "rays"/' rays.json >rays1.json
     echo 'results rays.tsv' | view nested.nii.gz --session rays1.json
     cut -f 1-8 gl.tsv >gl && cut -f 1-8 rays.tsv | diff gl -
 }
