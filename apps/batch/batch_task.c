@@ -440,6 +440,7 @@ void batch_task_say_astray(const struct batch_task *task)
     pose_settings_say_late(task->poses, task->settings->poses, task->notes_said, &task->settings->common);
     aim_notes_say(task->aimed, task->atlases.count, pose_settings_file_name(task->settings->poses),
                   &task->settings->common);
+    pose_settings_warn_of_names(conus_pose_stream_head(task->poses), task->settings->poses, &task->atlases);
 }
 
 char *batch_resuming(const struct arguments *arguments)

@@ -268,6 +268,15 @@ CONUS_API bool conus_pose_stream_has_ranges(const conus_pose_stream *stream);
 CONUS_API bool conus_pose_stream_has_points(const conus_pose_stream *stream);
 
 /**
+ * Gives rows that it has read, for conus_places_check().
+ * @param stream The stream.
+ * @return The first 64; of a format that is read whole all rows. Borrowed; it changes with conus_pose_stream_read().
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API const conus_pose_list *conus_pose_stream_head(const conus_pose_stream *stream);
+
+/**
  * Gives the table of electrodes (BIDS) that was read, for conus_report_options.electrodes.
  * @param stream The stream.
  * @return NULL for other formats. Borrowed from the stream.

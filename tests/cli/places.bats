@@ -48,6 +48,27 @@ first_line() {
     [ ! -e a.tsv ]
 }
 
+@test "a list whose names are areas elsewhere is warned of, by file and pipe" {
+    [ -e "$AAL" ] || skip "no $AAL"
+    local warned='3 points are called as areas of the atlas, and half of them lie 57 mm or more from there (Insula_L in'
+    printf 'name,x,y,z\nHippocampus_L,-27,-13,-15\nPrecentral_L,-40,-5,50\nInsula_L,-36,6,2\n' >right.csv
+    sed 's/,-/,/' right.csv >far.csv
+    run -0 --separate-stderr conus query "$AAL" --pose right.csv
+    [[ $stderr != *warning* ]]
+    run -0 --separate-stderr conus batch "$AAL" --poses right.csv
+    [[ $stderr != *warning* ]]
+    run -0 --separate-stderr conus query "$AAL" --pose far.csv,sides=anyway -q --format json
+    [[ $stderr == "conus: warning: far.csv,sides=anyway: $warned"* ]]
+    [[ $(jq -r '.Warnings[0]' <<<"$output") == *"$warned"* ]]
+    run -0 --separate-stderr conus batch "$AAL" --poses far.csv,sides=anyway -q -o far.tsv
+    [[ $stderr == "conus: warning: far.csv,sides=anyway: $warned"* ]]
+    [[ $(jq -r '.Warnings[0]' far.json) == *"$warned"* ]]
+    run -0 --separate-stderr conus batch "$AAL" --poses - -q < <(
+        printf 'name,x,y,z\nHippocampus_L,-20,60,30\nPrecentral_L,-20,-80,-20\nInsula_L,-30,-70,40\n'
+    )
+    [[ $stderr == *'warning: standard input: 3 points are called as areas'* ]]
+}
+
 @test "an area is its inner point, which is said, recorded and asked again" {
     conus phantom brain -o .
     [ "$(first_line brain.atlas.json --point 'left anterior' --radius 3)" = \

@@ -51,6 +51,8 @@ SIZE(conus_row_marks, 48);
 SIZE(conus_oddity, 160);
 SIZE(conus_astray, 816);
 SIZE(conus_brain_view, 40);
+SIZE(conus_name_gap, 40);
+SIZE(conus_name_check, 80);
 SIZE(conus_cut_plane, 72);
 SIZE(conus_result, 264);
 SIZE(conus_evidence, 40);
