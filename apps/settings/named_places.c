@@ -32,6 +32,11 @@ int named_places_find(double out[3], struct named_places *places, const char *op
     for (int a = 0; a < 3; a++) {
         out[a] = place.point[a];
     }
+    if (place.is_doubtful) {
+        say_warning("--%s: \"%s\" is in MNI, and it is not known whether the atlas lies there; \',template=mni152\' "
+                    "behind ATLAS says that it does",
+                    option, text);
+    }
     if (!place.is_also_named && numbers_parse(plain, 3, text, ',') == 3) {
         return EXIT_DONE;
     }

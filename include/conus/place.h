@@ -37,6 +37,7 @@ typedef struct conus_place {
     double outward[3];     /**< #CONUS_PLACE_POSITION: the direction away from the head, world, of length 1; all 0 where
                               it is not known, and of other kinds. */
     bool is_also_named;    /**< The words also name something else: numbers an area, an area a position. */
+    bool is_doubtful;      /**< They say MNI, and it is not known whether the atlas lies there. */
 } conus_place;
 
 /** How conus_place_find() reads. */

@@ -94,6 +94,9 @@ typedef struct conus_pose_options {
     double unit;    /**< mm per unit of the numbers in a table, as the caller knows it; 0 = as the file says, or that of
                        the space. */
     bool any_space; /**< What titles, comments and headers say of the space is not heard. */
+    const conus_atlas *atlas; /**< Where the positions will be asked about: where it lies in MNI 305, positions that are
+                                 said to be there are not moved to MNI 152. Not used once the file is open. NULL = it
+                                 lies elsewhere. */
 } conus_pose_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

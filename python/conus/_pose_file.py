@@ -215,6 +215,7 @@ def read_poses(
         raise ArgumentError(f"space: {space} lies where an atlas has it, atlas=... is needed")
     found = space_of(ffi.NULL if atlas is None else atlas._p, space, bregma)
     options.frame = found._frame if found else ffi.NULL
+    options.atlas = ffi.NULL if atlas is None else atlas._p
     if isinstance(keep, str):
         raise ArgumentError("keep: a list of names is wanted, not a text")
     names = [ffi.new("char[]", str(name).encode()) for name in keep]

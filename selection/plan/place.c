@@ -56,6 +56,7 @@ static conus_status take_numbers(struct finding *finding)
         return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\": it says MNI, but the atlas is another brain",
                     TEXT_SHOW(finding->words.name, SHOWN));
     }
+    finding->place.is_doubtful = numbers->says_mni && brain_of(finding->atlas) == BRAIN_UNKNOWN;
     finding->place.is_also_named = !object_find(&named, finding->atlas, finding->words.name);
     if (frame) {
         return conus_frame_to_world(finding->place.point, frame, numbers->value) ? CONUS_ERROR_DATA : CONUS_OK;

@@ -241,6 +241,7 @@ static void a_position_is_one_of_a_cap(void **state)
     refuse_place("F3", "it is not known whether the atlas lies there; 1020:F3 says that it does");
     assert_ok(conus_place_find(&place, atlas, "1020:F3", NULL));
     refuse_place("Xyz", "no area");
+    assert_place("MNI 1 2 3", 1, 2, 3, "(1.0, 2.0, 3.0), in MNI, where it is not known that the atlas lies");
     assert_null(strstr(conus_message(), "10-20"));
     say_space("sform, code 3 (Talairach)", 3);
     refuse_place("F3", "another brain");
