@@ -414,9 +414,10 @@ double settings_point_radius(const struct engine_settings *engine, bool has_no_p
     return engine->radius == 0 && has_no_place ? CONUS_POINT_RADIUS : engine->radius;
 }
 
-const char *settings_understood(char out[96], const struct aim_settings *aim, const struct engine_settings *engine,
-                                bool has_points)
+int settings_understood(char out[96], struct named_places *places, const struct aim_settings *aim,
+                        const struct engine_settings *engine, bool has_points)
 {
+    out[0] = '\0';
     if (aim->aperture > 0) {
         snprintf(out, 96, "asked as a beam: from its focus to the transducer, %g mm wide there", aim->aperture);
     } else if (has_points && engine->radius > 0) {
@@ -424,7 +425,7 @@ const char *settings_understood(char out[96], const struct aim_settings *aim, co
     } else if (has_points) {
         snprintf(out, 96, "asked as points: what is at each, or else nearest to it");
     }
-    return aim->aperture > 0 || has_points ? out : NULL;
+    return out[0] ? named_places_add(places, "", out, NULL) : EXIT_DONE;
 }
 
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
