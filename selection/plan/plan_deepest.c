@@ -2,6 +2,7 @@
 /* Finds the point of a structure that is farthest from its border, and how much of it lies on which side. */
 #include "selection/plan/plan_deepest.h"
 
+#include "atlas/areas/sides.h"
 #include "atlas/surface/bvh.h"
 #include "atlas/surface/mesh_near.h"
 #include "base/geometry/math3.h"
@@ -9,6 +10,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static const double EQUAL = 1e-9; /* mm */
@@ -691,4 +693,47 @@ void plan_sides(double out[2], const struct plan_constraint *structure, const co
         }
     }
     memcpy(out, count.sides, sizeof count.sides);
+}
+
+/* mm^3 as cm^3 for people. */
+static double cm3(double mm3)
+{
+    return mm3 / 1000;
+}
+
+conus_status plan_check_sides(const struct plan_constraint *structure, const struct inner_point *inner,
+                              const conus_atlas *atlas, uint32_t number)
+{
+    static const double LEAST_PART = 0.2; /* of the structure, on either side */
+    enum { SHOWN = 80 };
+    const conus_object *object = &atlas->objects[number - 1];
+    char *sides = memory_zeroed(atlas->object_count + 1, 1);
+    conus_status status = sides ? conus_atlas_sides(sides, atlas) : CONUS_ERROR_MEMORY;
+    struct side_word word;
+    bool is_sided = status || sides[number] ||
+                    (object->kind != CONUS_KIND_AREA && side_word_find(&word, text_from(object->name), 0));
+    bool has_sides = false;
+    for (size_t i = 1; i <= atlas->area_count && !status; i++) {
+        has_sides = has_sides || sides[i];
+    }
+    memory_free(sides);
+    if (status || is_sided) {
+        return status;
+    }
+    double parts[2];
+    plan_sides(parts, structure, atlas);
+    bool is_on_both = fmin(parts[0], parts[1]) >= LEAST_PART * (parts[0] + parts[1]);
+    bool is_in_middle = has_sides && fabs(plan_off_midline(atlas, inner->at)) < inner->depth / 2;
+    if (!is_on_both || is_in_middle) {
+        return CONUS_OK;
+    }
+    bool is_split =
+        object->kind == CONUS_KIND_AREA && atlas_parcellation(atlas) && !atlas->half_step && !atlas->has_ccf;
+    char way[2 * SHOWN + 64] = "";
+    if (is_split) {
+        snprintf(way, sizeof way, "; --hemispheres split and \"%.*s left\" or \"%.*s right\" choose one", SHOWN,
+                 object->name, SHOWN, object->name);
+    }
+    return fail(CONUS_ERROR_ARGUMENT, "%s lies on both sides: %.2f cm3 left, %.2f cm3 right%s", object->name,
+                cm3(parts[0]), cm3(parts[1]), way);
 }

@@ -41,4 +41,10 @@ double plan_off_midline(const conus_atlas *atlas, const double point[3]);
 /** mm^3 of voxels and insides of closed surfaces to the left and to the right of the midline. */
 void plan_sides(double out[2], const struct plan_constraint *structure, const conus_atlas *atlas);
 
+/** Refuses the inner point of a structure of which 20 % or more lie on each side, and whose object says no side: nobody
+ * has chosen one. One that is nearer to the midline than half its depth is fine, in an atlas some of whose areas have a
+ * side. CONUS_ERROR_ARGUMENT with both volumes and the way on; CONUS_ERROR_MEMORY. */
+conus_status plan_check_sides(const struct plan_constraint *structure, const struct inner_point *inner,
+                              const conus_atlas *atlas, uint32_t object);
+
 #endif

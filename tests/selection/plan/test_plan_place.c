@@ -3,6 +3,7 @@
 #include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "builders/area_rows.h"
+#include "conus/candidates.h"
 #include "conus/phantom.h"
 #include "conus/place.h"
 #include "poses/pose_stream.h"
@@ -140,6 +141,16 @@ static void an_area_on_both_sides_is_refused(void **state)
     assert_null(strstr(conus_message(), "near:"));
     const conus_place_options options = {.has_axis = true};
     conus_place place;
+    conus_selector *selector = NULL;
+    conus_sites *sites = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    assert_fails(conus_sites_find(&sites, selector, "Both", CONUS_SITES_DEEPEST), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "Both lies on both sides: 0.02 cm3 left, 0.02 cm3 right"));
+    assert_ok(conus_sites_find(&sites, selector, "Core_L,Core_R", CONUS_SITES_DEEPEST)); /* both are named */
+    conus_sites_destroy(sites);
+    assert_ok(conus_sites_find(&sites, selector, "Vermis", CONUS_SITES_DEEPEST));
+    conus_sites_destroy(sites);
+    conus_selector_destroy(selector);
     assert_fails(conus_place_find(&place, atlas, "Both", &options), CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(conus_message(), "; near:Both is its point nearest to the other end"));
     /* 6 x 5 x 5, whose deepest are 0.5 mm from the midline, less than half of 3 mm; the first of two. */
