@@ -51,7 +51,7 @@ typedef struct conus_place_options {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_PLACE_OPTIONS_INIT CONUS_INIT_(conus_place_options)
 
-/** Bytes for conus_place_text(). */
+/** Bytes of conus_place_text(), whose declaration has the number: Python reads declarations, and no macros. */
 #define CONUS_PLACE_TEXT 512
 
 /**
