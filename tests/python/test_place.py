@@ -28,6 +28,13 @@ def test_words_become_points(atlas):
     assert cap.kind == "position" and np.linalg.norm(cap.outward) == pytest.approx(1, abs=2e-3)
 
 
+def test_a_way_leads_into_the_head(atlas):
+    assert atlas.inward([-7.5, -2, 60]).tolist() == [0, 0, -1]
+    assert np.allclose(atlas.inward("1020:C3"), [0.815, -0.177, -0.552], atol=1e-3)
+    with pytest.raises(conus.ArgumentError, match="it lies in the hull of the atlas"):
+        atlas.inward("left core")
+
+
 def test_places_are_ends_and_points(atlas):
     wanted = atlas.select([-7.5, -2, 60], toward=[-7.5, -2, -2], angle=20)
     given = atlas.select("-7.5 -2 60", toward="left core", angle=20)
