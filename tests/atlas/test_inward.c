@@ -95,8 +95,11 @@ static void the_head_of_an_image_has_a_normal(void **state)
     double worst = 0;
     double sum = 0;
     for (size_t i = 0; i < EDGE * EDGE * EDGE; i++) {
-        const double at[3] = {start + (double)(i % EDGE), start + (double)(i / EDGE % EDGE),
-                              start + (double)(i / EDGE / EDGE)};
+        const size_t index[3] = {i % EDGE, i / EDGE % EDGE, i / EDGE / EDGE};
+        double at[3];
+        for (int a = 0; a < 3; a++) {
+            at[a] = start + (double)index[a];
+        }
         values[i] = vec3_length(at) <= RADIUS ? 100 : 0;
     }
     voxels.data = values;
