@@ -90,8 +90,8 @@ static conus_status add_rows(struct corners *corners, const struct volume *volum
         }
         for (int end = 0; end < 2 && ends[0] < ends[1] && !status; end++) {
             const size_t line = row / width;
-            const double index[3] = {(double)(ends[end] - (size_t)end), (double)(line % volume->info.dim[1]),
-                                     (double)(line / volume->info.dim[1])};
+            const size_t row_at[2] = {line % volume->info.dim[1], line / volume->info.dim[1]};
+            const double index[3] = {(double)(ends[end] - (size_t)end), (double)row_at[0], (double)row_at[1]};
             double at[3];
             mat4_point(at, volume->info.world_from_voxel, index);
             status = add_corner(corners, at);
