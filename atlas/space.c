@@ -133,8 +133,8 @@ static const char *const brain_words[] = {"unknown", "one person's own", "MNI 15
 static const char newest[] = "NLin2009";
 static const char earlier[] = "earlier";
 
-/* Grids on which a template is published, by voxels along x, y and z, mm, and the lowest voxel centre. What a person's
- * own scan is resampled to (256^3 of FreeSurfer) is none. */
+/* Grids on which a template is published, by voxels along x, y and z, mm, and the lowest voxel centre; docs/spaces.md
+ * says against what each was checked. What a person's own scan is resampled to (256^3 of FreeSurfer) is none. */
 static const struct {
     uint16_t dim[3];
     double spacing, low[3];
@@ -142,11 +142,15 @@ static const struct {
     const char *edition;
 } template_grids[] = {
     {{182, 218, 182}, 1, {-91, -126, -72}, CONUS_BRAIN_MNI152, earlier}, /* FSL, TemplateFlow's NLin6Asym */
-    {{91, 109, 91}, 2, {-90, -126, -72}, CONUS_BRAIN_MNI152, earlier},   /* and SPM's avg152 */
+    {{91, 109, 91}, 2, {-90, -126, -72}, CONUS_BRAIN_MNI152, earlier},   /* and the average that SPM and FSL have */
     {{364, 436, 364}, 0.5, {-91.5, -126, -72}, CONUS_BRAIN_MNI152, earlier},
-    {{181, 217, 181}, 1, {-90, -126, -72}, CONUS_BRAIN_MNI152, ""},   /* the MNI's Lin, NLin6, and its Colin 27 */
-    {{121, 145, 121}, 1.5, {-90, -126, -72}, CONUS_BRAIN_MNI152, ""}, /* SPM 12 */
-    {{157, 189, 156}, 1, {-78, -112, -70}, CONUS_BRAIN_MNI152, ""},   /* the box to which SPM 12 normalises */
+    {{260, 311, 260}, 0.7, {-91.3, -126, -72}, CONUS_BRAIN_MNI152, earlier},
+    {{227, 272, 227}, 0.8, {-90.8, -126, -72}, CONUS_BRAIN_MNI152, earlier},
+    {{113, 136, 113}, 1.6, {-89.2, -126, -72}, CONUS_BRAIN_MNI152, earlier},
+    {{91, 109, 91}, 2, {-90.5, -126.5, -72.5}, CONUS_BRAIN_MNI152, earlier}, /* TemplateFlow's Lin */
+    {{181, 217, 181}, 1, {-90, -126, -72}, CONUS_BRAIN_MNI152, ""},          /* the MNI's Lin, and its Colin 27 */
+    {{121, 145, 121}, 1.5, {-90, -126, -72}, CONUS_BRAIN_MNI152, ""},        /* SPM 12 */
+    {{157, 189, 156}, 1, {-78, -112, -70}, CONUS_BRAIN_MNI152, ""},          /* the box to which SPM 12 normalises */
     {{79, 95, 79}, 2, {-78, -112, -70}, CONUS_BRAIN_MNI152, ""},
     {{157, 189, 136}, 1, {-78, -112, -50}, CONUS_BRAIN_MNI152, ""}, /* and earlier ones */
     {{79, 95, 69}, 2, {-78, -112, -50}, CONUS_BRAIN_MNI152, ""},
@@ -159,7 +163,6 @@ static const struct {
     {{157, 197, 165}, 1, {-78, -115, -78}, CONUS_BRAIN_MNI152, newest},   /* Julich-Brain 3.1, cropped */
     {{181, 217, 181}, 1, {-90, -125, -71}, CONUS_BRAIN_COLIN27, ""},      /* MRIcron's ch2, and AAL on it */
     {{301, 370, 316}, 0.5, {-75, -107, -69.5}, CONUS_BRAIN_COLIN27, ""},  /* its ch2better */
-    {{362, 434, 362}, 0.5, {-90, -126, -72}, CONUS_BRAIN_COLIN27, ""},    /* the MNI's of 2008 */
 };
 
 /* Whether the axes of the grid are the world's, in any order and direction, with these voxels. */

@@ -31,15 +31,29 @@ static conus_status reserve_lines(struct notes *notes, size_t more)
     return marks ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
+static void tell_line(struct notes *notes, size_t index)
+{
+    const struct note_sink *sink = notes->sink;
+    struct note_mark *mark = &notes->marks[index];
+    if (sink && sink->log && !mark->heard) {
+        sink->log(sink->user, &(const conus_note){mark->severity, sink->path, notes->lines[index]});
+    }
+    mark->heard = mark->heard || sink;
+}
+
+void notes_tell(struct notes *notes)
+{
+    for (size_t i = 0; i < notes->count; i++) {
+        tell_line(notes, i);
+    }
+}
+
 /* Appends a line, which is taken over and for which there is space. */
 static void append_line(struct notes *notes, char *line, struct note_mark mark)
 {
-    const struct note_sink *sink = notes->sink;
     notes->lines[notes->count] = line;
-    notes->marks[notes->count++] = (struct note_mark){mark.severity, mark.heard || sink};
-    if (sink && sink->log && !mark.heard) {
-        sink->log(sink->user, &(const conus_note){mark.severity, sink->path, line});
-    }
+    notes->marks[notes->count] = mark;
+    tell_line(notes, notes->count++);
 }
 
 conus_status notes_put(struct notes *notes, conus_severity severity, const char *format, ...)

@@ -40,6 +40,9 @@ conus_status notes_put(struct notes *notes, conus_severity severity, const char 
 /** How much note @p index matters; past the last CONUS_SEVERITY_NOTE. */
 conus_severity notes_severity(const struct notes *notes, size_t index);
 
+/** Passes to the sink what no other has received: what was added while there was none. */
+void notes_tell(struct notes *notes);
+
 /** Forgets all lines but the first @p count. */
 void notes_cut(struct notes *notes, size_t count);
 

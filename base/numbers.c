@@ -85,19 +85,6 @@ static size_t blank_size(struct text text)
     return text_starts(text, "\xe2\x80") && text.size > 2 && ((u[2] >= 0x80 && u[2] <= 0x8a) || u[2] == 0xaf) ? 3 : 0;
 }
 
-static size_t sign_size(char *sign, struct text text)
-{
-    static const char *const minus[] = {"-", "\xe2\x88\x92", "\xe2\x80\x93", "\xe2\x80\x91", "\xc2\xad"};
-    *sign = text_starts(text, "+") ? '+' : 0;
-    for (size_t i = 0; i < sizeof minus / sizeof minus[0]; i++) {
-        if (text_starts(text, minus[i])) {
-            *sign = '-';
-            return strlen(minus[i]);
-        }
-    }
-    return *sign != 0;
-}
-
 static size_t count_digits(struct text text, size_t from)
 {
     size_t end = from;
@@ -111,7 +98,7 @@ static size_t count_digits(struct text text, size_t from)
 static bool find_piece(struct piece *out, struct text text)
 {
     struct piece piece = {0};
-    size_t start = sign_size(&piece.sign, text);
+    size_t start = text_sign(&piece.sign, text);
     size_t whole = count_digits(text, start);
     size_t end = start + whole;
     size_t fraction = end < text.size && text.data[end] == '.' ? 1 + count_digits(text, end + 1) : 0;

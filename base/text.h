@@ -59,6 +59,21 @@ bool text_equal(struct text text, const char *string);
 bool text_equal_ignoring_case(struct text text, const char *string);
 bool text_starts(struct text text, const char *prefix);
 
+/** Bytes of the sign, of whichever kind, with which @p text begins, 0 if it has none; *sign is '+', '-' or 0. */
+static inline size_t text_sign(char *sign, struct text text)
+{
+    static const char *const signs[] = {"+", "-", "\xe2\x88\x92", "\xe2\x80\x93", "\xe2\x80\x91", "\xc2\xad"};
+    *sign = 0;
+    for (size_t i = 0; i < sizeof signs / sizeof signs[0]; i++) {
+        size_t size = strlen(signs[i]);
+        if (text.size >= size && memcmp(text.data, signs[i], size) == 0) {
+            *sign = i ? '-' : '+';
+            return size;
+        }
+    }
+    return 0;
+}
+
 /** Whether @p text is one of @p words, which have '/' between them; @p exact: upper and lower case differ. */
 bool text_is_one_of(struct text text, const char *words, bool exact);
 

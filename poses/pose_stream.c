@@ -104,6 +104,7 @@ static void extent_add(struct extent *extent, const conus_pose_row *row)
 }
 
 enum { NAMES_COMPARED = 1 << 18 }; /* rows; their names are held until the stream ends */
+enum { HEAD_ROWS = 64 };
 
 /* The names of the rows read. */
 struct row_names {
@@ -180,6 +181,7 @@ struct conus_pose_stream {
     struct extent extent; /* of the rows read, */
     bool is_partial;      /* some of which were passed over */
     struct row_names names;
+    conus_pose_list head; /* the first rows that were read line by line */
 };
 
 static conus_status fail_of(const conus_pose_stream *stream, conus_status status)
@@ -610,6 +612,7 @@ void conus_pose_stream_destroy(conus_pose_stream *stream)
     pose_list_finish(&stream->block);
     pose_candidates_finish(&stream->candidates);
     pose_list_finish(&stream->list);
+    pose_list_finish(&stream->head);
     buffer_finish(&stream->names.text);
     buffer_finish(&stream->decoded);
     memory_free(stream->name);
@@ -740,6 +743,9 @@ conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_p
         if (!status && found && stream->names.count < NAMES_COMPARED && !stream->candidates.count) {
             stream->names.count++;
             buffer_append(&stream->names.text, rows[got].id, strlen(rows[got].id) + 1);
+        }
+        if (!status && found && !is_read_whole(stream) && stream->head.count < HEAD_ROWS) {
+            status = pose_list_add(&stream->head, &rows[got], text_from(rows[got].id), rows[got].error);
         }
         got += found;
         stream->taken += found;
@@ -880,6 +886,11 @@ bool conus_pose_stream_has_points(const conus_pose_stream *stream)
         found = found || stream->list.rows[i].is_point;
     }
     return found;
+}
+
+const conus_pose_list *conus_pose_stream_head(const conus_pose_stream *stream)
+{
+    return is_read_whole(stream) ? &stream->list : &stream->head;
 }
 
 const char *conus_pose_stream_electrodes(const conus_pose_stream *stream)

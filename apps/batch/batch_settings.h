@@ -9,7 +9,7 @@
 
 struct batch_settings {
     struct atlas_settings atlas;
-    struct aim_settings aim; /* angle and space only */
+    struct aim_settings aim; /* angle, aperture and space only */
     struct pose_file_settings file;
     struct probe_settings probe;
     struct keep_settings keep;

@@ -182,7 +182,7 @@ static double radius_of(const struct batch_task *task)
 }
 
 /* Says what is asked: an --angle that was forgotten is seen here. */
-static void say_question(const struct batch_task *task, const char *understood)
+static void say_question(const struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
     const struct engine_settings *engine = &settings->engine;
@@ -206,9 +206,9 @@ static void say_question(const struct batch_task *task, const char *understood)
     bool may_mix = format == CONUS_POSE_FORMAT_BRAINSIGHT || format == CONUS_POSE_FORMAT_MARKUPS ||
                    format == CONUS_POSE_FORMAT_NIBS; /* points and poses in one file */
     bool is_said = conus_pose_stream_has_points(task->poses) && !may_mix;
-    if (understood) {
+    if (task->understood[0]) {
         say_note(CONUS_SEVERITY_NOTE, settings->common.quiet || settings->is_again, "%s: %s",
-                 pose_settings_file_name(settings->poses), understood);
+                 pose_settings_file_name(settings->poses), task->understood);
     }
     bool is_beam = settings->aim.aperture > 0;
     if (settings->common.quiet || settings->of_axis || settings->is_again || is_said || is_beam) {
@@ -237,7 +237,10 @@ int batch_task_build(struct batch_task *task)
     }
     bool has_points = conus_pose_stream_has_points(task->poses) && !task->point_error[0] && !task->probe &&
                       !settings->of_axis && !format_is_foreign(task->format);
-    const char *understood = settings_understood(task->understood, &settings->aim, &settings->engine, has_points);
+    int code = settings_understood(task->understood, &task->places, &settings->aim, &settings->engine, has_points);
+    if (code) {
+        return code;
+    }
     const conus_batch_options options = {
         .threads = settings->threads,
         .block = settings->block,
@@ -253,7 +256,8 @@ int batch_task_build(struct batch_task *task)
                    .order = settings->of_axis ? CONUS_ORDER_RANK : (conus_order)settings->axis.order,
                    .contacts = settings->of_axis ? (conus_contacts){0} : task->contacts,
                    .within = task->within,
-                   .understood = understood,
+                   .places = task->places.items,
+                   .place_count = task->places.count,
                    .points = has_points,
                    .marks = &task->marks,
                    .probe = task->probe,
@@ -288,7 +292,7 @@ int batch_task_build(struct batch_task *task)
         print_error_line("engine: %s; %" PRIu32 " threads", conus_selector_engine(task->aimed[0].selector),
                          conus_batch_threads(task->batch));
     }
-    say_question(task, understood);
+    say_question(task);
     atlases_say_notes(&task->atlases, &settings->common);
     atlases_say_spaces(&task->atlases, &settings->common);
     atlases_say_open(&task->atlases, &settings->engine, &settings->common);
@@ -440,6 +444,7 @@ void batch_task_say_astray(const struct batch_task *task)
     pose_settings_say_late(task->poses, task->settings->poses, task->notes_said, &task->settings->common);
     aim_notes_say(task->aimed, task->atlases.count, pose_settings_file_name(task->settings->poses),
                   &task->settings->common);
+    pose_settings_warn_of_names(conus_pose_stream_head(task->poses), task->settings->poses, &task->atlases);
 }
 
 char *batch_resuming(const struct arguments *arguments)
@@ -543,6 +548,7 @@ void batch_task_finish(struct batch_task *task)
     }
     free(task->aimed);
     atlases_finish(&task->atlases);
+    named_places_finish(&task->places);
     conus_pose_stream_destroy(task->poses);
     conus_probe_destroy(task->probe);
     free(task->sidecar);

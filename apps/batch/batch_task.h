@@ -7,6 +7,7 @@
 #include "batch/batch_file.h"
 #include "batch/batch_record.h"
 #include "options/progress.h"
+#include "settings/named_places.h"
 #include "settings/notes.h"
 
 /** The first pose that has no answer. */
@@ -31,11 +32,12 @@ struct batch_task {
     conus_pose_stream *poses;
     bool piped; /**< The poses can be read only once: from standard input or a named pipe. */
     struct atlases atlases;
-    conus_frame frame;      /**< The space of positions. */
-    conus_row_marks marks;  /**< What tells rows apart. */
-    struct kept_names kept; /**< From --keep. */
-    conus_probe *probe;     /**< From --probe; NULL = none. */
-    struct aimed *aimed;    /**< [atlases.count] With what is found about the poses, after batch_task_find_astray(). */
+    conus_frame frame;          /**< The space of positions. */
+    struct named_places places; /**< How the question was understood. */
+    conus_row_marks marks;      /**< What tells rows apart. */
+    struct kept_names kept;     /**< From --keep. */
+    conus_probe *probe;         /**< From --probe; NULL = none. */
+    struct aimed *aimed; /**< [atlases.count] With what is found about the poses, after batch_task_find_astray(). */
     conus_batch *batch;
     struct batch_file file; /**< The output, and how many poses are answered. With MPI only rank 0 opens it. */
     struct progress progress;

@@ -443,8 +443,6 @@ static conus_status start_query(struct query_run *run)
     report.no_voxels = !settings->voxels;
     report.order = (conus_order)settings->axis.order;
     report.points = option_given(request->arguments, "point") || (run->is_of_points && !run->probe);
-    report.understood = settings_understood(run->understood, &settings->request.aim, &settings->request.engine,
-                                            run->is_of_points && !run->probe);
     report.contacts = run->contacts;
     report.probe = run->probe;
     report.placed = settings->coordsystem;
@@ -692,6 +690,9 @@ static int answer_query(struct query_run *run)
     code = code ? code : request_find_aim(request);
     code = code ? code : find_points(run);
     code = code ? code : place_probe(run);
+    code = code ? code
+                : settings_understood(run->understood, &request->places, &request->settings->aim,
+                                      &request->settings->engine, run->is_of_points && !run->probe);
     if (code) {
         return code;
     }

@@ -140,6 +140,9 @@ int request_match(struct request *request)
     if (request->poses) {
         int code =
             pose_settings_match_list(request->poses, path, &request->atlases, &settings->file, &settings->common);
+        if (!code) {
+            pose_settings_warn_of_names(request->poses, path, &request->atlases);
+        }
         return code ? code : pose_settings_mark_list(&request->marks, request->poses);
     }
     return request->stream ? pose_settings_match_stream(&request->notes_said, request->stream, path, &request->atlases,

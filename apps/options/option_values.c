@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads the values of options by their types. */
+#include "base/text.h"
 #include "options/messages.h"
 #include "options/options.h"
 
@@ -11,11 +12,10 @@
 
 static const char digits[] = "0123456789";
 
-/* Sign, digits with at most one point among them, exponent: the form that strtod() reads the same in every program,
- * and none of "nan", "inf", "0x1p3" and " 1" that it would take as well. */
+/* Behind the sign: digits with at most one point among them, exponent: the form that strtod() reads the same in every
+ * program, and none of "nan", "inf", "0x1p3" and " 1" that it would take as well. */
 static bool is_decimal(const char *text)
 {
-    text += *text == '-' || *text == '+';
     size_t whole = strspn(text, digits);
     text += whole;
     size_t fraction = 0;
@@ -37,10 +37,13 @@ static bool is_decimal(const char *text)
 
 bool number_parse(const char *text, double *out)
 {
+    char sign; /* a typographic minus, too, as texts and tables are copied */
+    text += text_sign(&sign, text_from(text));
     if (!is_decimal(text)) {
         return false;
     }
     double number = strtod(text, NULL); /* the program never leaves the C locale */
+    number = sign == '-' ? -number : number;
     if (!isfinite(number)) {
         return false;
     }

@@ -86,10 +86,10 @@ enum option_flags {
     OPTION_OF_RAYS = 1 << 1,      /**< Likewise, nor where no rays are traced. */
     OPTION_OF_ONE_ATLAS = 1 << 2, /**< Excludes --atlas. */
     OPTION_OF_ONE_POSE = 1 << 3,
+    OPTION_IS_PICTURE = 1 << 4, /**< A file that holds the command line, so its bytes are not compared. */
+    OPTION_IS_PLACE = 1 << 5,   /**< Where the value and the next two words are numbers, it is these three. */
     OPTION_TO_TARGET = 1 << 6,  /**< OPTION_RANGE: of a struct depth_range, LOW,target[+MM] is taken, too. */
     OPTION_OF_REGION = 1 << 7,  /**< Lists what is in a cone or ball: of a point alone, nothing. */
-    OPTION_IS_PICTURE = 1 << 4, /**< A file that holds the command line, so its bytes are not compared. */
-    OPTION_IS_PLACE = 1 << 5,   /**< Where the next three words are numbers, its value is these. */
 };
 
 struct option {

@@ -15,6 +15,21 @@ void named_places_finish(struct named_places *places)
     *places = (struct named_places){0};
 }
 
+int named_places_add(struct named_places *places, const char *option, const char *text, const conus_place *place)
+{
+    conus_named_place *items = realloc(places->items, (places->count + 1) * sizeof *items);
+    if (!items) {
+        return print_no_memory();
+    }
+    places->items = items;
+    items[places->count] = (conus_named_place){.option = option, .text = text, .is_sentence = !place};
+    if (place) {
+        items[places->count].place = *place;
+    }
+    places->count++;
+    return EXIT_DONE;
+}
+
 int named_places_find(double out[3], struct named_places *places, const char *option, const char *text,
                       const double *other)
 {
@@ -32,16 +47,15 @@ int named_places_find(double out[3], struct named_places *places, const char *op
     for (int a = 0; a < 3; a++) {
         out[a] = place.point[a];
     }
+    if (place.is_doubtful) {
+        say_warning("--%s: \"%s\" is in MNI, and it is not known whether the atlas lies there; \',template=mni152\' "
+                    "behind ATLAS says that it does",
+                    option, text);
+    }
     if (!place.is_also_named && numbers_parse(plain, 3, text, ',') == 3) {
         return EXIT_DONE;
     }
-    conus_named_place *items = realloc(places->items, (places->count + 1) * sizeof *items);
-    if (!items) {
-        return print_no_memory();
-    }
-    places->items = items;
-    items[places->count++] = (conus_named_place){option, text, place};
-    return EXIT_DONE;
+    return named_places_add(places, option, text, &place);
 }
 
 int named_places_find_ends(double origin[3], double toward[3], struct named_places *places,
@@ -67,8 +81,11 @@ int named_places_find_ends(double origin[3], double toward[3], struct named_plac
 void named_places_say(const struct named_places *places)
 {
     for (size_t i = 0; i < places->count; i++) {
-        char text[CONUS_PLACE_TEXT];
-        conus_place_text(text, &places->items[i].place, places->frame);
-        say_note(CONUS_SEVERITY_NOTE, false, "%s %s", places->items[i].option, text);
+        const conus_named_place *item = &places->items[i];
+        char text[CONUS_PLACE_TEXT] = "";
+        if (!item->is_sentence) {
+            conus_place_text(text, &item->place, places->frame);
+        }
+        say_note(CONUS_SEVERITY_NOTE, !*item->option, "%s %s", item->option, item->is_sentence ? item->text : text);
     }
 }

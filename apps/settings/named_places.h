@@ -28,7 +28,10 @@ int named_places_find(double out[3], struct named_places *places, const char *op
 int named_places_find_ends(double origin[3], double toward[3], struct named_places *places,
                            const char *const options[2], const char *const texts[2]);
 
-/** Says each of those that are kept, a note a line. */
+/** Keeps how @p text, of the option @p option, was understood: as @p place, or else a sentence. Likewise. */
+int named_places_add(struct named_places *places, const char *option, const char *text, const conus_place *place);
+
+/** Says each of those that are kept, a note a line, but what is about the whole question. */
 void named_places_say(const struct named_places *places);
 
 #endif

@@ -3,6 +3,7 @@
 #include "settings/pose_settings.h"
 
 #include "base/path.h"
+#include "conus/place.h"
 #include "conus/streamlines.h"
 #include "options/input_file.h"
 #include "options/messages.h"
@@ -131,6 +132,7 @@ conus_pose_options pose_settings_options(const struct pose_file_settings *settin
                                 .aperture = aim ? aim->aperture : 0,
                                 .longest = longest_edge(atlas),
                                 .any_space = settings->any_space,
+                                .atlas = atlas,
                                 .axis = (conus_axis)settings->axis,
                                 .format = (conus_pose_format)settings->format,
                                 .along_shafts = settings->along_shafts,
@@ -365,6 +367,32 @@ int pose_settings_match_list(conus_pose_list *poses, const char *path, const str
     }
     say_notes(&(struct pose_notes){.list = poses}, path, atlases->count > 1, 0, common->quiet);
     return EXIT_DONE;
+}
+
+static void warn_of_gap(const conus_name_gap *gap, const char *what, const conus_pose_list *poses, const char *path,
+                        const struct named_atlas *atlas)
+{
+    const conus_pose_row *row = conus_pose_list_row(poses, gap->farthest);
+    say_warning("%s%s%s%s: %zu points are called as %s, and half of them lie %.0f mm or more from there (%.60s in line "
+                "%zu: %.0f mm); are they in its space and unit, with its sides?",
+                pose_settings_file_name(path), atlas->name ? " (" : "", atlas->name ? atlas->name : "",
+                atlas->name ? ")" : "", gap->named, what, gap->median, row->id, row->line, gap->farthest_mm);
+}
+
+void pose_settings_warn_of_names(const conus_pose_list *poses, const char *path, const struct atlases *atlases)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < atlases->count && !status; i++) {
+        conus_name_check found = {0};
+        status = conus_places_check(&found, atlases->items[i].atlas, poses);
+        if (found.areas.is_far) {
+            warn_of_gap(&found.areas, "areas of the atlas", poses, path, &atlases->items[i]);
+        }
+        if (found.positions.is_far) {
+            warn_of_gap(&found.positions, "positions of a cap", poses, path, &atlases->items[i]);
+        }
+    }
+    print_status(status);
 }
 
 void pose_settings_say_late(const conus_pose_stream *poses, const char *path, size_t said,

@@ -90,6 +90,9 @@ void pose_settings_say_none(const char *path, const struct common_settings *comm
  * code and prints an error unless it is 0. */
 int pose_settings_match_stream(size_t *said, conus_pose_stream *poses, const char *path, const struct atlases *atlases,
                                const struct pose_file_settings *settings, const struct common_settings *common);
+/** Warns of points that lie far from the areas, or positions of a cap, that they are called as, in any of the atlases.
+ */
+void pose_settings_warn_of_names(const conus_pose_list *poses, const char *path, const struct atlases *atlases);
 /** Says those that came behind the first @p said, when all poses had been read. */
 void pose_settings_say_late(const conus_pose_stream *poses, const char *path, size_t said,
                             const struct common_settings *common);

@@ -162,10 +162,11 @@ const struct option context_options[] = {
     {.name = "context",
      FIELD(context_settings, path),
      .value = "FILE",
-     .help = "scalar map that blocks rays, such as a skull: a file, or the name of an installed image",
+     .help = "scalar map that blocks rays, such as a skull, or in which --inward finds the head: a file, or the name "
+             "of an installed image",
      .role = OPTION_READS_IMAGE,
      .flags = OPTION_OF_RAYS,
-     .needs = "context-blocks"},
+     .needs = "context-blocks|inward"},
     {.name = "context-blocks",
      FIELD(context_settings, blocks),
      .value = "T",
@@ -231,7 +232,8 @@ const struct option aim_options[] = {
      .needs = "origin"},
     {.name = "inward",
      FIELD(aim_settings, inward),
-     .help = "or straight into the head from a position of a cap like C3: against the scalp's normal there",
+     .help = "or straight into the head: from a position of a cap like C3 against the scalp's normal there, elsewhere "
+             "against that of the context's head within 5 mm, or else to the atlas's nearest",
      .words = "EEG, fNIRS, optode, perpendicular",
      .flags = OPTION_OF_CONE,
      .needs = "origin",
@@ -414,9 +416,10 @@ double settings_point_radius(const struct engine_settings *engine, bool has_no_p
     return engine->radius == 0 && has_no_place ? CONUS_POINT_RADIUS : engine->radius;
 }
 
-const char *settings_understood(char out[96], const struct aim_settings *aim, const struct engine_settings *engine,
-                                bool has_points)
+int settings_understood(char out[96], struct named_places *places, const struct aim_settings *aim,
+                        const struct engine_settings *engine, bool has_points)
 {
+    out[0] = '\0';
     if (aim->aperture > 0) {
         snprintf(out, 96, "asked as a beam: from its focus to the transducer, %g mm wide there", aim->aperture);
     } else if (has_points && engine->radius > 0) {
@@ -424,7 +427,7 @@ const char *settings_understood(char out[96], const struct aim_settings *aim, co
     } else if (has_points) {
         snprintf(out, 96, "asked as points: what is at each, or else nearest to it");
     }
-    return aim->aperture > 0 || has_points ? out : NULL;
+    return out[0] ? named_places_add(places, "", out, NULL) : EXIT_DONE;
 }
 
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
@@ -463,13 +466,21 @@ int settings_pose_toward(conus_pose *out, double *distance, struct named_places 
     return print_status(conus_pose_toward(out, from, to, up ? above : NULL));
 }
 
-/* The direction into the head at the place that was found last. */
-static int find_inward(double along[3], const struct named_places *places)
+/* The direction into the head at the place that was found last: that of a position's table, else the head's. */
+static int find_inward(double along[3], struct named_places *places, const double from[3])
 {
+    static const char *const words[] = {"against the normal of the context's surfaces within 5 mm",
+                                        "against the normal of the head in the context's image within 5 mm",
+                                        "to the nearest point of the atlas's convex hull"};
     const conus_place *place = places->count ? &places->items[places->count - 1].place : NULL;
     if (!place || place->kind != CONUS_PLACE_POSITION) {
-        return print_usage_error("--inward: the normal of the scalp is known at positions of a cap, like --origin C3; "
-                                 "elsewhere --toward PLACE or --direction X,Y,Z says where to");
+        conus_inward found;
+        conus_status status = conus_atlas_inward(along, &found, places->atlas, from);
+        if (status) {
+            print_error_line("--inward: %s; --toward PLACE or --direction X,Y,Z says where to", conus_message());
+            return exit_code_of(status);
+        }
+        return named_places_add(places, "inward", words[found], NULL);
     }
     for (int a = 0; a < 3; a++) {
         along[a] = 0 - place->outward[a];
@@ -498,7 +509,7 @@ int settings_pose(conus_pose *out, double *target, struct named_places *places, 
                                     (const char *const[]){settings->origin, settings->toward}, given_up);
     } else if (settings->inward) {
         code = named_places_find(from, places, "origin", settings->origin, NULL);
-        code = code ? code : find_inward(along, places);
+        code = code ? code : find_inward(along, places, from);
         conus_frame_direction_to_world(above, places->frame, settings->up);
         code = code ? code : print_status(conus_pose_along(out, from, along, given_up ? above : NULL));
     } else {

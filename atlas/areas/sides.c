@@ -393,8 +393,12 @@ static void add_voxels(struct mean_x *means, const struct volume *volume)
     }
 }
 
-static conus_status compare(conus_atlas *atlas, const struct mean_x *means, const uint32_t *right_of)
+/* As if the atlas were mirrored about *middle, unless that is NULL. */
+static conus_status compare(conus_atlas *atlas, const struct mean_x *means, const uint32_t *right_of,
+                            const double *middle)
 {
+    const double turn = middle ? -1 : 1;
+    const double from = middle ? 2 * *middle : 0;
     size_t pair_count = 0;
     size_t swapped = 0;
     uint32_t example = 0;
@@ -402,7 +406,7 @@ static conus_status compare(conus_atlas *atlas, const struct mean_x *means, cons
         const struct mean_x *l = &means[left];
         const struct mean_x *r = &means[right_of[left]];
         if (right_of[left] && l->weight > 0 && r->weight > 0) {
-            bool wrong = l->sum / l->weight > r->sum / r->weight;
+            bool wrong = turn * l->sum / l->weight > turn * r->sum / r->weight;
             pair_count++;
             swapped += wrong;
             example = wrong && !example ? left : example;
@@ -415,12 +419,15 @@ static conus_status compare(conus_atlas *atlas, const struct mean_x *means, cons
     return notes_warn(
         &atlas->notes,
         "%zu of %zu pairs of a left and a right area lie the other way round, %s (x %.1f mm) to the right "
-        "of %s (%.1f mm): names or positions have left and right exchanged; --sides exchanged mirrors the atlas",
-        swapped, pair_count, atlas->objects[example - 1].name, means[example].sum / means[example].weight,
-        atlas->objects[right_of[example] - 1].name, means[right_of[example]].sum / means[right_of[example]].weight);
+        "of %s (%.1f mm): %s",
+        swapped, pair_count, atlas->objects[example - 1].name, from + turn * means[example].sum / means[example].weight,
+        atlas->objects[right_of[example] - 1].name,
+        from + turn * means[right_of[example]].sum / means[right_of[example]].weight,
+        middle ? "the exchange of sides made them so; they are right without it"
+               : "names or positions have left and right exchanged; --sides exchanged mirrors the atlas");
 }
 
-conus_status swapped_sides_note(conus_atlas *atlas)
+static conus_status note_swapped(conus_atlas *atlas, const double *middle)
 {
     uint32_t *right_of = NULL;
     conus_status status = hemispheres_pair(&right_of, atlas);
@@ -446,24 +453,29 @@ conus_status swapped_sides_note(conus_atlas *atlas)
                 add_x(&means[number], (double)mesh->positions[3 * i]);
             }
         }
-        status = compare(atlas, means, right_of);
+        status = compare(atlas, means, right_of, middle);
     }
     memory_free(means);
     memory_free(right_of);
     return status;
 }
 
-/* Takes out the note that left and right are exchanged. */
-static void drop_exchanged(conus_atlas *atlas)
+conus_status swapped_sides_note(conus_atlas *atlas)
+{
+    return note_swapped(atlas, NULL);
+}
+
+/* Takes out the note that left and right are exchanged, number `exchanged`, 0 = there is none. */
+static void drop_note(conus_atlas *atlas, size_t exchanged)
 {
     struct notes *notes = &atlas->notes;
-    if (atlas->exchanged) {
-        size_t at = atlas->exchanged - 1;
+    if (exchanged) {
+        size_t at = exchanged - 1;
         memory_free(notes->lines[at]);
         memmove(notes->lines + at, notes->lines + at + 1, (notes->count - at - 1) * sizeof *notes->lines);
         memmove(notes->marks + at, notes->marks + at + 1, (notes->count - at - 1) * sizeof *notes->marks);
         notes->count--;
-        atlas->exchanged = 0;
+        atlas->exchanged -= atlas->exchanged > at;
     }
 }
 
@@ -491,20 +503,28 @@ conus_status conus_atlas_exchange_sides(conus_atlas *atlas)
     for (size_t i = 0; i < atlas->volume_count; i++) {
         codes[i] = atlas->volumes[i].info.space_code;
     }
-    atlas->notes.sink = NULL; /* of what the mirror itself would say */
+    /* What can fail comes before the mirror, which is the last. */
+    const size_t before = atlas->exchanged;
     size_t count = atlas->notes.count;
-    conus_status status = atlas_move(atlas, mirror, "the exchange of sides");
+    atlas->notes.sink = NULL; /* until it is done; and of what the mirror itself would say */
+    atlas->exchanged = 0;
+    conus_status status =
+        notes_add(&atlas->notes, "left and right of its places were exchanged, about x = %.4g mm", middle[0]);
+    status = status ? status : note_swapped(atlas, middle);
+    size_t own = atlas->notes.count;
+    status = status ? status : atlas_move(atlas, mirror, "the exchange of sides");
+    notes_cut(&atlas->notes, status ? count : own);
     atlas->notes.sink = sink;
-    if (!status) {
-        notes_cut(&atlas->notes, count);
-        drop_exchanged(atlas);
+    if (status) {
+        atlas->exchanged = before;
+    } else {
+        drop_note(atlas, before);
+        notes_tell(&atlas->notes);
         atlas->is_mirrored = stays_known;
         atlas->brain = brain;
         for (size_t i = 0; i < atlas->volume_count; i++) {
             atlas->volumes[i].info.space_code = codes[i];
         }
-        status = notes_add(&atlas->notes, "left and right of its places were exchanged, about x = %.4g mm", middle[0]);
-        status = status ? status : swapped_sides_note(atlas);
     }
     memory_free(codes);
     return status;

@@ -326,7 +326,7 @@ CONUS_CHECKED conus_status conus_atlas_set_hemispheres(conus_atlas *atlas, conus
  * volume along x, so that its grid stays where it is, or without a volume about x = 0. What is in the atlas is mirrored
  * with it; whose brain it is stays known. The note of conus_atlas_exchanged() goes, and comes again if names and places
  * contradict each other then. Before conus_atlas_transform() and before a selector or renderer is made.
- * @param atlas The atlas; unchanged on failure, but perhaps for its notes.
+ * @param atlas The atlas; unchanged on failure.
  * @return #CONUS_OK; #CONUS_ERROR_MEMORY; #CONUS_ERROR_DATA where a field has moved it.
  * @threads One at a time, while no other thread uses the atlas.
  * @since 0.1

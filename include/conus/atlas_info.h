@@ -448,6 +448,27 @@ CONUS_API conus_severity conus_atlas_note_severity(const conus_atlas *atlas, siz
  */
 CONUS_API const char *conus_atlas_exchanged(const conus_atlas *atlas);
 
+/** By what a direction into the head was found. */
+typedef enum conus_inward {
+    CONUS_INWARD_SURFACE = 0, /**< Closed surfaces of the context. */
+    CONUS_INWARD_IMAGE,       /**< The head in the context's image: from a threshold on by Otsu's method. */
+    CONUS_INWARD_ATLAS        /**< The convex hull of what is shown of the atlas: the way to its nearest point. */
+} conus_inward;
+
+/**
+ * Finds the direction straight into the head at a point on it: against the mean normal of the head's surface within 5
+ * mm, weighted by area; where the context has none there, the way to the nearest point of the atlas's convex hull.
+ * @param[out] out World, of length 1.
+ * @param[out] from By what; NULL = not wanted.
+ * @param atlas The atlas with its context.
+ * @param point World mm.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a point in the hull and no surface near it; #CONUS_ERROR_MEMORY.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_inward(double out[3], conus_inward *from, const conus_atlas *atlas,
+                                              const double point[3]);
+
 #ifdef __cplusplus
 }
 #endif

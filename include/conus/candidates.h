@@ -67,7 +67,8 @@ typedef enum conus_sites_kind {
     CONUS_SITES_DEEPEST,      /**< The centre of the voxel that is farthest from all voxels around the structure, by
                                  their centres, also those beyond the grid; of a closed surface the point inside, on a
                                  grid of 1 mm (or less, where none is inside), that is farthest from it. Of points that
-                                 are equal to 1e-9 mm the nearest to the centroid, then the first. */
+                                 are equal to 1e-9 mm the nearest to the centroid, then the first. A structure that
+                                 lies on both sides and says none is refused, as by conus_place_find(). */
     CONUS_SITES_VOXELS        /**< The centres of its voxels, in the order of the file. */
 } conus_sites_kind;
 

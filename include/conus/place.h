@@ -7,6 +7,7 @@
 #define CONUS_PUBLIC_PLACE_H
 
 #include <conus/atlas.h>
+#include <conus/pose_file.h>
 #include <conus/space.h>
 
 #include <stdbool.h>
@@ -36,6 +37,7 @@ typedef struct conus_place {
     double outward[3];     /**< #CONUS_PLACE_POSITION: the direction away from the head, world, of length 1; all 0 where
                               it is not known, and of other kinds. */
     bool is_also_named;    /**< The words also name something else: numbers an area, an area a position. */
+    bool is_doubtful;      /**< They say MNI, and it is not known whether the atlas lies there. */
 } conus_place;
 
 /** How conus_place_find() reads. */
@@ -49,7 +51,7 @@ typedef struct conus_place_options {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_PLACE_OPTIONS_INIT CONUS_INIT_(conus_place_options)
 
-/** Bytes for conus_place_text(). */
+/** Bytes of conus_place_text(), whose declaration has the number: Python reads declarations, and no macros. */
 #define CONUS_PLACE_TEXT 512
 
 /**
@@ -93,6 +95,37 @@ CONUS_API bool conus_place_is_near(const char *text);
  * @since 0.1
  */
 CONUS_API void conus_place_text(char out[512], const conus_place *place, const conus_frame *frame);
+
+/** Points whose names say where they are, and how far from there they lie. */
+typedef struct conus_name_gap {
+    size_t named;       /**< How many. */
+    double median;      /**< mm; of an even number the greater of the two in the middle. 0 where there are none. */
+    size_t farthest;    /**< Index of the row that is farthest, */
+    double farthest_mm; /**< and how far it is. */
+    bool is_far;        /**< The median is over 15 mm for areas, or 40 mm for positions: another space or unit, other
+                           axes or sides. */
+} conus_name_gap;
+
+/** What the names of a list of points say. */
+typedef struct conus_name_check {
+    conus_name_gap areas;     /**< Names of areas and pathways: mm to them, 0 inside. */
+    conus_name_gap positions; /**< Names of positions of the 10-10 system: mm to these. */
+} conus_name_check;
+
+/**
+ * Compares where the points of a list lie with what their names say. Names count where three points or more, and at
+ * least half of them, have those of areas (four fifths, with two words for the rows of the head, those of positions),
+ * so that contacts "A1" of a shaft are no areas. A number is no name. Positions are compared where the atlas is known
+ * to lie in MNI 152 or Colin 27.
+ * @param[out] out What was found; all 0 where names say nothing.
+ * @param atlas Where they are, as it lies in the world now.
+ * @param list Its first 64 rows are looked at; rows with a direction are not.
+ * @return #CONUS_OK; only #CONUS_ERROR_MEMORY is expected.
+ * @threads Any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_places_check(conus_name_check *out, const conus_atlas *atlas,
+                                              const conus_pose_list *list);
 
 #ifdef __cplusplus
 }

@@ -94,6 +94,9 @@ typedef struct conus_pose_options {
     double unit;    /**< mm per unit of the numbers in a table, as the caller knows it; 0 = as the file says, or that of
                        the space. */
     bool any_space; /**< What titles, comments and headers say of the space is not heard. */
+    const conus_atlas *atlas; /**< Where the positions will be asked about: where it lies in MNI 305, positions that are
+                                 said to be there are not moved to MNI 152. Not used once the file is open. NULL = it
+                                 lies elsewhere. */
 } conus_pose_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -266,6 +269,15 @@ CONUS_API bool conus_pose_stream_has_ranges(const conus_pose_stream *stream);
  * @since 0.1
  */
 CONUS_API bool conus_pose_stream_has_points(const conus_pose_stream *stream);
+
+/**
+ * Gives rows that it has read, for conus_places_check().
+ * @param stream The stream.
+ * @return The first 64; of a format that is read whole all rows. Borrowed; it changes with conus_pose_stream_read().
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API const conus_pose_list *conus_pose_stream_head(const conus_pose_stream *stream);
 
 /**
  * Gives the table of electrodes (BIDS) that was read, for conus_report_options.electrodes.

@@ -71,12 +71,14 @@ typedef enum conus_order {
                          the best. Objects with neither come before unassigned, which is last. */
 } conus_order;
 
-/** A point of a question, given as words. */
+/** How a part of a question was understood: a point that was given as words, or else a sentence. */
 typedef struct conus_named_place {
-    const char *option; /**< What it is for: "toward", "point". */
-    const char *text;   /**< The words. */
-    conus_place place;  /**< As which it was understood. */
+    const char *option; /**< What it is for: "toward", "point"; "" = the whole question. */
+    const char *text;   /**< The words; of a sentence that. */
+    conus_place place;  /**< As which they were understood. */
+    bool is_sentence;   /**< There is no place. */
 } conus_named_place;
+
 /** What tells answers apart besides their ids, and what is known of their poses: columns of rows and lines for people.
  * The formats from #CONUS_FORMAT_AFNI on have none of it. */
 typedef struct conus_row_marks {
@@ -118,12 +120,10 @@ typedef struct conus_report_options {
                                  needs it. It must outlive the report. NULL = none. */
     bool placed;              /**< For #CONUS_FORMAT_BEP032: x, y and z are positions in @p space or @p frame, which
                                  conus_report_coordsystem() describes, not those on the probe. */
-    const char *understood;   /**< How the question was understood: first line of a table for people, "Understood" of
-                                 JSON and sidecar; NULL = nothing is said. */
     bool points;              /**< For #CONUS_ROWS_ANSWERS and #CONUS_ROWS_SUMMARIES: columns x, y and z with the point,
                                  or the apex, that was asked. */
-    const conus_named_place *places; /**< [place_count] Points of the question that were given as words: how they were
-                                        understood begins a table for people, and is "Places" of the provenance. They
+    const conus_named_place *places; /**< [place_count] How the question was understood: the first lines of a table for
+                                        people; points are "Places" of JSON and sidecar, sentences "Understood". They
                                         must outlive the report. */
     size_t place_count;              /**< How many there are. */
     const conus_row_marks *marks; /**< Columns that tell rows apart, not of a track. It must outlive the report. Before

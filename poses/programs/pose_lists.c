@@ -173,7 +173,8 @@ static bool is_passed_over(const struct layout *layout, struct text line)
            (layout->rows && !text_starts(line, layout->rows));
 }
 
-static conus_status read_points(conus_pose_list *list, const struct layout *layout, struct text text, bool is_lps)
+static conus_status read_points(conus_pose_list *list, const struct layout *layout, struct text text, bool is_lps,
+                                bool is_moved)
 {
     struct text line;
     conus_status status = CONUS_OK;
@@ -192,7 +193,7 @@ static conus_status read_points(conus_pose_list *list, const struct layout *layo
         if (is_read && is_lps) {
             pose_flip_point(point);
         }
-        if (is_read && (layout->flags & IS_MNI305)) {
+        if (is_read && is_moved) {
             space_move_from_mni305(point);
         }
         conus_status bad = is_read ? pose_of_point(&row.pose, point) : CONUS_ERROR_DATA;
@@ -328,15 +329,19 @@ conus_status pose_lists_parse(conus_pose_list *list, struct text text, const con
     if (layout->brain == POSE_BRAIN_OTHER && !options->any_space) {
         return fail(CONUS_ERROR_DATA, "%s", space_why_tkras);
     }
-    if (layout->space) {
-        list->space = pose_space_named(text_from(layout->space), layout->brain);
+    bool is_of_305 = layout->flags & IS_MNI305;
+    bool is_moved = is_of_305 && !space_stays_in_mni305(options);
+    if (layout->space || is_of_305) {
+        list->space = is_of_305
+                          ? pose_space_named(text_from("MNI 305"), is_moved ? POSE_BRAIN_MNI152 : POSE_BRAIN_MNI305)
+                          : pose_space_named(text_from(layout->space), layout->brain);
     }
     conus_status status = pose_note_space(&list->notes, options, is_lps);
-    status = status ? status : read_points(list, layout, text, is_lps);
+    status = status ? status : read_points(list, layout, text, is_lps, is_moved);
     status = status ? status : check_count(list, layout, text);
     status = status || !(layout->flags & NEEDS_MINUS) ? status : check_minus(list, path);
     list->is_cap = layout->flags & IS_CAP;
-    return status || !(layout->flags & IS_MNI305)
+    return status || !is_moved
                ? status
                : notes_add(&list->notes,
                            "positions in MNI 305, as of fsaverage, moved to MNI 152 by FreeSurfer's matrix");

@@ -1186,6 +1186,10 @@ static conus_status hear_words(struct head *head, struct notes *notes)
     } else if (of_mni && !said->space.brain) {
         said->space = pose_space_named(text_from("MNI 152"), POSE_BRAIN_MNI152);
     }
+    if (said->is_mni305 && space_stays_in_mni305(head->options)) {
+        said->is_mni305 = false;
+        said->space.brain = POSE_BRAIN_MNI305;
+    }
     if (said->why) {
         return fail(CONUS_ERROR_DATA, "positions are said to be \"%s\": %s; --any-space takes them as they are",
                     said->heard, said->why);

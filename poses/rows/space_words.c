@@ -3,6 +3,7 @@
 #include "poses/rows/space_words.h"
 
 #include "base/geometry/math3.h"
+#include "conus/atlas_info.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -211,6 +212,11 @@ void space_words_hear_of(struct space_words *words, struct text word)
 const char space_why_tkras[] =
     "FreeSurfer's tkRAS, which counts from the middle of the voxels of an image that is not in the file: save scanner "
     "RAS (Freeview has both); --any-space takes the positions as they are, for an atlas in tkRAS";
+
+bool space_stays_in_mni305(const conus_pose_options *options)
+{
+    return options->atlas && conus_atlas_brain(options->atlas).brain == CONUS_BRAIN_MNI305;
+}
 
 void space_move_from_mni305(double p[3])
 {

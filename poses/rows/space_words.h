@@ -25,6 +25,9 @@ void space_words_hear(struct space_words *words, struct text line);
 /** Hears what is said of coordinates alone: the cells of a column, or a word of its header. */
 void space_words_hear_of(struct space_words *words, struct text word);
 
+/** Whether positions in MNI 305 stay there: the atlas lies there, too. */
+bool space_stays_in_mni305(const conus_pose_options *options);
+
 /** Why positions in tkRAS are refused. */
 extern const char space_why_tkras[];
 

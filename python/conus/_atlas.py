@@ -1385,6 +1385,32 @@ class Atlas:
         """
         return place_of(self._p, "place", words, ffi.NULL)
 
+    def inward(self, point: Any) -> Any:
+        """The direction straight into the head at a point on it, as of ``--inward``.
+
+        Parameters
+        ----------
+        point
+            (3,) RAS mm, or a place in words.
+
+        Returns
+        -------
+        array
+            (3,) of length 1: of a position ("C3") against the scalp's normal in the published table, where it has
+            one; else against that of the context's head within 5 mm, or the way to the atlas's convex hull.
+
+        Raises
+        ------
+        ArgumentError
+            For a point inside of the hull.
+        """
+        place = self.place(point) if isinstance(point, str) else None
+        if place is not None and place.outward.any():
+            return -place.outward / np.linalg.norm(place.outward)
+        out = ffi.new("double[3]")
+        check(lib.conus_atlas_inward(out, ffi.NULL, self._p, vector("point", point if place is None else place.point)))
+        return np.array(list(out))
+
     @property
     def notes(self) -> list[str]:
         """Notes from loading the atlas."""

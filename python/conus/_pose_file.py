@@ -120,7 +120,8 @@ class Poses(Guarded):
         return notes
 
     def match(self, atlas: Atlas) -> None:
-        """Checks that the poses and the atlas belong to one brain; whatever takes the poses asks this, too.
+        """Checks that the poses and the atlas belong to one brain; whatever takes the poses asks this, too. A
+        PoseWarning tells of points that lie far from the areas, or positions of a cap, that they are called as.
 
         Raises
         ------
@@ -136,6 +137,18 @@ class Poses(Guarded):
         except DataError as error:
             remedy = "load(..., transforms=[...]) brings it to them, read_poses(..., any_space=True) takes them anyway"
             raise DataError(f"{self.path}: {error}; {remedy}") from None
+        self._warn_of_names(atlas)
+
+    def _warn_of_names(self, atlas: Atlas) -> None:
+        from ._poses import warn
+
+        found = ffi.new("conus_name_check *")
+        check(lib.conus_places_check(found, atlas._p, self._list))
+        for gap, what in ((found.areas, "areas of the atlas"), (found.positions, "positions of a cap")):
+            if gap.is_far:
+                warn([f"{self.path}: {gap.named} points are called as {what}, and half of them lie {gap.median:.0f} mm or "
+                      f"more from there ({self.ids[gap.farthest]}: {gap.farthest_mm:.0f} mm); are they in its space and "
+                      "unit, with its sides?"])
 
     def _marks(self) -> dict[str, Array]:
         """The columns of rows about these poses: query and, where ids repeat or there are times, row and time_s."""
@@ -215,6 +228,7 @@ def read_poses(
         raise ArgumentError(f"space: {space} lies where an atlas has it, atlas=... is needed")
     found = space_of(ffi.NULL if atlas is None else atlas._p, space, bregma)
     options.frame = found._frame if found else ffi.NULL
+    options.atlas = ffi.NULL if atlas is None else atlas._p
     if isinstance(keep, str):
         raise ArgumentError("keep: a list of names is wanted, not a text")
     names = [ffi.new("char[]", str(name).encode()) for name in keep]

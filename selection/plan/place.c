@@ -3,9 +3,7 @@
 #include "conus/place.h"
 
 #include "atlas/areas/area_find.h"
-#include "atlas/areas/sides.h"
 #include "base/geometry/math3.h"
-#include "base/memory.h"
 #include "base/options.h"
 #include "poses/place.h"
 #include "poses/positions.h"
@@ -56,6 +54,7 @@ static conus_status take_numbers(struct finding *finding)
         return fail(CONUS_ERROR_ARGUMENT, "\"%.*s\": it says MNI, but the atlas is another brain",
                     TEXT_SHOW(finding->words.name, SHOWN));
     }
+    finding->place.is_doubtful = numbers->says_mni && brain_of(finding->atlas) == BRAIN_UNKNOWN;
     finding->place.is_also_named = !object_find(&named, finding->atlas, finding->words.name);
     if (frame) {
         return conus_frame_to_world(finding->place.point, frame, numbers->value) ? CONUS_ERROR_DATA : CONUS_OK;
@@ -177,51 +176,6 @@ static conus_status advise_near(conus_status status, const struct finding *findi
     return finding->options->has_axis ? fail_with(status, more) : status;
 }
 
-/* mm^3 as cm^3 for people. */
-static double cm3(double mm3)
-{
-    return mm3 / 1000;
-}
-
-/* Refuses an area of both sides, whose inner point would be on one of them, and nobody has chosen it. */
-static conus_status check_sides(const struct finding *finding, const struct plan_constraint *structure,
-                                const struct inner_point *inner)
-{
-    static const double LEAST_PART = 0.2; /* of the area, on either side */
-    const conus_atlas *atlas = finding->atlas;
-    const conus_object *object = &atlas->objects[finding->place.object - 1];
-    char *sides = memory_zeroed(atlas->object_count + 1, 1);
-    conus_status status = sides ? conus_atlas_sides(sides, atlas) : CONUS_ERROR_MEMORY;
-    struct side_word word;
-    bool is_sided = status || sides[finding->place.object] ||
-                    (object->kind != CONUS_KIND_AREA && side_word_find(&word, text_from(object->name), 0));
-    bool has_sides = false;
-    for (size_t i = 1; i <= atlas->area_count && !status; i++) {
-        has_sides = has_sides || sides[i];
-    }
-    memory_free(sides);
-    if (status || is_sided) {
-        return status;
-    }
-    double parts[2];
-    plan_sides(parts, structure, atlas);
-    bool is_on_both = fmin(parts[0], parts[1]) >= LEAST_PART * (parts[0] + parts[1]);
-    bool is_in_middle = has_sides && fabs(plan_off_midline(atlas, inner->at)) < inner->depth / 2;
-    if (!is_on_both || is_in_middle) {
-        return CONUS_OK;
-    }
-    bool is_split =
-        object->kind == CONUS_KIND_AREA && atlas_parcellation(atlas) && !atlas->half_step && !atlas->has_ccf;
-    char way[2 * SHOWN + 64] = "";
-    if (is_split) {
-        snprintf(way, sizeof way, "; --hemispheres split and \"%.*s left\" or \"%.*s right\" choose one", SHOWN,
-                 object->name, SHOWN, object->name);
-    }
-    status = fail(CONUS_ERROR_ARGUMENT, "%s lies on both sides: %.2f cm3 left, %.2f cm3 right%s", object->name,
-                  cm3(parts[0]), cm3(parts[1]), way);
-    return advise_near(status, finding);
-}
-
 static conus_status take_inner_point(struct finding *finding, const struct plan_constraint *structure,
                                      const double centroid[3])
 {
@@ -230,9 +184,9 @@ static conus_status take_inner_point(struct finding *finding, const struct plan_
     if (!status && inner.depth == 0) {
         status = fail(CONUS_ERROR_ARGUMENT, "%s has no voxels and no closed surface, and so no inner point",
                       structure->name);
-        return advise_near(status, finding);
     }
-    status = status ? status : check_sides(finding, structure, &inner);
+    status = status ? status : plan_check_sides(structure, &inner, finding->atlas, finding->place.object);
+    status = status == CONUS_ERROR_ARGUMENT ? advise_near(status, finding) : status;
     finding->place.kind = CONUS_PLACE_INNER;
     finding->place.depth = inner.depth;
     memcpy(finding->place.point, inner.at, sizeof finding->place.point);

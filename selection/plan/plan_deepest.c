@@ -2,6 +2,7 @@
 /* Finds the point of a structure that is farthest from its border, and how much of it lies on which side. */
 #include "selection/plan/plan_deepest.h"
 
+#include "atlas/areas/sides.h"
 #include "atlas/surface/bvh.h"
 #include "atlas/surface/mesh_near.h"
 #include "base/geometry/math3.h"
@@ -9,6 +10,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static const double EQUAL = 1e-9; /* mm */
@@ -490,6 +492,111 @@ bool plan_nearest_point(double out[3], const struct plan_constraint *structure, 
     return isfinite(near.least);
 }
 
+/** Points, each with its object. */
+struct distances {
+    const conus_atlas *atlas;
+    const uint32_t *objects;
+    const double (*points)[3];
+    size_t *next;  /* [count] The next point of the same object, + 1; 0 = there is none. */
+    size_t *first; /* [object_count + 1] The first of the object, + 1. */
+    double *least; /* [count] */
+};
+
+/* Calls `act` with each point whose object is this one or above it. */
+static void each_point(struct distances *distances, uint32_t object,
+                       void (*act)(struct distances *distances, size_t point, const void *user), const void *user)
+{
+    for (uint32_t above = object; above; above = distances->atlas->objects[above - 1].parent) {
+        for (size_t i = distances->first[above]; i; i = distances->next[i - 1]) {
+            act(distances, i - 1, user);
+        }
+    }
+}
+
+static void measure_to_centre(struct distances *distances, size_t point, const void *user)
+{
+    double way[3];
+    vec3_sub(way, user, distances->points[point]);
+    distances->least[point] = fmin(distances->least[point], vec3_length(way));
+}
+
+static void measure_to_voxel(void *user, const struct volume *volume, size_t voxel)
+{
+    double at[4] = {0};
+    add_centre(at, volume, voxel);
+    each_point(user, stored_object(volume, voxel), measure_to_centre, at);
+}
+
+static void measure_to_mesh(struct distances *distances, size_t point, const void *user)
+{
+    double at[3];
+    distances->least[point] =
+        fmin(distances->least[point], mesh_nearest(at, user, distances->points[point], distances->least[point]));
+}
+
+static void measure_inside(struct distances *distances, size_t point, const void *user)
+{
+    const struct volume *volume = user;
+    size_t voxel;
+    uint32_t object = volume_find_voxel(&voxel, volume, distances->points[point]) ? stored_object(volume, voxel) : 0;
+    while (object && object != distances->objects[point]) {
+        object = distances->atlas->objects[object - 1].parent;
+    }
+    distances->least[point] = object ? 0 : distances->least[point];
+}
+
+/* A point in its object is not measured again: where all are, as in a list that is right, no voxel is. */
+static void measure_volume(struct distances *distances, const struct plan_constraint *below, size_t count,
+                           const struct volume *volume)
+{
+    size_t inside = 0;
+    for (size_t i = 0; i < count; i++) {
+        measure_inside(distances, i, volume);
+        inside += distances->least[i] == 0;
+    }
+    if (inside < count) {
+        each_voxel(below, volume, measure_to_voxel, distances);
+    }
+}
+
+conus_status plan_distances(double *out, const conus_atlas *atlas, const uint32_t *objects, const double (*points)[3],
+                            size_t count)
+{
+    struct distances distances = {.atlas = atlas,
+                                  .objects = objects,
+                                  .points = points,
+                                  .next = memory_zeroed(count, sizeof *distances.next),
+                                  .first = memory_zeroed(atlas->object_count + 1, sizeof *distances.first),
+                                  .least = out};
+    struct plan_constraint below = {.has = memory_zeroed(atlas->object_count + 1, sizeof *below.has)};
+    conus_status status = distances.next && distances.first && below.has ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; i < count && !status; i++) {
+        out[i] = INFINITY;
+        distances.next[i] = distances.first[objects[i]];
+        distances.first[objects[i]] = i + 1;
+    }
+    for (uint32_t object = 1; object <= atlas->object_count && !status; object++) {
+        uint32_t above = object;
+        while (above && !distances.first[above]) {
+            above = atlas->objects[above - 1].parent;
+        }
+        below.has[object] = above;
+        const struct mesh *mesh = above ? atlas_stored_mesh(atlas, object) : NULL;
+        if (mesh) {
+            each_point(&distances, object, measure_to_mesh, mesh);
+        }
+    }
+    for (size_t i = 0; i < atlas->volume_count && !status; i++) {
+        if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT) {
+            measure_volume(&distances, &below, count, &atlas->volumes[i]);
+        }
+    }
+    memory_free(distances.next);
+    memory_free(distances.first);
+    memory_free(below.has);
+    return status;
+}
+
 /* The atlas's own position, with x counted from the midline. */
 static void place_by_midline(double out[3], const conus_atlas *atlas, const double point[3])
 {
@@ -586,4 +693,47 @@ void plan_sides(double out[2], const struct plan_constraint *structure, const co
         }
     }
     memcpy(out, count.sides, sizeof count.sides);
+}
+
+/* mm^3 as cm^3 for people. */
+static double cm3(double mm3)
+{
+    return mm3 / 1000;
+}
+
+conus_status plan_check_sides(const struct plan_constraint *structure, const struct inner_point *inner,
+                              const conus_atlas *atlas, uint32_t number)
+{
+    static const double LEAST_PART = 0.2; /* of the structure, on either side */
+    enum { SHOWN = 80 };
+    const conus_object *object = &atlas->objects[number - 1];
+    char *sides = memory_zeroed(atlas->object_count + 1, 1);
+    conus_status status = sides ? conus_atlas_sides(sides, atlas) : CONUS_ERROR_MEMORY;
+    struct side_word word;
+    bool is_sided = status || sides[number] ||
+                    (object->kind != CONUS_KIND_AREA && side_word_find(&word, text_from(object->name), 0));
+    bool has_sides = false;
+    for (size_t i = 1; i <= atlas->area_count && !status; i++) {
+        has_sides = has_sides || sides[i];
+    }
+    memory_free(sides);
+    if (status || is_sided) {
+        return status;
+    }
+    double parts[2];
+    plan_sides(parts, structure, atlas);
+    bool is_on_both = fmin(parts[0], parts[1]) >= LEAST_PART * (parts[0] + parts[1]);
+    bool is_in_middle = has_sides && fabs(plan_off_midline(atlas, inner->at)) < inner->depth / 2;
+    if (!is_on_both || is_in_middle) {
+        return CONUS_OK;
+    }
+    bool is_split =
+        object->kind == CONUS_KIND_AREA && atlas_parcellation(atlas) && !atlas->half_step && !atlas->has_ccf;
+    char way[2 * SHOWN + 64] = "";
+    if (is_split) {
+        snprintf(way, sizeof way, "; --hemispheres split and \"%.*s left\" or \"%.*s right\" choose one", SHOWN,
+                 object->name, SHOWN, object->name);
+    }
+    return fail(CONUS_ERROR_ARGUMENT, "%s lies on both sides: %.2f cm3 left, %.2f cm3 right%s", object->name,
+                cm3(parts[0]), cm3(parts[1]), way);
 }

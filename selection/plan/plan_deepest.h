@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The inner point of a structure, and how much of it lies on which side, whether it is hidden or not. */
+/** @file The inner point of a structure, how far it is, and how much of it lies on which side, hidden or not. */
 #ifndef CONUS_SELECTION_PLAN_PLAN_DEEPEST_H
 #define CONUS_SELECTION_PLAN_PLAN_DEEPEST_H
 
@@ -25,6 +25,12 @@ bool plan_is_inside(const struct plan_constraint *structure, const double point[
  * the first; false for bundles, which have neither. */
 bool plan_nearest_point(double out[3], const struct plan_constraint *structure, const double from[3]);
 
+/** mm from each point to the nearest voxel's centre or point of a surface of its object and of those below it, hidden
+ * or not; 0 in such a voxel, infinite where there is neither. @p out is [count]. One pass over the voxels for all
+ * points. CONUS_ERROR_MEMORY. */
+conus_status plan_distances(double *out, const conus_atlas *atlas, const uint32_t *objects, const double (*points)[3],
+                            size_t count);
+
 /** The structure's mean position, weighted by volume, and that volume, mm^3, in out[3]; all 0 without one. */
 void plan_centroid(double out[4], const struct plan_constraint *structure);
 
@@ -34,5 +40,11 @@ double plan_off_midline(const conus_atlas *atlas, const double point[3]);
 
 /** mm^3 of voxels and insides of closed surfaces to the left and to the right of the midline. */
 void plan_sides(double out[2], const struct plan_constraint *structure, const conus_atlas *atlas);
+
+/** Refuses the inner point of a structure of which 20 % or more lie on each side, and whose object says no side: nobody
+ * has chosen one. One that is nearer to the midline than half its depth is fine, in an atlas some of whose areas have a
+ * side. CONUS_ERROR_ARGUMENT with both volumes and the way on; CONUS_ERROR_MEMORY. */
+conus_status plan_check_sides(const struct plan_constraint *structure, const struct inner_point *inner,
+                              const conus_atlas *atlas, uint32_t object);
 
 #endif

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds points of a structure that needles may point to, and keeps those that are in one. */
+#include "atlas/areas/area_find.h"
+#include "atlas/areas/area_list.h"
 #include "atlas/sites.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
@@ -27,7 +29,23 @@ static conus_status add_voxels(conus_sites *sites, const struct plan_constraint 
     return status;
 }
 
-static conus_status find_sites(conus_sites *sites, const struct plan_constraint *structure, conus_sites_kind kind)
+struct inner_check {
+    const struct plan_constraint *structure;
+    const struct inner_point *inner;
+    const conus_atlas *atlas;
+};
+
+/* An area that was cut in two is refused by its name. */
+static conus_status check_side(void *user, struct text name)
+{
+    const struct inner_check *check = user;
+    uint32_t object = 0;
+    conus_status status = object_find(&object, check->atlas, name);
+    return status ? status : plan_check_sides(check->structure, check->inner, check->atlas, object);
+}
+
+static conus_status find_sites(conus_sites *sites, const struct plan_constraint *structure, const conus_atlas *atlas,
+                               const char *names, conus_sites_kind kind)
 {
     struct inner_point inner = {0};
     double centroid[4] = {0};
@@ -46,6 +64,9 @@ static conus_status find_sites(conus_sites *sites, const struct plan_constraint 
         status = sites_add(sites, centroid, NULL, 0);
     } else if (kind == CONUS_SITES_DEEPEST) {
         status = plan_deepest(&inner, structure, centroid);
+        status = status || inner.depth == 0 ? status
+                                            : area_list_read(text_from(names), check_side, NULL,
+                                                             &(struct inner_check){structure, &inner, atlas});
         status = status || inner.depth == 0 ? status : sites_add(sites, inner.at, NULL, inner.source);
     }
     if (!status && !sites->count) {
@@ -67,7 +88,7 @@ conus_status conus_sites_find(conus_sites **out, const conus_selector *selector,
                               ? plan_structure_find(&structure, selector->atlas, names, kind != CONUS_SITES_VOXELS)
                               : fail(CONUS_ERROR_ARGUMENT, "kind of sites: %d is unknown", (int)kind);
     status = status ? status : sites_create(&sites, 0, false);
-    status = status ? status : find_sites(sites, &structure, kind);
+    status = status ? status : find_sites(sites, &structure, selector->atlas, names, kind);
     plan_constraint_finish(&structure);
     if (status) {
         conus_sites_destroy(sites);

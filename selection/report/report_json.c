@@ -475,6 +475,9 @@ static json_t *json_from_places(const conus_report *report)
     bool whole = list;
     for (size_t i = 0; i < report->options.place_count && whole; i++) {
         const conus_named_place *named = &report->options.places[i];
+        if (named->is_sentence) {
+            continue;
+        }
         const conus_place *place = &named->place;
         const conus_object *object = conus_atlas_object(report->atlas, place->object);
         double at[3];
@@ -490,13 +493,32 @@ static json_t *json_from_places(const conus_report *report)
     return whole_or_null(list, whole);
 }
 
+/* The sentences, one behind the other. */
+static json_t *json_from_sentences(const conus_report *report)
+{
+    struct buffer text = {0};
+    for (size_t i = 0; i < report->options.place_count; i++) {
+        const conus_named_place *named = &report->options.places[i];
+        if (named->is_sentence) {
+            buffer_format(&text, "%s%s%s%s", text.size ? "; " : "", named->option, *named->option ? " " : "",
+                          named->text);
+        }
+    }
+    json_t *sentences = buffer_status(&text) ? NULL : json_from_text(text.data ? text.data : "");
+    buffer_finish(&text);
+    return sentences;
+}
+
 /* The provenance of the rows, for the report and the sidecar. */
 static bool add_provenance(json_t *root, const conus_report *report)
 {
-    const char *understood = report->options.understood;
-    return (!report->options.place_count || put_value(root, "Places", json_from_places(report))) &&
+    size_t sentences = 0;
+    for (size_t i = 0; i < report->options.place_count; i++) {
+        sentences += report->options.places[i].is_sentence;
+    }
+    return (report->options.place_count == sentences || put_value(root, "Places", json_from_places(report))) &&
            put_value(root, "Space", json_from_space(&report->frame)) &&
-           (!understood || put_value(root, "Understood", json_from_text(understood))) && add_sources(root, report);
+           (!sentences || put_value(root, "Understood", json_from_sentences(report))) && add_sources(root, report);
 }
 
 struct writing {

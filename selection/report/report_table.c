@@ -445,9 +445,6 @@ static void write_answers(struct buffer *out, const conus_report *report, size_t
 void report_write_table(struct buffer *out, const conus_report *report)
 {
     int width = table_name_width(report);
-    if (report->options.understood) {
-        buffer_format(out, "%s\n", report->options.understood);
-    }
     for (size_t i = 0; i < report->query_count; i++) {
         if (report->queries[i].error) {
             table_write_error(out, report, &report->queries[i], i + 1 < report->query_count);

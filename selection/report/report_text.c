@@ -85,9 +85,12 @@ static void write_places(struct buffer *out, const conus_report *report)
     bool is_table = report->options.format == CONUS_FORMAT_TABLE;
     for (size_t i = 0; i < report->options.place_count && is_table; i++) {
         const conus_named_place *named = &report->options.places[i];
-        char text[CONUS_PLACE_TEXT];
-        conus_place_text(text, &named->place, &report->frame);
-        buffer_format(out, "%s %s\n", named->option, text);
+        char text[CONUS_PLACE_TEXT] = "";
+        if (!named->is_sentence) {
+            conus_place_text(text, &named->place, &report->frame);
+        }
+        buffer_format(out, "%s%s%s\n", named->option, *named->option ? " " : "",
+                      named->is_sentence ? named->text : text);
     }
 }
 

@@ -15,10 +15,44 @@ static void only_decimal_numbers_are_numbers(void **state)
     static const struct {
         const char *text;
         double value;
-    } good[] = {{"0", 0},       {"-90", -90},      {"+1.5", 1.5}, {".5", 0.5},    {"5.", 5},    {"1e3", 1000},
-                {"1E-3", 1e-3}, {"-0.25e+2", -25}, {"0x10", NAN}, {"nan", NAN},   {"inf", NAN}, {"-Infinity", NAN},
-                {"1e999", NAN}, {" 1", NAN},       {"1 ", NAN},   {"1,5", NAN},   {"1e", NAN},  {"1e+", NAN},
-                {".", NAN},     {"", NAN},         {"-", NAN},    {"1.2.3", NAN}, {"--1", NAN}, {"1_000", NAN}};
+    } good[] = {{"0", 0},
+                {"-90", -90},
+                {"+1.5", 1.5},
+                {".5", 0.5},
+                {"5.", 5},
+                {"1e3", 1000},
+                {"1E-3", 1e-3},
+                {"-0.25e+2", -25},
+                {"0x10", NAN},
+                {"nan", NAN},
+                {"inf", NAN},
+                {"-Infinity", NAN},
+                {"1e999", NAN},
+                {" 1", NAN},
+                {"1 ", NAN},
+                {"1,5", NAN},
+                {"1e", NAN},
+                {"1e+", NAN},
+                {"\xe2\x88\x92"
+                 "3.1",
+                 -3.1},
+                {"\xe2\x80\x93"
+                 ".5",
+                 -0.5},
+                {"\xc2\xad"
+                 "2",
+                 -2},
+                {"\xe2\x88\x92", NAN},
+                {"\xe2\x88\x92-1", NAN},
+                {"\xe2\x80\x94"
+                 "1",
+                 NAN},
+                {".", NAN},
+                {"", NAN},
+                {"-", NAN},
+                {"1.2.3", NAN},
+                {"--1", NAN},
+                {"1_000", NAN}};
     for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
         double number = 77;
         assert_int_equal(number_parse(good[i].text, &number), !isnan(good[i].value));

@@ -38,6 +38,9 @@ static const struct {
     {{181, 217, 181}, 1, {-90, -125, -71}, CONUS_BRAIN_COLIN27, "Colin 27"},
     {{256, 256, 256}, 1, {-127, -145, -147}, CONUS_BRAIN_UNKNOWN, "unknown"},
     {{256, 256, 256}, 1, {-128, -127, -128}, CONUS_BRAIN_UNKNOWN, "unknown"}, /* FreeSurfer's: anybody's */
+    {{260, 311, 260}, 0.7, {-91.3, -126, -72}, CONUS_BRAIN_MNI152, "MNI 152, earlier than NLin2009"},
+    {{91, 109, 91}, 2, {-90.5, -126.5, -72.5}, CONUS_BRAIN_MNI152, "MNI 152, earlier than NLin2009"},
+    {{362, 434, 362}, 0.5, {-90, -126, -72}, CONUS_BRAIN_UNKNOWN, "unknown"}, /* no file or text says whose */
 };
 
 static void a_grid_tells_in_every_order_and_direction(void **state)

@@ -149,6 +149,7 @@ static void exchanged_sides_are_mended(void **state)
         assert_ok(conus_atlas_bounds(low[0], high[0], atlas));
         assert_ok(conus_atlas_exchange_sides(atlas));
         assert_int_equal(conus_atlas_exchanged(atlas) != NULL, swapped == 0);
+        assert_true(swapped || strstr(conus_atlas_exchanged(atlas), "they are right without it"));
         assert_int_equal(conus_atlas_brain(atlas).brain, CONUS_BRAIN_MNI152);
         assert_false(conus_atlas_brain(atlas).is_moved);
         assert_ok(conus_atlas_bounds(low[1], high[1], atlas));
@@ -174,12 +175,34 @@ static conus_status note(void *data)
     return swapped_sides_note(data);
 }
 
+/* What fails leaves the atlas as it was, its notes, too. */
+static conus_status exchange(void *data)
+{
+    conus_atlas *atlas = data;
+    const double at = atlas->volumes[0].info.world_from_voxel[12];
+    const size_t count = conus_atlas_note_count(atlas);
+    const char *said_before = conus_atlas_exchanged(atlas);
+    conus_status status = conus_atlas_exchange_sides(atlas);
+    if (status) {
+        assert_true(atlas->volumes[0].info.world_from_voxel[12] == at && !atlas->is_moved);
+        assert_int_equal(conus_atlas_note_count(atlas), count);
+        assert_ptr_equal(conus_atlas_exchanged(atlas), said_before);
+    }
+    return status;
+}
+
 static void every_failing_allocation_is_clean(void **state)
 {
     (void)state;
     conus_atlas *atlas = atlas_of(4, 4);
     test_every_allocation(note, atlas);
     conus_atlas_destroy(atlas);
+    for (size_t swapped = 0; swapped <= 4; swapped += 4) {
+        atlas = atlas_of(4, swapped);
+        assert_ok(swapped_sides_note(atlas));
+        test_every_allocation(exchange, atlas);
+        conus_atlas_destroy(atlas);
+    }
 }
 
 TEST_GROUP(swapped_sides)

@@ -137,6 +137,37 @@ fsaverage/sub-1_electrodes.tsv wwwwrr
 END
 }
 
+@test "positions in MNI 305 are moved but where the atlas lies there, too" {
+    need aal
+    cp "$BATS_TEST_DIRNAME/../corpus/points/surfcluster.summary" .
+    printf '# coordinates in MNI305\nname,x,y,z\na,-40,-20,50\n' >list.csv
+    local template file
+    for file in surfcluster.summary list.csv; do
+        run -0 --separate-stderr "$CONUS" query aal,template=mni305 --pose $file --format tsv
+        [[ $stderr != *305* ]]
+        local at305=$output
+        run -0 --separate-stderr "$CONUS" query aal,template=mni152 --pose $file --format tsv
+        [[ $stderr == *'305'*"moved to MNI 152 by FreeSurfer's matrix"* ]]
+        [ "$output" != "$at305" ]
+        fails 3 'positions are in "MNI 305", the atlas in another space' query aal,template=none --pose $file
+    done
+    run -0 --separate-stderr "$CONUS" query aal,template=mni305 --pose list.csv --format tsv -q
+    diff <(cut -f2-16 <<<"$output") <("$CONUS" query aal --point -40,-20,50 --format tsv -q | cut -f2-16)
+}
+
+@test "a point that says MNI is warned of where the brain is not known" {
+    need inia19-NeuroMaps
+    need aal
+    run -0 --separate-stderr "$CONUS" query inia19-NeuroMaps --point 'MNI -42 -20 50' -q
+    check_message 'warning: --point: "MNI -42 -20 50" is in MNI, and it is not known whether the atlas lies there;'
+    [[ $output == *'point (-42.0, -20.0, 50.0), in MNI, where it is not known that the atlas lies'* ]]
+    run -0 --separate-stderr "$CONUS" query aal --point 'MNI -42 -20 50' -q
+    [ -z "$stderr" ]
+    run -0 --separate-stderr "$CONUS" query inia19-NeuroMaps,template=mni152 --point 'MNI -42 -20 50' -q
+    [ -z "$stderr" ]
+    fails 2 'it says MNI, but the atlas is another brain' query inia19-NeuroMaps,template=none --point 'MNI -42 -20 50'
+}
+
 @test "atlases of other brains beside each other are told" {
     need aal
     local ask='--origin=-90,0,10 --toward=0,0,10 --angle 20 --format tsv'

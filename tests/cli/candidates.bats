@@ -142,7 +142,8 @@ cells() {
     [[ "$stderr" == *"conus: 3 candidates: "* ]]
     run -0 --separate-stderr conus $U --from entries.txt --toward centroid --depth target
     [[ "$stderr" == *"warning: the centroid of U, "*", is not in it"* ]]
-    run -0 --separate-stderr conus $U --from entries.txt --toward deepest --depth target
+    fails 2 '--toward: U lies on both sides: ' $U --from entries.txt --toward deepest --depth target
+    run -0 --separate-stderr conus $U --hemispheres split --from entries.txt --toward 'deepest,of=U left' --depth target
     [[ "$stderr" == *"conus: 3 candidates: 3 have"* ]]
     run -0 --separate-stderr conus $U --from entries.txt --toward voxels,spacing=5,of=Ball --depth target
     few=$(grep -o 'conus: [0-9]* candidates' <<<"$stderr" | grep -o '[0-9]*')

@@ -48,6 +48,27 @@ first_line() {
     [ ! -e a.tsv ]
 }
 
+@test "a list whose names are areas elsewhere is warned of, by file and pipe" {
+    [ -e "$AAL" ] || skip "no $AAL"
+    local warned='3 points are called as areas of the atlas, and half of them lie 57 mm or more from there (Insula_L in'
+    printf 'name,x,y,z\nHippocampus_L,-27,-13,-15\nPrecentral_L,-40,-5,50\nInsula_L,-36,6,2\n' >right.csv
+    sed 's/,-/,/' right.csv >far.csv
+    run -0 --separate-stderr conus query "$AAL" --pose right.csv
+    [[ $stderr != *warning* ]]
+    run -0 --separate-stderr conus batch "$AAL" --poses right.csv
+    [[ $stderr != *warning* ]]
+    run -0 --separate-stderr conus query "$AAL" --pose far.csv,sides=anyway -q --format json
+    [[ $stderr == "conus: warning: far.csv,sides=anyway: $warned"* ]]
+    [[ $(jq -r '.Warnings[0]' <<<"$output") == *"$warned"* ]]
+    run -0 --separate-stderr conus batch "$AAL" --poses far.csv,sides=anyway -q -o far.tsv
+    [[ $stderr == "conus: warning: far.csv,sides=anyway: $warned"* ]]
+    [[ $(jq -r '.Warnings[0]' far.json) == *"$warned"* ]]
+    run -0 --separate-stderr conus batch "$AAL" --poses - -q < <(
+        printf 'name,x,y,z\nHippocampus_L,-20,60,30\nPrecentral_L,-20,-80,-20\nInsula_L,-30,-70,40\n'
+    )
+    [[ $stderr == *'warning: standard input: 3 points are called as areas'* ]]
+}
+
 @test "an area is its inner point, which is said, recorded and asked again" {
     conus phantom brain -o .
     [ "$(first_line brain.atlas.json --point 'left anterior' --radius 3)" = \
@@ -98,8 +119,9 @@ first_line() {
     [ "$inward" = "$(conus query $AAL --origin C3 --direction 0.815,-0.177,-0.552 --angle 20 --format tsv -q)" ]
     conus render $AAL --origin C3 --inward --size 64x64 -q -o a.png
     fails 2 'the table of positions has no normal for Nz' query $AAL --origin Nz --inward
-    fails 2 'known at positions of a cap, like --origin C3' query $AAL --origin Hippocampus_L --inward
-    fails 2 'known at positions of a cap, like --origin C3' query $AAL --origin=-90,0,0 --inward
+    fails 2 '--inward: (-27.0, -13.0, -15.0): it lies in the hull of the atlas' query $AAL --origin Hippocampus_L --inward
+    fails 2 '--context has no effect without --context-blocks' query $AAL --context ch2 --origin 0,0,90 \
+        --direction 0,0,-1
     fails 2 '--inward and --toward exclude each other' query $AAL --origin C3 --inward --toward C4
     fails 2 '--inward has no effect without --origin' query $AAL --inward
     # A beam, too, has places, and so has a range that ends at one.
@@ -109,6 +131,25 @@ first_line() {
     [[ ${lines[3]} == 'cone of 42.1 degrees, 0 to 77.96 mm deep, from (-11.00, -17.00, 8.00) along '* ]]
     run -0 conus query $AAL --origin C3 --toward Hippocampus_L --range 0,target --radius 1 --segments - --format tsv -q
     [ "$(tail -1 <<<"$output" | cut -f 5,13-15 | tr '\t' ' ')" = 'Hippocampus_L -27 -13 -15' ]
+}
+
+@test "the way into the head is against the context's, or to the atlas" {
+    [ -f $AAL ] || skip 'no mricron-data'
+    run -0 --separate-stderr conus query $AAL --origin=-90,0,0 --inward --format json -q
+    [ "$(jq -r .Understood <<<"$output")" = "inward to the nearest point of the atlas's convex hull" ]
+    run -0 --separate-stderr conus query $AAL --origin=-67.7,-11.3,61.2 --inward --context ch2 --angle 20
+    [ "${lines[0]}" = "inward against the normal of the head in the context's image within 5 mm" ]
+    [[ ${lines[1]} == 'cone of 20 degrees from (-67.70, -11.30, 61.20) along (0.8'*', -0.'*', -0.'*'), RAS mm' ]]
+    # It blocks no rays.
+    local ask="$AAL --origin=-67.7,-11.3,61.2 --angle 20 -q"
+    local along=$(conus query $ask --inward --context ch2 --format json |
+        jq -r '[.Queries[0].world_from_device_ras[:3][][2] | -.] | map(tostring) | join(",")')
+    [ "$(conus query $ask --inward --context ch2 --format tsv | cut -f 2-9)" = \
+        "$(conus query $ask --direction="$along" --format tsv | cut -f 2-9)" ]
+    run -0 --separate-stderr conus query $AAL --origin=-67.7,-11.3,61.2 --inward --format tsv
+    [[ $stderr == *"note: inward to the nearest point of the atlas's convex hull"* ]]
+    run -0 --separate-stderr conus render $AAL --origin=-90,0,0 --inward --size 64x64 -o a.png
+    [[ $stderr == *"note: inward to the nearest point of the atlas's convex hull"* ]]
 }
 
 @test "pictures and pages take places, and say how they were understood" {

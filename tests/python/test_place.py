@@ -28,6 +28,24 @@ def test_words_become_points(atlas):
     assert cap.kind == "position" and np.linalg.norm(cap.outward) == pytest.approx(1, abs=2e-3)
 
 
+def test_names_far_from_their_areas_are_warned_of(atlas, tmp_path, recwarn):
+    rows = [("Core_L", -7.5, -2, -2), ("Core_R", 7.5, -2, -2), ("right core", 8, -2, -2)]
+    path = tmp_path / "list.csv"
+    path.write_text("name,x,y,z\n" + "".join(f"{name},{x},{y},{z}\n" for name, x, y, z in rows))
+    conus.read_poses(path, atlas=atlas)
+    assert not recwarn.list
+    path.write_text("name,x,y,z\n" + "".join(f"{name},{x},{y + 30},{z}\n" for name, x, y, z in rows))
+    with pytest.warns(conus.PoseWarning, match="3 points are called as areas of the atlas, and half of them lie 28 mm"):
+        conus.read_poses(path, atlas=atlas)
+
+
+def test_a_way_leads_into_the_head(atlas):
+    assert atlas.inward([0, 3, 60]).tolist() == [0, 0, -1]
+    assert np.allclose(atlas.inward("1020:C3"), [0.815, -0.177, -0.552], atol=1e-3)
+    with pytest.raises(conus.ArgumentError, match="it lies in the hull of the atlas"):
+        atlas.inward("left core")
+
+
 def test_places_are_ends_and_points(atlas):
     wanted = atlas.select([-7.5, -2, 60], toward=[-7.5, -2, -2], angle=20)
     given = atlas.select("-7.5 -2 60", toward="left core", angle=20)

@@ -3,8 +3,10 @@
 #include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "builders/area_rows.h"
+#include "conus/candidates.h"
 #include "conus/phantom.h"
 #include "conus/place.h"
+#include "poses/pose_stream.h"
 #include "poses/positions.h"
 #include "test.h"
 
@@ -139,6 +141,16 @@ static void an_area_on_both_sides_is_refused(void **state)
     assert_null(strstr(conus_message(), "near:"));
     const conus_place_options options = {.has_axis = true};
     conus_place place;
+    conus_selector *selector = NULL;
+    conus_sites *sites = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
+    assert_fails(conus_sites_find(&sites, selector, "Both", CONUS_SITES_DEEPEST), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "Both lies on both sides: 0.02 cm3 left, 0.02 cm3 right"));
+    assert_ok(conus_sites_find(&sites, selector, "Core_L,Core_R", CONUS_SITES_DEEPEST)); /* both are named */
+    conus_sites_destroy(sites);
+    assert_ok(conus_sites_find(&sites, selector, "Vermis", CONUS_SITES_DEEPEST));
+    conus_sites_destroy(sites);
+    conus_selector_destroy(selector);
     assert_fails(conus_place_find(&place, atlas, "Both", &options), CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(conus_message(), "; near:Both is its point nearest to the other end"));
     /* 6 x 5 x 5, whose deepest are 0.5 mm from the midline, less than half of 3 mm; the first of two. */
@@ -240,6 +252,7 @@ static void a_position_is_one_of_a_cap(void **state)
     refuse_place("F3", "it is not known whether the atlas lies there; 1020:F3 says that it does");
     assert_ok(conus_place_find(&place, atlas, "1020:F3", NULL));
     refuse_place("Xyz", "no area");
+    assert_place("MNI 1 2 3", 1, 2, 3, "(1.0, 2.0, 3.0), in MNI, where it is not known that the atlas lies");
     assert_null(strstr(conus_message(), "10-20"));
     say_space("sform, code 3 (Talairach)", 3);
     refuse_place("F3", "another brain");
@@ -384,6 +397,87 @@ static void the_sides_of_a_surface_are_measured(void **state)
     }
 }
 
+static conus_name_check check_names(const char *text)
+{
+    conus_pose_list *list = NULL;
+    conus_name_check found;
+    const conus_pose_options options = {.columns = "sides=anyway"};
+    assert_ok(pose_list_parse(&list, text_from(text), &options));
+    assert_ok(conus_places_check(&found, atlas, list));
+    conus_pose_list_destroy(list);
+    return found;
+}
+
+/* Core_L ends at (-4.5, -0.5, -0.5), Core_R begins at 4.5. */
+static void names_of_areas_say_where_points_are(void **state)
+{
+    (void)state;
+    conus_name_check found = check_names("name,x,y,z\nCore_L,-4.6,-2,-2\ncore r,7,-2,-2\nGroup,-6.5,2.5,-3.5\n");
+    assert_true(found.areas.named == 3 && found.areas.median == 0 && found.areas.farthest_mm == 0);
+    assert_false(found.areas.is_far);
+    /* 25, 12 and 0 mm from the nearest centre. */
+    found = check_names("name,x,y,z\nCore_L,20.5,-2.5,-2.5\nCore_R,-7.5,-2.5,-2.5\nGroup,-6.5,2.5,-3.5\n");
+    assert_true(found.areas.named == 3 && found.areas.farthest == 0);
+    assert_near(found.areas.median, 12, 1e-12);
+    assert_near(found.areas.farthest_mm, 25, 1e-12);
+    assert_false(found.areas.is_far);
+    /* Of four the greater of those in the middle, 15 mm and then more. */
+    found =
+        check_names("name,x,y,z\nCore_L,-7.5,14.5,-2.5\nCore_L,-7.5,2.5,-2.5\nCore_L,-7,-2,-2\nCore_L,11,-2.5,-2.5\n");
+    assert_near(found.areas.median, 15, 1e-12);
+    assert_false(found.areas.is_far);
+    assert_true(
+        check_names("name,x,y,z\nCore_L,-7,15,-2\nCore_L,-7,2,-2\nCore_L,-7,-2,-2\nCore_L,-7,15,-2\n").areas.is_far);
+    /* What is above an area holds it; a hidden one is where it was. */
+    assert_ok(conus_atlas_show(atlas, "Core_R", NULL));
+    found = check_names("name,x,y,z\nGroup,-5.5,4.5,0.5\nBowl,-5.5,4.5,0.5\nCore_L,-5.5,-2,-2\n");
+    assert_true(found.areas.named == 3 && found.areas.farthest_mm == 0);
+    assert_ok(conus_atlas_show(atlas, NULL, NULL));
+}
+
+static void few_names_and_numbers_say_nothing(void **state)
+{
+    (void)state;
+    assert_int_equal(check_names("name,x,y,z\nCore_L,90,0,0\nCore_R,-90,0,0\n").areas.named, 0);
+    assert_int_equal(check_names("name,x,y,z\n1,90,0,0\n2,-90,0,0\n3,80,0,0\n").areas.named, 0);
+    assert_int_equal(check_names("90 0 0\n-90 0 0\n80 0 0\n").areas.named, 0);
+    const char *lost = "name,x,y,z\nCore_L,90,0,0\nCore_R,-90,0,0\nCore_L,80,0,0\nA,0,0,0\nB,0,0,0\nC,0,0,0\nD,0,0,0\n";
+    assert_int_equal(check_names(lost).areas.named, 0); /* three of seven */
+    assert_int_equal(check_names(strchr(strchr(lost, '\n') + 1, '\n') + 1).areas.named, 0);
+    const char *directed = "name,x,y,z,dx,dy,dz\nCore_L,90,0,0,0,0,1\nCore_L,90,0,0,0,0,1\nCore_L,90,0,0,0,0,1\n";
+    assert_int_equal(check_names(directed).areas.named, 0);
+}
+
+static void names_of_positions_say_where_points_are(void **state)
+{
+    (void)state;
+    const char *cap = "name,x,y,z\nFp1,-29,81,-8\nF3,-49,52,39\nPz,0,-84,79\nO1,-29,-114,4\n";
+    const char *mirrored = "name,x,y,z\nFp1,29,81,-8\nF3,49,52,39\nPz,0,-84,79\nO1,29,-114,4\n";
+    const char *shaft = "name,x,y,z\nP1,29,81,-8\nP2,49,52,39\nP3,0,-84,79\nP4,29,-114,4\n";
+    assert_int_equal(check_names(mirrored).positions.named, 0); /* the brain is not known */
+    say_space("sform, code 4 (MNI 152)", 4);
+    conus_name_check found = check_names(cap);
+    assert_true(found.positions.named == 4 && found.positions.median < 2 && !found.positions.is_far);
+    found = check_names(mirrored);
+    assert_true(found.positions.is_far && found.positions.farthest == 1 && !found.areas.named);
+    assert_int_equal(check_names(shaft).positions.named, 0);
+    say_space("sform, code 3 (Talairach)", 3);
+    assert_int_equal(check_names(mirrored).positions.named, 0);
+    say_space("test", 0);
+}
+
+static conus_status check_far_names(void *user)
+{
+    (void)user;
+    conus_pose_list *list = NULL;
+    conus_name_check found;
+    const char *text = "name,x,y,z\nCore_L,-90,0,0\nCore_R,70,0,0\nXyz,80,0,0\nGroup,0,0,40\n";
+    conus_status status = pose_list_parse(&list, text_from(text), NULL);
+    status = status ? status : conus_places_check(&found, atlas, list);
+    conus_pose_list_destroy(list);
+    return status;
+}
+
 static conus_status find_each(void *user)
 {
     (void)user;
@@ -402,6 +496,7 @@ static void memory_may_fail(void **state)
 {
     (void)state;
     test_every_allocation(find_each, NULL);
+    test_every_allocation(check_far_names, NULL);
 }
 
 TEST_GROUP(plan_place)
@@ -417,6 +512,9 @@ TEST_GROUP(plan_place)
         cmocka_unit_test(several_areas_that_have_a_position_are_refused),
         cmocka_unit_test(numbers_are_of_their_space),
         cmocka_unit_test(near_is_nearest_to_the_other_place),
+        cmocka_unit_test(names_of_areas_say_where_points_are),
+        cmocka_unit_test(few_names_and_numbers_say_nothing),
+        cmocka_unit_test(names_of_positions_say_where_points_are),
         cmocka_unit_test(a_closed_surface_has_an_inner_point),
         cmocka_unit_test(the_sides_of_a_surface_are_measured),
         cmocka_unit_test(memory_may_fail),

@@ -52,7 +52,8 @@ static void make(struct made *out)
         out->labels[i] = label_at(i);
     }
     const conus_voxels voxels = voxels_of(out->labels);
-    const conus_label names[] = {{.number = 1, .name = "One"}, {.number = 2, .name = "Two"}};
+    const conus_label names[] = {{.number = 1, .name = "One", .hemisphere = 'L'},
+                                 {.number = 2, .name = "Two", .hemisphere = 'R'}};
     assert_ok(conus_atlas_create(&out->atlas, &voxels, names, 2, NULL));
     assert_ok(conus_selector_create(&out->selector, out->atlas, NULL));
 }
@@ -186,7 +187,8 @@ static void the_deepest_voxel_is_found_in_any_shape(void **state)
         made.labels[0] = 1;
         made.labels[1] = 2;
         const conus_voxels voxels = voxels_of(made.labels);
-        const conus_label names[] = {{.number = 1, .name = "One"}, {.number = 2, .name = "Two"}};
+        const conus_label names[] = {{.number = 1, .name = "One", .hemisphere = 'L'},
+                                     {.number = 2, .name = "Two", .hemisphere = 'R'}};
         assert_ok(conus_atlas_create(&made.atlas, &voxels, names, 2, NULL));
         assert_ok(conus_atlas_show(made.atlas, NULL, trial % 2 ? "One" : NULL));
         assert_ok(conus_selector_create(&made.selector, made.atlas, NULL));
