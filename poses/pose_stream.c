@@ -319,7 +319,7 @@ static conus_status plan_table(conus_pose_stream *stream)
         }
     }
     if (!status && !stream->list.space.name[0]) {
-        stream->list.space = stream->columns.said.space;
+        stream->list.space = columns_space(&stream->columns);
     }
     bool is_points = !status && !stream->columns.has_header;
     stream->format = is_points ? CONUS_POSE_FORMAT_POINTS : stream->format;
@@ -373,6 +373,19 @@ static conus_status note_extent(conus_pose_stream *stream)
                       source[0] ? " says" : "");
 }
 
+static conus_status move_from_mni305(conus_pose_stream *stream)
+{
+    conus_pose_list *list = &stream->list;
+    if (!space_moves(&list->space, &stream->options)) {
+        return CONUS_OK;
+    }
+    for (size_t i = 0; i < list->count; i++) {
+        space_move_from_mni305(list->rows[i].pose.world_from_device + 12);
+    }
+    list->space.brain = POSE_BRAIN_MNI152;
+    return space_note_move(&list->notes, &list->space);
+}
+
 static conus_status read_whole(conus_pose_stream *stream)
 {
     struct bytes bytes = {0};
@@ -397,6 +410,7 @@ static conus_status read_whole(conus_pose_stream *stream)
                       conus_pose_format_name(stream->format), conus_space_name((size_t)stream->options.space));
     }
     status = status || is_read ? status : formats[stream->format].parse(&stream->list, text, &stream->options);
+    status = status ? status : move_from_mni305(stream);
     status = status || !stream->list.is_cap ? status : cap_check(&stream->list);
     if (!status && stream->format == CONUS_POSE_FORMAT_ELECTRODES) {
         /* The table as it is, for an answer that adds columns to it. */
@@ -435,7 +449,8 @@ static conus_status begin_text(conus_pose_stream *stream)
         return fail(CONUS_ERROR_DATA, "\"%.60s\" is for tables, points and electrodes (BIDS), and not for %s", words,
                     conus_pose_format_name(stream->format));
     }
-    return status || !is_read_whole(stream) ? status : read_whole(stream);
+    status = status || !is_read_whole(stream) ? status : read_whole(stream);
+    return status || stream->options.any_space ? status : pose_coordsystem_hear_name(&stream->list, stream->path);
 }
 
 static conus_status fail_errno(const char *action)
@@ -638,8 +653,11 @@ static conus_status next_row(conus_pose_row *row, struct pose_name *name, conus_
         enum columns_line kind =
             line.too_long ? LINE_NOTHING
                           : columns_read(row, name, bad, &stream->columns, line.text, line.number, &stream->options);
-        if (kind == LINE_ROW) {
-            return CONUS_OK;
+        if (passed && !line.too_long && (kind != LINE_ROW || *bad)) {
+            status = columns_hear_late(&stream->columns, line.text, line.number, &stream->options);
+        }
+        if (status || kind == LINE_ROW) {
+            return status;
         }
         if (passed && kind == LINE_OTHER) {
             return fail(CONUS_ERROR_DATA,
@@ -680,12 +698,12 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
 static conus_status note_passed(conus_pose_stream *stream)
 {
     static const char *const kinds[LINE_KINDS] = {
-        [LINE_ABSENT] = "rows without coordinates (n/a)",
         [LINE_CLOSING] = "rows called Mean, SD or Total",
         [LINE_AGAIN] = "lines that are the header again",
         [LINE_WORDS] = "lines without a number",
     };
-    conus_status status = CONUS_OK;
+    const struct passed *absent = &stream->passed[LINE_ABSENT];
+    conus_status status = pose_note_absent(&stream->list.notes, absent->count, absent->first);
     for (size_t kind = 0; kind < LINE_KINDS; kind++) {
         const struct passed *passed = &stream->passed[kind];
         if (kinds[kind] && passed->count && !status) {

@@ -67,11 +67,13 @@ static conus_status sheet_read(conus_pose_list *list, struct buffer *sheet, cons
     struct text rest = {sheet->data, sheet->size};
     struct text line;
     struct text inside;
+    size_t absent = 0;
+    size_t first_absent = 0;
     options.keep_count = 0;
     options.format = CONUS_POSE_FORMAT_AUTO;
     status = status ? status : columns_plan(&columns, &is_short, &list->notes, rest, &options);
-    if (!status && columns.said.space.name[0] && !list->space.name[0]) {
-        list->space = columns.said.space;
+    if (!status && !list->space.name[0]) {
+        list->space = columns_space(&columns);
     }
     for (size_t number = 1; !status && text_line(&rest, &line); number++) {
         conus_pose_row row = pose_row_at(number - 1);
@@ -82,8 +84,14 @@ static conus_status sheet_read(conus_pose_list *list, struct buffer *sheet, cons
         }
         enum columns_line kind = columns_read(&row, &name, &bad, &columns, line, number, &options);
         row.line = number - 1;
-        status = pose_list_add(list, &row, name.text, kind != LINE_ROW ? why : bad ? conus_message() : NULL);
+        first_absent = kind == LINE_ABSENT && !absent++ ? row.line : first_absent;
+        status = kind == LINE_ABSENT ? CONUS_OK
+                                     : pose_list_add(list, &row, name.text,
+                                                     kind != LINE_ROW ? why
+                                                     : bad            ? conus_message()
+                                                                      : NULL);
     }
+    status = status ? status : pose_note_absent(&list->notes, absent, first_absent);
     buffer_finish(sheet);
     return status;
 }
@@ -273,7 +281,7 @@ static conus_status hear_of_matrices(struct reading *reading, struct text commen
     }
     reading->list->space = said.space;
     reading->space = said.has_signs ? said.signs : reading->options->space;
-    return said.why || said.are_two || said.is_mni305 || (said.mm > 0 && said.mm != 1)
+    return said.why || said.are_two || (said.mm > 0 && said.mm != 1)
                ? fail(CONUS_ERROR_DATA, "matrices in brackets that are said to be \"%s\": RAS or LPS mm are needed",
                       said.heard[0] ? said.heard : "in another unit than mm")
                : CONUS_OK;
@@ -492,8 +500,7 @@ static conus_status parse_cells(conus_pose_list *list, struct text text, const c
             }
         }
         list->space = said.space;
-        status = (options->unit > 0 && options->unit != 1) || said.why || said.mm > 1 || said.mm < 0 ||
-                         said.has_signs || said.is_mni305
+        status = (options->unit > 0 && options->unit != 1) || said.why || said.mm > 1 || said.mm < 0 || said.has_signs
                      ? fail(CONUS_ERROR_DATA,
                             "the header says \"%s\" of coordinates in one cell: give x, y and z columns of their own",
                             said.heard)

@@ -29,6 +29,7 @@ struct reading {
     size_t group, probe_name; /* columns; TABLE_CELLS: not there */
     struct contact *contacts;
     size_t count, capacity;
+    size_t absent, first_absent; /* rows without a position, and the line of the first */
 };
 
 static bool is_absent(struct text field)
@@ -77,6 +78,10 @@ static conus_status add_contact(struct reading *reading, struct text line, size_
     conus_status bad = CONUS_OK;
     enum columns_line kind = columns_read(&contact.row, &name, &bad, &reading->columns, line, number, reading->options);
     if (kind == LINE_NOTHING || kind == LINE_AGAIN || !table_split(&cells, &reading->columns.table, line)) {
+        return CONUS_OK;
+    }
+    if (kind == LINE_ABSENT && !reading->options->all_rows) {
+        reading->first_absent = reading->absent++ ? reading->first_absent : number;
         return CONUS_OK;
     }
     if (kind != LINE_ROW) { /* an answer has as many rows as the table */
@@ -203,8 +208,10 @@ conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, cons
             fail(CONUS_ERROR_DATA, "column probe_name: a table of BEP032 without a *_coordsystem.json, whose x, y, z "
                                    "are micrometres on the probe; a probe is answered from its ProbeInterface file");
     }
-    if (!list->space.name[0]) {
-        list->space = reading.columns.said.space;
+    status = status ? status : pose_note_absent(&list->notes, reading.absent, reading.first_absent);
+    const struct pose_space said = columns_space(&reading.columns);
+    if (!list->space.name[0] || (list->space.is_of_path && said.name[0])) { /* the content counts */
+        list->space = said;
     }
     status = status || !options->along_shafts ? status : find_neighbours(&reading);
     for (size_t i = 0; !status && i < reading.count; i++) {

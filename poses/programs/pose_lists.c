@@ -14,7 +14,6 @@
 enum flags {
     IS_LPS = 1,          /* x grows to the left, y to the back */
     IS_CAP = 2,          /* names no space */
-    IS_MNI305 = 4,       /* moved to MNI 152 */
     NEEDS_MINUS = 8,     /* voxels, unless a number is negative, or the name has _std */
     NEEDS_LPS = 16,      /* the caller must say so */
     BEGINS_AT_ONCE = 64, /* the first line is a row, or it is no such list */
@@ -44,7 +43,7 @@ static const struct layout {
      .refused =
          "AFNI's whereami says one point in several spaces: put the x y z of one of them into a line of their own"},
     /* FreeSurfer */
-    {"", "Size(mm^2)  MNIX   MNIY   MNIZ", .x = 4, .name = -1, .flags = IS_MNI305},
+    {"", "Size(mm^2)  MNIX   MNIY   MNIZ", .space = "fsaverage", .brain = POSE_BRAIN_MNI305, .x = 4, .name = -1},
     {"", "Size(mm^2)  TalX   TalY   TalZ",
      .refused = "clusters in Talairach's space (FixMNI = 1): run mri_surfcluster again with --nofixmni"},
     {"", "vox2ras=scanner", .count = "\n", .space = "FreeSurfer scanner RAS", .brain = POSE_BRAIN_SUBJECT, .x = 1},
@@ -192,9 +191,6 @@ static conus_status read_points(conus_pose_list *list, const struct layout *layo
         if (is_read && is_lps) {
             pose_flip_point(point);
         }
-        if (is_read && (layout->flags & IS_MNI305)) {
-            space_move_from_mni305(point);
-        }
         conus_status bad = is_read ? pose_of_point(&row.pose, point) : CONUS_ERROR_DATA;
         bool is_none = name.size && name.data[0] == '-'; /* as a vertex -1 */
         status = pose_list_add(list, &row, is_none ? text_from("") : name, bad ? conus_message() : NULL);
@@ -336,8 +332,5 @@ conus_status pose_lists_parse(conus_pose_list *list, struct text text, const con
     status = status ? status : check_count(list, layout, text);
     status = status || !(layout->flags & NEEDS_MINUS) ? status : check_minus(list, path);
     list->is_cap = layout->flags & IS_CAP;
-    return status || !(layout->flags & IS_MNI305)
-               ? status
-               : notes_add(&list->notes,
-                           "positions in MNI 305, as of fsaverage, moved to MNI 152 by FreeSurfer's matrix");
+    return status;
 }

@@ -32,7 +32,6 @@ static const struct {
     {ROLE_TILT_AP, "tilt ap/ap tilt"},
     {ROLE_PHI, "phi"},
     {ROLE_THETA, "theta"},
-    {ROLE_SPACE, "space"},
     {ROLE_NAME,
      "query id/query/id/name/label/channel/electrode/contact/site/roi/region/sensor/optode/marker/area/structure/"
      "probe/cluster/cluster id/cluster index/index"},
@@ -64,11 +63,11 @@ static const struct {
     const char *words;
 } words_of[] = {
     {NEUTRAL, "pos/position/positions/coord/coords/coordinate/coordinates/centroid/centre/center/peak/peaks/loc/"
-              "location/contact/ras/world/point/max/in/mm/ccf"},
+              "location/contact/ras/lps/world/point/max/in/mm/ccf"},
     {CENTRE, "cog/cm/com/mean"},
     {OF_SPACE, "mni/mni152/icbm/icbm152/mnispace"},
     {OTHER_SPACE, "tal/talairach/native/scanner/acpc/mcp/tk/tkr/tkras/fs/surf/surface/vox/voxel/voxels/ijk/t1/ct/orig/"
-                  "subject/subj/individual/leksell/ctf/head/mni305/fsaverage"},
+                  "subject/subj/individual/leksell/ctf/head/mni305/fsaverage/rai/lpi/las/lai/rpi/rps/ral/lar"},
     {STATISTIC, "sd/se/err/error/size/std/sem/var/stdev"},
     {ENTRY, "entry/from/start/coil/transducer/device"},
     {TARGET, "target/tgt/to/tip/end/t"},
@@ -78,24 +77,10 @@ static const struct {
     {TURNED, "n/r"},
 };
 
-enum unit { UNIT_NONE, UNIT_MM, UNIT_UM, UNIT_CM, UNIT_M, UNITS };
-
-static const struct {
-    const char *names; /* as they stand in brackets */
-    double mm;
-} units[UNITS] = {[UNIT_NONE] = {"", 1},
-                  [UNIT_MM] = {"mm/millimetres/millimeters/millimetre/millimeter", 1},
-                  [UNIT_UM] = {"um/\xc2\xb5m/\xce\xbcm/micrometres/micrometers/microns/micron", 0.001},
-                  [UNIT_CM] = {"cm/centimetres/centimeters", 10},
-                  [UNIT_M] = {"m/metres/meters", 1000}};
-
-static enum unit unit_named(struct text text)
+/* mm per unit of a space. */
+static double space_mm(conus_space space)
 {
-    enum unit found = UNIT_NONE;
-    for (enum unit unit = UNIT_MM; unit < UNITS; unit++) {
-        found = text_is_one_of(text, units[unit].names, false) ? unit : found;
-    }
-    return found;
+    return space == CONUS_SPACE_CCF ? 0.001 : 1;
 }
 
 static const char *const word_keys[] = {"x", "y", "z", "name", "unit", "sides"};
@@ -122,13 +107,13 @@ size_t columns_path_length(const char *path)
 
 static conus_status set_word(struct columns_words *out, int key, struct text value)
 {
-    enum unit unit = unit_named(value);
+    double unit = space_unit_mm(value);
     if (key < 3) {
         out->at[key] = value;
     } else if (key == 3) {
         out->name = value;
-    } else if (key == 4 && unit) {
-        out->unit = units[unit].mm;
+    } else if (key == 4 && unit > 0) {
+        out->unit = unit;
     } else if (key == 5 && text_equal(value, "anyway")) {
         out->any_sides = true;
     } else {
@@ -175,7 +160,7 @@ static const size_t NONE = SIZE_MAX;
 struct head {
     struct table_line line; /* the header */
     char names[TABLE_CELLS][COLUMN_NAME_SIZE];
-    uint8_t unit[TABLE_CELLS];
+    double unit[TABLE_CELLS]; /* mm, as space_unit_mm() */
     struct family families[FAMILIES];
     size_t family_count;
     struct buffer faults; /* one after the other, "; " between */
@@ -192,9 +177,9 @@ struct head {
 
 /* The name in small letters, with one blank for what stands between words, and without a unit in brackets or behind:
  * "MNI_X (mm)" is "mni x". Other brackets are words. */
-static enum unit normalise(char out[COLUMN_NAME_SIZE], struct text cell)
+static double normalise(char out[COLUMN_NAME_SIZE], struct text cell)
 {
-    enum unit unit = UNIT_NONE;
+    double unit = 0;
     struct text open = cell;
     char last = cell.size ? cell.data[cell.size - 1] : 0;
     const char *bracket = last == ')'   ? text_last(cell, '(')
@@ -203,8 +188,8 @@ static enum unit normalise(char out[COLUMN_NAME_SIZE], struct text cell)
                                         : NULL;
     if (bracket) {
         const char *end = cell.data + cell.size - 1;
-        unit = unit_named(text_trim((struct text){bracket + 1, (size_t)(end - bracket - 1)}));
-        open.size = unit ? (size_t)(bracket - cell.data) : cell.size;
+        unit = space_unit_mm(text_trim((struct text){bracket + 1, (size_t)(end - bracket - 1)}));
+        open.size = unit != 0 ? (size_t)(bracket - cell.data) : cell.size;
     }
     open = text_trim(open);
     size_t size = 0;
@@ -217,11 +202,15 @@ static enum unit normalise(char out[COLUMN_NAME_SIZE], struct text cell)
     }
     size -= size && out[size - 1] == ' ';
     out[size] = '\0';
-    const char *behind = unit ? NULL : strrchr(out, ' ');
-    enum unit suffix = behind ? unit_named(text_from(behind + 1)) : UNIT_NONE;
-    if (behind && (suffix == UNIT_MM || suffix == UNIT_UM) && strcmp(out, "error mm") != 0) {
+    const char *behind = unit == 0 ? strrchr(out, ' ') : NULL;
+    if (behind && text_is_one_of(text_from(behind + 1), "mm/um/in/inch/inches/px/pixel/pixels/ft", true) &&
+        strcmp(out, "error mm") != 0) {
+        unit = space_unit_mm(text_from(behind + 1));
         out[behind - out] = '\0';
-        unit = suffix;
+        char *in = strrchr(out, ' ');
+        if (in && strcmp(in, " in") == 0) { /* "x in mm" */
+            *in = '\0';
+        }
     }
     return unit;
 }
@@ -424,7 +413,7 @@ static const char *show_family(char out[3 * COLUMN_NAME_SIZE], const struct head
 static void take_family(struct head *head, const struct family *family, enum role first, const char *what)
 {
     struct columns *out = head->out;
-    enum unit unit = UNIT_NONE;
+    double unit = 0; /* mm */
     if (!family) {
         return;
     }
@@ -433,15 +422,18 @@ static void take_family(struct head *head, const struct family *family, enum rol
             FAULT(head, "only some of the columns %s: %s, without %c", what, FAMILY_SHOWN(head, family), "xyz"[k]);
             continue;
         }
-        enum unit own = head->unit[family->at[k]];
-        if (own && unit && own != unit) {
+        double own = head->unit[family->at[k]];
+        if (own != 0 && unit != 0 && own != unit) {
             FAULT(head, "%s: two units, %s", what, FAMILY_SHOWN(head, family));
         }
-        unit = own ? own : unit;
+        unit = own != 0 ? own : unit;
         set_role(head, family->at[k], first + (enum role)k);
     }
-    double scale = units[unit].mm / (unit && out->space == CONUS_SPACE_CCF ? units[UNIT_UM].mm : 1);
-    if (unit && first <= ROLE_TX) {
+    double scale = unit / space_mm(out->space);
+    if (unit == SPACE_UNIT_REFUSED && !(head->words.unit > 0)) {
+        FAULT(head, "%s: %s; ',unit=mm' behind FILE takes them so", FAMILY_SHOWN(head, family), space_why_unit);
+    }
+    if (unit > 0 && first <= ROLE_TX) {
         if (out->scale > 0 && out->scale != scale) {
             FAULT(head, "two units: positions and targets have different ones");
         }
@@ -451,9 +443,13 @@ static void take_family(struct head *head, const struct family *family, enum rol
         out->said.has_signs = true;
         out->said.signs = family->is_lps ? CONUS_SPACE_LPS : CONUS_SPACE_RAS;
     }
-    if (first == ROLE_X && family->at[0] != NONE && !head->options->any_space) {
-        space_words_hear_of(&out->said, text_from(head->names[family->at[0]]));
-        space_words_hear_of(&out->said, text_from(family->stem)); /* of "TalX", one word, "tal" */
+    if (first == ROLE_X && family->at[0] != NONE) {
+        struct space_words said = out->said;
+        space_words_hear_of(&said, text_from(head->names[family->at[0]]));
+        space_words_hear_of(&said, text_from(family->stem)); /* of "TalX", one word, "tal" */
+        out->said = head->options->any_space ? (struct space_words){.has_signs = said.has_signs, .signs = said.signs}
+                                             /* x_lps is x_lps */
+                                             : said;
     }
 }
 
@@ -579,17 +575,36 @@ static void drop_role(struct head *head, enum role role)
     head->out->has[role] = false;
 }
 
+/* The next row of the head, with three numbers at least. */
+static bool next_row(struct table_line *line, struct text *rest, const struct head *head)
+{
+    struct text text;
+    struct text inside;
+    bool found = false;
+    while (!found && text_line(rest, &text)) {
+        found = !table_is_blank(text) && !table_is_comment(&inside, text) &&
+                table_split(line, &head->out->table, text) && table_numbers(line) >= 3;
+    }
+    return found;
+}
+
+static struct text cell_at(const struct table_line *line, size_t column)
+{
+    return column < line->count ? line->cells[column] : (struct text){"", 0};
+}
+
+static bool is_absent(struct text cell)
+{
+    return !cell.size || text_equal_ignoring_case(cell, "n/a") || text_is_one_of(cell, "NA/none/-/--", false);
+}
+
 /* Whether the column is 0 in all rows of the head. */
 static bool is_all_zero(const struct head *head, enum role role)
 {
     struct text rest = head->text;
-    struct text text;
     struct table_line line;
     bool all = true;
-    for (size_t number = 1; text_line(&rest, &text); number++) {
-        if (number <= head->out->head_lines || table_is_blank(text) || !table_split(&line, &head->out->table, text)) {
-            continue;
-        }
+    while (next_row(&line, &rest, head)) {
         for (size_t i = 0; i < line.count && i < head->out->count; i++) {
             double value;
             all = all && (head->out->role_of[i] != role ||
@@ -760,19 +775,13 @@ static conus_status find_row_names(struct head *head, struct notes *notes)
     for (size_t column = 0; !out->has[ROLE_NAME] && column < out->count; column++) {
         struct text seen[COMPARED];
         struct text rest = head->text;
-        struct text text;
         struct table_line line;
         size_t rows = 0;
         bool fits = out->role_of[column] == ROLES;
         bool is_index = column == 0 && !head->line.cells[0].size;
-        for (size_t number = 1; fits && rows < COMPARED && text_line(&rest, &text); number++) {
-            struct text inside;
+        while (fits && rows < COMPARED && next_row(&line, &rest, head)) {
             double value;
-            if (number <= out->head_lines || table_is_blank(text) || table_is_comment(&inside, text) ||
-                !table_split(&line, &out->table, text) || table_numbers(&line) < 3) {
-                continue;
-            }
-            struct text cell = column < line.count ? line.cells[column] : (struct text){"", 0};
+            struct text cell = cell_at(&line, column);
             bool is_number = table_number(&value, &out->table, cell);
             fits = cell.size && (is_index ? !is_number || (value == floor(value) && fabs(value) < 1e9) : !is_number);
             for (size_t i = 0; fits && i < rows; i++) {
@@ -891,6 +900,32 @@ static conus_status refuse(struct head *head)
     return status ? status : fail(CONUS_ERROR_DATA, "header: %s", faults->data);
 }
 
+/* A column "target" or "entry" of names beside points may be the other end of an axis, or a word about the row. */
+static void refuse_lone_end(struct head *head)
+{
+    struct columns *out = head->out;
+    for (size_t i = 0; out->is_of_points && !head->words.at[0].size && i < head->line.given; i++) {
+        struct text rest = head->text;
+        struct table_line line;
+        bool is_called = text_is_one_of(text_from(head->names[i]), "target/entry", true) && out->role_of[i] == ROLES;
+        bool has_name = false;
+        while (is_called && !has_name && next_row(&line, &rest, head)) {
+            double value;
+            has_name = !is_absent(cell_at(&line, i)) && !table_number(&value, &out->table, cell_at(&line, i));
+        }
+        if (has_name && out->has[ROLE_NAME] && out->has[ROLE_X]) {
+            const char *s = strcmp(head->names[i], "target") == 0 ? "target" : "entry";
+            FAULT(
+                head,
+                "column \"%.*s\" beside %s %s %s: either it names the place where each axis %s, or it is a word about "
+                "a point: %s_x %s_y %s_z say the former, ',x=%s,y=%s,z=%s' behind FILE the latter",
+                POSE_QUOTE(head->line.cells[i]), out->shown[ROLE_X], out->shown[ROLE_X + 1], out->shown[ROLE_X + 2],
+                s[0] == 't' ? "ends" : "begins", s, s, s, out->shown[ROLE_X], out->shown[ROLE_X + 1],
+                out->shown[ROLE_X + 2]);
+        }
+    }
+}
+
 /* A column whose cells are all entry, target and the like makes two rows one axis, which is not what points are. */
 static void refuse_pairs(struct head *head)
 {
@@ -898,25 +933,71 @@ static void refuse_pairs(struct head *head)
     struct table_line line;
     for (size_t column = 0; out->is_of_points && column < out->count; column++) {
         struct text rest = head->text;
-        struct text text;
         bool all = out->role_of[column] >= ROLE_NAME;
         bool has_entry = false;
         bool has_target = false;
-        while (all && text_line(&rest, &text)) {
-            if (!table_is_blank(text) && table_split(&line, &out->table, text) && table_numbers(&line) >= 3) {
-                struct text cell = column < line.count ? line.cells[column] : (struct text){"", 0};
-                bool is_entry = text_is_one_of(cell, "entry/from/start", false);
-                bool is_target = text_is_one_of(cell, "target/to/tip/end", false);
-                all = is_entry || is_target;
-                has_entry = has_entry || is_entry;
-                has_target = has_target || is_target;
-            }
+        while (all && next_row(&line, &rest, head)) {
+            bool is_entry = text_is_one_of(cell_at(&line, column), "entry/from/start", false);
+            bool is_target = text_is_one_of(cell_at(&line, column), "target/to/tip/end", false);
+            all = is_entry || is_target;
+            has_entry = has_entry || is_entry;
+            has_target = has_target || is_target;
         }
         if (all && has_entry && has_target) {
             FAULT(head,
                   "column \"%.*s\" has an entry and a target in two rows: one row with the columns entry_x … and "
                   "target_x … is an axis",
                   POSE_QUOTE(head->line.cells[column]));
+        }
+    }
+}
+
+/* Whether the cells of a column are words of a space: all of them; in one that is `named` so at least one. */
+static bool is_of_spaces(const struct head *head, size_t column, bool named, bool strong)
+{
+    struct text rest = head->text;
+    struct table_line line;
+    size_t heard = 0;
+    size_t others = 0;
+    while ((named || !others) && next_row(&line, &rest, head)) {
+        struct space_words said;
+        const struct text cell = cell_at(&line, column);
+        bool is_one = space_words_hear_cell(&said, cell, strong) || text_is_one_of(cell, "ccf/bregma", false);
+        heard += is_one;
+        others += !is_one && !is_absent(cell);
+    }
+    return heard && (named || !others);
+}
+
+/* Columns whose cells say in which space or unit the positions of their rows are. */
+static void find_spaces(struct head *head)
+{
+    static const char named[] = "space/coordinate space/coord space/coordspace/coordinate system/coord system/"
+                                "coordsystem/coordsys/template/template space/standard space/stereotaxic space";
+    static const char loose[] = "frame/reference/reference frame/reference space/system/brain/atlas/normalization/"
+                                "normalisation/orientation/axes/convention";
+    static const char of_units[] = "unit/units/coordinate unit/coordinate units/coord unit/coord units/position unit/"
+                                   "position units/xyz unit/xyz units";
+    struct columns *out = head->out;
+    for (size_t i = 0; i < head->line.given; i++) {
+        const struct text name = text_from(head->names[i]);
+        bool is_space = strcmp(head->names[i], "space") == 0 && !out->is_bids;
+        bool is_named = text_is_one_of(name, named, true);
+        bool is_unit = text_is_one_of(name, of_units, true);
+        struct text rest = head->text;
+        struct table_line line;
+        bool has_unit = false;
+        if (out->role_of[i] != ROLES) {
+            continue;
+        }
+        while (is_unit && !has_unit && next_row(&line, &rest, head)) {
+            has_unit = space_unit_mm(cell_at(&line, i)) != 0;
+        }
+        if (has_unit) {
+            set_role(head, i, ROLE_UNIT);
+        } else if (is_space ||
+                   is_of_spaces(head, i, is_named && !out->is_bids, !is_named && !text_is_one_of(name, loose, true))) {
+            set_role(head, i, ROLE_SPACE);
         }
     }
 }
@@ -934,7 +1015,7 @@ static void find_columns(struct head *head)
     out->said = (struct space_words){0};
     out->space = head->options->space;
     for (size_t i = 0; i < head->line.count; i++) {
-        head->unit[i] = (uint8_t)normalise(head->names[i], head->line.cells[i]);
+        head->unit[i] = normalise(head->names[i], head->line.cells[i]);
     }
     out->count = head->line.given;
     if (out->space >= CONUS_SPACE_CCF) {
@@ -960,11 +1041,14 @@ static void find_columns(struct head *head)
     if (out->is_bids) { /* other columns are of others, whatever they are called */
         take_family(head, find_named(head), ROLE_X, "x y z");
         out->is_of_points = true;
+        find_spaces(head);
         return;
     }
     find_roles(head);
+    find_spaces(head);
     choose_families(head);
     refuse_pairs(head);
+    refuse_lone_end(head);
 }
 
 /* Whether some of the columns of a line belong together as coordinates, so that it is a header. */
@@ -1146,6 +1230,55 @@ static bool is_of_words(struct text *inside, const struct head *head, struct tex
                                          (number > out->head_lines && (!has_digit(text) || is_sentence(out, text)))));
 }
 
+/* What the cells of a column say of the rows' brain: MNI 152 where one is of that, else the first one's, and rows of
+ * another are errors; nothing where some say only how numbers grow. */
+static struct space_words hear_column(const struct head *head, size_t column)
+{
+    struct text rest = head->text;
+    struct table_line line;
+    struct space_words best = {0};
+    bool all_refused = true;
+    bool all_brains = true;
+    while (next_row(&line, &rest, head)) {
+        struct space_words own;
+        const struct text cell = cell_at(&line, column);
+        bool is_heard = space_words_hear_cell(&own, cell, false);
+        bool is_better = !best.heard[0] || (best.why && !own.why) ||
+                         (own.space.brain == POSE_BRAIN_MNI152 && best.space.brain != POSE_BRAIN_MNI152);
+        all_brains = all_brains && (own.heard[0] || !(is_heard || text_is_one_of(cell, "ccf/bregma", false)));
+        all_refused = all_refused && (!is_heard || own.why);
+        best = own.heard[0] && is_better ? own : best;
+    }
+    return all_brains && !(best.why && !all_refused) ? best : (struct space_words){0};
+}
+
+/* What columns say of the rows. */
+static conus_status hear_rows(struct head *head)
+{
+    struct columns *out = head->out;
+    struct space_words *said = &out->said;
+    for (size_t i = 0; i < out->count; i++) {
+        struct text rest = head->text;
+        struct table_line line;
+        while (out->role_of[i] == ROLE_UNIT && next_row(&line, &rest, head)) {
+            space_words_hear_of(said, space_unit_mm(cell_at(&line, i)) != 0 ? cell_at(&line, i) : text_from(""));
+        }
+        const struct space_words own =
+            out->role_of[i] == ROLE_SPACE && !head->options->any_space ? hear_column(head, i) : (struct space_words){0};
+        if (said->space.brain && own.space.brain && said->space.brain != own.space.brain) {
+            return fail(CONUS_ERROR_DATA,
+                        "\"%s\" is said in one place, and \"%s\" in column \"%.*s\": in which space are the positions?",
+                        said->space.name, own.heard, POSE_QUOTE(head->line.cells[i]));
+        }
+        said->space = said->space.brain ? said->space : own.space;
+        said->why = said->why ? said->why : own.why;
+        if (own.heard[0] && !said->heard[0]) {
+            memcpy(said->heard, own.heard, sizeof said->heard);
+        }
+    }
+    return CONUS_OK;
+}
+
 /* What is said of spaces and units; the user's word, and a column of LPS or RAS, beat it. */
 static conus_status hear_words(struct head *head, struct notes *notes)
 {
@@ -1154,47 +1287,26 @@ static conus_status hear_words(struct head *head, struct notes *notes)
     struct text rest = head->text;
     struct text text;
     struct text inside;
-    struct table_line line;
-    size_t rows = 0;
-    size_t of_mni = 0;
-    size_t of_signs = 0;
-    struct space_words of_rows = {0};
-    for (size_t number = 1; !head->options->any_space && text_line(&rest, &text); number++) {
-        if (is_of_words(&inside, head, text, number)) {
+    for (size_t number = 1; text_line(&rest, &text); number++) {
+        out->heard_lines = number;
+        if (!head->options->any_space && is_of_words(&inside, head, text, number)) {
             space_words_hear(said, inside);
-        } else if (number > out->head_lines && out->has[ROLE_SPACE] && table_split(&line, &out->table, text)) {
-            for (size_t i = 0; i < line.count && i < out->count; i++) {
-                if (out->role_of[i] == ROLE_SPACE) {
-                    struct space_words of_row = {0};
-                    space_words_hear_of(&of_row, line.cells[i]);
-                    rows++;
-                    of_signs += of_row.has_signs;
-                    of_mni += of_row.space.brain == POSE_BRAIN_MNI152 && !of_row.is_mni305;
-                    of_rows = of_row.space.brain ? of_row : of_rows;
-                }
-            }
         }
     }
-    out->has_mni_rows = of_mni > 0 && !of_signs;
-    of_mni = out->has_mni_rows ? of_mni : 0;
-    if (rows && of_rows.space.brain && !said->space.brain && !of_mni && !of_signs) { /* all in another one */
-        *said = of_rows;
-        out->has[ROLE_SPACE] = false;
-        for (size_t i = 0; i < out->count; i++) {
-            out->role_of[i] = out->role_of[i] == ROLE_SPACE ? ROLES : out->role_of[i];
-        }
-    } else if (of_mni && !said->space.brain) {
-        said->space = pose_space_named(text_from("MNI 152"), POSE_BRAIN_MNI152);
+    conus_status status = hear_rows(head);
+    if (status) {
+        return status;
     }
-    if (said->why) {
-        return fail(CONUS_ERROR_DATA, "positions are said to be \"%s\": %s; --any-space takes them as they are",
-                    said->heard, said->why);
+    if (said->why && !(said->why == space_why_unit && out->is_own_unit)) {
+        return fail(CONUS_ERROR_DATA, "positions are said to be \"%s\": %s; %s", said->heard, said->why,
+                    said->why == space_why_unit ? "',unit=mm' behind FILE takes them as mm"
+                                                : "--any-space takes them as they are");
     }
-    if (said->are_two) {
+    if (said->are_two && !out->is_own_unit) {
         return fail(CONUS_ERROR_DATA, "two units are named: which is that of the positions?");
     }
-    if (said->mm > 0) {
-        double scale = said->mm / (head->options->space == CONUS_SPACE_CCF ? units[UNIT_UM].mm : 1);
+    if (said->mm > 0 && !out->is_own_unit) {
+        double scale = said->mm / space_mm(head->options->space);
         if (out->scale > 0 && out->scale != scale) {
             return fail(CONUS_ERROR_DATA, "a line names another unit than the header has");
         }
@@ -1207,8 +1319,36 @@ static conus_status hear_words(struct head *head, struct notes *notes)
         return is_other ? notes_add(notes, "the file says that its positions are RAS, and as such they are taken")
                         : CONUS_OK;
     }
-    return said->is_mni305
-               ? notes_add(notes, "positions in MNI 305 (\"%s\"), moved to MNI 152 by FreeSurfer's matrix", said->heard)
+    out->moves = space_moves(&said->space, head->options);
+    return out->moves ? space_note_move(notes, &said->space) : CONUS_OK;
+}
+
+struct pose_space columns_space(const struct columns *columns)
+{
+    struct pose_space space = columns->said.space;
+    space.brain = columns->moves ? POSE_BRAIN_MNI152 : space.brain;
+    return space;
+}
+
+conus_status columns_hear_late(const struct columns *columns, struct text line, size_t number,
+                               const conus_pose_options *options)
+{
+    struct space_words said = {0};
+    struct text inside;
+    bool is_comment = table_is_comment(&inside, line);
+    if (number <= columns->heard_lines || options->any_space ||
+        !(is_comment || !has_digit(line) || is_sentence(columns, line))) {
+        return CONUS_OK;
+    }
+    space_words_hear(&said, inside);
+    bool is_other_brain = said.space.brain && said.space.brain != columns->said.space.brain;
+    bool is_turned = said.has_signs && options->space < CONUS_SPACE_CCF && said.signs != columns->space;
+    bool is_scaled = said.mm > 0 && !columns->is_own_unit && said.mm != columns->scale * space_mm(options->space);
+    return said.why || said.are_two || is_other_brain || is_turned || is_scaled
+               ? fail(CONUS_ERROR_DATA,
+                      "line %zu: \"%.*s\" says another space or unit of the positions than the first 64 KiB, by which "
+                      "the rows above were read: move it above them; --any-space takes them as they are",
+                      number, POSE_QUOTE(inside))
                : CONUS_OK;
 }
 
@@ -1468,7 +1608,7 @@ static conus_status judge(const struct census *c, const struct head *head, struc
     bool is_said = head->out->has_unit;
     if (c->rows > 1 && 2 * c->bad > c->rows && head->out->has_header) {
         return fail(CONUS_ERROR_DATA,
-                    "%zu of %zu rows have no number where the header has x y z: is the order of the "
+                    "%zu of %zu rows have no number where the header has x y z or a direction: is the order of the "
                     "columns another? The first: %s",
                     c->bad, c->rows, first_fault);
     }
@@ -1521,11 +1661,6 @@ static conus_status judge(const struct census *c, const struct head *head, struc
     return status;
 }
 
-static bool is_absent(struct text cell)
-{
-    return !cell.size || text_equal_ignoring_case(cell, "n/a") || text_is_one_of(cell, "NA/none/-/--", false);
-}
-
 /* Whether a word stands where a coordinate is to be. */
 static bool has_words_for_numbers(const struct columns *columns, struct text text)
 {
@@ -1534,8 +1669,8 @@ static bool has_words_for_numbers(const struct columns *columns, struct text tex
     for (size_t i = 0; table_split(&line, &columns->table, text) && i < line.count && i < columns->count; i++) {
         double value;
         struct text cell = line.cells[i];
-        found = found || (columns->role_of[i] < ROLE_X + 3 && !is_absent(cell) &&
-                          isalpha((unsigned char)cell.data[0]) && !table_number(&value, &columns->table, cell));
+        found = found ||
+                (columns->role_of[i] < ROLE_ANGLE && !is_absent(cell) && !table_number(&value, &columns->table, cell));
     }
     return found;
 }
@@ -1639,18 +1774,18 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
         status = status ? status : find_kept(head);
         status = status || out->is_bids ? status : note_unknown(notes, head);
     }
-    status = status ? status : hear_words(head, notes);
     double unit = head->words.unit > 0 ? head->words.unit : options->unit; /* the user's word */
+    out->is_own_unit = unit > 0;
+    status = status ? status : hear_words(head, notes);
     if (unit > 0) {
-        out->scale = unit / (options->space == CONUS_SPACE_CCF ? units[UNIT_UM].mm : 1);
+        out->scale = unit / space_mm(options->space);
     }
     out->has_unit = out->scale > 0;
-    enum unit of_depth = UNIT_NONE;
+    double of_depth = 0;
     for (size_t i = 0; i < out->count; i++) {
         of_depth = out->role_of[i] == ROLE_DEPTH ? head->unit[i] : of_depth;
     }
-    double space_mm = options->space == CONUS_SPACE_CCF ? units[UNIT_UM].mm : 1;
-    out->depth_mm = of_depth ? units[of_depth].mm : (out->has_unit ? out->scale : 1) * space_mm;
+    out->depth_mm = of_depth > 0 ? of_depth : (out->has_unit ? out->scale : 1) * space_mm(options->space);
     out->scale = out->has_unit ? out->scale : 1;
     status = status ? status : check_numbers(head, notes);
     buffer_finish(&head->faults);
@@ -1681,7 +1816,7 @@ static conus_status pose_from_values(conus_pose_row *row, const struct columns *
     conus_status status = space == options->space ? CONUS_OK : conus_frame_find(&own, NULL, space, NULL);
     status = status || columns->has[ROLE_M00] ? status : conus_frame_to_world(x, &own, x);
     status = status || !columns->has[ROLE_TX] ? status : conus_frame_to_world(t, &own, t);
-    if (columns->said.is_mni305) {
+    if (columns->moves) {
         space_move_from_mni305(x);
         space_move_from_mni305(t);
     }
@@ -1730,23 +1865,51 @@ static conus_status read_trigger(double *out, struct text cell)
                             POSE_QUOTE(cell));
 }
 
-/* One of the spaces that --space has. A row in another brain's is not brought here. */
-static conus_status read_space(double *out, const struct columns *columns, struct text cell)
+/* A space that --space has, or the brain of the table. A row in another brain's is not brought here. */
+static conus_status read_space(double *out, const struct columns *columns, struct text cell, bool any_space)
 {
+    const char *what = columns->shown[ROLE_SPACE];
     const char *name;
-    *out = NAN;
-    if (columns->has_mni_rows && text_is_one_of(cell, "MNI/MNI152", false)) {
-        return CONUS_OK; /* as the file's space says */
+    double own = NAN;
+    struct space_words said;
+    for (size_t i = 0; (name = conus_space_name(i)) && isnan(own); i++) {
+        own = text_equal_ignoring_case(cell, name) ? (double)i : NAN;
     }
-    for (size_t i = 0; (name = conus_space_name(i)) && isnan(*out); i++) {
-        *out = text_equal_ignoring_case(cell, name) ? (double)i : NAN;
+    bool is_heard = isnan(own) && space_words_hear_cell(&said, cell, false);
+    if (is_heard && !any_space && said.why) {
+        return fail(CONUS_ERROR_DATA, "column %s: \"%.*s\": %s", what, POSE_QUOTE(cell), said.why);
     }
-    return !isnan(*out) || is_absent(cell) ? CONUS_OK
-                                           : fail(CONUS_ERROR_DATA,
-                                                  "column space: \"%.*s\", allowed are RAS, LPS, ccf, bregma and "
-                                                  "n/a; all rows are in one brain, "
-                                                  "that of the atlas (--atlas-transform)",
-                                                  POSE_QUOTE(cell));
+    bool is_named = columns->said.space.brain;
+    if (is_heard && !any_space && is_named && said.space.brain && said.space.brain != columns->said.space.brain) {
+        return fail(CONUS_ERROR_DATA,
+                    "column %s: \"%.*s\", the table is in \"%s\"; all rows are in one brain, that of the atlas", what,
+                    POSE_QUOTE(cell), columns->said.space.name);
+    }
+    own = is_heard && said.has_signs ? (double)said.signs : own;
+    if (isnan(own)) {
+        return (is_heard && is_named) || any_space || is_absent(cell)
+                   ? CONUS_OK
+                   : fail(CONUS_ERROR_DATA,
+                          "column %s: \"%.*s\", allowed are RAS, LPS, ccf, bregma and n/a; all rows are in one brain, "
+                          "that of the atlas (--atlas-transform)",
+                          what, POSE_QUOTE(cell));
+    }
+    if (!isnan(*out) && *out != own) {
+        return fail(CONUS_ERROR_DATA, "two columns of spaces: \"%.*s\" in one, %s in the other", POSE_QUOTE(cell),
+                    conus_space_name((size_t)*out));
+    }
+    *out = own;
+    return CONUS_OK;
+}
+
+/* The unit of all rows is one. */
+static conus_status read_unit(const struct columns *columns, struct text cell, const conus_pose_options *options)
+{
+    double mm = space_unit_mm(cell);
+    return is_absent(cell) || columns->is_own_unit || (mm > 0 && mm == columns->scale * space_mm(options->space))
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "column %s: \"%.*s\", the table is in another unit", columns->shown[ROLE_UNIT],
+                      POSE_QUOTE(cell));
 }
 
 static conus_status read_value(double *out, const struct columns *columns, enum role role, struct text cell)
@@ -1811,7 +1974,7 @@ static bool has_right_count(const struct columns *columns, const struct table_li
 }
 
 static conus_status read_values(double values[ROLE_NAME], struct pose_name *name, const struct columns *columns,
-                                const struct table_line *line, struct text text)
+                                const struct table_line *line, struct text text, const conus_pose_options *options)
 {
     struct text names[2] = {{"", 0}, {"", 0}};
     conus_status status = check_quotes(line);
@@ -1825,7 +1988,8 @@ static conus_status read_values(double values[ROLE_NAME], struct pose_name *name
             names[role - ROLE_NAME] = cell;
         } else if (role < ROLE_NAME && !status) {
             status = role == ROLE_TRIGGER ? read_trigger(&values[role], cell)
-                     : role == ROLE_SPACE ? read_space(&values[role], columns, cell)
+                     : role == ROLE_SPACE ? read_space(&values[role], columns, cell, options->any_space)
+                     : role == ROLE_UNIT  ? read_unit(columns, cell, options)
                                           : read_value(&values[role], columns, role, cell);
         }
     }
@@ -1840,7 +2004,7 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
 {
     double values[ROLE_NAME] = {[ROLE_TIME] = NAN, [ROLE_ERROR_DEG] = NAN, [ROLE_ERROR_MM] = NAN, [ROLE_NEAR] = NAN,
                                 [ROLE_FAR] = NAN,  [ROLE_SPACE] = NAN,     [ROLE_DEPTH] = NAN};
-    conus_status status = read_values(values, name, columns, line, text);
+    conus_status status = read_values(values, name, columns, line, text, options);
     /* A row may have other signs than the table, but not another space's axes and units. */
     double space = values[ROLE_SPACE];
     bool is_turned = space < CONUS_SPACE_CCF && options->space < CONUS_SPACE_CCF;

@@ -30,7 +30,8 @@ enum role {
     ROLE_TILT_AP,
     ROLE_PHI,
     ROLE_THETA,
-    ROLE_SPACE,
+    ROLE_SPACE, /**< May be several columns. */
+    ROLE_UNIT,
     ROLE_NAME,
     ROLE_CONTACT, /**< The second half of the name. */
     ROLES         /**< None. */
@@ -62,7 +63,7 @@ struct columns {
     size_t head_lines;                   /**< Lines to the end of the header. */
     uint64_t header_sum;                 /**< Of the header's line. */
     bool is_bids; /**< Before columns_plan(): marks belong to cells, no column is unusual, and only x, y, z and name, or
-                     those that the user names, have a role. */
+                     those that the user names, and words of space and unit have a role. */
     bool is_of_points; /**< It gives no direction. */
     bool has_space;    /**< It says itself in which space the numbers are: */
     conus_space space;
@@ -72,9 +73,11 @@ struct columns {
     double depth_mm;         /**< mm per unit of depth. */
     bool is_mlapdv;          /**< x y z are ML, AP, DV from bregma, as IBL has them beside theta and phi. */
     struct space_words said; /**< What titles, comments and headers say. */
-    bool has_unit;           /**< The file names it. */
+    bool has_unit;           /**< The file names it, */
+    bool is_own_unit;        /**< or the user. */
     bool ends_at_target;     /**< Axes end there, not only point there (target_x, but not tx). */
-    bool has_mni_rows;       /**< The column space says MNI 152 in every row of the head. */
+    bool moves;              /**< Positions of MNI 305 are moved to MNI 152. */
+    size_t heard_lines;      /**< Lines of the head, whose words are in @p said. */
 };
 
 /** Reads the head of a text: its first lines, @p all of them or TABLE_HEAD bytes. CONUS_ERROR_DATA with what it is
@@ -82,6 +85,14 @@ struct columns {
  * name the columns that have no role. *is_short: the head has no row yet. */
 conus_status columns_plan(struct columns *out, bool *is_short, struct notes *notes, struct text head,
                           const conus_pose_options *options);
+
+/** The space of the rows that are read: MNI 152 of those that are moved there. */
+struct pose_space columns_space(const struct columns *columns);
+
+/** Whether a line behind the head, a comment or words, says another space or unit than the rows were read in:
+ * CONUS_ERROR_DATA. */
+conus_status columns_hear_late(const struct columns *columns, struct text line, size_t number,
+                               const conus_pose_options *options);
 
 /** A row's name; "" if it gives none. */
 struct pose_name {

@@ -222,6 +222,13 @@ double pose_clock(struct text date, struct text time)
     return days_of_date(d[0], d[1], d[2]) * 86400 + t[0] * 3600 + t[1] * 60 + t[2];
 }
 
+conus_status pose_note_absent(struct notes *notes, size_t count, size_t first)
+{
+    return count
+               ? notes_add(notes, "%zu rows without coordinates (n/a) passed over, the first in line %zu", count, first)
+               : CONUS_OK;
+}
+
 conus_status pose_note_space(struct notes *notes, const conus_pose_options *options, bool lps)
 {
     static const char text[] = "the file says that its positions are RAS, and as such they are taken";

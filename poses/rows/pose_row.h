@@ -102,6 +102,9 @@ double pose_clock(struct text date, struct text time);
 /** A note where the caller asked for LPS and the file says itself that it is RAS, by @p lps. */
 conus_status pose_note_space(struct notes *notes, const conus_pose_options *options, bool lps);
 
+/** A note that @p count rows without a position were passed over, the first in line @p first; of 0 none. */
+conus_status pose_note_absent(struct notes *notes, size_t count, size_t first);
+
 /** "+x" and so on; "" for CONUS_AXIS_OF_FORMAT. */
 const char *pose_axis_name(conus_axis axis);
 

@@ -210,6 +210,7 @@ def read_poses(
     """
     options, out = ffi.new("conus_pose_options *"), ffi.new("conus_pose_list **")
     options.format, options.axis = choice("format", format, pose_formats()), choice("axis", axis, _AXES)
+    options.any_space = flag("any_space", any_space)
     options.along_shafts, options.max_memory = flag("along_shafts", along_shafts), byte_count("max_memory", max_memory)
     if space in ("ccf", "bregma") and atlas is None:
         raise ArgumentError(f"space: {space} lies where an atlas has it, atlas=... is needed")

@@ -203,6 +203,23 @@ static void spaces_are_heard(void **state)
     }
 }
 
+/* MNI 305 stays where the atlas is of it, and where positions are taken as they are. */
+static void positions_of_mni305_stay_on_their_atlas(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"# MNI305 coordinates\n-42 -20 50\n",
+                                        "x,y,z,template\n-42,-20,50,fsaverage\n-42,-20,50,MNI305\n"};
+    for (size_t i = 0; i < 2; i++) {
+        conus_pose_list *list = pose_text_parse(text_from(texts[i]), &(conus_pose_options){.of_mni305 = true});
+        assert_int_equal(list->space.brain, POSE_BRAIN_MNI305);
+        assert_row_at(pose_row_of(list, i, i ? "2" : "1"), -42, -20, 50);
+        conus_pose_list_destroy(list);
+        list = pose_text_parse(text_from(texts[i]), &(conus_pose_options){.any_space = true});
+        assert_row_at(pose_row_of(list, 0, "1"), -42, -20, 50);
+        conus_pose_list_destroy(list);
+    }
+}
+
 /* Checks that need the size of the atlas warn, or are left out where it is not known. */
 static void numbers_are_judged(void **state)
 {
@@ -483,6 +500,7 @@ TEST_GROUP(columns)
         cmocka_unit_test(poses_by_their_headers),
         cmocka_unit_test(what_can_be_read_in_two_ways_is_refused),
         cmocka_unit_test(spaces_are_heard),
+        cmocka_unit_test(positions_of_mni305_stay_on_their_atlas),
         cmocka_unit_test(numbers_are_judged),
         cmocka_unit_test(columns_are_named_by_the_user),
         cmocka_unit_test(words_without_use_are_refused),
