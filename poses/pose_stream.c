@@ -399,9 +399,10 @@ static conus_status read_whole(conus_pose_stream *stream)
         status = find_format_of_matlab(&stream->format, &stream->list, text, &stream->options);
     }
     bool is_read = !stream->options.format && stream->format == CONUS_POSE_FORMAT_LEAD_DBS;
-    bool is_json = stream->format == CONUS_POSE_FORMAT_MARKUPS && text.size && text.data[0] != '#'; /* .fcsv */
+    const struct text json = pose_brackets_behind_comments(text);
+    bool is_json = stream->format == CONUS_POSE_FORMAT_MARKUPS && json.size && json.data[0] == '{'; /* no .fcsv */
     if (!status && !stream->options.format && is_json) {
-        status = pose_json_find(&stream->format, text);
+        status = pose_json_find(&stream->format, json);
     }
     /* Positions in the CCF or from bregma are of tables, points, IBL and NWB; other programs' files are of people. */
     if (!status && stream->options.space >= CONUS_SPACE_CCF && !is_of_rodents(stream->format)) {

@@ -159,7 +159,7 @@ static const struct layout *find_layout(struct text head, const char *path)
 
 bool pose_lists_know(struct text head, const char *path)
 {
-    struct text begin = text_trim(head);
+    struct text begin = pose_brackets_behind_comments(head);
     bool is_json = begin.size && begin.data[0] == '[' && text_find(begin, "{");
     return is_elc(head) || is_json || pose_brackets_begin(head) || pose_brackets_are_spoken(head) ||
            find_layout(head, path) || pose_brackets_in_cells(head);
@@ -293,7 +293,7 @@ static conus_status parse_elc(conus_pose_list *list, struct text text)
 conus_status pose_lists_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     const char *path = list->sink.path;
-    struct text begin = text_trim(text);
+    struct text begin = pose_brackets_behind_comments(text);
     bool is_in_brackets = pose_brackets_begin(text) || pose_brackets_are_spoken(text) ||
                           (begin.size && memchr("{[", begin.data[0], 2)) ||
                           (!find_layout(text, path) && pose_brackets_in_cells(text));

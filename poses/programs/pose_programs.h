@@ -74,6 +74,8 @@ bool pose_brackets_begin(struct text text);
 bool pose_brackets_are_spoken(struct text text);
 /** Whether @p head is of a table that has the three coordinates in one cell. */
 bool pose_brackets_in_cells(struct text head);
+/** Behind lines of comments and empty ones. */
+struct text pose_brackets_behind_comments(struct text text);
 /** What an object of JSON is: a point set of Freeview's, or names whose values all are three numbers. */
 enum pose_brackets { BRACKETS_NONE, BRACKETS_FREEVIEW, BRACKETS_NAMES };
 enum pose_brackets pose_brackets_json(json_t *root);

@@ -645,18 +645,27 @@ static const struct family *find_named(struct head *head)
     return is_whole(&head->named) ? &head->named : NULL;
 }
 
-/* Whether rows are called x, y and z. */
+static const char on_its_side[] = "a table on its side, whose rows are called x, y and z: exchange rows and columns";
+
+/* Whether rows are called x, y and z, each once, perhaps with a word in front and a unit. */
 static bool is_on_its_side(const struct head *head)
 {
     struct text rest = head->text;
     struct text text;
     struct table_line line;
-    size_t called = 0;
+    size_t called[3] = {0};
     while (text_line(&rest, &text)) {
-        bool fits = table_split(&line, &head->out->table, text) && line.count > 1;
-        called += fits && text_is_one_of(line.cells[0], "x/y/z", false);
+        char name[COLUMN_NAME_SIZE];
+        if (!table_split(&line, &head->out->table, text) || line.count < 2) {
+            continue;
+        }
+        (void)normalise(name, line.cells[0]);
+        const char *letter = strrchr(name, ' ') ? strrchr(name, ' ') + 1 : name;
+        called[0] += strcmp(letter, "x") == 0;
+        called[1] += strcmp(letter, "y") == 0;
+        called[2] += strcmp(letter, "z") == 0;
     }
-    return called == 3;
+    return called[0] == 1 && called[1] == 1 && called[2] == 1;
 }
 
 /* One way of saying where the device points, or none. */
@@ -729,9 +738,7 @@ static void choose_families(struct head *head)
         FAULT(head, "x y z are needed, and only, without m00...m33");
     }
     if (!has_matrix && !position) {
-        FAULT(head, "%s",
-              is_on_its_side(head) ? "a table on its side, whose rows are called x, y and z: exchange rows and columns"
-                                   : "x y z are needed: no columns say where rows are");
+        FAULT(head, "%s", is_on_its_side(head) ? on_its_side : "x y z are needed: no columns say where rows are");
         for (size_t i = 0; i < head->family_count; i++) {
             const struct family *family = &head->families[i];
             if (family->kind == UNKNOWN || family->kind == TURNED) {
@@ -1124,7 +1131,7 @@ static bool find_header(struct head *head)
             best = inside;
             line_of_best = number;
         }
-        if (fits && !is_comment && !fallback.size && numbers < (table->cells ? 3 : 1) && head->line.given > 1) {
+        if (fits && !is_comment && !fallback.size && numbers == 0 && head->line.given > 1) {
             fallback = inside;
             line_of_fallback = number;
         }
@@ -1201,15 +1208,11 @@ static bool has_digit(struct text line)
     return found;
 }
 
-/* Whether a line has several words and too few cells for a row: "Note. Talairach coordinates, p < 0.05." */
-static bool is_sentence(const struct columns *columns, struct text text)
+/* Whether two words or more of a line are no numbers. */
+static bool has_words(struct text text)
 {
-    struct table_line line;
     struct text word;
     size_t words = 0;
-    if (!columns->has_header || !table_split(&line, &columns->table, text) || line.count >= columns->count) {
-        return false;
-    }
     while (text_word(&text, &word)) {
         size_t letters = 0;
         for (size_t i = 0; i < word.size; i++) {
@@ -1218,6 +1221,21 @@ static bool is_sentence(const struct columns *columns, struct text text)
         words += letters >= 2;
     }
     return words >= 2;
+}
+
+/* Whether a line has several words and too few cells for a row: "Note. Talairach coordinates, p < 0.05." */
+static bool is_sentence(const struct columns *columns, struct text text)
+{
+    struct table_line line;
+    return columns->has_header && table_split(&line, &columns->table, text) && line.count < columns->count &&
+           has_words(text);
+}
+
+/* Whether a line above rows without a header is their title: words, and at most one number. */
+static bool is_title(const struct columns *columns, struct text text)
+{
+    struct table_line line;
+    return has_words(text) && table_split(&line, &columns->table, text) && table_numbers(&line) < 2;
 }
 
 /* Whether a line of the head is a title, a comment or a closing line: neither a row nor the header. */
@@ -1302,6 +1320,10 @@ static conus_status hear_words(struct head *head, struct notes *notes)
                     said->why == space_why_unit ? "',unit=mm' behind FILE takes them as mm"
                                                 : "--any-space takes them as they are");
     }
+    if (said->may_be_lps && !said->has_signs && head->options->space == CONUS_SPACE_RAS) {
+        return fail(CONUS_ERROR_DATA, "a line says \"LPS\", but not of what: --space lps reads the positions so; "
+                                      "--any-space takes them as RAS, with x to the right");
+    }
     if (said->are_two && !out->is_own_unit) {
         return fail(CONUS_ERROR_DATA, "two units are named: which is that of the positions?");
     }
@@ -1342,7 +1364,8 @@ conus_status columns_hear_late(const struct columns *columns, struct text line, 
     }
     space_words_hear(&said, inside);
     bool is_other_brain = said.space.brain && said.space.brain != columns->said.space.brain;
-    bool is_turned = said.has_signs && options->space < CONUS_SPACE_CCF && said.signs != columns->space;
+    bool is_turned = (said.has_signs && options->space < CONUS_SPACE_CCF && said.signs != columns->space) ||
+                     (said.may_be_lps && columns->space == CONUS_SPACE_RAS);
     bool is_scaled = said.mm > 0 && !columns->is_own_unit && said.mm != columns->scale * space_mm(options->space);
     return said.why || said.are_two || is_other_brain || is_turned || is_scaled
                ? fail(CONUS_ERROR_DATA,
@@ -1504,6 +1527,9 @@ static conus_status plan_bare(struct head *head)
     out->has_header = false;
     out->count = 0;
     out->is_of_points = true;
+    if (is_on_its_side(head)) {
+        return fail(CONUS_ERROR_DATA, "%s", on_its_side);
+    }
     if (is_table || (!has_points(head) && !out->table.cells)) {
         struct text line = {"", 0};
         struct text rest = head->text;
@@ -2128,6 +2154,9 @@ enum columns_line columns_read(conus_pose_row *row, struct pose_name *name, conu
     }
     if (!has_digit(line)) {
         return LINE_WORDS;
+    }
+    if (number < columns->table.first && is_title(columns, line)) {
+        return LINE_NOTHING;
     }
     if (row) {
         *bad = read_bare(row, name, columns, line, options);

@@ -130,7 +130,7 @@ static bool is_context(const struct sentence *sentence, size_t index)
 /* Whether a word for positions is its neighbour, but for small words between. */
 static bool has_context(const struct sentence *sentence, size_t index)
 {
-    static const char small[] = "in/the/are/is/of/unit/units/native/scanner";
+    static const char small[] = "in/the/are/is/of/unit/units/native/scanner/ras/lps/mni/mni152";
     size_t before = index;
     size_t behind = index + 1;
     while (before && token_is(sentence, before - 1, small)) {
@@ -245,6 +245,8 @@ static void hear_sentence(struct space_words *words, struct text text, bool of_c
         for (size_t r = 0; r < sizeof rows / sizeof rows[0]; r++) {
             if (is_heard(&sentence, i, &rows[r], of_coordinates)) {
                 keep(words, token, &rows[r]);
+            } else if (rows[r].brain == SIGNS && text_equal(token, "LPS")) {
+                words->may_be_lps = true;
             }
         }
         if (token_is(&sentence, i, "surface") && token_is(&sentence, i + 1, "ras")) {

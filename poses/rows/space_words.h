@@ -12,6 +12,7 @@ struct space_words {
     struct pose_space space; /**< The brain: pose_space_match() decides, and space_move() moves MNI 305. */
     bool has_signs;          /**< RAS or LPS: */
     conus_space signs;
+    bool may_be_lps; /**< "LPS" stands there, and nothing says of what. */
     double mm;       /**< mm per unit; 0: none was named. */
     bool are_two;    /**< Units that contradict each other. */
     const char *why; /**< Why positions cannot be taken: what they are; static. NULL: they can. */
