@@ -19,6 +19,7 @@
 #include "poses/pose_candidates.h"
 #include "poses/programs/pose_programs.h"
 #include "poses/rows/columns.h"
+#include "poses/rows/pairs.h"
 #include "poses/rows/pose_lines.h"
 #include "poses/rows/pose_list.h"
 #include "poses/rows/pose_row.h"
@@ -322,7 +323,9 @@ static conus_status plan_table(conus_pose_stream *stream)
         stream->list.space = columns_space(&stream->columns);
     }
     bool is_points = !status && !stream->columns.has_header;
-    stream->format = is_points ? CONUS_POSE_FORMAT_POINTS : stream->format;
+    stream->format = is_points               ? CONUS_POSE_FORMAT_POINTS
+                     : stream->columns.pairs ? CONUS_POSE_FORMAT_LIST
+                                             : stream->format;
     return status;
 }
 
@@ -394,7 +397,13 @@ static conus_status read_whole(conus_pose_stream *stream)
             ? pose_coordsystem_find(&stream->list, stream->path)
             : CONUS_OK;
     status = status ? status : pose_lines_rest(&bytes, &stream->lines, pose_memory(&stream->options));
-    const struct text text = {(const char *)bytes.data, bytes.size};
+    struct text text = {(const char *)bytes.data, bytes.size};
+    if (!status && stream->columns.pairs) {
+        status = decode(&text, stream);
+        status = status ? status : pairs_parse(&stream->list, &stream->columns, text, &stream->options);
+        bytes_finish(&bytes);
+        return status;
+    }
     if (!status && stream->options.format == CONUS_POSE_FORMAT_AUTO) {
         status = find_format_of_matlab(&stream->format, &stream->list, text, &stream->options);
     }
@@ -444,7 +453,7 @@ static conus_status begin_text(conus_pose_stream *stream)
     const char *words = stream->options.columns;
     const struct text head = {stream->lines.data, stream->lines.size};
     bool has_columns =
-        !is_read_whole(stream) || stream->format == CONUS_POSE_FORMAT_ELECTRODES ||
+        !is_read_whole(stream) || stream->columns.pairs || stream->format == CONUS_POSE_FORMAT_ELECTRODES ||
         (stream->format == CONUS_POSE_FORMAT_LIST && (pose_brackets_begin(head) || pose_brackets_are_spoken(head)));
     if (!status && words && words[0] && !has_columns) {
         return fail(CONUS_ERROR_DATA, "\"%.60s\" is for tables, points and electrodes (BIDS), and not for %s", words,
@@ -871,8 +880,13 @@ bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
 
 bool conus_pose_stream_has_ranges(const conus_pose_stream *stream)
 {
-    return stream->candidates.asked.to_target || stream->options.to_target || stream->columns.has[ROLE_NEAR] ||
-           stream->columns.has[ROLE_FAR] || stream->columns.ends_at_target || stream->columns.has[ROLE_DEPTH];
+    const struct columns *columns = &stream->columns;
+    bool found = stream->candidates.asked.to_target || stream->options.to_target || columns->has[ROLE_NEAR] ||
+                 columns->has[ROLE_FAR] || columns->ends_at_target || columns->has[ROLE_DEPTH];
+    for (size_t i = 0; is_read_whole(stream) && i < stream->list.count; i++) {
+        found = found || isfinite(stream->list.rows[i].range[1]);
+    }
+    return found;
 }
 
 bool conus_pose_stream_has_points(const conus_pose_stream *stream)

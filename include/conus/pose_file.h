@@ -256,7 +256,8 @@ CONUS_API bool conus_pose_stream_has_angles(const conus_pose_stream *stream);
 /**
  * Returns whether rows may have a range of their own.
  * @param stream The stream.
- * @return False for a table without the columns near and far and for other formats.
+ * @return False for a table without the columns near and far or targets that are ends, and where everything was read
+ * and no row has one.
  * @threads One at a time for each @p stream.
  * @since 0.1
  */

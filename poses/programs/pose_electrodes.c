@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "poses/rows/columns.h"
+#include "poses/rows/pairs.h"
 #include "poses/rows/pose_row.h"
 
 #include <stdio.h>
@@ -127,6 +128,9 @@ static conus_status read_table(struct reading *reading, conus_pose_list *list, s
     reading->columns.is_bids = true;
     conus_status status = columns_plan(&reading->columns, &is_short, &list->notes,
                                        (struct text){text.data, size ? size : text.size}, reading->options);
+    if (!status && reading->columns.pairs) {
+        return pairs_parse(list, &reading->columns, text, reading->options);
+    }
     for (size_t number = 1; !status && text_line(&text, &line); number++) {
         status = add_contact(reading, line, number);
     }

@@ -167,7 +167,8 @@ struct head {
     struct columns *out;
     const conus_pose_options *options;
     struct columns_words words;
-    struct family named; /* by the user's words */
+    struct family named; /* by the user's words, or BIDS's */
+    bool is_named;       /* by the user's */
     struct text text;
 };
 
@@ -864,7 +865,7 @@ static void list_columns(struct buffer *out, const struct head *head, bool known
 {
     size_t count = 0;
     for (size_t i = 0; i < head->line.given; i++) {
-        bool is_known = head->out->role_of[i] != ROLES || is_kept(head->out, i);
+        bool is_known = head->out->role_of[i] != ROLES || is_kept(head->out, i) || head->out->pairs == i + 1;
         if ((is_known && !known) || count++ >= SHOWN) {
             continue;
         }
@@ -911,7 +912,7 @@ static conus_status refuse(struct head *head)
 static void refuse_lone_end(struct head *head)
 {
     struct columns *out = head->out;
-    for (size_t i = 0; out->is_of_points && !head->words.at[0].size && i < head->line.given; i++) {
+    for (size_t i = 0; out->is_of_points && !head->is_named && i < head->line.given; i++) {
         struct text rest = head->text;
         struct table_line line;
         bool is_called = text_is_one_of(text_from(head->names[i]), "target/entry", true) && out->role_of[i] == ROLES;
@@ -933,29 +934,38 @@ static void refuse_lone_end(struct head *head)
     }
 }
 
-/* A column whose cells are all entry, target and the like makes two rows one axis, which is not what points are. */
-static void refuse_pairs(struct head *head)
+enum columns_end columns_end_of(struct text cell)
+{
+    return text_is_one_of(cell, "entry/from/start", false)    ? END_ENTRY
+           : text_is_one_of(cell, "target/to/tip/end", false) ? END_TARGET
+                                                              : END_NONE;
+}
+
+/* A column whose cells are all entry, target and the like makes one axis of two rows with one name. */
+static void find_pairs(struct head *head)
 {
     struct columns *out = head->out;
-    struct table_line line;
-    for (size_t column = 0; out->is_of_points && column < out->count; column++) {
+    for (size_t column = 0; out->is_of_points && !head->is_named && column < out->count; column++) {
         struct text rest = head->text;
-        bool all = out->role_of[column] >= ROLE_NAME;
-        bool has_entry = false;
-        bool has_target = false;
-        while (all && next_row(&line, &rest, head)) {
-            bool is_entry = text_is_one_of(cell_at(&line, column), "entry/from/start", false);
-            bool is_target = text_is_one_of(cell_at(&line, column), "target/to/tip/end", false);
-            all = is_entry || is_target;
-            has_entry = has_entry || is_entry;
-            has_target = has_target || is_target;
+        struct table_line line;
+        size_t found[3] = {0}; /* by enum columns_end */
+        while (out->role_of[column] >= ROLE_NAME && !found[END_NONE] && next_row(&line, &rest, head)) {
+            found[columns_end_of(cell_at(&line, column))]++;
         }
-        if (all && has_entry && has_target) {
-            FAULT(head,
-                  "column \"%.*s\" has an entry and a target in two rows: one row with the columns entry_x … and "
-                  "target_x … is an axis",
-                  POSE_QUOTE(head->line.cells[column]));
+        if (found[END_NONE] || !found[END_ENTRY] || !found[END_TARGET]) {
+            continue;
         }
+        if (out->role_of[column] == ROLE_CONTACT) {
+            drop_role(head, ROLE_CONTACT);
+        }
+        if (out->role_of[column] == ROLE_NAME || !out->has[ROLE_NAME]) {
+            FAULT(
+                head,
+                "column \"%.*s\" has an entry and a target in two rows, and no column says by a name which two belong "
+                "together",
+                POSE_QUOTE(head->line.cells[column]));
+        }
+        out->pairs = column + 1;
     }
 }
 
@@ -1020,6 +1030,7 @@ static void find_columns(struct head *head)
     memset(out->has, 0, sizeof out->has);
     out->scale = 0;
     out->said = (struct space_words){0};
+    out->pairs = 0;
     out->space = head->options->space;
     for (size_t i = 0; i < head->line.count; i++) {
         head->unit[i] = normalise(head->names[i], head->line.cells[i]);
@@ -1049,12 +1060,13 @@ static void find_columns(struct head *head)
         take_family(head, find_named(head), ROLE_X, "x y z");
         out->is_of_points = true;
         find_spaces(head);
+        find_pairs(head);
         return;
     }
     find_roles(head);
     find_spaces(head);
     choose_families(head);
-    refuse_pairs(head);
+    find_pairs(head);
     refuse_lone_end(head);
 }
 
@@ -1623,6 +1635,15 @@ static void count_row(struct census *census, const struct head *head, const conu
     }
 }
 
+conus_status columns_refuse_short(size_t count, size_t axes, double longest)
+{
+    return fail(
+        CONUS_ERROR_DATA,
+        "%zu of %zu axes from entry to target are shorter than %g mm: are they planned and reached positions, or "
+        "two spaces?",
+        count, axes, longest / 20);
+}
+
 static conus_status judge(const struct census *c, const struct head *head, struct notes *notes, double longest,
                           const char *first_fault)
 {
@@ -1666,10 +1687,7 @@ static conus_status judge(const struct census *c, const struct head *head, struc
             c->shallow, c->points);
     }
     if (is_known && c->axes && 2 * c->short_axes >= c->axes) {
-        return fail(CONUS_ERROR_DATA,
-                    "%zu of %zu axes from entry to target are shorter than %g mm: are they planned and reached "
-                    "positions, or two spaces?",
-                    c->short_axes, c->axes, longest / 20);
+        return columns_refuse_short(c->short_axes, c->axes, longest);
     }
     conus_status status = CONUS_OK;
     if (is_list && of_people && is_known && !is_said && c->farthest < longest / 14) {
@@ -1769,6 +1787,7 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
         memory_free(head);
         return status;
     }
+    head->is_named = head->words.at[0].size;
     if (out->is_bids) {
         static const char *const xyz[3] = {"x", "y", "z"};
         for (int k = 0; k < 3; k++) {

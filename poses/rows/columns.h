@@ -75,9 +75,11 @@ struct columns {
     struct space_words said; /**< What titles, comments and headers say. */
     bool has_unit;           /**< The file names it, */
     bool is_own_unit;        /**< or the user. */
-    bool ends_at_target;     /**< Axes end there, not only point there (target_x, but not tx). */
-    bool moves;              /**< Positions of MNI 305 are moved to MNI 152. */
-    size_t heard_lines;      /**< Lines of the head, whose words are in @p said. */
+    size_t pairs; /**< From 1: the column that says whether a row is an entry or the target of its name (pairs.h); 0 =
+                     none does. */
+    bool ends_at_target; /**< Axes end there, not only point there (target_x, but not tx). */
+    bool moves;          /**< Positions of MNI 305 are moved to MNI 152. */
+    size_t heard_lines;  /**< Lines of the head, whose words are in @p said. */
 };
 
 /** Reads the head of a text: its first lines, @p all of them or TABLE_HEAD bytes. CONUS_ERROR_DATA with what it is
@@ -100,6 +102,13 @@ struct pose_name {
     char own[POSE_ID_LIMIT + 1];
     struct kept_text kept[POSE_KEPT_LIMIT]; /**< Inside the line; text.data NULL: there is none. */
 };
+
+/** Which end of an axis a cell of columns.pairs says that its row is. */
+enum columns_end { END_NONE, END_ENTRY, END_TARGET };
+enum columns_end columns_end_of(struct text cell);
+
+/** CONUS_ERROR_DATA: so many of the axes are shorter than 1/20 of the @p longest edge. */
+conus_status columns_refuse_short(size_t count, size_t axes, double longest);
 
 /** What a line is. */
 enum columns_line {
