@@ -5,6 +5,7 @@
 
 #include "base/buffer.h"
 #include "base/child/hdf5.h"
+#include "base/formats/encoding.h"
 #include "base/formats/matlab.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -171,8 +172,8 @@ struct conus_pose_stream {
     struct text text;
     struct pose_lines lines;
     struct columns columns;
-    struct buffer decoded; /* a line that is no UTF-8, as UTF-8 */
-    bool is_windows;       /* there was one */
+    char *decoded;   /* a line that is no UTF-8, as UTF-8 */
+    bool is_windows; /* there was one */
     struct passed passed[LINE_KINDS];
     conus_pose_list block; /* rows of the last block that were read line by line or made */
     struct pose_candidates candidates;
@@ -191,26 +192,17 @@ static conus_status fail_of(const conus_pose_stream *stream, conus_status status
 /* A text that is no UTF-8 is one of Windows-1252, as spreadsheets write it; of other bytes it stays as it is. */
 static conus_status decode(struct text *text, conus_pose_stream *stream)
 {
-    struct buffer *out = &stream->decoded;
     if (text_is_utf8(*text) || memchr(text->data, '\0', text->size)) {
         return CONUS_OK;
     }
-    out->size = 0;
-    for (size_t i = 0; i < text->size; i++) {
-        struct text rest = {text->data + i, text->size - i};
-        size_t length = text_character(rest);
-        char letter[4];
-        size_t size = length ? 0 : text_from_windows(letter, (unsigned char)rest.data[0]);
-        buffer_append(out, length ? rest.data : letter, length ? length : size);
-        i += length ? length - 1 : 0;
-    }
-    *text = (struct text){out->data, out->size};
-    conus_status status = buffer_status(out);
-    if (!status && !stream->is_windows) {
+    memory_free(stream->decoded);
+    stream->decoded = NULL;
+    conus_status status = encoding_decode(&stream->decoded, text, NULL);
+    if (stream->decoded && !stream->is_windows) {
         stream->is_windows = true;
         status = notes_add(&stream->list.notes, "the text is not UTF-8: it is read as Windows-1252");
     }
-    return status;
+    return status == CONUS_ERROR_DATA ? CONUS_OK : status;
 }
 
 /* The lines that are there, without one that is not whole. */
@@ -499,7 +491,7 @@ const char *pose_path_name(const char *path)
 
 static conus_status open_path(conus_pose_stream *stream, const char *path)
 {
-    size_t length = is_stdin(path) ? 0 : columns_path_length(path);
+    size_t length = is_stdin(path) ? 0 : conus_pose_path_length(path);
     bool has_words = path && length && path[length];
     stream->name =
         has_words ? memory_text(path, length) : memory_text(pose_path_name(path), strlen(pose_path_name(path)));
@@ -614,7 +606,7 @@ void conus_pose_stream_destroy(conus_pose_stream *stream)
     pose_candidates_finish(&stream->candidates);
     pose_list_finish(&stream->list);
     buffer_finish(&stream->names.text);
-    buffer_finish(&stream->decoded);
+    memory_free(stream->decoded);
     memory_free(stream->name);
     memory_free(stream);
 }
@@ -901,11 +893,6 @@ bool conus_pose_stream_has_points(const conus_pose_stream *stream)
 const char *conus_pose_stream_electrodes(const conus_pose_stream *stream)
 {
     return conus_pose_list_electrodes(&stream->list);
-}
-
-size_t conus_pose_path_length(const char *path)
-{
-    return columns_path_length(path);
 }
 
 uint64_t pose_stream_position(const conus_pose_stream *stream)

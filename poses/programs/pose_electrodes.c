@@ -33,11 +33,6 @@ struct reading {
     size_t absent, first_absent; /* rows without a position, and the line of the first */
 };
 
-static bool is_absent(struct text field)
-{
-    return !field.size || text_equal(field, "n/a");
-}
-
 /* Where a column of this name is among those of tabs; TABLE_CELLS: nowhere. */
 static size_t find_column(struct text line, const char *name)
 {
@@ -101,7 +96,7 @@ static conus_status add_contact(struct reading *reading, struct text line, size_
         stem.size--;
     }
     struct text digits = {contact.name.size ? contact.name.data + stem.size : "", contact.name.size - stem.size};
-    contact.shaft = is_absent(group) ? stem : group;
+    contact.shaft = columns_is_absent(group) ? stem : group;
     if (!text_to_uint(digits, UINT64_MAX, &contact.number)) {
         contact.number = reading->count + 1;
     }

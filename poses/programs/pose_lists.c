@@ -264,7 +264,7 @@ static conus_status parse_elc(conus_pose_list *list, struct text text)
     (void)text_line(&unit, &unit);
     unit =
         text_trim(unit.size ? (struct text){unit.data + sizeof unit_key - 1, unit.size - sizeof unit_key + 1} : unit);
-    double scale = text_equal(unit, "mm") ? 1 : text_equal(unit, "cm") ? 10 : text_equal(unit, "m") ? 1000 : 0;
+    double scale = space_unit_mm(unit);
     struct text labels = section(text, "Labels");
     struct text positions = section(text, "Positions");
     struct text line;

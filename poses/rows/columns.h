@@ -49,9 +49,6 @@ struct columns_words {
 /** Reads them; CONUS_ERROR_ARGUMENT for a word that is none, or only some of x, y and z. @p text NULL: none. */
 conus_status columns_words_parse(struct columns_words *out, const char *text);
 
-/** Length of the path that such words stand behind; all of it where there are none. */
-size_t columns_path_length(const char *path);
-
 /** What is known of a table when its head was read. */
 struct columns {
     struct table table;
@@ -102,6 +99,9 @@ struct pose_name {
     char own[POSE_ID_LIMIT + 1];
     struct kept_text kept[POSE_KEPT_LIMIT]; /**< Inside the line; text.data NULL: there is none. */
 };
+
+/** Whether a cell says nothing: n/a, NA, none, dashes. */
+bool columns_is_absent(struct text cell);
 
 /** Which end of an axis a cell of columns.pairs says that its row is. */
 enum columns_end { END_NONE, END_ENTRY, END_TARGET };
