@@ -301,7 +301,7 @@ bool space_words_hear_cell(struct space_words *words, struct text cell, bool str
     *words = (struct space_words){0};
     if (is_of_space(cell, strong)) {
         hear_sentence(words, cell, true);
-    } else if (!strong && space_brain_named(cell)) { /* as BIDS calls it */
+    } else if (!strong && !text_equal_ignoring_case(cell, "n/a") && space_brain_named(cell)) { /* as BIDS calls it */
         words->space = pose_space_named(cell, space_brain_named(cell));
         snprintf(words->heard, sizeof words->heard, "%.*s", TEXT_SHOW(cell, sizeof words->heard - 1));
     }
