@@ -225,6 +225,11 @@ static enum table_comma join(enum table_comma a, enum table_comma b)
                                       : TABLE_COMMA_UNCLEAR; /* they contradict each other */
 }
 
+void table_add_comma(struct table *table, struct text cell)
+{
+    table->comma = join(table->comma, is_number(cell) ? comma_of(cell) : TABLE_COMMA_UNKNOWN);
+}
+
 enum { NUMBERS = 3 }; /* of a row, at least */
 
 /* How many lines have the most frequent number of cells, with three numbers among them. */
@@ -263,7 +268,7 @@ static void look_at_rows(struct table *table, struct text head)
         table->first = table->first || line.count != table->cells ? table->first : number;
         for (size_t i = 0; i < line.count; i++) {
             enum table_comma comma = is_number(line.cells[i]) ? comma_of(line.cells[i]) : TABLE_COMMA_UNKNOWN;
-            table->comma = join(table->comma, comma);
+            table_add_comma(table, line.cells[i]);
             has_decimal = has_decimal || comma == TABLE_COMMA_DECIMAL;
             has_thousands = has_thousands || comma == TABLE_COMMA_THOUSANDS;
         }

@@ -2,6 +2,7 @@
 /* Parses Brainsight's export, section by section. */
 #include "poses/programs/pose_programs.h"
 
+#include "base/formats/table.h"
 #include "base/geometry/math3.h"
 #include "poses/rows/pose_row.h"
 
@@ -34,7 +35,8 @@ struct reading {
     size_t rows[KINDS]; /* of each kind, in the whole file */
     size_t passed_over; /* rows of other sections */
     size_t line;
-    bool counting; /* only `rows` is wanted */
+    bool counting;      /* only `rows` and the comma of `table` are wanted */
+    struct table table; /* what a comma is in its numbers */
 };
 
 static bool has_prefix(struct text text, const char *prefix, struct text *rest)
@@ -168,10 +170,11 @@ static conus_status split_row(struct text fields[COLUMNS], struct text *name, co
     return CONUS_OK;
 }
 
-static conus_status read_numbers(double *out, const struct text *fields, int first, int count)
+static conus_status read_numbers(double *out, const struct reading *reading, const struct text *fields, int first,
+                                 int count)
 {
     for (int i = first; i < first + count; i++) {
-        if (!text_to_double(fields[i], &out[i - first]) || !isfinite(out[i - first])) {
+        if (!table_number(&out[i - first], &reading->table, fields[i]) || !isfinite(out[i - first])) {
             return pose_no_number(names[i], fields[i]);
         }
     }
@@ -183,7 +186,7 @@ static conus_status read_matrix(conus_pose *out, const struct reading *reading, 
                                 const double position[3])
 {
     double axes[9];
-    conus_status status = read_numbers(axes, fields, M00, 9);
+    conus_status status = read_numbers(axes, reading, fields, M00, 9);
     if (status) {
         return status;
     }
@@ -198,7 +201,7 @@ static conus_status read_matrix(conus_pose *out, const struct reading *reading, 
 static conus_status read_pose(conus_pose_row *row, const struct reading *reading, const struct text *fields)
 {
     double position[3];
-    conus_status status = read_numbers(position, fields, X, 3);
+    conus_status status = read_numbers(position, reading, fields, X, 3);
     row->time_s = pose_clock(fields[DATE], fields[CLOCK]);
     if (status) {
         return status;
@@ -237,6 +240,10 @@ static conus_status read_row(struct reading *reading, struct text line)
         return CONUS_OK;
     }
     if (reading->counting) {
+        struct text field;
+        for (bool more = true; text_field(&line, '\t', &more, &field);) {
+            table_add_comma(&reading->table, field);
+        }
         reading->rows[reading->kind]++;
         return CONUS_OK;
     }
