@@ -73,8 +73,10 @@ static conus_status add_contact(struct reading *reading, struct text line, size_
     struct contact contact = {.row = pose_row_at(number), .next = reading->count, .previous = reading->count};
     conus_status bad = CONUS_OK;
     enum columns_line kind = columns_read(&contact.row, &name, &bad, &reading->columns, line, number, reading->options);
-    if (kind == LINE_NOTHING || kind == LINE_AGAIN || !table_split(&cells, &reading->columns.table, line)) {
-        return CONUS_OK;
+    conus_status late =
+        kind == LINE_ROW && !bad ? CONUS_OK : columns_hear_late(&reading->columns, line, number, reading->options);
+    if (late || kind == LINE_NOTHING || kind == LINE_AGAIN || !table_split(&cells, &reading->columns.table, line)) {
+        return late;
     }
     if (kind == LINE_ABSENT && !reading->options->all_rows) {
         reading->first_absent = reading->absent++ ? reading->first_absent : number;
