@@ -307,7 +307,8 @@ static void positions_on_a_probe_are_refused(void **state)
 static void contacts_look_along_their_shafts(void **state)
 {
     (void)state;
-    conus_pose_list *list = pose_sample_load("electrodes.tsv", &(conus_pose_options){.along_shafts = true, .all_rows = true});
+    conus_pose_list *list =
+        pose_sample_load("electrodes.tsv", &(conus_pose_options){.along_shafts = true, .all_rows = true});
     static const char *const ids[] = {"LA2", "LA1", "LA10", "", "", "G1", "G2"};
     for (size_t i = 0; i < 7; i++) {
         const double beam[3] = {i < 3 ? -1 : 0, i < 3 ? 0 : 1, 0}; /* LA goes to the left, G forward */
