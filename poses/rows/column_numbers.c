@@ -37,8 +37,9 @@ static int side_of(struct text name)
 static int side_of_row(const struct head *head, struct text text, const char *name, size_t column)
 {
     struct table_line line;
-    return column != COLUMN_NONE && table_split(&line, &head->out->table, text) ? side_of(columns_cell(&line, column))
-                                                                                : side_of(text_from(name));
+    return column != COLUMN_NONE && table_split(&line, &head->out->table, text) && column < line.count
+               ? side_of(line.cells[column])
+               : side_of(text_from(name));
 }
 
 /* The column of a side of the brain: not that of a hand. */
@@ -48,8 +49,8 @@ static size_t find_side_column(const struct head *head)
     static const char neither[] = "midline/mid/both/bilateral/m/b";
     size_t found = COLUMN_NONE;
     for (size_t i = 0; i < head->line.count && found == COLUMN_NONE && head->out->has_header; i++) {
-        struct text rest = head->text;
-        struct table_line line;
+        size_t next = 0;
+        struct head_row row;
         struct text name = text_from(head->names[i]);
         struct text word;
         bool is_called = strstr(head->names[i], "hemi") || strcmp(head->names[i], "side") == 0;
@@ -58,8 +59,8 @@ static size_t find_side_column(const struct head *head)
         while (text_word(&name, &word)) {
             all = all && !text_is_one_of(word, others, false);
         }
-        while (all && columns_next_row(&line, &rest, head)) {
-            const struct text cell = columns_cell(&line, i);
+        while (all && columns_next_row(&row, &next, head)) {
+            const struct text cell = columns_cell(&row, i);
             sides += side_of(cell) != 0;
             all = is_called || columns_is_absent(cell) || side_of(cell) || text_is_one_of(cell, neither, false);
         }

@@ -18,22 +18,17 @@ bool columns_is_absent(struct text cell)
     return !cell.size || text_equal_ignoring_case(cell, "n/a") || text_is_one_of(cell, "NA/none/-/--", false);
 }
 
-/* The next row of the head, with three numbers at least. */
-bool columns_next_row(struct table_line *line, struct text *rest, const struct head *head)
+bool columns_next_row(struct head_row *row, size_t *next, const struct head *head)
 {
-    struct text text;
-    struct text inside;
-    bool found = false;
-    while (!found && text_line(rest, &text)) {
-        found = !table_is_blank(text) && !table_is_comment(&inside, text) &&
-                table_split(line, &head->out->table, text) && table_numbers(line) >= 3;
-    }
+    bool found = *next < head->row_count;
+    *row = found ? head->rows[*next] : *row;
+    *next += found;
     return found;
 }
 
-struct text columns_cell(const struct table_line *line, size_t column)
+struct text columns_cell(const struct head_row *row, size_t column)
 {
-    return column < line->count ? line->cells[column] : (struct text){"", 0};
+    return column < row->count ? row->cells[column] : (struct text){"", 0};
 }
 
 bool columns_has_digit(struct text line)

@@ -20,14 +20,14 @@ static bool is_of_words(struct text *inside, const struct head *head, struct tex
  * another are errors; nothing where some say only how numbers grow. */
 static struct space_words hear_column(const struct head *head, size_t column)
 {
-    struct text rest = head->text;
-    struct table_line line;
+    size_t next = 0;
+    struct head_row row;
     struct space_words best = {0};
     bool all_refused = true;
     bool all_brains = true;
-    while (columns_next_row(&line, &rest, head)) {
+    while (columns_next_row(&row, &next, head)) {
         struct space_words own;
-        const struct text cell = columns_cell(&line, column);
+        const struct text cell = columns_cell(&row, column);
         bool is_heard = space_words_hear_cell(&own, cell, false);
         bool is_better = !best.heard[0] || (best.why && !own.why) ||
                          (own.space.brain == POSE_BRAIN_MNI152 && best.space.brain != POSE_BRAIN_MNI152);
@@ -44,11 +44,11 @@ static conus_status hear_rows(struct head *head)
     struct columns *out = head->out;
     struct space_words *said = &out->said;
     for (size_t i = 0; i < out->count; i++) {
-        struct text rest = head->text;
-        struct table_line line;
-        while (out->role_of[i] == ROLE_UNIT && columns_next_row(&line, &rest, head)) {
+        size_t next = 0;
+        struct head_row row;
+        while (out->role_of[i] == ROLE_UNIT && columns_next_row(&row, &next, head)) {
             space_words_hear_of(said,
-                                space_unit_mm(columns_cell(&line, i)) != 0 ? columns_cell(&line, i) : text_from(""));
+                                space_unit_mm(columns_cell(&row, i)) != 0 ? columns_cell(&row, i) : text_from(""));
         }
         const struct space_words own =
             out->role_of[i] == ROLE_SPACE && !head->options->any_space ? hear_column(head, i) : (struct space_words){0};

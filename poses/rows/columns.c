@@ -530,14 +530,14 @@ static void drop_role(struct head *head, enum role role)
 /* Whether the column is 0 in all rows of the head. */
 static bool is_all_zero(const struct head *head, enum role role)
 {
-    struct text rest = head->text;
-    struct table_line line;
+    size_t next = 0;
+    struct head_row row;
     bool all = true;
-    while (columns_next_row(&line, &rest, head)) {
-        for (size_t i = 0; i < line.count && i < head->out->count; i++) {
+    while (columns_next_row(&row, &next, head)) {
+        for (size_t i = 0; i < row.count && i < head->out->count; i++) {
             double value;
             all = all && (head->out->role_of[i] != role ||
-                          (table_number(&value, &head->out->table, line.cells[i]) && value == 0));
+                          (table_number(&value, &head->out->table, row.cells[i]) && value == 0));
         }
     }
     return all;
@@ -667,7 +667,7 @@ static void choose_families(struct head *head)
         FAULT(head, "x y z are needed, and only, without m00...m33");
     }
     if (!has_matrix && !position) {
-        FAULT(head, "%s", is_on_its_side(head) ? on_its_side : "x y z are needed: no columns say where rows are");
+        FAULT(head, "%s", head->is_on_its_side ? on_its_side : "x y z are needed: no columns say where rows are");
         for (size_t i = 0; i < head->family_count; i++) {
             const struct family *family = &head->families[i];
             if (family->kind == UNKNOWN || family->kind == TURNED) {
@@ -710,14 +710,14 @@ static conus_status find_row_names(struct head *head, struct notes *notes)
     enum { COMPARED = 500 };
     for (size_t column = 0; !out->has[ROLE_NAME] && column < out->count; column++) {
         struct text seen[COMPARED];
-        struct text rest = head->text;
-        struct table_line line;
+        size_t next = 0;
+        struct head_row row;
         size_t rows = 0;
         bool fits = out->role_of[column] == ROLES;
         bool is_index = column == 0 && !head->line.cells[0].size;
-        while (fits && rows < COMPARED && columns_next_row(&line, &rest, head)) {
+        while (fits && rows < COMPARED && columns_next_row(&row, &next, head)) {
             double value;
-            struct text cell = columns_cell(&line, column);
+            struct text cell = columns_cell(&row, column);
             bool is_number = table_number(&value, &out->table, cell);
             fits = cell.size && (is_index ? !is_number || (value == floor(value) && fabs(value) < 1e9) : !is_number);
             for (size_t i = 0; fits && i < rows; i++) {
@@ -832,14 +832,14 @@ static void refuse_lone_end(struct head *head)
 {
     struct columns *out = head->out;
     for (size_t i = 0; out->is_of_points && !head->is_named && i < head->line.given; i++) {
-        struct text rest = head->text;
-        struct table_line line;
+        size_t next = 0;
+        struct head_row row;
         bool is_called = text_is_one_of(text_from(head->names[i]), "target/entry", true) && out->role_of[i] == ROLES;
         bool has_name = false;
-        while (is_called && !has_name && columns_next_row(&line, &rest, head)) {
+        while (is_called && !has_name && columns_next_row(&row, &next, head)) {
             double value;
-            has_name = !columns_is_absent(columns_cell(&line, i)) &&
-                       !table_number(&value, &out->table, columns_cell(&line, i));
+            has_name =
+                !columns_is_absent(columns_cell(&row, i)) && !table_number(&value, &out->table, columns_cell(&row, i));
         }
         if (has_name && out->has[ROLE_NAME] && out->has[ROLE_X]) {
             const char *s = strcmp(head->names[i], "target") == 0 ? "target" : "entry";
@@ -859,11 +859,11 @@ static void find_pairs(struct head *head)
 {
     struct columns *out = head->out;
     for (size_t column = 0; out->is_of_points && !head->is_named && column < out->count; column++) {
-        struct text rest = head->text;
-        struct table_line line;
+        size_t next = 0;
+        struct head_row row;
         size_t found[3] = {0}; /* by enum columns_end */
-        while (out->role_of[column] >= ROLE_NAME && !found[END_NONE] && columns_next_row(&line, &rest, head)) {
-            found[columns_end_of(columns_cell(&line, column))]++;
+        while (out->role_of[column] >= ROLE_NAME && !found[END_NONE] && columns_next_row(&row, &next, head)) {
+            found[columns_end_of(columns_cell(&row, column))]++;
         }
         if (found[END_NONE] || !found[END_ENTRY] || !found[END_TARGET]) {
             continue;
@@ -885,13 +885,13 @@ static void find_pairs(struct head *head)
 /* Whether the cells of a column are words of a space: all of them; in one that is `named` so at least one. */
 static bool is_of_spaces(const struct head *head, size_t column, bool named, bool strong)
 {
-    struct text rest = head->text;
-    struct table_line line;
+    size_t next = 0;
+    struct head_row row;
     size_t heard = 0;
     size_t others = 0;
-    while ((named || !others) && columns_next_row(&line, &rest, head)) {
+    while ((named || !others) && columns_next_row(&row, &next, head)) {
         struct space_words said;
-        const struct text cell = columns_cell(&line, column);
+        const struct text cell = columns_cell(&row, column);
         bool is_one = space_words_hear_cell(&said, cell, strong) || text_is_one_of(cell, "ccf/bregma", false);
         heard += is_one;
         others += !is_one && !columns_is_absent(cell);
@@ -914,14 +914,14 @@ static void find_spaces(struct head *head)
         bool is_space = strcmp(head->names[i], "space") == 0 && !out->is_bids;
         bool is_named = text_is_one_of(name, named, true);
         bool is_unit = text_is_one_of(name, of_units, true);
-        struct text rest = head->text;
-        struct table_line line;
+        size_t next = 0;
+        struct head_row row;
         bool has_unit = false;
         if (out->role_of[i] != ROLES) {
             continue;
         }
-        while (is_unit && !has_unit && columns_next_row(&line, &rest, head)) {
-            has_unit = space_unit_mm(columns_cell(&line, i)) != 0;
+        while (is_unit && !has_unit && columns_next_row(&row, &next, head)) {
+            has_unit = space_unit_mm(columns_cell(&row, i)) != 0;
         }
         if (has_unit) {
             set_role(head, i, ROLE_UNIT);
@@ -1214,7 +1214,7 @@ static conus_status plan_bare(struct head *head)
     out->has_header = false;
     out->count = 0;
     out->is_of_points = true;
-    if (is_on_its_side(head)) {
+    if (head->is_on_its_side) {
         return fail(CONUS_ERROR_DATA, "%s", on_its_side);
     }
     if (is_table || (!has_points(head) && !out->table.cells)) {
@@ -1241,6 +1241,33 @@ static conus_status plan_bare(struct head *head)
                ? CONUS_OK
                : fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",
                       pose_axis_name(options->axis));
+}
+
+/* Takes the rows of the head to pieces, once. */
+static conus_status find_rows(struct head *head)
+{
+    struct text rest = head->text;
+    struct text text;
+    struct text inside;
+    struct table_line line;
+    while (head->text.size - rest.size < TABLE_HEAD && text_line(&rest, &text)) {
+        if (table_is_blank(text) || table_is_comment(&inside, text) || !table_split(&line, &head->out->table, text) ||
+            table_numbers(&line) < 3) {
+            continue;
+        }
+        if (!memory_reserve(&head->rows, &head->row_capacity, head->row_count + 1, sizeof *head->rows) ||
+            !memory_reserve(&head->cells, &head->cell_capacity, head->cell_count + line.count, sizeof *head->cells)) {
+            return CONUS_ERROR_MEMORY;
+        }
+        memcpy(head->cells + head->cell_count, line.cells, line.count * sizeof *line.cells);
+        head->rows[head->row_count++].count = line.count;
+        head->cell_count += line.count;
+    }
+    for (size_t i = 0, at = 0; i < head->row_count; at += head->rows[i++].count) {
+        head->rows[i].cells = head->cells + at; /* which stay where they are from now on */
+    }
+    head->is_on_its_side = is_on_its_side(head);
+    return CONUS_OK;
 }
 
 conus_status columns_plan(struct columns *out, bool *is_short, struct notes *notes, struct text head_text,
@@ -1272,11 +1299,14 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     if (!out->table.cells) {
         decide_by_header(head);
     }
-    out->has_header = options->format != CONUS_POSE_FORMAT_POINTS && find_header(head);
+    status = find_rows(head);
+    out->has_header = !status && options->format != CONUS_POSE_FORMAT_POINTS && find_header(head);
     if (out->has_header && out->table.comma == TABLE_COMMA_UNCLEAR) {
         FAULT(head, "a comma before three digits, or commas of two kinds: 1,250 may be 1250 or 1.25");
     }
-    if (!out->has_header) {
+    if (status) {
+        out->has_header = false;
+    } else if (!out->has_header) {
         status = plan_bare(head);
     } else if (head->line.spoilt.data) {
         status = fail(CONUS_ERROR_DATA, "header: a quotation mark inside a name, or one that is not closed: \"%.*s",
@@ -1306,6 +1336,8 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     out->scale = out->has_unit ? out->scale : 1;
     status = status ? status : columns_check_numbers(head, notes);
     buffer_finish(&head->faults);
+    memory_free(head->rows);
+    memory_free(head->cells);
     memory_free(head);
     return status;
 }

@@ -35,8 +35,19 @@ struct family {
 
 enum { COLUMN_FAMILIES = 64, MATRIX_NUMBERS = 16 };
 
+/** A row of the head, with three numbers at least. */
+struct head_row {
+    const struct text *cells;
+    size_t count;
+};
+
 struct head {
     struct table_line line; /**< The header. */
+    struct head_row *rows;
+    size_t row_count, row_capacity;
+    struct text *cells; /**< Of the rows. */
+    size_t cell_count, cell_capacity;
+    bool is_on_its_side; /**< Rows are called x, y and z. */
     char names[TABLE_CELLS][COLUMN_NAME_SIZE];
     double unit[TABLE_CELLS]; /**< mm, as space_unit_mm(). */
     struct family families[COLUMN_FAMILIES];
@@ -60,11 +71,11 @@ conus_status columns_check_numbers(const struct head *head, struct notes *notes)
 /** @name Lines
  * @{ */
 
-/** Takes the next row of the head from @p rest, with three numbers at least. */
-bool columns_next_row(struct table_line *line, struct text *rest, const struct head *head);
+/** Takes row *next of the head, and adds 1 to that; false past the last. */
+bool columns_next_row(struct head_row *row, size_t *next, const struct head *head);
 
 /** A cell; "" where the line ends before it. */
-struct text columns_cell(const struct table_line *line, size_t column);
+struct text columns_cell(const struct head_row *row, size_t column);
 
 bool columns_has_digit(struct text line);
 
