@@ -703,6 +703,7 @@ static conus_status note_passed(conus_pose_stream *stream)
         [LINE_CLOSING] = "rows called Mean, SD or Total",
         [LINE_AGAIN] = "lines that are the header again",
         [LINE_WORDS] = "lines without a number",
+        [LINE_TITLE] = "titles above the rows",
     };
     const struct passed *absent = &stream->passed[LINE_ABSENT];
     conus_status status = pose_note_absent(&stream->list.notes, absent->count, absent->first);

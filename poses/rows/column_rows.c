@@ -520,7 +520,7 @@ enum columns_line columns_read(conus_pose_row *row, struct pose_name *name, conu
         return LINE_WORDS;
     }
     if (number < columns->table.first && is_title(columns, line)) {
-        return LINE_NOTHING;
+        return LINE_TITLE;
     }
     if (row) {
         *bad = read_bare(row, name, columns, line, options);

@@ -118,6 +118,7 @@ enum columns_line {
     LINE_CLOSING, /**< Mean, SD, Total, N. */
     LINE_AGAIN,   /**< The header again. */
     LINE_WORDS,   /**< Words without a number. */
+    LINE_TITLE,   /**< Words and a number above rows that have no header. */
     LINE_OTHER,   /**< The header of another table. */
     LINE_KINDS
 };
