@@ -72,36 +72,14 @@ static struct text take_bytes(struct text *rest, size_t size)
     return taken;
 }
 
-/* Bytes of the white space that a text begins with: that of ASCII, U+00A0, U+2000 to U+200A, U+202F. */
-static size_t blank_size(struct text text)
-{
-    const unsigned char *u = (const unsigned char *)text.data;
-    if (u[0] == ' ' || (u[0] >= '\t' && u[0] <= '\r')) {
-        return 1;
-    }
-    if (text_starts(text, "\xc2\xa0")) {
-        return 2;
-    }
-    return text_starts(text, "\xe2\x80") && text.size > 2 && ((u[2] >= 0x80 && u[2] <= 0x8a) || u[2] == 0xaf) ? 3 : 0;
-}
-
-static size_t count_digits(struct text text, size_t from)
-{
-    size_t end = from;
-    while (end < text.size && is_digit(text.data[end])) {
-        end++;
-    }
-    return end - from;
-}
-
 /* Finds the piece that a text begins with; false if there is none. */
 static bool find_piece(struct piece *out, struct text text)
 {
     struct piece piece = {0};
     size_t start = text_sign(&piece.sign, text);
-    size_t whole = count_digits(text, start);
+    size_t whole = text_digits(text, start);
     size_t end = start + whole;
-    size_t fraction = end < text.size && text.data[end] == '.' ? 1 + count_digits(text, end + 1) : 0;
+    size_t fraction = end < text.size && text.data[end] == '.' ? 1 + text_digits(text, end + 1) : 0;
     piece.is_plain = !fraction;
     end += fraction;
     if (whole + fraction < 1 + (size_t)(whole == 0)) {
@@ -110,7 +88,7 @@ static bool find_piece(struct piece *out, struct text text)
     if (end < text.size && (text.data[end] == 'e' || text.data[end] == 'E')) {
         size_t at = end + 1;
         at += at < text.size && (text.data[at] == '-' || text.data[at] == '+');
-        size_t exponent = count_digits(text, at);
+        size_t exponent = text_digits(text, at);
         piece.is_plain = piece.is_plain && !exponent;
         end = exponent ? at + exponent : end;
     }
@@ -174,7 +152,7 @@ static void take_word(struct scan *scan)
     while (size < rest.size && (is_letter(rest.data[size]) || is_digit(rest.data[size]))) {
         size++;
     }
-    bool is_before_digits = scan->letters_first && size > 1 && count_digits(rest, 1) == size - 1;
+    bool is_before_digits = scan->letters_first && size > 1 && text_digits(rest, 1) == size - 1;
     struct text word = take_bytes(&scan->rest, is_before_digits && is_side((struct text){rest.data, 1}) ? 1 : size);
     bool is_name = text_is_one_of(word, "x/y/z", false);
     scan->after_word = true;
@@ -221,7 +199,7 @@ static void scan_text(struct scan *scan)
 {
     while (scan->rest.size) {
         struct piece piece;
-        size_t blank = blank_size(scan->rest);
+        size_t blank = text_blank(scan->rest);
         size_t character = text_character(scan->rest);
         if (blank) {
             take_bytes(&scan->rest, blank);
@@ -247,7 +225,7 @@ static enum numbers_comma judge_commas(bool *is_neither, const struct piece *pie
     bool is_decimal = run->end - run->first == 2 && first->is_plain && pieces[run->first + 1].is_plain;
     bool is_grouped = first->is_plain && first->digits.size <= 3 && first->digits.data[0] != '0';
     for (size_t i = run->first + 1; i < run->end; i++) {
-        is_grouped = is_grouped && count_digits(pieces[i].digits, 0) == 3 && (pieces[i].is_plain || i + 1 == run->end);
+        is_grouped = is_grouped && text_digits(pieces[i].digits, 0) == 3 && (pieces[i].is_plain || i + 1 == run->end);
     }
     *is_neither = !is_decimal && !is_grouped;
     return is_decimal == is_grouped ? NUMBERS_COMMA_UNKNOWN : is_decimal ? NUMBERS_COMMA_DECIMAL : NUMBERS_COMMA_GROUPS;

@@ -102,6 +102,34 @@ bool text_word(struct text *rest, struct text *word)
     return length > 0;
 }
 
+size_t text_blank(struct text text)
+{
+    const unsigned char *u = (const unsigned char *)text.data;
+    if (!text.size || u[0] == ' ' || (u[0] >= '\t' && u[0] <= '\r')) {
+        return text.size > 0;
+    }
+    if (text_starts(text, "\xc2\xa0")) {
+        return 2;
+    }
+    return text_starts(text, "\xe2\x80") && text.size > 2 && ((u[2] >= 0x80 && u[2] <= 0x8a) || u[2] == 0xaf) ? 3 : 0;
+}
+
+size_t text_minus(struct text text)
+{
+    char sign;
+    size_t size = text_sign(&sign, text);
+    return sign == '-' ? size : 0;
+}
+
+size_t text_digits(struct text text, size_t from)
+{
+    size_t end = from;
+    while (end < text.size && text.data[end] >= '0' && text.data[end] <= '9') {
+        end++;
+    }
+    return end - from;
+}
+
 struct text text_trim(struct text text)
 {
     while (text.size && is_space(text.data[0])) {

@@ -52,6 +52,16 @@ bool text_quoted_field(struct text *rest, char separator, bool *more, struct tex
 /** Takes the next run without white space off @p rest. False when only white space is left. */
 bool text_word(struct text *rest, struct text *word);
 
+/** Bytes of the white space that @p text begins with, one character: that of ASCII, U+00A0, U+2000 to U+200A, U+202F;
+ * 0 for none. */
+size_t text_blank(struct text text);
+
+/** Bytes of the minus that @p text begins with: ASCII's, U+2212, U+2013, U+2011, U+00AD; 0 for none. */
+size_t text_minus(struct text text);
+
+/** How many digits there are from @p from on. */
+size_t text_digits(struct text text, size_t from);
+
 /** @p text without white space at both ends. */
 struct text text_trim(struct text text);
 

@@ -5,6 +5,7 @@
 
 #include "base/buffer.h"
 #include "base/child/hdf5.h"
+#include "base/formats/encoding.h"
 #include "base/formats/matlab.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -19,6 +20,7 @@
 #include "poses/pose_candidates.h"
 #include "poses/programs/pose_programs.h"
 #include "poses/rows/columns.h"
+#include "poses/rows/pairs.h"
 #include "poses/rows/pose_lines.h"
 #include "poses/rows/pose_list.h"
 #include "poses/rows/pose_row.h"
@@ -171,8 +173,8 @@ struct conus_pose_stream {
     struct text text;
     struct pose_lines lines;
     struct columns columns;
-    struct buffer decoded; /* a line that is no UTF-8, as UTF-8 */
-    bool is_windows;       /* there was one */
+    char *decoded;   /* a line that is no UTF-8, as UTF-8 */
+    bool is_windows; /* there was one */
     struct passed passed[LINE_KINDS];
     conus_pose_list block; /* rows of the last block that were read line by line or made */
     struct pose_candidates candidates;
@@ -192,26 +194,17 @@ static conus_status fail_of(const conus_pose_stream *stream, conus_status status
 /* A text that is no UTF-8 is one of Windows-1252, as spreadsheets write it; of other bytes it stays as it is. */
 static conus_status decode(struct text *text, conus_pose_stream *stream)
 {
-    struct buffer *out = &stream->decoded;
     if (text_is_utf8(*text) || memchr(text->data, '\0', text->size)) {
         return CONUS_OK;
     }
-    out->size = 0;
-    for (size_t i = 0; i < text->size; i++) {
-        struct text rest = {text->data + i, text->size - i};
-        size_t length = text_character(rest);
-        char letter[4];
-        size_t size = length ? 0 : text_from_windows(letter, (unsigned char)rest.data[0]);
-        buffer_append(out, length ? rest.data : letter, length ? length : size);
-        i += length ? length - 1 : 0;
-    }
-    *text = (struct text){out->data, out->size};
-    conus_status status = buffer_status(out);
-    if (!status && !stream->is_windows) {
+    memory_free(stream->decoded);
+    stream->decoded = NULL;
+    conus_status status = encoding_decode(&stream->decoded, text, NULL);
+    if (stream->decoded && !stream->is_windows) {
         stream->is_windows = true;
         status = notes_add(&stream->list.notes, "the text is not UTF-8: it is read as Windows-1252");
     }
-    return status;
+    return status == CONUS_ERROR_DATA ? CONUS_OK : status;
 }
 
 /* The lines that are there, without one that is not whole. */
@@ -313,10 +306,12 @@ static conus_status plan_table(conus_pose_stream *stream)
         }
     }
     if (!status && !stream->list.space.name[0]) {
-        stream->list.space = stream->columns.said.space;
+        stream->list.space = columns_space(&stream->columns);
     }
     bool is_points = !status && !stream->columns.has_header;
-    stream->format = is_points ? CONUS_POSE_FORMAT_POINTS : stream->format;
+    stream->format = is_points               ? CONUS_POSE_FORMAT_POINTS
+                     : stream->columns.pairs ? CONUS_POSE_FORMAT_LIST
+                                             : stream->format;
     return status;
 }
 
@@ -393,6 +388,19 @@ static conus_status note_extent(conus_pose_stream *stream)
                       source[0] ? " says" : "");
 }
 
+static conus_status move_from_mni305(conus_pose_stream *stream)
+{
+    conus_pose_list *list = &stream->list;
+    if (!space_moves(&list->space, &stream->options)) {
+        return CONUS_OK;
+    }
+    for (size_t i = 0; i < list->count; i++) {
+        space_move_from_mni305(list->rows[i].pose.world_from_device + 12);
+    }
+    list->space.brain = POSE_BRAIN_MNI152;
+    return space_note_move(&list->notes, &list->space);
+}
+
 static conus_status read_whole(conus_pose_stream *stream)
 {
     struct bytes bytes = {0};
@@ -401,14 +409,21 @@ static conus_status read_whole(conus_pose_stream *stream)
             ? pose_coordsystem_find(&stream->list, stream->path)
             : CONUS_OK;
     status = status ? status : pose_lines_rest(&bytes, &stream->lines, pose_memory(&stream->options));
-    const struct text text = {(const char *)bytes.data, bytes.size};
+    struct text text = {(const char *)bytes.data, bytes.size};
+    if (!status && stream->columns.pairs) {
+        status = decode(&text, stream);
+        status = status ? status : pairs_parse(&stream->list, &stream->columns, text, &stream->options);
+        bytes_finish(&bytes);
+        return status;
+    }
     if (!status && stream->options.format == CONUS_POSE_FORMAT_AUTO) {
         status = find_format_of_matlab(&stream->format, &stream->list, text, &stream->options);
     }
     bool is_read = !stream->options.format && stream->format == CONUS_POSE_FORMAT_LEAD_DBS;
-    bool is_json = stream->format == CONUS_POSE_FORMAT_MARKUPS && text.size && text.data[0] != '#'; /* .fcsv */
+    const struct text json = pose_brackets_behind_comments(text);
+    bool is_json = stream->format == CONUS_POSE_FORMAT_MARKUPS && json.size && json.data[0] == '{'; /* no .fcsv */
     if (!status && !stream->options.format && is_json) {
-        status = pose_json_find(&stream->format, text);
+        status = pose_json_find(&stream->format, json);
     }
     /* Positions in the CCF or from bregma are of tables, points, IBL and NWB; other programs' files are of people. */
     if (!status && stream->options.space >= CONUS_SPACE_CCF && !is_of_rodents(stream->format)) {
@@ -417,6 +432,7 @@ static conus_status read_whole(conus_pose_stream *stream)
                       conus_pose_format_name(stream->format), conus_space_name((size_t)stream->options.space));
     }
     status = status || is_read ? status : formats[stream->format].parse(&stream->list, text, &stream->options);
+    status = status ? status : move_from_mni305(stream);
     status = status || !stream->list.is_cap ? status : cap_check(&stream->list);
     if (!status && stream->format == CONUS_POSE_FORMAT_ELECTRODES) {
         /* The table as it is, for an answer that adds columns to it. */
@@ -453,13 +469,14 @@ static conus_status begin_text(conus_pose_stream *stream)
     bool of_columns = words.at[0].size || words.name.size || words.unit > 0;
     const struct text head = {stream->lines.data, stream->lines.size};
     bool has_columns =
-        !is_read_whole(stream) || stream->format == CONUS_POSE_FORMAT_ELECTRODES ||
+        !is_read_whole(stream) || stream->columns.pairs || stream->format == CONUS_POSE_FORMAT_ELECTRODES ||
         (stream->format == CONUS_POSE_FORMAT_LIST && (pose_brackets_begin(head) || pose_brackets_are_spoken(head)));
     if (!status && of_columns && !has_columns) {
         return fail(CONUS_ERROR_DATA, "\"%.60s\" is for tables, points and electrodes (BIDS), and not for %s", text,
                     conus_pose_format_name(stream->format));
     }
-    return status || !is_read_whole(stream) ? status : read_whole(stream);
+    status = status || !is_read_whole(stream) ? status : read_whole(stream);
+    return status || stream->options.any_space ? status : pose_coordsystem_hear_name(&stream->list, stream->path);
 }
 
 static conus_status fail_errno(const char *action)
@@ -498,7 +515,7 @@ const char *pose_path_name(const char *path)
 
 static conus_status open_path(conus_pose_stream *stream, const char *path)
 {
-    size_t length = is_stdin(path) ? 0 : columns_path_length(path);
+    size_t length = is_stdin(path) ? 0 : conus_pose_path_length(path);
     bool has_words = path && length && path[length];
     stream->name =
         has_words ? memory_text(path, length) : memory_text(pose_path_name(path), strlen(pose_path_name(path)));
@@ -614,7 +631,7 @@ void conus_pose_stream_destroy(conus_pose_stream *stream)
     pose_list_finish(&stream->list);
     pose_list_finish(&stream->head);
     buffer_finish(&stream->names.text);
-    buffer_finish(&stream->decoded);
+    memory_free(stream->decoded);
     memory_free(stream->name);
     memory_free(stream);
 }
@@ -663,8 +680,11 @@ static conus_status next_row(conus_pose_row *row, struct pose_name *name, conus_
         enum columns_line kind =
             line.too_long ? LINE_NOTHING
                           : columns_read(row, name, bad, &stream->columns, line.text, line.number, &stream->options);
-        if (kind == LINE_ROW) {
-            return CONUS_OK;
+        if (passed && !line.too_long && (kind != LINE_ROW || *bad)) {
+            status = columns_hear_late(&stream->columns, line.text, line.number, &stream->options);
+        }
+        if (status || kind == LINE_ROW) {
+            return status;
         }
         if (passed && kind == LINE_OTHER) {
             return fail(CONUS_ERROR_DATA,
@@ -705,12 +725,13 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
 static conus_status note_passed(conus_pose_stream *stream)
 {
     static const char *const kinds[LINE_KINDS] = {
-        [LINE_ABSENT] = "rows without coordinates (n/a)",
         [LINE_CLOSING] = "rows called Mean, SD or Total",
         [LINE_AGAIN] = "lines that are the header again",
         [LINE_WORDS] = "lines without a number",
+        [LINE_TITLE] = "titles above the rows",
     };
-    conus_status status = CONUS_OK;
+    const struct passed *absent = &stream->passed[LINE_ABSENT];
+    conus_status status = pose_note_absent(&stream->list.notes, absent->count, absent->first);
     for (size_t kind = 0; kind < LINE_KINDS; kind++) {
         const struct passed *passed = &stream->passed[kind];
         if (kinds[kind] && passed->count && !status) {
@@ -875,8 +896,13 @@ bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
 
 bool conus_pose_stream_has_ranges(const conus_pose_stream *stream)
 {
-    return stream->candidates.asked.to_target || stream->options.to_target || stream->columns.has[ROLE_NEAR] ||
-           stream->columns.has[ROLE_FAR] || stream->columns.ends_at_target || stream->columns.has[ROLE_DEPTH];
+    const struct columns *columns = &stream->columns;
+    bool found = stream->candidates.asked.to_target || stream->options.to_target || columns->has[ROLE_NEAR] ||
+                 columns->has[ROLE_FAR] || columns->ends_at_target || columns->has[ROLE_DEPTH];
+    for (size_t i = 0; is_read_whole(stream) && i < stream->list.count; i++) {
+        found = found || isfinite(stream->list.rows[i].range[1]);
+    }
+    return found;
 }
 
 bool conus_pose_stream_has_points(const conus_pose_stream *stream)
@@ -896,11 +922,6 @@ const conus_pose_list *conus_pose_stream_head(const conus_pose_stream *stream)
 const char *conus_pose_stream_electrodes(const conus_pose_stream *stream)
 {
     return conus_pose_list_electrodes(&stream->list);
-}
-
-size_t conus_pose_path_length(const char *path)
-{
-    return columns_path_length(path);
 }
 
 uint64_t pose_stream_position(const conus_pose_stream *stream)

@@ -85,6 +85,7 @@ static int open_poses(struct batch_task *task)
                                                        atlas, settings->atlas.max_memory);
     options.keep = task->marks.names = task->kept.at;
     options.keep_count = task->marks.count = task->kept.count;
+    options.all_rows = task->format == CONUS_FORMAT_BIDS || format_is_of_probe(task->format);
     int code = batch_shard(&task->shard, settings);
     if (code) {
         return code;

@@ -100,6 +100,7 @@ int request_load_poses(struct request *request)
 {
     const char *path = request->settings->aim.pose;
     conus_pose_options options = request_pose_options(request);
+    options.all_rows = request->format == CONUS_FORMAT_BIDS || format_is_of_probe(request->format);
     if (request->kept) {
         options.keep = request->marks.names = request->kept->at;
         options.keep_count = request->marks.count = request->kept->count;

@@ -132,7 +132,7 @@ conus_pose_options pose_settings_options(const struct pose_file_settings *settin
                                 .aperture = aim ? aim->aperture : 0,
                                 .longest = longest_edge(atlas),
                                 .any_space = settings->any_space,
-                                .atlas = atlas,
+                                .of_mni305 = atlas && conus_atlas_brain(atlas).brain == CONUS_BRAIN_MNI305,
                                 .axis = (conus_axis)settings->axis,
                                 .format = (conus_pose_format)settings->format,
                                 .along_shafts = settings->along_shafts,

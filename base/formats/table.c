@@ -6,37 +6,23 @@
 
 static const char marks[TABLE_SEPARATORS] = {'\t', ';', '|', ',', ' ', ' '};
 
-/* Characters of UTF-8 that typesetting puts for a space and for a minus. */
-static const char *const spaces[] = {"\xc2\xa0", "\xe2\x80\xaf", "\xe2\x80\x89", "\xe2\x80\x87", "\xe2\x80\x8a"};
-static const char *const minuses[] = {"\xe2\x88\x92", "\xe2\x80\x93", "\xe2\x80\x91", "\xc2\xad"};
-
 static struct text behind(struct text text, size_t size)
 {
     return (struct text){text.data + size, text.size - size};
 }
 
-/* Length of the one of `these` that the text begins, or ends, with; 0 for none. */
-static size_t length_of(struct text text, const char *const *these, size_t count, bool at_end)
-{
-    for (size_t i = 0; i < count; i++) {
-        size_t size = strlen(these[i]);
-        if (text.size >= size && memcmp(text.data + (at_end ? text.size - size : 0), these[i], size) == 0) {
-            return size;
-        }
-    }
-    return 0;
-}
-
-enum { SPACES = sizeof spaces / sizeof spaces[0], MINUSES = sizeof minuses / sizeof minuses[0] };
-
 struct text table_trim(struct text text)
 {
     text = text_trim(text);
-    while (text.size && (unsigned char)text.data[0] >= 0x80 && length_of(text, spaces, SPACES, false)) {
-        text = text_trim(behind(text, length_of(text, spaces, SPACES, false)));
+    while (text.size && (unsigned char)text.data[0] >= 0x80 && text_blank(text)) {
+        text = text_trim(behind(text, text_blank(text)));
     }
-    while (text.size && (unsigned char)text.data[text.size - 1] >= 0x80 && length_of(text, spaces, SPACES, true)) {
-        text = text_trim((struct text){text.data, text.size - length_of(text, spaces, SPACES, true)});
+    for (size_t size = 2; size <= 3;) { /* of the last character */
+        bool is_blank = text.size >= size && (unsigned char)text.data[text.size - 1] >= 0x80 &&
+                        text_blank(behind(text, text.size - size)) == size;
+        text.size -= is_blank ? size : 0;
+        text = is_blank ? text_trim(text) : text;
+        size = is_blank ? 2 : size + 1;
     }
     return text;
 }
@@ -91,7 +77,7 @@ static bool next_word(struct text *rest, struct text *word)
     struct text whole = *rest = table_trim(*rest);
     bool found = text_word(rest, word);
     for (size_t i = 1; i < word->size; i++) {
-        if ((unsigned char)word->data[i] >= 0x80 && length_of(behind(*word, i), spaces, SPACES, false)) {
+        if ((unsigned char)word->data[i] >= 0x80 && text_blank(behind(*word, i))) {
             *word = (struct text){word->data, i};
             *rest = behind(whole, i);
         }
@@ -150,45 +136,29 @@ bool table_split(struct table_line *out, const struct table *table, struct text 
     return true;
 }
 
-static bool is_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
-/* Digits from there on. */
-static size_t digits_at(struct text text, size_t at)
-{
-    size_t count = 0;
-    while (at + count < text.size && is_digit(text.data[at + count])) {
-        count++;
-    }
-    return count;
-}
-
 /* What the commas of a cell that is a number by them say of themselves; TABLE_COMMA_UNKNOWN without one or of others.
  */
 static enum table_comma comma_of(struct text cell)
 {
-    size_t minus = length_of(cell, minuses, MINUSES, false);
-    minus = minus ? minus : cell.size && strchr("+-", cell.data[0]) != NULL;
-    cell = behind(cell, minus);
+    size_t minus = text_minus(cell);
+    cell = behind(cell, minus ? minus : text_starts(cell, "+"));
     const char *comma = cell.size ? memchr(cell.data, ',', cell.size) : NULL;
-    size_t first = digits_at(cell, 0);
+    size_t first = text_digits(cell, 0);
     if (!comma || cell.data + first != comma) {
         return TABLE_COMMA_UNKNOWN;
     }
     size_t groups = 0;
     size_t at = first;
-    while (at < cell.size && cell.data[at] == ',' && digits_at(cell, at + 1) == 3) {
+    while (at < cell.size && cell.data[at] == ',' && text_digits(cell, at + 1) == 3) {
         at += 4;
         groups++;
     }
     bool is_grouped = groups && first >= 1 && first <= 3 && !(first == 1 && cell.data[0] == '0');
-    bool has_point = at < cell.size && cell.data[at] == '.' && at + 1 + digits_at(cell, at + 1) == cell.size;
+    bool has_point = at < cell.size && cell.data[at] == '.' && at + 1 + text_digits(cell, at + 1) == cell.size;
     if (is_grouped && (at == cell.size || has_point)) {
         return groups > 1 || has_point ? TABLE_COMMA_THOUSANDS : TABLE_COMMA_UNCLEAR;
     }
-    size_t decimals = digits_at(cell, first + 1);
+    size_t decimals = text_digits(cell, first + 1);
     at = first + 1 + decimals;
     bool has_exponent = at < cell.size && (cell.data[at] == 'e' || cell.data[at] == 'E');
     return decimals && (at == cell.size || has_exponent) ? TABLE_COMMA_DECIMAL : TABLE_COMMA_UNKNOWN;
@@ -199,8 +169,8 @@ static bool read_odd_number(double *out, const struct table *table, struct text 
 {
     char copy[64];
     size_t size = 0;
-    size_t minus = length_of(cell, minuses, MINUSES, false);
-    if (minus && minus < cell.size && (is_digit(cell.data[minus]) || strchr(".,", cell.data[minus]))) {
+    size_t minus = text_minus(cell);
+    if (minus && (text_digits(cell, minus) || (minus < cell.size && strchr(".,", cell.data[minus])))) {
         copy[size++] = '-';
         cell = behind(cell, minus);
     }
@@ -255,6 +225,11 @@ static enum table_comma join(enum table_comma a, enum table_comma b)
                                       : TABLE_COMMA_UNCLEAR; /* they contradict each other */
 }
 
+void table_add_comma(struct table *table, struct text cell)
+{
+    table->comma = join(table->comma, is_number(cell) ? comma_of(cell) : TABLE_COMMA_UNKNOWN);
+}
+
 enum { NUMBERS = 3 }; /* of a row, at least */
 
 /* How many lines have the most frequent number of cells, with three numbers among them. */
@@ -293,7 +268,7 @@ static void look_at_rows(struct table *table, struct text head)
         table->first = table->first || line.count != table->cells ? table->first : number;
         for (size_t i = 0; i < line.count; i++) {
             enum table_comma comma = is_number(line.cells[i]) ? comma_of(line.cells[i]) : TABLE_COMMA_UNKNOWN;
-            table->comma = join(table->comma, comma);
+            table_add_comma(table, line.cells[i]);
             has_decimal = has_decimal || comma == TABLE_COMMA_DECIMAL;
             has_thousands = has_thousands || comma == TABLE_COMMA_THOUSANDS;
         }

@@ -57,6 +57,9 @@ bool table_split(struct table_line *out, const struct table *table, struct text 
 /** How many cells are numbers. */
 size_t table_numbers(const struct table_line *line);
 
+/** Adds to table->comma what the comma of a cell says, if that is a number. */
+void table_add_comma(struct table *table, struct text cell);
+
 /** A number as tables have them: with a typographic minus (U+2212, U+2013, U+2011, U+00AD) before a digit, between
  * no-break and thin spaces, with the table's comma. False for anything else; NaN and infinities are numbers. */
 bool table_number(double *out, const struct table *table, struct text cell);

@@ -86,17 +86,18 @@ typedef struct conus_pose_options {
     const char *const *keep;  /**< [keep_count] Names of columns of a table whose texts are in conus_pose_row.kept. They
                                  must live until the file is opened. */
     size_t keep_count;        /**< How many, up to 64; 0 = none. Another format than a table with a header has none. */
-    double longest; /**< Longest edge of the atlas, mm, by which numbers are judged (micrometres, centimetres); 0 = not
-                       known: that of a head. */
+    double longest; /**< Longest edge of the atlas, mm, by which numbers of tables and lists are judged (micrometres,
+                       centimetres, sides); 0 = not known: what needs it is not asked of a table. */
     const char *columns; /**< Of a table, beating what is said below and in the file: "x=COLUMN,y=COLUMN,z=COLUMN" of
                             points, "name=COLUMN", "unit=mm" (um, cm, m), "sides=anyway", with commas between, in any
                             order; NULL = none. A path may end in it, too: "FILE,x=COLUMN,...". */
     double unit;    /**< mm per unit of the numbers in a table, as the caller knows it; 0 = as the file says, or that of
                        the space. */
-    bool any_space; /**< What titles, comments and headers say of the space is not heard. */
-    const conus_atlas *atlas; /**< Where the positions will be asked about: where it lies in MNI 305, positions that are
-                                 said to be there are not moved to MNI 152. Not used once the file is open. NULL = it
-                                 lies elsewhere. */
+    bool any_space; /**< What titles, comments, headers and columns say of the brain is not heard. */
+    bool of_mni305; /**< The atlas is of MNI 305: positions of that brain stay where they are, and are not moved to MNI
+                       152. */
+    bool all_rows; /**< #CONUS_POSE_FORMAT_ELECTRODES: a contact without a position (n/a) is a row with an error, for an
+                      answer that has a row for each row of the table; otherwise it is passed over, with a note. */
 } conus_pose_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -255,7 +256,8 @@ CONUS_API bool conus_pose_stream_has_angles(const conus_pose_stream *stream);
 /**
  * Returns whether rows may have a range of their own.
  * @param stream The stream.
- * @return False for a table without the columns near and far and for other formats.
+ * @return False for a table without the columns near and far or targets that are ends, and where everything was read
+ * and no row has one.
  * @threads One at a time for each @p stream.
  * @since 0.1
  */

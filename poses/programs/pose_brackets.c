@@ -56,6 +56,14 @@ static void sheet_comment(struct buffer *sheet, struct text words)
     buffer_text(sheet, "\n");
 }
 
+static void sheet_comments(struct buffer *sheet, struct text lines)
+{
+    struct text line;
+    while (text_line(&lines, &line)) {
+        sheet_comment(sheet, line);
+    }
+}
+
 /* Reads the sheet, and ends it. Its second line is line 1. @p why: what is wrong with a line that is no row. */
 static conus_status sheet_read(conus_pose_list *list, struct buffer *sheet, const conus_pose_options *asked,
                                const char *why)
@@ -67,11 +75,13 @@ static conus_status sheet_read(conus_pose_list *list, struct buffer *sheet, cons
     struct text rest = {sheet->data, sheet->size};
     struct text line;
     struct text inside;
+    size_t absent = 0;
+    size_t first_absent = 0;
     options.keep_count = 0;
     options.format = CONUS_POSE_FORMAT_AUTO;
     status = status ? status : columns_plan(&columns, &is_short, &list->notes, rest, &options);
-    if (!status && columns.said.space.name[0] && !list->space.name[0]) {
-        list->space = columns.said.space;
+    if (!status && !list->space.name[0]) {
+        list->space = columns_space(&columns);
     }
     for (size_t number = 1; !status && text_line(&rest, &line); number++) {
         conus_pose_row row = pose_row_at(number - 1);
@@ -82,14 +92,19 @@ static conus_status sheet_read(conus_pose_list *list, struct buffer *sheet, cons
         }
         enum columns_line kind = columns_read(&row, &name, &bad, &columns, line, number, &options);
         row.line = number - 1;
-        status = pose_list_add(list, &row, name.text, kind != LINE_ROW ? why : bad ? conus_message() : NULL);
+        first_absent = kind == LINE_ABSENT && !absent++ ? row.line : first_absent;
+        status = kind == LINE_ABSENT ? CONUS_OK
+                                     : pose_list_add(list, &row, name.text,
+                                                     kind != LINE_ROW ? why
+                                                     : bad            ? conus_message()
+                                                                      : NULL);
     }
+    status = status ? status : pose_note_absent(&list->notes, absent, first_absent);
     buffer_finish(sheet);
     return status;
 }
 
-/* Behind lines of comments and empty ones. */
-static struct text behind_comments(struct text text)
+struct text pose_brackets_behind_comments(struct text text)
 {
     struct text rest = text;
     struct text line;
@@ -104,7 +119,7 @@ static struct text behind_comments(struct text text)
 static struct text opened(struct text text)
 {
     static const char name[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
-    struct text rest = behind_comments(text);
+    struct text rest = pose_brackets_behind_comments(text);
     const char *equals = rest.size ? memchr(rest.data, '=', rest.size) : NULL;
     struct text before = {rest.data, equals ? (size_t)(equals - rest.data) : 0};
     if (equals && text_has_only(text_trim(before), name)) {
@@ -132,17 +147,6 @@ struct reading {
     struct buffer sheet; /* of points */
     struct buffer comments;
 };
-
-static conus_status add_point(conus_pose_list *list, const conus_pose_options *options, const double point[3],
-                              struct text id, conus_status bad)
-{
-    conus_pose_row row = pose_row_at(list->count + 1);
-    double world[3];
-    row.is_point = true;
-    bad = bad ? bad : conus_frame_to_world(world, options->frame, point);
-    bad = bad ? bad : pose_of_point(&row.pose, world);
-    return pose_list_add(list, &row, id, bad ? conus_message() : NULL);
-}
 
 /* Three numbers are a point; four rows of four a matrix. */
 static conus_status end_row(struct reading *reading)
@@ -245,7 +249,7 @@ static void find_comments(struct buffer *comments, struct text text, struct text
             sheet_comment(comments, (struct text){mark + 1, (size_t)(line.data + line.size - mark) - 1});
         }
     }
-    name = behind_comments(name);
+    name = pose_brackets_behind_comments(name);
     sheet_comment(comments, name);
     for (size_t i = 0, size; i < name.size; i += size + 1) {
         size = 0;
@@ -273,7 +277,7 @@ static conus_status hear_of_matrices(struct reading *reading, struct text commen
     }
     reading->list->space = said.space;
     reading->space = said.has_signs ? said.signs : reading->options->space;
-    return said.why || said.are_two || said.is_mni305 || (said.mm > 0 && said.mm != 1)
+    return said.why || said.are_two || (said.mm > 0 && said.mm != 1)
                ? fail(CONUS_ERROR_DATA, "matrices in brackets that are said to be \"%s\": RAS or LPS mm are needed",
                       said.heard[0] ? said.heard : "in another unit than mm")
                : CONUS_OK;
@@ -413,7 +417,7 @@ struct cells {
     struct table table;
     size_t at, name; /* columns of the positions and of the names, SIZE_MAX = no names */
     size_t count;    /* columns that could be the positions */
-    struct text header;
+    size_t headers;  /* lines of it */
 };
 
 static bool cell_point(double point[3], struct text cell)
@@ -432,35 +436,40 @@ static bool next_line(struct text *rest, struct text *line)
     return found;
 }
 
-/* Looks at the header and the first row: the row has fewer than three bare numbers, unless the header calls the column
- * coordinates. */
+/* Looks at the header, of one line or two (SPM), and the first row: the row has fewer than three bare numbers, unless
+ * the header calls the column coordinates. */
 static bool find_cells(struct cells *out, struct text head)
 {
+    enum { HEADERS = 2 };
     struct table_line names;
     struct table_line row;
     struct text rest = head;
-    struct text first;
     struct text line;
-    bool has_both = next_line(&rest, &first) && next_line(&rest, &line);
-    for (enum table_separator mark = TABLE_TABS; has_both && mark <= TABLE_COMMAS; mark++) {
-        *out = (struct cells){.table.separator = mark, .at = SIZE_MAX, .name = SIZE_MAX, .header = first};
-        bool fits = table_split(&names, &out->table, first) && table_split(&row, &out->table, line) &&
-                    names.count == row.count && row.count > 1;
-        bool is_bare = fits && table_numbers(&row) < 3;
-        for (size_t i = 0; fits && i < row.count; i++) {
-            double point[3];
-            double number;
-            bool is_called = text_contains(names.cells[i], text_from("coord")) ||
-                             text_contains(names.cells[i], text_from("x, y, z"));
-            if (cell_point(point, row.cells[i]) && !cell_point(point, names.cells[i]) && (is_bare || is_called)) {
-                out->at = i;
-                out->count++;
-            } else if (out->name == SIZE_MAX && row.cells[i].size && !text_to_double(row.cells[i], &number)) {
-                out->name = i;
+    struct text above = {"", 0};
+    bool has_both = next_line(&rest, &above);
+    for (size_t header = 0; has_both && header < HEADERS; header++, above = line) {
+        has_both = next_line(&rest, &line);
+        for (enum table_separator mark = TABLE_TABS; has_both && mark <= TABLE_COMMAS; mark++) {
+            *out = (struct cells){.table.separator = mark, .at = SIZE_MAX, .name = SIZE_MAX, .headers = header + 1};
+            bool fits = table_split(&names, &out->table, above) && table_split(&row, &out->table, line) &&
+                        names.count == row.count && row.count > 1;
+            bool is_bare = fits && table_numbers(&row) < 3;
+            for (size_t i = 0; fits && i < row.count; i++) {
+                double point[3];
+                double number;
+                bool is_called = text_contains(names.cells[i], text_from("coord")) ||
+                                 text_contains(names.cells[i], text_from("x, y, z")) ||
+                                 text_contains(names.cells[i], text_from("x,y,z"));
+                if (cell_point(point, row.cells[i]) && !cell_point(point, names.cells[i]) && (is_bare || is_called)) {
+                    out->at = i;
+                    out->count++;
+                } else if (out->name == SIZE_MAX && row.cells[i].size && !text_to_double(row.cells[i], &number)) {
+                    out->name = i;
+                }
             }
-        }
-        if (out->count) {
-            return true;
+            if (out->count) {
+                return true;
+            }
         }
     }
     return false;
@@ -476,40 +485,31 @@ static conus_status parse_cells(conus_pose_list *list, struct text text, const c
 {
     struct cells cells;
     struct table_line row;
+    struct buffer sheet = {0};
     struct text line;
-    conus_status status = find_cells(&cells, text) && cells.count == 1
-                              ? CONUS_OK
-                              : fail(CONUS_ERROR_DATA, "several columns with three numbers in a cell: which are the "
-                                                       "positions? Take the others out");
-    struct space_words said = {0};
-    if (!status && !options->any_space) {
-        struct text rest = text;
-        struct text inside;
-        space_words_hear(&said, cells.header);
-        while (text_line(&rest, &line)) {
-            if (table_is_comment(&inside, line)) {
-                space_words_hear(&said, inside);
-            }
-        }
-        list->space = said.space;
-        status = (options->unit > 0 && options->unit != 1) || said.why || said.mm > 1 || said.mm < 0 ||
-                         said.has_signs || said.is_mni305
-                     ? fail(CONUS_ERROR_DATA,
-                            "the header says \"%s\" of coordinates in one cell: give x, y and z columns of their own",
-                            said.heard)
-                     : CONUS_OK;
+    struct text inside;
+    if (!find_cells(&cells, text) || cells.count != 1) {
+        return fail(CONUS_ERROR_DATA, "several columns with three numbers in a cell: which are the positions? Take the "
+                                      "others out");
     }
-    (void)next_line(&text, &line); /* the header */
-    while (!status && next_line(&text, &line)) {
+    sheet_header(&sheet, options, false);
+    for (size_t above = cells.headers; text_line(&text, &line);) {
         double point[3] = {0};
-        bool fits = table_split(&row, &cells.table, line) && cells.at < row.count;
-        conus_status bad = fits && cell_point(point, row.cells[cells.at])
-                               ? CONUS_OK
-                               : fail(CONUS_ERROR_DATA, "no cell of three numbers");
-        struct text name = fits && cells.name < row.count ? row.cells[cells.name] : (struct text){"", 0};
-        status = add_point(list, options, point, name, bad);
+        bool is_blank = table_is_blank(line);
+        if (table_is_comment(&inside, line) || (!is_blank && above)) {
+            above -= !is_blank && !table_is_comment(&inside, line);
+            sheet_comment(&sheet, inside);
+        } else if (is_blank) {
+            buffer_text(&sheet, "\n");
+        } else if (table_split(&row, &cells.table, line) && cells.at < row.count &&
+                   cell_point(point, row.cells[cells.at])) {
+            sheet_point(&sheet, cells.name < row.count ? row.cells[cells.name] : (struct text){"", 0}, point);
+            buffer_text(&sheet, "\n");
+        } else {
+            buffer_text(&sheet, "?\n");
+        }
     }
-    return status;
+    return sheet_read(list, &sheet, options, "no cell of three numbers");
 }
 
 /* Three numbers of a list. */
@@ -610,12 +610,13 @@ static void sheet_value(struct buffer *sheet, const json_t *value)
 }
 
 /* [{"name": "M1", "x": 1, "y": 2, "z": 3}]: each is a row, its keys are columns, those of "coordinates" among them. */
-static conus_status parse_objects(conus_pose_list *list, json_t *objects, bool is_freeview,
+static conus_status parse_objects(conus_pose_list *list, json_t *objects, bool is_freeview, struct text above,
                                   const conus_pose_options *options)
 {
     struct keys keys = {0};
     struct buffer sheet = {0};
     struct buffer comments = {0};
+    sheet_comments(&comments, above);
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < json_array_size(objects); i++) {
         json_t *object = json_array_get(objects, i);
@@ -652,7 +653,7 @@ static conus_status parse_objects(conus_pose_list *list, json_t *objects, bool i
 }
 
 /* {"M1": [1, 2, 3]} */
-static conus_status parse_map(conus_pose_list *list, json_t *root, const conus_pose_options *options)
+static conus_status parse_map(conus_pose_list *list, json_t *root, struct text above, const conus_pose_options *options)
 {
     struct buffer sheet = {0};
     sheet_header(&sheet, options, false);
@@ -671,6 +672,7 @@ static conus_status parse_map(conus_pose_list *list, json_t *root, const conus_p
         sheet_point(&sheet, key, point);
         buffer_text(&sheet, "\n");
     }
+    sheet_comments(&sheet, above);
     return sheet_read(list, &sheet, options, "three numbers are needed");
 }
 
@@ -686,13 +688,15 @@ conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const 
     if (pose_brackets_in_cells(text)) {
         return parse_cells(list, text, options);
     }
-    conus_status status = json_text_load(&root, text);
+    const struct text json = pose_brackets_behind_comments(text);
+    const struct text above = {text.data, (size_t)(json.data - text.data)};
+    conus_status status = json_text_load(&root, json);
     bool is_freeview = pose_brackets_json(root) == BRACKETS_FREEVIEW;
     status = status || !is_freeview ? status : set_freeview_space(list, root, options->any_space);
     if (!status) {
-        status = is_freeview            ? parse_objects(list, json_object_get(root, "points"), true, options)
-                 : json_is_object(root) ? parse_map(list, root, options)
-                                        : parse_objects(list, root, false, options);
+        status = is_freeview            ? parse_objects(list, json_object_get(root, "points"), true, above, options)
+                 : json_is_object(root) ? parse_map(list, root, above, options)
+                                        : parse_objects(list, root, false, above, options);
     }
     json_decref(root);
     return status;

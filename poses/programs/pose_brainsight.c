@@ -2,6 +2,7 @@
 /* Parses Brainsight's export, section by section. */
 #include "poses/programs/pose_programs.h"
 
+#include "base/formats/table.h"
 #include "base/geometry/math3.h"
 #include "poses/rows/named_cells.h"
 #include "poses/rows/pose_row.h"
@@ -31,7 +32,7 @@ struct reading {
     size_t rows[KINDS]; /* of each kind, in the whole file */
     size_t passed_over; /* rows of other sections */
     size_t line;
-    bool counting; /* only `rows` is wanted */
+    bool counting; /* only `rows`, and what a comma is in its numbers, are wanted */
 };
 
 static bool has_prefix(struct text text, const char *prefix, struct text *rest)
@@ -179,6 +180,10 @@ static conus_status read_row(struct reading *reading, struct text line)
         return CONUS_OK;
     }
     if (reading->counting) {
+        struct text field;
+        for (bool more = true; text_field(&line, '\t', &more, &field);) {
+            table_add_comma(&reading->cells.table, field);
+        }
         reading->rows[reading->kind]++;
         return CONUS_OK;
     }

@@ -8,10 +8,10 @@
 #include "base/formats/json_text.h"
 #include "base/memory.h"
 #include "poses/rows/pose_row.h"
+#include "poses/rows/space_words.h"
 
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 /* Tables of positions, and whose system theirs is where a file has several, the first best. */
 static const struct {
@@ -24,49 +24,13 @@ static const char system_ending[] = "coordsystem.json";
 
 enum { FILE_LIMIT = 1 << 20 };
 
-/* BIDS, appendix on coordinate systems; names that laboratories give to a subject's own; those of FreeSurfer's
- * surfaces, which count from the middle of the voxels, not as the scanner does. */
-static const struct {
-    const char *prefix; /* of the name, or of what is behind its last "_" (sub-01_T1w); in any case */
-    enum pose_brain brain;
-} spaces[] = {
-    {"MNI152", POSE_BRAIN_MNI152},      {"Talairach", POSE_BRAIN_TALAIRACH},
-    {"MNI305", POSE_BRAIN_MNI305},      {"MNIColin27", POSE_BRAIN_COLIN27},
-    {"fsaverage", POSE_BRAIN_MNI305},   {"fsLR", POSE_BRAIN_TEMPLATE},
-    {"ICBM452", POSE_BRAIN_TEMPLATE},   {"IXI549", POSE_BRAIN_TEMPLATE},
-    {"NIHPD", POSE_BRAIN_TEMPLATE},     {"OASIS30", POSE_BRAIN_TEMPLATE},
-    {"UNCInfant", POSE_BRAIN_TEMPLATE}, {"ScanRAS", POSE_BRAIN_SUBJECT},
-    {"scanner", POSE_BRAIN_SUBJECT},    {"individual", POSE_BRAIN_SUBJECT},
-    {"ACPC", POSE_BRAIN_SUBJECT},       {"fsnative", POSE_BRAIN_SUBJECT},
-    {"native", POSE_BRAIN_SUBJECT},     {"subject", POSE_BRAIN_SUBJECT},
-    {"patient", POSE_BRAIN_SUBJECT},    {"anat", POSE_BRAIN_SUBJECT},
-    {"orig", POSE_BRAIN_SUBJECT},       {"T1", POSE_BRAIN_SUBJECT},
-    {"T2", POSE_BRAIN_SUBJECT},         {"FLAIR", POSE_BRAIN_SUBJECT},
-    {"CT", POSE_BRAIN_SUBJECT},         {"tk", POSE_BRAIN_OTHER},
-    {"surface", POSE_BRAIN_OTHER},      {"FreeSurfer", POSE_BRAIN_OTHER},
-    {"n/a", POSE_BRAIN_OTHER},
-};
-
-static enum pose_brain brain_of(struct text name)
-{
-    for (size_t i = 0; i < sizeof spaces / sizeof spaces[0]; i++) {
-        size_t length = strlen(spaces[i].prefix);
-        if (name.size >= length && strncasecmp(name.data, spaces[i].prefix, length) == 0) {
-            return spaces[i].brain;
-        }
-    }
-    const char *last = text_last(name, '_');
-    size_t skipped = last ? (size_t)(last + 1 - name.data) : 0;
-    return last ? brain_of((struct text){last + 1, name.size - skipped}) : POSE_BRAIN_UNKNOWN;
-}
-
 /* Systems of a head or a helmet, with origins and axes of their own, and pixels: no image's world. */
 static const char *const others[] = {"Pixels",     "CTF",     "ElektaNeuromag", "4DBti",    "KitYokogawa",
                                      "ChietiItab", "CapTrak", "EEGLAB",         "EEGLAB-HJ"};
 
 static conus_status set_space(struct pose_space *out, struct text name)
 {
-    *out = pose_space_named(name, brain_of(name));
+    *out = pose_space_named(name, space_brain_named(name));
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         if (text_equal_ignoring_case(name, others[i])) {
             return fail(CONUS_ERROR_DATA,
@@ -134,8 +98,8 @@ conus_status pose_coordsystem_parse(struct pose_space *out, struct text text, co
     status = status ? status : find_modality(&modality, root, modalities);
     status = status ? status : set_space(&space, value_of(root, modality, "CoordinateSystem"));
     struct text units = status ? (struct text){"", 0} : value_of(root, modality, "CoordinateUnits");
-    space.scale = pose_unit(units, "mm/cm/m");
-    if (!status && space.scale == 0) {
+    space.scale = space_unit_mm(units);
+    if (!status && !(space.scale > 0)) {
         status = fail(CONUS_ERROR_DATA, "%.*sCoordinateUnits \"%.*s\", allowed are mm, cm and m", POSE_QUOTE(modality),
                       POSE_QUOTE(units));
     }
@@ -189,21 +153,34 @@ static struct text space_in_name(const char *path)
     for (bool more = true; text_field(&rest, '_', &more, &entity);) {
         if (text_starts(entity, "space-")) {
             enum { SKIPPED = sizeof "space-" - 1 };
+            const char *end = memchr(entity.data, '.', entity.size);
+            entity.size = end ? (size_t)(end - entity.data) : entity.size;
             return (struct text){entity.data + SKIPPED, entity.size - SKIPPED};
         }
     }
     return (struct text){"", 0};
 }
 
-/* The file's space counts; a table whose name states another one may not be what the file describes. */
-static conus_status note_other_space(conus_pose_list *list, const char *path)
+conus_status pose_coordsystem_hear_name(conus_pose_list *list, const char *path)
 {
-    struct text name = space_in_name(path);
-    enum pose_brain brain = brain_of(name);
-    return brain == POSE_BRAIN_UNKNOWN || brain == list->space.brain
-               ? CONUS_OK
-               : notes_warn(&list->notes, "its name says space \"%.*s\", but %s says \"%s\", which is taken",
-                            POSE_QUOTE(name), path_base(list->coordsystem), list->space.name);
+    struct text name = path ? space_in_name(path) : (struct text){"", 0};
+    enum pose_brain brain = space_brain_named(name);
+    if (!name.size || list->space.is_of_path) {
+        return CONUS_OK;
+    }
+    if (list->space.name[0]) { /* the content counts; a table whose name states another one may not be what it is of */
+        bool is_same = brain == list->space.brain || brain == space_brain_named(text_from(list->space.name));
+        return brain == POSE_BRAIN_UNKNOWN || is_same
+                   ? CONUS_OK
+                   : notes_warn(&list->notes, "its name says space \"%.*s\", but %s says \"%s\", which is taken",
+                                POSE_QUOTE(name), list->coordsystem ? path_base(list->coordsystem) : "the file itself",
+                                list->space.name);
+    }
+    const double scale = list->space.scale;
+    conus_status status = set_space(&list->space, name);
+    list->space.scale = scale;
+    list->space.is_of_path = true;
+    return status;
 }
 
 conus_status pose_coordsystem_find(conus_pose_list *list, const char *path)
@@ -223,12 +200,11 @@ conus_status pose_coordsystem_find(conus_pose_list *list, const char *path)
         if (file_exists(beside)) {
             list->coordsystem = beside;
             conus_status status = load_system(list, beside, modalities);
-            return status ? status : note_other_space(list, path);
+            return status;
         }
         memory_free(beside);
     }
-    struct text name = space_in_name(path);
-    conus_status status = name.size ? set_space(&list->space, name) : CONUS_OK;
+    conus_status status = pose_coordsystem_hear_name(list, path);
     bool is_named = list->space.name[0];
     return status ? status
                   : notes_put(&list->notes, is_named ? CONUS_SEVERITY_NOTE : CONUS_SEVERITY_WARNING,

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "poses/rows/columns.h"
+#include "poses/rows/pairs.h"
 #include "poses/rows/pose_row.h"
 
 #include <stdio.h>
@@ -29,12 +30,8 @@ struct reading {
     size_t group, probe_name; /* columns; TABLE_CELLS: not there */
     struct contact *contacts;
     size_t count, capacity;
+    size_t absent, first_absent; /* rows without a position, and the line of the first */
 };
-
-static bool is_absent(struct text field)
-{
-    return !field.size || text_equal(field, "n/a");
-}
 
 /* Where a column of this name is among those of tabs; TABLE_CELLS: nowhere. */
 static size_t find_column(struct text line, const char *name)
@@ -76,7 +73,13 @@ static conus_status add_contact(struct reading *reading, struct text line, size_
     struct contact contact = {.row = pose_row_at(number), .next = reading->count, .previous = reading->count};
     conus_status bad = CONUS_OK;
     enum columns_line kind = columns_read(&contact.row, &name, &bad, &reading->columns, line, number, reading->options);
-    if (kind == LINE_NOTHING || kind == LINE_AGAIN || !table_split(&cells, &reading->columns.table, line)) {
+    conus_status late =
+        kind == LINE_ROW && !bad ? CONUS_OK : columns_hear_late(&reading->columns, line, number, reading->options);
+    if (late || kind == LINE_NOTHING || kind == LINE_AGAIN || !table_split(&cells, &reading->columns.table, line)) {
+        return late;
+    }
+    if (kind == LINE_ABSENT && !reading->options->all_rows) {
+        reading->first_absent = reading->absent++ ? reading->first_absent : number;
         return CONUS_OK;
     }
     if (kind != LINE_ROW) { /* an answer has as many rows as the table */
@@ -95,7 +98,7 @@ static conus_status add_contact(struct reading *reading, struct text line, size_
         stem.size--;
     }
     struct text digits = {contact.name.size ? contact.name.data + stem.size : "", contact.name.size - stem.size};
-    contact.shaft = is_absent(group) ? stem : group;
+    contact.shaft = columns_is_absent(group) ? stem : group;
     if (!text_to_uint(digits, UINT64_MAX, &contact.number)) {
         contact.number = reading->count + 1;
     }
@@ -122,6 +125,9 @@ static conus_status read_table(struct reading *reading, conus_pose_list *list, s
     reading->columns.is_bids = true;
     conus_status status = columns_plan(&reading->columns, &is_short, &list->notes,
                                        (struct text){text.data, size ? size : text.size}, reading->options);
+    if (!status && reading->columns.pairs) {
+        return pairs_parse(list, &reading->columns, text, reading->options);
+    }
     for (size_t number = 1; !status && text_line(&text, &line); number++) {
         status = add_contact(reading, line, number);
     }
@@ -200,8 +206,10 @@ conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, cons
             fail(CONUS_ERROR_DATA, "column probe_name: a table of BEP032 without a *_coordsystem.json, whose x, y, z "
                                    "are micrometres on the probe; a probe is answered from its ProbeInterface file");
     }
-    if (!list->space.name[0]) {
-        list->space = reading.columns.said.space;
+    status = status ? status : pose_note_absent(&list->notes, reading.absent, reading.first_absent);
+    const struct pose_space said = columns_space(&reading.columns);
+    if (!list->space.name[0] || (list->space.is_of_path && said.name[0])) { /* the content counts */
+        list->space = said;
     }
     status = status || !options->along_shafts ? status : find_neighbours(&reading);
     for (size_t i = 0; !status && i < reading.count; i++) {

@@ -14,7 +14,6 @@
 enum flags {
     IS_LPS = 1,          /* x grows to the left, y to the back */
     IS_CAP = 2,          /* names no space */
-    IS_MNI305 = 4,       /* moved to MNI 152 */
     NEEDS_MINUS = 8,     /* voxels, unless a number is negative, or the name has _std */
     NEEDS_LPS = 16,      /* the caller must say so */
     BEGINS_AT_ONCE = 64, /* the first line is a row, or it is no such list */
@@ -44,7 +43,7 @@ static const struct layout {
      .refused =
          "AFNI's whereami says one point in several spaces: put the x y z of one of them into a line of their own"},
     /* FreeSurfer */
-    {"", "Size(mm^2)  MNIX   MNIY   MNIZ", .x = 4, .name = -1, .flags = IS_MNI305},
+    {"", "Size(mm^2)  MNIX   MNIY   MNIZ", .space = "fsaverage", .brain = POSE_BRAIN_MNI305, .x = 4, .name = -1},
     {"", "Size(mm^2)  TalX   TalY   TalZ",
      .refused = "clusters in Talairach's space (FixMNI = 1): run mri_surfcluster again with --nofixmni"},
     {"", "vox2ras=scanner", .count = "\n", .space = "FreeSurfer scanner RAS", .brain = POSE_BRAIN_SUBJECT, .x = 1},
@@ -160,7 +159,7 @@ static const struct layout *find_layout(struct text head, const char *path)
 
 bool pose_lists_know(struct text head, const char *path)
 {
-    struct text begin = text_trim(head);
+    struct text begin = pose_brackets_behind_comments(head);
     bool is_json = begin.size && begin.data[0] == '[' && text_find(begin, "{");
     return is_elc(head) || is_json || pose_brackets_begin(head) || pose_brackets_are_spoken(head) ||
            find_layout(head, path) || pose_brackets_in_cells(head);
@@ -173,8 +172,7 @@ static bool is_passed_over(const struct layout *layout, struct text line)
            (layout->rows && !text_starts(line, layout->rows));
 }
 
-static conus_status read_points(conus_pose_list *list, const struct layout *layout, struct text text, bool is_lps,
-                                bool is_moved)
+static conus_status read_points(conus_pose_list *list, const struct layout *layout, struct text text, bool is_lps)
 {
     struct text line;
     conus_status status = CONUS_OK;
@@ -192,9 +190,6 @@ static conus_status read_points(conus_pose_list *list, const struct layout *layo
         row.is_point = true;
         if (is_read && is_lps) {
             pose_flip_point(point);
-        }
-        if (is_read && is_moved) {
-            space_move_from_mni305(point);
         }
         conus_status bad = is_read ? pose_of_point(&row.pose, point) : CONUS_ERROR_DATA;
         bool is_none = name.size && name.data[0] == '-'; /* as a vertex -1 */
@@ -269,7 +264,7 @@ static conus_status parse_elc(conus_pose_list *list, struct text text)
     (void)text_line(&unit, &unit);
     unit =
         text_trim(unit.size ? (struct text){unit.data + sizeof unit_key - 1, unit.size - sizeof unit_key + 1} : unit);
-    double scale = pose_unit(unit, "mm/cm/m");
+    double scale = space_unit_mm(unit);
     struct text labels = section(text, "Labels");
     struct text positions = section(text, "Positions");
     struct text line;
@@ -298,7 +293,7 @@ static conus_status parse_elc(conus_pose_list *list, struct text text)
 conus_status pose_lists_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     const char *path = list->sink.path;
-    struct text begin = text_trim(text);
+    struct text begin = pose_brackets_behind_comments(text);
     bool is_in_brackets = pose_brackets_begin(text) || pose_brackets_are_spoken(text) ||
                           (begin.size && memchr("{[", begin.data[0], 2)) ||
                           (!find_layout(text, path) && pose_brackets_in_cells(text));
@@ -312,9 +307,9 @@ conus_status pose_lists_parse(conus_pose_list *list, struct text text, const con
         return fail(CONUS_ERROR_DATA, "lists of other programs are of people, and not in space %s",
                     conus_space_name((size_t)options->space));
     }
-    if (options->axis != CONUS_AXIS_OF_FORMAT) {
-        return fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",
-                    pose_axis_name(options->axis));
+    conus_status status = pose_no_axis(options, "points");
+    if (status) {
+        return status;
     }
     if (is_elc(text)) {
         return parse_elc(list, text);
@@ -329,20 +324,13 @@ conus_status pose_lists_parse(conus_pose_list *list, struct text text, const con
     if (layout->brain == POSE_BRAIN_OTHER && !options->any_space) {
         return fail(CONUS_ERROR_DATA, "%s", space_why_tkras);
     }
-    bool is_of_305 = layout->flags & IS_MNI305;
-    bool is_moved = is_of_305 && !space_stays_in_mni305(options);
-    if (layout->space || is_of_305) {
-        list->space = is_of_305
-                          ? pose_space_named(text_from("MNI 305"), is_moved ? POSE_BRAIN_MNI152 : POSE_BRAIN_MNI305)
-                          : pose_space_named(text_from(layout->space), layout->brain);
+    if (layout->space) {
+        list->space = pose_space_named(text_from(layout->space), layout->brain);
     }
-    conus_status status = pose_note_space(&list->notes, options, is_lps);
-    status = status ? status : read_points(list, layout, text, is_lps, is_moved);
+    status = pose_note_space(&list->notes, options, is_lps);
+    status = status ? status : read_points(list, layout, text, is_lps);
     status = status ? status : check_count(list, layout, text);
     status = status || !(layout->flags & NEEDS_MINUS) ? status : check_minus(list, path);
     list->is_cap = layout->flags & IS_CAP;
-    return status || !is_moved
-               ? status
-               : notes_add(&list->notes,
-                           "positions in MNI 305, as of fsaverage, moved to MNI 152 by FreeSurfer's matrix");
+    return status;
 }

@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "poses/rows/pose_row.h"
+#include "poses/rows/space_words.h"
 
 #include <stdio.h>
 
@@ -33,7 +34,7 @@ static conus_status read_space_and_units(struct markup *markup)
     const json_t *value = json_object_get(markup->json, "coordinateUnits");
     value = json_is_array(value) ? json_array_get(value, 0) : value;
     struct text units = value ? json_text_of(value) : text_from("mm");
-    markup->scale = pose_unit(units, "um/mm/cm/m");
+    markup->scale = space_unit_mm(units);
     return markup->scale > 0
                ? CONUS_OK
                : fail(CONUS_ERROR_DATA, "markups[%zu]: coordinateUnits \"%.*s\", allowed are um, mm, cm and m",

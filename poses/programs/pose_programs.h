@@ -32,6 +32,9 @@ conus_status pose_coordsystem_parse(struct pose_space *out, struct text text, co
 /** Sets list->space from the *_coordsystem.json beside the table @p path, and list->coordsystem to its path; without
  * that file from the table's name, with a note. */
 conus_status pose_coordsystem_find(conus_pose_list *list, const char *path);
+/** Compares list->space with what the name of the file at @p path says behind "space-": a warning where it is another
+ * one. Of a file that says nothing itself it is that, by which no position is moved. @p path NULL: none. */
+conus_status pose_coordsystem_hear_name(conus_pose_list *list, const char *path);
 
 /** The International Brain Laboratory's xyz_picks.json, points, or channel_locations.json, channels: micrometres ML,
  * AP, DV from bregma, to the right, anterior, dorsal. They need a frame in CCF or from bregma. */
@@ -71,6 +74,8 @@ bool pose_brackets_begin(struct text text);
 bool pose_brackets_are_spoken(struct text text);
 /** Whether @p head is of a table that has the three coordinates in one cell. */
 bool pose_brackets_in_cells(struct text head);
+/** Behind lines of comments and empty ones. */
+struct text pose_brackets_behind_comments(struct text text);
 /** What an object of JSON is: a point set of Freeview's, or names whose values all are three numbers. */
 enum pose_brackets { BRACKETS_NONE, BRACKETS_FREEVIEW, BRACKETS_NAMES };
 enum pose_brackets pose_brackets_json(json_t *root);

@@ -12,6 +12,7 @@
 #include "poses/programs/probe_recording.h"
 #include "poses/rows/pose_list.h"
 #include "poses/rows/pose_row.h"
+#include "poses/rows/space_words.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -94,9 +95,9 @@ static conus_status read_frame(struct reading *reading)
     if (reading->dims != 2 && reading->dims != 3) {
         return refuse(reading, "%s", "ndim: 2 or 3 is needed");
     }
-    reading->scale = 1000 * pose_unit(unit, "um/mm/m");
+    reading->scale = 1000 * space_unit_mm(unit);
     return reading->scale > 0 ? CONUS_OK
-                              : refuse(reading, "si_units: \"%.*s\", allowed are um, mm and m", POSE_QUOTE(unit));
+                              : refuse(reading, "si_units: \"%.*s\", allowed are um, mm, cm and m", POSE_QUOTE(unit));
 }
 
 /* In three dimensions the plane of the contacts says which way the shanks run; else they run along y. In two a plane

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds the roles of columns by their names, and reads rows by them; points without a header, and plain matrices. */
+/* Finds the roles of columns by their names; or points without a header. */
 #include "poses/rows/columns.h"
 
-#include "base/buffer.h"
 #include "base/files/file.h"
-#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "poses/rows/columns_head.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { MATRIX_NUMBERS = 16, FAMILIES = 64, SHOWN = 20 };
+enum { SHOWN = 20 };
 
 /* Columns of one number or text, by exact names and by others; of the same role the first name that is there. */
 static const struct {
@@ -32,7 +32,6 @@ static const struct {
     {ROLE_TILT_AP, "tilt ap/ap tilt"},
     {ROLE_PHI, "phi"},
     {ROLE_THETA, "theta"},
-    {ROLE_SPACE, "space"},
     {ROLE_NAME,
      "query id/query/id/name/label/channel/electrode/contact/site/roi/region/sensor/optode/marker/area/structure/"
      "probe/cluster/cluster id/cluster index/index"},
@@ -42,33 +41,16 @@ static const struct {
 static const char turned[] = "normal/normals/nrm/vec/vector/orient/orientation/ori/rot/rotation/roll/pitch/yaw/azimuth/"
                              "elevation/tilt/twist/arc/ring/collar/handle/euler/axis/trajectory";
 
-/* What three columns that differ only in x y z are, by the words that stand with the letter. The last of several
- * counts. */
-enum family_kind {
-    NEUTRAL,
-    CENTRE,      /* behind a peak */
-    OF_SPACE,    /* of a template's space */
-    OTHER_SPACE, /* of another one, or voxels */
-    STATISTIC,
-    ENTRY,
-    TARGET,
-    DIRECTION,
-    UP,
-    QUATERNION,
-    TURNED,
-    UNKNOWN
-};
-
 static const struct {
     enum family_kind kind;
     const char *words;
 } words_of[] = {
     {NEUTRAL, "pos/position/positions/coord/coords/coordinate/coordinates/centroid/centre/center/peak/peaks/loc/"
-              "location/contact/ras/world/point/max/in/mm/ccf"},
+              "location/contact/ras/lps/world/point/max/in/mm/ccf"},
     {CENTRE, "cog/cm/com/mean"},
     {OF_SPACE, "mni/mni152/icbm/icbm152/mnispace"},
     {OTHER_SPACE, "tal/talairach/native/scanner/acpc/mcp/tk/tkr/tkras/fs/surf/surface/vox/voxel/voxels/ijk/t1/ct/orig/"
-                  "subject/subj/individual/leksell/ctf/head/mni305/fsaverage"},
+                  "subject/subj/individual/leksell/ctf/head/mni305/fsaverage/rai/lpi/las/lai/rpi/rps/ral/lar"},
     {STATISTIC, "sd/se/err/error/size/std/sem/var/stdev"},
     {ENTRY, "entry/from/start/coil/transducer/device"},
     {TARGET, "target/tgt/to/tip/end/t"},
@@ -77,26 +59,6 @@ static const struct {
     {QUATERNION, "q/quat/quaternion"},
     {TURNED, "n/r"},
 };
-
-enum unit { UNIT_NONE, UNIT_MM, UNIT_UM, UNIT_CM, UNIT_M, UNITS };
-
-static const struct {
-    const char *names; /* as they stand in brackets */
-    double mm;
-} units[UNITS] = {[UNIT_NONE] = {"", 1},
-                  [UNIT_MM] = {"mm/millimetres/millimeters/millimetre/millimeter", 1},
-                  [UNIT_UM] = {"um/\xc2\xb5m/\xce\xbcm/micrometres/micrometers/microns/micron", 0.001},
-                  [UNIT_CM] = {"cm/centimetres/centimeters", 10},
-                  [UNIT_M] = {"m/metres/meters", 1000}};
-
-static enum unit unit_named(struct text text)
-{
-    enum unit found = UNIT_NONE;
-    for (enum unit unit = UNIT_MM; unit < UNITS; unit++) {
-        found = text_is_one_of(text, units[unit].names, false) ? unit : found;
-    }
-    return found;
-}
 
 static const char *const word_keys[] = {"x", "y", "z", "name", "unit", "sides"};
 
@@ -111,7 +73,7 @@ static int key_of(const char *text)
     return found;
 }
 
-size_t columns_path_length(const char *path)
+size_t conus_pose_path_length(const char *path)
 {
     const char *comma = path;
     while ((comma = strchr(comma, ',')) && key_of(comma + 1) < 0) {
@@ -122,13 +84,13 @@ size_t columns_path_length(const char *path)
 
 static conus_status set_word(struct columns_words *out, int key, struct text value)
 {
-    enum unit unit = unit_named(value);
+    double unit = space_unit_mm(value);
     if (key < 3) {
         out->at[key] = value;
     } else if (key == 3) {
         out->name = value;
-    } else if (key == 4 && unit) {
-        out->unit = units[unit].mm;
+    } else if (key == 4 && unit > 0) {
+        out->unit = unit;
     } else if (key == 5 && text_equal(value, "anyway")) {
         out->any_sides = true;
     } else {
@@ -161,40 +123,15 @@ conus_status columns_words_parse(struct columns_words *out, const char *text)
                                               : fail(CONUS_ERROR_ARGUMENT, "only some of x=, y= and z= are given");
 }
 
-struct family {
-    char stem[COLUMN_NAME_SIZE];
-    enum family_kind kind;
-    size_t at[3]; /* NONE: missing */
-    bool is_peak, is_lps;
-    bool has_letters; /* r a s or l p s: it says which */
-};
-
-static const size_t NONE = SIZE_MAX;
-
-/* A head being read. */
-struct head {
-    struct table_line line; /* the header */
-    char names[TABLE_CELLS][COLUMN_NAME_SIZE];
-    uint8_t unit[TABLE_CELLS];
-    struct family families[FAMILIES];
-    size_t family_count;
-    struct buffer faults; /* one after the other, "; " between */
-    struct columns *out;
-    const conus_pose_options *options;
-    struct columns_words words;
-    struct family named; /* by the user's words */
-    struct text text;
-};
-
 /* Adds a fault to those that there are. */
 #define FAULT(head, ...)                                                                                               \
     (buffer_text(&(head)->faults, (head)->faults.size ? "; " : ""), buffer_format(&(head)->faults, __VA_ARGS__))
 
 /* The name in small letters, with one blank for what stands between words, and without a unit in brackets or behind:
  * "MNI_X (mm)" is "mni x". Other brackets are words. */
-static enum unit normalise(char out[COLUMN_NAME_SIZE], struct text cell)
+static double normalise(char out[COLUMN_NAME_SIZE], struct text cell)
 {
-    enum unit unit = UNIT_NONE;
+    double unit = 0;
     struct text open = cell;
     char last = cell.size ? cell.data[cell.size - 1] : 0;
     const char *bracket = last == ')'   ? text_last(cell, '(')
@@ -203,8 +140,8 @@ static enum unit normalise(char out[COLUMN_NAME_SIZE], struct text cell)
                                         : NULL;
     if (bracket) {
         const char *end = cell.data + cell.size - 1;
-        unit = unit_named(text_trim((struct text){bracket + 1, (size_t)(end - bracket - 1)}));
-        open.size = unit ? (size_t)(bracket - cell.data) : cell.size;
+        unit = space_unit_mm(text_trim((struct text){bracket + 1, (size_t)(end - bracket - 1)}));
+        open.size = unit != 0 ? (size_t)(bracket - cell.data) : cell.size;
     }
     open = text_trim(open);
     size_t size = 0;
@@ -217,11 +154,15 @@ static enum unit normalise(char out[COLUMN_NAME_SIZE], struct text cell)
     }
     size -= size && out[size - 1] == ' ';
     out[size] = '\0';
-    const char *behind = unit ? NULL : strrchr(out, ' ');
-    enum unit suffix = behind ? unit_named(text_from(behind + 1)) : UNIT_NONE;
-    if (behind && (suffix == UNIT_MM || suffix == UNIT_UM) && strcmp(out, "error mm") != 0) {
+    const char *behind = unit == 0 ? strrchr(out, ' ') : NULL;
+    if (behind && text_is_one_of(text_from(behind + 1), "mm/um/in/inch/inches/px/pixel/pixels/ft", true) &&
+        strcmp(out, "error mm") != 0) {
+        unit = space_unit_mm(text_from(behind + 1));
         out[behind - out] = '\0';
-        unit = suffix;
+        char *in = strrchr(out, ' ');
+        if (in && strcmp(in, " in") == 0) { /* "x in mm" */
+            *in = '\0';
+        }
     }
     return unit;
 }
@@ -232,7 +173,7 @@ static size_t find_name(const struct head *head, const char *name, size_t first)
     while (i < head->line.count && strcmp(head->names[i], name) != 0) {
         i++;
     }
-    return i < head->line.count ? i : NONE;
+    return i < head->line.count ? i : COLUMN_NONE;
 }
 
 static bool is_capital(const struct head *head, size_t column)
@@ -270,7 +211,7 @@ static enum family_kind kind_of(const char *stem, bool *is_peak)
 
 static void add_family(struct head *head, const size_t at[3], const char *name, size_t from, size_t size)
 {
-    if (head->family_count == FAMILIES) {
+    if (head->family_count == COLUMN_FAMILIES) {
         return;
     }
     struct family *family = &head->families[head->family_count];
@@ -291,11 +232,11 @@ static void add_family(struct head *head, const size_t at[3], const char *name, 
 /* Of a name that stands twice the one whose column makes three that stand side by side, of one case; else a fault. */
 static void settle_twice(struct head *head, size_t at[3], const char *const names[3])
 {
-    size_t settled[3] = {NONE, NONE, NONE};
+    size_t settled[3] = {COLUMN_NONE, COLUMN_NONE, COLUMN_NONE};
     size_t found = 0;
     bool twice = false;
     for (int k = 0; k < 3; k++) {
-        twice = twice || (at[k] != NONE && find_name(head, names[k], at[k] + 1) != NONE);
+        twice = twice || (at[k] != COLUMN_NONE && find_name(head, names[k], at[k] + 1) != COLUMN_NONE);
     }
     for (size_t i = 0; twice && i + 2 < head->line.count; i++) {
         bool side_by_side = strcmp(head->names[i], names[0]) == 0 && strcmp(head->names[i + 1], names[1]) == 0 &&
@@ -308,13 +249,13 @@ static void settle_twice(struct head *head, size_t at[3], const char *const name
         }
     }
     for (int k = 0; twice && found == 1 && k < 3; k++) { /* the other one must differ in its case */
-        for (size_t i = find_name(head, names[k], 0); i != NONE; i = find_name(head, names[k], i + 1)) {
+        for (size_t i = find_name(head, names[k], 0); i != COLUMN_NONE; i = find_name(head, names[k], i + 1)) {
             found += i != settled[k] && text_compare(head->line.cells[i], head->line.cells[settled[k]]) == 0;
         }
     }
     if (twice && found != 1) {
         for (int k = 0; k < 3; k++) {
-            if (at[k] != NONE && find_name(head, names[k], at[k] + 1) != NONE) {
+            if (at[k] != COLUMN_NONE && find_name(head, names[k], at[k] + 1) != COLUMN_NONE) {
                 FAULT(head, "column \"%s\" twice", names[k]);
             }
         }
@@ -340,10 +281,10 @@ static void find_families(struct head *head, const char *const letters[3])
                 for (int k = 0; k < 3; k++) {
                     put_letter(found[k], name, from, size, letters[k]);
                     columns[k] = find_name(head, found[k], 0);
-                    count += columns[k] != NONE;
+                    count += columns[k] != COLUMN_NONE;
                 }
-                bool is_first = letter == 0 || columns[0] == NONE; /* the others' letters find it again */
-                is_first = is_first && (letter < 2 || columns[1] == NONE) && columns[letter] == i;
+                bool is_first = letter == 0 || columns[0] == COLUMN_NONE; /* the others' letters find it again */
+                is_first = is_first && (letter < 2 || columns[1] == COLUMN_NONE) && columns[letter] == i;
                 if ((before && after) || count < 2 || !is_first) {
                     continue;
                 }
@@ -365,7 +306,7 @@ static void find_letters(struct head *head)
                 all = all && strcmp(head->names[i + k], sets[set][k]) == 0 &&
                       is_capital(head, i + k) == is_capital(head, i);
             }
-            if (all && head->family_count < FAMILIES) {
+            if (all && head->family_count < COLUMN_FAMILIES) {
                 head->families[head->family_count++] =
                     (struct family){.at = {i, i + 1, i + 2}, .has_letters = true, .is_lps = set == 1};
             }
@@ -375,7 +316,7 @@ static void find_letters(struct head *head)
 
 static bool is_whole(const struct family *family)
 {
-    return family->at[0] != NONE && family->at[1] != NONE && family->at[2] != NONE;
+    return family->at[0] != COLUMN_NONE && family->at[1] != COLUMN_NONE && family->at[2] != COLUMN_NONE;
 }
 
 static void set_role(struct head *head, size_t column, enum role role)
@@ -410,7 +351,7 @@ static const char *show_family(char out[3 * COLUMN_NAME_SIZE], const struct head
     size_t size = 0;
     out[0] = '\0';
     for (int k = 0; k < 3; k++) {
-        if (family->at[k] != NONE) {
+        if (family->at[k] != COLUMN_NONE) {
             struct text cell = head->line.cells[family->at[k]];
             size += (size_t)snprintf(out + size, COLUMN_NAME_SIZE, "%s%.*s", size ? " " : "", TEXT_SHOW(cell, 30));
         }
@@ -424,24 +365,27 @@ static const char *show_family(char out[3 * COLUMN_NAME_SIZE], const struct head
 static void take_family(struct head *head, const struct family *family, enum role first, const char *what)
 {
     struct columns *out = head->out;
-    enum unit unit = UNIT_NONE;
+    double unit = 0; /* mm */
     if (!family) {
         return;
     }
     for (size_t k = 0; k < 3; k++) {
-        if (family->at[k] == NONE) {
+        if (family->at[k] == COLUMN_NONE) {
             FAULT(head, "only some of the columns %s: %s, without %c", what, FAMILY_SHOWN(head, family), "xyz"[k]);
             continue;
         }
-        enum unit own = head->unit[family->at[k]];
-        if (own && unit && own != unit) {
+        double own = head->unit[family->at[k]];
+        if (own != 0 && unit != 0 && own != unit) {
             FAULT(head, "%s: two units, %s", what, FAMILY_SHOWN(head, family));
         }
-        unit = own ? own : unit;
+        unit = own != 0 ? own : unit;
         set_role(head, family->at[k], first + (enum role)k);
     }
-    double scale = units[unit].mm / (unit && out->space == CONUS_SPACE_CCF ? units[UNIT_UM].mm : 1);
-    if (unit && first <= ROLE_TX) {
+    double scale = unit / columns_space_mm(out->space);
+    if (unit == SPACE_UNIT_REFUSED && !(head->words.unit > 0)) {
+        FAULT(head, "%s: %s; ',unit=mm' behind FILE takes them so", FAMILY_SHOWN(head, family), space_why_unit);
+    }
+    if (unit > 0 && first <= ROLE_TX) {
         if (out->scale > 0 && out->scale != scale) {
             FAULT(head, "two units: positions and targets have different ones");
         }
@@ -451,9 +395,13 @@ static void take_family(struct head *head, const struct family *family, enum rol
         out->said.has_signs = true;
         out->said.signs = family->is_lps ? CONUS_SPACE_LPS : CONUS_SPACE_RAS;
     }
-    if (first == ROLE_X && family->at[0] != NONE && !head->options->any_space) {
-        space_words_hear_of(&out->said, text_from(head->names[family->at[0]]));
-        space_words_hear_of(&out->said, text_from(family->stem)); /* of "TalX", one word, "tal" */
+    if (first == ROLE_X && family->at[0] != COLUMN_NONE) {
+        struct space_words said = out->said;
+        space_words_hear_of(&said, text_from(head->names[family->at[0]]));
+        space_words_hear_of(&said, text_from(family->stem)); /* of "TalX", one word, "tal" */
+        out->said = head->options->any_space ? (struct space_words){.has_signs = said.has_signs, .signs = said.signs}
+                                             /* x_lps is x_lps */
+                                             : said;
     }
 }
 
@@ -512,11 +460,11 @@ static void find_roles(struct head *head)
             char copy[COLUMN_NAME_SIZE];
             snprintf(copy, sizeof copy, "%.*s", (int)name.size, name.data);
             size_t column = find_name(head, copy, 0);
-            if (column == NONE || head->out->role_of[column] != ROLES) {
+            if (column == COLUMN_NONE || head->out->role_of[column] != ROLES) {
                 continue;
             }
             bool is_loose = role == ROLE_NAME && !text_is_one_of(name, "query id/query/id/name", true);
-            if (!is_loose && find_name(head, copy, column + 1) != NONE) {
+            if (!is_loose && find_name(head, copy, column + 1) != COLUMN_NONE) {
                 FAULT(head, "column \"%.*s\" twice", POSE_QUOTE(head->line.cells[column]));
             }
             set_role(head, column, role);
@@ -524,14 +472,14 @@ static void find_roles(struct head *head)
     }
     size_t electrode = find_name(head, "electrode", 0);
     size_t contact = find_name(head, "contact", 0);
-    if (electrode != NONE && contact != NONE && head->out->role_of[electrode] == ROLE_NAME) {
+    if (electrode != COLUMN_NONE && contact != COLUMN_NONE && head->out->role_of[electrode] == ROLE_NAME) {
         set_role(head, contact, ROLE_CONTACT);
     }
     for (size_t i = 0; i < MATRIX_NUMBERS; i++) {
         char name[8];
         snprintf(name, sizeof name, "m%zu%zu", i / 4, i % 4);
         size_t column = find_name(head, name, 0);
-        if (column != NONE) {
+        if (column != COLUMN_NONE) {
             set_role(head, column, ROLE_M00 + (enum role)i);
         }
     }
@@ -582,18 +530,14 @@ static void drop_role(struct head *head, enum role role)
 /* Whether the column is 0 in all rows of the head. */
 static bool is_all_zero(const struct head *head, enum role role)
 {
-    struct text rest = head->text;
-    struct text text;
-    struct table_line line;
+    size_t next = 0;
+    struct head_row row;
     bool all = true;
-    for (size_t number = 1; text_line(&rest, &text); number++) {
-        if (number <= head->out->head_lines || table_is_blank(text) || !table_split(&line, &head->out->table, text)) {
-            continue;
-        }
-        for (size_t i = 0; i < line.count && i < head->out->count; i++) {
+    while (columns_next_row(&row, &next, head)) {
+        for (size_t i = 0; i < row.count && i < head->out->count; i++) {
             double value;
             all = all && (head->out->role_of[i] != role ||
-                          (table_number(&value, &head->out->table, line.cells[i]) && value == 0));
+                          (table_number(&value, &head->out->table, row.cells[i]) && value == 0));
         }
     }
     return all;
@@ -602,7 +546,7 @@ static bool is_all_zero(const struct head *head, enum role role)
 /* The column that the user calls so; a fault where there is none, or where it stands twice. */
 static size_t find_word(struct head *head, struct text word)
 {
-    size_t found = NONE;
+    size_t found = COLUMN_NONE;
     size_t count = 0;
     for (size_t i = 0; i < head->line.count; i++) {
         struct text cell = head->line.cells[i];
@@ -630,18 +574,27 @@ static const struct family *find_named(struct head *head)
     return is_whole(&head->named) ? &head->named : NULL;
 }
 
-/* Whether rows are called x, y and z. */
+static const char on_its_side[] = "a table on its side, whose rows are called x, y and z: exchange rows and columns";
+
+/* Whether rows are called x, y and z, each once, perhaps with a word in front and a unit. */
 static bool is_on_its_side(const struct head *head)
 {
     struct text rest = head->text;
     struct text text;
     struct table_line line;
-    size_t called = 0;
+    size_t called[3] = {0};
     while (text_line(&rest, &text)) {
-        bool fits = table_split(&line, &head->out->table, text) && line.count > 1;
-        called += fits && text_is_one_of(line.cells[0], "x/y/z", false);
+        char name[COLUMN_NAME_SIZE];
+        if (!table_split(&line, &head->out->table, text) || line.count < 2) {
+            continue;
+        }
+        (void)normalise(name, line.cells[0]);
+        const char *letter = strrchr(name, ' ') ? strrchr(name, ' ') + 1 : name;
+        called[0] += strcmp(letter, "x") == 0;
+        called[1] += strcmp(letter, "y") == 0;
+        called[2] += strcmp(letter, "z") == 0;
     }
-    return called == 3;
+    return called[0] == 1 && called[1] == 1 && called[2] == 1;
 }
 
 /* One way of saying where the device points, or none. */
@@ -714,9 +667,7 @@ static void choose_families(struct head *head)
         FAULT(head, "x y z are needed, and only, without m00...m33");
     }
     if (!has_matrix && !position) {
-        FAULT(head, "%s",
-              is_on_its_side(head) ? "a table on its side, whose rows are called x, y and z: exchange rows and columns"
-                                   : "x y z are needed: no columns say where rows are");
+        FAULT(head, "%s", head->is_on_its_side ? on_its_side : "x y z are needed: no columns say where rows are");
         for (size_t i = 0; i < head->family_count; i++) {
             const struct family *family = &head->families[i];
             if (family->kind == UNKNOWN || family->kind == TURNED) {
@@ -759,20 +710,14 @@ static conus_status find_row_names(struct head *head, struct notes *notes)
     enum { COMPARED = 500 };
     for (size_t column = 0; !out->has[ROLE_NAME] && column < out->count; column++) {
         struct text seen[COMPARED];
-        struct text rest = head->text;
-        struct text text;
-        struct table_line line;
+        size_t next = 0;
+        struct head_row row;
         size_t rows = 0;
         bool fits = out->role_of[column] == ROLES;
         bool is_index = column == 0 && !head->line.cells[0].size;
-        for (size_t number = 1; fits && rows < COMPARED && text_line(&rest, &text); number++) {
-            struct text inside;
+        while (fits && rows < COMPARED && columns_next_row(&row, &next, head)) {
             double value;
-            if (number <= out->head_lines || table_is_blank(text) || table_is_comment(&inside, text) ||
-                !table_split(&line, &out->table, text) || table_numbers(&line) < 3) {
-                continue;
-            }
-            struct text cell = column < line.count ? line.cells[column] : (struct text){"", 0};
+            struct text cell = columns_cell(&row, column);
             bool is_number = table_number(&value, &out->table, cell);
             fits = cell.size && (is_index ? !is_number || (value == floor(value) && fabs(value) < 1e9) : !is_number);
             for (size_t i = 0; fits && i < rows; i++) {
@@ -790,44 +735,35 @@ static conus_status find_row_names(struct head *head, struct notes *notes)
     return CONUS_OK;
 }
 
-/* The known column that was perhaps meant: it is not there, and little is to be changed. NULL if there is none. */
-static const char *column_meant(const struct columns *columns, struct text field)
+/* The first name of a role of one column, or of a family's; "" of others. */
+static struct text name_of(enum role role)
 {
     static const struct {
-        enum role role;
-        const char *name;
-    } known[] = {{ROLE_X, "x"},
-                 {ROLE_X + 1, "y"},
-                 {ROLE_X + 2, "z"},
-                 {ROLE_TX, "tx"},
-                 {ROLE_TX + 1, "ty"},
-                 {ROLE_TX + 2, "tz"},
-                 {ROLE_DX, "dx"},
-                 {ROLE_DX + 1, "dy"},
-                 {ROLE_DX + 2, "dz"},
-                 {ROLE_QW, "qw"},
-                 {ROLE_QX, "qx"},
-                 {ROLE_QX + 1, "qy"},
-                 {ROLE_QX + 2, "qz"},
-                 {ROLE_ANGLE, "angle"},
-                 {ROLE_TIME, "time_s"},
-                 {ROLE_TRIGGER, "trigger"},
-                 {ROLE_NEAR, "near"},
-                 {ROLE_FAR, "far"},
-                 {ROLE_DEPTH, "depth"},
-                 {ROLE_TILT_ML, "tilt ml/ml tilt"},
-                 {ROLE_TILT_AP, "tilt ap/ap tilt"},
-                 {ROLE_PHI, "phi"},
-                 {ROLE_THETA, "theta"},
-                 {ROLE_ERROR_DEG, "error_deg"},
-                 {ROLE_SPACE, "space"}};
-    const char *meant = NULL;
-    size_t least = (field.size + 1) / 3;
-    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
-        size_t distance = text_distance(field, text_from(known[i].name));
-        size_t size = strlen(known[i].name);
-        if (!columns->has[known[i].role] && distance <= least && distance < size && (size > 2 || field.size > size)) {
-            meant = known[i].name;
+        enum role first;
+        const char *names;
+    } families[] = {{ROLE_X, "x/y/z"}, {ROLE_TX, "tx/ty/tz"}, {ROLE_DX, "dx/dy/dz"}, {ROLE_QX, "qx/qy/qz"}};
+    const char *names = role == ROLE_SPACE ? "space" : "";
+    for (size_t i = 0; i < sizeof roles / sizeof roles[0]; i++) {
+        names = roles[i].role == role && role != ROLE_NAME ? roles[i].names : names;
+    }
+    for (size_t i = 0; i < sizeof families / sizeof families[0]; i++) {
+        bool is_one = role >= families[i].first && role < families[i].first + 3;
+        names = is_one ? families[i].names + 3 * (role - families[i].first) - (i ? 0 : role - ROLE_X) : names;
+    }
+    return (struct text){names, strcspn(names, "/")};
+}
+
+/* The known column that was perhaps meant: it is not there, and little is to be changed; "" if there is none. */
+static struct text column_meant(const struct columns *columns, const char *field)
+{
+    struct text meant = {"", 0};
+    size_t length = strlen(field);
+    size_t least = (length + 1) / 3;
+    for (enum role role = 0; role < ROLE_NAME; role++) {
+        const struct text name = name_of(role);
+        size_t distance = text_distance(text_from(field), name);
+        if (!columns->has[role] && distance <= least && distance < name.size && (name.size > 2 || length > name.size)) {
+            meant = name;
             least = distance;
         }
     }
@@ -848,15 +784,15 @@ static void list_columns(struct buffer *out, const struct head *head, bool known
 {
     size_t count = 0;
     for (size_t i = 0; i < head->line.given; i++) {
-        bool is_known = head->out->role_of[i] != ROLES || is_kept(head->out, i);
+        bool is_known = head->out->role_of[i] != ROLES || is_kept(head->out, i) || head->out->pairs == i + 1;
         if ((is_known && !known) || count++ >= SHOWN) {
             continue;
         }
         struct text cell = head->line.cells[i];
-        const char *meant = is_known ? NULL : column_meant(head->out, cell);
+        const struct text meant = is_known ? (struct text){"", 0} : column_meant(head->out, head->names[i]);
         buffer_format(out, "%s\"%.*s\"", count > 1 ? ", " : "", POSE_QUOTE(cell));
-        if (meant) {
-            buffer_format(out, " (did you mean %s?)", meant);
+        if (meant.size) {
+            buffer_format(out, " (did you mean %.*s?)", TEXT_SHOW(meant, COLUMN_NAME_SIZE));
         }
     }
     if (count > SHOWN) {
@@ -884,39 +820,114 @@ static conus_status refuse(struct head *head)
     buffer_format(faults, "; taken as %s; columns found: ",
                   out->is_of_points ? "points at x y z" : "poses, a position and a direction each");
     list_columns(faults, head, true);
-    if (out->space < CONUS_SPACE_CCF && find_name(head, "ap", 0) != NONE) {
+    if (out->space < CONUS_SPACE_CCF && find_name(head, "ap", 0) != COLUMN_NONE) {
         buffer_text(faults, "; ap, dv and ml are read in space ccf or bregma");
     }
     conus_status status = buffer_status(faults);
     return status ? status : fail(CONUS_ERROR_DATA, "header: %s", faults->data);
 }
 
-/* A column whose cells are all entry, target and the like makes two rows one axis, which is not what points are. */
-static void refuse_pairs(struct head *head)
+/* A column "target" or "entry" of names beside points may be the other end of an axis, or a word about the row. */
+static void refuse_lone_end(struct head *head)
 {
     struct columns *out = head->out;
-    struct table_line line;
-    for (size_t column = 0; out->is_of_points && column < out->count; column++) {
-        struct text rest = head->text;
-        struct text text;
-        bool all = out->role_of[column] >= ROLE_NAME;
-        bool has_entry = false;
-        bool has_target = false;
-        while (all && text_line(&rest, &text)) {
-            if (!table_is_blank(text) && table_split(&line, &out->table, text) && table_numbers(&line) >= 3) {
-                struct text cell = column < line.count ? line.cells[column] : (struct text){"", 0};
-                bool is_entry = text_is_one_of(cell, "entry/from/start", false);
-                bool is_target = text_is_one_of(cell, "target/to/tip/end", false);
-                all = is_entry || is_target;
-                has_entry = has_entry || is_entry;
-                has_target = has_target || is_target;
-            }
+    for (size_t i = 0; out->is_of_points && !head->is_named && i < head->line.given; i++) {
+        size_t next = 0;
+        struct head_row row;
+        bool is_called = text_is_one_of(text_from(head->names[i]), "target/entry", true) && out->role_of[i] == ROLES;
+        bool has_name = false;
+        while (is_called && !has_name && columns_next_row(&row, &next, head)) {
+            double value;
+            has_name =
+                !columns_is_absent(columns_cell(&row, i)) && !table_number(&value, &out->table, columns_cell(&row, i));
         }
-        if (all && has_entry && has_target) {
-            FAULT(head,
-                  "column \"%.*s\" has an entry and a target in two rows: one row with the columns entry_x … and "
-                  "target_x … is an axis",
-                  POSE_QUOTE(head->line.cells[column]));
+        if (has_name && out->has[ROLE_NAME] && out->has[ROLE_X]) {
+            const char *s = strcmp(head->names[i], "target") == 0 ? "target" : "entry";
+            FAULT(
+                head,
+                "column \"%.*s\" beside %s %s %s: either it names the place where each axis %s, or it is a word about "
+                "a point: %s_x %s_y %s_z say the former, ',x=%s,y=%s,z=%s' behind FILE the latter",
+                POSE_QUOTE(head->line.cells[i]), out->shown[ROLE_X], out->shown[ROLE_X + 1], out->shown[ROLE_X + 2],
+                s[0] == 't' ? "ends" : "begins", s, s, s, out->shown[ROLE_X], out->shown[ROLE_X + 1],
+                out->shown[ROLE_X + 2]);
+        }
+    }
+}
+
+/* A column whose cells are all entry, target and the like makes one axis of two rows with one name. */
+static void find_pairs(struct head *head)
+{
+    struct columns *out = head->out;
+    for (size_t column = 0; out->is_of_points && !head->is_named && column < out->count; column++) {
+        size_t next = 0;
+        struct head_row row;
+        size_t found[3] = {0}; /* by enum columns_end */
+        while (out->role_of[column] >= ROLE_NAME && !found[END_NONE] && columns_next_row(&row, &next, head)) {
+            found[columns_end_of(columns_cell(&row, column))]++;
+        }
+        if (found[END_NONE] || !found[END_ENTRY] || !found[END_TARGET]) {
+            continue;
+        }
+        if (out->role_of[column] == ROLE_CONTACT) {
+            drop_role(head, ROLE_CONTACT);
+        }
+        if (out->role_of[column] == ROLE_NAME || !out->has[ROLE_NAME]) {
+            FAULT(
+                head,
+                "column \"%.*s\" has an entry and a target in two rows, and no column says by a name which two belong "
+                "together",
+                POSE_QUOTE(head->line.cells[column]));
+        }
+        out->pairs = column + 1;
+    }
+}
+
+/* Whether the cells of a column are words of a space: all of them; in one that is `named` so at least one. */
+static bool is_of_spaces(const struct head *head, size_t column, bool named, bool strong)
+{
+    size_t next = 0;
+    struct head_row row;
+    size_t heard = 0;
+    size_t others = 0;
+    while ((named || !others) && columns_next_row(&row, &next, head)) {
+        struct space_words said;
+        const struct text cell = columns_cell(&row, column);
+        bool is_one = space_words_hear_cell(&said, cell, strong) || text_is_one_of(cell, "ccf/bregma", false);
+        heard += is_one;
+        others += !is_one && !columns_is_absent(cell);
+    }
+    return heard && (named || !others);
+}
+
+/* Columns whose cells say in which space or unit the positions of their rows are. */
+static void find_spaces(struct head *head)
+{
+    static const char named[] = "space/coordinate space/coord space/coordspace/coordinate system/coord system/"
+                                "coordsystem/coordsys/template/template space/standard space/stereotaxic space";
+    static const char loose[] = "frame/reference/reference frame/reference space/system/brain/atlas/normalization/"
+                                "normalisation/orientation/axes/convention";
+    static const char of_units[] = "unit/units/coordinate unit/coordinate units/coord unit/coord units/position unit/"
+                                   "position units/xyz unit/xyz units";
+    struct columns *out = head->out;
+    for (size_t i = 0; i < head->line.given; i++) {
+        const struct text name = text_from(head->names[i]);
+        bool is_space = strcmp(head->names[i], "space") == 0 && !out->is_bids;
+        bool is_named = text_is_one_of(name, named, true);
+        bool is_unit = text_is_one_of(name, of_units, true);
+        size_t next = 0;
+        struct head_row row;
+        bool has_unit = false;
+        if (out->role_of[i] != ROLES) {
+            continue;
+        }
+        while (is_unit && !has_unit && columns_next_row(&row, &next, head)) {
+            has_unit = space_unit_mm(columns_cell(&row, i)) != 0;
+        }
+        if (has_unit) {
+            set_role(head, i, ROLE_UNIT);
+        } else if (is_space ||
+                   is_of_spaces(head, i, is_named && !out->is_bids, !is_named && !text_is_one_of(name, loose, true))) {
+            set_role(head, i, ROLE_SPACE);
         }
     }
 }
@@ -932,9 +943,10 @@ static void find_columns(struct head *head)
     memset(out->has, 0, sizeof out->has);
     out->scale = 0;
     out->said = (struct space_words){0};
+    out->pairs = 0;
     out->space = head->options->space;
     for (size_t i = 0; i < head->line.count; i++) {
-        head->unit[i] = (uint8_t)normalise(head->names[i], head->line.cells[i]);
+        head->unit[i] = normalise(head->names[i], head->line.cells[i]);
     }
     out->count = head->line.given;
     if (out->space >= CONUS_SPACE_CCF) {
@@ -948,23 +960,27 @@ static void find_columns(struct head *head)
         find_families(head, (const char *const[]){"anterior posterior", "dorsal ventral", "left right"});
     }
     find_families(head, xyz);
-    if (find_name(head, "x", 0) == NONE) {
+    if (find_name(head, "x", 0) == COLUMN_NONE) {
         find_letters(head);
     }
     if (head->words.name.size) {
         size_t column = find_word(head, head->words.name);
-        if (column != NONE) {
+        if (column != COLUMN_NONE) {
             set_role(head, column, ROLE_NAME);
         }
     }
     if (out->is_bids) { /* other columns are of others, whatever they are called */
         take_family(head, find_named(head), ROLE_X, "x y z");
         out->is_of_points = true;
+        find_spaces(head);
+        find_pairs(head);
         return;
     }
     find_roles(head);
+    find_spaces(head);
     choose_families(head);
-    refuse_pairs(head);
+    find_pairs(head);
+    refuse_lone_end(head);
 }
 
 /* Whether some of the columns of a line belong together as coordinates, so that it is a header. */
@@ -988,16 +1004,6 @@ static bool split_header(struct head *head, struct text text, size_t cells)
         found = table_split(&head->line, &table, text);
     }
     return found;
-}
-
-static uint64_t sum_of(struct text text)
-{
-    uint64_t sum = UINT64_C(14695981039346656037); /* FNV-1a */
-    text = text_trim(text);
-    for (size_t i = 0; i < text.size; i++) {
-        sum = (sum ^ (unsigned char)text.data[i]) * UINT64_C(1099511628211);
-    }
-    return sum;
 }
 
 /* R writes the names of rows without a name of their column: there the header gets an empty cell. */
@@ -1040,7 +1046,7 @@ static bool find_header(struct head *head)
             best = inside;
             line_of_best = number;
         }
-        if (fits && !is_comment && !fallback.size && numbers < (table->cells ? 3 : 1) && head->line.given > 1) {
+        if (fits && !is_comment && !fallback.size && numbers == 0 && head->line.given > 1) {
             fallback = inside;
             line_of_fallback = number;
         }
@@ -1052,7 +1058,7 @@ static bool find_header(struct head *head)
     if (found) {
         const struct text header = best.size ? best : fallback;
         head->out->head_lines = best.size ? line_of_best : line_of_fallback;
-        head->out->header_sum = sum_of(header);
+        head->out->header_sum = columns_sum(header);
         (void)split_header(head, header, table->cells);
         shift_header(head);
         find_columns(head);
@@ -1108,114 +1114,6 @@ static conus_status find_kept(struct head *head)
     return CONUS_OK;
 }
 
-static bool has_digit(struct text line)
-{
-    bool found = false;
-    for (size_t i = 0; i < line.size && !found; i++) {
-        found = line.data[i] >= '0' && line.data[i] <= '9';
-    }
-    return found;
-}
-
-/* Whether a line has several words and too few cells for a row: "Note. Talairach coordinates, p < 0.05." */
-static bool is_sentence(const struct columns *columns, struct text text)
-{
-    struct table_line line;
-    struct text word;
-    size_t words = 0;
-    if (!columns->has_header || !table_split(&line, &columns->table, text) || line.count >= columns->count) {
-        return false;
-    }
-    while (text_word(&text, &word)) {
-        size_t letters = 0;
-        for (size_t i = 0; i < word.size; i++) {
-            letters += (word.data[i] | 0x20) >= 'a' && (word.data[i] | 0x20) <= 'z';
-        }
-        words += letters >= 2;
-    }
-    return words >= 2;
-}
-
-/* Whether a line of the head is a title, a comment or a closing line: neither a row nor the header. */
-static bool is_of_words(struct text *inside, const struct head *head, struct text text, size_t number)
-{
-    const struct columns *out = head->out;
-    bool is_header = number == out->head_lines && out->has_header;
-    bool is_comment = table_is_comment(inside, text);
-    return is_comment || (!is_header && (number < out->table.first ||
-                                         (number > out->head_lines && (!has_digit(text) || is_sentence(out, text)))));
-}
-
-/* What is said of spaces and units; the user's word, and a column of LPS or RAS, beat it. */
-static conus_status hear_words(struct head *head, struct notes *notes)
-{
-    struct columns *out = head->out;
-    struct space_words *said = &out->said;
-    struct text rest = head->text;
-    struct text text;
-    struct text inside;
-    struct table_line line;
-    size_t rows = 0;
-    size_t of_mni = 0;
-    size_t of_signs = 0;
-    struct space_words of_rows = {0};
-    for (size_t number = 1; !head->options->any_space && text_line(&rest, &text); number++) {
-        if (is_of_words(&inside, head, text, number)) {
-            space_words_hear(said, inside);
-        } else if (number > out->head_lines && out->has[ROLE_SPACE] && table_split(&line, &out->table, text)) {
-            for (size_t i = 0; i < line.count && i < out->count; i++) {
-                if (out->role_of[i] == ROLE_SPACE) {
-                    struct space_words of_row = {0};
-                    space_words_hear_of(&of_row, line.cells[i]);
-                    rows++;
-                    of_signs += of_row.has_signs;
-                    of_mni += of_row.space.brain == POSE_BRAIN_MNI152 && !of_row.is_mni305;
-                    of_rows = of_row.space.brain ? of_row : of_rows;
-                }
-            }
-        }
-    }
-    out->has_mni_rows = of_mni > 0 && !of_signs;
-    of_mni = out->has_mni_rows ? of_mni : 0;
-    if (rows && of_rows.space.brain && !said->space.brain && !of_mni && !of_signs) { /* all in another one */
-        *said = of_rows;
-        out->has[ROLE_SPACE] = false;
-        for (size_t i = 0; i < out->count; i++) {
-            out->role_of[i] = out->role_of[i] == ROLE_SPACE ? ROLES : out->role_of[i];
-        }
-    } else if (of_mni && !said->space.brain) {
-        said->space = pose_space_named(text_from("MNI 152"), POSE_BRAIN_MNI152);
-    }
-    if (said->is_mni305 && space_stays_in_mni305(head->options)) {
-        said->is_mni305 = false;
-        said->space.brain = POSE_BRAIN_MNI305;
-    }
-    if (said->why) {
-        return fail(CONUS_ERROR_DATA, "positions are said to be \"%s\": %s; --any-space takes them as they are",
-                    said->heard, said->why);
-    }
-    if (said->are_two) {
-        return fail(CONUS_ERROR_DATA, "two units are named: which is that of the positions?");
-    }
-    if (said->mm > 0) {
-        double scale = said->mm / (head->options->space == CONUS_SPACE_CCF ? units[UNIT_UM].mm : 1);
-        if (out->scale > 0 && out->scale != scale) {
-            return fail(CONUS_ERROR_DATA, "a line names another unit than the header has");
-        }
-        out->scale = scale;
-    }
-    bool is_of_people = head->options->space < CONUS_SPACE_CCF;
-    if (said->has_signs && is_of_people) {
-        bool is_other = said->signs == CONUS_SPACE_RAS && head->options->space == CONUS_SPACE_LPS;
-        out->space = said->signs;
-        return is_other ? notes_add(notes, "the file says that its positions are RAS, and as such they are taken")
-                        : CONUS_OK;
-    }
-    return said->is_mni305
-               ? notes_add(notes, "positions in MNI 305 (\"%s\"), moved to MNI 152 by FreeSurfer's matrix", said->heard)
-               : CONUS_OK;
-}
-
 /* What is meant by columns that other programs mean otherwise. */
 static conus_status note_angles(const struct head *head, struct notes *notes)
 {
@@ -1246,58 +1144,6 @@ static conus_status check_options(const struct head *head)
                                                              "header: rotations (qw qx qy qz or m00...m33) are not "
                                                              "read in space %s; tx ty tz or dx dy dz are",
                                                              conus_space_name((size_t)options->space));
-}
-
-/* Three numbers side by side, and at most one name before or behind them, which runs to the line's end; false with
- * a message. */
-static bool read_point(double point[3], struct text *name, const struct table *table, struct text text)
-{
-    struct table_line line;
-    if (!table_split(&line, table, text)) {
-        return fail(CONUS_ERROR_DATA, "more than %d cells", TABLE_CELLS) == CONUS_OK;
-    }
-    double number;
-    size_t first = 0;
-    while (first < line.given && !(table_number(&number, table, line.cells[first]) && isfinite(number))) {
-        first++;
-    }
-    first = first + 3 == line.given ? first : 0; /* a name in front has nothing behind */
-    for (size_t i = 0; i < 3; i++) {
-        struct text cell = first + i < line.count ? line.cells[first + i] : (struct text){"", 0};
-        if (!table_number(&point[i], table, cell) || !isfinite(point[i])) {
-            (void)pose_no_number((const char[]){"xyz"[i], '\0'}, cell);
-            return false;
-        }
-    }
-    size_t last = line.given - 1;
-    *name = (struct text){"", 0};
-    if (first > 0 && first + 3 == line.given) {
-        const char *end = line.cells[first - 1].data + line.cells[first - 1].size;
-        *name = (struct text){line.cells[0].data, (size_t)(end - line.cells[0].data)};
-    } else if (line.given > 3) {
-        *name = (struct text){line.cells[3].data,
-                              (size_t)(line.cells[last].data + line.cells[last].size - line.cells[3].data)};
-        if (table_number(&number, table, line.cells[3])) {
-            (void)fail(CONUS_ERROR_DATA,
-                       "a number after x y z: \"%.*s\", allowed is a name that does not begin with one",
-                       POSE_QUOTE(line.cells[3]));
-            return false;
-        }
-    }
-    return true;
-}
-
-/* As the rest of the text has it, or else with white space or commas. */
-static bool read_point_anyhow(double point[3], struct text *name, const struct table *table, struct text line)
-{
-    static const enum table_separator others[] = {TABLE_SPACES, TABLE_COMMAS};
-    bool found = read_point(point, name, table, line);
-    for (size_t i = 0; !found && i < 2; i++) {
-        struct table other = *table;
-        other.separator = others[i];
-        found = read_point(point, name, &other, line);
-    }
-    return found || read_point(point, name, table, line); /* for its message */
 }
 
 /* What stands between cells, to be written into an example. */
@@ -1354,7 +1200,7 @@ static bool has_points(const struct head *head)
         double point[3];
         if (!table_is_blank(text) && !table_is_comment(&inside, text)) {
             rows++;
-            points += read_point_anyhow(point, &name, &head->out->table, text);
+            points += columns_point(point, &name, &head->out->table, text);
         }
     }
     return points && 2 * points >= rows;
@@ -1368,6 +1214,9 @@ static conus_status plan_bare(struct head *head)
     out->has_header = false;
     out->count = 0;
     out->is_of_points = true;
+    if (head->is_on_its_side) {
+        return fail(CONUS_ERROR_DATA, "%s", on_its_side);
+    }
     if (is_table || (!has_points(head) && !out->table.cells)) {
         struct text line = {"", 0};
         struct text rest = head->text;
@@ -1394,205 +1243,31 @@ static conus_status plan_bare(struct head *head)
                       pose_axis_name(options->axis));
 }
 
-/* The numbers of the head's rows, mm or as the space has them. */
-struct census {
-    size_t points, outside_1, negatives, shallow, axes, short_axes;
-    double farthest;
-    size_t left, right, left_on_right, right_on_left; /* rows that a word calls so */
-    size_t bad, rows;
-};
-
-int columns_side(struct text name)
+/* Takes the rows of the head to pieces, once. */
+static conus_status find_rows(struct head *head)
 {
-    static const char left[] = "left/l/lh/links/gauche", right[] = "right/r/rh/rechts/droite";
-    int side = 0;
-    for (size_t i = 0; i < name.size;) {
-        size_t size = 0;
-        while (i + size < name.size && !strchr(" _-.,()[]", name.data[i + size])) {
-            size++;
-        }
-        const struct text word = {name.data + i, size};
-        side = text_is_one_of(word, left, false) ? -1 : text_is_one_of(word, right, false) ? 1 : side;
-        i += size + 1;
-    }
-    return side;
-}
-
-/* A column whose cells are all words of sides says them, whatever its header; else the name does. */
-static int side_of_row(const struct head *head, struct text text, const char *name, size_t column)
-{
-    struct table_line line;
-    return column != NONE && table_split(&line, &head->out->table, text) && column < line.count
-               ? columns_side(line.cells[column])
-               : columns_side(text_from(name));
-}
-
-static size_t find_side_column(const struct head *head)
-{
-    size_t found = NONE;
-    for (size_t i = 0; i < head->line.count && found == NONE && head->out->has_header; i++) {
-        bool is_one = strstr(head->names[i], "hemi") || strcmp(head->names[i], "side") == 0;
-        found = is_one && head->out->role_of[i] >= ROLE_NAME ? i : NONE;
-    }
-    return found;
-}
-
-static void count_row(struct census *census, const struct head *head, const conus_pose_row *row, int side, double width)
-{
-    double p[3];
-    conus_frame_from_world(p, head->options->frame, row->pose.world_from_device + 12);
-    const double *world = row->pose.world_from_device + 12;
-    bool is_of_bregma = head->options->space == CONUS_SPACE_BREGMA;
-    double distance = vec3_length(head->options->space < CONUS_SPACE_CCF ? world : p);
-    census->points++;
-    census->farthest = fmax(census->farthest, distance);
-    census->negatives += p[0] < 0 || p[1] < 0 || p[2] < 0;
-    census->shallow += is_of_bregma && row->is_point && p[2] > 0;
-    if (isfinite(row->range[1]) && head->out->ends_at_target) {
-        census->axes++;
-        census->short_axes += row->range[1] < width / 20;
-    }
-    if (side) {
-        double x = head->options->space == CONUS_SPACE_BREGMA ? p[1] : world[0];
-        size_t *wrong = side < 0 ? &census->left_on_right : &census->right_on_left;
-        *(side < 0 ? &census->left : &census->right) += 1;
-        *wrong += side < 0 ? x > width / 36 : x < -width / 36;
-    }
-}
-
-static conus_status judge(const struct census *c, const struct head *head, struct notes *notes, double longest,
-                          const char *first_fault)
-{
-    conus_space space = head->options->space;
-    bool of_people = space < CONUS_SPACE_CCF;
-    bool is_known = head->options->longest > 0;
-    enum { LEAST = 3 };
-    bool is_list = c->points >= LEAST && head->out->is_of_points;
-    bool is_said = head->out->has_unit;
-    if (c->rows > 1 && 2 * c->bad > c->rows && head->out->has_header) {
-        return fail(CONUS_ERROR_DATA,
-                    "%zu of %zu rows have no number where the header has x y z: is the order of the "
-                    "columns another? The first: %s",
-                    c->bad, c->rows, first_fault);
-    }
-    bool sides = (c->left && 2 * c->left_on_right >= c->left) || (c->right && 2 * c->right_on_left >= c->right);
-    bool confirmed = c->left && c->right && !c->left_on_right && !c->right_on_left;
-    if (is_list && is_known && c->left + c->right >= 2 && sides && !head->words.any_sides) {
-        return fail(CONUS_ERROR_DATA,
-                    "sides: %zu of %zu rows called left lie on the right, %zu of %zu called right on the left; --space "
-                    "%s would turn x and y, and ',sides=anyway' behind FILE takes them as they are",
-                    c->left_on_right, c->left, c->right_on_left, c->right, space == CONUS_SPACE_LPS ? "ras" : "lps");
-    }
-    if (is_list && !is_said && (of_people || space == CONUS_SPACE_BREGMA) && c->farthest > 0 &&
-        c->farthest <= (of_people ? 1 : 0.02)) {
-        return fail(CONUS_ERROR_DATA,
-                    "all positions lie within %s mm of the origin, as if they were in metres; ',unit=m' behind FILE "
-                    "takes them so, ',unit=mm' as mm",
-                    of_people ? "1" : "0.02");
-    }
-    if (c->farthest > fmax(10 * longest, 1000) && of_people && is_known && !is_said) {
-        return fail(CONUS_ERROR_DATA,
-                    "a position lies %g mm from the origin, as if it were in micrometres; ',unit=um' behind FILE takes "
-                    "them so, ',unit=mm' as mm",
-                    c->farthest);
-    }
-    if (space == CONUS_SPACE_BREGMA && is_list && 2 * c->shallow > c->points) {
-        return fail(
-            CONUS_ERROR_DATA,
-            "%zu of %zu positions have a DV above 0, above bregma: DV is up in space bregma, depths are negative",
-            c->shallow, c->points);
-    }
-    if (is_known && c->axes && 2 * c->short_axes >= c->axes) {
-        return fail(CONUS_ERROR_DATA,
-                    "%zu of %zu axes from entry to target are shorter than %g mm: are they planned and reached "
-                    "positions, or two spaces?",
-                    c->short_axes, c->axes, longest / 20);
-    }
-    conus_status status = CONUS_OK;
-    if (is_list && of_people && is_known && !is_said && c->farthest < longest / 14) {
-        status = notes_warn(notes,
-                            "all positions lie within %g mm of the origin: are they in centimetres? ',unit=cm' "
-                            "behind FILE takes them so",
-                            longest / 14);
-    } else if (is_list && of_people && is_known && !c->negatives && !confirmed) {
-        status = notes_warn(notes, "no position has a negative number: are they voxels, or positions in a frame?");
-    }
-    if (!status && is_known && c->left_on_right + c->right_on_left > 0 && !head->words.any_sides) {
-        status = notes_warn(notes, "%zu rows lie on the other side than their name says",
-                            c->left_on_right + c->right_on_left);
-    }
-    return status;
-}
-
-static bool is_absent(struct text cell)
-{
-    return !cell.size || text_equal_ignoring_case(cell, "n/a") || text_is_one_of(cell, "NA/none/-/--", false);
-}
-
-/* Whether a word stands where a coordinate is to be. */
-static bool has_words_for_numbers(const struct columns *columns, struct text text)
-{
-    struct table_line line;
-    bool found = false;
-    for (size_t i = 0; table_split(&line, &columns->table, text) && i < line.count && i < columns->count; i++) {
-        double value;
-        struct text cell = line.cells[i];
-        found = found || (columns->role_of[i] < ROLE_X + 3 && !is_absent(cell) &&
-                          isalpha((unsigned char)cell.data[0]) && !table_number(&value, &columns->table, cell));
-    }
-    return found;
-}
-
-/* Whether a character that is no sign stands before a coordinate. */
-static bool has_glyph(const struct columns *columns, struct text text)
-{
-    struct table_line line;
-    bool found = false;
-    for (size_t i = 0; table_split(&line, &columns->table, text) && i < line.count && i < columns->count; i++) {
-        struct text cell = line.cells[i];
-        size_t length = cell.size && (unsigned char)cell.data[0] >= 0x80 ? text_character(cell) : 0;
-        found =
-            found || (columns->role_of[i] < ROLE_X + 3 && length && length < cell.size &&
-                      isdigit((unsigned char)cell.data[length]) && !table_number(&(double){0}, &columns->table, cell));
-    }
-    return found;
-}
-
-/* What the numbers of the head say against their unit, their signs or their sides. The unit that the user or the
- * file states is not questioned. */
-static conus_status check_numbers(const struct head *head, struct notes *notes)
-{
-    struct census census = {0};
     struct text rest = head->text;
     struct text text;
-    const conus_pose_options *options = head->options;
-    const double longest = options->longest; /* 0: what needs it is not asked */
-    size_t column = find_side_column(head);
-    char first_fault[256] = "";
-    for (size_t number = 1; text_line(&rest, &text); number++) {
-        conus_pose_row row = pose_row_at(number);
-        struct pose_name name = {.text = {"", 0}};
-        conus_status bad = CONUS_OK;
-        enum columns_line kind = columns_read(&row, &name, &bad, head->out, text, number, options);
-        char copy[64];
-        census.rows += kind == LINE_ROW;
-        bool is_other = kind == LINE_ROW && bad && has_words_for_numbers(head->out, text);
-        census.bad += is_other;
-        if (kind == LINE_ROW && bad && has_glyph(head->out, text)) {
-            char where[128];
-            snprintf(where, sizeof where, "line %zu: a character before a number that is no minus (as PDFs lose them)",
-                     number);
-            return fail_in(CONUS_ERROR_DATA, where);
+    struct text inside;
+    struct table_line line;
+    while (head->text.size - rest.size < TABLE_HEAD && text_line(&rest, &text)) {
+        if (table_is_blank(text) || table_is_comment(&inside, text) || !table_split(&line, &head->out->table, text) ||
+            table_numbers(&line) < 3) {
+            continue;
         }
-        if (is_other && !first_fault[0]) {
-            snprintf(first_fault, sizeof first_fault, "%s", conus_message());
+        if (!memory_reserve(&head->rows, &head->row_capacity, head->row_count + 1, sizeof *head->rows) ||
+            !memory_reserve(&head->cells, &head->cell_capacity, head->cell_count + line.count, sizeof *head->cells)) {
+            return CONUS_ERROR_MEMORY;
         }
-        if (kind == LINE_ROW && !bad) {
-            snprintf(copy, sizeof copy, "%.*s", TEXT_SHOW(name.text, sizeof copy - 1));
-            count_row(&census, head, &row, side_of_row(head, text, copy, column), longest);
-        }
+        memcpy(head->cells + head->cell_count, line.cells, line.count * sizeof *line.cells);
+        head->rows[head->row_count++].count = line.count;
+        head->cell_count += line.count;
     }
-    return judge(&census, head, notes, longest, first_fault);
+    for (size_t i = 0, at = 0; i < head->row_count; at += head->rows[i++].count) {
+        head->rows[i].cells = head->cells + at; /* which stay where they are from now on */
+    }
+    head->is_on_its_side = is_on_its_side(head);
+    return CONUS_OK;
 }
 
 conus_status columns_plan(struct columns *out, bool *is_short, struct notes *notes, struct text head_text,
@@ -1611,6 +1286,7 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
         memory_free(head);
         return status;
     }
+    head->is_named = head->words.at[0].size;
     if (out->is_bids) {
         static const char *const xyz[3] = {"x", "y", "z"};
         for (int k = 0; k < 3; k++) {
@@ -1623,11 +1299,14 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     if (!out->table.cells) {
         decide_by_header(head);
     }
-    out->has_header = options->format != CONUS_POSE_FORMAT_POINTS && find_header(head);
+    status = find_rows(head);
+    out->has_header = !status && options->format != CONUS_POSE_FORMAT_POINTS && find_header(head);
     if (out->has_header && out->table.comma == TABLE_COMMA_UNCLEAR) {
         FAULT(head, "a comma before three digits, or commas of two kinds: 1,250 may be 1250 or 1.25");
     }
-    if (!out->has_header) {
+    if (status) {
+        out->has_header = false;
+    } else if (!out->has_header) {
         status = plan_bare(head);
     } else if (head->line.spoilt.data) {
         status = fail(CONUS_ERROR_DATA, "header: a quotation mark inside a name, or one that is not closed: \"%.*s",
@@ -1642,360 +1321,23 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
         status = status ? status : find_kept(head);
         status = status || out->is_bids ? status : note_unknown(notes, head);
     }
-    status = status ? status : hear_words(head, notes);
     double unit = head->words.unit > 0 ? head->words.unit : options->unit; /* the user's word */
+    out->is_own_unit = unit > 0;
+    status = status ? status : columns_hear_words(head, notes);
     if (unit > 0) {
-        out->scale = unit / (options->space == CONUS_SPACE_CCF ? units[UNIT_UM].mm : 1);
+        out->scale = unit / columns_space_mm(options->space);
     }
     out->has_unit = out->scale > 0;
-    enum unit of_depth = UNIT_NONE;
+    double of_depth = 0;
     for (size_t i = 0; i < out->count; i++) {
         of_depth = out->role_of[i] == ROLE_DEPTH ? head->unit[i] : of_depth;
     }
-    double space_mm = options->space == CONUS_SPACE_CCF ? units[UNIT_UM].mm : 1;
-    out->depth_mm = of_depth ? units[of_depth].mm : (out->has_unit ? out->scale : 1) * space_mm;
+    out->depth_mm = of_depth > 0 ? of_depth : (out->has_unit ? out->scale : 1) * columns_space_mm(options->space);
     out->scale = out->has_unit ? out->scale : 1;
-    status = status ? status : check_numbers(head, notes);
+    status = status ? status : columns_check_numbers(head, notes);
     buffer_finish(&head->faults);
+    memory_free(head->rows);
+    memory_free(head->cells);
     memory_free(head);
     return status;
-}
-
-static conus_status pose_from_values(conus_pose_row *row, const struct columns *columns, double v[ROLE_NAME],
-                                     const conus_pose_options *options)
-{
-    conus_pose *out = &row->pose;
-    double m[16];
-    double q[4] = {v[ROLE_QW], v[ROLE_QX], v[ROLE_QX + 1], v[ROLE_QX + 2]};
-    for (int i = 0; i < 16; i++) {
-        m[i] = v[ROLE_M00 + 4 * (i % 4) + i / 4];
-    }
-    double *x = v + ROLE_X;
-    double *t = v + ROLE_TX;
-    vec3_scale(x, x, columns->scale);
-    vec3_scale(t, t, columns->scale);
-    conus_space space = isnan(v[ROLE_SPACE]) ? columns->space : (conus_space)v[ROLE_SPACE];
-    conus_frame own = *options->frame;
-    if (columns->is_mlapdv) {
-        const double mlap[2] = {x[0], x[1]};
-        x[0] = mlap[1];
-        x[1] = mlap[0];
-    }
-    conus_status status = space == options->space ? CONUS_OK : conus_frame_find(&own, NULL, space, NULL);
-    status = status || columns->has[ROLE_M00] ? status : conus_frame_to_world(x, &own, x);
-    status = status || !columns->has[ROLE_TX] ? status : conus_frame_to_world(t, &own, t);
-    if (columns->said.is_mni305) {
-        space_move_from_mni305(x);
-        space_move_from_mni305(t);
-    }
-    if (status || columns->is_of_points) {
-        return status ? status : pose_of_point(out, x);
-    }
-    bool is_straight = columns->has[ROLE_DEPTH] && !columns->has[ROLE_DX] && !columns->has[ROLE_TX] &&
-                       !columns->has[ROLE_QW] && !columns->has[ROLE_M00];
-    if (columns->has[ROLE_THETA]) {
-        return pose_along_phi_theta(out, x, radians_from_degrees(v[ROLE_PHI]), radians_from_degrees(v[ROLE_THETA]),
-                                    &own);
-    }
-    if (columns->has[ROLE_TILT_ML] || is_straight) {
-        double ml = columns->has[ROLE_TILT_ML] ? radians_from_degrees(v[ROLE_TILT_ML]) : 0;
-        double ap = columns->has[ROLE_TILT_ML] ? radians_from_degrees(v[ROLE_TILT_AP]) : 0;
-        return pose_along_tilts(out, x, ml, ap, &own);
-    }
-    conus_frame_direction_to_world(v + ROLE_DX, &own, v + ROLE_DX);
-    conus_frame_direction_to_world(v + ROLE_UX, &own, v + ROLE_UX);
-    if (space == CONUS_SPACE_LPS) { /* turning by pi about z takes a rotation's LPS form to its RAS form:
-                                          (w, x, y, z) -> (-z, -y, x, w) */
-        pose_flip_matrix(m);
-        const double flipped[4] = {-q[3], -q[2], q[1], q[0]};
-        memcpy(q, flipped, sizeof q);
-    }
-    const double *up = columns->has[ROLE_UX] ? v + ROLE_UX : NULL;
-    bool is_turned = columns->has[ROLE_M00] || columns->has[ROLE_QW];
-    status = columns->has[ROLE_M00]  ? conus_pose_from_matrix(out, m)
-             : columns->has[ROLE_QW] ? conus_pose_from_quaternion(out, x, q)
-             : columns->has[ROLE_TX] ? pose_row_toward(row, x, t, up)
-                                     : conus_pose_along(out, x, v + ROLE_DX, up);
-    if (!status) {
-        conus_frame_turn_pose(out, &own, up || is_turned);
-        pose_turn(out, options->axis);
-    }
-    return status;
-}
-
-static conus_status read_trigger(double *out, struct text cell)
-{
-    bool on = text_is_one_of(cell, "1/true", false);
-    bool off = is_absent(cell) || text_is_one_of(cell, "0/false", false);
-    *out = on;
-    return on || off ? CONUS_OK
-                     : fail(CONUS_ERROR_DATA, "column trigger: \"%.*s\", allowed are 0, 1, true, false and n/a",
-                            POSE_QUOTE(cell));
-}
-
-/* One of the spaces that --space has. A row in another brain's is not brought here. */
-static conus_status read_space(double *out, const struct columns *columns, struct text cell)
-{
-    const char *name;
-    *out = NAN;
-    if (columns->has_mni_rows && text_is_one_of(cell, "MNI/MNI152", false)) {
-        return CONUS_OK; /* as the file's space says */
-    }
-    for (size_t i = 0; (name = conus_space_name(i)) && isnan(*out); i++) {
-        *out = text_equal_ignoring_case(cell, name) ? (double)i : NAN;
-    }
-    return !isnan(*out) || is_absent(cell) ? CONUS_OK
-                                           : fail(CONUS_ERROR_DATA,
-                                                  "column space: \"%.*s\", allowed are RAS, LPS, ccf, bregma and "
-                                                  "n/a; all rows are in one brain, "
-                                                  "that of the atlas (--atlas-transform)",
-                                                  POSE_QUOTE(cell));
-}
-
-static conus_status read_value(double *out, const struct columns *columns, enum role role, struct text cell)
-{
-    if (role >= ROLE_ANGLE && is_absent(cell)) {
-        *out = NAN;
-        return CONUS_OK;
-    }
-    if (!table_number(out, &columns->table, cell) || !isfinite(*out)) {
-        char what[16 + COLUMN_NAME_SIZE];
-        snprintf(what, sizeof what, "column %s", columns->shown[role]);
-        return pose_no_number(what, cell);
-    }
-    bool is_error = role == ROLE_ERROR_DEG || role == ROLE_ERROR_MM;
-    return is_error && *out < 0
-               ? fail(CONUS_ERROR_DATA, "column %s: %g, allowed are 0 and more", columns->shown[role], *out)
-               : CONUS_OK;
-}
-
-/* A name without its doubled marks; both halves of one in two columns, as in "LA" and "1", or "LA" and "LA1". */
-static void set_name(struct pose_name *name, struct text line, struct text cell, struct text contact)
-{
-    double number;
-    bool is_quoted = cell.size && cell.data > line.data && cell.data[-1] == '"';
-    bool begins = cell.size && contact.size >= cell.size && memcmp(contact.data, cell.data, cell.size) == 0;
-    if (contact.size && begins && !text_to_double(contact, &number)) {
-        cell = contact;
-        contact.size = 0;
-    }
-    name->text = cell;
-    if (!is_quoted && !contact.size) {
-        return;
-    }
-    size_t size = 0;
-    for (size_t i = 0; i < cell.size && size < sizeof name->own; i++) {
-        name->own[size++] = cell.data[i];
-        i += is_quoted && cell.data[i] == '"'; /* and the one behind it */
-    }
-    for (size_t i = 0; i < contact.size && size < sizeof name->own; i++) {
-        name->own[size++] = contact.data[i];
-    }
-    name->text = (struct text){name->own, size};
-}
-
-static conus_status check_quotes(const struct table_line *line)
-{
-    return !line->spoilt.data ? CONUS_OK
-           : line->is_unclosed
-               ? fail(CONUS_ERROR_DATA, "a quotation mark that is not closed in its line: \"%.*s",
-                      POSE_QUOTE(line->spoilt))
-               : fail(CONUS_ERROR_DATA, "a quotation mark inside a field: %.*s", POSE_QUOTE(line->spoilt));
-}
-
-/* Only texts may be missing at the end of a row, and only empty cells be there in excess. */
-static bool has_right_count(const struct columns *columns, const struct table_line *line)
-{
-    bool fits = line->given <= columns->count;
-    for (size_t i = line->count; fits && i < columns->count; i++) {
-        fits = columns->role_of[i] >= ROLE_NAME;
-    }
-    return fits && (line->count >= columns->count || line->count > 1);
-}
-
-static conus_status read_values(double values[ROLE_NAME], struct pose_name *name, const struct columns *columns,
-                                const struct table_line *line, struct text text)
-{
-    struct text names[2] = {{"", 0}, {"", 0}};
-    conus_status status = check_quotes(line);
-    if (!status && !has_right_count(columns, line)) {
-        status = fail(CONUS_ERROR_DATA, "%zu fields, the header has %zu", line->count, columns->count);
-    }
-    for (size_t i = 0; i < columns->count && i < line->count; i++) {
-        enum role role = columns->role_of[i];
-        struct text cell = line->cells[i];
-        if (role == ROLE_NAME || role == ROLE_CONTACT) {
-            names[role - ROLE_NAME] = cell;
-        } else if (role < ROLE_NAME && !status) {
-            status = role == ROLE_TRIGGER ? read_trigger(&values[role], cell)
-                     : role == ROLE_SPACE ? read_space(&values[role], columns, cell)
-                                          : read_value(&values[role], columns, role, cell);
-        }
-    }
-    if (!line->spoilt.data) { /* a row with an error keeps its name */
-        set_name(name, text, names[0], names[1]);
-    }
-    return status;
-}
-
-static conus_status read_row(conus_pose_row *row, struct pose_name *name, const struct columns *columns,
-                             const struct table_line *line, struct text text, const conus_pose_options *options)
-{
-    double values[ROLE_NAME] = {[ROLE_TIME] = NAN, [ROLE_ERROR_DEG] = NAN, [ROLE_ERROR_MM] = NAN, [ROLE_NEAR] = NAN,
-                                [ROLE_FAR] = NAN,  [ROLE_SPACE] = NAN,     [ROLE_DEPTH] = NAN};
-    conus_status status = read_values(values, name, columns, line, text);
-    /* A row may have other signs than the table, but not another space's axes and units. */
-    double space = values[ROLE_SPACE];
-    bool is_turned = space < CONUS_SPACE_CCF && options->space < CONUS_SPACE_CCF;
-    if (!status && !isnan(space) && !is_turned && space != (double)options->space) {
-        status =
-            fail(CONUS_ERROR_DATA, "column space: \"%s\", the table is read in %s: each space needs a table of its own",
-                 conus_space_name((size_t)space), conus_space_name((size_t)options->space));
-    }
-    status = status ? status : pose_from_values(row, columns, values, options);
-    double angle = values[ROLE_ANGLE];
-    if (!status && columns->has[ROLE_ANGLE] && !isnan(angle) && !columns->is_of_points) {
-        row->angle = angle == 0 ? row->angle : radians_from_degrees(angle);
-        status = angle == 0
-                     ? fail(CONUS_ERROR_DATA, "angle: 0 degrees, allowed is more than 0 and less than 180, or n/a "
-                                              "for none")
-                     : pose_check_angle(row->angle);
-    } else if (!status && columns->is_of_points && columns->has[ROLE_ANGLE] && angle != 0) {
-        status = fail(CONUS_ERROR_DATA, "angle: %g degrees of a point, which has no direction", angle);
-    }
-    if (!status && !isnan(values[ROLE_FAR])) { /* what near alone may be depends on the range of those without */
-        status = pose_check_range((double[]){isnan(values[ROLE_NEAR]) ? 0 : values[ROLE_NEAR], values[ROLE_FAR]});
-    }
-    row->is_point = columns->is_of_points;
-    row->range[0] = values[ROLE_NEAR];
-    row->range[1] = values[ROLE_FAR];
-    double depth = values[ROLE_DEPTH] * columns->depth_mm;
-    if (!status && columns->has[ROLE_DEPTH] && isfinite(depth)) {
-        status = depth > 0 ? CONUS_OK
-                           : fail(CONUS_ERROR_DATA, "column %s: %g, allowed is more than 0", columns->shown[ROLE_DEPTH],
-                                  values[ROLE_DEPTH]);
-        row->range[0] = isnan(row->range[0]) ? 0 : row->range[0];
-        row->range[1] = depth;
-    }
-    if (!status && columns->ends_at_target && isnan(row->range[1])) {
-        double way[3];
-        vec3_sub(way, values + ROLE_TX, values + ROLE_X); /* of the world by now; pose_row_end() says where it begins */
-        row->range[1] = vec3_length(way);
-    }
-    row->time_s = values[ROLE_TIME];
-    row->trigger = values[ROLE_TRIGGER] != 0;
-    row->error_deg = values[ROLE_ERROR_DEG];
-    row->error_mm = values[ROLE_ERROR_MM];
-    return status;
-}
-
-/* Whether the three coordinates of a row hold nothing. */
-static bool is_without_position(const struct columns *columns, const struct table_line *line)
-{
-    size_t absent = 0;
-    for (size_t i = 0; i < columns->count && i < line->count; i++) {
-        bool is_coordinate = columns->role_of[i] < ROLE_X + 3;
-        absent += is_coordinate && (is_absent(line->cells[i]) || text_equal_ignoring_case(line->cells[i], "nan"));
-    }
-    return absent == 3 && line->count >= columns->count;
-}
-
-/* A line of a table that has no digit. Three cells of words, with blanks between them only where they are as many
- * as a row's, are another header. */
-static enum columns_line kind_of_words(const struct columns *columns, const struct table_line *line, struct text text)
-{
-    bool is_apart = columns->table.separator != TABLE_SPACES || line->given == columns->count;
-    return sum_of(text) == columns->header_sum ? LINE_AGAIN : line->given >= 3 && is_apart ? LINE_OTHER : LINE_WORDS;
-}
-
-static enum columns_line read_table_line(conus_pose_row *row, struct pose_name *name, conus_status *bad,
-                                         const struct columns *columns, struct text text,
-                                         const conus_pose_options *options)
-{
-    struct table_line line;
-    bool fits = table_split(&line, &columns->table, text);
-    if (fits && columns->has[ROLE_X] && is_without_position(columns, &line)) {
-        return LINE_ABSENT;
-    }
-    if (!has_digit(text)) {
-        return kind_of_words(columns, &line, text);
-    }
-    for (size_t i = 0; i < columns->count && i < line.count; i++) {
-        if (columns->role_of[i] == ROLE_NAME && text_is_one_of(line.cells[i], "mean/sd/total", false)) {
-            return LINE_CLOSING;
-        }
-    }
-    for (size_t i = 0; row && i < columns->kept_count; i++) {
-        bool is_there = fits && columns->kept[i] < line.count && !line.spoilt.data;
-        struct text cell = is_there ? line.cells[columns->kept[i]] : (struct text){NULL, 0};
-        name->kept[i] = (struct kept_text){cell, cell.size && cell.data > text.data && cell.data[-1] == '"'};
-    }
-    if (row) {
-        *bad = fits ? read_row(row, name, columns, &line, text, options)
-                    : fail(CONUS_ERROR_DATA, "more than %d fields", TABLE_CELLS);
-    }
-    return LINE_ROW;
-}
-
-static conus_status read_bare(conus_pose_row *row, struct pose_name *name, const struct columns *columns,
-                              struct text line, const conus_pose_options *options)
-{
-    double values[ROLE_NAME] = {[ROLE_SPACE] = NAN};
-    row->is_point = true;
-    return read_point_anyhow(values + ROLE_X, &name->text, &columns->table, line)
-               ? pose_from_values(row, columns, values, options)
-               : CONUS_ERROR_DATA;
-}
-
-enum columns_line columns_read(conus_pose_row *row, struct pose_name *name, conus_status *bad,
-                               const struct columns *columns, struct text line, size_t number,
-                               const conus_pose_options *options)
-{
-    struct text inside;
-    if (number <= columns->head_lines || table_is_blank(line) || table_is_comment(&inside, line)) {
-        return LINE_NOTHING;
-    }
-    bool is_text = !memchr(line.data, '\0', line.size) && text_is_utf8(line);
-    if (!is_text && row) {
-        *bad = fail(CONUS_ERROR_DATA, memchr(line.data, '\0', line.size) ? "a zero byte: not text" : "not UTF-8 text");
-    }
-    if (!is_text) {
-        return LINE_ROW;
-    }
-    if (columns->has_header) {
-        return read_table_line(row, name, bad, columns, line, options);
-    }
-    if (!has_digit(line)) {
-        return LINE_WORDS;
-    }
-    if (row) {
-        *bad = read_bare(row, name, columns, line, options);
-    }
-    return LINE_ROW;
-}
-
-bool columns_plain_matrix(conus_pose_row *row, conus_status *bad, struct text text, const conus_pose_options *options)
-{
-    const struct columns columns = {.has = {[ROLE_M00] = true}, .space = options->space, .scale = 1};
-    double values[ROLE_NAME] = {[ROLE_SPACE] = NAN};
-    struct text line;
-    struct text word;
-    size_t count = 0;
-    size_t lines = 0;
-    bool is_one = true; /* in one line, or in four of four */
-    while (text_line(&text, &line)) {
-        lines += text_trim(line).size > 0;
-        while (text_word(&line, &word)) {
-            if (count == MATRIX_NUMBERS || !text_to_double(word, &values[ROLE_M00 + count])) {
-                return false;
-            }
-            count++;
-        }
-        is_one = is_one && (count == 4 * lines || lines == 1);
-    }
-    if (count != MATRIX_NUMBERS || !is_one) { /* two rows of a tracker's eight numbers are none */
-        return false;
-    }
-    *bad = pose_from_values(row, &columns, values, options);
-    return true;
 }

@@ -30,7 +30,8 @@ enum role {
     ROLE_TILT_AP,
     ROLE_PHI,
     ROLE_THETA,
-    ROLE_SPACE,
+    ROLE_SPACE, /**< May be several columns. */
+    ROLE_UNIT,
     ROLE_NAME,
     ROLE_CONTACT, /**< The second half of the name. */
     ROLES         /**< None. */
@@ -48,9 +49,6 @@ struct columns_words {
 /** Reads them; CONUS_ERROR_ARGUMENT for a word that is none, or only some of x, y and z. @p text NULL: none. */
 conus_status columns_words_parse(struct columns_words *out, const char *text);
 
-/** Length of the path that such words stand behind; all of it where there are none. */
-size_t columns_path_length(const char *path);
-
 /** What is known of a table when its head was read. */
 struct columns {
     struct table table;
@@ -62,7 +60,7 @@ struct columns {
     size_t head_lines;                   /**< Lines to the end of the header. */
     uint64_t header_sum;                 /**< Of the header's line. */
     bool is_bids; /**< Before columns_plan(): marks belong to cells, no column is unusual, and only x, y, z and name, or
-                     those that the user names, have a role. */
+                     those that the user names, and words of space and unit have a role. */
     bool is_of_points; /**< It gives no direction. */
     bool has_space;    /**< It says itself in which space the numbers are: */
     conus_space space;
@@ -72,9 +70,13 @@ struct columns {
     double depth_mm;         /**< mm per unit of depth. */
     bool is_mlapdv;          /**< x y z are ML, AP, DV from bregma, as IBL has them beside theta and phi. */
     struct space_words said; /**< What titles, comments and headers say. */
-    bool has_unit;           /**< The file names it. */
-    bool ends_at_target;     /**< Axes end there, not only point there (target_x, but not tx). */
-    bool has_mni_rows;       /**< The column space says MNI 152 in every row of the head. */
+    bool has_unit;           /**< The file names it, */
+    bool is_own_unit;        /**< or the user. */
+    size_t pairs; /**< From 1: the column that says whether a row is an entry or the target of its name (pairs.h); 0 =
+                     none does. */
+    bool ends_at_target; /**< Axes end there, not only point there (target_x, but not tx). */
+    bool moves;          /**< Positions of MNI 305 are moved to MNI 152. */
+    size_t heard_lines;  /**< Lines of the head, whose words are in @p said. */
 };
 
 /** Reads the head of a text: its first lines, @p all of them or TABLE_HEAD bytes. CONUS_ERROR_DATA with what it is
@@ -83,12 +85,30 @@ struct columns {
 conus_status columns_plan(struct columns *out, bool *is_short, struct notes *notes, struct text head,
                           const conus_pose_options *options);
 
+/** The space of the rows that are read: MNI 152 of those that are moved there. */
+struct pose_space columns_space(const struct columns *columns);
+
+/** Whether a line behind the head, a comment or words, says another space or unit than the rows were read in:
+ * CONUS_ERROR_DATA. */
+conus_status columns_hear_late(const struct columns *columns, struct text line, size_t number,
+                               const conus_pose_options *options);
+
 /** A row's name; "" if it gives none. */
 struct pose_name {
     struct text text; /**< Inside the line, or here: */
     char own[POSE_ID_LIMIT + 1];
     struct kept_text kept[POSE_KEPT_LIMIT]; /**< Inside the line; text.data NULL: there is none. */
 };
+
+/** Whether a cell says nothing: n/a, NA, none, dashes. */
+bool columns_is_absent(struct text cell);
+
+/** Which end of an axis a cell of columns.pairs says that its row is. */
+enum columns_end { END_NONE, END_ENTRY, END_TARGET };
+enum columns_end columns_end_of(struct text cell);
+
+/** CONUS_ERROR_DATA: so many of the axes are shorter than 1/20 of the @p longest edge. */
+conus_status columns_refuse_short(size_t count, size_t axes, double longest);
 
 /** What a line is. */
 enum columns_line {
@@ -98,6 +118,7 @@ enum columns_line {
     LINE_CLOSING, /**< Mean, SD, Total, N. */
     LINE_AGAIN,   /**< The header again. */
     LINE_WORDS,   /**< Words without a number. */
+    LINE_TITLE,   /**< Words and a number above rows that have no header. */
     LINE_OTHER,   /**< The header of another table. */
     LINE_KINDS
 };

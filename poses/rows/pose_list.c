@@ -85,7 +85,6 @@ conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, str
         !memory_reserve(&list->rows, &list->capacity, list->count + 1, sizeof *list->rows)) {
         memory_free((char *)copy.id);
         memory_free((char *)copy.error);
-        memory_free((char *)copy.kept);
         return CONUS_ERROR_MEMORY;
     }
     list->rows[list->count++] = copy;
@@ -176,6 +175,7 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
         [POSE_BRAIN_TEMPLATE] = CONUS_BRAIN_TEMPLATE, [POSE_BRAIN_COLIN27] = CONUS_BRAIN_COLIN27,
         [POSE_BRAIN_MNI305] = CONUS_BRAIN_MNI305,     [POSE_BRAIN_OTHER] = CONUS_BRAIN_OWN};
     char words[192];
+    char at[sizeof space->name + 32];
     conus_brain brain = brains[space->brain];
     const conus_brain_view view = conus_atlas_brain(atlas);
     if (!space->name[0] ||
@@ -184,34 +184,30 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
                           */
     }
     describe_brain(words, sizeof words, &view, atlas);
+    snprintf(at, sizeof at, "\"%s\"%s", space->name, space->is_of_path ? " (by the file's name)" : "");
     if (!view.brain && view.is_moved) {
-        return notes_warn(notes, "positions are in \"%s\"; they must be where the atlas was moved to (%s)", space->name,
-                          words);
+        return notes_warn(notes, "positions are in %s; they must be where the atlas was moved to (%s)", at, words);
     }
     if (!view.brain || !brain) {
         return notes_warn(
-            notes, "positions are in \"%s\"; it is not known whether the atlas (%s) is in the same space%s",
-            space->name, words,
+            notes, "positions are in %s; it is not known whether the atlas (%s) is in the same space%s", at, words,
             brain == CONUS_BRAIN_OWN ? "; ',template=none' behind ATLAS says that it is this person's" : "");
     }
     if (view.brain == CONUS_BRAIN_OWN && brain == CONUS_BRAIN_OWN) {
-        return notes_warn(notes,
-                          "positions are in \"%s\"; they must be in the world of the person's scan, as the atlas is",
-                          space->name);
+        return notes_warn(notes, "positions are in %s; they must be in the world of the person's scan, as the atlas is",
+                          at);
     }
     const conus_brain_view own = {.brain = brain, .edition = edition_of(space->name), .source = ""};
     switch (conus_brain_compare(own, view)) {
     case CONUS_BRAIN_GAP_NONE:
         return CONUS_OK;
     case CONUS_BRAIN_GAP_SMALL:
-        return notes_add(notes, "positions are in \"%s\", the atlas is %s: areas differ by some mm", space->name,
-                         words);
+        return notes_add(notes, "positions are in %s, the atlas is %s: areas differ by some mm", at, words);
     case CONUS_BRAIN_GAP_SOME_MM:
-        return notes_warn(notes, "positions are in \"%s\", the atlas in another template (%s): some mm may lie between",
-                          space->name, words);
+        return notes_warn(notes, "positions are in %s, the atlas in another template (%s): some mm may lie between", at,
+                          words);
     default:
         return fail(CONUS_ERROR_DATA,
-                    "positions are in \"%s\", the atlas in another space (%s): the areas named would be wrong",
-                    space->name, words);
+                    "positions are in %s, the atlas in another space (%s): the areas named would be wrong", at, words);
     }
 }

@@ -24,7 +24,8 @@ enum pose_brain {
 struct pose_space {
     char name[64]; /**< As the file has it: "NIfTI:Scanner". */
     enum pose_brain brain;
-    double scale; /**< mm per unit of the file's numbers; 0 = 1. */
+    double scale;    /**< mm per unit of the file's numbers; 0 = 1. */
+    bool is_of_path; /**< The file's name says it, by which nothing is converted. */
 };
 
 struct pose_space pose_space_named(struct text name, enum pose_brain brain);

@@ -64,16 +64,6 @@ conus_status pose_no_axis(const conus_pose_options *options, const char *what)
                       pose_axis_name(options->axis));
 }
 
-double pose_unit(struct text name, const char *allowed)
-{
-    bool is_one = text_is_one_of(name, allowed, true);
-    return !is_one                  ? 0
-           : text_equal(name, "um") ? 1e-3
-           : text_equal(name, "mm") ? 1
-           : text_equal(name, "cm") ? 10
-                                    : 1000;
-}
-
 conus_status pose_check_angle(double angle)
 {
     return angle > 0 && angle < MATH3_PI
@@ -238,6 +228,13 @@ double pose_clock(struct text date, struct text time)
         return NAN;
     }
     return days_of_date(d[0], d[1], d[2]) * 86400 + t[0] * 3600 + t[1] * 60 + t[2];
+}
+
+conus_status pose_note_absent(struct notes *notes, size_t count, size_t first)
+{
+    return count
+               ? notes_add(notes, "%zu rows without coordinates (n/a) passed over, the first in line %zu", count, first)
+               : CONUS_OK;
 }
 
 conus_status pose_note_space(struct notes *notes, const conus_pose_options *options, bool lps)

@@ -102,14 +102,14 @@ double pose_clock(struct text date, struct text time);
 /** A note where the caller asked for LPS and the file says itself that it is RAS, by @p lps. */
 conus_status pose_note_space(struct notes *notes, const conus_pose_options *options, bool lps);
 
+/** A note that @p count rows without a position were passed over, the first in line @p first; of 0 none. */
+conus_status pose_note_absent(struct notes *notes, size_t count, size_t first);
+
 /** "+x" and so on; "" for CONUS_AXIS_OF_FORMAT. */
 const char *pose_axis_name(conus_axis axis);
 
 /** CONUS_ERROR_DATA where the caller chooses an axis: @p what, "contacts" say, have none. */
 conus_status pose_no_axis(const conus_pose_options *options, const char *what);
-
-/** mm per unit called @p name, one of @p allowed, "um/mm/cm/m" or fewer; 0 for another. */
-double pose_unit(struct text name, const char *allowed);
 
 /** A pose that is only a position. */
 conus_status pose_of_point(conus_pose *out, const double point[3]);

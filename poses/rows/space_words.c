@@ -7,6 +7,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 /* How much a word says by itself. */
 enum weight {
@@ -15,16 +16,16 @@ enum weight {
     ORIGIN /* behind from, to */
 };
 
-enum { TOKENS = 64, MNI305 = 100, SIGNS };
+enum { TOKENS = 64, SIGNS = 100, CELL_TOKENS = 4 };
 
 static const struct row {
     const char *words;
     enum weight weight;
-    int brain; /* enum pose_brain, MNI305 or SIGNS */
+    int brain; /* enum pose_brain or SIGNS */
     const char *name;
     const char *why; /* positions cannot be taken, whatever the atlas */
 } rows[] = {
-    {"mni305/fsaverage", STRONG, MNI305, "MNI 305", NULL},
+    {"mni305/fsaverage", STRONG, POSE_BRAIN_MNI305, "MNI305", NULL},
     {"talairach/tal/tlrc/mni2tal", STRONG, POSE_BRAIN_TALAIRACH, "Talairach", NULL},
     {"tk/tkr/tkras/tkrras/tkreg/tkregras/surfaceras", STRONG, POSE_BRAIN_OTHER, "tkRAS", NULL},
     {"radiological", STRONG, 0, NULL,
@@ -40,15 +41,68 @@ static const struct row {
      "a code of axes other than RAS and LPS, which is read in AFNI's own reports alone"},
 };
 
-/* mm each. */
 static const struct {
     const char *names;
-    double mm;
+    double mm;     /* SPACE_UNIT_REFUSED: known, and not taken */
     bool is_short; /* a word of other things, too: only in brackets, or behind in, unit */
-} units[] = {{"mm/millimetre/millimetres/millimeter/millimeters", 1, false},
-             {"um/\xc2\xb5m/\xce\xbcm/micron/microns/micrometre/micrometres/micrometer/micrometers", 0.001, false},
-             {"cm/centimetre/centimetres/centimeter/centimeters", 10, true},
-             {"m/metre/metres/meter/meters", 1000, true}};
+} units[] = {
+    {"mm/millimetre/millimetres/millimeter/millimeters", 1, false},
+    {"um/\xc2\xb5m/\xce\xbcm/micron/microns/micrometre/micrometres/micrometer/micrometers", 0.001, false},
+    {"cm/centimetre/centimetres/centimeter/centimeters", 10, true},
+    {"m/metre/metres/meter/meters", 1000, true},
+    {"inch/inches/px/pixel/pixels", SPACE_UNIT_REFUSED, false},
+    {"in/ft/feet", SPACE_UNIT_REFUSED, true},
+};
+
+enum { UNITS = sizeof units / sizeof units[0] };
+
+const char space_why_unit[] = "a unit that is not taken: mm, um, cm and m are";
+
+double space_unit_mm(struct text name)
+{
+    for (size_t i = 0; i < UNITS; i++) {
+        if (text_is_one_of(name, units[i].names, false)) {
+            return units[i].mm;
+        }
+    }
+    return 0;
+}
+
+/* BIDS, appendix on coordinate systems; names that laboratories give to a subject's own; those of FreeSurfer's
+ * surfaces, which count from the middle of the voxels, not as the scanner does. */
+static const struct {
+    const char *prefix; /* of the name, or of what is behind its last "_" (sub-01_T1w); in any case */
+    enum pose_brain brain;
+} brains[] = {
+    {"MNI152", POSE_BRAIN_MNI152},      {"Talairach", POSE_BRAIN_TALAIRACH},
+    {"MNI305", POSE_BRAIN_MNI305},      {"MNIColin27", POSE_BRAIN_COLIN27},
+    {"fsaverage", POSE_BRAIN_MNI305},   {"fsLR", POSE_BRAIN_TEMPLATE},
+    {"ICBM452", POSE_BRAIN_TEMPLATE},   {"IXI549", POSE_BRAIN_TEMPLATE},
+    {"NIHPD", POSE_BRAIN_TEMPLATE},     {"OASIS30", POSE_BRAIN_TEMPLATE},
+    {"UNCInfant", POSE_BRAIN_TEMPLATE}, {"ScanRAS", POSE_BRAIN_SUBJECT},
+    {"scanner", POSE_BRAIN_SUBJECT},    {"individual", POSE_BRAIN_SUBJECT},
+    {"ACPC", POSE_BRAIN_SUBJECT},       {"fsnative", POSE_BRAIN_SUBJECT},
+    {"native", POSE_BRAIN_SUBJECT},     {"subject", POSE_BRAIN_SUBJECT},
+    {"patient", POSE_BRAIN_SUBJECT},    {"anat", POSE_BRAIN_SUBJECT},
+    {"orig", POSE_BRAIN_SUBJECT},       {"T1", POSE_BRAIN_SUBJECT},
+    {"T2", POSE_BRAIN_SUBJECT},         {"FLAIR", POSE_BRAIN_SUBJECT},
+    {"CT", POSE_BRAIN_SUBJECT},         {"tk", POSE_BRAIN_OTHER},
+    {"surface", POSE_BRAIN_OTHER},      {"FreeSurfer", POSE_BRAIN_OTHER},
+    {"n/a", POSE_BRAIN_OTHER},
+};
+
+enum pose_brain space_brain_named(struct text name)
+{
+    for (size_t i = 0; i < sizeof brains / sizeof brains[0]; i++) {
+        size_t length = strlen(brains[i].prefix);
+        if (name.size >= length && strncasecmp(name.data, brains[i].prefix, length) == 0) {
+            return brains[i].brain;
+        }
+    }
+    const char *last = text_last(name, '_');
+    size_t skipped = last ? (size_t)(last + 1 - name.data) : 0;
+    return last ? space_brain_named((struct text){last + 1, name.size - skipped}) : POSE_BRAIN_UNKNOWN;
+}
 
 struct sentence {
     struct text tokens[TOKENS];
@@ -77,7 +131,7 @@ static bool is_context(const struct sentence *sentence, size_t index)
 /* Whether a word for positions is its neighbour, but for small words between. */
 static bool has_context(const struct sentence *sentence, size_t index)
 {
-    static const char small[] = "in/the/are/is/of/unit/units/native/scanner";
+    static const char small[] = "in/the/are/is/of/unit/units/native/scanner/ras/lps/mni/mni152";
     size_t before = index;
     size_t behind = index + 1;
     while (before && token_is(sentence, before - 1, small)) {
@@ -94,8 +148,13 @@ static void keep(struct space_words *words, struct text heard, const struct row 
     bool is_better = !words->heard[0] || (row->why && !words->why) ||
                      (words->space.brain == POSE_BRAIN_MNI152 && row->brain != POSE_BRAIN_MNI152);
     if (row->brain == SIGNS) {
+        conus_space signs = text_equal_ignoring_case(heard, "lps") ? CONUS_SPACE_LPS : CONUS_SPACE_RAS;
+        if (words->has_signs && words->signs != signs) {
+            words->why = "one in one place, the other in another, and only one is right";
+            snprintf(words->heard, sizeof words->heard, "RAS, LPS");
+        }
         words->has_signs = true;
-        words->signs = text_equal_ignoring_case(heard, "lps") ? CONUS_SPACE_LPS : CONUS_SPACE_RAS;
+        words->signs = signs;
         return;
     }
     if (!is_better) {
@@ -103,10 +162,8 @@ static void keep(struct space_words *words, struct text heard, const struct row 
     }
     snprintf(words->heard, sizeof words->heard, "%.*s", TEXT_SHOW(heard, sizeof words->heard - 1));
     words->why = row->why;
-    words->is_mni305 = row->brain == MNI305;
     if (!row->why) {
-        words->space = pose_space_named(row->name ? text_from(row->name) : heard,
-                                        words->is_mni305 ? POSE_BRAIN_MNI152 : (enum pose_brain)row->brain);
+        words->space = pose_space_named(row->name ? text_from(row->name) : heard, (enum pose_brain)row->brain);
     }
 }
 
@@ -126,7 +183,8 @@ static bool is_heard(const struct sentence *sentence, size_t index, const struct
     if (!token_is(sentence, index, row->words)) {
         return false;
     }
-    if (row->brain == POSE_BRAIN_TALAIRACH) { /* brought to MNI, or a program's labels */
+    if (row->brain == POSE_BRAIN_TALAIRACH ||
+        row->brain == POSE_BRAIN_MNI305) { /* brought to MNI, or a program's labels */
         bool is_other = false;
         for (size_t i = 0; i < sentence->count; i++) {
             is_other = is_other || token_is(sentence, i, "label/labels/daemon") ||
@@ -145,20 +203,25 @@ static bool is_heard(const struct sentence *sentence, size_t index, const struct
 static void hear_unit(struct space_words *words, const struct sentence *sentence, size_t index, bool in_brackets,
                       bool of_coordinates)
 {
-    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
-        bool is_said = index && token_is(sentence, index - 1, "in/unit/units");
+    const struct text token = sentence->tokens[index];
+    bool is_said = index && token_is(sentence, index - 1, "in/unit/units");
+    bool is_small = token_is(sentence, index, "in") && !in_brackets && !(of_coordinates && sentence->count == 1);
+    for (size_t i = 0; i < UNITS && !is_small; i++) {
         bool fits =
-            token_is(sentence, index, units[i].names) &&
+            text_is_one_of(token, units[i].names, false) &&
             (of_coordinates || ((is_said || in_brackets || !units[i].is_short) &&
                                 (has_context(sentence, index) || token_is(sentence, index - !!index, "unit/units"))));
-        if (fits) {
+        if (fits && units[i].mm == SPACE_UNIT_REFUSED) {
+            words->why = space_why_unit;
+            snprintf(words->heard, sizeof words->heard, "%.*s", TEXT_SHOW(token, sizeof words->heard - 1));
+        } else if (fits) {
             words->are_two = words->are_two || (words->mm > 0 && words->mm != units[i].mm);
             words->mm = units[i].mm;
         }
     }
 }
 
-static void hear_sentence(struct space_words *words, struct text text, bool of_coordinates)
+static struct sentence take_apart(struct text text)
 {
     struct sentence sentence = {0};
     for (size_t i = 0; i < text.size && sentence.count < TOKENS;) {
@@ -171,12 +234,20 @@ static void hear_sentence(struct space_words *words, struct text text, bool of_c
         }
         i += size + !size;
     }
+    return sentence;
+}
+
+static void hear_sentence(struct space_words *words, struct text text, bool of_coordinates)
+{
+    const struct sentence sentence = take_apart(text);
     for (size_t i = 0; i < sentence.count; i++) {
         struct text token = sentence.tokens[i];
         const char *before = token.data > text.data ? token.data - 1 : " ";
         for (size_t r = 0; r < sizeof rows / sizeof rows[0]; r++) {
             if (is_heard(&sentence, i, &rows[r], of_coordinates)) {
                 keep(words, token, &rows[r]);
+            } else if (rows[r].brain == SIGNS && text_equal(token, "LPS")) {
+                words->may_be_lps = true;
             }
         }
         if (token_is(&sentence, i, "surface") && token_is(&sentence, i + 1, "ras")) {
@@ -209,13 +280,47 @@ void space_words_hear_of(struct space_words *words, struct text word)
     hear_sentence(words, word, true);
 }
 
+/* Whether a cell is words of spaces alone: each is one, or a small one beside it. */
+static bool is_of_space(struct text cell, bool strong)
+{
+    static const char small[] = "space/coordinate/coordinates/system/standard/template/brain/152/305/in/the/mm/ras/lps";
+    const struct sentence sentence = take_apart(cell);
+    bool all = sentence.count > 0 && sentence.count <= CELL_TOKENS;
+    for (size_t i = 0; i < sentence.count && all; i++) {
+        bool is_one = token_is(&sentence, i, small);
+        for (size_t r = 0; r < sizeof rows / sizeof rows[0] && !is_one; r++) {
+            bool counts = !strong || (rows[r].weight == STRONG && !rows[r].why);
+            is_one = counts && token_is(&sentence, i, rows[r].words);
+        }
+        all = is_one;
+    }
+    return all;
+}
+
+bool space_words_hear_cell(struct space_words *words, struct text cell, bool strong)
+{
+    *words = (struct space_words){0};
+    if (is_of_space(cell, strong)) {
+        hear_sentence(words, cell, true);
+    } else if (!strong && !text_equal_ignoring_case(cell, "n/a") && space_brain_named(cell)) { /* as BIDS calls it */
+        words->space = pose_space_named(cell, space_brain_named(cell));
+        snprintf(words->heard, sizeof words->heard, "%.*s", TEXT_SHOW(cell, sizeof words->heard - 1));
+    }
+    return words->space.brain || words->why || words->has_signs;
+}
+
 const char space_why_tkras[] =
     "FreeSurfer's tkRAS, which counts from the middle of the voxels of an image that is not in the file: save scanner "
     "RAS (Freeview has both); --any-space takes the positions as they are, for an atlas in tkRAS";
 
-bool space_stays_in_mni305(const conus_pose_options *options)
+bool space_moves(const struct pose_space *space, const conus_pose_options *options)
 {
-    return options->atlas && conus_atlas_brain(options->atlas).brain == CONUS_BRAIN_MNI305;
+    return space->brain == POSE_BRAIN_MNI305 && !space->is_of_path && !options->of_mni305 && !options->any_space;
+}
+
+conus_status space_note_move(struct notes *notes, const struct pose_space *space)
+{
+    return notes_add(notes, "positions in MNI 305 (\"%s\"), moved to MNI 152 by FreeSurfer's matrix", space->name);
 }
 
 void space_move_from_mni305(double p[3])

@@ -9,10 +9,10 @@
 
 /** What was heard so far. All 0: nothing. */
 struct space_words {
-    struct pose_space space; /**< A brain that is not moved by anything: pose_space_match() decides. */
-    bool is_mni305;          /**< Positions are to be moved to MNI 152. */
+    struct pose_space space; /**< The brain: pose_space_match() decides, and space_move() moves MNI 305. */
     bool has_signs;          /**< RAS or LPS: */
     conus_space signs;
+    bool may_be_lps; /**< "LPS" stands there, and nothing says of what. */
     double mm;       /**< mm per unit; 0: none was named. */
     bool are_two;    /**< Units that contradict each other. */
     const char *why; /**< Why positions cannot be taken: what they are; static. NULL: they can. */
@@ -25,11 +25,30 @@ void space_words_hear(struct space_words *words, struct text line);
 /** Hears what is said of coordinates alone: the cells of a column, or a word of its header. */
 void space_words_hear_of(struct space_words *words, struct text word);
 
-/** Whether positions in MNI 305 stay there: the atlas lies there, too. */
-bool space_stays_in_mni305(const conus_pose_options *options);
+/** Hears a cell that is nothing but words of a space, or a name of BIDS; @p strong: only words that have no other
+ * meaning. False where nothing is heard. */
+bool space_words_hear_cell(struct space_words *words, struct text cell, bool strong);
+
+/** The brain of a space by its name in BIDS, or as laboratories call their own; POSE_BRAIN_UNKNOWN: of none that is
+ * known. */
+enum pose_brain space_brain_named(struct text name);
+
+/** @p mm of space_unit_mm() for a unit that is known and not taken. */
+#define SPACE_UNIT_REFUSED (-1.0)
+
+/** mm of a unit by its name, in any case; 0: none, below 0: one that is not taken (inches, pixels). */
+double space_unit_mm(struct text name);
+
+/** Why such a unit is refused. */
+extern const char space_why_unit[];
 
 /** Why positions in tkRAS are refused. */
 extern const char space_why_tkras[];
+
+/** Whether positions of @p space are moved to MNI 152: those of MNI 305, unless the caller or the file's name says
+ * otherwise. A note says so. */
+bool space_moves(const struct pose_space *space, const conus_pose_options *options);
+conus_status space_note_move(struct notes *notes, const struct pose_space *space);
 
 /** Moves a point of MNI 305 to MNI 152, RAS mm (FreeSurfer's wiki, CoordinateSystems, 8b). */
 void space_move_from_mni305(double p[3]);

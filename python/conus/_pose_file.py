@@ -223,12 +223,13 @@ def read_poses(
     """
     options, out = ffi.new("conus_pose_options *"), ffi.new("conus_pose_list **")
     options.format, options.axis = choice("format", format, pose_formats()), choice("axis", axis, _AXES)
+    options.any_space = flag("any_space", any_space)
     options.along_shafts, options.max_memory = flag("along_shafts", along_shafts), byte_count("max_memory", max_memory)
     if space in ("ccf", "bregma") and atlas is None:
         raise ArgumentError(f"space: {space} lies where an atlas has it, atlas=... is needed")
     found = space_of(ffi.NULL if atlas is None else atlas._p, space, bregma)
     options.frame = found._frame if found else ffi.NULL
-    options.atlas = ffi.NULL if atlas is None else atlas._p
+    options.of_mni305 = atlas is not None and lib.conus_atlas_brain(atlas._p).brain == lib.CONUS_BRAIN_MNI305
     if isinstance(keep, str):
         raise ArgumentError("keep: a list of names is wanted, not a text")
     names = [ffi.new("char[]", str(name).encode()) for name in keep]

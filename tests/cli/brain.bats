@@ -133,7 +133,7 @@ tkRAS/sub-1_electrodes.tsv rrrwrw
 MNI152NLin2009cAsym/sub-1_electrodes.tsv nwwwrr
 MNI152NLin6Asym/sub-1_electrodes.tsv n--wrr
 Talairach/sub-1_electrodes.tsv rrrwrr
-fsaverage/sub-1_electrodes.tsv wwwwrr
+fsaverage/sub-1_electrodes.tsv n--wrr
 END
 }
 

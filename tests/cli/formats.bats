@@ -30,6 +30,18 @@ probe() {
     [[ "$output" =~ ^3-3,SlP,[0-9A-F]{6}\;5-8,SlP,[0-9A-F]{6}\;21-26,SlA,[0-9A-F]{6}\;33-38,SlP,[0-9A-F]{6}\;51-56,SlA,[0-9A-F]{6}$ ]]
 }
 
+@test "contacts without a position are passed over, but keep their channels and their lines" {
+    probe
+    sed -i 's/^A4\t[^\t]*\t[^\t]*\t[^\t]*/A4\tn\/a\tn\/a\tn\/a/' probe.tsv
+    run -0 --separate-stderr conus query slabs.nii.gz,template=none --pose probe.tsv --radius 0.3 --format tsv
+    has_no_row() { ! grep -q "^$1	" <<<"$output"; }
+    has_no_row A4
+    [[ "$stderr" == *'note: probe.tsv: 1 rows without coordinates (n/a) passed over, the first in line 6'* ]]
+    run -1 --separate-stderr conus query slabs.nii.gz --pose probe.tsv --radius 0.3 --format open-ephys --quiet
+    check_message 'probe.tsv:6: x: not known (n/a)'
+    [[ "$output" == '3-3,SlP,'*';5-8,SlP,'* ]]
+}
+
 @test "BIDS: the table as it was, with columns added and described" {
     probe
     { head -1 probe.tsv; sed -n '4,5p;18p' probe.tsv; printf 'bad\tn/a\t0\t0\t1\nshort\t0\n'; } | sed 's/$/\r/' >in_electrodes.tsv

@@ -134,16 +134,19 @@ answered() {
 }
 
 @test "hostile: numbers as other programs and countries write them" {
-    {
-        printf %b "$HEADER$FIRST"
-        for number in 1,5,2 0x10 1e400 '1.5 mm' 1_000 −− --1 '' n/a 1e; do
-            printf 'bad %s\t%s\t0\t100\t0\t0\t-1\n' "$number" "$number"
-        done
-        printf 'last\t+100.\t 0 \t-0\t-1e0\t.0\t1e-400\n'
-    } >poses.tsv
-    answered poses.tsv 1
-    [ "${#stderr_lines[@]}" -eq 10 ]
-    [[ "${stderr_lines[0]}" == *'poses.tsv:3: column x: "1,5,2" is not a finite number; decimals are written with a point' ]]
+    local pair number
+    for pair in '1e;0x10' '1e400;1.5 mm' '1_000;−−' '--1;' 'n/a;1,5,2'; do # of more than half of the rows it would refuse the file
+        {
+            printf %b "$HEADER$FIRST"
+            for number in "${pair%;*}" "${pair#*;}"; do
+                printf 'bad %s\t%s\t0\t100\t0\t0\t-1\n' "$number" "$number"
+            done
+            printf 'last\t+100.\t 0 \t-0\t-1e0\t.0\t1e-400\n'
+        } >poses.tsv
+        answered poses.tsv 1
+        [ "${#stderr_lines[@]}" -eq 2 ]
+    done
+    [[ "${stderr_lines[1]}" == *'poses.tsv:4: column x: "1,5,2" is not a finite number; decimals are written with a point' ]]
     printf 'query_id;x;y;z;dx;dy;dz\nfirst;0,0;−0,00;100;0;0;-1\nlast;1,0e2;0;0;-1;0;0\n' >poses.csv
     answered poses.csv 0
     printf 'query_id;x;y;z;dx;dy;dz\nfirst;0;0;1,100;0;0;-1\n' >poses.csv
@@ -347,6 +350,25 @@ data32="0" data33="1"/></Marker></InstrumentMarker>'
 }
 
 # Contacts of a head, 0.06 to 0.1 m from the origin, in a table in mm.
+@test "a comment behind the head that names another space ends the answers" {
+    sphere --size 16
+    { printf 'name,x,y,z\n'; yes 'p,0,0,0' | head -9000; printf '# Talairach coordinates\nq,0,0,0\n'; } >late.csv
+    fails 3 'late.csv: line 9002: "Talairach coordinates" says another space or unit' \
+        batch sphere.nii.gz --poses late.csv --radius 1 --quiet -o late.tsv
+    run -0 --separate-stderr "$CONUS" batch sphere.nii.gz --poses late.csv --radius 1 --quiet -o late.tsv --any-space --force
+}
+
+@test "positions of MNI 305 are moved, but not on an atlas that is stated to be of it" {
+    sphere --size 16
+    printf 'name,x,y,z,template\nA,10,20,30,fsaverage\n' >points.csv
+    run -0 --separate-stderr "$CONUS" query sphere.nii.gz,template=mni305 --pose points.csv --format tsv
+    [ "$(cell x 1)/$(cell y 1)/$(cell z 1)" = 10/20/30 ]
+    [[ "$stderr" != *MNI* ]]
+    run -0 --separate-stderr "$CONUS" query sphere.nii.gz,template=mni152 --pose points.csv --format tsv
+    [ "$(cell x 1)/$(cell y 1)/$(cell z 1)" = 10.3141/21.6416/30.781 ]
+    [[ "$stderr" == *'moved to MNI 152'* ]]
+}
+
 @test "electrodes in metres that are said to be in mm have a note, in query and in batch" {
     sphere --size 16
     printf 'name\tx\ty\tz\nA\t0.05\t0.03\t0.01\nB\t-0.05\t0.01\t0.09\n' >sub-01_electrodes.tsv

@@ -124,7 +124,10 @@ static void what_can_be_read_in_two_ways_is_refused(void **state)
         {"mni_x,mni_y,mni_z,normal_x,normal_y,normal_z\n1,2,3,0,0,1\n", "normal_x normal_y normal_z beside"},
         {"x,y,z,yaw\n1,2,3,4\n", "column \"yaw\" beside x y z"},
         {"x,y,z,phi,theta\n1,2,3,4,5\n", "phi and theta are angles from bregma"},
-        {"name,type,x,y,z\nA,entry,1,2,3\nA,target,4,5,6\n", "has an entry and a target in two rows"},
+        {"type,x,y,z\nentry,1,2,3\ntarget,4,5,60\n", "has an entry and a target in two rows, and no column says"},
+        {"name,type,x,y,z\nA,entry,1,2,3\nA,target,4,5,60\nB,entry,1,2,3\n", "line 4: \"B\" has not one entry and one"},
+        {"name,type,x,y,z\nA,entry,1,2,3\nA,target,4,5,60\nA,target,4,5,7\n", "line 2: \"A\" has not one entry"},
+        {"name,type,x,y,z\nA,entry,1,2,3\nA,target,4,5,6\n", "1 of 1 axes from entry to target are shorter than 9 mm"},
         {"x,y,z,depth\n1,2,3,4\n", "depth is a way along a direction"},
         {"x,y,z,dx,dy,dz,angle,depth\n1,2,3,0,0,1,4,5\n", "\"angle\" beside depth: the opening of a cone, or the tilt"},
         {"x,y,z,tilt_ml\n1,2,3,4\n", "only one of the columns tilt_ml and tilt_ap"},
@@ -200,6 +203,23 @@ static void spaces_are_heard(void **state)
             assert_true(!any || list->space.brain == POSE_BRAIN_UNKNOWN);
             conus_pose_list_destroy(list);
         }
+    }
+}
+
+/* MNI 305 stays where the atlas is of it, and where positions are taken as they are. */
+static void positions_of_mni305_stay_on_their_atlas(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"# MNI305 coordinates\n-42 -20 50\n",
+                                        "x,y,z,template\n-42,-20,50,fsaverage\n-42,-20,50,MNI305\n"};
+    for (size_t i = 0; i < 2; i++) {
+        conus_pose_list *list = pose_text_parse(text_from(texts[i]), &(conus_pose_options){.of_mni305 = true});
+        assert_int_equal(list->space.brain, POSE_BRAIN_MNI305);
+        assert_row_at(pose_row_of(list, i, i ? "2" : "1"), -42, -20, 50);
+        conus_pose_list_destroy(list);
+        list = pose_text_parse(text_from(texts[i]), &(conus_pose_options){.any_space = true});
+        assert_row_at(pose_row_of(list, 0, "1"), -42, -20, 50);
+        conus_pose_list_destroy(list);
     }
 }
 
@@ -483,6 +503,7 @@ TEST_GROUP(columns)
         cmocka_unit_test(poses_by_their_headers),
         cmocka_unit_test(what_can_be_read_in_two_ways_is_refused),
         cmocka_unit_test(spaces_are_heard),
+        cmocka_unit_test(positions_of_mni305_stay_on_their_atlas),
         cmocka_unit_test(numbers_are_judged),
         cmocka_unit_test(columns_are_named_by_the_user),
         cmocka_unit_test(words_without_use_are_refused),

@@ -171,7 +171,7 @@ static void what_is_wrong_is_said(void **state)
         {"{\"specification\":\"probeinterface\",\"probes\":[{\"ndim\":4,\"contact_positions\":[[0,1]]}]}", "ndim"},
         {"{\"specification\":\"probeinterface\",\"probes\":[{\"ndim\":2,\"si_units\":\"nm\",\"contact_positions\":[[0,"
          "1]]}]}",
-         "si_units: \"nm\", allowed are um, mm and m"},
+         "si_units: \"nm\", allowed are um, mm, cm and m"},
         {PROBE(TWO "\"contact_ids\":[\"a\"]"), "contact_ids: found 1 entries, wanted is a list of 2"},
         {PROBE(TWO "\"contact_ids\":\"ab\""), "contact_ids: found 0 entries"},
         {PROBE(TWO "\"contact_ids\":[\"a\",\"a\"]"), "two contacts are called \"a\""},
