@@ -43,7 +43,7 @@ static const struct layout {
      .refused =
          "AFNI's whereami says one point in several spaces: put the x y z of one of them into a line of their own"},
     /* FreeSurfer */
-    {"", "Size(mm^2)  MNIX   MNIY   MNIZ", .space = "fsaverage", .brain = POSE_BRAIN_MNI305, .x = 4, .name = -1},
+    {"", "Size(mm^2)  MNIX   MNIY   MNIZ", .space = "MNI 305", .brain = POSE_BRAIN_MNI305, .x = 4, .name = -1},
     {"", "Size(mm^2)  TalX   TalY   TalZ",
      .refused = "clusters in Talairach's space (FixMNI = 1): run mri_surfcluster again with --nofixmni"},
     {"", "vox2ras=scanner", .count = "\n", .space = "FreeSurfer scanner RAS", .brain = POSE_BRAIN_SUBJECT, .x = 1},

@@ -720,7 +720,7 @@ poses(
         "# Version: 12\n# Coordinate system: @S\n# Encoding: UTF-8\n"
         "# Target Name\tLoc. X\tLoc. Y\tLoc. Z\tm0n0\tm0n1\tm0n2\tm1n0\tm1n1\tm1n2\tm2n0\tm2n1\tm2n2\n"
         "@T\t@X\t@Y\t57\t1\t0\t0\t0\t1\t0\t0\t0\t1\n", ".txt", S="NIfTI:Scanner"), *CONE, windows=NOT_UTF8,
-    empty=b"\t" * 12 + b"\n", lps={"S": "World"})
+    empty=b"\t" * 12 + b"\n", lps={"S": "World"}, comma=None)
 poses(
     "localite",
     in_lines(

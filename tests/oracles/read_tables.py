@@ -112,7 +112,7 @@ def check_electrodes(conus):
     run(conus, "batch", "slabs.nii.gz", "--poses", "in_electrodes.tsv", "--radius", "3", "--format", "bids", "-o",
         "out_electrodes.tsv", code=1)
     run(conus, "batch", "slabs.nii.gz", "--poses", "in_electrodes.tsv", "--radius", "3", "--summary", "--layers", "all",
-        "-o", "summary.tsv", code=1)
+        "-o", "summary.tsv")
     with open("out_electrodes.tsv", encoding="utf-8", newline="") as file:
         text = file.read()
     assert text.endswith("\n") and "\r" not in text and not text.startswith("\ufeff")
@@ -128,9 +128,10 @@ def check_electrodes(conus):
     table, before, summary = read_tsv("out_electrodes.tsv"), read_tsv("in_electrodes.tsv"), read_tsv("summary.tsv")
     assert before.equals(table[before.columns])
     assert list(table["area"].fillna("-")) == ["Slab anterior", "unassigned", "-", "Slab posterior"]
+    placed = table[table["x"].notna()].reset_index(drop=True)  # a summary passes over a contact without a position
     for ours, theirs in (("area", "name"), ("area_index", "index"), ("area_share", "share"), ("area_distance_mm", "distance_mm"),
                          ("runner_up", "runner_up"), ("runner_up_share", "runner_up_share"), ("area_error", "error")):
-        assert table[ours].equals(summary[theirs]) or table[ours].isna().all() and summary[theirs].isna().all(), ours
+        assert [*placed[ours].fillna("n/a")] == [*summary[theirs].fillna("n/a")], ours
 
 
 def check_afni(conus):
