@@ -283,8 +283,8 @@ const struct option aperture_options[] = {
     {.name = "aperture-diameter",
      FIELD(aim_settings, aperture),
      .value = "MM",
-     .help = "diameter of the transducer's aperture; in a file of poses each row is a beam, from its focus at x y z to "
-             "its transducer at tx ty tz",
+     .help = "diameter of the transducer's aperture; in a file of poses each row is a beam, from focus_x focus_y "
+             "focus_z (or target_x ...) to transducer_x transducer_y transducer_z",
      OPTION_BETWEEN(0, 1e6),
      .flags = OPTION_OF_CONE,
      .needs = "focus|pose|poses",

@@ -62,9 +62,9 @@ static const struct layout {
     /* Peaks and foci */
     {"", "\nPeak MNI coordinate:", .rows = "Peak MNI coordinate:", .space = "MNI (xjView)", .brain = POSE_BRAIN_MNI152,
      .x = 3, .name = -1},
+    {"", "Reference=Talairach", .refused = "foci in Talairach's space, some or all: GingerALE converts them to MNI"},
     {"", "\n//Reference=MNI", .space = "MNI (Sleuth)", .brain = POSE_BRAIN_MNI152, .name = -1},
     {"", "\n// Reference=MNI", .space = "MNI (Sleuth)", .brain = POSE_BRAIN_MNI152, .name = -1},
-    {"", "Reference=Talairach", .refused = "foci in Talairach's space: GingerALE converts them to MNI"},
     {".node", "", .name = 5, .flags = FOLLOWS_SPACE}, /* BrainNet Viewer */
     /* Caps */
     {".sfp", "", .x = 1, .flags = IS_CAP},

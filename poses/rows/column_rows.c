@@ -422,6 +422,11 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
         status = depth > 0 ? CONUS_OK
                            : fail(CONUS_ERROR_DATA, "column %s: %g, allowed is more than 0", columns->shown[ROLE_DEPTH],
                                   values[ROLE_DEPTH]);
+        if (!status && options->longest > 0 && depth > options->longest) {
+            status = fail(CONUS_ERROR_DATA,
+                          "column %s: %g mm, the atlas has %.3g: is it in um? depth_um says so, or depth_mm",
+                          columns->shown[ROLE_DEPTH], depth, options->longest);
+        }
         row->range[0] = isnan(row->range[0]) ? 0 : row->range[0];
         row->range[1] = depth;
     }

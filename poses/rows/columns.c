@@ -41,6 +41,9 @@ static const struct {
 static const char turned[] = "normal/normals/nrm/vec/vector/orient/orientation/ori/rot/rotation/roll/pitch/yaw/azimuth/"
                              "elevation/tilt/twist/arc/ring/collar/handle/euler/axis/trajectory";
 
+/* And beside a depth alone, which would be straight down. */
+static const char inclined[] = "angle/inclination/winkel/theta/phi";
+
 static const struct {
     enum family_kind kind;
     const char *words;
@@ -53,7 +56,7 @@ static const struct {
                   "subject/subj/individual/leksell/ctf/head/mni305/fsaverage/rai/lpi/las/lai/rpi/rps/ral/lar"},
     {STATISTIC, "sd/se/err/error/size/std/sem/var/stdev"},
     {ENTRY, "entry/from/start/coil/transducer/device"},
-    {TARGET, "target/tgt/to/tip/end/t"},
+    {TARGET, "target/tgt/to/tip/end/focus/t"},
     {DIRECTION, "d/dir/direction"},
     {UP, "u/up"},
     {QUATERNION, "q/quat/quaternion"},
@@ -485,9 +488,10 @@ static void find_roles(struct head *head)
     }
 }
 
-/* A column beside a position, without a role, that says that rows are more than points. */
+/* A column beside a position, without a role, that says that rows are more than points, or no axis straight down. */
 static void refuse_turned(struct head *head, const struct family *position)
 {
+    const bool is_straight = !head->out->is_of_points;
     for (size_t i = 0; i < head->family_count; i++) {
         const struct family *family = &head->families[i];
         bool is_beside = family->kind == UNKNOWN && position->kind != OF_SPACE && is_whole(family);
@@ -504,7 +508,8 @@ static void refuse_turned(struct head *head, const struct family *position)
         struct text word;
         bool is_one = false;
         while (head->out->role_of[i] == ROLES && text_word(&rest, &word)) {
-            is_one = is_one || text_is_one_of(word, turned, true);
+            is_one = is_one || text_is_one_of(word, turned, true) ||
+                     (is_straight && text_is_one_of(word, inclined, true) && strcmp(head->names[i], "angle") != 0);
         }
         for (size_t k = 0; is_one && k < head->family_count; k++) {
             const size_t *at = head->families[k].at;
@@ -512,9 +517,10 @@ static void refuse_turned(struct head *head, const struct family *position)
         }
         if (is_one) {
             FAULT(head,
-                  "column \"%.*s\" beside %s: angles and rotations are read as dx dy dz, tx ty tz, qw qx qy qz or "
-                  "m00...m33; without it the rows are points",
-                  POSE_QUOTE(head->line.cells[i]), FAMILY_SHOWN(head, position));
+                  "column \"%.*s\" beside %s: angles and rotations are read as tilt_ml and tilt_ap (one of them may "
+                  "be 0), phi and theta, dx dy dz, tx ty tz, qw qx qy qz or m00...m33; without it the rows are %s",
+                  POSE_QUOTE(head->line.cells[i]), FAMILY_SHOWN(head, position),
+                  is_straight ? "straight down" : "points");
         }
     }
 }
@@ -598,6 +604,39 @@ static bool is_on_its_side(const struct head *head)
 }
 
 /* One way of saying where the device points, or none. */
+/* Coordinates whose header names another image, which space words do not know: of those that they know the brain is
+ * compared with the atlas's. */
+static void refuse_other_space(struct head *head, const struct family *position)
+{
+    struct space_words words = {0};
+    space_words_hear_of(&words, text_from(head->names[position->at[0]]));
+    space_words_hear_of(&words, text_from(position->stem));
+    if (!words.space.brain && !words.why && !words.has_signs && !head->options->any_space) {
+        FAULT(head,
+              "%s are named after another image or space: --any-space takes them as they are, with --atlas-transform "
+              "where that brings the atlas to them",
+              FAMILY_SHOWN(head, position));
+    }
+}
+
+/* A beam begins at its focus, whichever of its ends the table has first. */
+static void find_beam(struct head *head, const struct family **position, const struct family **target)
+{
+    const struct family *ends[] = {*position, *target};
+    bool is_focus[2];
+    for (int i = 0; i < 2; i++) {
+        is_focus[i] = strstr(ends[i]->stem, "focus") || (ends[i]->kind == TARGET && strcmp(ends[i]->stem, "t") != 0);
+    }
+    if (is_focus[0] == is_focus[1]) {
+        FAULT(head,
+              "a beam has a focus and a transducer, and %s or %s may be either: call them focus_x focus_y focus_z and "
+              "transducer_x transducer_y transducer_z",
+              FAMILY_SHOWN(head, ends[0]), FAMILY_SHOWN(head, ends[1]));
+    }
+    *position = ends[is_focus[1]];
+    *target = ends[!is_focus[1]];
+}
+
 static void choose_families(struct head *head)
 {
     struct columns *out = head->out;
@@ -619,6 +658,12 @@ static void choose_families(struct head *head)
     }
     if (direction && strcmp(direction->stem, "d") == 0 && target && strcmp(target->stem, "tip") == 0) {
         target = NULL; /* rows of conus plan say where the tip is, on the axis */
+    }
+    if (position && position->kind == OTHER_SPACE && !named) {
+        refuse_other_space(head, position);
+    }
+    if (head->options->aperture > 0 && position && target) {
+        find_beam(head, &position, &target);
     }
     take_family(head, position, ROLE_X, "x y z");
     take_family(head, target, ROLE_TX, "tx ty tz");
@@ -642,12 +687,12 @@ static void choose_families(struct head *head)
         FAULT(head, "phi and theta are angles from bregma, which only an atlas of the Allen CCF has (--space bregma)");
     }
     if (has_tilt && out->has[ROLE_TILT_ML] != out->has[ROLE_TILT_AP]) {
-        FAULT(head, "only one of the columns tilt_ml and tilt_ap");
+        FAULT(head, "only one of the columns tilt_ml and tilt_ap: the other one may be 0");
     }
     if (out->has[ROLE_ANGLE] && (out->is_of_points || out->has[ROLE_DEPTH]) && is_all_zero(head, ROLE_ANGLE)) {
         drop_role(head, ROLE_ANGLE); /* whichever it is, it says nothing */
     }
-    if (out->has[ROLE_ANGLE] && out->has[ROLE_DEPTH]) {
+    if (out->has[ROLE_ANGLE] && out->has[ROLE_DEPTH] && !strstr(out->shown[ROLE_ANGLE], "pening")) {
         FAULT(head,
               "\"%s\" beside depth: the opening of a cone, or the tilt of the probe? call it opening, or tilt_ml "
               "and tilt_ap",
@@ -678,6 +723,9 @@ static void choose_families(struct head *head)
     }
     if (up && !target && !direction) {
         FAULT(head, "ux uy uz go with tx ty tz or dx dy dz");
+    }
+    if (is_straight && position && !named) {
+        refuse_turned(head, position);
     }
     if (!out->is_of_points || !position) {
         return;
@@ -762,7 +810,8 @@ static struct text column_meant(const struct columns *columns, const char *field
     for (enum role role = 0; role < ROLE_NAME; role++) {
         const struct text name = name_of(role);
         size_t distance = text_distance(text_from(field), name);
-        if (!columns->has[role] && distance <= least && distance < name.size && (name.size > 2 || length > name.size)) {
+        if (!columns->has[role] && distance > 0 && distance <= least && distance < name.size &&
+            (name.size > 2 || length > name.size)) {
             meant = name;
             least = distance;
         }
@@ -1222,13 +1271,13 @@ static conus_status plan_bare(struct head *head)
         struct text rest = head->text;
         while (table_is_blank(line) && text_line(&rest, &line)) {
         }
-        return is_table
-                   ? fail(CONUS_ERROR_DATA,
-                          "header: \"%.*s\": no names of columns, but the first line of a table has names",
-                          POSE_QUOTE(line))
-                   : fail(CONUS_ERROR_DATA,
-                          "\"%.*s\": neither names of columns nor three numbers in a line; " POSE_FORMATS " is needed",
-                          POSE_QUOTE(line));
+        return is_table ? fail(CONUS_ERROR_DATA,
+                               "header: \"%.*s\": no names of columns, but the first line of a table has names",
+                               POSE_QUOTE(line))
+                        : fail(CONUS_ERROR_DATA,
+                               "\"%.*s\": neither names of columns nor three numbers in a line; " POSE_FORMATS
+                               " is needed; names of places (C3, an area) go behind --point, one each",
+                               POSE_QUOTE(line));
     }
     if (!has_points(head)) {
         return refuse_bare(head);

@@ -198,10 +198,16 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
     answers query nested.nii.gz "${beam[@]}"
     [ "${lines[0]}" = 'asked as a beam: from its focus to the transducer, 40 mm wide there' ]
     # Beams of a file, for query and batch, each by its own distance.
-    printf 'x,y,z,tx,ty,tz\n0,0,0,0,0,60\n0,0,0,0,0,20\n' >beams.csv
+    printf 'x,y,z,tx,ty,tz\n0,0,0,0,0,60\n0,0,0,0,0,20\n' >either.csv
+    fails 3 'a beam has a focus and a transducer, and x y z or tx ty tz may be either: call them focus_x focus_y focus_z' \
+        query nested.nii.gz --pose either.csv --aperture-diameter 40
+    sed '1s/.*/focus_x,focus_y,focus_z,transducer_x,transducer_y,transducer_z/' either.csv >beams.csv
+    awk -F, -v OFS=, '{ print $4, $5, $6, $1, $2, $3 }' beams.csv >turned.csv # the transducer first, as devices have it
     answers query nested.nii.gz --pose beams.csv --aperture-diameter 40 --format tsv
     [ "$(grep -P '^1\t' <<<"$output")" = "$(tail -n +2 <<<"$rows")" ]
     rows=$output
+    answers query nested.nii.gz --pose turned.csv --aperture-diameter 40 --format tsv
+    [ "$output" = "$rows" ]
     run -0 --separate-stderr conus batch nested.nii.gz --poses beams.csv --aperture-diameter 40 --format tsv
     [ "$(grep -c beam <<<"$stderr")" = 1 ]
     run -0 conus batch nested.nii.gz --poses beams.csv --aperture-diameter 40 -q

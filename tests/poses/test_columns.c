@@ -117,7 +117,7 @@ static void what_can_be_read_in_two_ways_is_refused(void **state)
         {"-42,5, 12, 30\n", "4 numbers in a line"},
         {"x;y;z\n-1,250;2,500;3,100\n", "1,250 may be 1250 or 1.25"},
         {"nx,ny,nz\n0,0,1\n", "nx ny nz may be something else"},
-        {"focus_x,focus_y,focus_z\n0,0,1\n", "focus_x focus_y focus_z may be something else"},
+        {"bar_x,bar_y,bar_z\n0,0,1\n", "bar_x bar_y bar_z may be something else"},
         {"x,y,z,nx,ny,nz\n1,2,3,0,0,1\n", "nx ny nz beside x y z"},
         {"x,y,z,handle_x,handle_y,handle_z\n1,2,3,0,0,1\n", "handle_x handle_y handle_z beside x y z"},
         {"x,y,z,a_x,a_y,a_z\n1,2,3,0,0,1\n", "a_x a_y a_z beside x y z"},
