@@ -5,6 +5,7 @@
 #include "cli/request.h"
 #include "options/messages.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 
 struct connect_settings {
@@ -28,6 +29,24 @@ struct connect {
     struct matrix_file matrix;
 };
 
+/* A warning where most streamlines have no area at either end, as those of another space or unit. */
+static void say_without_areas(const struct connect *connect, const conus_connectivity *connectivity)
+{
+    uint64_t all = 0;
+    uint64_t without = 0;
+    for (size_t i = 0; i < conus_connectivity_pair_count(connectivity); i++) {
+        const conus_connection *pair = conus_connectivity_pair(connectivity, i);
+        all += pair->streamlines;
+        without += pair->area_a || pair->area_b ? 0 : pair->streamlines;
+    }
+    if (2 * without > all) {
+        say_note(CONUS_SEVERITY_WARNING, connect->settings->request.common.quiet,
+                 "%" PRIu64 " of %" PRIu64 " streamlines have no area at either end: are they in the atlas's space and "
+                 "unit?",
+                 without, all);
+    }
+}
+
 static int add_answer(struct connect *connect, size_t index, const conus_report_options *report)
 {
     const conus_connectivity_options options = ends_options_of(&connect->settings->ends, connect->request.arguments);
@@ -39,6 +58,7 @@ static int add_answer(struct connect *connect, size_t index, const conus_report_
         conus_connectivity_destroy(connectivity);
         return print_status(status);
     }
+    say_without_areas(connect, connectivity);
     return matrix_file_take(&connect->matrix, answerer->selector, report, "1", connectivity);
 }
 

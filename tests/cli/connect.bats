@@ -55,6 +55,16 @@ says_identical() {
     has identical
 }
 
+@test "streamlines of another unit are warned of" {
+    lines
+    run -0 --separate-stderr conus connect $U -q
+    [[ "$stderr" != *"at either end"* ]] # one of five has no area
+    local far=(1000,0,0 1010,0,0 -- 1000,5,0 1010,5,0 -- 1000,9,0 1010,9,0)
+    python3 "$BATS_TEST_DIRNAME/tck.py" far.tck "${far[@]}"
+    run -0 --separate-stderr "$CONUS" connect u-shape.nii.gz far.tck -q
+    check_message 'warning: 3 of 3 streamlines have no area at either end: are they in the atlas' # -q keeps it
+}
+
 @test "a matrix has all areas, or those of a list in its order" {
     lines
     printf 'Ball\n# a comment\nU\n' >areas.txt
