@@ -29,6 +29,16 @@ struct connect {
     struct matrix_file matrix;
 };
 
+static size_t count_hidden_areas(const conus_atlas *atlas)
+{
+    const conus_object *object;
+    size_t hidden = 0;
+    for (uint32_t number = 1; (object = conus_atlas_object(atlas, number)); number++) {
+        hidden += object->kind == CONUS_KIND_AREA && conus_atlas_is_hidden(atlas, number);
+    }
+    return hidden;
+}
+
 /* A warning where most streamlines have no area at either end, as those of another space or unit. */
 static void say_without_areas(const struct connect *connect, const conus_connectivity *connectivity)
 {
@@ -39,7 +49,7 @@ static void say_without_areas(const struct connect *connect, const conus_connect
         all += pair->streamlines;
         without += pair->area_a || pair->area_b ? 0 : pair->streamlines;
     }
-    if (2 * without > all) {
+    if (2 * without > all && !count_hidden_areas(connect->request.atlases.items[0].atlas)) {
         say_note(CONUS_SEVERITY_WARNING, connect->settings->request.common.quiet,
                  "%" PRIu64 " of %" PRIu64 " streamlines have no area at either end: are they in the atlas's space and "
                  "unit?",
@@ -68,11 +78,7 @@ static void say_hidden_areas(const struct connect *connect)
     const conus_atlas *atlas = connect->request.atlases.items[0].atlas;
     const struct ends_settings *ends = &connect->settings->ends;
     const struct arguments *arguments = connect->request.arguments;
-    const conus_object *object;
-    size_t hidden = 0;
-    for (uint32_t number = 1; (object = conus_atlas_object(atlas, number)); number++) {
-        hidden += object->kind == CONUS_KIND_AREA && conus_atlas_is_hidden(atlas, number);
-    }
+    const size_t hidden = count_hidden_areas(atlas);
     bool looks_round = !option_given(arguments, "endpoint-radius") || ends->radius > 0;
     if (hidden && looks_round && !connect->settings->request.common.quiet) {
         say_note(CONUS_SEVERITY_NOTE, false,
