@@ -7,7 +7,7 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "base/text.h"
-#include "poses/positions.h"
+#include "poses/rows/positions.h"
 
 #include <math.h>
 #include <string.h>

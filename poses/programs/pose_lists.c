@@ -4,6 +4,7 @@
 #include "poses/programs/pose_programs.h"
 
 #include "poses/rows/pose_row.h"
+#include "poses/rows/positions.h"
 #include "poses/rows/space_words.h"
 
 #include <math.h>
@@ -157,12 +158,72 @@ static const struct layout *find_layout(struct text head, const char *path)
     return found;
 }
 
+/* The position that a line names, "C3" or "1020:C3"; NULL if it names none. */
+static const struct position *position_in(struct text line)
+{
+    static const char prefix[] = "1020:";
+    size_t skipped = text_starts(line, prefix) ? sizeof prefix - 1 : 0;
+    return position_find(text_trim((struct text){line.data + skipped, line.size - skipped}));
+}
+
+/* The next line with a name; `number` is that of the line before. False past the last. */
+static bool next_name(struct text *line, size_t *number, struct text *rest)
+{
+    bool found = false;
+    while (!found && text_line(rest, line)) {
+        *line = text_trim(*line);
+        found = line->size && line->data[0] != '#';
+        ++*number;
+    }
+    return found;
+}
+
+static bool is_header_of_names(struct text line)
+{
+    return text_is_one_of(line, "name/names/label/labels/channel/channels/electrode/electrodes/position/positions",
+                          false);
+}
+
+/* Whether all lines are names of positions of a cap, below a header or not. */
+static bool names_positions(struct text text)
+{
+    struct text line;
+    size_t number = 0;
+    size_t lines = 0;
+    size_t names = 0;
+    while (names == lines && next_name(&line, &number, &text)) {
+        bool is_header = number == 1 && is_header_of_names(line);
+        lines += !is_header;
+        names += !is_header && position_in(line);
+    }
+    return names > 0 && names == lines;
+}
+
+static conus_status read_names(conus_pose_list *list, struct text text)
+{
+    struct text line;
+    size_t number = 0;
+    conus_status status =
+        notes_add(&list->notes, "names of the 10-10 system, taken as positions on the scalp of MNI 152");
+    list->space = pose_space_named(text_from("MNI 152 (10-10)"), POSE_BRAIN_MNI152);
+    while (!status && next_name(&line, &number, &text)) {
+        const struct position *position = position_in(line);
+        conus_pose_row row = pose_row_at(number);
+        row.is_point = true;
+        if (position) {
+            conus_status bad = pose_of_point(&row.pose, position->point);
+            status = pose_list_add(list, &row, line, bad ? conus_message() : NULL);
+        }
+    }
+    return status;
+}
+
 bool pose_lists_know(struct text head, const char *path)
 {
     struct text begin = pose_brackets_behind_comments(head);
     bool is_json = begin.size && begin.data[0] == '[' && text_find(begin, "{");
-    return is_elc(head) || is_json || pose_brackets_begin(head) || pose_brackets_are_spoken(head) ||
-           find_layout(head, path) || pose_brackets_in_cells(head);
+    return is_elc(head) || is_json || names_positions(head) || pose_brackets_begin(head) ||
+           pose_brackets_are_spoken(head) || find_layout(head, path) || pose_brackets_in_cells(head);
 }
 
 static bool is_passed_over(const struct layout *layout, struct text line)
@@ -313,6 +374,9 @@ conus_status pose_lists_parse(conus_pose_list *list, struct text text, const con
     }
     if (is_elc(text)) {
         return parse_elc(list, text);
+    }
+    if (names_positions(text)) {
+        return read_names(list, text);
     }
     if (!layout || layout->refused) {
         return fail(CONUS_ERROR_DATA, "%s", layout ? layout->refused : "a list of no program that conus knows");

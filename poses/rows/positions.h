@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Positions of the 10-10 system and landmarks on the scalp of the MNI template, facts with their source. */
-#ifndef CONUS_POSES_POSITIONS_H
-#define CONUS_POSES_POSITIONS_H
+#ifndef CONUS_POSES_ROWS_POSITIONS_H
+#define CONUS_POSES_ROWS_POSITIONS_H
 
 #include "base/text.h"
 
