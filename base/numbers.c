@@ -100,7 +100,7 @@ static bool find_piece(struct piece *out, struct text text)
 
 static void take_piece(struct scan *scan, struct piece *piece)
 {
-    bool is_alone = scan->has_comma && scan->behind + 1 == piece->whole.data;
+    bool is_alone = scan->has_comma && scan->behind && scan->behind + 1 == piece->whole.data;
     piece->joint = !scan->has_comma                                               ? JOINT_BLANK
                    : !is_alone                                                    ? JOINT_COMMA
                    : is_digit(piece->whole.data[0]) && is_digit(scan->behind[-1]) ? JOINT_DIGITS
