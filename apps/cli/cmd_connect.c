@@ -40,8 +40,10 @@ static size_t count_hidden_areas(const conus_atlas *atlas)
 }
 
 /* A warning where most streamlines have no area at either end, as those of another space or unit. */
-static void say_without_areas(const struct connect *connect, const conus_connectivity *connectivity)
+static void say_without_areas(const struct connect *connect, const struct named_atlas *named,
+                              const conus_connectivity *connectivity)
 {
+    char prefix[ATLAS_PREFIX_SIZE];
     uint64_t all = 0;
     uint64_t without = 0;
     for (size_t i = 0; i < conus_connectivity_pair_count(connectivity); i++) {
@@ -49,11 +51,11 @@ static void say_without_areas(const struct connect *connect, const conus_connect
         all += pair->streamlines;
         without += pair->area_a || pair->area_b ? 0 : pair->streamlines;
     }
-    if (2 * without > all && !count_hidden_areas(connect->request.atlases.items[0].atlas)) {
+    if (2 * without > all && !count_hidden_areas(named->atlas)) {
         say_note(CONUS_SEVERITY_WARNING, connect->settings->request.common.quiet,
-                 "%" PRIu64 " of %" PRIu64 " streamlines have no area at either end: are they in the atlas's space and "
-                 "unit?",
-                 without, all);
+                 "%s%" PRIu64 " of %" PRIu64 " streamlines have no area at either end: are they in the atlas's space "
+                 "and unit?",
+                 atlases_prefix(prefix, named), without, all);
     }
 }
 
@@ -68,7 +70,7 @@ static int add_answer(struct connect *connect, size_t index, const conus_report_
         conus_connectivity_destroy(connectivity);
         return print_status(status);
     }
-    say_without_areas(connect, connectivity);
+    say_without_areas(connect, &connect->request.atlases.items[index], connectivity);
     return matrix_file_take(&connect->matrix, answerer->selector, report, "1", connectivity);
 }
 

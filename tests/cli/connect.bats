@@ -62,6 +62,9 @@ says_identical() {
     python3 "$BATS_TEST_DIRNAME/tck.py" between.tck 0,15,-5 0,18,-5 -- 0,15,5 0,18,5 -- -17,0,5 17,0,5
     run -0 --separate-stderr "$CONUS" connect u-shape.nii.gz between.tck -q
     [[ "$stderr" == *'warning: 2 of 3 streamlines have no area at either end: are they in the atlas'* ]] # -q keeps it
+    conus phantom nested -o . # all around
+    run -0 --separate-stderr "$CONUS" connect nested.nii.gz between.tck -q --atlas u-shape.nii.gz
+    [[ "$stderr" == *'warning: u-shape: 2 of 3 streamlines have'* && "$stderr" != *'nested: '*'either end'* ]]
     run -0 --separate-stderr "$CONUS" connect u-shape.nii.gz between.tck -q --only Ball,between
     [[ "$stderr" != *"at either end"* ]]
 }
