@@ -402,6 +402,7 @@ struct render_settings {
     struct cut_settings cuts;
     struct turn_settings turn;
     bool strips;
+    const char *colour_by; /* a column of the file of poses */
 };
 
 static const struct option picture_options[] = {
@@ -409,9 +410,9 @@ static const struct option picture_options[] = {
      .letter = 'o',
      OPTION_AT(struct render_settings, output),
      .value = "FILE",
-     .help = ".png, .svg and .pdf with text as text, or .exr with linear light as float; of several poses {query} "
-             "stands for each one's name, {row} for "
-             "its number",
+     .help = ".png, .svg and .pdf with text as text, or .exr with linear light as float; of several poses one with "
+             "{query} or {row} in its name is drawn for each, which stand for the pose's name and number; one without "
+             "them shows all poses, and points, as balls",
      .required = true,
      .words = "save, export, figure, image",
      .common = true,
@@ -506,6 +507,14 @@ static const struct option row_options[] = {
      .words = "probe, electrode, needle, segments, trajectory, neuropixels",
      .needs = "poses|pose|origin",
      .excludes = "angle,radius,cuts,legend,legend-rows,legend-area,no-legend"},
+    {.name = "colour-by",
+     OPTION_AT(struct render_settings, colour_by),
+     .value = "COLUMN",
+     .help = "balls of points have a colour for each text of this column of the table, with a row in the legend "
+             "(default: for each electrode, where names are those of contacts like LA1, LA2)",
+     .words = "color, group",
+     .needs = "poses|pose",
+     .excludes = "strips"},
     {0},
 };
 
@@ -547,12 +556,16 @@ struct picture {
     struct translucent translucent;
     const conus_drawn_probe *probes; /* [probe_count] */
     size_t probe_count;
+    const conus_drawn_point *points; /* [point_count] */
+    size_t point_count;
+    bool has_points; /* All rows are in one picture, as balls. */
     conus_pose camera;
     struct named_places places;
     conus_pose aim;    /* of --origin or --focus */
     double aim_target; /* how far its target is, mm; NaN = it has none */
-    double cut_at[3];  /* of --at, world */
+    double cut_at[3];  /* of --at, world, else the middle of points */
     bool has_camera;
+    bool has_cut_at;
     bool failed; /* Some poses have no picture. */
 };
 
@@ -652,9 +665,11 @@ static bool check_settings(const struct render_settings *settings, const struct 
 static int load_poses(conus_pose_list **out, const struct picture *picture, const char *path)
 {
     const struct render_settings *settings = picture->settings;
-    const conus_pose_options options =
+    conus_pose_options options =
         pose_settings_options(&settings->file, path == settings->aim.pose ? &settings->aim : NULL, &settings->engine,
                               &picture->frame, picture->atlas, settings->atlas.max_memory);
+    options.keep = &settings->colour_by;
+    options.keep_count = settings->colour_by && path == settings->aim.pose;
     conus_status status = conus_pose_list_load(out, path, &options);
     return status ? pose_settings_print_error(status, path, "pose", picture->arguments) : EXIT_DONE;
 }
@@ -703,6 +718,27 @@ static int find_camera(struct picture *picture)
     return code;
 }
 
+/* Refuses options about cones where one picture shows all rows as balls, and about balls where each has a cone. */
+static int check_points(const struct picture *picture)
+{
+    static const char *const of_cones[] = {"angle", "level", "aperture-diameter"};
+    const struct arguments *arguments = picture->arguments;
+    const struct option *of_rays = option_with(arguments, OPTION_OF_RAYS);
+    const char *unused = of_rays ? of_rays->name : NULL;
+    for (size_t i = 0; i < sizeof of_cones / sizeof *of_cones && !unused; i++) {
+        unused = option_given(arguments, of_cones[i]) ? of_cones[i] : NULL;
+    }
+    if (picture->has_points && unused) {
+        return print_usage_error("--%s has no effect: a picture of several poses, or of points, shows them as balls; "
+                                 "{query} or {row} in --output's name draws a cone for each pose",
+                                 unused);
+    }
+    return picture->has_points || !picture->settings->colour_by
+               ? EXIT_DONE
+               : print_usage_error("--colour-by has no effect on the cone of one pose: it is for several poses, or for "
+                                   "points, in one picture");
+}
+
 static int find_rows(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
@@ -710,15 +746,20 @@ static int find_rows(struct picture *picture)
     if (!path) {
         return EXIT_DONE;
     }
+    const struct drawn_rows *rows = &picture->rows;
     picture->rows.file = pose_settings_file_name(path);
+    const bool is_one = !render_pattern_varies(settings->output);
     int code = load_poses(&picture->poses, picture, path);
-    code = code ? code
-                : render_rows_choose(&picture->rows, picture->poses, &settings->choice, settings->output,
-                                     settings->strips);
+    code =
+        code ? code : render_rows_choose(&picture->rows, picture->poses, &settings->choice, settings->output, is_one);
     if (code || settings->strips) {
         return code;
     }
-    const struct drawn_rows *rows = &picture->rows;
+    picture->has_points = is_one && (rows->count > 1 || (!rows->items[0].row->error && rows->items[0].row->is_point));
+    code = check_points(picture);
+    if (code || picture->has_points) {
+        return code;
+    }
     bool have_own = false;
     for (size_t i = 0; i < rows->count && settings->aim.angle != 0; i++) { /* which is of poses without their own */
         const conus_pose_row *row = rows->items[i].row;
@@ -865,9 +906,11 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
                        .listed = picture->translucent.listed,
                        .probes = picture->probes,
                        .probe_count = picture->probe_count,
+                       .points = picture->points,
+                       .point_count = picture->point_count,
                        .frame = &picture->frame};
     figure_view(&view, &settings->figure);
-    if (picture->probe_count && !settings->translucent.opacity.count) {
+    if ((picture->probe_count || picture->point_count) && !settings->translucent.opacity.count) {
         view.pale = FAINT;
     }
     if (!view.legend_rows && view.legend != CONUS_LEGEND_NONE &&
@@ -885,11 +928,12 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
         view.height = 0;
     }
     bool is_sheet = settings->cuts.cuts && !view.height;
-    if ((settings->turn.frames || is_sheet) && selection && !option_given(picture->arguments, "legend")) {
+    if ((settings->turn.frames || is_sheet) && (selection || picture->point_count) &&
+        !option_given(picture->arguments, "legend")) {
         view.legend = CONUS_LEGEND_BELOW; /* all frames are as large, and rows of cuts as wide as they can be */
     }
     int code = settings->cuts.cuts
-                   ? render_cuts_find(&planes, &count, &settings->cuts, settings->cuts.at ? picture->cut_at : NULL,
+                   ? render_cuts_find(&planes, &count, &settings->cuts, picture->has_cut_at ? picture->cut_at : NULL,
                                       picture->atlas, &picture->frame, selection, pose)
                    : EXIT_DONE;
     code = code ? code : draw_frames(picture, &view, planes, count, path);
@@ -990,12 +1034,139 @@ static int draw_probes(struct picture *picture, const struct drawn_row *rows, si
     return code;
 }
 
+/* The length of a name without the number at its end, and what is before that: "LA" of "LA12", "LA-12" and "LA 12". */
+static size_t electrode_length(const char *name)
+{
+    size_t length = strlen(name);
+    while (length && name[length - 1] >= '0' && name[length - 1] <= '9') {
+        length--;
+    }
+    while (length && strchr(" -_.", name[length - 1])) {
+        length--;
+    }
+    return length;
+}
+
+/* Whether names are those of contacts: electrodes have three each at least, on average. */
+static bool are_contacts(const conus_drawn_point *points, size_t count)
+{
+    enum { EACH = 3 };
+    size_t electrodes = 0;
+    bool have_numbers = count;
+    for (size_t i = 0; i < count && have_numbers; i++) {
+        const size_t length = electrode_length(points[i].name);
+        bool is_new = true;
+        for (size_t k = i; k-- > 0 && is_new;) { /* that of the one before, mostly */
+            is_new = electrode_length(points[k].name) != length || strncmp(points[k].name, points[i].name, length) != 0;
+        }
+        have_numbers = length && points[i].name[length];
+        electrodes += is_new;
+    }
+    return have_numbers && EACH * electrodes <= count;
+}
+
+/* Gives contacts their electrodes as groups. False without memory; groups are the caller's to free. */
+static bool group_contacts(conus_drawn_point *points, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        points[i].group = text_copy(points[i].name, electrode_length(points[i].name));
+        if (!points[i].group) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* The ball of a row, with a line to what it points at, if that is something. */
+static conus_status place_point(conus_drawn_point *out, struct picture *picture, const conus_pose_row *row)
+{
+    const double *m = row->pose.world_from_device;
+    conus_segments *segments = NULL;
+    *out = (conus_drawn_point){.name = row->id,
+                               .group = row->kept ? row->kept[0] : NULL,
+                               .at = {m[12], m[13], m[14]},
+                               .end = {NAN, NAN, NAN},
+                               .radius = picture->settings->engine.radius};
+    if (row->is_point) {
+        return CONUS_OK;
+    }
+    conus_status status = conus_selector_set_range(picture->selector, row->range);
+    status = status ? status : conus_segments_create(&segments, picture->selector, &row->pose);
+    for (size_t i = 0; i < conus_segments_count(segments) && isnan(out->end[0]); i++) {
+        const conus_segment *segment = conus_segments_segment(segments, i);
+        if (segment->object) {
+            memcpy(out->end, segment->entry_at, sizeof out->end);
+        }
+    }
+    conus_segments_destroy(segments);
+    return status;
+}
+
+/* Lets cuts go through the middle of the points, if it is in the atlas. */
+static void find_middle(struct picture *picture, const conus_drawn_point *points, size_t count)
+{
+    double low[3], high[3];
+    double *middle = picture->cut_at;
+    picture->has_cut_at = !conus_atlas_bounds(low, high, picture->atlas);
+    for (int a = 0; a < 3; a++) {
+        for (size_t i = 0; i < count; i++) {
+            middle[a] += points[i].at[a] / (double)count;
+        }
+        picture->has_cut_at = picture->has_cut_at && middle[a] > low[a] && middle[a] < high[a];
+    }
+}
+
+/* Draws all rows in one picture; those that cannot be drawn are named. */
+static int draw_points(struct picture *picture)
+{
+    const struct drawn_rows *rows = &picture->rows;
+    conus_drawn_point *points = calloc(rows->count + 1, sizeof *points);
+    size_t count = 0;
+    size_t poses = 0; /* not only points */
+    int code = points ? EXIT_DONE : print_no_memory();
+    for (size_t i = 0; points && i < rows->count && !code; i++) {
+        const conus_pose_row *row = rows->items[i].row;
+        conus_status status = row->error ? CONUS_ERROR_DATA : place_point(&points[count], picture, row);
+        if (status) {
+            code = refuse_row(picture, row, row->error ? row->error : conus_message(), EXIT_DATA);
+        } else {
+            count++;
+            poses += !row->is_point;
+        }
+    }
+    if (!code && poses) {
+        say_note(CONUS_SEVERITY_NOTE, picture->settings->common.quiet,
+                 "%s: %zu poses in one picture, as balls with lines to what their axes meet first; {query} or {row} in "
+                 "--output's name draws a cone for each",
+                 rows->file, poses);
+    }
+    const bool has_electrodes = !code && !picture->settings->colour_by && are_contacts(points, count);
+    if (has_electrodes && !group_contacts(points, count)) {
+        code = print_no_memory();
+    }
+    if (!picture->has_cut_at && count) {
+        find_middle(picture, points, count);
+    }
+    picture->points = points;
+    picture->point_count = count;
+    code = code || !count ? code : draw_picture(picture, NULL, NULL, picture->settings->output);
+    picture->points = NULL;
+    for (size_t i = 0; i < count && has_electrodes; i++) {
+        free((char *)points[i].group);
+    }
+    free(points);
+    return code;
+}
+
 static int draw_rows(struct picture *picture)
 {
     const struct drawn_rows *rows = &picture->rows;
     int code = EXIT_DONE;
     if (!rows->count) {
         pose_settings_say_none(picture->settings->aim.pose, &picture->settings->common);
+    }
+    if (picture->has_points) {
+        return draw_points(picture);
     }
     if (picture->settings->strips) {
         return draw_probes(picture, rows->items, rows->count);
@@ -1058,6 +1229,7 @@ static int run_render(const void *given, const struct arguments *arguments)
     code = code || !has_option_pose(arguments)
                ? code
                : settings_pose(&picture.aim, &picture.aim_target, &picture.places, &settings->aim, arguments);
+    picture.has_cut_at = settings->cuts.at;
     code = code || !settings->cuts.at
                ? code
                : named_places_find(picture.cut_at, &picture.places, "at", settings->cuts.at, NULL);
@@ -1076,7 +1248,7 @@ static int run_render(const void *given, const struct arguments *arguments)
     if (!code && picture.selector) {
         code = picture.poses ? draw_rows(&picture) : draw_origin(&picture);
     }
-    if (!code && picture.selector && !settings->strips) {
+    if (!code && picture.selector && !settings->strips && !picture.has_points) {
         const struct aimed aimed = {
             *conus_aims_found(picture.aims), picture.selector, picture.atlas, NULL, &picture.frame, false, 0};
         aim_notes_say(&aimed, 1, picture.rows.count > 1 ? picture.rows.file : NULL, &settings->common);
@@ -1110,6 +1282,7 @@ const struct command cmd_render = {
     .examples = "  conus render aal.nii.gz -o aal.png --context ch2bet.nii.gz\n"
                 "  conus render aal.nii.gz -o cone.png --origin -90,20,20 --toward 0,-10,10 --angle 20\n"
                 "  conus render aal.nii.gz --poses session.tsv -o 'fig-{query}.png'\n"
+                "  conus render aal.nii.gz --pose contacts.csv --cuts 3d,axial,coronal,sagittal -o contacts.png\n"
                 "  conus render aal.nii.gz --poses shanks.tsv --range 0,25 --strips -o shanks.png\n"
                 "  conus render aal.nii.gz -o top.exr --camera-origin 0,0,500 --camera-toward 0,0,0\n",
     .groups = groups,

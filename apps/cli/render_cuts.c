@@ -36,7 +36,8 @@ const struct option cut_options[] = {
     {.name = "at",
      FIELD(at),
      .value = PLACE_VALUE,
-     .help = "the place through which cuts go (default: the best hit's contact, or the atlas's middle)",
+     .help = "the place through which cuts go (default: the best hit's contact, the middle of points, or "
+             "the atlas's middle)",
      .role = OPTION_ASKS,
      .flags = OPTION_IS_PLACE,
      .needs = "cuts"},

@@ -167,6 +167,18 @@ typedef struct conus_drawn_probe {
                                        the first object. */
 } conus_drawn_probe;
 
+/** A point in a picture: a ball, perhaps with a line to where it points. */
+typedef struct conus_drawn_point {
+    const char
+        *name; /**< UTF-8, written beside the ball where it hides neither a ball nor another name; NULL = none. */
+    const char *group; /**< Points of one group have one colour and a row in the legend: the first six groups have one
+                          each, all others one together. NULL = none. */
+    double at[3];      /**< World mm. */
+    double end[3];     /**< Where the line ends, world mm; NaN = there is no line. Not in cuts. */
+    double radius;     /**< Of the ball, mm, from 0 on; 0 = 1. Balls that would hardly be seen are drawn larger, and the
+                          paler the farther they lie behind the atlas's middle. */
+} conus_drawn_point;
+
 /** Options of conus_render(). */
 typedef struct conus_view {
     size_t struct_size;   /**< Its size, as #CONUS_VIEW_INIT sets it; 0 = that of this version. */
@@ -233,6 +245,13 @@ typedef struct conus_view {
     bool no_cone;          /**< With a selection: only its contacts are drawn, not its cone. */
     bool print;            /**< As for paper: what is drawn in space has a thin dark line around it, and of several
                               panels each has a letter: a, b, c. */
+    const conus_drawn_point *points; /**< [point_count] With neither a selection nor probes: balls over the drawing,
+                                        and over cuts that go through them or, of smaller ones, are up to 2 mm from
+                                        their middle. Areas are a neutral grey unless @p own_colours, the palette or
+                                        @p listed gives them colours. The picture shows those up to three radii of the
+                                        atlas from its middle; how many are outside, and how many names have no room,
+                                        stands in its corner. */
+    size_t point_count;              /**< 0 = none. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

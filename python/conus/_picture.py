@@ -95,7 +95,23 @@ _SIDES = ("cone", "left", "right", "front", "back", "top", "bottom", "beside")
 _STYLES = ("auto", "screen", "print")
 _LEGENDS = ("auto", "right", "below", "none")
 _PLANES = {"axial": ((1, 0, 0), (0, 1, 0)), "coronal": ((1, 0, 0), (0, 0, 1)), "sagittal": ((0, 1, 0), (0, 0, 1))}
-_FAINT = 0.12  # opacity of what no probe passes
+_FAINT = 0.12  # opacity of what no probe passes, and of areas beside points
+
+
+def _points_of(points: Any, groups: Any, radius: Any) -> Any:
+    """An array of conus_drawn_point, and what it points to; None without points."""
+    if not points:
+        if groups is not None or radius is not None:
+            raise ArgumentError("point_groups, point_radius: there are no points")
+        return None
+    if groups is not None and len(groups) != len(points):
+        raise ArgumentError(f"point_groups: {len(groups)} for {len(points)} points")
+    size = 0.0 if radius is None else real("point_radius", radius)
+    names = [utf8("points", name) for name in points]
+    texts = [utf8("point_groups", group) for group in groups] if groups is not None else [ffi.NULL] * len(names)
+    rows = [(name, group, list(vector("points", at, 3)), [math.nan] * 3, size)
+            for name, group, at in zip(names, texts, points.values())]
+    return ffi.new("conus_drawn_point[]", rows), names, texts
 
 
 class Picture(Guarded):
@@ -299,6 +315,9 @@ class Renderer(Bound):
         vectors: bool = False,
         probes: Optional[Mapping[str, Any]] = None,
         probe_range: Optional[Sequence[float]] = None,
+        points: Optional[Mapping[str, Sequence[float]]] = None,
+        point_groups: Optional[Sequence[str]] = None,
+        point_radius: Optional[float] = None,
         cuts: Sequence[str] = (),
         at: Any = None,
         fill: Optional[float] = None,
@@ -373,6 +392,13 @@ class Renderer(Bound):
             there is an opacity.
         probe_range : (near, far)
             The stretch of the probes, mm from their origins; else to the last area.
+        points : dict
+            ``{name: (x, y, z), ...}``, RAS mm: a ball for each, with its name, without a selection and probes, in space
+            and in cuts that go through it or near it. Areas are faint unless there is an opacity.
+        point_groups : sequence of str
+            For each point its group: the first six groups have a colour each, and all a row in the legend.
+        point_radius : float
+            Of their balls, mm; 1 if not given.
         cuts : sequence of str
             Flat cuts on one sheet: "axial", "coronal" and "sagittal", through ``at`` or, as "axial:-10", at a place;
             "mosaic:N" is N axial ones, 12 if not given, evenly over the atlas; "3d" adds the view in space.
@@ -431,7 +457,9 @@ class Renderer(Bound):
         options.shapes = flag("vectors", vectors)
         drawn = self._probes_of(probes, probe_range)
         options.probes, options.probe_count = (drawn[0], len(drawn[0])) if drawn else (ffi.NULL, 0)
-        opacities = self._opacities(options, _FAINT if drawn and opacity is None else opacity)
+        balls = _points_of(points, point_groups, point_radius)
+        options.points, options.point_count = (balls[0], len(balls[0])) if balls else (ffi.NULL, 0)
+        opacities = self._opacities(options, _FAINT if (drawn or balls) and opacity is None else opacity)
         listed = self._listed(legend_areas)
         line = ffi.NULL if measured is None else ffi.new("double[6]", _ends_of(measured))
         options.opacity, options.listed, options.measured = opacities, listed, line

@@ -23,6 +23,13 @@ enum { PICTURE_FRUSTUM_LIMIT = 1000 };
 struct picture_legend;
 struct picture_probes;
 
+/** Points of one group, which have one colour. */
+struct picture_group {
+    const char *name; /**< NULL = none. */
+    uint8_t rgb[3];
+    size_t count;
+};
+
 struct picture {
     conus_view options; /**< Defaults filled in. */
     const conus_atlas *atlas;
@@ -33,9 +40,12 @@ struct picture {
     struct font *font;             /**< NULL = no text.                                                        */
     struct picture_legend *legend; /**< NULL = none.                                                   */
     struct picture_probes *probes; /**< Strips; NULL = none. */
-    double em, line;               /**< Size of letters, and the thinnest line (half a point), pixels. */
-    float ink[4];                  /**< Colour of letters, in the form of list.h. */
-    float dim;                     /**< Opacity of letters that say less.                              */
+    struct picture_group *groups;  /**< [group_count] Of points, in the order of the first of each. */
+    size_t group_count;
+    uint32_t *group_of; /**< [options.point_count] */
+    double em, line;    /**< Size of letters, and the thinnest line (half a point), pixels. */
+    float ink[4];       /**< Colour of letters, in the form of list.h. */
+    float dim;          /**< Opacity of letters that say less.                              */
     struct camera camera;
     struct camera_frame frame;
     double forward[3];        /**< Where a camera looks that is not given. */
@@ -165,6 +175,36 @@ void picture_probes_finish(struct picture *picture);
 
 /** The lines over the drawing, and their strips; with no font only the lines. */
 conus_status picture_probes_draw(struct draw_list *list, const struct picture *picture);
+
+/** Whether the points of a view can be drawn. */
+conus_status picture_points_check(const conus_view *view);
+
+/** Finds the groups of points. CONUS_ERROR_MEMORY. */
+conus_status picture_points_init(struct picture *picture);
+
+/** Whether the colours of points tell groups apart. */
+static inline bool picture_has_groups(const struct picture *picture)
+{
+    return picture->group_count > 1 || (picture->group_count == 1 && picture->groups[0].name);
+}
+
+/** Six points around each ball that is not far from the atlas, world mm: [6 * point_count]. Returns how many. */
+size_t picture_points_near(double (*out)[3], const struct picture *picture);
+
+/** Balls with their lines and, with a font, their names, over the drawing. CONUS_ERROR_MEMORY. */
+conus_status picture_points_draw(struct draw_list *list, const struct picture *picture);
+
+/** A cut on a sheet: its middle in the world, unit vectors to its right and top, and where it is drawn, pixels. */
+struct picture_plane {
+    const double *centre, *right, *up;
+    double pixels_per_mm;
+    double middle[2];
+    struct draw_box box;
+};
+
+/** The balls that come near the cut, likewise: those that it goes through, and of smaller ones all to 2 mm from it. */
+conus_status picture_points_cut(struct draw_list *list, const struct picture *picture,
+                                const struct picture_plane *plane);
 
 enum { PICTURE_TEXT = 160, PICTURE_NUMBER = 24 };
 

@@ -49,7 +49,7 @@ bool picture_is_across(const struct picture *picture)
 void picture_lay_patch(struct draw_list *list, const struct picture *picture, const struct draw_box *box)
 {
     const float grey = picture->ink[1] > 0.5F ? 0 : 1;
-    if (picture_covered(picture, box) > 0) {
+    if (!picture->rgba || picture_covered(picture, box) > 0) { /* of a sheet the pixels are not known */
         draw_box(list, box, 0.3 * picture->em, (const float[4]){grey, grey, grey, 0.7F});
     }
 }

@@ -44,17 +44,22 @@ conus_status picture_cut_init(struct picture *picture, const conus_cut_view *vie
                                     .print = sheet->print,
                                     .measured = sheet->measured,
                                     .listed = sheet->listed,
+                                    .points = sheet->points,
+                                    .point_count = sheet->point_count,
                                     .own_colours = view->own_colours || sheet->own_colours};
     memcpy(picture->options.background_rgb, sheet->background_rgb, sizeof sheet->background_rgb);
     picture->areas = memory_raw(count, sizeof *picture->areas);
     bool has_ranks = picture_has_ranks(view->selection, picture->options.own_colours);
-    picture->emphasis = view->selection ? picture_emphasis(view->selection, has_ranks ? 0 : view->chosen) : NULL;
-    if (!picture->areas || (view->selection && !picture->emphasis)) {
+    picture->emphasis = view->selection      ? picture_emphasis(view->selection, has_ranks ? 0 : view->chosen)
+                        : sheet->point_count ? memory_zeroed(count, sizeof *picture->emphasis)
+                                             : NULL;
+    if (!picture->areas || ((view->selection || sheet->point_count) && !picture->emphasis)) {
         return CONUS_ERROR_MEMORY;
     }
     memset(picture->areas, PATHWAYS_AREA_OVER, count * sizeof *picture->areas);
     picture_keep_listed(picture);
-    conus_status status = picture_rank(picture, picture_is_dark(&picture->options));
+    conus_status status = sheet->point_count ? picture_points_init(picture) : CONUS_OK;
+    status = status ? status : picture_rank(picture, picture_is_dark(&picture->options));
     status = status || sheet->dpi <= 0 ? status : grey_outlines(picture);
     return status ? status : picture_prepare_sheet(picture, memory_limit(0), NULL, NULL);
 }

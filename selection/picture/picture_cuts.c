@@ -621,10 +621,26 @@ static void write_letter(const struct sheet *sheet, size_t index)
     draw_text(sheet->image->list, sheet->picture.font, at, size, sheet->picture.ink, text);
 }
 
+static conus_status draw_points(const struct sheet *sheet, const struct panel *panel)
+{
+    const double at[2] = {(double)panel->at[0], (double)panel->at[1]};
+    const double size[2] = {(double)panel->size[0], (double)panel->size[1]};
+    return picture_points_cut(sheet->image->list, &sheet->picture,
+                              &(struct picture_plane){.centre = panel->centre,
+                                                      .right = panel->plane->right,
+                                                      .up = panel->plane->up,
+                                                      .pixels_per_mm = sheet->pixels_per_mm,
+                                                      .middle = {at[0] + size[0] / 2, at[1] + size[1] / 2},
+                                                      .box = {at[0], at[1], at[0] + size[0], at[1] + size[1]}});
+}
+
 static conus_status draw_panel(struct sheet *sheet, size_t index)
 {
     const struct panel *panel = &sheet->panels[index];
     conus_status status = panel->plane ? draw_cut(sheet, panel) : draw_space(sheet, panel);
+    if (!status && panel->plane && sheet->view.point_count) {
+        status = draw_points(sheet, panel);
+    }
     if (!status && sheet->picture.font && panel->plane) {
         annotate(sheet, panel);
     }
@@ -685,6 +701,7 @@ conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const
     }
     conus_status status = cut_view_check_size(&whole);
     status = status ? status : picture_check_sheet(&of.view);
+    status = status ? status : picture_points_check(&of.view);
     status = status ? status : check_planes(planes, count);
     if (status) {
         return status;

@@ -115,10 +115,10 @@ static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool 
         cutter_cone(&cone, view->selection);
         what.cone = has_cone ? &cone : NULL;
         emphasis = figure->emphasis ? NULL : picture_emphasis(view->selection, has_ranks ? 0 : view->chosen);
-        what.emphasis = emphasis ? emphasis : figure->emphasis;
-        status = what.emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
+        status = emphasis || figure->emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
-    if (!status && view->selection && !view->own_colours) {
+    what.emphasis = emphasis ? emphasis : figure->emphasis;
+    if (!status && (view->selection || figure->ranks) && !view->own_colours) {
         ranks = figure->ranks ? NULL : picture_ranks(view->selection);
         const uint32_t *by = ranks ? ranks : figure->ranks;
         rgb = by ? picture_rank_colours(by, cutter->cut.atlas, LOOK_NOT_HIT) : NULL;

@@ -20,6 +20,7 @@ enum {
     OTHER_ROWS = 2 * PATHWAY_ROWS + 1,
     MARKS = 5,
     COLOUR_ROWS = MARKS + 2,
+    GROUP_ROWS = 12, /* of points */
     KEYS = 3
 };
 
@@ -171,7 +172,8 @@ bool picture_has_legend(const struct picture *picture)
 {
     return picture->font && picture->options.legend != CONUS_LEGEND_NONE && !picture->options.probe_count &&
            (picture->options.selection || picture->options.listed || picture_lists_all(picture) ||
-            colours_streamlines(picture) || count_by_value(picture) || atlas_mapped_surface(picture->atlas));
+            picture_has_groups(picture) || colours_streamlines(picture) || count_by_value(picture) ||
+            atlas_mapped_surface(picture->atlas));
 }
 
 /* Whether something of another rank has the same colour. */
@@ -248,10 +250,12 @@ static uint8_t (*colours_of(const struct picture *picture, unsigned not_hit))[3]
 
 conus_status picture_rank(struct picture *picture, bool on_dark)
 {
-    if (!picture->options.selection || picture->options.own_colours) {
+    const conus_view *options = &picture->options;
+    if (!(options->selection || options->point_count) || options->own_colours) {
         return CONUS_OK;
     }
-    picture->ranks = picture_ranks(picture->options.selection);
+    picture->ranks = options->selection ? picture_ranks(options->selection)
+                                        : memory_zeroed(picture->atlas->object_count + 1, sizeof *picture->ranks);
     for (size_t n = 1; picture->ranks && n <= picture->atlas->object_count; n++) { /* haze has its colours */
         picture->ranks[n] = haze_is(picture->hazy, n) ? 0 : picture->ranks[n];
     }
@@ -617,6 +621,25 @@ static void add_listed(struct picture_legend *out, const struct picture *picture
     }
 }
 
+/* Adds the groups of points; of many the last in one row. */
+static void add_groups(struct picture_legend *out, const struct picture *picture)
+{
+    const size_t count = picture_has_groups(picture) ? picture->group_count : 0;
+    const size_t shown = count > GROUP_ROWS ? GROUP_ROWS - 1 : count;
+    if (count && out->legend.count) {
+        add_row(out, "Points")->heading = true;
+    }
+    for (size_t i = 0; i < shown; i++) {
+        const struct picture_group *group = &picture->groups[i];
+        struct legend_row *row = add_row(out, group->name ? group->name : "others");
+        memcpy(row->rgb, group->rgb, sizeof row->rgb);
+        row->detail[0] = say(out, "%zu", group->count);
+    }
+    if (shown < count) {
+        add_row(out, say(out, "\u2026 and %zu more groups", count - shown))->plain = true;
+    }
+}
+
 static const char *title_of(const struct picture *picture)
 {
     static const char *const titles[] = {NULL,
@@ -633,7 +656,7 @@ static const char *title_of(const struct picture *picture)
         const unsigned kind = number <= picture->atlas->area_count ? 1 : bundle ? 4 : 2;
         kinds |= is_listed(picture, number) ? kind : 0;
     }
-    return titles[kinds];
+    return kinds ? titles[kinds] : "Points";
 }
 
 /* Leaves out rows of objects from number `kept` on, or only those behind others; one row says how many they are. */
@@ -688,6 +711,7 @@ static conus_status fill_rows(struct picture_legend *out, const struct picture *
     if (selection) {
         add_pathways(out, picture);
     }
+    add_groups(out, picture);
     const size_t count = out->legend.count;
     if (count && conus_atlas_exchanged(picture->atlas)) { /* for whoever reads sides off the names */
         add_row(out, "left and right are exchanged")->plain = true;
@@ -834,7 +858,7 @@ conus_status picture_legend_init(struct picture *picture)
     size_t most = results + picture->atlas->object_count + OTHER_ROWS;
     struct picture_legend *legend = picture->legend = memory_zeroed(1, sizeof *legend);
     if (legend) {
-        legend->rows = memory_zeroed(most + 1 + KEYS * COLOUR_ROWS, sizeof *legend->rows);
+        legend->rows = memory_zeroed(most + 1 + GROUP_ROWS + 1 + KEYS * COLOUR_ROWS, sizeof *legend->rows);
         legend->prefixes = memory_zeroed(picture->atlas->object_count + 1, sizeof *legend->prefixes);
     }
     if (!legend || !legend->rows || !legend->prefixes || conus_atlas_prefixes(legend->prefixes, picture->atlas)) {

@@ -38,6 +38,8 @@ void picture_finish(struct picture *picture)
     picture_legend_finish(picture);
     picture_probes_finish(picture);
     font_destroy(picture->font);
+    memory_free(picture->groups);
+    memory_free(picture->group_of);
     memory_free(picture->emphasis);
     memory_free(picture->ranks);
     memory_free(picture->rgb);
@@ -110,6 +112,7 @@ static conus_status fill_options(conus_view *out, const conus_view *view, const 
     status = status ? status : picture_check_sheet(&options);
     status = status ? status : check_opacity(&options, atlas);
     status = status ? status : picture_probes_check(&options);
+    status = status ? status : picture_points_check(&options);
     if (status) {
         return status;
     }
@@ -432,8 +435,9 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
         return status ? fail_in(status, "camera") : CONUS_OK;
     }
     const bool is_beside = options->selection && options->side == CONUS_SIDE_BESIDE_CONE;
-    double(*points)[3] =
-        memory_raw(pass->content_count + 2 * options->probe_count + BALL_POINTS + WALL_POINTS, sizeof *points);
+    double(*points)[3] = memory_raw(pass->content_count + 2 * options->probe_count +
+                                        BALL_POINTS * (options->point_count + 1) + WALL_POINTS,
+                                    sizeof *points);
     if (!points) {
         return CONUS_ERROR_MEMORY;
     }
@@ -442,6 +446,7 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
     for (size_t i = 0; i < options->probe_count; i++) {
         count += picture_probe_ends(points + count, picture, i) ? 2 : 0;
     }
+    count += picture_points_near(points + count, picture);
     if (options->selection) {
         /* The apex, or where the cone comes near, so that a far device does not make the brain a dot. */
         double *near = points[count];
@@ -626,6 +631,9 @@ static conus_status make_image(conus_image **out, const struct picture *picture,
     }
     if (!status && picture->options.probe_count) {
         status = picture_probes_draw(image->list, picture);
+    }
+    if (!status && picture->options.point_count) {
+        status = picture_points_draw(image->list, picture);
     }
     if (!status && picture->font) {
         picture_annotate(image->list, picture);
@@ -875,13 +883,14 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
         return status;
     }
     const bool has_ranks = picture_has_ranks(picture.options.selection, picture.options.own_colours);
-    if (picture.options.selection || picture.options.probe_count) {
+    if (picture.options.selection || picture.options.probe_count || picture.options.point_count) {
         picture.emphasis = picture.options.selection
                                ? picture_emphasis(picture.options.selection, has_ranks ? 0 : picture.options.chosen)
                                : picture_probe_emphasis(&picture);
         status = picture.emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
     picture_keep_listed(&picture);
+    status = status || !picture.options.point_count ? status : picture_points_init(&picture);
     status = status ? status : find_opacities(&picture);
     status = status ? status : picture_rank(&picture, picture_is_dark(&picture.options));
     status = status ? status : renderer_include(renderer, picture.areas);

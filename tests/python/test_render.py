@@ -125,6 +125,23 @@ def test_probes_are_the_strips_of_the_program(aal, halved, tmp_path):
         aal.render(**view).save(tmp_path / "pixels.svg")
 
 
+@needs_aal
+def test_points_are_the_balls_of_the_program(aal, halved, tmp_path):
+    places = {f"{side}{n}": (x * (20 + 5 * n), -18, -15) for side, x in (("LA", -1), ("RA", 1)) for n in (1, 2, 3)}
+    (tmp_path / "six.csv").write_text("name,x,y,z\n" + "".join(f"{name},{x},{y},{z}\n" for name, (x, y, z) in places.items()))
+    view = {"points": places, "point_groups": [name[:2] for name in places], "point_radius": 3, "size": (400, 300)}
+    for cuts in (), ("coronal",):
+        words = ["--cuts=" + ",".join(cuts), "--at=0,-18,-15"] if cuts else ["--opacity=0"]
+        call_conus("render", halved[AAL], f"--context={halved[CONTEXT]}", "--pose", tmp_path / "six.csv", "--radius=3", "--size=400x300",
+                    "-q", "-o", tmp_path / "theirs.svg", *words)
+        where = {"cuts": cuts, "at": (0, -18, -15)} if cuts else {"opacity": 0}
+        aal.render(vectors=True, **view, **where).save(tmp_path / "ours.svg")
+        assert (tmp_path / "ours.svg").read_bytes() == (tmp_path / "theirs.svg").read_bytes()
+    for wrong in {"point_radius": -1}, {"point_groups": ["LA"]}, {"probes": {"A": ((0, 0, 90), (0, 0, 0))}}:
+        with pytest.raises(conus.ArgumentError):
+            aal.render(**{**view, **wrong})
+
+
 def test_measured_distance_is_written(tmp_path):
     atlas = conus.load(plates(), AFFINE)
     low, high = np.zeros(3), np.array([3, 4, 0])

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Pictures for papers: sides, backgrounds, letters, places of the legend, and sizes on paper. */
 #include "base/geometry/math3.h"
+#include "base/look.h"
 #include "picture_scene.h"
 #include "render/image/image.h"
 #include "selection/picture/picture.h"
@@ -584,6 +585,75 @@ static void probes_that_cannot_be_drawn_are_refused(void **state)
     conus_segments_destroy(segments);
 }
 
+static void points_that_cannot_be_drawn_are_refused(void **state)
+{
+    struct scene scene = need_scene(state);
+    conus_segments *segments = follow(&scene);
+    const conus_drawn_probe probe = {"P", segments};
+    const conus_drawn_point points[] = {
+        {.at = {0, 0, 0}}, {.at = {NAN, 0, 0}}, {.at = {0, INFINITY, 0}}, {.radius = -1}, {.radius = NAN}};
+    const conus_view views[] = {{.points = points, .point_count = 1, .selection = scene.selection},
+                                {.points = points, .point_count = 1, .probes = &probe, .probe_count = 1},
+                                {.points = points + 1, .point_count = 1},
+                                {.points = points + 2, .point_count = 1},
+                                {.points = points + 3, .point_count = 1},
+                                {.points = points + 4, .point_count = 1},
+                                {.point_count = 1}};
+    static const conus_cut_plane plane = {.right = {1, 0, 0}, .up = {0, 1, 0}};
+    for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
+        conus_image *image = NULL;
+        assert_fails(conus_render(&image, scene.renderer, &views[i]), CONUS_ERROR_ARGUMENT);
+        assert_fails(conus_cuts_image(&image, scene.atlas, &plane, 1, NULL, NULL, &views[i]), CONUS_ERROR_ARGUMENT);
+        assert_null(image);
+    }
+    conus_segments_destroy(segments);
+}
+
+/* The first six groups have the colours of the ranks, which look.h has; the seventh and eighth are grey together, and
+ * the legend has a row for each of twelve groups, of fifteen for eleven and one for the rest. */
+static void groups_of_points_have_colours_and_rows(void **state)
+{
+    static const uint8_t wanted[][3] = {{LOOK_RGB(LOOK_RANK_1)},    {LOOK_RGB(LOOK_RANK_2)},   {LOOK_RGB(LOOK_RANK_3)},
+                                        {LOOK_RGB(LOOK_RANK_4)},    {LOOK_RGB(LOOK_RANK_5)},   {LOOK_RGB(LOOK_RANK_6)},
+                                        {LOOK_RGB(LOOK_RANK_MORE)}, {LOOK_RGB(LOOK_RANK_MORE)}};
+    static const char *const groups[] = {"a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l", "m", "n", "o"};
+    struct scene scene = need_scene(state);
+    conus_drawn_point points[15];
+    for (size_t i = 0; i < 15; i++) { /* nearer than the middle to whom looks from above, so that none is pale */
+        points[i] = (conus_drawn_point){.group = groups[i], .at = {(double)i - 7, 0, 25}, .end = {NAN, 0, 0}};
+    }
+    for (size_t count = 12; count <= 15; count += 3) {
+        conus_image *image = render(&scene, (conus_view){.points = points,
+                                                         .point_count = count,
+                                                         .side = CONUS_SIDE_TOP,
+                                                         .shapes = true,
+                                                         .width = 600,
+                                                         .height = 400});
+        size_t rows = 0;
+        size_t discs = 0;
+        bool has_rest = false;
+        for (size_t i = 0; i < image->list->count; i++) {
+            const struct draw_item *item = &image->list->items[i];
+            if (item->kind == DRAW_TEXT) {
+                rows += strlen(item->text) == 1 && item->text[0] >= 'a' && item->text[0] <= 'o';
+                has_rest = has_rest || strcmp(item->text, "\u2026 and 4 more groups") == 0;
+            } else if (item->kind == DRAW_LINES && item->points[0][0] == item->points[1][0] &&
+                       item->points[0][1] == item->points[1][1]) {
+                const size_t ball = discs++ / 2;
+                if (discs % 2 == 0 && ball < 8) { /* behind its edge; all are equally deep, so in their order */
+                    float rgba[4];
+                    draw_colour(rgba, wanted[ball], 1);
+                    assert_memory_equal(item->rgba, rgba, sizeof rgba);
+                }
+            }
+        }
+        assert_int_equal(discs, 2 * count);
+        assert_int_equal(rows, count == 12 ? 12 : 11);
+        assert_int_equal(has_rest, count == 15);
+        conus_image_destroy(image);
+    }
+}
+
 static const uint8_t *find_bytes(const uint8_t *data, size_t size, const char *word)
 {
     size_t length = strlen(word);
@@ -813,9 +883,24 @@ static conus_status attempt_probe(void *data)
     return status;
 }
 
+static conus_status attempt_points(void *data)
+{
+    static const conus_drawn_point points[] = {{"P1", "P", {0, 0, 0}, {10, 10, 10}, 2},
+                                               {"Q1", NULL, {9, 0, 0}, {NAN}, 0}};
+    static const conus_cut_plane plane = {.right = {1, 0, 0}, .up = {0, 1, 0}};
+    const struct scene *scene = data;
+    conus_image *image = NULL;
+    const conus_view view = {.width = 200, .height = 80, .points = points, .point_count = 2};
+    conus_status status = conus_cuts_image(&image, scene->atlas, &plane, 1, NULL, scene->renderer, &view);
+    assert_true((status == CONUS_OK) == (image != NULL));
+    conus_image_destroy(image);
+    return status;
+}
+
 static void allocations_may_fail(void **state)
 {
     struct scene scene = need_scene(state);
+    test_every_allocation(attempt_points, &scene);
     test_every_allocation(attempt, &scene);
     conus_segments *segments = follow(&scene);
     struct probe_scene of = {&scene, {"P", segments}};
@@ -860,6 +945,8 @@ TEST_GROUP(picture_figure)
         cmocka_unit_test(without_free_corners_scale_and_directions_have_patches),
         cmocka_unit_test(a_probe_is_a_line_in_the_colours_of_what_it_passes),
         cmocka_unit_test(probes_that_cannot_be_drawn_are_refused),
+        cmocka_unit_test(points_that_cannot_be_drawn_are_refused),
+        cmocka_unit_test(groups_of_points_have_colours_and_rows),
         cmocka_unit_test(files_say_how_large_they_are),
         cmocka_unit_test(the_side_beside_the_cone_is_60_degrees_off),
         cmocka_unit_test(on_paper_a_line_runs_around_the_drawing),

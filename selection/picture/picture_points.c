@@ -1,0 +1,353 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Points in a picture: balls over the drawing, or over the cuts that come near them, with their names. */
+#include "base/geometry/math3.h"
+#include "base/look.h"
+#include "base/memory.h"
+#include "base/order.h"
+#include "selection/picture/picture.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { NAMED_LIMIT = 1000, TEXT_SIZE = 64 };
+
+/* Radius of a ball that has none, and how near to a cut the middle of a smaller ball is drawn, mm. */
+static const double RADIUS = 1;
+static const double NEAR_CUT = 2;
+
+/* The camera takes no notice of what is farther from the atlas's middle than so many of its radii. */
+static const double FAR = 3;
+
+/* Lengths in em: the least radius of a ball, its dark edge, a line, a name's letters, and from a ball to its name. */
+static const double LEAST = 0.22;
+static const double EDGE = 0.08;
+static const double LINE = 0.16;
+static const double LETTERS = 0.85;
+static const double GAP = 0.25;
+
+static const float CASING[4] = {LOOK_PROBE_CASING, 1};
+
+/* How much of its colour a ball loses that lies a radius of the atlas behind its middle. */
+static const double PALEST = 0.4;
+
+/* A ball as it is drawn, pixels. */
+struct ball {
+    double at[2], radius, depth;
+    double end[2]; /* of its line; NaN = it has none, or it is behind the camera */
+    double pale;   /* 0 = it has its colour, 1 = that of paper */
+    size_t index;
+};
+
+static double radius_of(const conus_drawn_point *point)
+{
+    return point->radius > 0 ? point->radius : RADIUS;
+}
+
+conus_status picture_points_check(const conus_view *view)
+{
+    for (size_t i = 0; i < view->point_count; i++) {
+        const conus_drawn_point *point = view->points ? &view->points[i] : NULL;
+        if (!point || view->selection || view->probe_count || !vec3_is_finite(point->at) ||
+            !(point->radius >= 0 && isfinite(point->radius))) {
+            return fail(CONUS_ERROR_ARGUMENT,
+                        "point %zu: a finite position and a radius from 0 on are needed, and neither a selection nor "
+                        "probes",
+                        i + 1);
+        }
+    }
+    return CONUS_OK;
+}
+
+static bool is_same_group(const char *a, const char *b)
+{
+    return a == b || (a && b && strcmp(a, b) == 0);
+}
+
+/* The first groups have the colours of the first ranks, all others one. */
+static void colour_group(uint8_t rgb[3], size_t group)
+{
+#define RANK_RGB(colour) {LOOK_RGB(colour)},
+    static const uint8_t colours[][3] = {LOOK_RANKS(RANK_RGB){LOOK_RGB(LOOK_RANK_MORE)}};
+    const size_t last = sizeof colours / sizeof *colours - 1;
+    memcpy(rgb, colours[group < last ? group : last], 3);
+}
+
+conus_status picture_points_init(struct picture *picture)
+{
+    const size_t count = picture->options.point_count;
+    picture->groups = memory_zeroed(count, sizeof *picture->groups);
+    picture->group_of = memory_zeroed(count, sizeof *picture->group_of);
+    if (!picture->groups || !picture->group_of) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < count; i++) {
+        const char *name = picture->options.points[i].group;
+        size_t group = i ? picture->group_of[i - 1] : 0; /* mostly that of the point before */
+        bool found = i && is_same_group(picture->groups[group].name, name);
+        for (size_t k = 0; k < picture->group_count && !found; k++) {
+            found = is_same_group(picture->groups[k].name, name);
+            group = k;
+        }
+        if (!found) {
+            group = picture->group_count++;
+            picture->groups[group] = (struct picture_group){.name = name};
+            colour_group(picture->groups[group].rgb, group);
+        }
+        picture->groups[group].count++;
+        picture->group_of[i] = (uint32_t)group;
+    }
+    return CONUS_OK;
+}
+
+size_t picture_points_near(double (*out)[3], const struct picture *picture)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < picture->options.point_count; i++) {
+        const conus_drawn_point *point = &picture->options.points[i];
+        double offset[3];
+        vec3_sub(offset, point->at, picture->centre);
+        for (int n = 0; n < 6 && vec3_length(offset) <= FAR * picture->radius; n++) {
+            memcpy(out[count], point->at, sizeof point->at);
+            out[count++][n / 2] += (n % 2 ? 1 : -1) * radius_of(point);
+        }
+    }
+    return count;
+}
+
+/* What lies behind the atlas's middle is the paler, the farther it is: who looks at a brain of glass sees on which side
+ * a ball is. */
+static double paleness(const struct picture *picture, double depth)
+{
+    double offset[3];
+    const double *m = picture->camera.world_from_camera;
+    vec3_sub(offset, picture->centre, m + 12);
+    const double behind = depth + vec3_dot(offset, m + 8); /* the camera looks along -z */
+    return PALEST * fmin(fmax(behind / picture->radius, 0), 1);
+}
+
+/* Where a ball of a picture in space is; false where it is behind the camera. */
+static bool project(struct ball *out, const struct picture *picture, size_t index)
+{
+    const conus_drawn_point *point = &picture->options.points[index];
+    double side[3], at[2], depth;
+    vec3_add_scaled(side, point->at, radius_of(point), picture->camera.world_from_camera);
+    *out = (struct ball){.index = index, .end = {NAN, NAN}};
+    if (!camera_project(&out->at[0], &out->at[1], &out->depth, &picture->camera, &picture->frame, point->at) ||
+        !camera_project(&at[0], &at[1], &depth, &picture->camera, &picture->frame, side)) {
+        return false;
+    }
+    out->radius = fmax(hypot(at[0] - out->at[0], at[1] - out->at[1]), LEAST * picture->em);
+    out->pale = paleness(picture, out->depth);
+    if (vec3_is_finite(point->end) &&
+        !camera_project(&out->end[0], &out->end[1], &depth, &picture->camera, &picture->frame, point->end)) {
+        out->end[0] = NAN;
+    }
+    return true;
+}
+
+/* Where a ball is in a cut: as large as the cut makes it, but not smaller than others; false where it is too far. */
+static bool cut_ball(struct ball *out, const struct picture *picture, const struct picture_plane *plane, size_t index)
+{
+    const conus_drawn_point *point = &picture->options.points[index];
+    const double radius = radius_of(point);
+    double offset[3], normal[3];
+    vec3_sub(offset, point->at, plane->centre);
+    vec3_cross(normal, plane->right, plane->up);
+    const double away = fabs(vec3_dot(offset, normal));
+    *out = (struct ball){.index = index,
+                         .end = {NAN, NAN},
+                         .depth = away,
+                         .at = {plane->middle[0] + vec3_dot(plane->right, offset) * plane->pixels_per_mm,
+                                plane->middle[1] - vec3_dot(plane->up, offset) * plane->pixels_per_mm}};
+    out->radius = sqrt(fmax(radius * radius - away * away, 0)) * plane->pixels_per_mm;
+    out->radius = fmax(out->radius, LEAST * picture->em);
+    return away <= fmax(radius, NEAR_CUT);
+}
+
+static bool is_inside(const struct draw_box *box, const double at[2])
+{
+    return at[0] >= box->left && at[0] <= box->right && at[1] >= box->top && at[1] <= box->bottom;
+}
+
+/* A colour that has become so pale. */
+static void blend(float out[4], const float rgba[4], const struct picture *picture, double pale)
+{
+    const float paper = picture->ink[1] > 0.5F ? 0.02F : 0.8F;
+    for (int c = 0; c < 3; c++) {
+        out[c] = rgba[c] + (float)pale * (paper - rgba[c]);
+    }
+    out[3] = rgba[3];
+}
+
+static void draw_disc(struct draw_list *list, const double at[2], double radius, const float rgba[4])
+{
+    draw_line(list, at, at, 2 * radius, rgba);
+}
+
+static void draw_ball(struct draw_list *list, const struct picture *picture, const struct ball *ball,
+                      const struct draw_box *limit)
+{
+    const double edge = fmax(1, EDGE * picture->em);
+    const double line = fmax(1.5, LINE * picture->em);
+    float colour[4], casing[4];
+    draw_colour(colour, picture->groups[picture->group_of[ball->index]].rgb, 1);
+    blend(colour, colour, picture, ball->pale);
+    blend(casing, CASING, picture, ball->pale);
+    if (is_inside(limit, ball->end)) { /* NaN is not */
+        draw_line(list, ball->at, ball->end, line + 2 * edge, casing);
+        draw_line(list, ball->at, ball->end, line, colour);
+    }
+    draw_disc(list, ball->at, ball->radius + edge, casing);
+    draw_disc(list, ball->at, ball->radius, colour);
+}
+
+static struct draw_box box_of(const struct ball *ball)
+{
+    return (struct draw_box){ball->at[0] - ball->radius, ball->at[1] - ball->radius, ball->at[0] + ball->radius,
+                             ball->at[1] + ball->radius};
+}
+
+static bool is_free(const struct draw_box *box, const struct draw_box *taken, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (picture_overlaps(box, &taken[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Finds a place for a name around its ball that is free of all that is `taken`; false where there is none. */
+static bool place_name(struct draw_box *out, const struct ball *ball, const double size[2], double gap,
+                       const struct draw_box *limit, const struct draw_box *taken, size_t count)
+{
+    static const double sides[][2] = {{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {1, -1}, {1, 1}, {-1, -1}, {-1, 1}};
+    for (size_t n = 0; n < sizeof sides / sizeof *sides; n++) {
+        const bool is_corner = sides[n][0] != 0 && sides[n][1] != 0;
+        const double away = (is_corner ? 0.75 : 1) * (ball->radius + gap);
+        const double middle[2] = {ball->at[0] + sides[n][0] * (away + size[0] / 2),
+                                  ball->at[1] + sides[n][1] * (away + size[1] / 2)};
+        *out = (struct draw_box){middle[0] - size[0] / 2, middle[1] - size[1] / 2, middle[0] + size[0] / 2,
+                                 middle[1] + size[1] / 2};
+        if (out->left >= limit->left && out->right <= limit->right && out->top >= limit->top &&
+            out->bottom <= limit->bottom && is_free(out, taken, count)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Writes into the lower left corner, in a line of its own, that something is not there. */
+static void say_missing(struct draw_list *list, const struct picture *picture, const struct draw_box *limit, int line,
+                        size_t missing, size_t count, const char *what)
+{
+    char text[TEXT_SIZE];
+    const double letters = LETTERS * picture->em;
+    const double at[2] = {limit->left + GAP * picture->em,
+                          limit->bottom - 2 * GAP * picture->em - 1.3 * letters * line};
+    if (missing) {
+        snprintf(text, sizeof text, "%zu of %zu %s", missing, count, what);
+        draw_text(list, picture->font, at, letters, picture->ink, text);
+    }
+}
+
+/* Whether the point is the first or last of its group in the list: the name of an electrode's end tells the others. */
+static bool is_group_end(const struct picture *picture, size_t index)
+{
+    const uint32_t *group_of = picture->group_of;
+    return index == 0 || index + 1 == picture->options.point_count || group_of[index - 1] != group_of[index] ||
+           group_of[index + 1] != group_of[index];
+}
+
+/* Writes names, those of the ends of groups and of the nearest balls first, each where it hides neither a ball nor
+ * another name, and how many have no such place. `taken` has room for a box for each name behind the first ones. */
+static void write_names(struct draw_list *list, const struct picture *picture, const struct ball *balls, size_t count,
+                        const struct draw_box *limit, struct draw_box *taken, size_t taken_count)
+{
+    const double letters = LETTERS * picture->em;
+    size_t wanted = 0;
+    size_t written = 0;
+    for (size_t n = 2 * count; n-- > 0;) { /* all twice: ends, then others; the farthest ball is the first */
+        const struct ball *ball = &balls[n % count];
+        const char *name = picture->options.points[ball->index].name;
+        if (!name || !name[0] || is_group_end(picture, ball->index) != (n >= count)) {
+            continue;
+        }
+        const double size[2] = {font_width(picture->font, letters, name), 0.95 * letters};
+        struct draw_box *box = &taken[taken_count];
+        if (wanted++ < NAMED_LIMIT && place_name(box, ball, size, GAP * picture->em, limit, taken, taken_count)) {
+            picture_lay_patch(list, picture, box);
+            draw_text(list, picture->font, (double[]){box->left, box->bottom - 0.14 * letters}, letters, picture->ink,
+                      name);
+            taken_count++;
+            written++;
+        }
+    }
+    say_missing(list, picture, limit, 0, wanted - written, wanted, "names have no room");
+}
+
+static int compare_depths(const void *a, const void *b)
+{
+    return compare_double(((const struct ball *)b)->depth, ((const struct ball *)a)->depth);
+}
+
+/* Draws balls, the farthest first, and their names, all within a box; names keep clear of `keys`. */
+static conus_status draw_balls(struct draw_list *list, const struct picture *picture, struct ball *balls, size_t count,
+                               const struct draw_box *limit, const struct draw_box keys[2])
+{
+    struct draw_box *taken = memory_zeroed(2 * count + 2, sizeof *taken);
+    if (!taken) {
+        return CONUS_ERROR_MEMORY;
+    }
+    order_sort(balls, count, sizeof *balls, compare_depths);
+    for (size_t i = 0; i < count; i++) {
+        draw_ball(list, picture, &balls[i], limit);
+        taken[i] = box_of(&balls[i]);
+    }
+    if (picture->font) {
+        taken[count] = keys[0];
+        taken[count + 1] = keys[1];
+        write_names(list, picture, balls, count, limit, taken, count + 2);
+    }
+    memory_free(taken);
+    return CONUS_OK;
+}
+
+conus_status picture_points_draw(struct draw_list *list, const struct picture *picture)
+{
+    const struct draw_box limit = {0, 0, picture->drawing[0], picture->drawing[1]};
+    struct draw_box keys[2] = {0};
+    struct ball *balls = memory_zeroed(picture->options.point_count, sizeof *balls);
+    size_t count = 0;
+    if (!balls) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < picture->options.point_count; i++) {
+        count += project(&balls[count], picture, i) && is_inside(&limit, balls[count].at);
+    }
+    if (picture->font) {
+        const size_t all = picture->options.point_count;
+        picture_key_boxes(keys, picture);
+        say_missing(list, picture, &limit, 1, all - count, all, "points are outside of the picture");
+    }
+    conus_status status = draw_balls(list, picture, balls, count, &limit, keys);
+    memory_free(balls);
+    return status;
+}
+
+conus_status picture_points_cut(struct draw_list *list, const struct picture *picture,
+                                const struct picture_plane *plane)
+{
+    static const struct draw_box none[2];
+    struct ball *balls = memory_zeroed(picture->options.point_count, sizeof *balls);
+    size_t count = 0;
+    if (!balls) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < picture->options.point_count; i++) {
+        count += cut_ball(&balls[count], picture, plane, i) && is_inside(&plane->box, balls[count].at);
+    }
+    conus_status status = draw_balls(list, picture, balls, count, &plane->box, none);
+    memory_free(balls);
+    return status;
+}
