@@ -558,7 +558,8 @@ struct picture {
     size_t probe_count;
     const conus_drawn_point *points; /* [point_count] */
     size_t point_count;
-    bool has_points; /* All rows are in one picture, as balls. */
+    const char *title; /* the name of the pose that is drawn; NULL = it has none */
+    bool has_points;   /* All rows are in one picture, as balls. */
     conus_pose camera;
     struct named_places places;
     conus_pose aim;    /* of --origin or --focus */
@@ -908,6 +909,7 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
                        .probe_count = picture->probe_count,
                        .points = picture->points,
                        .point_count = picture->point_count,
+                       .title = picture->title,
                        .frame = &picture->frame};
     figure_view(&view, &settings->figure);
     if ((picture->probe_count || picture->point_count) && !settings->translucent.opacity.count) {
@@ -968,6 +970,7 @@ static int draw_row(struct picture *picture, const struct drawn_row *drawn)
         return refuse_row(picture, row, pose_settings_row_error(row), EXIT_DATA);
     }
     double angle = row->angle != 0 ? row->angle : settings_angle(&settings->aim, &settings->engine);
+    picture->title = row->id[strspn(row->id, "0123456789")] ? row->id : NULL; /* not of one that is the row's number */
     bool fault = conus_selector_set_range(picture->selector, row->range) != CONUS_OK;
     int code = fault ? EXIT_DONE : draw_cone(picture, &row->pose, angle, drawn->path, &fault);
     if (fault) {

@@ -252,6 +252,8 @@ typedef struct conus_view {
                                         atlas from its middle; how many are outside, and how many names have no room,
                                         stands in its corner. */
     size_t point_count;              /**< 0 = none. */
+    const char *title; /**< UTF-8: what the selection is of, such as the name of its pose, at the head of its legend;
+                          NULL = nothing. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

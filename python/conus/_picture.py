@@ -318,6 +318,7 @@ class Renderer(Bound):
         points: Optional[Mapping[str, Sequence[float]]] = None,
         point_groups: Optional[Sequence[str]] = None,
         point_radius: Optional[float] = None,
+        title: Optional[str] = None,
         cuts: Sequence[str] = (),
         at: Any = None,
         fill: Optional[float] = None,
@@ -399,6 +400,8 @@ class Renderer(Bound):
             For each point its group: the first six groups have a colour each, and all a row in the legend.
         point_radius : float
             Of their balls, mm; 1 if not given.
+        title : str
+            What the selection is of, at the head of its legend; conus render writes the name of the pose.
         cuts : sequence of str
             Flat cuts on one sheet: "axial", "coronal" and "sagittal", through ``at`` or, as "axial:-10", at a place;
             "mosaic:N" is N axial ones, 12 if not given, evenly over the atlas; "3d" adds the view in space.
@@ -459,6 +462,8 @@ class Renderer(Bound):
         options.probes, options.probe_count = (drawn[0], len(drawn[0])) if drawn else (ffi.NULL, 0)
         balls = _points_of(points, point_groups, point_radius)
         options.points, options.point_count = (balls[0], len(balls[0])) if balls else (ffi.NULL, 0)
+        name = ffi.NULL if title is None else utf8("title", title)
+        options.title = name
         opacities = self._opacities(options, _FAINT if (drawn or balls) and opacity is None else opacity)
         listed = self._listed(legend_areas)
         line = ffi.NULL if measured is None else ffi.new("double[6]", _ends_of(measured))

@@ -46,6 +46,7 @@ conus_status picture_cut_init(struct picture *picture, const conus_cut_view *vie
                                     .listed = sheet->listed,
                                     .points = sheet->points,
                                     .point_count = sheet->point_count,
+                                    .title = sheet->title,
                                     .own_colours = view->own_colours || sheet->own_colours};
     memcpy(picture->options.background_rgb, sheet->background_rgb, sizeof sheet->background_rgb);
     picture->areas = memory_raw(count, sizeof *picture->areas);

@@ -10,6 +10,7 @@
 #include "render/draw/legend.h"
 #include "selection/measure/tract_census.h"
 
+#include <ctype.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -724,7 +725,9 @@ static conus_status fill_rows(struct picture_legend *out, const struct picture *
     if (selection) {
         char subtitle[2][PICTURE_TEXT];
         picture_describe_cone(subtitle, &selection->cone, picture->options.frame);
-        out->legend.title = titles[selection->cone.radius > 0][selection->has_layers];
+        const char *title = titles[selection->cone.radius > 0][selection->has_layers];
+        const char *own = picture->options.title;
+        out->legend.title = own ? say(out, "%s: %c%s", own, tolower((unsigned char)title[0]), title + 1) : title;
         out->legend.subtitle[0] = say(out, "%s", subtitle[0]);
         out->legend.subtitle[1] = say(out, "%s", subtitle[1]);
         out->legend.header[0] = "share";

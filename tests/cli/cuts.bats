@@ -56,23 +56,23 @@ height() {
 # bats test_tags=main
 @test "cuts go through the best hit's contact, and each row of a file has its own" {
     sphere --size 32
-    printf 'query_id,x,y,z,tx,ty,tz,angle\na,60,0,8,0,0,8,5\nb,-60,0,0,0,0,0,5\n' >two.csv
+    printf 'query_id,x,y,z,tx,ty,tz,angle\n1,60,0,8,0,0,8,5\n2,-60,0,0,0,0,0,5\n' >two.csv # no names: their legends would have them
     answers render sphere.nii.gz --poses two.csv -o '{query}.exr' --cuts sagittal,axial -q --size 300x200
     run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose two.csv --format tsv
     awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
         $at["kind"] == "area" { x = $at["contact_x"] + (n ? 0.001 : -0.001) # into the ball
-            print (n++ ? "b" : "a"), x "," $at["contact_y"] "," $at["contact_z"] }' \
+            print (n++ ? 2 : 1), x "," $at["contact_y"] "," $at["contact_z"] }' \
         <<<"$output" >contacts
     [ "$(wc -l <contacts)" -eq 2 ]
     while read -r name contact; do
-        [ "$name" = a ] && aim='--origin=60,0,8 --toward=0,0,8' || aim='--origin=-60,0,0 --toward=0,0,0'
+        [ "$name" = 1 ] && aim='--origin=60,0,8 --toward=0,0,8' || aim='--origin=-60,0,0 --toward=0,0,0'
         # shellcheck disable=SC2086 # several words
         answers render sphere.nii.gz $aim --angle 5 -o at.exr --cuts sagittal,axial --at="$contact" --size 300x200
         answers diff at.exr "$name.exr" --tolerance 0.001
     done <contacts
     answers render sphere.nii.gz --origin=60,0,8 --toward=0,0,8 --angle 5 -o at.exr --cuts sagittal,axial --at=0,0,0 \
         --size 300x200
-    run -1 conus diff at.exr a.exr
+    run -1 conus diff at.exr 1.exr
 }
 
 @test "all text of a sheet is in it, and no text lies on another, however small the cuts are" {
@@ -189,6 +189,10 @@ END
     grep -qF '>First hits of the cone<' title.svg
     answers render sphere.nii.gz --cuts axial --origin=-90,0,0 --toward 0,0,0 --radius 2 --layers all -q -o title.svg
     grep -qF '>Hits of the cylinder<' title.svg
+    printf 'name,x,y,z,tx,ty,tz\nM1 <left>,-90,0,0,0,0,0\n7,90,0,0,0,0,0\n' >named.csv
+    answers render sphere.nii.gz --cuts axial --poses named.csv -q -o 'named-{row}.svg'
+    grep -qF '>M1 &lt;left&gt;: first hits of the cone<' named-1.svg
+    grep -qF '>First hits of the cone<' named-2.svg
 }
 
 # The cone hits the U and the ball behind its opening.
