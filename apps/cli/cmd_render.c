@@ -5,6 +5,7 @@
 #include "base/system/system.h"
 #include "base/text.h"
 #include "cli/commands.h"
+#include "cli/contacts.h"
 #include "cli/render_cuts.h"
 #include "cli/render_turn.h"
 #include "conus/file.h"
@@ -1037,49 +1038,6 @@ static int draw_probes(struct picture *picture, const struct drawn_row *rows, si
     return code;
 }
 
-/* The length of a name without the number at its end, and what is before that: "LA" of "LA12", "LA-12" and "LA 12". */
-static size_t electrode_length(const char *name)
-{
-    size_t length = strlen(name);
-    while (length && name[length - 1] >= '0' && name[length - 1] <= '9') {
-        length--;
-    }
-    while (length && strchr(" -_.", name[length - 1])) {
-        length--;
-    }
-    return length;
-}
-
-/* Whether names are those of contacts: electrodes have three each at least, on average. */
-static bool are_contacts(const conus_drawn_point *points, size_t count)
-{
-    enum { EACH = 3 };
-    size_t electrodes = 0;
-    bool have_numbers = count;
-    for (size_t i = 0; i < count && have_numbers; i++) {
-        const size_t length = electrode_length(points[i].name);
-        bool is_new = true;
-        for (size_t k = i; k-- > 0 && is_new;) { /* that of the one before, mostly */
-            is_new = electrode_length(points[k].name) != length || strncmp(points[k].name, points[i].name, length) != 0;
-        }
-        have_numbers = length && points[i].name[length];
-        electrodes += is_new;
-    }
-    return have_numbers && EACH * electrodes <= count;
-}
-
-/* Gives contacts their electrodes as groups. False without memory; groups are the caller's to free. */
-static bool group_contacts(conus_drawn_point *points, size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        points[i].group = text_copy(points[i].name, electrode_length(points[i].name));
-        if (!points[i].group) {
-            return false;
-        }
-    }
-    return true;
-}
-
 /* The ball of a row, with a line to what it points at, if that is something. */
 static conus_status place_point(conus_drawn_point *out, struct picture *picture, const conus_pose_row *row)
 {
@@ -1143,8 +1101,8 @@ static int draw_points(struct picture *picture)
                  "--output's name draws a cone for each",
                  rows->file, poses);
     }
-    const bool has_electrodes = !code && !picture->settings->colour_by && are_contacts(points, count);
-    if (has_electrodes && !group_contacts(points, count)) {
+    const bool has_electrodes = !code && !picture->settings->colour_by && contacts_are_all(points, count);
+    if (has_electrodes && !contacts_group(points, count)) {
         code = print_no_memory();
     }
     if (!picture->has_cut_at && count) {
@@ -1154,8 +1112,8 @@ static int draw_points(struct picture *picture)
     picture->point_count = count;
     code = code || !count ? code : draw_picture(picture, NULL, NULL, picture->settings->output);
     picture->points = NULL;
-    for (size_t i = 0; i < count && has_electrodes; i++) {
-        free((char *)points[i].group);
+    if (has_electrodes) {
+        contacts_ungroup(points, count);
     }
     free(points);
     return code;
