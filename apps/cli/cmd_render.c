@@ -565,7 +565,7 @@ struct picture {
     struct named_places places;
     conus_pose aim;    /* of --origin or --focus */
     double aim_target; /* how far its target is, mm; NaN = it has none */
-    double cut_at[3];  /* of --at, world, else the middle of points */
+    double cut_at[3];  /* of --at, world, else where points are */
     bool has_camera;
     bool has_cut_at;
     bool failed; /* Some poses have no picture. */
@@ -1063,17 +1063,38 @@ static conus_status place_point(conus_drawn_point *out, struct picture *picture,
     return status;
 }
 
-/* Lets cuts go through the middle of the points, if it is in the atlas. */
-static void find_middle(struct picture *picture, const conus_drawn_point *points, size_t count)
+/* Along an axis, the point that is near most others; of several that nearest to the middle of all. */
+static double find_crowd(const conus_drawn_point *points, size_t count, int axis)
+{
+    static const double near = 2; /* mm, as cuts draw them */
+    double middle = 0;
+    double best = NAN;
+    size_t most = 0;
+    for (size_t i = 0; i < count; i++) {
+        middle += points[i].at[axis] / (double)count;
+    }
+    for (size_t i = 0; i < count; i++) {
+        const double at = points[i].at[axis];
+        size_t others = 0;
+        for (size_t k = 0; k < count; k++) {
+            others += fabs(points[k].at[axis] - at) <= near;
+        }
+        if (others > most || (others == most && fabs(at - middle) < fabs(best - middle))) {
+            most = others;
+            best = at;
+        }
+    }
+    return best;
+}
+
+/* Lets cuts go where most points are, if that is in the atlas. */
+static void place_cuts(struct picture *picture, const conus_drawn_point *points, size_t count)
 {
     double low[3], high[3];
-    double *middle = picture->cut_at;
     picture->has_cut_at = !conus_atlas_bounds(low, high, picture->atlas);
     for (int a = 0; a < 3; a++) {
-        for (size_t i = 0; i < count; i++) {
-            middle[a] += points[i].at[a] / (double)count;
-        }
-        picture->has_cut_at = picture->has_cut_at && middle[a] > low[a] && middle[a] < high[a];
+        const double at = picture->cut_at[a] = find_crowd(points, count, a);
+        picture->has_cut_at = picture->has_cut_at && at > low[a] && at < high[a];
     }
 }
 
@@ -1105,8 +1126,8 @@ static int draw_points(struct picture *picture)
     if (has_electrodes && !contacts_group(points, count)) {
         code = print_no_memory();
     }
-    if (!picture->has_cut_at && count) {
-        find_middle(picture, points, count);
+    if (!picture->has_cut_at && picture->settings->cuts.cuts && count) {
+        place_cuts(picture, points, count);
     }
     picture->points = points;
     picture->point_count = count;

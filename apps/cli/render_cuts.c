@@ -36,7 +36,7 @@ const struct option cut_options[] = {
     {.name = "at",
      FIELD(at),
      .value = PLACE_VALUE,
-     .help = "the place through which cuts go (default: the best hit's contact, the middle of points, or "
+     .help = "the place through which cuts go (default: the best hit's contact, where most points are, or "
              "the atlas's middle)",
      .role = OPTION_ASKS,
      .flags = OPTION_IS_PLACE,

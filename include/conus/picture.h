@@ -332,8 +332,8 @@ CONUS_CHECKED conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const con
  * @param atlas The atlas.
  * @param view What to draw. Its width and height are the figure's. A legend on the right takes some of the width;
  * where the cut then becomes narrower than high, mm_per_pixel grows, so that its shorter side shows as much.
- * @param sheet Its legend, background, dpi, no_legend, frame, shapes, measured and own_colours count; the background is
- * seen beside the cut only. NULL = defaults.
+ * @param sheet Its legend, background, dpi, no_legend, frame, shapes, measured, listed, points, title and own_colours
+ * count; the background is seen beside the cut only. NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view or sheet out of its range; #CONUS_ERROR_MEMORY for more than 8
  * GiB, at 32 bytes per pixel.
  * @threads Any, while none changes the atlas.
@@ -360,9 +360,10 @@ typedef struct conus_cut_plane {
  * @param count 1 to 400; 0 with a renderer, too.
  * @param look Its fill, no_outlines, window and chosen are those of all cuts. NULL = defaults.
  * @param renderer The atlas's, which draws the view in space before the first cut; NULL = only cuts.
- * @param sheet Of the whole: its size, legend, background, dpi, no_legend, selection, own_colours, print and frame; all
- * else is of the view in space. Its height 0 means as high as the cuts need it, at most three quarters of the width, in
- * print the width. With dpi outlines are half a point wide and of one grey. NULL = defaults.
+ * @param sheet Of the whole: its size, legend, background, dpi, no_legend, selection, own_colours, print, listed,
+ * points, title and frame; all else is of the view in space. Its height 0 means as high as the cuts need it, at most
+ * three quarters of the width, in print the width. With dpi outlines are half a point wide and of one grey. NULL =
+ * defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for something out of its range, and for a sheet too small for so many cuts;
  * #CONUS_ERROR_DATA for an atlas in which nothing shows; #CONUS_ERROR_MEMORY for more than 8 GiB, at 32 bytes per
  * pixel; the errors of conus_render().

@@ -202,9 +202,13 @@ struct picture_plane {
     struct draw_box box;
 };
 
-/** The balls that come near the cut, likewise: those that it goes through, and of smaller ones all to 2 mm from it. */
+/** The balls that come near the cut, likewise: those that it goes through, and of smaller ones all to 2 mm from it.
+ * Marks them in @p shown [options.point_count]. */
 conus_status picture_points_cut(struct draw_list *list, const struct picture *picture,
-                                const struct picture_plane *plane);
+                                const struct picture_plane *plane, bool *shown);
+
+/** Writes into the lower left corner of the drawing how many are not @p shown in any cut, unless there are none. */
+void picture_points_count(struct draw_list *list, const struct picture *picture, const bool *shown);
 
 enum { PICTURE_TEXT = 160, PICTURE_NUMBER = 24 };
 

@@ -17,7 +17,7 @@ static conus_status grey_outlines(struct picture *picture)
 {
     const conus_atlas *atlas = picture->atlas;
     uint8_t(*own)[3] = picture->line_rgb;
-    picture->line_rgb = picture_rank_colours(NULL, atlas, LOOK_OUTLINE);
+    picture->line_rgb = picture_rank_colours(NULL, atlas, LOOK_OUTLINE, NULL);
     for (uint32_t n = 1; picture->line_rgb && n <= atlas->object_count; n++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, n);
         if (mesh && !mesh->shape.closed) {
@@ -102,9 +102,24 @@ static conus_status make_image(conus_image **out, struct picture *picture, const
         lay_out(image, picture, rgba);
         status = picture_add_volumes(image, picture->atlas, true);
     }
+    double *axes = picture->camera.world_from_camera;
+    cut_view_axes(axes, axes + 4, view); /* the letters at the edges depend on them */
+    bool *shown = memory_zeroed(picture->options.point_count, sizeof *shown);
+    status = status || shown ? status : CONUS_ERROR_MEMORY;
+    if (!status && picture->options.point_count) {
+        const double size[2] = {picture->drawing[0], picture->drawing[1]};
+        status = picture_points_cut(image->list, picture,
+                                    &(struct picture_plane){.centre = view->centre,
+                                                            .right = axes,
+                                                            .up = axes + 4,
+                                                            .pixels_per_mm = 1 / view->mm_per_pixel,
+                                                            .middle = {size[0] / 2, size[1] / 2},
+                                                            .box = {0, 0, size[0], size[1]}},
+                                    shown);
+        picture_points_count(image->list, picture, shown);
+    }
+    memory_free(shown);
     if (!status && picture->font) {
-        double *axes = picture->camera.world_from_camera;
-        cut_view_axes(axes, axes + 4, view); /* the letters at the edges depend on them */
         picture->frame = (struct camera_frame){.width = picture->drawing[0], .height = picture->drawing[1]};
         picture_annotate_cut(image->list, picture, view->mm_per_pixel);
         if (picture->options.measured) {
@@ -130,6 +145,7 @@ conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const 
     conus_status status = cut_view_check_size(&what);
     on.side = CONUS_SIDE_OF_CONE; /* which is of space */
     status = status ? status : picture_check_sheet(&on);
+    status = status ? status : picture_points_check(&on);
     if (status) {
         return status;
     }
@@ -144,7 +160,12 @@ conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const 
         what.width = picture.drawing[0];
         what.own_colours = picture.options.own_colours;
     }
-    status = status ? status : conus_cutter_draw(cutter, &what);
+    const struct cut *cut = NULL;
+    const struct cutter_figure figure = {.ranks = picture.ranks,
+                                         .emphasis = picture.emphasis,
+                                         .listed = picture.options.listed,
+                                         .has_cone = !what.no_cone};
+    status = status ? status : cutter_draw_figure(&cut, cutter, &what, &figure);
     if (!status && picture.font) {
         /* Pixels that are not black count as covered, for the place of a legend and for patches under text. */
         const uint8_t *rgba = conus_cutter_rgba(cutter);

@@ -59,6 +59,7 @@ struct sheet {
     size_t count, columns;
     bool trims; /* no height was asked for */
     enum title title;
+    bool *shown; /* [point_count] of points: in a cut */
     double pixels_per_mm;
     double beside, above, below, strip; /* pixels around each panel, and below all */
     uint8_t *rgba;                      /* of the panel that is drawn: scratch */
@@ -386,7 +387,7 @@ static conus_status trace_edges(const struct sheet *sheet, const struct cut *cut
                                 const bool *skips)
 {
     struct cut_lines edges = *lines;
-    uint8_t(*white)[3] = picture_rank_colours(NULL, sheet->picture.atlas, LOOK_WHITE);
+    uint8_t(*white)[3] = picture_rank_colours(NULL, sheet->picture.atlas, LOOK_WHITE, NULL);
     edges.rgb = (const uint8_t(*)[3])white;
     edges.width *= 2;
     conus_status status =
@@ -499,9 +500,12 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
                               .at = {(double)panel->at[0], (double)panel->at[1]},
                               .limit = {(double)panel->size[0], (double)panel->size[1]}};
     view.no_outlines = true;
-    const struct cutter_figure figure = {
-        .line = cut_lines_add, .line_user = &lines, .ranks = sheet->picture.ranks, .emphasis = sheet->picture.emphasis};
-    conus_status status = cutter_draw_bare(&cut, sheet->cutter, &view, &figure);
+    const struct cutter_figure figure = {.line = cut_lines_add,
+                                         .line_user = &lines,
+                                         .ranks = sheet->picture.ranks,
+                                         .emphasis = sheet->picture.emphasis,
+                                         .listed = sheet->view.listed};
+    conus_status status = cutter_draw_figure(&cut, sheet->cutter, &view, &figure);
     size_t pixels = (size_t)view.width * view.height;
     sheet->rgba = status ? NULL : memory_copy(cut->rgba, pixels, 4);
     sheet->stack = sheet->rgba ? memory_raw(pixels, sizeof *sheet->stack) : NULL;
@@ -631,7 +635,8 @@ static conus_status draw_points(const struct sheet *sheet, const struct panel *p
                                                       .up = panel->plane->up,
                                                       .pixels_per_mm = sheet->pixels_per_mm,
                                                       .middle = {at[0] + size[0] / 2, at[1] + size[1] / 2},
-                                                      .box = {at[0], at[1], at[0] + size[0], at[1] + size[1]}});
+                                                      .box = {at[0], at[1], at[0] + size[0], at[1] + size[1]}},
+                              sheet->shown);
 }
 
 static conus_status draw_panel(struct sheet *sheet, size_t index)
@@ -666,6 +671,9 @@ static conus_status draw_sheet(struct sheet *sheet)
     bool has_cuts = sheet->panels[sheet->count - 1].plane;
     if (!status && picture->font && has_cuts) {
         picture_draw_bar(sheet->image->list, picture, sheet->pixels_per_mm);
+    }
+    if (!status && picture->options.point_count && !sheet->renderer) { /* the view in space shows all */
+        picture_points_count(sheet->image->list, picture, sheet->shown);
     }
     if (!status && picture->legend) {
         picture_legend_draw(sheet->image->list, picture);
@@ -707,7 +715,8 @@ conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const
         return status;
     }
     of.panels = memory_zeroed(of.count, sizeof *of.panels);
-    status = of.panels ? conus_cutter_create(&of.cutter, atlas) : CONUS_ERROR_MEMORY;
+    of.shown = memory_zeroed(of.view.point_count, sizeof *of.shown);
+    status = of.panels && of.shown ? conus_cutter_create(&of.cutter, atlas) : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < count && of.panels; i++) {
         of.panels[of.count - count + i].plane = &planes[i];
     }
@@ -725,5 +734,6 @@ conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const
     picture_finish(&of.picture);
     conus_cutter_destroy(of.cutter);
     memory_free(of.panels);
+    memory_free(of.shown);
     return status;
 }

@@ -92,8 +92,7 @@ void cutter_cone(struct cut_cone *out, const conus_selection *selection)
                                                         : INFINITY};
 }
 
-static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool has_cone,
-                         const struct cutter_figure *figure)
+static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, const struct cutter_figure *figure)
 {
     struct cut_cone cone;
     uint8_t *emphasis = NULL;
@@ -113,7 +112,7 @@ static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool 
     conus_status status = choose_window(what.window, cutter, view->window);
     if (!status && view->selection) {
         cutter_cone(&cone, view->selection);
-        what.cone = has_cone ? &cone : NULL;
+        what.cone = figure->has_cone ? &cone : NULL;
         emphasis = figure->emphasis ? NULL : picture_emphasis(view->selection, has_ranks ? 0 : view->chosen);
         status = emphasis || figure->emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
@@ -121,8 +120,8 @@ static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool 
     if (!status && (view->selection || figure->ranks) && !view->own_colours) {
         ranks = figure->ranks ? NULL : picture_ranks(view->selection);
         const uint32_t *by = ranks ? ranks : figure->ranks;
-        rgb = by ? picture_rank_colours(by, cutter->cut.atlas, LOOK_NOT_HIT) : NULL;
-        line_rgb = by ? picture_rank_colours(by, cutter->cut.atlas, LOOK_OUTLINE) : NULL;
+        rgb = by ? picture_rank_colours(by, cutter->cut.atlas, LOOK_NOT_HIT, figure->listed) : NULL;
+        line_rgb = by ? picture_rank_colours(by, cutter->cut.atlas, LOOK_OUTLINE, figure->listed) : NULL;
         what.rgb = (const uint8_t(*)[3])rgb;
         what.line_rgb = (const uint8_t(*)[3])line_rgb;
         status = rgb && line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;
@@ -159,14 +158,14 @@ conus_status conus_cutter_draw(conus_cutter *cutter, const conus_cut_view *view)
 {
     view = options_of(conus_cut_view, view);
     conus_status status = check_view(view);
-    return status ? status : draw(cutter, view, !view->no_cone, &(struct cutter_figure){0});
+    return status ? status : draw(cutter, view, &(struct cutter_figure){.has_cone = !view->no_cone});
 }
 
-conus_status cutter_draw_bare(const struct cut **out, conus_cutter *cutter, const conus_cut_view *view,
-                              const struct cutter_figure *figure)
+conus_status cutter_draw_figure(const struct cut **out, conus_cutter *cutter, const conus_cut_view *view,
+                                const struct cutter_figure *figure)
 {
     conus_status status = check_view(view);
-    status = status ? status : draw(cutter, view, false, figure);
+    status = status ? status : draw(cutter, view, figure);
     *out = &cutter->cut;
     return status;
 }

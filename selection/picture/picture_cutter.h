@@ -22,10 +22,12 @@ struct cutter_figure {
     void *line_user;
     const uint32_t *ranks;   /**< [objects + 1] NULL = picture_ranks().                          */
     const uint8_t *emphasis; /**< [objects + 1] NULL = picture_emphasis(). */
+    const bool *listed;      /**< [objects + 1] What has its own colour unless it has a rank; NULL = nothing. */
+    bool has_cone;           /**< It is drawn. */
 };
 
-/** Draws what conus_cutter_draw() does, without the cone, as the figure says. @p out is the cutter's. */
-conus_status cutter_draw_bare(const struct cut **out, conus_cutter *cutter, const conus_cut_view *view,
-                              const struct cutter_figure *figure);
+/** Draws what conus_cutter_draw() does, as the figure says. @p out is the cutter's. */
+conus_status cutter_draw_figure(const struct cut **out, conus_cutter *cutter, const conus_cut_view *view,
+                                const struct cutter_figure *figure);
 
 #endif

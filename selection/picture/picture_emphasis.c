@@ -122,21 +122,25 @@ static conus_status colour_by_palette(uint8_t (*rgb)[3], const uint32_t *ranks, 
 
 #define COLOUR(colour) colour,
 
-uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, unsigned not_hit))[3]
+uint8_t (*picture_rank_colours(const uint32_t *ranks, const conus_atlas *atlas, unsigned not_hit,
+                               const bool *listed))[3]
 {
     static const unsigned colours[PICTURE_RANKS] = {LOOK_RANKS(COLOUR)};
     uint8_t(*rgb)[3] = memory_raw(atlas->object_count + 1, sizeof *rgb);
-    if (rgb && ranks && atlas->has_palette) {
-        if (colour_by_palette(rgb, ranks, atlas)) {
-            memory_free(rgb);
-            return NULL;
-        }
-        return rgb;
+    const bool has_palette = rgb && ranks && atlas->has_palette;
+    if (has_palette && colour_by_palette(rgb, ranks, atlas)) {
+        memory_free(rgb);
+        return NULL;
     }
-    for (size_t object = 0; rgb && object <= atlas->object_count; object++) {
+    for (size_t object = 0; rgb && !has_palette && object <= atlas->object_count; object++) {
         const uint32_t rank = ranks ? ranks[object] : 0;
         const unsigned colour = !rank ? not_hit : rank <= PICTURE_RANKS ? colours[rank - 1] : LOOK_RANK_MORE;
         memcpy(rgb[object], (const uint8_t[]){(uint8_t)(colour >> 16), (uint8_t)(colour >> 8), (uint8_t)colour}, 3);
+    }
+    for (size_t object = 1; rgb && listed && object <= atlas->object_count; object++) {
+        if (listed[object] && !(ranks && ranks[object])) {
+            memcpy(rgb[object], atlas->objects[object - 1].rgb, sizeof *rgb);
+        }
     }
     return rgb;
 }

@@ -235,20 +235,6 @@ static const char *name_of(struct picture_legend *legend, const struct picture *
     return say(legend, "%s%s%s%s%s", tag, word, word[0] ? " " : "", name, hidden ? " (not seen)" : "");
 }
 
-/* Colours are of the answer, and of what somebody had listed though the cone does not hit it: that has its own, so that
- * nothing that is not hit has the colour of a hit. */
-static uint8_t (*colours_of(const struct picture *picture, unsigned not_hit))[3]
-{
-    const bool *listed = picture->options.listed;
-    uint8_t(*rgb)[3] = picture_rank_colours(picture->ranks, picture->atlas, not_hit);
-    for (size_t n = 1; rgb && listed && n <= picture->atlas->object_count; n++) {
-        if (listed[n] && !picture->ranks[n]) {
-            memcpy(rgb[n], picture->atlas->objects[n - 1].rgb, sizeof *rgb);
-        }
-    }
-    return rgb;
-}
-
 conus_status picture_rank(struct picture *picture, bool on_dark)
 {
     const conus_view *options = &picture->options;
@@ -260,8 +246,11 @@ conus_status picture_rank(struct picture *picture, bool on_dark)
     for (size_t n = 1; picture->ranks && n <= picture->atlas->object_count; n++) { /* haze has its colours */
         picture->ranks[n] = haze_is(picture->hazy, n) ? 0 : picture->ranks[n];
     }
-    picture->rgb = picture->ranks ? colours_of(picture, on_dark ? LOOK_NOT_HIT : LOOK_NOT_HIT_ON_WHITE) : NULL;
-    picture->line_rgb = picture->ranks ? colours_of(picture, LOOK_OUTLINE) : NULL;
+    if (picture->ranks) {
+        const unsigned not_hit = on_dark ? LOOK_NOT_HIT : LOOK_NOT_HIT_ON_WHITE;
+        picture->rgb = picture_rank_colours(picture->ranks, picture->atlas, not_hit, options->listed);
+        picture->line_rgb = picture_rank_colours(picture->ranks, picture->atlas, LOOK_OUTLINE, options->listed);
+    }
     return picture->rgb && picture->line_rgb ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 

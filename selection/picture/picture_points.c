@@ -247,6 +247,9 @@ static void say_missing(struct draw_list *list, const struct picture *picture, c
                           limit->bottom - 2 * GAP * picture->em - 1.3 * letters * line};
     if (missing) {
         snprintf(text, sizeof text, "%zu of %zu %s", missing, count, what);
+        const double right = at[0] + font_width(picture->font, letters, text);
+        picture_lay_patch(list, picture,
+                          &(struct draw_box){at[0], at[1] - 0.8 * letters, right, at[1] + 0.2 * letters});
         draw_text(list, picture->font, at, letters, picture->ink, text);
     }
 }
@@ -336,7 +339,7 @@ conus_status picture_points_draw(struct draw_list *list, const struct picture *p
 }
 
 conus_status picture_points_cut(struct draw_list *list, const struct picture *picture,
-                                const struct picture_plane *plane)
+                                const struct picture_plane *plane, bool *shown)
 {
     static const struct draw_box none[2];
     struct ball *balls = memory_zeroed(picture->options.point_count, sizeof *balls);
@@ -345,9 +348,24 @@ conus_status picture_points_cut(struct draw_list *list, const struct picture *pi
         return CONUS_ERROR_MEMORY;
     }
     for (size_t i = 0; i < picture->options.point_count; i++) {
-        count += cut_ball(&balls[count], picture, plane, i) && is_inside(&plane->box, balls[count].at);
+        const bool is_shown = cut_ball(&balls[count], picture, plane, i) && is_inside(&plane->box, balls[count].at);
+        count += is_shown;
+        shown[i] = shown[i] || is_shown;
     }
     conus_status status = draw_balls(list, picture, balls, count, &plane->box, none);
     memory_free(balls);
     return status;
+}
+
+void picture_points_count(struct draw_list *list, const struct picture *picture, const bool *shown)
+{
+    const struct draw_box limit = {0, 0, picture->drawing[0], picture->drawing[1]};
+    const size_t count = picture->options.point_count;
+    size_t missing = 0;
+    for (size_t i = 0; i < count; i++) {
+        missing += !shown[i];
+    }
+    if (picture->font) {
+        say_missing(list, picture, &limit, 0, missing, count, "points are in no cut");
+    }
 }

@@ -102,6 +102,15 @@ END
     [ "$(discs none.svg | wc -l)" -eq 0 ]
     answers render sphere.nii.gz --pose far.csv --cuts axial,coronal --size 400x300 -o through.svg # its own cuts
     [ "$(discs through.svg | wc -l)" -eq 4 ]
+    printf 'name,x,y,z\nA,-5,1,-8\nB,5,1,4\nC,3,7,5\nD,4,-9,-7.5\nE,4.5,0,5.5\n' >five.csv # x 3 to 5, y 0 to 1, z 4 to 5.5
+    answers render sphere.nii.gz --pose five.csv --cuts axial,coronal,sagittal --size 600x300 -q -o five.svg
+    has_text() { grep -qF ">$1<" five.svg; }
+    has_text 'z = 4 mm'
+    has_text 'y = 0 mm'
+    has_text 'x = 3 mm'
+    not grep -q 'in no cut' five.svg
+    answers render sphere.nii.gz --pose five.csv --cuts axial --size 400x300 -q -o five.svg
+    has_text '2 of 5 points are in no cut'
 }
 
 @test "a pose has a line to what its axis meets first, and a point none" {
