@@ -24,6 +24,7 @@
 #include "poses/rows/pose_lines.h"
 #include "poses/rows/pose_list.h"
 #include "poses/rows/pose_row.h"
+#include "poses/rows/sides.h"
 
 #include <errno.h>
 #include <math.h>
@@ -325,30 +326,26 @@ static bool is_of_rodents(conus_pose_format format)
     return format == CONUS_POSE_FORMAT_IBL || format == CONUS_POSE_FORMAT_NWB || format == CONUS_POSE_FORMAT_LIST;
 }
 
-/* Points that are called left and lie on the right, or the other way round: half of either, of an atlas whose size is
- * known. Of tables columns.c asks; of somebody's own scan the middle is not known. */
-static conus_status check_sides(const conus_pose_list *list, const conus_pose_options *options)
+/* Points whose names say a side on which they do not lie, of an atlas whose size is known. Of tables columns.c asks; of
+ * somebody's own scan the middle is not known. */
+static conus_status check_sides(conus_pose_list *list, const conus_pose_options *options)
 {
     struct columns_words words;
+    struct sides sides = {0};
     bool is_own = list->space.brain == POSE_BRAIN_SUBJECT || list->space.brain == POSE_BRAIN_OTHER;
-    size_t named[2] = {0}; /* left, right */
-    size_t wrong[2] = {0};
     for (size_t i = 0; i < list->count; i++) {
         const conus_pose_row *row = &list->rows[i];
-        int side = row->is_point && !row->error ? columns_side(text_from(row->id)) : 0;
-        named[side > 0] += side != 0;
-        wrong[side > 0] += side * row->pose.world_from_device[12] < -options->longest / 36;
+        const struct text name = text_from(row->id);
+        if (row->is_point && !row->error) {
+            sides_count(&sides, sides_of_name(name), name, row->pose.world_from_device[12], options->longest / 36);
+        }
     }
-    bool is_asked = !is_own && options->longest > 0 && options->space < CONUS_SPACE_CCF && named[0] + named[1] >= 2;
-    bool is_wrong = (named[0] && 2 * wrong[0] >= named[0]) || (named[1] && 2 * wrong[1] >= named[1]);
     conus_status status = columns_words_parse(&words, options->columns);
-    return status || !is_asked || !is_wrong || words.any_sides
-               ? status
-               : fail(CONUS_ERROR_DATA,
-                      "sides: %zu of %zu points called left lie on the right, %zu of %zu called right on the left: are "
-                      "x and y in another space than the file says, or --space? ',sides=anyway' behind FILE takes them "
-                      "as they are",
-                      wrong[0], named[0], wrong[1], named[1]);
+    if (status || is_own || !(options->longest > 0) || options->space >= CONUS_SPACE_CCF || words.any_sides) {
+        return status;
+    }
+    status = sides_check(&sides, "are x and y in another space than the file says, or --space?");
+    return status ? status : sides_warn_of_shafts(&sides, &list->notes);
 }
 
 /* Warns where a head in metres would be as small: all positions lie within 1 mm of the origin, but not at it, or three

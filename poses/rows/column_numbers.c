@@ -3,6 +3,7 @@
 #include "base/geometry/math3.h"
 #include "base/status.h"
 #include "poses/rows/columns_head.h"
+#include "poses/rows/sides.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -12,34 +13,17 @@
 struct census {
     size_t points, outside_1, negatives, shallow, axes, short_axes;
     double farthest;
-    size_t left, right, left_on_right, right_on_left; /* rows that a word calls so */
+    struct sides sides;
     size_t bad, rows;
 };
 
-/* The side that a name states: -1 left, +1 right, 0 none. */
-int columns_side(struct text name)
-{
-    static const char left[] = "left/l/lh/links/gauche", right[] = "right/r/rh/rechts/droite";
-    int side = 0;
-    for (size_t i = 0; i < name.size;) {
-        size_t size = 0;
-        while (i + size < name.size && !strchr(" _-.,()[]", name.data[i + size])) {
-            size++;
-        }
-        const struct text word = {name.data + i, size};
-        side = text_is_one_of(word, left, false) ? -1 : text_is_one_of(word, right, false) ? 1 : side;
-        i += size + 1;
-    }
-    return side;
-}
-
 /* A column whose cells are all words of sides says them, whatever its header; else the name does. */
-static int side_of_row(const struct head *head, struct text text, const char *name, size_t column)
+static int side_of_row(const struct head *head, struct text text, struct text name, size_t column)
 {
     struct table_line line;
     return column != COLUMN_NONE && table_split(&line, &head->out->table, text) && column < line.count
-               ? columns_side(line.cells[column])
-               : columns_side(text_from(name));
+               ? sides_of_name(line.cells[column])
+               : sides_of_name(name);
 }
 
 /* The column of a side of the brain: not that of a hand. */
@@ -61,15 +45,16 @@ static size_t find_side_column(const struct head *head)
         }
         while (all && columns_next_row(&row, &next, head)) {
             const struct text cell = columns_cell(&row, i);
-            sides += columns_side(cell) != 0;
-            all = is_called || columns_is_absent(cell) || columns_side(cell) || text_is_one_of(cell, neither, false);
+            sides += sides_of_name(cell) != 0;
+            all = is_called || columns_is_absent(cell) || sides_of_name(cell) || text_is_one_of(cell, neither, false);
         }
         found = all && sides ? i : found;
     }
     return found;
 }
 
-static void count_row(struct census *census, const struct head *head, const conus_pose_row *row, int side, double width)
+static void count_row(struct census *census, const struct head *head, const conus_pose_row *row, int side,
+                      struct text name, double width)
 {
     double p[3];
     conus_frame_from_world(p, head->options->frame, row->pose.world_from_device + 12);
@@ -84,12 +69,7 @@ static void count_row(struct census *census, const struct head *head, const conu
         census->axes++;
         census->short_axes += row->range[1] < width / 20;
     }
-    if (side) {
-        double x = head->options->space == CONUS_SPACE_BREGMA ? p[1] : world[0];
-        size_t *wrong = side < 0 ? &census->left_on_right : &census->right_on_left;
-        *(side < 0 ? &census->left : &census->right) += 1;
-        *wrong += side < 0 ? x > width / 36 : x < -width / 36;
-    }
+    sides_count(&census->sides, side, name, is_of_bregma ? p[1] : world[0], width / 36);
 }
 
 static conus_status judge(const struct census *c, const struct head *head, struct notes *notes, double longest,
@@ -107,13 +87,14 @@ static conus_status judge(const struct census *c, const struct head *head, struc
                     "columns another? The first: %s",
                     c->bad, c->rows, first_fault);
     }
-    bool sides = (c->left && 2 * c->left_on_right >= c->left) || (c->right && 2 * c->right_on_left >= c->right);
-    bool confirmed = c->left && c->right && !c->left_on_right && !c->right_on_left;
-    if (is_list && is_known && c->left + c->right >= 2 && sides && !head->words.any_sides) {
-        return fail(CONUS_ERROR_DATA,
-                    "sides: %zu of %zu rows called left lie on the right, %zu of %zu called right on the left; --space "
-                    "%s would turn x and y, and ',sides=anyway' behind FILE takes them as they are",
-                    c->left_on_right, c->left, c->right_on_left, c->right, space == CONUS_SPACE_LPS ? "ras" : "lps");
+    const struct sides *sides = &c->sides;
+    size_t wrong = sides->left_on_right + sides->right_on_left;
+    bool is_asked = is_known && !head->words.any_sides;
+    char why[64];
+    snprintf(why, sizeof why, "--space %s would turn x and y", space == CONUS_SPACE_LPS ? "ras" : "lps");
+    conus_status status = is_asked && is_list ? sides_check(sides, why) : CONUS_OK;
+    if (status) {
+        return status;
     }
     if (is_list && !is_said && (of_people || space == CONUS_SPACE_BREGMA) && c->farthest > 0 &&
         c->farthest <= (of_people ? 1 : 0.02)) {
@@ -137,20 +118,18 @@ static conus_status judge(const struct census *c, const struct head *head, struc
     if (is_known && c->axes && 2 * c->short_axes >= c->axes) {
         return columns_refuse_short(c->short_axes, c->axes, longest);
     }
-    conus_status status = CONUS_OK;
     if (is_list && of_people && is_known && !is_said && c->farthest < longest / 14) {
         status = notes_warn(notes,
                             "all positions lie within %g mm of the origin: are they in centimetres? ',unit=cm' "
                             "behind FILE takes them so",
                             longest / 14);
-    } else if (is_list && of_people && is_known && !c->negatives && !confirmed) {
+    } else if (is_list && of_people && is_known && !c->negatives && !(sides->left && sides->right && !wrong)) {
         status = notes_warn(notes, "no position has a negative number: are they voxels, or positions in a frame?");
     }
-    if (!status && is_known && c->left_on_right + c->right_on_left > 0 && !head->words.any_sides) {
-        status = notes_warn(notes, "%zu rows lie on the other side than their name says",
-                            c->left_on_right + c->right_on_left);
+    if (!status && is_asked && wrong) {
+        status = notes_warn(notes, "%zu rows lie on the other side than their name says", wrong);
     }
-    return status;
+    return status || !is_asked || !is_list ? status : sides_warn_of_shafts(sides, notes);
 }
 
 /* Whether a word stands where a coordinate is to be. */
@@ -198,7 +177,6 @@ conus_status columns_check_numbers(const struct head *head, struct notes *notes)
         struct pose_name name = {.text = {"", 0}};
         conus_status bad = CONUS_OK;
         enum columns_line kind = columns_read(&row, &name, &bad, head->out, text, number, options);
-        char copy[64];
         census.rows += kind == LINE_ROW;
         bool is_other = kind == LINE_ROW && bad && has_words_for_numbers(head->out, text);
         census.bad += is_other;
@@ -212,8 +190,7 @@ conus_status columns_check_numbers(const struct head *head, struct notes *notes)
             snprintf(first_fault, sizeof first_fault, "%s", conus_message());
         }
         if (kind == LINE_ROW && !bad) {
-            snprintf(copy, sizeof copy, "%.*s", TEXT_SHOW(name.text, sizeof copy - 1));
-            count_row(&census, head, &row, side_of_row(head, text, copy, column), longest);
+            count_row(&census, head, &row, side_of_row(head, text, name.text, column), name.text, longest);
         }
     }
     return judge(&census, head, notes, longest, first_fault);
