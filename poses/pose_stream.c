@@ -306,8 +306,18 @@ static conus_status plan_table(conus_pose_stream *stream)
             status = pose_lines_fill(lines, lines->size + 1);
         }
     }
+    const struct columns *columns = &stream->columns;
+    struct space_words of_name = {0};
+    if (stream->path && !stream->options.any_space) {
+        space_words_hear_name(&of_name, text_from(path_base(stream->path)));
+    }
+    if (!status && of_name.may_be_lps && stream->options.space == CONUS_SPACE_RAS && !columns->said.has_signs &&
+        !columns->has[ROLE_SPACE]) {
+        return fail(CONUS_ERROR_DATA, "its name says \"LPS\", and nothing in it: --space lps reads the positions so; "
+                                      "--any-space takes them as RAS, with x to the right");
+    }
     if (!status && !stream->list.space.name[0]) {
-        stream->list.space = columns_space(&stream->columns);
+        stream->list.space = columns_space(columns);
     }
     bool is_points = !status && !stream->columns.has_header;
     stream->format = is_points               ? CONUS_POSE_FORMAT_POINTS
