@@ -728,22 +728,25 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
     return status;
 }
 
-/* What was passed over, at the end. Once. */
+/* What was passed over, at the end. Once. CONUS_ERROR_DATA where that is all there is. */
 static conus_status note_passed(conus_pose_stream *stream)
 {
     static const char *const kinds[LINE_KINDS] = {
+        [LINE_ABSENT] = "rows without coordinates (n/a)",
         [LINE_CLOSING] = "rows called Mean, SD or Total",
         [LINE_AGAIN] = "lines that are the header again",
         [LINE_WORDS] = "lines without a number",
         [LINE_TITLE] = "titles above the rows",
     };
-    const struct passed *absent = &stream->passed[LINE_ABSENT];
-    conus_status status = pose_note_absent(&stream->list.notes, absent->count, absent->first);
+    conus_status status = CONUS_OK;
     for (size_t kind = 0; kind < LINE_KINDS; kind++) {
         const struct passed *passed = &stream->passed[kind];
         if (kinds[kind] && passed->count && !status) {
-            status = notes_add(&stream->list.notes, "%zu %s passed over, the first in line %zu", passed->count,
-                               kinds[kind], passed->first);
+            status = stream->taken
+                         ? notes_add(&stream->list.notes, "%zu %s passed over, the first in line %zu", passed->count,
+                                     kinds[kind], passed->first)
+                         : fail(CONUS_ERROR_DATA, "no poses: it has only %zu %s, the first in line %zu", passed->count,
+                                kinds[kind], passed->first);
         }
     }
     memset(stream->passed, 0, sizeof stream->passed);

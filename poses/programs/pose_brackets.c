@@ -99,6 +99,9 @@ static conus_status sheet_read(conus_pose_list *list, struct buffer *sheet, cons
                                                      : bad            ? conus_message()
                                                                       : NULL);
     }
+    if (!status && absent && !list->count) {
+        status = fail(CONUS_ERROR_DATA, "no poses: it has only %zu rows without coordinates (n/a)", absent);
+    }
     status = status ? status : pose_note_absent(&list->notes, absent, first_absent);
     buffer_finish(sheet);
     return status;

@@ -1090,7 +1090,7 @@ static bool find_header(struct head *head)
         bool fits = !table->cells || head->line.given == table->cells || head->line.given + 1 == table->cells ||
                     head->line.count == table->cells;
         find_columns(head);
-        bool has = has_triad(head) && numbers < 3;
+        bool has = has_triad(head) && numbers < (table->cells ? 3 : 1);
         if (has && (fits || !best.size) && (!is_comment || fits || head->line.given >= 3)) {
             best = inside;
             line_of_best = number;
