@@ -238,7 +238,8 @@ int batch_task_build(struct batch_task *task)
     }
     bool has_points = conus_pose_stream_has_points(task->poses) && !task->point_error[0] && !task->probe &&
                       !settings->of_axis && !format_is_foreign(task->format);
-    int code = settings_understood(task->understood, &task->places, &settings->aim, &settings->engine, has_points);
+    int code = settings_understood(task->understood, &task->places, &settings->aim, &settings->engine, has_points,
+                                   conus_pose_stream_space(task->poses));
     if (code) {
         return code;
     }

@@ -692,7 +692,8 @@ static int answer_query(struct query_run *run)
     code = code ? code : place_probe(run);
     code = code ? code
                 : settings_understood(run->understood, &request->places, &request->settings->aim,
-                                      &request->settings->engine, run->is_of_points && !run->probe);
+                                      &request->settings->engine, run->is_of_points && !run->probe,
+                                      request->poses ? conus_pose_list_space(request->poses) : "");
     if (code) {
         return code;
     }

@@ -129,6 +129,11 @@ const char *conus_pose_list_coordsystem(const conus_pose_list *list)
     return list && list->coordsystem ? list->coordsystem : "";
 }
 
+const char *conus_pose_list_space(const conus_pose_list *list)
+{
+    return list ? list->space.name : "";
+}
+
 conus_status conus_pose_list_match(conus_pose_list *list, const conus_atlas *atlas)
 {
     return pose_space_match(&list->notes, &list->space, atlas);

@@ -86,17 +86,17 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
     nested
     printf -- '-1 0 0 origin\n0 0 20 above\n0 0 30 out\n' >points.txt
     answers query nested.nii.gz --pose points.txt -q
-    [ "${lines[0]}" = 'asked as points: what is at each, or else nearest to it' ]
+    [ "${lines[0]}" = "asked as points in the atlas's space: what is at each, or else nearest to it" ]
     has 'query origin: point (-1.00, 0.00, 0.00), RAS mm'
     answers query nested.nii.gz --pose points.txt --format tsv -q
     [ "$(cut -f 1,4,13 <<<"$output" | tail -n +2 | tr '\t\n' '/;')" = 'origin/Core/0;above/Shell outer/0;out/Shell outer/6;' ]
     [ "$(cell z 3)" = 30 ]
     local rows=$output
     answers query nested.nii.gz --pose points.txt --format json -q
-    [ "$(jq -r .Understood <<<"$output")" = 'asked as points: what is at each, or else nearest to it' ]
+    [ "$(jq -r .Understood <<<"$output")" = "asked as points in the atlas's space: what is at each, or else nearest to it" ]
     # A batch, its shards and a point by itself say the same.
     run -0 --separate-stderr conus batch nested.nii.gz --poses points.txt
-    [ "$stderr" = 'conus: note: points.txt: asked as points: what is at each, or else nearest to it' ]
+    [ "$stderr" = "conus: note: points.txt: asked as points in the atlas's space: what is at each, or else nearest to it" ]
     [ "$output" = "$rows" ]
     answers query nested.nii.gz --point 0,0,30 --format tsv
     [ "$(tail -1 <<<"$output" | cut -f 2-19)" = "$(tail -1 <<<"$rows" | cut -f 2-19)" ]
