@@ -337,30 +337,40 @@ static int answer_row(void *user, const conus_pose_row *row)
 }
 
 /* Names the object that is nearest to a point outside of the box around the first atlas's objects, unless the object
- * is in the ball that was asked for. */
+ * is in the ball that was asked for, or the answer itself and not far away; and what the numbers may be instead. */
 static void say_nearest(const struct query_run *run, const struct query *query)
 {
-    const conus_atlas *atlas = run->request.atlases.items[0].atlas;
+    const struct request *request = &run->request;
+    const conus_atlas *atlas = request->atlases.items[0].atlas;
     conus_selection *selection = NULL;
+    conus_frame ccf;
     double low[3];
     double high[3];
+    double p[3];
     bool is_outside = false;
-    if (query->radius == 0 || conus_atlas_bounds(low, high, atlas)) {
+    if (conus_atlas_bounds(low, high, atlas)) {
         return;
     }
     for (int a = 0; a < 3; a++) {
         is_outside = is_outside || query->point[a] < low[a] || query->point[a] > high[a];
     }
-    if (!is_outside || conus_select_ball(&selection, run->request.answerers[0].selector, query->point, 0)) {
+    if (!is_outside || conus_select_ball(&selection, request->answerers[0].selector, query->point, 0)) {
         return;
     }
+    conus_frame_from_world(p, &request->frame, query->point);
+    bool is_above = request->frame.space == CONUS_SPACE_BREGMA && p[2] > 0;
     const conus_result *nearest = conus_selection_result(selection, 0);
-    if (nearest && nearest->distance > query->radius) {
-        double longest = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
-        say_note(nearest->distance > longest / 4 ? CONUS_SEVERITY_WARNING : CONUS_SEVERITY_NOTE,
-                 run->settings->request.common.quiet,
-                 "the point lies outside of the atlas; the nearest to it is %s, %.2f mm away",
-                 conus_atlas_object(atlas, nearest->object)->name, nearest->distance);
+    double longest = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
+    bool is_far = nearest && (nearest->distance > longest / 4 || is_above);
+    bool is_other =
+        is_far && request->frame.space < CONUS_SPACE_CCF && !conus_frame_find(&ccf, atlas, CONUS_SPACE_CCF, NULL);
+    if (nearest && nearest->distance > query->radius && (query->radius > 0 || is_far)) {
+        say_note(is_far ? CONUS_SEVERITY_WARNING : CONUS_SEVERITY_NOTE, run->settings->request.common.quiet,
+                 "the point lies outside of the atlas; the nearest to it is %s, %.2f mm away%s",
+                 conus_atlas_object(atlas, nearest->object)->name, nearest->distance,
+                 is_above   ? "; DV is up from bregma, so that depths are negative"
+                 : is_other ? "; --space ccf takes AP,DV,ML in micrometres, --space bregma AP,ML,DV in mm"
+                            : "");
     }
     conus_selection_destroy(selection);
 }

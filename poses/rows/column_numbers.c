@@ -109,6 +109,13 @@ static conus_status judge(const struct census *c, const struct head *head, struc
                     "them so, ',unit=mm' as mm",
                     c->farthest);
     }
+    if (is_list && is_known && !is_said && space == CONUS_SPACE_CCF && c->farthest < 1000 * longest / 14) {
+        return fail(
+            CONUS_ERROR_DATA,
+            "all positions lie within %.0f um of the corner, outside of any brain: are they voxels? space ccf is "
+            "in micrometres; ',unit=um' behind FILE takes them so",
+            1000 * longest / 14);
+    }
     if (space == CONUS_SPACE_BREGMA && is_list && 2 * c->shallow > c->points) {
         return fail(
             CONUS_ERROR_DATA,

@@ -1167,14 +1167,15 @@ static conus_status find_kept(struct head *head)
 static conus_status note_angles(const struct head *head, struct notes *notes)
 {
     const struct columns *out = head->out;
-    conus_status status = !out->is_mlapdv
-                              ? CONUS_OK
-                              : notes_add(notes, "x y z beside theta and phi are ML, AP, DV from bregma, as IBL "
-                                                 "has them");
-    bool has_direction =
-        out->has[ROLE_TX] || out->has[ROLE_DX] || out->has[ROLE_QW] || out->has[ROLE_TILT_ML] || out->has[ROLE_PHI];
-    return status || has_direction || !out->has[ROLE_DEPTH] ? status
-                                                            : notes_add(notes, "depth without an angle: straight down");
+    bool has_direction = out->has[ROLE_TX] || out->has[ROLE_DX] || out->has[ROLE_QW] || out->has[ROLE_TILT_ML];
+    if (out->has[ROLE_PHI]) {
+        return notes_add(notes,
+                         "phi and theta are IBL's, degrees: azimuth (0 to the right, 90 to anterior) and polar angle of "
+                         "the way from the tip to the top; theta 0 is straight down%s",
+                         out->is_mlapdv ? "; x y z are ML, AP, DV from bregma" : "");
+    }
+    return has_direction || !out->has[ROLE_DEPTH] ? CONUS_OK
+                                                  : notes_add(notes, "depth without an angle: straight down");
 }
 
 static conus_status check_options(const struct head *head)

@@ -65,7 +65,8 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
     [ "${#lines[@]}/$(cell name 1)/$(cell x 1)/$(cell y 1)/$(cell share 1)" = '2/Shell inner/13/0/n/a' ]
     answers query nested.nii.gz --point 30,0,0 --format tsv
     [ "${#lines[@]}/$(cell name 1)/$(cell distance_mm 1)" = '2/Shell outer/6' ]
-    answers query nested.nii.gz --point 300,0,0
+    run -0 --separate-stderr conus query nested.nii.gz --point 300,0,0
+    check_message 'warning: the point lies outside of the atlas; the nearest to it is Shell outer, 276.00 mm away'
     has 'at the point: no area, pathway or bundle; the nearest:'
     has '276.00' # 300 - 24
     run -0 --separate-stderr conus query nested.nii.gz --point 300,0,0 --radius 5

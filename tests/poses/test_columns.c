@@ -395,7 +395,9 @@ static void angles_and_ends(void **state)
                                                 &(conus_pose_options){.frame = cases[i].from_bregma ? &bregma : NULL});
         const conus_pose_row *row = conus_pose_list_row(list, 0);
         double way[3];
+        bool has_phi = strstr(cases[i].text, "phi");
         assert_null(row->error);
+        assert_int_equal(pose_has_note(list, "theta 0 is straight down; x y z are ML, AP, DV"), has_phi);
         assert_row_at(row, cases[i].at[0], cases[i].at[1], cases[i].at[2]);
         assert_true(vec3_normalise(way, cases[i].way));
         assert_row_along(row, way[0], way[1], way[2]);
