@@ -129,6 +129,8 @@ struct query_run {
     conus_pose_list *insertions; /* the poses of a file that say where the probes are; NULL = those of options */
     bool has_points, has_cones;  /* poses without a direction were asked, and with one */
     bool has_shanks;             /* answers along the axes of cones were asked */
+    bool has_tracts;             /* pathways or bundles are in the answers */
+    bool has_needles;            /* an axis ends at the target that its file gives */
 };
 
 /* Whether the format of another program has a place for this answer. */
@@ -260,6 +262,10 @@ static int add_answer(struct query_run *run, size_t index, const struct query *q
     run->has_points = run->has_points || query->is_point;
     run->has_cones = run->has_cones || !query->is_point;
     run->has_shanks = run->has_shanks || is_shank;
+    const conus_result *result;
+    for (size_t i = 0; !run->has_tracts && (result = conus_selection_result(selection, i)); i++) {
+        run->has_tracts = result->kind == CONUS_KIND_PATHWAY || result->kind == CONUS_KIND_BUNDLE;
+    }
     if (is_shank && settings->voxels) {
         return print_usage_error("--voxels: the shanks of a probe have none, other formats list those of cones");
     }
@@ -330,6 +336,7 @@ static int answer_row(void *user, const conus_pose_row *row)
         request_count_point(request, row->line, query.point, radius);
     } else {
         query.angle = request_angle(request, row);
+        run->has_needles = run->has_needles || (row->angle == 0 && row->range[1] == row->target_mm);
         request_count_pose(request, row->line, &row->pose, query.angle);
     }
     int code = ask_atlases(run, &query, &fault);
@@ -717,6 +724,19 @@ static int answer_query(struct query_run *run)
     request_say_notes(request);
     atlases_say_open(&request->atlases, &request->settings->engine, &request->settings->common);
     request_say_aims(request);
+    bool are_added = option_given(request->arguments, "streamlines") || option_given(request->arguments, "pathway");
+    if (are_added && run->has_cones && !run->has_tracts && request->settings->engine.layers == CONUS_LAYERS_VISIBLE) {
+        say_note(CONUS_SEVERITY_NOTE, request->settings->common.quiet,
+                 "no bundle or pathway is seen; areas may hide them: --layers all has all that a cone passes");
+    }
+    char asked[256];
+    settings_point_error(asked, &request->settings->engine, request->arguments);
+    if (run->has_needles && request->settings->engine.radius == 0 && !asked[0]) {
+        say_note(CONUS_SEVERITY_NOTE, request->settings->common.quiet,
+                 "axes that end at a target are asked as cones of %g degrees: --radius MM asks a needle of that width, "
+                 "--segments FILE all that the axis passes",
+                 settings_angle(&request->settings->aim, &request->settings->engine) * (180 / M_PI));
+    }
     return request_code(request, write_all(run));
 }
 
