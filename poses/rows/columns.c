@@ -431,8 +431,11 @@ static const struct family *find_position(struct head *head)
         best = order > 0 ? family : best;
     }
     if (tied) {
-        FAULT(head, "positions in %s or in %s: rename those that are not meant", FAMILY_SHOWN(head, best),
-              FAMILY_SHOWN(head, tied));
+        FAULT(
+            head,
+            "positions in %s or in %s: rename those that are not meant; the ends of an axis are called entry_x entry_y "
+            "entry_z and target_x target_y target_z",
+            FAMILY_SHOWN(head, best), FAMILY_SHOWN(head, tied));
     }
     return best;
 }
@@ -496,11 +499,11 @@ static void refuse_turned(struct head *head, const struct family *position)
         const struct family *family = &head->families[i];
         bool is_beside = family->kind == UNKNOWN && position->kind != OF_SPACE && is_whole(family);
         if (family != position && (family->kind == TURNED || is_beside || family->kind == ENTRY)) {
-            FAULT(
-                head,
-                "%s beside %s: a direction has the columns dx dy dz, a point to look at tx ty tz; without %s the rows "
-                "are points",
-                FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position), FAMILY_SHOWN(head, family));
+            FAULT(head,
+                  "%s beside %s: a direction has the columns dx dy dz, a point to look at tx ty tz, an axis entry_x "
+                  "entry_y "
+                  "entry_z and target_x target_y target_z; without %s the rows are points",
+                  FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position), FAMILY_SHOWN(head, family));
         }
     }
     for (size_t i = 0; i < head->line.count; i++) {
@@ -997,6 +1000,15 @@ static void find_columns(struct head *head)
     for (size_t i = 0; i < head->line.count; i++) {
         head->unit[i] = normalise(head->names[i], head->line.cells[i]);
     }
+    for (size_t i = 2; i < head->line.count; i++) { /* SPM's spreadsheet calls each of the three so */
+        bool is_triad = true;
+        for (size_t k = 0; k < 3; k++) {
+            is_triad = is_triad && strcmp(head->names[i - k], "x y z") == 0;
+        }
+        for (size_t k = 0; k < 3 && is_triad; k++) {
+            snprintf(head->names[i - 2 + k], COLUMN_NAME_SIZE, "%c", "xyz"[k]);
+        }
+    }
     out->count = head->line.given;
     if (out->space >= CONUS_SPACE_CCF) {
         char axes[3][COLUMN_NAME_SIZE];
@@ -1169,10 +1181,11 @@ static conus_status note_angles(const struct head *head, struct notes *notes)
     const struct columns *out = head->out;
     bool has_direction = out->has[ROLE_TX] || out->has[ROLE_DX] || out->has[ROLE_QW] || out->has[ROLE_TILT_ML];
     if (out->has[ROLE_PHI]) {
-        return notes_add(notes,
-                         "phi and theta are IBL's, degrees: azimuth (0 to the right, 90 to anterior) and polar angle of "
-                         "the way from the tip to the top; theta 0 is straight down%s",
-                         out->is_mlapdv ? "; x y z are ML, AP, DV from bregma" : "");
+        return notes_add(
+            notes,
+            "phi and theta are IBL's, degrees: azimuth (0 to the right, 90 to anterior) and polar angle of "
+            "the way from the tip to the top; theta 0 is straight down%s",
+            out->is_mlapdv ? "; x y z are ML, AP, DV from bregma" : "");
     }
     return has_direction || !out->has[ROLE_DEPTH] ? CONUS_OK
                                                   : notes_add(notes, "depth without an angle: straight down");
@@ -1216,8 +1229,23 @@ static conus_status refuse_bare(const struct head *head)
     size_t numbers = table_split(&line, table, text) ? table_numbers(&line) : 0;
     bool is_in_front = true; /* each cell but the last three */
     double value;
-    for (size_t i = 0; i < line.given; i++) {
-        is_in_front = is_in_front && (i + 3 < line.given || table_number(&value, table, line.cells[i]));
+    char names[160] = ""; /* for a row of three numbers */
+    for (size_t i = 0, found = 0; i < line.given; i++) {
+        bool is_number = table_number(&value, table, line.cells[i]);
+        size_t used = strlen(names);
+        char word[32];
+        snprintf(word, sizeof word, i || is_number ? "word%zu" : "name", i + 1);
+        is_in_front = is_in_front && (i + 3 < line.given || is_number);
+        snprintf(names + used, sizeof names - used, "%s%s", i ? s : "",
+                 is_number ? (const char *const[]){"x", "y", "z"}[found % 3] : word);
+        found += is_number;
+    }
+    if (numbers == 3) {
+        return fail(
+            CONUS_ERROR_DATA,
+            "no header, and other words beside the x y z of a point than a name: \"%.*s\"; put a line of names in "
+            "front: \"%s\"",
+            TEXT_SHOW(text_trim(text), 60), names);
     }
     const char *commas = table->separator == TABLE_COMMAS && numbers <= 6
                              ? "; are they decimal commas? Put a semicolon or a tab between numbers then"
