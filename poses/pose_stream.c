@@ -183,6 +183,9 @@ struct conus_pose_stream {
     uint64_t taken;       /* rows read or passed over */
     struct extent extent; /* of the rows read, */
     bool is_partial;      /* some of which were passed over */
+    struct {
+        bool has_times, has_angles, has_ranges, has_points;
+    } whole; /* some of the rows, of a format that is read whole */
     struct row_names names;
     conus_pose_list head; /* the first rows that were read line by line */
 };
@@ -264,18 +267,6 @@ static conus_status find_format(conus_pose_stream *stream)
     return status;
 }
 
-/* Whether a line holds something. */
-static bool has_data(struct text text)
-{
-    struct text line;
-    struct text inside;
-    bool found = false;
-    while (!found && text_line(&text, &line)) {
-        found = !table_is_blank(line) && !table_is_comment(&inside, line);
-    }
-    return found;
-}
-
 /* By as much as tells what the columns are: of a pipe that is silent behind its header perhaps the header alone. */
 static conus_status plan_table(conus_pose_stream *stream)
 {
@@ -285,8 +276,9 @@ static conus_status plan_table(conus_pose_stream *stream)
     bool is_decided = false;
     while (!status && !is_decided) {
         struct text head = whole_lines(lines);
+        struct text rest = head;
         bool all = lines->ended || lines->size >= POSE_LINE_LIMIT;
-        if (all && !has_data(head)) {
+        if (all && !table_next_line(&rest, &(struct text){0}, NULL)) {
             return lines->size >= POSE_LINE_LIMIT
                        ? fail(CONUS_ERROR_DATA, "header: a line of more than %d bytes", POSE_LINE_LIMIT)
                        : fail(CONUS_ERROR_DATA, "no poses: " POSE_FORMATS " is needed");
@@ -483,6 +475,13 @@ static conus_status begin_text(conus_pose_stream *stream)
                     conus_pose_format_name(stream->format));
     }
     status = status || !is_read_whole(stream) ? status : read_whole(stream);
+    for (size_t i = 0; !status && i < stream->list.count; i++) {
+        const conus_pose_row *row = &stream->list.rows[i];
+        stream->whole.has_times |= !isnan(row->time_s);
+        stream->whole.has_angles |= row->angle != 0;
+        stream->whole.has_ranges |= isfinite(row->range[1]);
+        stream->whole.has_points |= row->is_point;
+    }
     return status || stream->options.any_space ? status : pose_coordsystem_hear_name(&stream->list, stream->path);
 }
 
@@ -732,21 +731,18 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
 static conus_status note_passed(conus_pose_stream *stream)
 {
     static const char *const kinds[LINE_KINDS] = {
-        [LINE_ABSENT] = "rows without coordinates (n/a)",
-        [LINE_CLOSING] = "rows called Mean, SD or Total",
-        [LINE_AGAIN] = "lines that are the header again",
-        [LINE_WORDS] = "lines without a number",
+        [LINE_ABSENT] = "rows without coordinates (n/a)", [LINE_CLOSING] = "rows called Mean, SD or Total",
+        [LINE_AGAIN] = "lines that are the header again", [LINE_WORDS] = "lines without a number",
         [LINE_TITLE] = "titles above the rows",
     };
     conus_status status = CONUS_OK;
     for (size_t kind = 0; kind < LINE_KINDS; kind++) {
         const struct passed *passed = &stream->passed[kind];
         if (kinds[kind] && passed->count && !status) {
-            status = stream->taken
-                         ? notes_add(&stream->list.notes, "%zu %s passed over, the first in line %zu", passed->count,
-                                     kinds[kind], passed->first)
-                         : fail(CONUS_ERROR_DATA, "no poses: it has only %zu %s, the first in line %zu", passed->count,
-                                kinds[kind], passed->first);
+            status = stream->taken ? notes_add(&stream->list.notes, "%zu %s passed over, the first in line %zu",
+                                               passed->count, kinds[kind], passed->first)
+                                   : fail(CONUS_ERROR_DATA, "no poses: it has only %zu %s, the first in line %zu",
+                                          passed->count, kinds[kind], passed->first);
         }
     }
     memset(stream->passed, 0, sizeof stream->passed);
@@ -864,14 +860,7 @@ void conus_pose_stream_stop(conus_pose_stream *stream)
 
 bool conus_pose_stream_has_times(const conus_pose_stream *stream)
 {
-    if (!is_read_whole(stream)) {
-        return stream->columns.has[ROLE_TIME];
-    }
-    bool found = stream->list.count == 0;
-    for (size_t i = 0; i < stream->list.count && !found; i++) {
-        found = !isnan(stream->list.rows[i].time_s);
-    }
-    return found;
+    return is_read_whole(stream) ? stream->list.count == 0 || stream->whole.has_times : stream->columns.has[ROLE_TIME];
 }
 
 bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream)
@@ -897,31 +886,20 @@ bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream)
 
 bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
 {
-    bool found = stream->options.aperture > 0 || (stream->columns.has[ROLE_ANGLE] && !stream->columns.is_of_points);
-    for (size_t i = 0; is_read_whole(stream) && i < stream->list.count; i++) {
-        found = found || stream->list.rows[i].angle != 0;
-    }
-    return found;
+    return stream->options.aperture > 0 || stream->whole.has_angles ||
+           (stream->columns.has[ROLE_ANGLE] && !stream->columns.is_of_points);
 }
 
 bool conus_pose_stream_has_ranges(const conus_pose_stream *stream)
 {
     const struct columns *columns = &stream->columns;
-    bool found = stream->candidates.asked.to_target || stream->options.to_target || columns->has[ROLE_NEAR] ||
-                 columns->has[ROLE_FAR] || columns->ends_at_target || columns->has[ROLE_DEPTH];
-    for (size_t i = 0; is_read_whole(stream) && i < stream->list.count; i++) {
-        found = found || isfinite(stream->list.rows[i].range[1]);
-    }
-    return found;
+    return stream->candidates.asked.to_target || stream->options.to_target || columns->has[ROLE_NEAR] ||
+           columns->has[ROLE_FAR] || columns->ends_at_target || columns->has[ROLE_DEPTH] || stream->whole.has_ranges;
 }
 
 bool conus_pose_stream_has_points(const conus_pose_stream *stream)
 {
-    bool found = !is_read_whole(stream) && stream->columns.is_of_points;
-    for (size_t i = 0; is_read_whole(stream) && i < stream->list.count; i++) {
-        found = found || stream->list.rows[i].is_point;
-    }
-    return found;
+    return is_read_whole(stream) ? stream->whole.has_points : stream->columns.is_of_points;
 }
 
 const conus_pose_list *conus_pose_stream_head(const conus_pose_stream *stream)

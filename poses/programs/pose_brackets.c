@@ -74,7 +74,7 @@ static conus_status sheet_read(conus_pose_list *list, struct buffer *sheet, cons
     conus_status status = buffer_status(sheet);
     struct text rest = {sheet->data, sheet->size};
     struct text line;
-    struct text inside;
+    size_t number = 0;
     size_t absent = 0;
     size_t first_absent = 0;
     options.keep_count = 0;
@@ -83,11 +83,11 @@ static conus_status sheet_read(conus_pose_list *list, struct buffer *sheet, cons
     if (!status && !list->space.name[0]) {
         list->space = columns_space(&columns);
     }
-    for (size_t number = 1; !status && text_line(&rest, &line); number++) {
+    while (!status && table_next_line(&rest, &line, &number)) {
         conus_pose_row row = pose_row_at(number - 1);
         struct pose_name name = {.text = {"", 0}};
         conus_status bad = CONUS_OK;
-        if (number == 1 || table_is_blank(line) || table_is_comment(&inside, line)) {
+        if (number == 1) {
             continue;
         }
         enum columns_line kind = columns_read(&row, &name, &bad, &columns, line, number, &options);
@@ -372,16 +372,8 @@ static bool read_spoken(struct spoken *out, struct text line)
 bool pose_brackets_are_spoken(struct text text)
 {
     struct text line;
-    struct text inside;
     struct spoken spoken;
-    bool found = false;
-    while (text_line(&text, &line)) {
-        if (!table_is_blank(line) && !table_is_comment(&inside, line)) {
-            found = read_spoken(&spoken, line);
-            break;
-        }
-    }
-    return found;
+    return table_next_line(&text, &line, NULL) && read_spoken(&spoken, line);
 }
 
 static conus_status parse_spoken(conus_pose_list *list, struct text text, const conus_pose_options *options)
@@ -392,9 +384,8 @@ static conus_status parse_spoken(conus_pose_list *list, struct text text, const 
     struct text inside;
     struct text rest = text;
     bool has_target = false;
-    while (text_line(&rest, &line)) {
-        bool is_row = !table_is_blank(line) && !table_is_comment(&inside, line);
-        has_target = has_target || (is_row && read_spoken(&spoken, line) && spoken.has_target);
+    while (!has_target && table_next_line(&rest, &line, NULL)) {
+        has_target = read_spoken(&spoken, line) && spoken.has_target;
     }
     sheet_header(&sheet, options, has_target);
     while (text_line(&text, &line)) {
@@ -429,16 +420,6 @@ static bool cell_point(double point[3], struct text cell)
     return read_three(point, is_open ? (struct text){cell.data + 1, cell.size - 2} : cell);
 }
 
-static bool next_line(struct text *rest, struct text *line)
-{
-    struct text inside;
-    bool found = false;
-    while (!found && text_line(rest, line)) {
-        found = !table_is_blank(*line) && !table_is_comment(&inside, *line);
-    }
-    return found;
-}
-
 /* Looks at the header, of one line or two (SPM), and the first row: the row has fewer than three bare numbers, unless
  * the header calls the column coordinates. */
 static bool find_cells(struct cells *out, struct text head)
@@ -449,9 +430,9 @@ static bool find_cells(struct cells *out, struct text head)
     struct text rest = head;
     struct text line;
     struct text above = {"", 0};
-    bool has_both = next_line(&rest, &above);
+    bool has_both = table_next_line(&rest, &above, NULL);
     for (size_t header = 0; has_both && header < HEADERS; header++, above = line) {
-        has_both = next_line(&rest, &line);
+        has_both = table_next_line(&rest, &line, NULL);
         for (enum table_separator mark = TABLE_TABS; has_both && mark <= TABLE_COMMAS; mark++) {
             *out = (struct cells){.table.separator = mark, .at = SIZE_MAX, .name = SIZE_MAX, .headers = header + 1};
             bool fits = table_split(&names, &out->table, above) && table_split(&row, &out->table, line) &&

@@ -33,8 +33,6 @@ static size_t find_side_column(const struct head *head)
     static const char neither[] = "midline/mid/both/bilateral/m/b";
     size_t found = COLUMN_NONE;
     for (size_t i = 0; i < head->line.count && found == COLUMN_NONE && head->out->has_header; i++) {
-        size_t next = 0;
-        struct head_row row;
         struct text name = text_from(head->names[i]);
         struct text word;
         bool is_called = strstr(head->names[i], "hemi") || strcmp(head->names[i], "side") == 0;
@@ -43,8 +41,8 @@ static size_t find_side_column(const struct head *head)
         while (text_word(&name, &word)) {
             all = all && !text_is_one_of(word, others, false);
         }
-        while (all && columns_next_row(&row, &next, head)) {
-            const struct text cell = columns_cell(&row, i);
+        for (size_t r = 0; all && r < head->row_count; r++) {
+            const struct text cell = columns_cell(head, r, i);
             sides += sides_of_name(cell) != 0;
             all = is_called || columns_is_absent(cell) || sides_of_name(cell) || text_is_one_of(cell, neither, false);
         }

@@ -539,14 +539,12 @@ static void drop_role(struct head *head, enum role role)
 /* Whether the column is 0 in all rows of the head. */
 static bool is_all_zero(const struct head *head, enum role role)
 {
-    size_t next = 0;
-    struct head_row row;
     bool all = true;
-    while (columns_next_row(&row, &next, head)) {
-        for (size_t i = 0; i < row.count && i < head->out->count; i++) {
+    for (size_t r = 0; r < head->row_count; r++) {
+        for (size_t i = 0; i < head->rows[r].count && i < head->out->count; i++) {
             double value;
             all = all && (head->out->role_of[i] != role ||
-                          (table_number(&value, &head->out->table, row.cells[i]) && value == 0));
+                          (table_number(&value, &head->out->table, columns_cell(head, r, i)) && value == 0));
         }
     }
     return all;
@@ -761,14 +759,12 @@ static conus_status find_row_names(struct head *head, struct notes *notes)
     enum { COMPARED = 500 };
     for (size_t column = 0; !out->has[ROLE_NAME] && column < out->count; column++) {
         struct text seen[COMPARED];
-        size_t next = 0;
-        struct head_row row;
         size_t rows = 0;
         bool fits = out->role_of[column] == ROLES;
         bool is_index = column == 0 && !head->line.cells[0].size;
-        while (fits && rows < COMPARED && columns_next_row(&row, &next, head)) {
+        for (size_t r = 0; fits && rows < COMPARED && r < head->row_count; r++) {
             double value;
-            struct text cell = columns_cell(&row, column);
+            struct text cell = columns_cell(head, r, column);
             bool is_number = table_number(&value, &out->table, cell);
             fits = cell.size && (is_index ? !is_number || (value == floor(value) && fabs(value) < 1e9) : !is_number);
             for (size_t i = 0; fits && i < rows; i++) {
@@ -884,14 +880,12 @@ static void refuse_lone_end(struct head *head)
 {
     struct columns *out = head->out;
     for (size_t i = 0; out->is_of_points && !head->is_named && i < head->line.given; i++) {
-        size_t next = 0;
-        struct head_row row;
         bool is_called = text_is_one_of(text_from(head->names[i]), "target/entry", true) && out->role_of[i] == ROLES;
         bool has_name = false;
-        while (is_called && !has_name && columns_next_row(&row, &next, head)) {
+        for (size_t r = 0; is_called && !has_name && r < head->row_count; r++) {
             double value;
-            has_name =
-                !columns_is_absent(columns_cell(&row, i)) && !table_number(&value, &out->table, columns_cell(&row, i));
+            has_name = !columns_is_absent(columns_cell(head, r, i)) &&
+                       !table_number(&value, &out->table, columns_cell(head, r, i));
         }
         if (has_name && out->has[ROLE_NAME] && out->has[ROLE_X]) {
             const char *s = strcmp(head->names[i], "target") == 0 ? "target" : "entry";
@@ -911,11 +905,9 @@ static void find_pairs(struct head *head)
 {
     struct columns *out = head->out;
     for (size_t column = 0; out->is_of_points && !head->is_named && column < out->count; column++) {
-        size_t next = 0;
-        struct head_row row;
         size_t found[3] = {0}; /* by enum columns_end */
-        while (out->role_of[column] >= ROLE_NAME && !found[END_NONE] && columns_next_row(&row, &next, head)) {
-            found[columns_end_of(columns_cell(&row, column))]++;
+        for (size_t r = 0; out->role_of[column] >= ROLE_NAME && !found[END_NONE] && r < head->row_count; r++) {
+            found[columns_end_of(columns_cell(head, r, column))]++;
         }
         if (found[END_NONE] || !found[END_ENTRY] || !found[END_TARGET]) {
             continue;
@@ -937,13 +929,11 @@ static void find_pairs(struct head *head)
 /* Whether the cells of a column are words of a space: all of them; in one that is `named` so at least one. */
 static bool is_of_spaces(const struct head *head, size_t column, bool named, bool strong)
 {
-    size_t next = 0;
-    struct head_row row;
     size_t heard = 0;
     size_t others = 0;
-    while ((named || !others) && columns_next_row(&row, &next, head)) {
+    for (size_t r = 0; (named || !others) && r < head->row_count; r++) {
         struct space_words said;
-        const struct text cell = columns_cell(&row, column);
+        const struct text cell = columns_cell(head, r, column);
         bool is_one = space_words_hear_cell(&said, cell, strong) || text_is_one_of(cell, "ccf/bregma", false);
         heard += is_one;
         others += !is_one && !columns_is_absent(cell);
@@ -966,14 +956,12 @@ static void find_spaces(struct head *head)
         bool is_space = strcmp(head->names[i], "space") == 0 && !out->is_bids;
         bool is_named = text_is_one_of(name, named, true);
         bool is_unit = text_is_one_of(name, of_units, true);
-        size_t next = 0;
-        struct head_row row;
         bool has_unit = false;
         if (out->role_of[i] != ROLES) {
             continue;
         }
-        while (is_unit && !has_unit && columns_next_row(&row, &next, head)) {
-            has_unit = space_unit_mm(columns_cell(&row, i)) != 0;
+        for (size_t r = 0; is_unit && !has_unit && r < head->row_count; r++) {
+            has_unit = space_unit_mm(columns_cell(head, r, i)) != 0;
         }
         if (has_unit) {
             set_role(head, i, ROLE_UNIT);
@@ -1132,11 +1120,7 @@ static void decide_by_header(struct head *head)
 {
     struct text rest = head->text;
     struct text text;
-    struct text inside;
-    bool found = false;
-    while (!found && text_line(&rest, &text)) {
-        found = !table_is_comment(&inside, text) && !table_is_blank(text);
-    }
+    bool found = table_next_line(&rest, &text, NULL);
     struct table best = head->out->table;
     size_t most = 0;
     for (enum table_separator separator = 0; found && separator < TABLE_SEPARATORS; separator++) {
@@ -1270,16 +1254,12 @@ static bool has_points(const struct head *head)
 {
     struct text rest = head->text;
     struct text text;
-    struct text inside;
     struct text name;
+    double point[3];
     size_t rows = 0;
     size_t points = 0;
-    while (text_line(&rest, &text)) {
-        double point[3];
-        if (!table_is_blank(text) && !table_is_comment(&inside, text)) {
-            rows++;
-            points += columns_point(point, &name, &head->out->table, text);
-        }
+    for (; table_next_line(&rest, &text, NULL); rows++) {
+        points += columns_point(point, &name, &head->out->table, text);
     }
     return points && 2 * points >= rows;
 }
@@ -1326,11 +1306,9 @@ static conus_status find_rows(struct head *head)
 {
     struct text rest = head->text;
     struct text text;
-    struct text inside;
     struct table_line line;
-    while (head->text.size - rest.size < TABLE_HEAD && text_line(&rest, &text)) {
-        if (table_is_blank(text) || table_is_comment(&inside, text) || !table_split(&line, &head->out->table, text) ||
-            table_numbers(&line) < 3) {
+    while (head->text.size - rest.size < TABLE_HEAD && table_next_line(&rest, &text, NULL)) {
+        if (!table_split(&line, &head->out->table, text) || table_numbers(&line) < 3) {
             continue;
         }
         if (!memory_reserve(&head->rows, &head->row_capacity, head->row_count + 1, sizeof *head->rows) ||
