@@ -174,8 +174,9 @@ struct conus_pose_stream {
     struct text text;
     struct pose_lines lines;
     struct columns columns;
-    char *decoded;   /* a line that is no UTF-8, as UTF-8 */
-    bool is_windows; /* there was one */
+    struct columns_words words; /* of options.columns */
+    char *decoded;              /* a line that is no UTF-8, as UTF-8 */
+    bool is_windows;            /* there was one */
     struct passed passed[LINE_KINDS];
     conus_pose_list block; /* rows of the last block that were read line by line or made */
     struct pose_candidates candidates;
@@ -235,8 +236,7 @@ static conus_status find_format(conus_pose_stream *stream)
 {
     struct pose_lines *lines = &stream->lines;
     size_t used = 0;
-    struct columns_words words;
-    conus_status status = columns_words_parse(&words, stream->options.columns);
+    conus_status status = columns_words_parse(&stream->words, stream->options.columns);
     status = status ? status : pose_lines_fill_head(lines, POSE_LINE_LIMIT);
     conus_pose_format found = CONUS_POSE_FORMAT_AUTO;
     while (!status && found == CONUS_POSE_FORMAT_AUTO) {
@@ -248,8 +248,7 @@ static conus_status find_format(conus_pose_stream *stream)
         }
     }
     struct text head = {lines->data, lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT};
-    bool is_in_brackets = pose_brackets_begin(head) || pose_brackets_are_spoken(head); /* read as a table */
-    bool is_own_word = words.at[0].size && !is_in_brackets;                            /* the user knows the columns */
+    bool is_own_word = stream->words.at[0].size && !pose_brackets_are_rows(head); /* the user knows the columns */
     found = !status && !is_own_word && pose_lists_know(head, stream->path) ? CONUS_POSE_FORMAT_LIST : found;
     const char *kind =
         status || found == CONUS_POSE_FORMAT_LIST ? NULL : forms_why_none((struct text){lines->data, lines->size});
@@ -330,11 +329,15 @@ static bool is_of_rodents(conus_pose_format format)
 
 /* Points whose names say a side on which they do not lie, of an atlas whose size is known. Of tables columns.c asks; of
  * somebody's own scan the middle is not known. */
-static conus_status check_sides(conus_pose_list *list, const conus_pose_options *options)
+static conus_status check_sides(conus_pose_stream *stream)
 {
-    struct columns_words words;
+    conus_pose_list *list = &stream->list;
+    const conus_pose_options *options = &stream->options;
     struct sides sides = {0};
     bool is_own = list->space.brain == POSE_BRAIN_SUBJECT || list->space.brain == POSE_BRAIN_OTHER;
+    if (is_own || !(options->longest > 0) || options->space >= CONUS_SPACE_CCF || stream->words.any_sides) {
+        return CONUS_OK;
+    }
     for (size_t i = 0; i < list->count; i++) {
         const conus_pose_row *row = &list->rows[i];
         const struct text name = text_from(row->id);
@@ -342,11 +345,7 @@ static conus_status check_sides(conus_pose_list *list, const conus_pose_options 
             sides_count(&sides, sides_of_name(name), name, row->pose.world_from_device[12], options->longest / 36);
         }
     }
-    conus_status status = columns_words_parse(&words, options->columns);
-    if (status || is_own || !(options->longest > 0) || options->space >= CONUS_SPACE_CCF || words.any_sides) {
-        return status;
-    }
-    status = sides_check(&sides, "are x and y in another space than the file says, or --space?");
+    conus_status status = sides_check(&sides, "are x and y in another space than the file says, or --space?");
     return status ? status : sides_warn_of_shafts(&sides, &list->notes);
 }
 
@@ -445,7 +444,7 @@ static conus_status read_whole(conus_pose_stream *stream)
     for (size_t i = 0; !status && i < stream->list.count; i++) {
         extent_add(&stream->extent, &stream->list.rows[i]);
     }
-    status = status ? status : check_sides(&stream->list, &stream->options);
+    status = status ? status : check_sides(stream);
     return status ? status : note_extent(stream);
 }
 
@@ -462,17 +461,15 @@ static conus_status begin_text(conus_pose_stream *stream)
         return fail(CONUS_ERROR_DATA, "only a table with a header has columns to be kept, and not %s",
                     conus_pose_format_name(stream->format));
     }
-    const char *text = stream->options.columns;
-    struct columns_words words = {0};
-    status = status ? status : columns_words_parse(&words, text);
-    bool of_columns = words.at[0].size || words.name.size || words.unit > 0;
+    const struct columns_words *words = &stream->words;
+    bool of_columns = words->at[0].size || words->name.size || words->unit > 0;
     const struct text head = {stream->lines.data, stream->lines.size};
-    bool has_columns =
-        !is_read_whole(stream) || stream->columns.pairs || stream->format == CONUS_POSE_FORMAT_ELECTRODES ||
-        (stream->format == CONUS_POSE_FORMAT_LIST && (pose_brackets_begin(head) || pose_brackets_are_spoken(head)));
+    bool has_columns = !is_read_whole(stream) || stream->columns.pairs ||
+                       stream->format == CONUS_POSE_FORMAT_ELECTRODES ||
+                       (stream->format == CONUS_POSE_FORMAT_LIST && pose_brackets_are_rows(head));
     if (!status && of_columns && !has_columns) {
-        return fail(CONUS_ERROR_DATA, "\"%.60s\" is for tables, points and electrodes (BIDS), and not for %s", text,
-                    conus_pose_format_name(stream->format));
+        return fail(CONUS_ERROR_DATA, "\"%.60s\" is for tables, points and electrodes (BIDS), and not for %s",
+                    stream->options.columns, conus_pose_format_name(stream->format));
     }
     status = status || !is_read_whole(stream) ? status : read_whole(stream);
     for (size_t i = 0; !status && i < stream->list.count; i++) {

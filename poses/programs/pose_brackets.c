@@ -131,7 +131,7 @@ static struct text opened(struct text text)
     return rest.size && rest.data[0] == '[' ? rest : (struct text){"", 0};
 }
 
-bool pose_brackets_begin(struct text text)
+static bool begins_in_brackets(struct text text)
 {
     struct text rest = opened(text);
     while (rest.size && memchr("[ \t\r\n", rest.data[0], 5)) {
@@ -369,11 +369,16 @@ static bool read_spoken(struct spoken *out, struct text line)
            (!before.size || !memchr(before.data, '"', before.size));
 }
 
-bool pose_brackets_are_spoken(struct text text)
+static bool is_spoken(struct text text)
 {
     struct text line;
     struct spoken spoken;
     return table_next_line(&text, &line, NULL) && read_spoken(&spoken, line);
+}
+
+bool pose_brackets_are_rows(struct text text)
+{
+    return begins_in_brackets(text) || is_spoken(text);
 }
 
 static conus_status parse_spoken(conus_pose_list *list, struct text text, const conus_pose_options *options)
@@ -663,10 +668,10 @@ static conus_status parse_map(conus_pose_list *list, json_t *root, struct text a
 conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     json_t *root = NULL;
-    if (pose_brackets_begin(text)) {
+    if (begins_in_brackets(text)) {
         return parse_list(list, text, options);
     }
-    if (pose_brackets_are_spoken(text)) {
+    if (is_spoken(text)) {
         return parse_spoken(list, text, options);
     }
     if (pose_brackets_in_cells(text)) {

@@ -101,10 +101,8 @@ conus_status columns_hear_words(struct head *head, struct notes *notes)
     }
     bool is_of_people = head->options->space < CONUS_SPACE_CCF;
     if (said->has_signs && is_of_people) {
-        bool is_other = said->signs == CONUS_SPACE_RAS && head->options->space == CONUS_SPACE_LPS;
         out->space = said->signs;
-        return is_other ? notes_add(notes, "the file says that its positions are RAS, and as such they are taken")
-                        : CONUS_OK;
+        return pose_note_space(notes, head->options, said->signs == CONUS_SPACE_LPS);
     }
     out->moves = space_moves(&said->space, head->options);
     return out->moves ? space_note_move(notes, &said->space) : CONUS_OK;

@@ -91,6 +91,18 @@ conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, str
     return CONUS_OK;
 }
 
+conus_status pose_list_add_point(conus_pose_list *list, size_t line, const double point[3], bool lps, struct text id,
+                                 conus_status bad)
+{
+    conus_pose_row row = pose_row_at(line);
+    row.is_point = true;
+    bad = bad ? bad : pose_of_point(&row.pose, point);
+    if (!bad && lps) {
+        pose_flip_point(row.pose.world_from_device + 12);
+    }
+    return pose_list_add(list, &row, id, bad ? conus_message() : NULL);
+}
+
 conus_status pose_list_hear(conus_pose_list *list, const struct note_sink *sink)
 {
     list->name = sink->path ? memory_text(sink->path, strlen(sink->path)) : NULL;
