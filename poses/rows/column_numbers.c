@@ -137,33 +137,21 @@ static conus_status judge(const struct census *c, const struct head *head, struc
     return status || !is_asked || !is_list ? status : sides_warn_of_shafts(sides, notes);
 }
 
-/* Whether a word stands where a coordinate is to be. */
-static bool has_words_for_numbers(const struct columns *columns, struct text text)
+/* Whether a word stands where a number is to be, and a character that is no sign before a coordinate. */
+static void find_faults(bool *has_word, bool *has_glyph, const struct columns *columns, struct text text)
 {
     struct table_line line;
-    bool found = false;
-    for (size_t i = 0; table_split(&line, &columns->table, text) && i < line.count && i < columns->count; i++) {
+    bool fits = table_split(&line, &columns->table, text);
+    *has_word = *has_glyph = false;
+    for (size_t i = 0; fits && i < line.count && i < columns->count; i++) {
         double value;
         struct text cell = line.cells[i];
-        found = found || (columns->role_of[i] < ROLE_ANGLE && !columns_is_absent(cell) &&
-                          !table_number(&value, &columns->table, cell));
-    }
-    return found;
-}
-
-/* Whether a character that is no sign stands before a coordinate. */
-static bool has_glyph(const struct columns *columns, struct text text)
-{
-    struct table_line line;
-    bool found = false;
-    for (size_t i = 0; table_split(&line, &columns->table, text) && i < line.count && i < columns->count; i++) {
-        struct text cell = line.cells[i];
+        bool is_word = !columns_is_absent(cell) && !table_number(&value, &columns->table, cell);
         size_t length = cell.size && (unsigned char)cell.data[0] >= 0x80 ? text_character(cell) : 0;
-        found =
-            found || (columns->role_of[i] < ROLE_X + 3 && length && length < cell.size &&
-                      isdigit((unsigned char)cell.data[length]) && !table_number(&(double){0}, &columns->table, cell));
+        *has_word |= is_word && columns->role_of[i] < ROLE_ANGLE;
+        *has_glyph |= is_word && columns->role_of[i] < ROLE_X + 3 && length && length < cell.size &&
+                      isdigit((unsigned char)cell.data[length]);
     }
-    return found;
 }
 
 /* What the numbers of the head say against their unit, their signs or their sides. The unit that the user or the
@@ -182,20 +170,22 @@ conus_status columns_check_numbers(const struct head *head, struct notes *notes)
         struct pose_name name = {.text = {"", 0}};
         conus_status bad = CONUS_OK;
         enum columns_line kind = columns_read(&row, &name, &bad, head->out, text, number, options);
+        bool has_word = false;
+        bool has_glyph = false;
         census.rows += kind == LINE_ROW;
-        bool is_other = kind == LINE_ROW && bad && has_words_for_numbers(head->out, text);
-        census.bad += is_other;
-        if (kind == LINE_ROW && bad && has_glyph(head->out, text)) {
+        if (kind == LINE_ROW && bad) {
+            find_faults(&has_word, &has_glyph, head->out, text);
+        } else if (kind == LINE_ROW) {
+            count_row(&census, head, &row, side_of_row(head, text, name.text, column), name.text, longest);
+        }
+        if (has_glyph) {
             char where[128];
             snprintf(where, sizeof where, "line %zu: a character before a number that is no minus (as PDFs lose them)",
                      number);
             return fail_in(CONUS_ERROR_DATA, where);
         }
-        if (is_other && !first_fault[0]) {
+        if (has_word && !census.bad++) {
             snprintf(first_fault, sizeof first_fault, "%s", conus_message());
-        }
-        if (kind == LINE_ROW && !bad) {
-            count_row(&census, head, &row, side_of_row(head, text, name.text, column), name.text, longest);
         }
     }
     return judge(&census, head, notes, longest, first_fault);
