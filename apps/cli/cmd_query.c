@@ -725,6 +725,9 @@ static int answer_query(struct query_run *run)
     atlases_say_open(&request->atlases, &request->settings->engine, &request->settings->common);
     request_say_aims(request);
     bool are_added = option_given(request->arguments, "streamlines") || option_given(request->arguments, "pathway");
+    for (size_t i = 0; i < AXIS_FILES; i++) {
+        are_added = are_added && !run->axes[i].path; /* which have all that an axis passes */
+    }
     if (are_added && run->has_cones && !run->has_tracts && request->settings->engine.layers == CONUS_LAYERS_VISIBLE) {
         say_note(CONUS_SEVERITY_NOTE, request->settings->common.quiet,
                  "no bundle or pathway is seen; areas may hide them: --layers all has all that a cone passes");
