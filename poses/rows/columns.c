@@ -713,10 +713,10 @@ static void choose_families(struct head *head)
         FAULT(head, "x y z are needed, and only, without m00...m33");
     }
     if (!has_matrix && !position) {
-        FAULT(head, "%s",
-              head->is_on_its_side ? on_its_side
-                                   : "x y z are needed: no columns say where rows are (a name of an "
-                                     "area or of a position goes behind --point)");
+        FAULT(head, "%s", head->is_on_its_side ? on_its_side : "x y z are needed: no columns say where rows are");
+        if (!head->is_on_its_side && !head->row_count && head->out->has[ROLE_NAME]) {
+            FAULT(head, "names of places (C3, an area) go behind --point, one each");
+        }
         for (size_t i = 0; i < head->family_count; i++) {
             const struct family *family = &head->families[i];
             if (family->kind == UNKNOWN || family->kind == TURNED) {
