@@ -493,7 +493,7 @@ static void write_contacts(struct buffer *out, const conus_report *report)
         last = here;
     }
     buffer_finish(&last);
-    buffer_text(out, "--format tsv, csv and json have each contact\n");
+    buffer_text(out, "TSV, CSV and JSON have each contact\n");
     table_write_sources(out, report);
 }
 
