@@ -9,6 +9,7 @@
 #include "base/formats/matlab.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/name_set.h"
 #include "base/options.h"
 #include "base/order.h"
 #include "base/path.h"
@@ -865,19 +866,13 @@ bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream)
     if (!is_read_whole(stream)) {
         return !stream->columns.has_header || stream->columns.has[ROLE_NAME] || stream->columns.has[ROLE_CONTACT];
     }
-    size_t count = stream->list.count;
-    const char **ids = memory_raw(count, sizeof *ids);
-    bool repeated = !ids;
-    for (size_t i = 0; i < count && ids; i++) {
-        ids[i] = stream->list.rows[i].id;
+    struct name_set known = {0};
+    bool repeated = false; /* or there is no memory */
+    for (size_t i = 0; i < stream->list.count && !repeated; i++) {
+        const char *id = stream->list.rows[i].id;
+        repeated = name_set_find(&known, id) || name_set_add(&known, id, i);
     }
-    if (ids) {
-        order_sort(ids, count, sizeof *ids, compare_text_pointers);
-    }
-    for (size_t i = 1; i < count && !repeated; i++) {
-        repeated = strcmp(ids[i - 1], ids[i]) == 0;
-    }
-    memory_free((void *)ids);
+    name_set_finish(&known);
     return repeated;
 }
 

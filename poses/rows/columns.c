@@ -791,14 +791,14 @@ static struct text name_of(enum role role)
     static const struct {
         enum role first;
         const char *names;
-    } families[] = {{ROLE_X, "x/y/z"}, {ROLE_TX, "tx/ty/tz"}, {ROLE_DX, "dx/dy/dz"}, {ROLE_QX, "qx/qy/qz"}};
+    } families[] = {{ROLE_TX, "tx/ty/tz"}, {ROLE_DX, "dx/dy/dz"}, {ROLE_QX, "qx/qy/qz"}}; /* "x" is like all */
     const char *names = role == ROLE_SPACE ? "space" : "";
     for (size_t i = 0; i < sizeof roles / sizeof roles[0]; i++) {
         names = roles[i].role == role && role != ROLE_NAME ? roles[i].names : names;
     }
     for (size_t i = 0; i < sizeof families / sizeof families[0]; i++) {
         bool is_one = role >= families[i].first && role < families[i].first + 3;
-        names = is_one ? families[i].names + 3 * (role - families[i].first) - (i ? 0 : role - ROLE_X) : names;
+        names = is_one ? families[i].names + 3 * (role - families[i].first) : names;
     }
     return (struct text){names, strcspn(names, "/")};
 }
