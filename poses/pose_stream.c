@@ -9,6 +9,7 @@
 #include "base/formats/matlab.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/name_set.h"
 #include "base/options.h"
 #include "base/order.h"
 #include "base/path.h"
@@ -24,6 +25,7 @@
 #include "poses/rows/pose_lines.h"
 #include "poses/rows/pose_list.h"
 #include "poses/rows/pose_row.h"
+#include "poses/rows/sides.h"
 
 #include <errno.h>
 #include <math.h>
@@ -173,8 +175,9 @@ struct conus_pose_stream {
     struct text text;
     struct pose_lines lines;
     struct columns columns;
-    char *decoded;   /* a line that is no UTF-8, as UTF-8 */
-    bool is_windows; /* there was one */
+    struct columns_words words; /* of options.columns */
+    char *decoded;              /* a line that is no UTF-8, as UTF-8 */
+    bool is_windows;            /* there was one */
     struct passed passed[LINE_KINDS];
     conus_pose_list block; /* rows of the last block that were read line by line or made */
     struct pose_candidates candidates;
@@ -182,6 +185,9 @@ struct conus_pose_stream {
     uint64_t taken;       /* rows read or passed over */
     struct extent extent; /* of the rows read, */
     bool is_partial;      /* some of which were passed over */
+    struct {
+        bool has_times, has_angles, has_ranges, has_points;
+    } whole; /* some of the rows, of a format that is read whole */
     struct row_names names;
     conus_pose_list head; /* the first rows that were read line by line */
 };
@@ -231,8 +237,7 @@ static conus_status find_format(conus_pose_stream *stream)
 {
     struct pose_lines *lines = &stream->lines;
     size_t used = 0;
-    struct columns_words words;
-    conus_status status = columns_words_parse(&words, stream->options.columns);
+    conus_status status = columns_words_parse(&stream->words, stream->options.columns);
     status = status ? status : pose_lines_fill_head(lines, POSE_LINE_LIMIT);
     conus_pose_format found = CONUS_POSE_FORMAT_AUTO;
     while (!status && found == CONUS_POSE_FORMAT_AUTO) {
@@ -244,8 +249,7 @@ static conus_status find_format(conus_pose_stream *stream)
         }
     }
     struct text head = {lines->data, lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT};
-    bool is_in_brackets = pose_brackets_begin(head) || pose_brackets_are_spoken(head); /* read as a table */
-    bool is_own_word = words.at[0].size && !is_in_brackets;                            /* the user knows the columns */
+    bool is_own_word = stream->words.at[0].size && !pose_brackets_are_rows(head); /* the user knows the columns */
     found = !status && !is_own_word && pose_lists_know(head, stream->path) ? CONUS_POSE_FORMAT_LIST : found;
     const char *kind =
         status || found == CONUS_POSE_FORMAT_LIST ? NULL : forms_why_none((struct text){lines->data, lines->size});
@@ -263,18 +267,6 @@ static conus_status find_format(conus_pose_stream *stream)
     return status;
 }
 
-/* Whether a line holds something. */
-static bool has_data(struct text text)
-{
-    struct text line;
-    struct text inside;
-    bool found = false;
-    while (!found && text_line(&text, &line)) {
-        found = !table_is_blank(line) && !table_is_comment(&inside, line);
-    }
-    return found;
-}
-
 /* By as much as tells what the columns are: of a pipe that is silent behind its header perhaps the header alone. */
 static conus_status plan_table(conus_pose_stream *stream)
 {
@@ -284,8 +276,9 @@ static conus_status plan_table(conus_pose_stream *stream)
     bool is_decided = false;
     while (!status && !is_decided) {
         struct text head = whole_lines(lines);
+        struct text rest = head;
         bool all = lines->ended || lines->size >= POSE_LINE_LIMIT;
-        if (all && !has_data(head)) {
+        if (all && !table_next_line(&rest, &(struct text){0}, NULL)) {
             return lines->size >= POSE_LINE_LIMIT
                        ? fail(CONUS_ERROR_DATA, "header: a line of more than %d bytes", POSE_LINE_LIMIT)
                        : fail(CONUS_ERROR_DATA, "no poses: " POSE_FORMATS " is needed");
@@ -305,8 +298,18 @@ static conus_status plan_table(conus_pose_stream *stream)
             status = pose_lines_fill(lines, lines->size + 1);
         }
     }
+    const struct columns *columns = &stream->columns;
+    struct space_words of_name = {0};
+    if (stream->path && !stream->options.any_space) {
+        space_words_hear_name(&of_name, text_from(path_base(stream->path)));
+    }
+    if (!status && of_name.may_be_lps && stream->options.space == CONUS_SPACE_RAS && !columns->said.has_signs &&
+        !columns->has[ROLE_SPACE]) {
+        return fail(CONUS_ERROR_DATA, "its name says \"LPS\", and nothing in it: --space lps reads the positions so; "
+                                      "--any-space takes them as RAS, with x to the right");
+    }
     if (!status && !stream->list.space.name[0]) {
-        stream->list.space = columns_space(&stream->columns);
+        stream->list.space = columns_space(columns);
     }
     bool is_points = !status && !stream->columns.has_header;
     stream->format = is_points               ? CONUS_POSE_FORMAT_POINTS
@@ -325,30 +328,26 @@ static bool is_of_rodents(conus_pose_format format)
     return format == CONUS_POSE_FORMAT_IBL || format == CONUS_POSE_FORMAT_NWB || format == CONUS_POSE_FORMAT_LIST;
 }
 
-/* Points that are called left and lie on the right, or the other way round: half of either, of an atlas whose size is
- * known. Of tables columns.c asks; of somebody's own scan the middle is not known. */
-static conus_status check_sides(const conus_pose_list *list, const conus_pose_options *options)
+/* Points whose names say a side on which they do not lie, of an atlas whose size is known. Of tables columns.c asks; of
+ * somebody's own scan the middle is not known. */
+static conus_status check_sides(conus_pose_stream *stream)
 {
-    struct columns_words words;
+    conus_pose_list *list = &stream->list;
+    const conus_pose_options *options = &stream->options;
+    struct sides sides = {0};
     bool is_own = list->space.brain == POSE_BRAIN_SUBJECT || list->space.brain == POSE_BRAIN_OTHER;
-    size_t named[2] = {0}; /* left, right */
-    size_t wrong[2] = {0};
+    if (is_own || !(options->longest > 0) || options->space >= CONUS_SPACE_CCF || stream->words.any_sides) {
+        return CONUS_OK;
+    }
     for (size_t i = 0; i < list->count; i++) {
         const conus_pose_row *row = &list->rows[i];
-        int side = row->is_point && !row->error ? columns_side(text_from(row->id)) : 0;
-        named[side > 0] += side != 0;
-        wrong[side > 0] += side * row->pose.world_from_device[12] < -options->longest / 36;
+        const struct text name = text_from(row->id);
+        if (row->is_point && !row->error) {
+            sides_count(&sides, sides_of_name(name), name, row->pose.world_from_device[12], options->longest / 36);
+        }
     }
-    bool is_asked = !is_own && options->longest > 0 && options->space < CONUS_SPACE_CCF && named[0] + named[1] >= 2;
-    bool is_wrong = (named[0] && 2 * wrong[0] >= named[0]) || (named[1] && 2 * wrong[1] >= named[1]);
-    conus_status status = columns_words_parse(&words, options->columns);
-    return status || !is_asked || !is_wrong || words.any_sides
-               ? status
-               : fail(CONUS_ERROR_DATA,
-                      "sides: %zu of %zu points called left lie on the right, %zu of %zu called right on the left: are "
-                      "x and y in another space than the file says, or --space? ',sides=anyway' behind FILE takes them "
-                      "as they are",
-                      wrong[0], named[0], wrong[1], named[1]);
+    conus_status status = sides_check(&sides, "are x and y in another space than the file says, or --space?");
+    return status ? status : sides_warn_of_shafts(&sides, &list->notes);
 }
 
 /* Warns where a head in metres would be as small: all positions lie within 1 mm of the origin, but not at it, or three
@@ -446,7 +445,7 @@ static conus_status read_whole(conus_pose_stream *stream)
     for (size_t i = 0; !status && i < stream->list.count; i++) {
         extent_add(&stream->extent, &stream->list.rows[i]);
     }
-    status = status ? status : check_sides(&stream->list, &stream->options);
+    status = status ? status : check_sides(stream);
     return status ? status : note_extent(stream);
 }
 
@@ -463,19 +462,24 @@ static conus_status begin_text(conus_pose_stream *stream)
         return fail(CONUS_ERROR_DATA, "only a table with a header has columns to be kept, and not %s",
                     conus_pose_format_name(stream->format));
     }
-    const char *text = stream->options.columns;
-    struct columns_words words = {0};
-    status = status ? status : columns_words_parse(&words, text);
-    bool of_columns = words.at[0].size || words.name.size || words.unit > 0;
+    const struct columns_words *words = &stream->words;
+    bool of_columns = words->at[0].size || words->name.size || words->unit > 0;
     const struct text head = {stream->lines.data, stream->lines.size};
-    bool has_columns =
-        !is_read_whole(stream) || stream->columns.pairs || stream->format == CONUS_POSE_FORMAT_ELECTRODES ||
-        (stream->format == CONUS_POSE_FORMAT_LIST && (pose_brackets_begin(head) || pose_brackets_are_spoken(head)));
+    bool has_columns = !is_read_whole(stream) || stream->columns.pairs ||
+                       stream->format == CONUS_POSE_FORMAT_ELECTRODES ||
+                       (stream->format == CONUS_POSE_FORMAT_LIST && pose_brackets_are_rows(head));
     if (!status && of_columns && !has_columns) {
-        return fail(CONUS_ERROR_DATA, "\"%.60s\" is for tables, points and electrodes (BIDS), and not for %s", text,
-                    conus_pose_format_name(stream->format));
+        return fail(CONUS_ERROR_DATA, "\"%.60s\" is for tables, points and electrodes (BIDS), and not for %s",
+                    stream->options.columns, conus_pose_format_name(stream->format));
     }
     status = status || !is_read_whole(stream) ? status : read_whole(stream);
+    for (size_t i = 0; !status && i < stream->list.count; i++) {
+        const conus_pose_row *row = &stream->list.rows[i];
+        stream->whole.has_times |= !isnan(row->time_s);
+        stream->whole.has_angles |= row->angle != 0;
+        stream->whole.has_ranges |= isfinite(row->range[1]);
+        stream->whole.has_points |= row->is_point;
+    }
     return status || stream->options.any_space ? status : pose_coordsystem_hear_name(&stream->list, stream->path);
 }
 
@@ -721,22 +725,22 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
     return status;
 }
 
-/* What was passed over, at the end. Once. */
+/* What was passed over, at the end. Once. CONUS_ERROR_DATA where that is all there is. */
 static conus_status note_passed(conus_pose_stream *stream)
 {
     static const char *const kinds[LINE_KINDS] = {
-        [LINE_CLOSING] = "rows called Mean, SD or Total",
-        [LINE_AGAIN] = "lines that are the header again",
-        [LINE_WORDS] = "lines without a number",
+        [LINE_ABSENT] = "rows without coordinates (n/a)", [LINE_CLOSING] = "rows called Mean, SD or Total",
+        [LINE_AGAIN] = "lines that are the header again", [LINE_WORDS] = "lines without a number",
         [LINE_TITLE] = "titles above the rows",
     };
-    const struct passed *absent = &stream->passed[LINE_ABSENT];
-    conus_status status = pose_note_absent(&stream->list.notes, absent->count, absent->first);
+    conus_status status = CONUS_OK;
     for (size_t kind = 0; kind < LINE_KINDS; kind++) {
         const struct passed *passed = &stream->passed[kind];
         if (kinds[kind] && passed->count && !status) {
-            status = notes_add(&stream->list.notes, "%zu %s passed over, the first in line %zu", passed->count,
-                               kinds[kind], passed->first);
+            status = stream->taken ? notes_add(&stream->list.notes, "%zu %s passed over, the first in line %zu",
+                                               passed->count, kinds[kind], passed->first)
+                                   : fail(CONUS_ERROR_DATA, "no poses: it has only %zu %s, the first in line %zu",
+                                          passed->count, kinds[kind], passed->first);
         }
     }
     memset(stream->passed, 0, sizeof stream->passed);
@@ -854,14 +858,7 @@ void conus_pose_stream_stop(conus_pose_stream *stream)
 
 bool conus_pose_stream_has_times(const conus_pose_stream *stream)
 {
-    if (!is_read_whole(stream)) {
-        return stream->columns.has[ROLE_TIME];
-    }
-    bool found = stream->list.count == 0;
-    for (size_t i = 0; i < stream->list.count && !found; i++) {
-        found = !isnan(stream->list.rows[i].time_s);
-    }
-    return found;
+    return is_read_whole(stream) ? stream->list.count == 0 || stream->whole.has_times : stream->columns.has[ROLE_TIME];
 }
 
 bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream)
@@ -869,49 +866,32 @@ bool conus_pose_stream_may_repeat_ids(const conus_pose_stream *stream)
     if (!is_read_whole(stream)) {
         return !stream->columns.has_header || stream->columns.has[ROLE_NAME] || stream->columns.has[ROLE_CONTACT];
     }
-    size_t count = stream->list.count;
-    const char **ids = memory_raw(count, sizeof *ids);
-    bool repeated = !ids;
-    for (size_t i = 0; i < count && ids; i++) {
-        ids[i] = stream->list.rows[i].id;
+    struct name_set known = {0};
+    bool repeated = false; /* or there is no memory */
+    for (size_t i = 0; i < stream->list.count && !repeated; i++) {
+        const char *id = stream->list.rows[i].id;
+        repeated = name_set_find(&known, id) || name_set_add(&known, id, i);
     }
-    if (ids) {
-        order_sort(ids, count, sizeof *ids, compare_text_pointers);
-    }
-    for (size_t i = 1; i < count && !repeated; i++) {
-        repeated = strcmp(ids[i - 1], ids[i]) == 0;
-    }
-    memory_free((void *)ids);
+    name_set_finish(&known);
     return repeated;
 }
 
 bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
 {
-    bool found = stream->options.aperture > 0 || (stream->columns.has[ROLE_ANGLE] && !stream->columns.is_of_points);
-    for (size_t i = 0; is_read_whole(stream) && i < stream->list.count; i++) {
-        found = found || stream->list.rows[i].angle != 0;
-    }
-    return found;
+    return stream->options.aperture > 0 || stream->whole.has_angles ||
+           (stream->columns.has[ROLE_ANGLE] && !stream->columns.is_of_points);
 }
 
 bool conus_pose_stream_has_ranges(const conus_pose_stream *stream)
 {
     const struct columns *columns = &stream->columns;
-    bool found = stream->candidates.asked.to_target || stream->options.to_target || columns->has[ROLE_NEAR] ||
-                 columns->has[ROLE_FAR] || columns->ends_at_target || columns->has[ROLE_DEPTH];
-    for (size_t i = 0; is_read_whole(stream) && i < stream->list.count; i++) {
-        found = found || isfinite(stream->list.rows[i].range[1]);
-    }
-    return found;
+    return stream->candidates.asked.to_target || stream->options.to_target || columns->has[ROLE_NEAR] ||
+           columns->has[ROLE_FAR] || columns->ends_at_target || columns->has[ROLE_DEPTH] || stream->whole.has_ranges;
 }
 
 bool conus_pose_stream_has_points(const conus_pose_stream *stream)
 {
-    bool found = !is_read_whole(stream) && stream->columns.is_of_points;
-    for (size_t i = 0; is_read_whole(stream) && i < stream->list.count; i++) {
-        found = found || stream->list.rows[i].is_point;
-    }
-    return found;
+    return is_read_whole(stream) ? stream->whole.has_points : stream->columns.is_of_points;
 }
 
 const conus_pose_list *conus_pose_stream_head(const conus_pose_stream *stream)

@@ -221,7 +221,10 @@ static void say_question(const struct batch_task *task)
     } else {
         snprintf(shape, sizeof shape, "%s of %g degrees%s%s", is_square ? "square pyramids" : "cones",
                  settings_angle(&settings->aim, engine) * (180 / M_PI),
-                 option_given(task->arguments, "angle") ? "" : " (--angle DEGREES is not given)",
+                 option_given(task->arguments, "angle")      ? ""
+                 : conus_pose_stream_has_ranges(task->poses) ? " (--angle DEGREES or, for needles, --radius MM is not "
+                                                               "given)"
+                                                             : " (--angle DEGREES is not given)",
                  conus_pose_stream_has_angles(task->poses) ? " where the file has no angle" : "");
     }
     say_note(CONUS_SEVERITY_NOTE, false, "%s: %s; %u x %u rays", pose_settings_file_name(settings->poses), shape, rays,
@@ -238,7 +241,8 @@ int batch_task_build(struct batch_task *task)
     }
     bool has_points = conus_pose_stream_has_points(task->poses) && !task->point_error[0] && !task->probe &&
                       !settings->of_axis && !format_is_foreign(task->format);
-    int code = settings_understood(task->understood, &task->places, &settings->aim, &settings->engine, has_points);
+    int code = settings_understood(task->understood, &task->places, &settings->aim, &settings->engine, has_points,
+                                   conus_pose_stream_space(task->poses));
     if (code) {
         return code;
     }

@@ -129,6 +129,8 @@ struct query_run {
     conus_pose_list *insertions; /* the poses of a file that say where the probes are; NULL = those of options */
     bool has_points, has_cones;  /* poses without a direction were asked, and with one */
     bool has_shanks;             /* answers along the axes of cones were asked */
+    bool has_tracts;             /* pathways or bundles are in the answers */
+    bool has_needles;            /* an axis ends at the target that its file gives */
 };
 
 /* Whether the format of another program has a place for this answer. */
@@ -260,6 +262,10 @@ static int add_answer(struct query_run *run, size_t index, const struct query *q
     run->has_points = run->has_points || query->is_point;
     run->has_cones = run->has_cones || !query->is_point;
     run->has_shanks = run->has_shanks || is_shank;
+    const conus_result *result;
+    for (size_t i = 0; !run->has_tracts && (result = conus_selection_result(selection, i)); i++) {
+        run->has_tracts = result->kind == CONUS_KIND_PATHWAY || result->kind == CONUS_KIND_BUNDLE;
+    }
     if (is_shank && settings->voxels) {
         return print_usage_error("--voxels: the shanks of a probe have none, other formats list those of cones");
     }
@@ -330,6 +336,7 @@ static int answer_row(void *user, const conus_pose_row *row)
         request_count_point(request, row->line, query.point, radius);
     } else {
         query.angle = request_angle(request, row);
+        run->has_needles = run->has_needles || (row->angle == 0 && row->range[1] == row->target_mm);
         request_count_pose(request, row->line, &row->pose, query.angle);
     }
     int code = ask_atlases(run, &query, &fault);
@@ -337,30 +344,40 @@ static int answer_row(void *user, const conus_pose_row *row)
 }
 
 /* Names the object that is nearest to a point outside of the box around the first atlas's objects, unless the object
- * is in the ball that was asked for. */
+ * is in the ball that was asked for, or the answer itself and not far away; and what the numbers may be instead. */
 static void say_nearest(const struct query_run *run, const struct query *query)
 {
-    const conus_atlas *atlas = run->request.atlases.items[0].atlas;
+    const struct request *request = &run->request;
+    const conus_atlas *atlas = request->atlases.items[0].atlas;
     conus_selection *selection = NULL;
+    conus_frame ccf;
     double low[3];
     double high[3];
+    double p[3];
     bool is_outside = false;
-    if (query->radius == 0 || conus_atlas_bounds(low, high, atlas)) {
+    if (conus_atlas_bounds(low, high, atlas)) {
         return;
     }
     for (int a = 0; a < 3; a++) {
         is_outside = is_outside || query->point[a] < low[a] || query->point[a] > high[a];
     }
-    if (!is_outside || conus_select_ball(&selection, run->request.answerers[0].selector, query->point, 0)) {
+    if (!is_outside || conus_select_ball(&selection, request->answerers[0].selector, query->point, 0)) {
         return;
     }
+    conus_frame_from_world(p, &request->frame, query->point);
+    bool is_above = request->frame.space == CONUS_SPACE_BREGMA && p[2] > 0;
     const conus_result *nearest = conus_selection_result(selection, 0);
-    if (nearest && nearest->distance > query->radius) {
-        double longest = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
-        say_note(nearest->distance > longest / 4 ? CONUS_SEVERITY_WARNING : CONUS_SEVERITY_NOTE,
-                 run->settings->request.common.quiet,
-                 "the point lies outside of the atlas; the nearest to it is %s, %.2f mm away",
-                 conus_atlas_object(atlas, nearest->object)->name, nearest->distance);
+    double longest = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
+    bool is_far = nearest && (nearest->distance > longest / 4 || is_above);
+    bool is_other =
+        is_far && request->frame.space < CONUS_SPACE_CCF && !conus_frame_find(&ccf, atlas, CONUS_SPACE_CCF, NULL);
+    if (nearest && nearest->distance > query->radius && (query->radius > 0 || is_far)) {
+        say_note(is_far ? CONUS_SEVERITY_WARNING : CONUS_SEVERITY_NOTE, run->settings->request.common.quiet,
+                 "the point lies outside of the atlas; the nearest to it is %s, %.2f mm away%s",
+                 conus_atlas_object(atlas, nearest->object)->name, nearest->distance,
+                 is_above   ? "; DV is up from bregma, so that depths are negative"
+                 : is_other ? "; --space ccf takes AP,DV,ML in micrometres, --space bregma AP,ML,DV in mm"
+                            : "");
     }
     conus_selection_destroy(selection);
 }
@@ -692,7 +709,8 @@ static int answer_query(struct query_run *run)
     code = code ? code : place_probe(run);
     code = code ? code
                 : settings_understood(run->understood, &request->places, &request->settings->aim,
-                                      &request->settings->engine, run->is_of_points && !run->probe);
+                                      &request->settings->engine, run->is_of_points && !run->probe,
+                                      request->poses ? conus_pose_list_space(request->poses) : "");
     if (code) {
         return code;
     }
@@ -706,6 +724,22 @@ static int answer_query(struct query_run *run)
     request_say_notes(request);
     atlases_say_open(&request->atlases, &request->settings->engine, &request->settings->common);
     request_say_aims(request);
+    bool are_added = option_given(request->arguments, "streamlines") || option_given(request->arguments, "pathway");
+    for (size_t i = 0; i < AXIS_FILES; i++) {
+        are_added = are_added && !run->axes[i].path; /* which have all that an axis passes */
+    }
+    if (are_added && run->has_cones && !run->has_tracts && request->settings->engine.layers == CONUS_LAYERS_VISIBLE) {
+        say_note(CONUS_SEVERITY_NOTE, request->settings->common.quiet,
+                 "no bundle or pathway is seen; areas may hide them: --layers all has all that a cone passes");
+    }
+    char asked[256];
+    settings_point_error(asked, &request->settings->engine, request->arguments);
+    if (run->has_needles && request->settings->engine.radius == 0 && !asked[0]) {
+        say_note(CONUS_SEVERITY_NOTE, request->settings->common.quiet,
+                 "axes that end at a target are asked as cones of %g degrees: --radius MM asks a needle of that width, "
+                 "--segments FILE all that the axis passes",
+                 settings_angle(&request->settings->aim, &request->settings->engine) * (180 / M_PI));
+    }
     return request_code(request, write_all(run));
 }
 

@@ -394,7 +394,8 @@ int answer_write(conus_report *report, const char *path, const char *sidecar, co
     if (provenance_json_rows(text, size)) {
         return answer_write_json(path, provenance, text, size);
     }
-    char *kept = provenance->is_table ? put_warnings_before(text) : text_copy(text, size);
+    bool is_seen = output_is_stdout(path) && system_is_terminal(STDOUT_FILENO) && system_is_terminal(STDERR_FILENO);
+    char *kept = provenance->is_table && !is_seen ? put_warnings_before(text) : text_copy(text, size);
     if (!kept) { /* the sidecar takes the text's place in the report */
         return print_no_memory();
     }

@@ -417,15 +417,16 @@ double settings_point_radius(const struct engine_settings *engine, bool has_no_p
 }
 
 int settings_understood(char out[96], struct named_places *places, const struct aim_settings *aim,
-                        const struct engine_settings *engine, bool has_points)
+                        const struct engine_settings *engine, bool has_points, const char *space)
 {
+    const char *where = space[0] || aim->space.name >= CONUS_SPACE_CCF ? "" : " in the atlas's space";
     out[0] = '\0';
     if (aim->aperture > 0) {
         snprintf(out, 96, "asked as a beam: from its focus to the transducer, %g mm wide there", aim->aperture);
     } else if (has_points && engine->radius > 0) {
-        snprintf(out, 96, "asked as points: what is within %g mm of each", engine->radius);
+        snprintf(out, 96, "asked as points%s: what is within %g mm of each", where, engine->radius);
     } else if (has_points) {
-        snprintf(out, 96, "asked as points: what is at each, or else nearest to it");
+        snprintf(out, 96, "asked as points%s: what is at each, or else nearest to it", where);
     }
     return out[0] ? named_places_add(places, "", out, NULL) : EXIT_DONE;
 }

@@ -57,6 +57,17 @@ bool table_is_blank(struct text line)
     return text_has_only(line, ",;|\t -=_+:*~") || is_separator_line(line, &mark);
 }
 
+bool table_next_line(struct text *rest, struct text *line, size_t *number)
+{
+    struct text inside;
+    bool found = false;
+    while (!found && text_line(rest, line)) {
+        found = !table_is_blank(*line) && !table_is_comment(&inside, *line);
+        *(number ? number : &(size_t){0}) += 1;
+    }
+    return found;
+}
+
 /* Takes the next cell between runs of white space, of two blanks or more. */
 static bool next_apart(struct text *rest, struct text *cell)
 {
@@ -238,13 +249,10 @@ static size_t count_rows(struct table *table, struct text head)
     uint16_t rows[TABLE_CELLS + 1] = {0};
     struct table_line line;
     struct text text;
-    struct text inside;
     table->cells = table->first = 0;
-    for (struct text rest = head; text_line(&rest, &text);) {
-        if (table_is_comment(&inside, text) || table_is_blank(text) || !table_split(&line, table, text)) {
-            continue;
-        }
-        if (table_numbers(&line) >= NUMBERS && ++rows[line.count] > rows[table->cells]) {
+    while (table_next_line(&head, &text, NULL)) {
+        if (table_split(&line, table, text) && table_numbers(&line) >= NUMBERS &&
+            ++rows[line.count] > rows[table->cells]) {
             table->cells = line.count;
         }
     }
@@ -256,13 +264,11 @@ static void look_at_rows(struct table *table, struct text head)
 {
     struct table_line line;
     struct text text;
-    struct text inside;
     bool has_decimal = false;
     bool has_thousands = false;
-    size_t number = 1;
-    for (struct text rest = head; table->cells && text_line(&rest, &text); number++) {
-        if (table_is_comment(&inside, text) || table_is_blank(text) || !table_split(&line, table, text) ||
-            table_numbers(&line) < NUMBERS) {
+    size_t number = 0;
+    while (table->cells && table_next_line(&head, &text, &number)) {
+        if (!table_split(&line, table, text) || table_numbers(&line) < NUMBERS) {
             continue;
         }
         table->first = table->first || line.count != table->cells ? table->first : number;

@@ -70,6 +70,10 @@ bool table_is_comment(struct text *inside, struct text line);
 /** Whether a line holds nothing: white space and separators, a rule of dashes, `sep=;`. */
 bool table_is_blank(struct text line);
 
+/** Takes lines up to the next one that is neither blank nor a comment; false where there is none. @p number of the line
+ * before becomes that of the line; NULL: not wanted. */
+bool table_next_line(struct text *rest, struct text *line, size_t *number);
+
 /** Without white space, no-break and thin spaces at both ends. */
 struct text table_trim(struct text text);
 

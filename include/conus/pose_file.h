@@ -414,6 +414,15 @@ CONUS_API const char *conus_pose_list_electrodes(const conus_pose_list *list);
 CONUS_API const char *conus_pose_list_coordsystem(const conus_pose_list *list);
 
 /**
+ * Gives the space that the file names, as conus_pose_stream_space().
+ * @param list The list.
+ * @return "" where it names none. Borrowed from the list.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const char *conus_pose_list_space(const conus_pose_list *list);
+
+/**
  * Checks that the file and the atlas belong to one brain, as conus_pose_stream_match().
  * @param list The list.
  * @param atlas The atlas.

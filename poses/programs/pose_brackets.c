@@ -74,7 +74,7 @@ static conus_status sheet_read(conus_pose_list *list, struct buffer *sheet, cons
     conus_status status = buffer_status(sheet);
     struct text rest = {sheet->data, sheet->size};
     struct text line;
-    struct text inside;
+    size_t number = 0;
     size_t absent = 0;
     size_t first_absent = 0;
     options.keep_count = 0;
@@ -83,11 +83,11 @@ static conus_status sheet_read(conus_pose_list *list, struct buffer *sheet, cons
     if (!status && !list->space.name[0]) {
         list->space = columns_space(&columns);
     }
-    for (size_t number = 1; !status && text_line(&rest, &line); number++) {
+    while (!status && table_next_line(&rest, &line, &number)) {
         conus_pose_row row = pose_row_at(number - 1);
         struct pose_name name = {.text = {"", 0}};
         conus_status bad = CONUS_OK;
-        if (number == 1 || table_is_blank(line) || table_is_comment(&inside, line)) {
+        if (number == 1) {
             continue;
         }
         enum columns_line kind = columns_read(&row, &name, &bad, &columns, line, number, &options);
@@ -98,6 +98,9 @@ static conus_status sheet_read(conus_pose_list *list, struct buffer *sheet, cons
                                                      kind != LINE_ROW ? why
                                                      : bad            ? conus_message()
                                                                       : NULL);
+    }
+    if (!status && absent && !list->count) {
+        status = fail(CONUS_ERROR_DATA, "no poses: it has only %zu rows without coordinates (n/a)", absent);
     }
     status = status ? status : pose_note_absent(&list->notes, absent, first_absent);
     buffer_finish(sheet);
@@ -128,7 +131,7 @@ static struct text opened(struct text text)
     return rest.size && rest.data[0] == '[' ? rest : (struct text){"", 0};
 }
 
-bool pose_brackets_begin(struct text text)
+static bool begins_in_brackets(struct text text)
 {
     struct text rest = opened(text);
     while (rest.size && memchr("[ \t\r\n", rest.data[0], 5)) {
@@ -366,19 +369,16 @@ static bool read_spoken(struct spoken *out, struct text line)
            (!before.size || !memchr(before.data, '"', before.size));
 }
 
-bool pose_brackets_are_spoken(struct text text)
+static bool is_spoken(struct text text)
 {
     struct text line;
-    struct text inside;
     struct spoken spoken;
-    bool found = false;
-    while (text_line(&text, &line)) {
-        if (!table_is_blank(line) && !table_is_comment(&inside, line)) {
-            found = read_spoken(&spoken, line);
-            break;
-        }
-    }
-    return found;
+    return table_next_line(&text, &line, NULL) && read_spoken(&spoken, line);
+}
+
+bool pose_brackets_are_rows(struct text text)
+{
+    return begins_in_brackets(text) || is_spoken(text);
 }
 
 static conus_status parse_spoken(conus_pose_list *list, struct text text, const conus_pose_options *options)
@@ -389,9 +389,8 @@ static conus_status parse_spoken(conus_pose_list *list, struct text text, const 
     struct text inside;
     struct text rest = text;
     bool has_target = false;
-    while (text_line(&rest, &line)) {
-        bool is_row = !table_is_blank(line) && !table_is_comment(&inside, line);
-        has_target = has_target || (is_row && read_spoken(&spoken, line) && spoken.has_target);
+    while (!has_target && table_next_line(&rest, &line, NULL)) {
+        has_target = read_spoken(&spoken, line) && spoken.has_target;
     }
     sheet_header(&sheet, options, has_target);
     while (text_line(&text, &line)) {
@@ -426,16 +425,6 @@ static bool cell_point(double point[3], struct text cell)
     return read_three(point, is_open ? (struct text){cell.data + 1, cell.size - 2} : cell);
 }
 
-static bool next_line(struct text *rest, struct text *line)
-{
-    struct text inside;
-    bool found = false;
-    while (!found && text_line(rest, line)) {
-        found = !table_is_blank(*line) && !table_is_comment(&inside, *line);
-    }
-    return found;
-}
-
 /* Looks at the header, of one line or two (SPM), and the first row: the row has fewer than three bare numbers, unless
  * the header calls the column coordinates. */
 static bool find_cells(struct cells *out, struct text head)
@@ -446,9 +435,9 @@ static bool find_cells(struct cells *out, struct text head)
     struct text rest = head;
     struct text line;
     struct text above = {"", 0};
-    bool has_both = next_line(&rest, &above);
+    bool has_both = table_next_line(&rest, &above, NULL);
     for (size_t header = 0; has_both && header < HEADERS; header++, above = line) {
-        has_both = next_line(&rest, &line);
+        has_both = table_next_line(&rest, &line, NULL);
         for (enum table_separator mark = TABLE_TABS; has_both && mark <= TABLE_COMMAS; mark++) {
             *out = (struct cells){.table.separator = mark, .at = SIZE_MAX, .name = SIZE_MAX, .headers = header + 1};
             bool fits = table_split(&names, &out->table, above) && table_split(&row, &out->table, line) &&
@@ -679,10 +668,10 @@ static conus_status parse_map(conus_pose_list *list, json_t *root, struct text a
 conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     json_t *root = NULL;
-    if (pose_brackets_begin(text)) {
+    if (begins_in_brackets(text)) {
         return parse_list(list, text, options);
     }
-    if (pose_brackets_are_spoken(text)) {
+    if (is_spoken(text)) {
         return parse_spoken(list, text, options);
     }
     if (pose_brackets_in_cells(text)) {

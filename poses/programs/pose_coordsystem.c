@@ -145,41 +145,47 @@ static conus_status load_system(conus_pose_list *list, const char *path, const c
     return status;
 }
 
-/* What the table's own name says behind "space-", or nothing. */
-static struct text space_in_name(const char *path)
+/* What the file's own name says: behind "space-", or else by words of spaces. Nothing is converted by it. */
+static conus_status hear_path(struct pose_space *out, const char *path)
 {
-    struct text rest = text_from(path_base(path));
+    const struct text name = text_from(path_base(path));
+    struct text rest = name;
     struct text entity;
+    struct space_words words = {0};
+    *out = (struct pose_space){0};
     for (bool more = true; text_field(&rest, '_', &more, &entity);) {
         if (text_starts(entity, "space-")) {
             enum { SKIPPED = sizeof "space-" - 1 };
             const char *end = memchr(entity.data, '.', entity.size);
             entity.size = end ? (size_t)(end - entity.data) : entity.size;
-            return (struct text){entity.data + SKIPPED, entity.size - SKIPPED};
+            conus_status status = set_space(out, (struct text){entity.data + SKIPPED, entity.size - SKIPPED});
+            out->is_of_path = true;
+            return status;
         }
     }
-    return (struct text){"", 0};
+    space_words_hear_name(&words, name);
+    *out = words.space;
+    out->is_of_path = true;
+    return CONUS_OK;
 }
 
 conus_status pose_coordsystem_hear_name(conus_pose_list *list, const char *path)
 {
-    struct text name = path ? space_in_name(path) : (struct text){"", 0};
-    enum pose_brain brain = space_brain_named(name);
-    if (!name.size || list->space.is_of_path) {
-        return CONUS_OK;
+    struct pose_space said = {0};
+    conus_status status = path && !list->space.is_of_path ? hear_path(&said, path) : CONUS_OK;
+    if (!said.name[0]) {
+        return status;
     }
     if (list->space.name[0]) { /* the content counts; a table whose name states another one may not be what it is of */
-        bool is_same = brain == list->space.brain || brain == space_brain_named(text_from(list->space.name));
-        return brain == POSE_BRAIN_UNKNOWN || is_same
+        bool is_same = said.brain == list->space.brain || said.brain == space_brain_named(text_from(list->space.name));
+        return said.brain == POSE_BRAIN_UNKNOWN || is_same
                    ? CONUS_OK
-                   : notes_warn(&list->notes, "its name says space \"%.*s\", but %s says \"%s\", which is taken",
-                                POSE_QUOTE(name), list->coordsystem ? path_base(list->coordsystem) : "the file itself",
+                   : notes_warn(&list->notes, "its name says space \"%s\", but %s says \"%s\", which is taken",
+                                said.name, list->coordsystem ? path_base(list->coordsystem) : "the file itself",
                                 list->space.name);
     }
-    const double scale = list->space.scale;
-    conus_status status = set_space(&list->space, name);
-    list->space.scale = scale;
-    list->space.is_of_path = true;
+    said.scale = list->space.scale;
+    list->space = said;
     return status;
 }
 

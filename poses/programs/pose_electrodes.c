@@ -6,13 +6,17 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "poses/rows/columns.h"
+#include "poses/rows/named_cells.h"
 #include "poses/rows/pairs.h"
 #include "poses/rows/pose_row.h"
 
 #include <stdio.h>
 
-/* Columns that are read beside name x y z; others are for other programs. */
-static const char wanted[] = "name/x/y/z";
+/* Columns that are read; and those that say where a device points: such a table is one of poses. */
+enum column { NAME, GROUP = NAME + 4, PROBE_NAME, DIRECTIONS, COLUMNS = DIRECTIONS + 4 };
+
+static const char *const names[COLUMNS] = {"name",       "x",     "y",     "z",     "group",
+                                           "probe_name", "tx/TX", "dx/DX", "qw/QW", "m00/M00"};
 
 struct contact {
     conus_pose_row row;
@@ -27,40 +31,27 @@ struct contact {
 struct reading {
     const conus_pose_options *options;
     struct columns columns;
-    size_t group, probe_name; /* columns; TABLE_CELLS: not there */
+    struct named_cells header;
     struct contact *contacts;
     size_t count, capacity;
     size_t absent, first_absent; /* rows without a position, and the line of the first */
 };
 
-/* Where a column of this name is among those of tabs; TABLE_CELLS: nowhere. */
-static size_t find_column(struct text line, const char *name)
+static bool find_columns(struct named_cells *out, struct text line)
 {
-    struct text field;
-    size_t index = 0;
-    size_t found = TABLE_CELLS;
-    for (bool more = true; text_field(&line, '\t', &more, &field); index++) {
-        found = found == TABLE_CELLS && text_equal(text_trim(field), name) ? index : found;
+    bool all = true;
+    *out = (struct named_cells){.names = names, .count = COLUMNS, .table.quotes_are_plain = true};
+    (void)named_cells_find(out, line); /* a column that is there twice is an error of such a table */
+    for (size_t i = NAME; i < COLUMNS; i++) {
+        all = all && (i == GROUP || i == PROBE_NAME || named_cells_has(out, i) == (i < GROUP));
     }
-    return found;
+    return all;
 }
 
 bool pose_electrodes_header(struct text line)
 {
-    struct text rest = text_from(wanted);
-    struct text name;
-    bool all = true;
-    for (bool more = true; text_field(&rest, '/', &more, &name);) {
-        char copy[8];
-        snprintf(copy, sizeof copy, "%.*s", (int)name.size, name.data);
-        all = all && find_column(line, copy) != TABLE_CELLS;
-    }
-    /* A column that says where a device points: the table is one of poses, with a column that it does not know. */
-    struct text field;
-    for (bool more = true; text_field(&line, '\t', &more, &field);) {
-        all = all && !text_is_one_of(text_trim(field), "tx/dx/qw/m00", false);
-    }
-    return all;
+    struct named_cells header;
+    return find_columns(&header, line);
 }
 
 static conus_status add_contact(struct reading *reading, struct text line, size_t number)
@@ -88,7 +79,8 @@ static conus_status add_contact(struct reading *reading, struct text line, size_
     for (size_t i = 0; i < cells.count && i < reading->columns.count; i++) {
         contact.name = reading->columns.role_of[i] == ROLE_NAME ? cells.cells[i] : contact.name;
     }
-    struct text group = reading->group < cells.count ? cells.cells[reading->group] : (struct text){"", 0};
+    struct text group =
+        reading->header.at[GROUP] < cells.count ? cells.cells[reading->header.at[GROUP]] : text_from("");
     contact.error = bad ? memory_text(conus_message(), text_from(conus_message()).size) : NULL;
     if (bad && !contact.error) {
         return CONUS_ERROR_MEMORY;
@@ -113,11 +105,9 @@ static conus_status read_table(struct reading *reading, conus_pose_list *list, s
     struct text rest = text;
     while (!text_trim(line).size && text_line(&rest, &line)) {
     }
-    if (!pose_electrodes_header(line)) {
+    if (!find_columns(&reading->header, line)) {
         return fail(CONUS_ERROR_DATA, "header: the columns name, x, y and z, separated by tabs, are needed");
     }
-    reading->group = find_column(line, "group");
-    reading->probe_name = find_column(line, "probe_name");
     size_t size = text.size < TABLE_HEAD ? text.size : TABLE_HEAD;
     while (size < text.size && size && text.data[size - 1] != '\n') { /* whole lines */
         size--;
@@ -201,7 +191,7 @@ conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, cons
     conus_status status = pose_no_axis(options, "contacts");
     status = status ? status : pose_note_space(&list->notes, options, !is_ras);
     status = status ? status : read_table(&reading, list, text);
-    if (!status && reading.probe_name != TABLE_CELLS && !list->coordsystem) {
+    if (!status && named_cells_has(&reading.header, PROBE_NAME) && !list->coordsystem) {
         status =
             fail(CONUS_ERROR_DATA, "column probe_name: a table of BEP032 without a *_coordsystem.json, whose x, y, z "
                                    "are micrometres on the probe; a probe is answered from its ProbeInterface file");

@@ -110,16 +110,10 @@ static conus_status check_status(const struct named_cells *cells)
 static conus_status read_point(struct reading *reading, struct text line, size_t number)
 {
     double point[3];
-    conus_pose_row row = pose_row_at(number);
-    row.is_point = true;
     conus_status bad = named_cells_split(&reading->cells, line);
     bad = bad ? bad : check_status(&reading->cells);
     bad = bad ? bad : named_cells_numbers(point, &reading->cells, X, 3);
-    if (!bad && reading->lps) {
-        pose_flip_point(point);
-    }
-    bad = bad ? bad : pose_of_point(&row.pose, point);
-    return pose_list_add(reading->list, &row, named_cell(&reading->cells, LABEL), bad ? conus_message() : NULL);
+    return pose_list_add_point(reading->list, number, point, reading->lps, named_cell(&reading->cells, LABEL), bad);
 }
 
 conus_status pose_fcsv_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)

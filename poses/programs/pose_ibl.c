@@ -58,8 +58,6 @@ static conus_status add_point(struct reading *reading, const json_t *const value
 {
     double numbers[3] = {0};
     double world[3] = {0};
-    conus_pose_row row = pose_row_at(reading->list->count + 1);
-    row.is_point = true;
     conus_status bad = CONUS_OK;
     for (int i = 0; i < 3 && !bad; i++) {
         numbers[i] = json_number_value(values[i]);
@@ -71,8 +69,7 @@ static conus_status add_point(struct reading *reading, const json_t *const value
         reading->farthest = fmax(reading->farthest, fabs(numbers[i]));
     }
     bad = bad ? bad : find_point(world, reading, numbers);
-    bad = bad ? bad : pose_of_point(&row.pose, world);
-    return pose_list_add(reading->list, &row, id, bad ? conus_message() : NULL);
+    return pose_list_add_point(reading->list, reading->list->count + 1, world, false, id, bad);
 }
 
 static conus_status read_picks(struct reading *reading, const json_t *picks)

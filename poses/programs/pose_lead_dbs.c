@@ -33,16 +33,14 @@ static conus_status add_lead(conus_pose_list *list, const struct matlab_array *a
     for (size_t i = 0; !status && i < array->rows; i++) {
         char name[64];
         double point[3];
-        conus_pose_row row = pose_row_at(list->count + 1);
-        row.is_point = true;
         for (size_t k = 0; k < 3; k++) {
             point[k] = matlab_number(array, k * array->rows + i);
         }
-        conus_status bad = pose_of_point(&row.pose, point);
         /* Lead 1 is the right one, lead 2 the left one. */
         int size = lead < 2 ? snprintf(name, sizeof name, "%c%zu", "RL"[lead], i + 1)
                             : snprintf(name, sizeof name, "lead%zu-%zu", lead + 1, i + 1);
-        status = pose_list_add(list, &row, (struct text){name, (size_t)size}, bad ? conus_message() : NULL);
+        const struct text id = {name, (size_t)size};
+        status = pose_list_add_point(list, list->count + 1, point, false, id, CONUS_OK);
     }
     return status;
 }

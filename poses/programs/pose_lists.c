@@ -208,12 +208,7 @@ static conus_status read_names(conus_pose_list *list, struct text text)
     list->space = pose_space_named(text_from("MNI 152 (10-10)"), POSE_BRAIN_MNI152);
     while (!status && next_name(&line, &number, &text)) {
         const struct position *position = position_in(line);
-        conus_pose_row row = pose_row_at(number);
-        row.is_point = true;
-        if (position) {
-            conus_status bad = pose_of_point(&row.pose, position->point);
-            status = pose_list_add(list, &row, line, bad ? conus_message() : NULL);
-        }
+        status = position ? pose_list_add_point(list, number, position->point, false, line, CONUS_OK) : CONUS_OK;
     }
     return status;
 }
@@ -222,8 +217,8 @@ bool pose_lists_know(struct text head, const char *path)
 {
     struct text begin = pose_brackets_behind_comments(head);
     bool is_json = begin.size && begin.data[0] == '[' && text_find(begin, "{");
-    return is_elc(head) || is_json || names_positions(head) || pose_brackets_begin(head) ||
-           pose_brackets_are_spoken(head) || find_layout(head, path) || pose_brackets_in_cells(head);
+    return is_elc(head) || is_json || names_positions(head) || pose_brackets_are_rows(head) ||
+           find_layout(head, path) || pose_brackets_in_cells(head);
 }
 
 static bool is_passed_over(const struct layout *layout, struct text line)
@@ -247,14 +242,9 @@ static conus_status read_points(conus_pose_list *list, const struct layout *layo
         if (is_passed_over(layout, line) || (!is_read && !list->count)) { /* or a title, or names of columns */
             continue;
         }
-        conus_pose_row row = pose_row_at(number);
-        row.is_point = true;
-        if (is_read && is_lps) {
-            pose_flip_point(point);
-        }
-        conus_status bad = is_read ? pose_of_point(&row.pose, point) : CONUS_ERROR_DATA;
         bool is_none = name.size && name.data[0] == '-'; /* as a vertex -1 */
-        status = pose_list_add(list, &row, is_none ? text_from("") : name, bad ? conus_message() : NULL);
+        status = pose_list_add_point(list, number, point, is_lps, is_none ? text_from("") : name,
+                                     is_read ? CONUS_OK : CONUS_ERROR_DATA);
     }
     return status;
 }
@@ -333,7 +323,6 @@ static conus_status parse_elc(conus_pose_list *list, struct text text)
         scale > 0 ? CONUS_OK
                   : fail(CONUS_ERROR_DATA, "UnitPosition \"%.*s\", allowed are mm, cm and m", POSE_QUOTE(unit));
     for (size_t i = 0; !status && text_line(&positions, &line) && !text_starts(line, "Labels"); i++) {
-        conus_pose_row row = pose_row_at(i + 1);
         struct text name = {"", 0};
         struct text label = {"", 0};
         double point[3];
@@ -342,9 +331,8 @@ static conus_status parse_elc(conus_pose_list *list, struct text text)
             continue;
         }
         (void)text_word(&labels, &label); /* in the order of the positions */
-        row.is_point = true;
-        conus_status bad = is_read ? pose_of_point(&row.pose, point) : fail(CONUS_ERROR_DATA, "x y z are needed");
-        status = pose_list_add(list, &row, name.size ? name : label, bad ? conus_message() : NULL);
+        conus_status bad = is_read ? CONUS_OK : fail(CONUS_ERROR_DATA, "x y z are needed");
+        status = pose_list_add_point(list, i + 1, point, false, name.size ? name : label, bad);
     }
     list->is_cap = true;
     list->space.scale = scale;
@@ -355,10 +343,9 @@ conus_status pose_lists_parse(conus_pose_list *list, struct text text, const con
 {
     const char *path = list->sink.path;
     struct text begin = pose_brackets_behind_comments(text);
-    bool is_in_brackets = pose_brackets_begin(text) || pose_brackets_are_spoken(text) ||
-                          (begin.size && memchr("{[", begin.data[0], 2)) ||
-                          (!find_layout(text, path) && pose_brackets_in_cells(text));
-    const struct layout *layout = is_elc(text) || is_in_brackets ? NULL : find_layout(text, path);
+    const struct layout *layout = is_elc(text) ? NULL : find_layout(text, path);
+    bool is_in_brackets = pose_brackets_are_rows(text) || (begin.size && memchr("{[", begin.data[0], 2)) ||
+                          (!layout && !is_elc(text) && pose_brackets_in_cells(text));
     bool follows = layout && (layout->flags & FOLLOWS_SPACE);
     bool is_lps = layout && ((layout->flags & (IS_LPS | NEEDS_LPS)) || (follows && options->space == CONUS_SPACE_LPS));
     if (is_in_brackets) {

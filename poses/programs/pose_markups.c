@@ -69,12 +69,10 @@ static conus_status read_points(const struct markup *markup, const json_t *point
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < json_array_size(points); i++) {
         const json_t *point = json_array_get(points, i);
-        conus_pose_row row = pose_row_at(markup->number);
         double position[3];
-        row.is_point = true;
         conus_status bad = read_position(position, markup, point);
-        bad = bad ? bad : pose_of_point(&row.pose, position);
-        status = add_row(markup, &row, json_text_of(json_object_get(point, "label")), bad);
+        status = pose_list_add_point(markup->list, markup->number, position, false,
+                                     json_text_of(json_object_get(point, "label")), bad);
     }
     return status;
 }

@@ -222,16 +222,13 @@ static conus_status add_electrode(conus_pose_list *list, const struct table *tab
     double p[AXES];
     double world[AXES] = {0};
     size_t electrode = table->rows ? (size_t)hdf5_whole(table->rows, index) : index;
-    conus_pose_row row = pose_row_at(list->count + 1);
-    row.is_point = true;
     struct text group = table->groups ? hdf5_string(table->groups, electrode) : text_from("");
     int size = snprintf(name, sizeof name, "%.*s%s%lld", TEXT_SHOW(group, sizeof name), group.size ? "-" : "",
                         (long long)hdf5_whole(table->ids, electrode));
     struct text id = {name, (size_t)size < sizeof name ? (size_t)size : sizeof name - 1};
     conus_status bad =
         get_point(p, table, index) ? find_point(world, table, frame, p) : fail(CONUS_ERROR_DATA, "x, y, z: not known");
-    bad = bad ? bad : pose_of_point(&row.pose, world);
-    return pose_list_add(list, &row, id, bad ? conus_message() : NULL);
+    return pose_list_add_point(list, list->count + 1, world, false, id, bad);
 }
 
 conus_status pose_nwb_from_hdf5(conus_pose_list *list, const struct hdf5 *hdf5, const conus_pose_options *options)

@@ -68,10 +68,9 @@ bool pose_lists_know(struct text head, const char *path);
 /** Numbers in brackets (Python, MATLAB, JSON), points or matrices; JSON of names or objects that are points; lines of
  * "name: (x, y, z)". */
 conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
-/** Whether @p text begins as numbers in brackets, "NAME =" in front or not. */
-bool pose_brackets_begin(struct text text);
-/** Whether the first line of @p text is "name: (x, y, z)", "(x, y, z) name" or "(x, y, z) -> (x, y, z)". */
-bool pose_brackets_are_spoken(struct text text);
+/** Whether @p text begins as numbers in brackets, "NAME =" in front or not, or its first line is "name: (x, y, z)",
+ * "(x, y, z) name" or "(x, y, z) -> (x, y, z)". */
+bool pose_brackets_are_rows(struct text text);
 /** Whether @p head is of a table that has the three coordinates in one cell. */
 bool pose_brackets_in_cells(struct text head);
 /** Behind lines of comments and empty ones. */

@@ -3,6 +3,7 @@
 #include "base/geometry/math3.h"
 #include "base/status.h"
 #include "poses/rows/columns_head.h"
+#include "poses/rows/sides.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -12,34 +13,17 @@
 struct census {
     size_t points, outside_1, negatives, shallow, axes, short_axes;
     double farthest;
-    size_t left, right, left_on_right, right_on_left; /* rows that a word calls so */
+    struct sides sides;
     size_t bad, rows;
 };
 
-/* The side that a name states: -1 left, +1 right, 0 none. */
-int columns_side(struct text name)
-{
-    static const char left[] = "left/l/lh/links/gauche", right[] = "right/r/rh/rechts/droite";
-    int side = 0;
-    for (size_t i = 0; i < name.size;) {
-        size_t size = 0;
-        while (i + size < name.size && !strchr(" _-.,()[]", name.data[i + size])) {
-            size++;
-        }
-        const struct text word = {name.data + i, size};
-        side = text_is_one_of(word, left, false) ? -1 : text_is_one_of(word, right, false) ? 1 : side;
-        i += size + 1;
-    }
-    return side;
-}
-
 /* A column whose cells are all words of sides says them, whatever its header; else the name does. */
-static int side_of_row(const struct head *head, struct text text, const char *name, size_t column)
+static int side_of_row(const struct head *head, struct text text, struct text name, size_t column)
 {
     struct table_line line;
     return column != COLUMN_NONE && table_split(&line, &head->out->table, text) && column < line.count
-               ? columns_side(line.cells[column])
-               : columns_side(text_from(name));
+               ? sides_of_name(line.cells[column])
+               : sides_of_name(name);
 }
 
 /* The column of a side of the brain: not that of a hand. */
@@ -49,8 +33,6 @@ static size_t find_side_column(const struct head *head)
     static const char neither[] = "midline/mid/both/bilateral/m/b";
     size_t found = COLUMN_NONE;
     for (size_t i = 0; i < head->line.count && found == COLUMN_NONE && head->out->has_header; i++) {
-        size_t next = 0;
-        struct head_row row;
         struct text name = text_from(head->names[i]);
         struct text word;
         bool is_called = strstr(head->names[i], "hemi") || strcmp(head->names[i], "side") == 0;
@@ -59,17 +41,18 @@ static size_t find_side_column(const struct head *head)
         while (text_word(&name, &word)) {
             all = all && !text_is_one_of(word, others, false);
         }
-        while (all && columns_next_row(&row, &next, head)) {
-            const struct text cell = columns_cell(&row, i);
-            sides += columns_side(cell) != 0;
-            all = is_called || columns_is_absent(cell) || columns_side(cell) || text_is_one_of(cell, neither, false);
+        for (size_t r = 0; all && r < head->row_count; r++) {
+            const struct text cell = columns_cell(head, r, i);
+            sides += sides_of_name(cell) != 0;
+            all = is_called || columns_is_absent(cell) || sides_of_name(cell) || text_is_one_of(cell, neither, false);
         }
         found = all && sides ? i : found;
     }
     return found;
 }
 
-static void count_row(struct census *census, const struct head *head, const conus_pose_row *row, int side, double width)
+static void count_row(struct census *census, const struct head *head, const conus_pose_row *row, int side,
+                      struct text name, double width)
 {
     double p[3];
     conus_frame_from_world(p, head->options->frame, row->pose.world_from_device + 12);
@@ -84,12 +67,7 @@ static void count_row(struct census *census, const struct head *head, const conu
         census->axes++;
         census->short_axes += row->range[1] < width / 20;
     }
-    if (side) {
-        double x = head->options->space == CONUS_SPACE_BREGMA ? p[1] : world[0];
-        size_t *wrong = side < 0 ? &census->left_on_right : &census->right_on_left;
-        *(side < 0 ? &census->left : &census->right) += 1;
-        *wrong += side < 0 ? x > width / 36 : x < -width / 36;
-    }
+    sides_count(&census->sides, side, name, is_of_bregma ? p[1] : world[0], width / 36);
 }
 
 static conus_status judge(const struct census *c, const struct head *head, struct notes *notes, double longest,
@@ -107,13 +85,14 @@ static conus_status judge(const struct census *c, const struct head *head, struc
                     "columns another? The first: %s",
                     c->bad, c->rows, first_fault);
     }
-    bool sides = (c->left && 2 * c->left_on_right >= c->left) || (c->right && 2 * c->right_on_left >= c->right);
-    bool confirmed = c->left && c->right && !c->left_on_right && !c->right_on_left;
-    if (is_list && is_known && c->left + c->right >= 2 && sides && !head->words.any_sides) {
-        return fail(CONUS_ERROR_DATA,
-                    "sides: %zu of %zu rows called left lie on the right, %zu of %zu called right on the left; --space "
-                    "%s would turn x and y, and ',sides=anyway' behind FILE takes them as they are",
-                    c->left_on_right, c->left, c->right_on_left, c->right, space == CONUS_SPACE_LPS ? "ras" : "lps");
+    const struct sides *sides = &c->sides;
+    size_t wrong = sides->left_on_right + sides->right_on_left;
+    bool is_asked = is_known && !head->words.any_sides;
+    char why[64];
+    snprintf(why, sizeof why, "--space %s would turn x and y", space == CONUS_SPACE_LPS ? "ras" : "lps");
+    conus_status status = is_asked && is_list ? sides_check(sides, why) : CONUS_OK;
+    if (status) {
+        return status;
     }
     if (is_list && !is_said && (of_people || space == CONUS_SPACE_BREGMA) && c->farthest > 0 &&
         c->farthest <= (of_people ? 1 : 0.02)) {
@@ -128,6 +107,13 @@ static conus_status judge(const struct census *c, const struct head *head, struc
                     "them so, ',unit=mm' as mm",
                     c->farthest);
     }
+    if (is_list && is_known && !is_said && space == CONUS_SPACE_CCF && c->farthest < 1000 * longest / 14) {
+        return fail(
+            CONUS_ERROR_DATA,
+            "all positions lie within %.0f um of the corner, outside of any brain: are they voxels? space ccf is "
+            "in micrometres; ',unit=um' behind FILE takes them so",
+            1000 * longest / 14);
+    }
     if (space == CONUS_SPACE_BREGMA && is_list && 2 * c->shallow > c->points) {
         return fail(
             CONUS_ERROR_DATA,
@@ -137,49 +123,35 @@ static conus_status judge(const struct census *c, const struct head *head, struc
     if (is_known && c->axes && 2 * c->short_axes >= c->axes) {
         return columns_refuse_short(c->short_axes, c->axes, longest);
     }
-    conus_status status = CONUS_OK;
     if (is_list && of_people && is_known && !is_said && c->farthest < longest / 14) {
         status = notes_warn(notes,
                             "all positions lie within %g mm of the origin: are they in centimetres? ',unit=cm' "
                             "behind FILE takes them so",
                             longest / 14);
-    } else if (is_list && of_people && is_known && !c->negatives && !confirmed) {
+    } else if (is_list && of_people && is_known && !c->negatives && !(sides->left && sides->right && !wrong)) {
         status = notes_warn(notes, "no position has a negative number: are they voxels, or positions in a frame?");
     }
-    if (!status && is_known && c->left_on_right + c->right_on_left > 0 && !head->words.any_sides) {
-        status = notes_warn(notes, "%zu rows lie on the other side than their name says",
-                            c->left_on_right + c->right_on_left);
+    if (!status && is_asked && wrong) {
+        status = notes_warn(notes, "%zu rows lie on the other side than their name says", wrong);
     }
-    return status;
+    return status || !is_asked || !is_list ? status : sides_warn_of_shafts(sides, notes);
 }
 
-/* Whether a word stands where a coordinate is to be. */
-static bool has_words_for_numbers(const struct columns *columns, struct text text)
+/* Whether a word stands where a number is to be, and a character that is no sign before a coordinate. */
+static void find_faults(bool *has_word, bool *has_glyph, const struct columns *columns, struct text text)
 {
     struct table_line line;
-    bool found = false;
-    for (size_t i = 0; table_split(&line, &columns->table, text) && i < line.count && i < columns->count; i++) {
+    bool fits = table_split(&line, &columns->table, text);
+    *has_word = *has_glyph = false;
+    for (size_t i = 0; fits && i < line.count && i < columns->count; i++) {
         double value;
         struct text cell = line.cells[i];
-        found = found || (columns->role_of[i] < ROLE_ANGLE && !columns_is_absent(cell) &&
-                          !table_number(&value, &columns->table, cell));
-    }
-    return found;
-}
-
-/* Whether a character that is no sign stands before a coordinate. */
-static bool has_glyph(const struct columns *columns, struct text text)
-{
-    struct table_line line;
-    bool found = false;
-    for (size_t i = 0; table_split(&line, &columns->table, text) && i < line.count && i < columns->count; i++) {
-        struct text cell = line.cells[i];
+        bool is_word = !columns_is_absent(cell) && !table_number(&value, &columns->table, cell);
         size_t length = cell.size && (unsigned char)cell.data[0] >= 0x80 ? text_character(cell) : 0;
-        found =
-            found || (columns->role_of[i] < ROLE_X + 3 && length && length < cell.size &&
-                      isdigit((unsigned char)cell.data[length]) && !table_number(&(double){0}, &columns->table, cell));
+        *has_word |= is_word && columns->role_of[i] < ROLE_ANGLE;
+        *has_glyph |= is_word && columns->role_of[i] < ROLE_X + 3 && length && length < cell.size &&
+                      isdigit((unsigned char)cell.data[length]);
     }
-    return found;
 }
 
 /* What the numbers of the head say against their unit, their signs or their sides. The unit that the user or the
@@ -198,22 +170,22 @@ conus_status columns_check_numbers(const struct head *head, struct notes *notes)
         struct pose_name name = {.text = {"", 0}};
         conus_status bad = CONUS_OK;
         enum columns_line kind = columns_read(&row, &name, &bad, head->out, text, number, options);
-        char copy[64];
+        bool has_word = false;
+        bool has_glyph = false;
         census.rows += kind == LINE_ROW;
-        bool is_other = kind == LINE_ROW && bad && has_words_for_numbers(head->out, text);
-        census.bad += is_other;
-        if (kind == LINE_ROW && bad && has_glyph(head->out, text)) {
+        if (kind == LINE_ROW && bad) {
+            find_faults(&has_word, &has_glyph, head->out, text);
+        } else if (kind == LINE_ROW) {
+            count_row(&census, head, &row, side_of_row(head, text, name.text, column), name.text, longest);
+        }
+        if (has_glyph) {
             char where[128];
             snprintf(where, sizeof where, "line %zu: a character before a number that is no minus (as PDFs lose them)",
                      number);
             return fail_in(CONUS_ERROR_DATA, where);
         }
-        if (is_other && !first_fault[0]) {
+        if (has_word && !census.bad++) {
             snprintf(first_fault, sizeof first_fault, "%s", conus_message());
-        }
-        if (kind == LINE_ROW && !bad) {
-            snprintf(copy, sizeof copy, "%.*s", TEXT_SHOW(name.text, sizeof copy - 1));
-            count_row(&census, head, &row, side_of_row(head, text, copy, column), longest);
         }
     }
     return judge(&census, head, notes, longest, first_fault);

@@ -18,17 +18,9 @@ bool columns_is_absent(struct text cell)
     return !cell.size || text_equal_ignoring_case(cell, "n/a") || text_is_one_of(cell, "NA/none/-/--", false);
 }
 
-bool columns_next_row(struct head_row *row, size_t *next, const struct head *head)
+struct text columns_cell(const struct head *head, size_t row, size_t column)
 {
-    bool found = *next < head->row_count;
-    *row = found ? head->rows[*next] : *row;
-    *next += found;
-    return found;
-}
-
-struct text columns_cell(const struct head_row *row, size_t column)
-{
-    return column < row->count ? row->cells[column] : (struct text){"", 0};
+    return column < head->rows[row].count ? head->rows[row].cells[column] : (struct text){"", 0};
 }
 
 bool columns_has_digit(struct text line)

@@ -20,14 +20,12 @@ static bool is_of_words(struct text *inside, const struct head *head, struct tex
  * another are errors; nothing where some say only how numbers grow. */
 static struct space_words hear_column(const struct head *head, size_t column)
 {
-    size_t next = 0;
-    struct head_row row;
     struct space_words best = {0};
     bool all_refused = true;
     bool all_brains = true;
-    while (columns_next_row(&row, &next, head)) {
+    for (size_t r = 0; r < head->row_count; r++) {
         struct space_words own;
-        const struct text cell = columns_cell(&row, column);
+        const struct text cell = columns_cell(head, r, column);
         bool is_heard = space_words_hear_cell(&own, cell, false);
         bool is_better = !best.heard[0] || (best.why && !own.why) ||
                          (own.space.brain == POSE_BRAIN_MNI152 && best.space.brain != POSE_BRAIN_MNI152);
@@ -44,11 +42,9 @@ static conus_status hear_rows(struct head *head)
     struct columns *out = head->out;
     struct space_words *said = &out->said;
     for (size_t i = 0; i < out->count; i++) {
-        size_t next = 0;
-        struct head_row row;
-        while (out->role_of[i] == ROLE_UNIT && columns_next_row(&row, &next, head)) {
-            space_words_hear_of(said,
-                                space_unit_mm(columns_cell(&row, i)) != 0 ? columns_cell(&row, i) : text_from(""));
+        for (size_t r = 0; out->role_of[i] == ROLE_UNIT && r < head->row_count; r++) {
+            space_words_hear_of(said, space_unit_mm(columns_cell(head, r, i)) != 0 ? columns_cell(head, r, i)
+                                                                                   : text_from(""));
         }
         const struct space_words own =
             out->role_of[i] == ROLE_SPACE && !head->options->any_space ? hear_column(head, i) : (struct space_words){0};
@@ -105,10 +101,8 @@ conus_status columns_hear_words(struct head *head, struct notes *notes)
     }
     bool is_of_people = head->options->space < CONUS_SPACE_CCF;
     if (said->has_signs && is_of_people) {
-        bool is_other = said->signs == CONUS_SPACE_RAS && head->options->space == CONUS_SPACE_LPS;
         out->space = said->signs;
-        return is_other ? notes_add(notes, "the file says that its positions are RAS, and as such they are taken")
-                        : CONUS_OK;
+        return pose_note_space(notes, head->options, said->signs == CONUS_SPACE_LPS);
     }
     out->moves = space_moves(&said->space, head->options);
     return out->moves ? space_note_move(notes, &said->space) : CONUS_OK;

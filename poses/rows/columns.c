@@ -431,8 +431,11 @@ static const struct family *find_position(struct head *head)
         best = order > 0 ? family : best;
     }
     if (tied) {
-        FAULT(head, "positions in %s or in %s: rename those that are not meant", FAMILY_SHOWN(head, best),
-              FAMILY_SHOWN(head, tied));
+        FAULT(
+            head,
+            "positions in %s or in %s: rename those that are not meant; the ends of an axis are called entry_x entry_y "
+            "entry_z and target_x target_y target_z",
+            FAMILY_SHOWN(head, best), FAMILY_SHOWN(head, tied));
     }
     return best;
 }
@@ -496,11 +499,11 @@ static void refuse_turned(struct head *head, const struct family *position)
         const struct family *family = &head->families[i];
         bool is_beside = family->kind == UNKNOWN && position->kind != OF_SPACE && is_whole(family);
         if (family != position && (family->kind == TURNED || is_beside || family->kind == ENTRY)) {
-            FAULT(
-                head,
-                "%s beside %s: a direction has the columns dx dy dz, a point to look at tx ty tz; without %s the rows "
-                "are points",
-                FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position), FAMILY_SHOWN(head, family));
+            FAULT(head,
+                  "%s beside %s: a direction has the columns dx dy dz, a point to look at tx ty tz, an axis entry_x "
+                  "entry_y "
+                  "entry_z and target_x target_y target_z; without %s the rows are points",
+                  FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position), FAMILY_SHOWN(head, family));
         }
     }
     for (size_t i = 0; i < head->line.count; i++) {
@@ -536,14 +539,12 @@ static void drop_role(struct head *head, enum role role)
 /* Whether the column is 0 in all rows of the head. */
 static bool is_all_zero(const struct head *head, enum role role)
 {
-    size_t next = 0;
-    struct head_row row;
     bool all = true;
-    while (columns_next_row(&row, &next, head)) {
-        for (size_t i = 0; i < row.count && i < head->out->count; i++) {
+    for (size_t r = 0; r < head->row_count; r++) {
+        for (size_t i = 0; i < head->rows[r].count && i < head->out->count; i++) {
             double value;
             all = all && (head->out->role_of[i] != role ||
-                          (table_number(&value, &head->out->table, row.cells[i]) && value == 0));
+                          (table_number(&value, &head->out->table, columns_cell(head, r, i)) && value == 0));
         }
     }
     return all;
@@ -713,6 +714,9 @@ static void choose_families(struct head *head)
     }
     if (!has_matrix && !position) {
         FAULT(head, "%s", head->is_on_its_side ? on_its_side : "x y z are needed: no columns say where rows are");
+        if (!head->is_on_its_side && !head->row_count && head->out->has[ROLE_NAME]) {
+            FAULT(head, "names of places (C3, an area) go behind --point, one each");
+        }
         for (size_t i = 0; i < head->family_count; i++) {
             const struct family *family = &head->families[i];
             if (family->kind == UNKNOWN || family->kind == TURNED) {
@@ -758,14 +762,12 @@ static conus_status find_row_names(struct head *head, struct notes *notes)
     enum { COMPARED = 500 };
     for (size_t column = 0; !out->has[ROLE_NAME] && column < out->count; column++) {
         struct text seen[COMPARED];
-        size_t next = 0;
-        struct head_row row;
         size_t rows = 0;
         bool fits = out->role_of[column] == ROLES;
         bool is_index = column == 0 && !head->line.cells[0].size;
-        while (fits && rows < COMPARED && columns_next_row(&row, &next, head)) {
+        for (size_t r = 0; fits && rows < COMPARED && r < head->row_count; r++) {
             double value;
-            struct text cell = columns_cell(&row, column);
+            struct text cell = columns_cell(head, r, column);
             bool is_number = table_number(&value, &out->table, cell);
             fits = cell.size && (is_index ? !is_number || (value == floor(value) && fabs(value) < 1e9) : !is_number);
             for (size_t i = 0; fits && i < rows; i++) {
@@ -789,14 +791,14 @@ static struct text name_of(enum role role)
     static const struct {
         enum role first;
         const char *names;
-    } families[] = {{ROLE_X, "x/y/z"}, {ROLE_TX, "tx/ty/tz"}, {ROLE_DX, "dx/dy/dz"}, {ROLE_QX, "qx/qy/qz"}};
+    } families[] = {{ROLE_TX, "tx/ty/tz"}, {ROLE_DX, "dx/dy/dz"}, {ROLE_QX, "qx/qy/qz"}}; /* "x" is like all */
     const char *names = role == ROLE_SPACE ? "space" : "";
     for (size_t i = 0; i < sizeof roles / sizeof roles[0]; i++) {
         names = roles[i].role == role && role != ROLE_NAME ? roles[i].names : names;
     }
     for (size_t i = 0; i < sizeof families / sizeof families[0]; i++) {
         bool is_one = role >= families[i].first && role < families[i].first + 3;
-        names = is_one ? families[i].names + 3 * (role - families[i].first) - (i ? 0 : role - ROLE_X) : names;
+        names = is_one ? families[i].names + 3 * (role - families[i].first) : names;
     }
     return (struct text){names, strcspn(names, "/")};
 }
@@ -881,14 +883,12 @@ static void refuse_lone_end(struct head *head)
 {
     struct columns *out = head->out;
     for (size_t i = 0; out->is_of_points && !head->is_named && i < head->line.given; i++) {
-        size_t next = 0;
-        struct head_row row;
         bool is_called = text_is_one_of(text_from(head->names[i]), "target/entry", true) && out->role_of[i] == ROLES;
         bool has_name = false;
-        while (is_called && !has_name && columns_next_row(&row, &next, head)) {
+        for (size_t r = 0; is_called && !has_name && r < head->row_count; r++) {
             double value;
-            has_name =
-                !columns_is_absent(columns_cell(&row, i)) && !table_number(&value, &out->table, columns_cell(&row, i));
+            has_name = !columns_is_absent(columns_cell(head, r, i)) &&
+                       !table_number(&value, &out->table, columns_cell(head, r, i));
         }
         if (has_name && out->has[ROLE_NAME] && out->has[ROLE_X]) {
             const char *s = strcmp(head->names[i], "target") == 0 ? "target" : "entry";
@@ -908,11 +908,9 @@ static void find_pairs(struct head *head)
 {
     struct columns *out = head->out;
     for (size_t column = 0; out->is_of_points && !head->is_named && column < out->count; column++) {
-        size_t next = 0;
-        struct head_row row;
         size_t found[3] = {0}; /* by enum columns_end */
-        while (out->role_of[column] >= ROLE_NAME && !found[END_NONE] && columns_next_row(&row, &next, head)) {
-            found[columns_end_of(columns_cell(&row, column))]++;
+        for (size_t r = 0; out->role_of[column] >= ROLE_NAME && !found[END_NONE] && r < head->row_count; r++) {
+            found[columns_end_of(columns_cell(head, r, column))]++;
         }
         if (found[END_NONE] || !found[END_ENTRY] || !found[END_TARGET]) {
             continue;
@@ -934,13 +932,11 @@ static void find_pairs(struct head *head)
 /* Whether the cells of a column are words of a space: all of them; in one that is `named` so at least one. */
 static bool is_of_spaces(const struct head *head, size_t column, bool named, bool strong)
 {
-    size_t next = 0;
-    struct head_row row;
     size_t heard = 0;
     size_t others = 0;
-    while ((named || !others) && columns_next_row(&row, &next, head)) {
+    for (size_t r = 0; (named || !others) && r < head->row_count; r++) {
         struct space_words said;
-        const struct text cell = columns_cell(&row, column);
+        const struct text cell = columns_cell(head, r, column);
         bool is_one = space_words_hear_cell(&said, cell, strong) || text_is_one_of(cell, "ccf/bregma", false);
         heard += is_one;
         others += !is_one && !columns_is_absent(cell);
@@ -963,14 +959,12 @@ static void find_spaces(struct head *head)
         bool is_space = strcmp(head->names[i], "space") == 0 && !out->is_bids;
         bool is_named = text_is_one_of(name, named, true);
         bool is_unit = text_is_one_of(name, of_units, true);
-        size_t next = 0;
-        struct head_row row;
         bool has_unit = false;
         if (out->role_of[i] != ROLES) {
             continue;
         }
-        while (is_unit && !has_unit && columns_next_row(&row, &next, head)) {
-            has_unit = space_unit_mm(columns_cell(&row, i)) != 0;
+        for (size_t r = 0; is_unit && !has_unit && r < head->row_count; r++) {
+            has_unit = space_unit_mm(columns_cell(head, r, i)) != 0;
         }
         if (has_unit) {
             set_role(head, i, ROLE_UNIT);
@@ -996,6 +990,15 @@ static void find_columns(struct head *head)
     out->space = head->options->space;
     for (size_t i = 0; i < head->line.count; i++) {
         head->unit[i] = normalise(head->names[i], head->line.cells[i]);
+    }
+    for (size_t i = 2; i < head->line.count; i++) { /* SPM's spreadsheet calls each of the three so */
+        bool is_triad = true;
+        for (size_t k = 0; k < 3; k++) {
+            is_triad = is_triad && strcmp(head->names[i - k], "x y z") == 0;
+        }
+        for (size_t k = 0; k < 3 && is_triad; k++) {
+            snprintf(head->names[i - 2 + k], COLUMN_NAME_SIZE, "%c", "xyz"[k]);
+        }
     }
     out->count = head->line.given;
     if (out->space >= CONUS_SPACE_CCF) {
@@ -1090,7 +1093,7 @@ static bool find_header(struct head *head)
         bool fits = !table->cells || head->line.given == table->cells || head->line.given + 1 == table->cells ||
                     head->line.count == table->cells;
         find_columns(head);
-        bool has = has_triad(head) && numbers < 3;
+        bool has = has_triad(head) && numbers < (table->cells ? 3 : 1);
         if (has && (fits || !best.size) && (!is_comment || fits || head->line.given >= 3)) {
             best = inside;
             line_of_best = number;
@@ -1120,11 +1123,7 @@ static void decide_by_header(struct head *head)
 {
     struct text rest = head->text;
     struct text text;
-    struct text inside;
-    bool found = false;
-    while (!found && text_line(&rest, &text)) {
-        found = !table_is_comment(&inside, text) && !table_is_blank(text);
-    }
+    bool found = table_next_line(&rest, &text, NULL);
     struct table best = head->out->table;
     size_t most = 0;
     for (enum table_separator separator = 0; found && separator < TABLE_SEPARATORS; separator++) {
@@ -1167,14 +1166,16 @@ static conus_status find_kept(struct head *head)
 static conus_status note_angles(const struct head *head, struct notes *notes)
 {
     const struct columns *out = head->out;
-    conus_status status = !out->is_mlapdv
-                              ? CONUS_OK
-                              : notes_add(notes, "x y z beside theta and phi are ML, AP, DV from bregma, as IBL "
-                                                 "has them");
-    bool has_direction =
-        out->has[ROLE_TX] || out->has[ROLE_DX] || out->has[ROLE_QW] || out->has[ROLE_TILT_ML] || out->has[ROLE_PHI];
-    return status || has_direction || !out->has[ROLE_DEPTH] ? status
-                                                            : notes_add(notes, "depth without an angle: straight down");
+    bool has_direction = out->has[ROLE_TX] || out->has[ROLE_DX] || out->has[ROLE_QW] || out->has[ROLE_TILT_ML];
+    if (out->has[ROLE_PHI]) {
+        return notes_add(
+            notes,
+            "phi and theta are IBL's, degrees: azimuth (0 to the right, 90 to anterior) and polar angle of "
+            "the way from the tip to the top; theta 0 is straight down%s",
+            out->is_mlapdv ? "; x y z are ML, AP, DV from bregma" : "");
+    }
+    return has_direction || !out->has[ROLE_DEPTH] ? CONUS_OK
+                                                  : notes_add(notes, "depth without an angle: straight down");
 }
 
 static conus_status check_options(const struct head *head)
@@ -1215,8 +1216,23 @@ static conus_status refuse_bare(const struct head *head)
     size_t numbers = table_split(&line, table, text) ? table_numbers(&line) : 0;
     bool is_in_front = true; /* each cell but the last three */
     double value;
-    for (size_t i = 0; i < line.given; i++) {
-        is_in_front = is_in_front && (i + 3 < line.given || table_number(&value, table, line.cells[i]));
+    char names[160] = ""; /* for a row of three numbers */
+    for (size_t i = 0, found = 0; i < line.given; i++) {
+        bool is_number = table_number(&value, table, line.cells[i]);
+        size_t used = strlen(names);
+        char word[32];
+        snprintf(word, sizeof word, i || is_number ? "word%zu" : "name", i + 1);
+        is_in_front = is_in_front && (i + 3 < line.given || is_number);
+        snprintf(names + used, sizeof names - used, "%s%s", i ? s : "",
+                 is_number ? (const char *const[]){"x", "y", "z"}[found % 3] : word);
+        found += is_number;
+    }
+    if (numbers == 3) {
+        return fail(
+            CONUS_ERROR_DATA,
+            "no header, and other words beside the x y z of a point than a name: \"%.*s\"; put a line of names in "
+            "front: \"%s\"",
+            TEXT_SHOW(text_trim(text), 60), names);
     }
     const char *commas = table->separator == TABLE_COMMAS && numbers <= 6
                              ? "; are they decimal commas? Put a semicolon or a tab between numbers then"
@@ -1241,16 +1257,12 @@ static bool has_points(const struct head *head)
 {
     struct text rest = head->text;
     struct text text;
-    struct text inside;
     struct text name;
+    double point[3];
     size_t rows = 0;
     size_t points = 0;
-    while (text_line(&rest, &text)) {
-        double point[3];
-        if (!table_is_blank(text) && !table_is_comment(&inside, text)) {
-            rows++;
-            points += columns_point(point, &name, &head->out->table, text);
-        }
+    for (; table_next_line(&rest, &text, NULL); rows++) {
+        points += columns_point(point, &name, &head->out->table, text);
     }
     return points && 2 * points >= rows;
 }
@@ -1297,11 +1309,9 @@ static conus_status find_rows(struct head *head)
 {
     struct text rest = head->text;
     struct text text;
-    struct text inside;
     struct table_line line;
-    while (head->text.size - rest.size < TABLE_HEAD && text_line(&rest, &text)) {
-        if (table_is_blank(text) || table_is_comment(&inside, text) || !table_split(&line, &head->out->table, text) ||
-            table_numbers(&line) < 3) {
+    while (head->text.size - rest.size < TABLE_HEAD && table_next_line(&rest, &text, NULL)) {
+        if (!table_split(&line, &head->out->table, text) || table_numbers(&line) < 3) {
             continue;
         }
         if (!memory_reserve(&head->rows, &head->row_capacity, head->row_count + 1, sizeof *head->rows) ||

@@ -129,9 +129,6 @@ enum columns_line columns_read(conus_pose_row *row, struct pose_name *name, conu
                                const struct columns *columns, struct text line, size_t number,
                                const conus_pose_options *options);
 
-/** The side that a row's name states by a word of its own: -1 left, +1 right, 0 none. */
-int columns_side(struct text name);
-
 /** Whether @p text is sixteen numbers and nothing else: then @p row or its error (in *bad) is the pose they are. */
 bool columns_plain_matrix(conus_pose_row *row, conus_status *bad, struct text text, const conus_pose_options *options);
 

@@ -71,11 +71,8 @@ conus_status columns_check_numbers(const struct head *head, struct notes *notes)
 /** @name Lines
  * @{ */
 
-/** Takes row *next of the head, and adds 1 to that; false past the last. */
-bool columns_next_row(struct head_row *row, size_t *next, const struct head *head);
-
-/** A cell; "" where the line ends before it. */
-struct text columns_cell(const struct head_row *row, size_t column);
+/** A cell of head->rows; "" where the line ends before it. */
+struct text columns_cell(const struct head *head, size_t row, size_t column);
 
 bool columns_has_digit(struct text line);
 

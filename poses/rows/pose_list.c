@@ -91,6 +91,18 @@ conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, str
     return CONUS_OK;
 }
 
+conus_status pose_list_add_point(conus_pose_list *list, size_t line, const double point[3], bool lps, struct text id,
+                                 conus_status bad)
+{
+    conus_pose_row row = pose_row_at(line);
+    row.is_point = true;
+    bad = bad ? bad : pose_of_point(&row.pose, point);
+    if (!bad && lps) {
+        pose_flip_point(row.pose.world_from_device + 12);
+    }
+    return pose_list_add(list, &row, id, bad ? conus_message() : NULL);
+}
+
 conus_status pose_list_hear(conus_pose_list *list, const struct note_sink *sink)
 {
     list->name = sink->path ? memory_text(sink->path, strlen(sink->path)) : NULL;
@@ -127,6 +139,11 @@ const char *conus_pose_list_electrodes(const conus_pose_list *list)
 const char *conus_pose_list_coordsystem(const conus_pose_list *list)
 {
     return list && list->coordsystem ? list->coordsystem : "";
+}
+
+const char *conus_pose_list_space(const conus_pose_list *list)
+{
+    return list ? list->space.name : "";
 }
 
 conus_status conus_pose_list_match(conus_pose_list *list, const conus_atlas *atlas)
@@ -208,6 +225,9 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
                           words);
     default:
         return fail(CONUS_ERROR_DATA,
-                    "positions are in %s, the atlas in another space (%s): the areas named would be wrong", at, words);
+                    "positions are in %s, the atlas in another space (%s): the areas named would be wrong%s", at, words,
+                    brain == CONUS_BRAIN_OWN ? "; needed is the same list in MNI space, or an atlas of that person "
+                                               "(',template=none' behind it)"
+                                             : "");
     }
 }

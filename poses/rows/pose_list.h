@@ -56,6 +56,10 @@ struct conus_pose_list {
  * UTF-8, too, and then the row has an error. @p error NULL: none. */
 conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, struct text id, const char *error);
 
+/** Adds a point, in LPS if @p lps, or, where that is not CONUS_OK, what is @p bad about the row. */
+conus_status pose_list_add_point(conus_pose_list *list, size_t line, const double point[3], bool lps, struct text id,
+                                 conus_status bad);
+
 /** Gives the last row copies of texts that are kept. All rows of a list have as many. */
 conus_status pose_list_keep(conus_pose_list *list, const struct kept_text *texts, size_t count);
 

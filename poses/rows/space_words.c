@@ -280,6 +280,18 @@ void space_words_hear_of(struct space_words *words, struct text word)
     hear_sentence(words, word, true);
 }
 
+void space_words_hear_name(struct space_words *words, struct text name)
+{
+    const struct sentence sentence = take_apart(name);
+    hear_sentence(words, name, false);
+    for (size_t i = 0; i < sentence.count; i++) {
+        words->may_be_lps = words->may_be_lps || token_is(&sentence, i, "lps");
+        if (!words->heard[0] && token_is(&sentence, i, "native/acpc")) {
+            words->space = pose_space_named(sentence.tokens[i], POSE_BRAIN_SUBJECT);
+        }
+    }
+}
+
 /* Whether a cell is words of spaces alone: each is one, or a small one beside it. */
 static bool is_of_space(struct text cell, bool strong)
 {

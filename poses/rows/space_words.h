@@ -25,6 +25,9 @@ void space_words_hear(struct space_words *words, struct text line);
 /** Hears what is said of coordinates alone: the cells of a column, or a word of its header. */
 void space_words_hear_of(struct space_words *words, struct text word);
 
+/** Hears the name of a file, in which "native", "acpc" and "lps" need no word for positions beside them. */
+void space_words_hear_name(struct space_words *words, struct text name);
+
 /** Hears a cell that is nothing but words of a space, or a name of BIDS; @p strong: only words that have no other
  * meaning. False where nothing is heard. */
 bool space_words_hear_cell(struct space_words *words, struct text cell, bool strong);

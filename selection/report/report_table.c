@@ -406,7 +406,6 @@ struct table_form {
 static void write_here(struct buffer *out, const conus_report *report, size_t index)
 {
     size_t count = 0;
-    buffer_text(out, "at the point: ");
     for (size_t row = report->queries[index].first_row; row < report_row_end(report, index); row++) {
         const conus_result *result = &report->rows[row].result;
         if (result->object && result->distance == 0) {
@@ -434,6 +433,7 @@ static void write_answers(struct buffer *out, const conus_report *report, size_t
                                                                       : &visible;
     table_write_atlas(out, report);
     if (report->queries[index].ball > 0) {
+        buffer_text(out, "at the point: ");
         write_here(out, report, index);
     }
     form->header(out, report, width);
@@ -442,8 +442,67 @@ static void write_answers(struct buffer *out, const conus_report *report, size_t
     }
 }
 
+/* Whether all answers are of what is at contacts of probes. */
+static bool is_of_contacts(const conus_report *report)
+{
+    bool all = report->query_count > 1;
+    for (size_t i = 0; i < report->query_count && all; i++) {
+        const struct report_query *query = &report->queries[i];
+        all = query->contact && !query->error && query->ball > 0 && query->ball <= CONUS_POINT_RADIUS;
+    }
+    return all;
+}
+
+/* A line for contacts side by side on a shank at which is the same. */
+static void write_contacts(struct buffer *out, const conus_report *report)
+{
+    char axes[TABLE_AXES_SIZE];
+    struct buffer last = {0};
+    size_t first = 0;
+    int digits = table_digits(report);
+    buffer_format(out, "%8s  %-28s  %26s  %s\n", "contacts", "from, to", table_axes(axes, report, "the first at"),
+                  "what is at each");
+    for (size_t i = 0; i <= report->query_count; i++) {
+        const struct report_query *query = &report->queries[i < report->query_count ? i : 0];
+        const struct report_query *begin = &report->queries[first];
+        struct buffer here = {0};
+        for (const conus_report *of = report; of && i < report->query_count; of = of->next) {
+            buffer_format(&here, "%s%s%s", of == report ? "" : "; ", of->name ? of->name : "", of->name ? ": " : "");
+            write_here(&here, of, i);
+            here.size -= here.size > 0; /* its line's end */
+        }
+        out->failed = out->failed || here.failed;
+        bool is_same = i && i < report->query_count && here.size == last.size &&
+                       memcmp(here.data, last.data, here.size) == 0 && query->probe == begin->probe &&
+                       query->contact->index == begin->contact->index &&
+                       strcmp(query->contact->shank, begin->contact->shank) == 0;
+        if (i && !is_same) {
+            char names[64];
+            double p[3];
+            snprintf(names, sizeof names, "%.28s%s%.28s", begin->id, i > first + 1 ? ", " : "",
+                     i > first + 1 ? report->queries[i - 1].id : "");
+            memcpy(p, begin->cone.pose.world_from_device + 12, sizeof p);
+            report_point(report, p);
+            buffer_format(out, "%8zu  ", i - first);
+            table_write_name(out, names, 28);
+            buffer_format(out, "  %*.*f %*.*f %*.*f  %.*s\n", 8, digits, p[0], 8, digits, p[1], 8, digits, p[2],
+                          (int)last.size, last.data ? last.data : "");
+            first = i;
+        }
+        buffer_finish(&last);
+        last = here;
+    }
+    buffer_finish(&last);
+    buffer_text(out, "TSV, CSV and JSON have each contact\n");
+    table_write_sources(out, report);
+}
+
 void report_write_table(struct buffer *out, const conus_report *report)
 {
+    if (is_of_contacts(report)) {
+        write_contacts(out, report);
+        return;
+    }
     int width = table_name_width(report);
     for (size_t i = 0; i < report->query_count; i++) {
         if (report->queries[i].error) {

@@ -724,6 +724,17 @@ pipe_in() {
     [ -z "$stderr" ]
     run -0 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --range 0,90 --segments -
     [ -z "$stderr" ]
+    # Axes that end at targets may be needles.
+    printf 'name,entry_x,entry_y,entry_z,target_x,target_y,target_z\nA,0,0,90,0,0,10\n' >needles.csv
+    run -0 --separate-stderr conus batch sphere.nii.gz --poses needles.csv --summary
+    [[ "$stderr" == *'cones of 10 degrees (--angle DEGREES or, for needles, --radius MM is not given); 64 x 64 rays' ]]
+    run -0 --separate-stderr conus query sphere.nii.gz --pose needles.csv
+    [ "$stderr" = 'conus: note: axes that end at a target are asked as cones of 10 degrees: --radius MM asks a needle of that width, --segments FILE all that the axis passes' ]
+    for width in '--radius 1' '--angle 10' '--segments -' '-q'; do
+        # shellcheck disable=SC2086 # words
+        run -0 --separate-stderr conus query sphere.nii.gz --pose needles.csv $width
+        [ -z "$stderr" ]
+    done
 }
 
 @test "two outputs have two sidecars, and there is an atlas" {

@@ -160,12 +160,13 @@ END
     need inia19-NeuroMaps
     need aal
     run -0 --separate-stderr "$CONUS" query inia19-NeuroMaps --point 'MNI -42 -20 50' -q
-    check_message 'warning: --point: "MNI -42 -20 50" is in MNI, and it is not known whether the atlas lies there;'
+    [[ "${stderr_lines[0]}" == *'warning: --point: "MNI -42 -20 50" is in MNI, and it is not known whether the atlas lies there;'* ]]
+    [[ "${stderr_lines[1]}" == *'warning: the point lies outside of the atlas;'* ]]
     [[ $output == *'point (-42.0, -20.0, 50.0), in MNI, where it is not known that the atlas lies'* ]]
     run -0 --separate-stderr "$CONUS" query aal --point 'MNI -42 -20 50' -q
     [ -z "$stderr" ]
     run -0 --separate-stderr "$CONUS" query inia19-NeuroMaps,template=mni152 --point 'MNI -42 -20 50' -q
-    [ -z "$stderr" ]
+    check_message 'warning: the point lies outside of the atlas;'
     fails 2 'it says MNI, but the atlas is another brain' query inia19-NeuroMaps,template=none --point 'MNI -42 -20 50'
 }
 

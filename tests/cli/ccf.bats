@@ -250,6 +250,15 @@ END
     fails 3 'not known to be the Allen CCF' query "$BATS_TEST_TMPDIR/nested.nii.gz" --space ccf --point 1,2,300 --radius 1
     fails 3 'positions there are in mm, not micrometres' query ras.nii --space bregma --point -3400,2000,-2500 --radius 1
     fails 3 'positions there are in micrometres, not mm' query ras.nii --space ccf --point 5.4,2.3,5.7 --radius 1
+    printf 'name,ap,dv,ml\na,27,4,38\nb,27,5,38\nc,27,6,38\n' >"$BATS_TEST_TMPDIR/voxels.csv"
+    fails 3 'are they voxels? space ccf is in micrometres' query ras.nii --space ccf --pose "$BATS_TEST_TMPDIR/voxels.csv"
+    run -0 --separate-stderr "$CONUS" query ras.nii --space ccf --pose "$BATS_TEST_TMPDIR/voxels.csv,unit=um"
+    run -0 --separate-stderr "$CONUS" query ras.nii --space bregma --point 0,2,0.5 -q
+    [[ $stderr == *'warning: the point lies outside of the atlas'*'; DV is up from bregma, so that depths are negative' ]]
+    run -0 --separate-stderr "$CONUS" query ras.nii --space bregma --point 0,2,-0.5 -q
+    [ -z "$stderr" ]
+    run -0 --separate-stderr "$CONUS" query ras.nii --point 5400,2300,5700 -q
+    [[ $stderr == *'warning: '*'; --space ccf takes AP,DV,ML in micrometres, --space bregma AP,ML,DV in mm' ]]
     fails 3 'positions there are in mm' query ras.nii --space bregma --origin 0,0,2 --toward 0,0,-4000
     fails 2 '--bregma has no effect without --space bregma' query ras.nii --bregma 1,2,3 --point 1,2,3 --radius 1
     fails 2 '--bregma: 0,0,0 is the corner' query ras.nii --space bregma --bregma 0,0,0 --point 1,2,3 --radius 1

@@ -65,7 +65,8 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
     [ "${#lines[@]}/$(cell name 1)/$(cell x 1)/$(cell y 1)/$(cell share 1)" = '2/Shell inner/13/0/n/a' ]
     answers query nested.nii.gz --point 30,0,0 --format tsv
     [ "${#lines[@]}/$(cell name 1)/$(cell distance_mm 1)" = '2/Shell outer/6' ]
-    answers query nested.nii.gz --point 300,0,0
+    run -0 --separate-stderr conus query nested.nii.gz --point 300,0,0
+    check_message 'warning: the point lies outside of the atlas; the nearest to it is Shell outer, 276.00 mm away'
     has 'at the point: no area, pathway or bundle; the nearest:'
     has '276.00' # 300 - 24
     run -0 --separate-stderr conus query nested.nii.gz --point 300,0,0 --radius 5
@@ -86,17 +87,17 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
     nested
     printf -- '-1 0 0 origin\n0 0 20 above\n0 0 30 out\n' >points.txt
     answers query nested.nii.gz --pose points.txt -q
-    [ "${lines[0]}" = 'asked as points: what is at each, or else nearest to it' ]
+    [ "${lines[0]}" = "asked as points in the atlas's space: what is at each, or else nearest to it" ]
     has 'query origin: point (-1.00, 0.00, 0.00), RAS mm'
     answers query nested.nii.gz --pose points.txt --format tsv -q
     [ "$(cut -f 1,4,13 <<<"$output" | tail -n +2 | tr '\t\n' '/;')" = 'origin/Core/0;above/Shell outer/0;out/Shell outer/6;' ]
     [ "$(cell z 3)" = 30 ]
     local rows=$output
     answers query nested.nii.gz --pose points.txt --format json -q
-    [ "$(jq -r .Understood <<<"$output")" = 'asked as points: what is at each, or else nearest to it' ]
+    [ "$(jq -r .Understood <<<"$output")" = "asked as points in the atlas's space: what is at each, or else nearest to it" ]
     # A batch, its shards and a point by itself say the same.
     run -0 --separate-stderr conus batch nested.nii.gz --poses points.txt
-    [ "$stderr" = 'conus: note: points.txt: asked as points: what is at each, or else nearest to it' ]
+    [ "$stderr" = "conus: note: points.txt: asked as points in the atlas's space: what is at each, or else nearest to it" ]
     [ "$output" = "$rows" ]
     answers query nested.nii.gz --point 0,0,30 --format tsv
     [ "$(tail -1 <<<"$output" | cut -f 2-19)" = "$(tail -1 <<<"$rows" | cut -f 2-19)" ]

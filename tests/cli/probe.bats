@@ -115,9 +115,14 @@ AIM=(--origin 0,14.6,0 --direction 0,1,0)
 @test "without a radius contacts are points, in the table and in what is cited" {
     probe
     conus query slabs.nii.gz "${AIM[@]}" --probe np.json -q >table.txt
-    grep -q '^query .*: point (' table.txt
-    ! grep -q 'ball of radius' table.txt || false
     conus query slabs.nii.gz "${AIM[@]}" --probe np.json -q -o points.tsv
+    # A line for contacts side by side at which is the same: how many, the first and the last, and what.
+    conus query slabs.nii.gz "${AIM[@]}" --probe np.json -q --format json |
+        jq -r '(.Rows | map(select(.kind == "area") | {(.query): .name}) | add) as $at
+            | .Queries[] | [.query, .shank_id // "", $at[.query] // "no area, pathway or bundle"] | @tsv' |
+        awk -F '\t' '$2 "/" $3 != key { if (n) print n, from (n > 1 ? ", " to : "") "  " what; n = 0; from = $1 }
+            { key = $2 "/" $3; what = $3; to = $1; n++ } END { print n, from (n > 1 ? ", " to : "") "  " what }' >wanted.txt
+    sed -n '/^ *[0-9]/p' table.txt | sed -E 's/^ *([0-9]+)  (.*[^ ]) +[-0-9.]+ +[-0-9.]+ +[-0-9.]+  /\1 \2  /' | diff - wanted.txt
     conus cite points.tsv | tr '\n' ' ' >cited.txt
     grep -q 'that contain a point were determined for each of' cited.txt
     ! grep -q 'ball' cited.txt || false

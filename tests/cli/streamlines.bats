@@ -118,6 +118,15 @@ print(tract["path"], tract["streamlines"], tract["radius_mm"], tract["sha256"])'
     fails 3 'lines.trx.gz: a TRX inside gzip' info slabs.nii.gz --streamlines lines.trx.gz
 }
 
+@test "a bundle that areas hide has a note" {
+    conus phantom nested -o . --size 32 --spacing 2,2,2
+    tck in.tck -2,0,0 2,0,0
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --origin 0,0,100 --toward 0,0,0 --streamlines in.tck
+    [ "$stderr" = 'conus: note: no bundle or pathway is seen; areas may hide them: --layers all has all that a cone passes' ]
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --origin 0,0,100 --toward 0,0,0 --streamlines in.tck --layers all
+    [ -z "$stderr" ]
+}
+
 @test "bundles are hidden like areas, and then no line tells of them" {
     scene
     # shellcheck disable=SC2086
@@ -253,7 +262,7 @@ open("arc.trx/header.json", "w").write("{\"NB_STREAMLINES\": 2, \"NB_VERTICES\":
 @test "what is in another space is noted, with its name" {
     scene
     tck far.tck 500,0,0 510,0,0
-    run -0 --separate-stderr "$CONUS" query slabs.nii.gz --origin 0,0,100 --toward 0,0,0 --streamlines far.tck
+    run -0 --separate-stderr "$CONUS" query slabs.nii.gz --origin 0,0,100 --toward 0,0,0 --streamlines far.tck -q
     check_message 'warning: bundle far: none of 2 points is in the box around the areas: is it in their space?'
     # all coordinates are from 0 to 31, as indices of the 32 voxels would be; a TCK is in mm
     tck positive.tck 0,0,0 9,9,9 20,20,20

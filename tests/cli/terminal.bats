@@ -42,6 +42,15 @@ plain() {
     COLUMNS=200 on 80 "$CONUS" "${ask[@]}" | plain | grep -q ' left out: ' # the terminal's own width counts
 }
 
+@test "where answers and messages are on one screen a warning is there once" {
+    setup_nested
+    ask=(query nested.nii.gz --point 300,0,0)
+    [ "$(on 200 "$CONUS" "${ask[@]}" | plain | grep -c 'warning: the point lies outside')" -eq 1 ]
+    on 200 bash -c '"$@" 2>/dev/null' - "$CONUS" "${ask[@]}" | plain | grep -q '^warning: the point lies outside'
+    on 200 bash -c '"$@" >file' - "$CONUS" "${ask[@]}" | plain | grep -q '^conus: warning: the point lies outside'
+    grep -q '^warning: the point lies outside' file
+}
+
 @test "a file, a pipe and other formats have all columns, and no colour" {
     setup_nested
     conus "${ask[@]}" >all

@@ -251,6 +251,65 @@ static void numbers_are_judged(void **state)
     conus_pose_list_destroy(list);
 }
 
+/* The first letter of an electrode is a side where the same one stands with the other letter, or where all begin so, of
+ * both letters or three electrodes; and three contacts, all of them beyond 1/36 of the length, contradict it. */
+static void electrodes_say_their_side(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *names; /* one of each electrode, "" where numbers follow the letters */
+        double x[4];
+        int contacts;
+        const char *warned;
+    } cases[] = {
+        {"LA/RPH",
+         {30, -30},
+         3,
+         "2 of 2 electrodes lie on the other side than the first letter of their names says (LA, RPH)"},
+        {"LPH /RPH ",
+         {30, 30},
+         3,
+         "1 of 2 electrodes lie on the other side than the first letter of their names says (LPH)"},
+        {"LAmy-/RAmy-/STN", {-30, -30, 10}, 3, "1 of 2"}, /* STN says none */
+        {"LA/LB/LC", {30, 30, 30}, 3, "3 of 3"},
+        {"LA/RA/LFP", {-30, 30, 20}, 3, "1 of 3"}, /* where all begin so, it is the left frontal pole */
+        {"LA/RA/LFP/STN", {-30, 30, 20, 9}, 3, NULL},
+        {"LA/RA", {-30, 30}, 3, NULL},
+        {"LA/RA", {30, 30}, 2, NULL}, /* two contacts are no proof */
+        {"LA/LB", {30, 30}, 3, NULL},
+        {"LFP", {30}, 4, NULL},
+        {"LFP/STN", {30, -30}, 3, NULL},
+        {"LA/LB/LC/STN", {30, 30, 30, 9}, 3, NULL},
+        {"Lingual/Rectus", {30, -30}, 3, NULL},
+        {"L/R", {5, -5}, 3, NULL}, /* L1 is the contact of an electrode L */
+        {"LA/RA", {5, -5}, 3, NULL},
+        {"LA/RA", {5.01, -5}, 3, "(LA)"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char text[1024] = "name,x,y,z\n";
+        struct text rest = text_from(cases[i].names);
+        struct text name;
+        bool more = true;
+        for (size_t k = 0; text_field(&rest, '/', &more, &name); k++) {
+            for (int n = 1; n <= cases[i].contacts; n++) {
+                size_t used = strlen(text);
+                snprintf(text + used, sizeof text - used, "%.*s%d,%g,-20,-15\n", (int)name.size, name.data, n,
+                         cases[i].x[k]);
+            }
+        }
+        conus_pose_list *list = pose_text_parse(text_from(text), &(conus_pose_options){.longest = 180});
+        bool has = pose_has_note(list, cases[i].warned ? cases[i].warned : "other side");
+        if (has != (cases[i].warned != NULL)) {
+            fail_msg("case %zu: %s", i, text);
+        }
+        conus_pose_list_destroy(list);
+        char words[] = ",sides=anyway";
+        list = pose_text_parse(text_from(text), &(conus_pose_options){.longest = 180, .columns = words + 1});
+        assert_false(pose_has_note(list, "other side"));
+        conus_pose_list_destroy(list);
+    }
+}
+
 /* The user's word beats what is found, and what is said against it. */
 static void columns_are_named_by_the_user(void **state)
 {
@@ -336,7 +395,9 @@ static void angles_and_ends(void **state)
                                                 &(conus_pose_options){.frame = cases[i].from_bregma ? &bregma : NULL});
         const conus_pose_row *row = conus_pose_list_row(list, 0);
         double way[3];
+        bool has_phi = strstr(cases[i].text, "phi");
         assert_null(row->error);
+        assert_int_equal(pose_has_note(list, "theta 0 is straight down; x y z are ML, AP, DV"), has_phi);
         assert_row_at(row, cases[i].at[0], cases[i].at[1], cases[i].at[2]);
         assert_true(vec3_normalise(way, cases[i].way));
         assert_row_along(row, way[0], way[1], way[2]);
@@ -505,6 +566,7 @@ TEST_GROUP(columns)
         cmocka_unit_test(spaces_are_heard),
         cmocka_unit_test(positions_of_mni305_stay_on_their_atlas),
         cmocka_unit_test(numbers_are_judged),
+        cmocka_unit_test(electrodes_say_their_side),
         cmocka_unit_test(columns_are_named_by_the_user),
         cmocka_unit_test(words_without_use_are_refused),
         cmocka_unit_test(angles_and_ends),
