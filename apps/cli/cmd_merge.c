@@ -6,7 +6,6 @@
 #include "batch/batch_file.h"
 #include "batch/batch_record.h"
 #include "cli/commands.h"
-#include "cli/plan_journal.h"
 #include "conus/file.h"
 #include "options/input_file.h"
 #include "options/messages.h"
@@ -386,12 +385,6 @@ static bool init_merge(struct merge *merge, const struct arguments *arguments)
 static int run_merge(const void *given, const struct arguments *arguments)
 {
     struct merge merge = {.settings = given};
-    if (plan_journal_is_of(arguments->operands[0])) {
-        return print_usage_error(
-            "%s: is a shard of a plan, which joins its shards by its own options, without --shard: "
-            "conus plan ATLAS ... --merge FILE --merge FILE ... -o %s",
-            arguments->operands[0], merge.settings->output);
-    }
     int code = init_merge(&merge, arguments) ? merge_shards(&merge) : EXIT_DATA;
     progress_finish(&merge.progress, 0, 0);
     for (size_t i = 0; merge.parts && i < merge.count; i++) {

@@ -58,8 +58,6 @@ ROWS = [
      [*ATLAS, "skin.func.gii", "region.nii.gz", "apart.tsv"]),
     ("plan u-shape.nii.gz --poses poses.tsv --reach Ball,@list.txt,length=1",
      {"output": ".tsv", "poses-out": ".mrk.json"}, [*ATLAS, "poses.tsv", "list.txt"]),
-    ("plan u-shape.nii.gz --poses poses.tsv --reach Ball --merge plan0.tsv --merge plan1.tsv", {"output": ".tsv", "poses-out": ".tsv"},
-     [*ATLAS, "poses.tsv", "plan0.tsv", "plan0.tsv.journal", "plan1.tsv"]),
     (f"render u-shape.nii.gz {AIM} --context grey.nii.gz --size 16x16 --camera camera.txt --palette palette.txt --transfer transfer.txt",
      {"output": ".png"}, [*ATLAS, "grey.nii.gz", "camera.txt", "palette.txt", "transfer.txt"]),
     ("page both.atlas.json --template template.html", {"output": ".html"},
@@ -125,7 +123,6 @@ def make_inputs(folder):
     write("skin.func.gii", gifti(signs, [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]))
     for i in range(2):
         run(folder, f"batch u-shape.nii.gz --poses poses.tsv --shard {i}/2 -o shard{i}.tsv".split()).check_returncode()
-        run(folder, f"plan u-shape.nii.gz --poses poses.tsv --reach Ball --shard {i}/2 -o plan{i}.tsv".split())
 
 
 def command(folder, row, chosen, path):

@@ -750,7 +750,7 @@ READERS = {
 # the network; what conus keeps; pieces of files.
 UNREAD = ("place", "recent", "script", "session", "thumbnail", "hdf5_stream", "minc", "nwb", "simnibs", "transform_chain",
           "mesh_request", "mesh_stream", "igtl", "atlas_pack", "batch_journal", "cache_entry", "gzip_index",
-          "mesh_cache", "plan_known", "gzip", "text")
+          "mesh_cache", "gzip", "text")
 # Files beside that which is asked about.
 BESIDE = {"batch_record": "rows.tsv", "sidecar": "rows.tsv", "coordsystem": "sub-01_electrodes.tsv"}
 
