@@ -43,7 +43,6 @@ ROWS = [
     ("query pair.hdr " + AIM, {"output": ".tsv", "mask": ".nii.gz"}, ["pair.hdr", "pair.img", "pair.tsv"]),
     ("batch u-shape.nii.gz --poses poses.tsv", {"output": ".tsv", "segments": ".csv", "clearance": ".ndjson"},
      [*ATLAS, "poses.tsv"]),
-    ("merge shard0.tsv shard1.tsv", {"output": ".tsv"}, ["shard0.tsv", "shard0.json", "shard1.tsv", "shard1.json"]),
     ("track u-shape.nii.gz --poses track.tsv", {"output": ".tsv", "sidecar": ".json"}, [*ATLAS, "track.tsv"]),
     (f"sweep u-shape.nii.gz --pose poses.tsv {MORE}", {"output": ".tsv", "sidecar": ".json"},
      ["u-shape.nii.gz", "own.tsv", "poses.tsv", "bundle.tck", "shift.txt"]),
@@ -78,7 +77,7 @@ def gifti(points, triangles):
 
 
 def run(folder, words, **more):
-    # -mpi and -view share what is checked here: apps/batch, and the library's one writer
+    # -view shares what is checked here: the library's one writer
     return subprocess.run([CONUS, *words], cwd=folder, capture_output=True, text=True, check=False, **more)
 
 
@@ -121,14 +120,11 @@ def make_inputs(folder):
                                          "context": {"file": "grey.nii.gz"}, "streamlines": [{"file": "bundle.tck"}]}))
     signs = [(20, 0, 0), (-20, 0, 0), (0, 20, 0), (0, -20, 0), (0, 0, 20), (0, 0, -20)]
     write("skin.func.gii", gifti(signs, [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]))
-    for i in range(2):
-        run(folder, f"batch u-shape.nii.gz --poses poses.tsv --shard {i}/2 -o shard{i}.tsv".split()).check_returncode()
 
 
 def command(folder, row, chosen, path):
     """The words of a row with the file `path` for the output `chosen`; others go to new files."""
-    words = row[0].split()
-    words += ["--quiet"] if words[0] != "merge" else []
+    words = [*row[0].split(), "--quiet"]
     for i, (option, ending) in enumerate(row[1].items()):
         value = path if option == chosen else f"new{i}{ending}"
         words += [f"--{option}", value]
