@@ -162,10 +162,10 @@ static json_t *json_from_record(const struct batch_record *record)
     json_object_set_new(batch, "angle_deg", json_real(record->angle));
     json_object_set_new(batch, "own_angles", json_boolean(record->has_angles));
     json_object_set_new(batch, "points", json_boolean(record->has_points));
-    if (record->found) {
+    if (record->aimed) {
         json_t *found = json_array();
         for (size_t i = 0; i < record->atlases; i++) {
-            json_array_append_new(found, json_from_found(record->found[i]));
+            json_array_append_new(found, json_from_found(record->aimed[i].found));
         }
         json_object_set_new(batch, "found", found);
     }

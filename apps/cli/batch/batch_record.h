@@ -5,9 +5,8 @@
 #define CONUS_CLI_BATCH_RECORD_H
 
 #include "cli/batch/batch_shard.h"
-#include "conus/aims.h"
 #include "options/provenance.h"
-#include "settings/atlases.h"
+#include "settings/notes.h"
 
 enum { BATCH_RECORD_LIMIT = 1 << 26 }; /**< Largest sidecar that is read, bytes. */
 
@@ -27,8 +26,8 @@ struct batch_record {
     double angle;                  /**< and the angle of poses without one, degrees; */
     bool has_angles, has_points;   /**< poses may have angles of their own, or be points, */
     bool has_ranges;               /**< or have ranges of their own; */
-    const conus_astray *found;     /**< [atlases] of a part, what was found about its poses, NULL = nothing is kept, */
-    size_t atlases;                /**< by each atlas. */
+    const struct aimed *aimed;     /**< [atlases] of a part, with what was found about its poses; NULL = is not kept. */
+    size_t atlases;                /**< As many as were asked. */
 };
 
 /** Fingerprint of rows: of their sidecar, which is a JSON object, without what differs between machines; the texts of

@@ -599,15 +599,10 @@ static int finish_file(struct task *task)
     const char *text = NULL;
     size_t size = 0;
     conus_status status = conus_batch_sidecar(&text, &size, task->batch);
-    conus_astray *found = calloc(task->atlases.count, sizeof *found);
     char *words = task->shard.all ? arguments_text(task->arguments) : shard_words(task->arguments, task->shard);
-    if (status || !found || !words) {
-        free(found);
+    if (status || !words) {
         free(words);
         return status ? print_status(status) : print_no_memory();
-    }
-    for (size_t i = 0; i < task->atlases.count; i++) {
-        found[i] = task->aimed[i].found;
     }
     struct batch_record record = {
         .shard = task->shard,
@@ -628,7 +623,7 @@ static int finish_file(struct task *task)
         .has_angles = conus_pose_stream_has_angles(task->poses),
         .has_ranges = conus_pose_stream_has_ranges(task->poses),
         .has_points = conus_pose_stream_has_points(task->poses) || task->probe,
-        .found = task->shard.count > 1 ? found : NULL,
+        .aimed = task->shard.count > 1 ? task->aimed : NULL,
         .atlases = task->atlases.count,
     };
     memcpy(record.fingerprint, task->fingerprint, sizeof record.fingerprint);
@@ -650,7 +645,6 @@ static int finish_file(struct task *task)
                                                 : "cone",
     };
     int code = batch_record_write(task->sidecar, text, &record, words, &question);
-    free(found);
     free(words);
     code = code ? code : batch_file_finish(&task->file);
     batch_file_close(&task->file);
@@ -780,7 +774,10 @@ static int add_part(struct task *task, struct batch_file *whole, struct counts *
     uint32_t crc;
     uint64_t size;
     conus_astray *own = calloc(task->atlases.count, sizeof *own);
-    int code = own ? batch_record_read(&record, own, task->atlases.count, task->sidecar) : print_no_memory();
+    if (!own) {
+        return print_no_memory();
+    }
+    int code = batch_record_read(&record, own, task->atlases.count, task->sidecar);
     code = code || is_own_part(task, &record) ? code : EXIT_DATA;
     code = code ? code : batch_file_read(&crc, &size, task->path, whole, record.header_size);
     if (!code && (crc != record.crc || size != record.bytes)) {
@@ -838,7 +835,10 @@ static int join_parts(struct task *task)
     struct batch_file whole = {.rows = -1};
     struct counts sum = {0};
     conus_astray *found = calloc(task->atlases.count, sizeof *found);
-    int code = found ? turn_to(task, all_parts) : print_no_memory();
+    if (!found) {
+        return print_no_memory();
+    }
+    int code = turn_to(task, all_parts);
     const char *header_row = code ? "" : conus_batch_header(task->batch);
     code = code ? code : batch_file_begin(&whole, task->settings->output);
     code = code ? code : batch_file_append(&whole, header_row, strlen(header_row));
@@ -878,7 +878,10 @@ static int answer_parts(struct task *task)
     size_t warnings = 0;
     bool is_joined = false;
     bool *whole = calloc(part.count, sizeof *whole);
-    int code = whole ? look_at_file(&is_joined, &record, task) : print_no_memory();
+    if (!whole) {
+        return print_no_memory();
+    }
+    int code = look_at_file(&is_joined, &record, task);
     for (; part.index < part.count && !code && !is_joined; part.index++) {
         code = name_file(task, part);
         code = code ? code : check_file(task);
