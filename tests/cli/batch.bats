@@ -380,6 +380,7 @@ no_source() {
     source_of 8/12 "${slurm_array[@]}" SLURM_PROCID=2 SLURM_STEP_NUM_TASKS=3 SLURM_STEP_ID=0
     source_of 2/4 "${slurm_array[@]}" SGE_TASK_ID=undefined LSB_JOBINDEX=0
     no_source 'the environment does not say which part this process is' SLURM_PROCID=0 SLURM_NTASKS=8
+    no_source 'the environment does not say which part this process is' -u SLURM_STEP_ID SLURM_PROCID=0 SLURM_STEP_NUM_TASKS=1
     no_source 'the environment does not say which part this process is' SGE_TASK_ID=undefined
     no_source 'SLURM_ARRAY_TASK_ID=3 is not one of a whole range of numbers' SLURM_ARRAY_TASK_ID=3 SLURM_ARRAY_TASK_MIN=3 \
         SLURM_ARRAY_TASK_MAX=5 SLURM_ARRAY_TASK_STEP=1 SLURM_ARRAY_TASK_COUNT=2

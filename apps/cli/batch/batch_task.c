@@ -737,12 +737,11 @@ static int answer_part(struct task *task, size_t warnings)
     return code;
 }
 
+/* Of poses that come behind those of the sum. */
 static void add_oddity(conus_oddity *sum, const conus_oddity *more)
 {
     uint64_t count = sum->count + more->count;
-    if (more->count && (!sum->count || more->first < sum->first)) {
-        *sum = *more;
-    }
+    *sum = sum->count ? *sum : *more;
     sum->count = count;
 }
 
