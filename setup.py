@@ -16,7 +16,7 @@ sys.path.insert(0, str(ROOT / "python"))
 import build_conus  # pylint: disable=wrong-import-position
 
 PACKAGE = "lib/conus"
-LEFT_OUT = ["TESTS", "BENCH", "MESH", "HDF5", "VIEW", "MPI"]
+LEFT_OUT = ["TESTS", "BENCH", "MESH", "HDF5", "VIEW"]
 LIBRARY = {"windows": "conus.dll", "macos-arm64": "libconus.0.dylib", "macos-x86-64": "libconus.0.dylib"}
 
 

@@ -25,7 +25,7 @@ install(FILES ${PROJECT_BINARY_DIR}/conus.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}
 
 # Programs
 # Each that has tables of options writes its man pages and completions.
-foreach(program IN ITEMS conus_cli conus-view conus-mpi conus-mesh conus-hdf5)
+foreach(program IN ITEMS conus_cli conus-view conus-mesh conus-hdf5)
   if(NOT TARGET ${program})
     continue()
   endif()

@@ -3,12 +3,11 @@
 #include "base/path.h"
 #include "base/system/system.h"
 #include "base/text.h"
-#include "batch/batch_task.h"
 #include "cli/answers/ends.h"
 #include "cli/candidates.h"
 #include "cli/commands.h"
-#include "cli/plan_journal.h"
 #include "cli/request.h"
+#include "options/clock.h"
 #include "options/interrupt.h"
 #include "options/messages.h"
 #include "options/progress.h"
@@ -28,7 +27,6 @@ struct plan_settings {
     const char *rank, *score;
     const char *constraint_rows, *profile, *tolerance, *pivot;
     const char *jitter, *contacts;
-    struct journal_settings journal;
     uint32_t threads, samples;
     const char *map, *target_map, *structure;
     size_t progress; /* enum progress_kind */
@@ -220,7 +218,6 @@ static const struct option_group groups[] = {
     {"", best_map_options, 0},
     {"", rows_options, 0},
     {"How it runs", run_options, 0},
-    {"", journal_options, offsetof(struct plan_settings, journal)},
     {"", quiet_options, REQUEST_FIELD(common)},
     {0},
 };
@@ -236,13 +233,13 @@ struct planning {
     struct request request;
     struct constraints constraints;
     struct candidates candidates;
-    struct plan_journal journal;
     struct rows_file files[ROWS_FILES]; /* --constraints, --profile, --tolerance */
     uint64_t top;
     conus_tolerance_options pivot;
     conus_jitter_options jitter;
     double step; /* mm, of --profile */
     conus_plan *plan;
+    bool has_said_time; /* how long it takes */
 };
 
 static bool read_top(uint64_t *out, const char *text)
@@ -328,13 +325,33 @@ static int open_poses(void *user)
     return status ? pose_settings_print_error(status, path, "poses", request->arguments) : EXIT_DONE;
 }
 
+/* Says after the first second how long a plan of minutes will take. */
+static void say_time(struct planning *planning, uint64_t done)
+{
+    static const double SECOND = 1000, LONG = 120 * SECOND;
+    const struct progress *progress = &planning->request.progress;
+    double spent = clock_ms() - progress->started;
+    if (planning->has_said_time || spent < SECOND || !progress->total || !done) {
+        return;
+    }
+    planning->has_said_time = true;
+    double all = spent / (double)done * (double)progress->total;
+    if (all > LONG) {
+        bool is_of_hours = all > 7200 * SECOND;
+        say_note(CONUS_SEVERITY_NOTE, planning->settings->request.common.quiet,
+                 "%llu poses take about %.2g %s; Ctrl-C lists the best of those that were tried",
+                 (unsigned long long)progress->total, all / SECOND / (is_of_hours ? 3600 : 60),
+                 is_of_hours ? "hours" : "minutes");
+    }
+}
+
 static bool show_tried(void *user, size_t done, size_t total)
 {
     struct planning *planning = user;
     (void)total;
     progress_update(&planning->request.progress, done, 0);
-    planning->journal.code = plan_journal_write(&planning->journal, planning->plan, interrupt_signal());
-    return !planning->journal.code && !interrupt_signal();
+    say_time(planning, done);
+    return !interrupt_signal();
 }
 
 static void list_inputs(struct provenance *out, const struct planning *planning)
@@ -347,28 +364,39 @@ static void list_inputs(struct provenance *out, const struct planning *planning)
     candidates_list_inputs(out, &planning->candidates);
 }
 
+/* A run that a signal ended has a list, too: of the poses that were tried. */
+static int say_cut(struct planning *planning, int signal)
+{
+    struct request *request = &planning->request;
+    uint64_t rows = conus_plan_left(planning->plan, 0) + conus_plan_rejected(planning->plan).count;
+    uint64_t total = 0;
+    char of[32] = "";
+    if (!rows) {
+        print_error_line("interrupted before the first pose");
+        return 128 + signal;
+    }
+    if (!conus_pose_stream_count(&total, request->stream)) {
+        if (rows == total) { /* it came too late */
+            return EXIT_DONE;
+        }
+        snprintf(of, sizeof of, " of %llu", (unsigned long long)total);
+    }
+    say_warning("interrupted: tried %llu%s poses; the list has the best of these", (unsigned long long)rows, of);
+    request->failed = true;
+    return EXIT_DONE;
+}
+
 static int run_all(struct planning *planning)
 {
     struct request *request = &planning->request;
-    struct plan_journal *journal = &planning->journal;
     conus_plan *plan = planning->plan;
-    if (journal->path) {
-        interrupt_catch(request->stream);
-    }
-    conus_status status = conus_plan_run(plan, request->stream, journal->count);
+    interrupt_catch(request->stream);
+    conus_status status = conus_plan_run(plan, request->stream, UINT64_MAX);
     interrupt_release();
-    int code = journal->code;
-    code = code || status ? code : plan_journal_write(journal, plan, journal->next > 0);
     int signal = interrupt_signal();
+    status = status == CONUS_ERROR_CANCELLED && signal ? conus_plan_cut(plan) : status;
     progress_finish(&request->progress, conus_plan_left(plan, 0), conus_plan_rejected(plan).count);
-    if (!code && signal) {
-        char *command = batch_resuming(request->arguments);
-        print_error_line("interrupted after %llu poses; continue with: %s",
-                         (unsigned long long)conus_plan_left(plan, 0), command ? command : "--resume");
-        free(command);
-        return 128 + signal;
-    }
-    return code ? code : print_status(status);
+    return status ? print_status(status) : signal ? say_cut(planning, signal) : EXIT_DONE;
 }
 
 static int try_poses(struct planning *planning)
@@ -397,17 +425,9 @@ static int try_poses(struct planning *planning)
     if (status) {
         return print_status(status);
     }
-    struct provenance inputs = {0};
-    list_inputs(&inputs, planning);
-    int code = plan_journal_open(&planning->journal, planning->plan, request, &inputs);
-    if (code) {
-        return code;
-    }
     progress_start(progress, (enum progress_kind)settings->progress, settings->request.common.quiet, "poses", 0);
-    progress->before = conus_plan_left(planning->plan, 0);
-    progress->total = planning->journal.count;
-    if (progress->total == UINT64_MAX &&
-        (!progress_is_shown(progress) || conus_pose_stream_count(&progress->total, request->stream))) {
+    bool is_quick = !settings->request.aim.pose; /* candidates are counted without being made */
+    if (!(is_quick || progress_is_shown(progress)) || conus_pose_stream_count(&progress->total, request->stream)) {
         progress->total = 0;
     }
     return run_all(planning);
@@ -498,9 +518,6 @@ static int check_candidates(struct planning *planning)
                            &request->settings->common);
     uint64_t tried = conus_plan_left(planning->plan, 0);
     uint64_t rows = tried + faults.count;
-    if (!tried && planning->journal.shard.count > 1) { /* others may have some */
-        return EXIT_DONE;
-    }
     if (!tried && !faults.count) {
         return print_usage_error("%s: no candidate: no poses in it", path);
     }
@@ -659,9 +676,6 @@ static int write_all(struct planning *planning)
     code = code || is_replaced(planning) ? code
                                          : answer_write(request->answerers[0].report, settings->request.answer.output,
                                                         request->sidecar, &provenance);
-    if (!code) {
-        plan_journal_end(&planning->journal, true);
-    }
     return code;
 }
 
@@ -692,9 +706,7 @@ static int answer_plan(struct planning *planning)
     code = code ? code : check_maps(planning);
     code = code ? code : request_check_outputs(request); /* once all is read that a plan reads */
     code = code ? code : try_poses(planning);
-    if (!code && (code = check_candidates(planning))) {
-        plan_journal_end(&planning->journal, false);
-    }
+    code = code ? code : check_candidates(planning);
     if (code) {
         return code;
     }
@@ -711,8 +723,7 @@ static int answer_plan(struct planning *planning)
 
 static int run_plan(const void *given, const struct arguments *arguments)
 {
-    struct plan_settings own = *(const struct plan_settings *)given;
-    const struct plan_settings *settings = &own;
+    const struct plan_settings *settings = given;
     struct planning planning = {.settings = settings};
     int code = constraints_parse(&planning.constraints, arguments);
     code = code ? code : candidates_parse(&planning.candidates, &settings->candidates, arguments);
@@ -731,9 +742,6 @@ static int run_plan(const void *given, const struct arguments *arguments)
                 space_settings_check(arguments, &settings->request.aim.space);
     code = code || fits ? code : EXIT_USAGE;
     code = code ? code : request_init(&planning.request, &settings->request, arguments);
-    bool replaces = false;
-    code = code ? code : plan_journal_init(&planning.journal, &replaces, &settings->journal, &planning.request);
-    own.request.answer.force = own.request.answer.force || replaces;
     code = code ? code : start_rows(&planning);
     code = code ? code : answer_plan(&planning);
     for (size_t i = 0; i < ROWS_FILES; i++) {
@@ -743,7 +751,6 @@ static int run_plan(const void *given, const struct arguments *arguments)
     constraints_finish(&planning.constraints);
     request_finish(&planning.request);
     candidates_finish(&planning.candidates);
-    plan_journal_finish(&planning.journal);
     return code;
 }
 

@@ -83,7 +83,7 @@ const struct command cmd_verify = {
     .summary = "answer a result again from its sidecar and compare",
     .operands = {"RESULT"},
     .description =
-        "RESULT is what query, batch, merge, sweep, track or overlap wrote, with its .json beside it. Checks the\n"
+        "RESULT is what query, batch, sweep, track or overlap wrote, with its .json beside it. Checks the\n"
         "SHA-256 of all that was read, answers again in a folder of its own, and compares byte for byte. Exit code\n"
         "0: identical, 1: something differs, and which row and why, 3: it cannot be answered again, and why.",
     .examples = "  conus verify answers.tsv\n"

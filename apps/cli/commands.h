@@ -10,7 +10,6 @@ extern const struct command cmd_cache;
 extern const struct command cmd_info;
 extern const struct command cmd_query;
 extern const struct command cmd_batch;
-extern const struct command cmd_merge;
 extern const struct command cmd_render;
 extern const struct command cmd_sweep;
 extern const struct command cmd_track;

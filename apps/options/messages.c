@@ -99,13 +99,15 @@ const char *warning_line(size_t index)
     return index < warning_count ? warnings[index] : NULL;
 }
 
-void warnings_forget(void)
+void warnings_forget(size_t first)
 {
-    while (warning_count) {
+    while (warning_count > first) {
         free(warnings[--warning_count]);
     }
-    free(warnings);
-    warnings = NULL;
+    if (!warning_count) {
+        free(warnings);
+        warnings = NULL;
+    }
 }
 
 void warnings_mute(void)

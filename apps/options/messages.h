@@ -26,8 +26,8 @@ void say_note(conus_severity severity, bool quiet, const char *format, ...) __at
 
 /** Warning @p index of this thread, from 0; NULL past the last. */
 const char *warning_line(size_t index);
-/** Forgets the thread's warnings: what follows is about other files. */
-void warnings_forget(void);
+/** Forgets the thread's warnings from @p first on: what follows is about other files. */
+void warnings_forget(size_t first);
 /** This thread says no warnings from here on: another process does. */
 void warnings_mute(void);
 

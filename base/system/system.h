@@ -124,8 +124,6 @@ bool system_to_disk(int file);
 bool system_reserve(int file, uint64_t size);
 /** Whether a file of @p size bytes in an open folder is below the process's limit, and leaves as much room again. */
 bool system_has_room(int folder, uint64_t size);
-/** Locks an open file for this process, at once or not at all, until it is closed. */
-bool system_lock(int file);
 /** Sets the last change of its bytes. */
 bool system_set_changed(int file, const struct timespec *changed);
 /** Sets the last use, to now. */

@@ -12,7 +12,6 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -244,11 +243,6 @@ bool system_has_room(int folder, uint64_t size)
     struct statvfs disk;
     return getrlimit(RLIMIT_FSIZE, &limit) == 0 && (limit.rlim_cur == RLIM_INFINITY || size <= limit.rlim_cur) &&
            fstatvfs(folder, &disk) == 0 && disk.f_frsize && size / disk.f_frsize < disk.f_bavail / 2;
-}
-
-bool system_lock(int file)
-{
-    return flock(file, LOCK_EX | LOCK_NB) == 0;
 }
 
 bool system_set_changed(int file, const struct timespec *changed)

@@ -648,14 +648,6 @@ bool system_has_room(int folder, uint64_t size)
            GetDiskFreeSpaceExW(path, &room, NULL, NULL) && size < room.QuadPart / 2;
 }
 
-/* A byte far behind any end: a lock binds whoever reads or writes there. */
-bool system_lock(int file)
-{
-    OVERLAPPED where = offset_of((uint64_t)INT64_MAX - 1);
-    return LockFileEx(handle_of(file), LOCKFILE_EXCLUSIVE_LOCK | LOCKFILE_FAIL_IMMEDIATELY, 0, 1, 0, &where) ||
-           fail_with(ERROR_LOCK_VIOLATION);
-}
-
 static FILETIME time_to(const struct timespec *time)
 {
     uint64_t units = (uint64_t)(time->tv_sec * 10000000 + time->tv_nsec / 100 + UNIX_BEGINS);

@@ -202,6 +202,16 @@ CONUS_API void conus_plan_destroy(conus_plan *plan);
 CONUS_CHECKED conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t limit);
 
 /**
+ * Makes the list of a plan whose run was cancelled, from the poses that were tried until then: the first ones, as many
+ * as conus_plan_left() and conus_plan_rejected() count. It does not ask conus_plan_options.progress.
+ * @param plan The plan, whose conus_plan_run() gave #CONUS_ERROR_CANCELLED.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a plan that was not run, or has its list; the errors of conus_select().
+ * @threads One at a time for each @p plan, and for the selector.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_plan_cut(conus_plan *plan);
+
+/**
  * Tries one pose, at once and all by itself: before a run, after it, or without one. The list does not change.
  * @param[out] out All that the list would say of it, also where it breaks constraints; candidate, rank and front are 0.
  * Borrowed from the plan until the next call.
@@ -360,34 +370,6 @@ CONUS_API bool conus_plan_has_leeway(const conus_plan *plan, size_t index);
  */
 CONUS_CHECKED conus_status conus_plan_distance(double *out, conus_plan *plan, size_t pose, size_t constraint,
                                                double depth);
-
-/**
- * Writes the progress of a run: the rows that were read, how many candidates hold the first constraints, and the
- * numbers of candidates from which all other results can be found again. conus_plan_options.progress may ask for it,
- * during the run.
- * @param[out] text Lines of words and numbers. Borrowed from the plan until the next call.
- * @param[out] size Its bytes.
- * @param plan A plan that is run, or was.
- * @return #CONUS_OK; #CONUS_ERROR_MEMORY.
- * @threads One at a time for each @p plan.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_plan_state(const char **text, size_t *size, conus_plan *plan);
-
-/**
- * Takes over the results of another plan, with the same atlas, selector, constraints and options, for rows of the same
- * poses. conus_plan_run() then passes over these rows, except candidates that are kept; the result is as if it had
- * tried them all. Of these options only the threads may differ, and entries and targets may be 0.
- * @param[out] end Number of the row behind those that are known, from 0.
- * @param plan Not run before. The stream that it will run is at the first row of its first state.
- * @param text [size] From conus_plan_state(). Its rows follow those of the state added before.
- * @param size Its bytes.
- * @return #CONUS_OK; #CONUS_ERROR_DATA for what is no state or does not fit; #CONUS_ERROR_ARGUMENT for a plan that was
- * run. conus_plan_run() gives #CONUS_ERROR_DATA where the rows are not those of its poses.
- * @threads One at a time for each @p plan.
- * @since 0.1
- */
-CONUS_CHECKED conus_status conus_plan_add_state(uint64_t *end, conus_plan *plan, const char *text, size_t size);
 
 /** @name Tolerance
  * How far a pose may be off along one degree of freedom, to either side, before a constraint breaks (Eq. 23).

@@ -19,7 +19,7 @@ class Conus < Formula
   uses_from_macos "zlib"
 
   def install
-    args = %w[MESH HDF5 VIEW MPI PYTHON GL EMBREE TESTS BENCH].map { |part| "-DCONUS_#{part}=OFF" }
+    args = %w[MESH HDF5 VIEW PYTHON GL EMBREE TESTS BENCH].map { |part| "-DCONUS_#{part}=OFF" }
     system "cmake", "-S", ".", "-B", "build", "-G", "Ninja", *args, *std_cmake_args
     system "cmake", "--build", "build"
     system "cmake", "--install", "build"

@@ -7,11 +7,11 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/order.h"
+#include "base/text.h"
 #include "poses/pose_stream.h"
 #include "poses/rows/pose_row.h"
 #include "selection/batch/ring.h"
 #include "selection/batch/worker.h"
-#include "selection/plan/plan_known.h"
 #include "selection/plan/plan_trial.h"
 
 #include <math.h>
@@ -19,7 +19,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SHANK_LIMIT = 1000, BLOCK = 32, DEFAULT_TOP = 20, SPARE = 16 };
+enum { CONSTRAINT_LIMIT = 100, SHANK_LIMIT = 1000, BLOCK = 32, DEFAULT_TOP = 20, SPARE = 16, REASON_SIZE = 256 };
 enum { MAPS_AFTER = 2048 }; /* poses, which take as long as making the maps does */
 
 /* A pose that is kept; its verdicts, keys and id follow it in memory. */
@@ -43,9 +43,8 @@ struct block {
     struct entry *listed; /* in place of the trials, once the list is known */
     struct rejected {
         uint64_t count, line;
-        char why[PLAN_WHY];
+        char why[REASON_SIZE];
     } rejected;
-    uint64_t end; /* position of the stream behind its rows */
 };
 
 /* The best pose of each entry, or of each target. */
@@ -60,7 +59,7 @@ enum { OF_ENTRY, OF_TARGET, BESTS };
 struct conus_plan {
     struct plan_asked asked;
     double (*shanks)[2]; /* [options.shank_count] */
-    bool was_run, was_mapped, is_done;
+    bool was_run, is_cut, was_mapped, is_listed, is_done;
     uint64_t *left; /* [count + 1] The funnel. */
     struct rejected rejected;
     struct entries list;       /* Feasible poses during a run, then all that is listed. */
@@ -72,13 +71,9 @@ struct conus_plan {
     struct plan_worker *workers;
     struct block *blocks;     /* [ring_slots + 1] The last one is conus_plan_try()'s. */
     conus_pose_stream *poses; /* of the run */
-    uint64_t start, done;     /* its positions at first, and behind what was delivered */
+    uint64_t start;           /* its position at first */
     uint64_t rows;            /* still to be read */
     size_t listed;            /* so many poses of the list are asked for their chances */
-    uint64_t known;           /* position behind the rows of states; 0 = there are none */
-    struct plan_numbers kept; /* candidates of theirs, to be tried again, */
-    size_t next;              /* and the first that is not read yet */
-    struct buffer state;      /* conus_plan_state()'s */
 };
 
 static void finish_entries(struct entries *entries)
@@ -136,8 +131,8 @@ static conus_constraint constraint_at(const conus_constraint *constraints, size_
 
 static conus_status init_constraints(conus_plan *plan, const conus_constraint *constraints, size_t count)
 {
-    if (!count || count > PLAN_CONSTRAINTS) {
-        return fail(CONUS_ERROR_ARGUMENT, "constraints: %zu, allowed is 1 to %d", count, PLAN_CONSTRAINTS);
+    if (!count || count > CONSTRAINT_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "constraints: %zu, allowed is 1 to %d", count, CONSTRAINT_LIMIT);
     }
     plan->asked.constraints = memory_zeroed(count, sizeof *plan->asked.constraints);
     conus_status status = plan->asked.constraints ? CONUS_OK : CONUS_ERROR_MEMORY;
@@ -260,8 +255,6 @@ void conus_plan_destroy(conus_plan *plan)
     }
     memory_free(plan->workers);
     memory_free(plan->blocks);
-    memory_free(plan->kept.items);
-    buffer_finish(&plan->state);
     memory_free(plan);
 }
 
@@ -269,7 +262,8 @@ static void reject(struct rejected *rejected, size_t line, const char *why)
 {
     if (!rejected->count++) {
         rejected->line = line;
-        plan_known_reason(rejected->why, text_from(why));
+        snprintf(rejected->why, sizeof rejected->why, "%s", why);
+        text_make_plain(rejected->why, "");
     }
 }
 
@@ -293,26 +287,6 @@ static conus_status make_maps(conus_plan *plan)
     return status;
 }
 
-static conus_status fail_known(const conus_plan *plan)
-{
-    return fail(CONUS_ERROR_DATA, "a state of rows %llu to %llu, which are not those of these poses",
-                (unsigned long long)plan->start + 1, (unsigned long long)plan->known);
-}
-
-/* Passes over known rows, up to the next candidate that is kept. */
-static conus_status pass_known(conus_plan *plan)
-{
-    uint64_t at = pose_stream_position(plan->poses);
-    uint64_t to = plan->next < plan->kept.count ? plan->kept.items[plan->next++] - 1 : plan->known;
-    uint64_t passed = to > at ? to - at : 0;
-    conus_status status = passed ? conus_pose_stream_skip(plan->poses, passed) : CONUS_OK;
-    if (!status && (passed > plan->rows || pose_stream_position(plan->poses) != at + passed)) {
-        status = fail_known(plan);
-    }
-    plan->rows -= status ? 0 : passed;
-    return status;
-}
-
 static conus_status read_block(void *user, size_t slot, bool *may_follow)
 {
     conus_plan *plan = user;
@@ -324,27 +298,17 @@ static conus_status read_block(void *user, size_t slot, bool *may_follow)
     block->rejected = (struct rejected){0};
     buffer_clear(&block->strings);
     while (block->count < BLOCK && plan->rows && count && !status) {
-        status = pass_known(plan);
         uint64_t number = pose_stream_position(plan->poses);
-        bool is_known = number < plan->known;
-        size_t wanted = is_known ? 1 : BLOCK - block->count;
-        wanted = wanted < plan->rows ? wanted : (size_t)plan->rows;
-        count = 0;
-        status = status || !wanted ? status : conus_pose_stream_read(rows, &count, plan->poses, wanted);
-        status = !status && is_known && !count ? fail_known(plan) : status;
-        plan->rows -= count;
+        size_t wanted = BLOCK - block->count;
+        status = conus_pose_stream_read(rows, &count, plan->poses, wanted < plan->rows ? wanted : (size_t)plan->rows);
+        plan->rows -= status ? 0 : count;
         for (size_t i = 0; i < count && !status; i++) {
             struct plan_trial *trial = &block->trials[block->count];
             const char *why = plan_trial_begin(&trial->planned, &rows[i], &plan->asked);
-            if (why && is_known) {
-                status = fail_known(plan);
-                continue;
-            }
             if (why) {
                 reject(&block->rejected, rows[i].line, why);
                 continue;
             }
-            trial->is_known = is_known;
             trial->planned.candidate = number + i + 1;
             trial->planned.verdicts = trial->verdicts;
             trial->id = block->strings.size;
@@ -353,7 +317,6 @@ static conus_status read_block(void *user, size_t slot, bool *may_follow)
         }
     }
     *may_follow = count && plan->rows;
-    block->end = pose_stream_position(plan->poses);
     if (!status && !plan->asked.measures_all && !plan->was_mapped &&
         pose_stream_position(plan->poses) - plan->start >= MAPS_AFTER) {
         status = make_maps(plan);
@@ -471,7 +434,7 @@ static void take_best(conus_plan *plan, const struct plan_trial *trial, size_t k
     if (!best) {
         return;
     }
-    best->feasible += !trial->is_known;
+    best->feasible++;
     if (trial->is_measured && (!best->candidate || plan_keys_compare(trial->keys, keys, count) > 0)) {
         const conus_planned *planned = &trial->planned;
         size_t reach = 0;
@@ -544,13 +507,12 @@ static conus_status deliver_block(void *user, size_t slot)
     for (size_t i = 0; i < block->count && !status; i++) {
         const struct plan_trial *trial = &block->trials[i];
         for (size_t k = 0; k <= plan->asked.count && (k == 0 || trial->planned.broken > k - 1); k++) {
-            plan->left[k] += !trial->is_known;
+            plan->left[k]++;
         }
         status = trial->planned.feasible ? take_feasible(plan, trial, block) : take_infeasible(plan, trial, block);
     }
     pthread_mutex_unlock(&plan->lock);
     add_rejected(&plan->rejected, &block->rejected);
-    plan->done = block->end;
     return status ? status : report_progress(plan);
 }
 
@@ -560,7 +522,7 @@ static void stop_reading(void *user)
 }
 
 /* Makes the list from the poses that were kept. */
-static conus_status complete(conus_plan *plan)
+static conus_status make_list(conus_plan *plan)
 {
     cut_list(plan);
     for (size_t i = 0; i < plan->list.count; i++) {
@@ -576,6 +538,7 @@ static conus_status complete(conus_plan *plan)
         plan->list.items[plan->list.count++] = plan->infeasible.items[i];
         plan->infeasible.items[i] = NULL;
     }
+    plan->is_listed = true;
     return CONUS_OK;
 }
 
@@ -600,8 +563,9 @@ static conus_status ask_chances(void *user, size_t slot, size_t worker, const at
 
 static conus_status deliver_listed(void *user, size_t slot)
 {
+    const conus_plan *plan = user;
     (void)slot;
-    return report_progress(user);
+    return plan->is_cut ? CONUS_OK : report_progress(plan);
 }
 
 /* Adds the probabilities of all listed poses. */
@@ -617,6 +581,15 @@ static conus_status add_chances(conus_plan *plan)
                                                .deliver = deliver_listed});
 }
 
+static conus_status complete(conus_plan *plan)
+{
+    conus_status status = plan->is_listed ? CONUS_OK : make_list(plan);
+    plan->listed = 0;
+    status = status ? status : add_chances(plan);
+    plan->is_done = !status;
+    return status;
+}
+
 conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t limit)
 {
     if (plan->was_run) {
@@ -625,11 +598,7 @@ conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t
     plan->was_run = true;
     plan->poses = poses;
     plan->rows = limit;
-    plan->done = pose_stream_position(poses);
-    if (plan->known && plan->done != plan->start) {
-        return fail_known(plan);
-    }
-    plan->start = plan->done;
+    plan->start = pose_stream_position(poses);
     pthread_mutex_init(&plan->lock, NULL);
     conus_status status = ring_run(&(const struct ring){.user = plan,
                                                         .workers = plan->asked.options.threads,
@@ -639,136 +608,16 @@ conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t
                                                         .deliver = deliver_block,
                                                         .interrupt = stop_reading});
     pthread_mutex_destroy(&plan->lock);
-    status = status ? status : complete(plan);
-    status = status ? status : add_chances(plan);
-    plan->is_done = !status;
-    return status;
+    return status ? status : complete(plan);
 }
 
-/* Whether a state may follow those that were taken over. */
-static conus_status check_state(const conus_plan *plan, const struct plan_known *state)
+conus_status conus_plan_cut(conus_plan *plan)
 {
-    const uint64_t from = state->lines[PLAN_ROWS].items[0];
-    if (plan->was_run) {
-        return fail(CONUS_ERROR_ARGUMENT, "a plan that was run takes no state");
+    if (!plan->was_run || plan->is_done) {
+        return fail(CONUS_ERROR_ARGUMENT, "a plan is cut once its run was cancelled");
     }
-    if (state->lines[PLAN_LEFT].count != plan->asked.count + 1 || (plan->known && from != plan->known)) {
-        return fail(CONUS_ERROR_DATA, "a state of %zu constraints from row %llu on, expected are %zu from row %llu on",
-                    state->lines[PLAN_LEFT].count - 1, (unsigned long long)from + 1, plan->asked.count,
-                    (unsigned long long)plan->known + 1);
-    }
-    for (size_t k = 0; k < BESTS; k++) {
-        size_t count = state->lines[PLAN_ENTRIES + k].count;
-        const char *sites = k == OF_ENTRY ? "entries" : "targets";
-        if (plan->bests[k].count && !count) {
-            return fail(CONUS_ERROR_DATA, "a state without the best poses: that part needs a map of %s, too", sites);
-        }
-        if (plan->bests[k].count && count != plan->bests[k].count) {
-            return fail(CONUS_ERROR_DATA, "a state with the best poses of %zu %s, needed are those of %llu", count,
-                        sites, (unsigned long long)plan->bests[k].count);
-        }
-    }
-    return CONUS_OK;
-}
-
-conus_status conus_plan_add_state(uint64_t *end, conus_plan *plan, const char *text, size_t size)
-{
-    struct plan_known state;
-    const struct plan_numbers *lines = state.lines;
-    conus_status status = plan_known_parse(&state, text, size);
-    status = status ? status : check_state(plan, &state);
-    size_t count = status ? 0 : plan->kept.count + lines[PLAN_KEPT].count;
-    uint64_t *kept = status ? NULL : memory_resize(plan->kept.items, count + 1, sizeof *kept);
-    if (kept) {
-        struct rejected rejected = {lines[PLAN_NONE].items[0], lines[PLAN_NONE].items[1], ""};
-        memcpy(rejected.why, state.why, sizeof rejected.why);
-        add_rejected(&plan->rejected, &rejected);
-        if (lines[PLAN_KEPT].count) {
-            memcpy(kept + plan->kept.count, lines[PLAN_KEPT].items, lines[PLAN_KEPT].count * sizeof *kept);
-        }
-        plan->kept = (struct plan_numbers){kept, count};
-        plan->start = plan->known ? plan->start : lines[PLAN_ROWS].items[0];
-        plan->known = lines[PLAN_ROWS].items[1];
-        for (size_t i = 0; i <= plan->asked.count; i++) {
-            plan->left[i] += lines[PLAN_LEFT].items[i];
-        }
-        for (size_t k = 0; k < BESTS; k++) {
-            for (size_t i = 0; i < plan->bests[k].count; i++) {
-                plan->bests[k].items[i].feasible += lines[PLAN_ENTRIES + k].items[i];
-            }
-        }
-        plan->bar.has_feasible = plan->left[plan->asked.count] > 0;
-        *end = plan->known;
-    }
-    plan_known_finish(&state);
-    return status || kept ? status : CONUS_ERROR_MEMORY;
-}
-
-/* Appends the numbers of all candidates that matter for what follows, and of those that are known and were not tried
- * yet; `out` has room for them. */
-static void list_kept(struct plan_numbers *out, const conus_plan *plan)
-{
-    const struct entries *const lists[] = {&plan->list, &plan->infeasible};
-    uint64_t *all = out->items;
-    size_t count = 0;
-    for (size_t l = 0; l < 2; l++) {
-        for (size_t i = 0; i < lists[l]->count; i++) {
-            const struct entry *entry = lists[l]->items[i]; /* NULL where a complete list has taken it over */
-            all[count++] = entry ? entry->planned.candidate : 0;
-        }
-    }
-    for (size_t i = 0; i < plan->asked.count; i++) {
-        bool is_told = plan->misses[i] && !plan->left[plan->asked.count];
-        all[count++] = is_told ? plan->misses[i]->planned.candidate : 0;
-    }
-    for (size_t k = 0; k < BESTS; k++) {
-        for (size_t i = 0; i < plan->bests[k].count; i++) {
-            all[count++] = plan->bests[k].items[i].candidate;
-        }
-    }
-    for (size_t i = 0; i < plan->kept.count; i++) {
-        all[count++] = plan->kept.items[i] > plan->done ? plan->kept.items[i] : 0;
-    }
-    order_sort(all, count, sizeof *all, compare_u64);
-    for (size_t i = 0; i < count; i++) {
-        if (all[i] > (out->count ? all[out->count - 1] : 0)) {
-            all[out->count++] = all[i];
-        }
-    }
-}
-
-conus_status conus_plan_state(const char **text, size_t *size, conus_plan *plan)
-{
-    uint64_t rows[] = {plan->start, plan->done > plan->known ? plan->done : plan->known};
-    uint64_t none[] = {plan->rejected.count, plan->rejected.line};
-    size_t sites = (size_t)plan->bests[OF_ENTRY].count + (size_t)plan->bests[OF_TARGET].count;
-    size_t most = plan->list.count + plan->infeasible.count + plan->asked.count + sites + plan->kept.count;
-    uint64_t *numbers = memory_raw(most + sites, sizeof *numbers);
-    uint64_t *feasible = numbers;
-    if (!numbers) {
-        return CONUS_ERROR_MEMORY;
-    }
-    struct plan_known state = {.lines = {[PLAN_ROWS] = {rows, 2},
-                                         [PLAN_LEFT] = {plan->left, plan->asked.count + 1},
-                                         [PLAN_NONE] = {none, 2},
-                                         [PLAN_KEPT] = {numbers + sites, 0}}};
-    memcpy(state.why, plan->rejected.why, sizeof state.why);
-    list_kept(&state.lines[PLAN_KEPT], plan);
-    for (size_t k = 0; k < BESTS; k++) {
-        state.lines[PLAN_ENTRIES + k] = (struct plan_numbers){feasible, (size_t)plan->bests[k].count};
-        for (size_t i = 0; i < plan->bests[k].count; i++) {
-            *feasible++ = plan->bests[k].items[i].feasible;
-        }
-    }
-    buffer_clear(&plan->state);
-    plan_known_format(&plan->state, &state);
-    memory_free(numbers);
-    conus_status status = buffer_status(&plan->state);
-    if (!status) {
-        *text = plan->state.data;
-        *size = plan->state.size;
-    }
-    return status;
+    plan->is_cut = true;
+    return complete(plan);
 }
 
 size_t conus_plan_count(const conus_plan *plan)

@@ -46,7 +46,6 @@ struct plan_trial {
     double *bar;  /**< [rank_count] What it has to be better than, where it has a bar: the last of a full list, or
                      the best of its entry or target so far where that is less. */
     bool has_bar;
-    bool is_known;    /**< A state has this pose, and has counted it. */
     bool is_measured; /**< All of this is whole. */
     bool is_lone;     /**< It breaks planned.broken and nothing else. */
 };

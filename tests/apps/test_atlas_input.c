@@ -232,7 +232,7 @@ static void notes_say_which_atlases_do_not_belong_together(void **state)
         load(&loading);
         assert_int_equal(loading.code, EXIT_DONE);
         const char *start = cases[i].warns ? "warning: one " : "note: one ";
-        warnings_forget();
+        warnings_forget(0);
         char *words = words_of(say_spaces, &loading);
         assert_true(cases[i].note ? strstr(words, cases[i].note) && strstr(words, start) : !*words);
         free(words);
@@ -241,7 +241,7 @@ static void notes_say_which_atlases_do_not_belong_together(void **state)
         free(words);
         assert_int_equal(warning_line(0) != NULL, cases[i].warns);
         assert_null(warning_line(1));
-        warnings_forget();
+        warnings_forget(0);
         loading.common.quiet = true;
         words = words_of(say_spaces, &loading);
         assert_int_equal(*words != '\0', cases[i].warns);

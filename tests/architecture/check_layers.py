@@ -28,13 +28,12 @@ APPS = {
     "apps/settings": "apps/link apps/options",
     "apps/figures": "apps/options",
     "apps/pages": "apps/options",
-    "apps/batch": "apps/options apps/settings",
+    "apps/cli/batch": "apps/options apps/settings",
     "apps/cli/answers": "apps/options apps/settings",
     "apps/cli/verify": "apps/options",
     "apps/cli/cite": "apps/options",
-    "apps/cli": "apps/link apps/options apps/settings apps/figures apps/pages apps/batch apps/cli/answers"
+    "apps/cli": "apps/link apps/options apps/settings apps/figures apps/pages apps/cli/batch apps/cli/answers"
     " apps/cli/verify apps/cli/cite",
-    "apps/mpi": "apps/options apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: the messages between conus and conus-mesh
     "apps/web": "",
     "apps/hdf5": "base base/child",  # hdf5_protocol.h: the messages between conus and conus-hdf5

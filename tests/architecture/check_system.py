@@ -18,7 +18,7 @@ ROOMS = "base cache atlas poses loaders render selection include apps".split()
 ISO_C = """assert ctype errno fenv float inttypes limits locale math setjmp stdalign stdarg stdatomic stdbool stddef stdint
     stdio stdlib string time"""
 LIBRARIES = """jansson libdeflate zlib zstd expat nettle/* epoxy/* png openexr cairo* ft2build embree?/*
-    GLFW/* imgui* backends/imgui* spnav X11/Xlib hdf5 mpi vtk* *mmintrin wasm_simd128 emscripten cpuid conus/*"""
+    GLFW/* imgui* backends/imgui* spnav X11/Xlib hdf5 vtk* *mmintrin wasm_simd128 emscripten cpuid conus/*"""
 HEADERS = [f"{name}.h" for name in f"{ISO_C} pthread strings {LIBRARIES}".split()]
 CXX = re.compile(r"[a-z_]+")  # C++ has no ending
 
@@ -30,7 +30,6 @@ FREE = {
     "apps/viewer/devices/spacemouse.c": "has a socket",
     "apps/hdf5/memory_space.c": "limits a libhdf5 of the system, on Linux",
     "apps/mesh/*": "is started by child.c, on Linux",
-    "apps/mpi/node_atlas.c": "shares a memory file with other ranks",
     "apps/web/web.c": "is for emscripten alone",
 }
 

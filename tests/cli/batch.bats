@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# conus batch and conus merge, as a user types them.
+# conus batch, as a user types it.
 load helpers
 
 # poses N: poses.tsv with N poses around a ball, every third of which looks past it.
@@ -54,17 +54,21 @@ wait_for_lines() {
     batch -o rows.tsv
     conus batch sphere.nii.gz --poses <(cat poses.tsv) --angle 12 -o piped.tsv
     cmp rows.tsv piped.tsv
-    run -2 --separate-stderr conus batch sphere.nii.gz --poses <(cat poses.tsv) --angle 12 -o other.tsv --resume
-    check_message '--resume needs a file of poses, not a pipe'
-    run -2 --separate-stderr conus batch sphere.nii.gz --poses -,unit=mm --angle 12 -o other.tsv --resume <poses.tsv
-    check_message '--resume needs a file of poses, not standard input'
+    for part in 0/2 all/2; do
+        run -2 --separate-stderr conus batch sphere.nii.gz --poses <(cat poses.tsv) --angle 12 -o other.tsv --shard $part
+        check_message '--shard needs a file of poses, not a pipe'
+        run -2 --separate-stderr conus batch sphere.nii.gz --poses -,unit=mm --angle 12 -o other.tsv --shard $part <poses.tsv
+        check_message '--shard needs a file of poses, not standard input'
+    done
+    run -2 --separate-stderr conus batch sphere.nii.gz --poses <(cat poses.tsv) --angle 12 -o piped.tsv # nobody knows what came
+    check_message 'piped.tsv: there is a file already; --force replaces it'
 }
 
-@test "a run that is resumed has the words behind its poses" {
+@test "a file that is there has the words behind its poses" {
     setup_ball 30
     conus batch sphere.nii.gz --poses poses.tsv,unit=mm --angle 12 -q -o rows.tsv || [ $? -eq 1 ]
-    run -2 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv,unit=cm --angle 12 -q -o rows.tsv --resume
-    check_message 'rows.tsv: there is a file already'
+    run -2 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv,unit=cm --angle 12 -q -o rows.tsv
+    check_message 'rows.tsv: there is a file already, of other poses, atlases, settings or another version; --force replaces it'
 }
 
 # bats test_tags=main
@@ -187,102 +191,222 @@ alone() {
     check_message "standard input: no answer to 2 of 4 poses, $first"
     run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv --segments segments.tsv --quiet
     check_message "poses.tsv: no answer to 2 of 4 poses, $first"
-    run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv --resume
+    run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv --quiet
     check_message 'poses.tsv: no answer to 2 of 4 poses'
-    run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --shard 1/2 -o rows.1.tsv
+    run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --shard 1/2 -o part.tsv
     check_message 'no answer to 1 of 2 poses, the first in line 5: column x: "(null)" is not a finite number'
+    run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --shard all/2 -o part.tsv --quiet
+    check_message "poses.tsv: no answer to 2 of 4 poses, $first"
+    cmp part.tsv rows.tsv
     sed -i '2,3d;5d' poses.tsv
     answers batch sphere.nii.gz --poses poses.tsv -o fine.tsv
 }
 
-# bats test_tags=main
-@test "shards joined are the file of one run" {
-    setup_ball 101
-    batch -o rows.tsv
-    for i in 0 1 2 3; do
-        batch --shard "$i/4" -o "rows.$i.tsv"
-        batch --shard "$i/4" -o "rows.$i.ndjson"
-    done
-    answers merge rows.3.tsv rows.1.tsv rows.0.tsv rows.2.tsv -o merged.tsv
-    cmp rows.tsv merged.tsv
-    diff <(grep -Ev 'CommandLine|Checksum' rows.json) <(grep -Ev 'CommandLine|Checksum' merged.json) >differences || true
-    run ! grep -v '"Name"\|"Version"\|^[0-9,acd]*$\|[{}]\|^---' differences
-    batch -o rows.ndjson
-    answers merge rows.?.ndjson -o merged.ndjson
-    cmp rows.ndjson merged.ndjson
-    batch --shard 0/1 | cmp - rows.tsv
+# same_but_words ONE OTHER: whether two sidecars say the same of rows that two command lines asked for.
+same_but_words() {
+    diff <(grep -Ev 'CommandLine|Checksum' "$1") <(grep -Ev 'CommandLine|Checksum' "$2")
 }
 
-@test "more shards than poses: some are empty, and join all the same" {
+# parts N FILE ARGUMENT...: the file of one run, answered in N parts by N processes, all but the last of them, and joined.
+parts() {
+    local count=$1 file=$2 i
+    shift 2
+    for ((i = 0; i < count - 1; i++)); do
+        conus batch "$@" -q --shard "$i/$count" -o "$file" 2>said || [ $? -eq 1 ]
+    done
+    conus batch "$@" -q --shard "all/$count" -o "$file" 2>said || [ $? -eq 1 ]
+}
+
+# bats test_tags=main
+@test "parts joined are the file of one run" {
+    setup_ball 101
+    for ending in tsv csv ndjson; do
+        batch -o rows.$ending --force
+        for count in 1 2 3 7; do
+            parts $count joined.$ending sphere.nii.gz --poses poses.tsv --angle 12
+            cmp rows.$ending joined.$ending
+            same_but_words rows*.json joined*.json
+            conus verify joined.$ending
+            rm joined.*
+        done
+        rm rows*.json
+    done
+    batch --shard 0/1 | cmp - rows.tsv # standard output has no parts to be joined
+    batch --shard 0/3 | cmp - <(head -n "$(batch --shard 0/3 | wc -l)" rows.tsv)
+}
+
+@test "a part is a whole file, named by its number and verified by itself" {
+    setup_ball 101
+    batch -q --shard 3/12 -o rows.tsv
+    batch -q --shard 03/12 -o rows.tsv
+    batch -q --shard 4/10 -o rows --format tsv
+    batch -q --shard 3/12 -o some.rows.ndjson
+    nothing_left sphere.nii.gz sphere.tsv sphere.json poses.tsv rows.03-of-12.tsv rows.03-of-12.json \
+        rows.4-of-10 rows.4-of-10.json some.rows.03-of-12.ndjson some.rows.03-of-12.ndjson.json
+    [ "$(head -1 rows.03-of-12.tsv)" = "$(batch -q | head -1)" ]
+    [ "$(jq -c '[.Batch.shard, .Batch.first, .Batch.poses]' rows.03-of-12.json)" = '[[3,12],27,9]' ]
+    conus verify rows.03-of-12.tsv
+    conus cite rows.03-of-12.tsv
+    run -0 conus diff rows.03-of-12.tsv rows.03-of-12.tsv
+    conus batch sphere.nii.gz --poses poses.tsv --angle 12 -o words.tsv --shard=3/012 -q
+    grep -q -- '--shard=3/12' words.03-of-12.json
+    batch -q --shard all/12 -o rows.tsv
+    nothing_left sphere.nii.gz sphere.tsv sphere.json poses.tsv rows.tsv rows.json rows.4-of-10 rows.4-of-10.json \
+        some.rows.03-of-12.ndjson some.rows.03-of-12.ndjson.json words.03-of-12.tsv words.03-of-12.json
+}
+
+@test "more parts than poses: some are empty, and join all the same" {
     setup_ball 2
     batch -o rows.tsv
-    for i in 0 1 2; do
-        batch --shard "$i/3" -o "rows.$i.tsv"
-    done
-    [ "$(wc -l <rows.2.tsv)" -eq 1 ]
-    answers merge rows.2.tsv rows.1.tsv rows.0.tsv -o merged.tsv
-    cmp rows.tsv merged.tsv
+    batch --shard 2/3 -o joined.tsv
+    [ "$(wc -l <joined.2-of-3.tsv)" -eq 1 ]
+    parts 3 joined.tsv sphere.nii.gz --poses poses.tsv --angle 12
+    cmp rows.tsv joined.tsv
+    same_but_words rows.json joined.json
 }
 
-@test "shards that do not belong together are not joined" {
+# The warnings, the notes and the region of a question are those of all poses, whichever process answered them.
+@test "what is said of the poses, and recorded, is that of one run" {
+    setup_ball 1
+    { printf 'x\ty\tz\ttx\tty\ttz\n'
+      for i in 1 2 3 4 5 6 7 8; do printf '0\t0\t%d\t0\t0\t900\n' $((90 + i)); done # away from the ball
+      printf '0\t0\t5\t0\t0\t90\n0\t0\t90\t0\t0\t0\n'
+      printf 'q\t0\t90\t0\t0\t0\n'; } >poses.tsv # no pose
+    run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --angle 12 -o rows.tsv
+    whole=$stderr
+    grep -q '8 of 10 cones point away from the atlas, the first in line 2' <<<"$whole"
+    [ "$(jq '.Warnings | length' rows.json)" -eq 1 ]
+    for count in 2 5; do
+        for ((i = 0; i < count; i += 2)); do
+            run conus batch sphere.nii.gz --poses poses.tsv --angle 12 -o joined.tsv --shard $i/$count
+        done
+        run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --angle 12 -o joined.tsv --shard all/$count
+        grep -v 'parts are there already' <<<"$stderr" | sed 's/, the first in line 12.*//' |
+            diff - <(sed 's/, the first in line 12.*//' <<<"$whole")
+        cmp rows.tsv joined.tsv
+        same_but_words rows.json joined.json
+        run -0 conus verify joined.tsv
+        rm joined.*
+    done
+}
+
+@test "what is no part of this batch is refused by its name, and nothing is joined" {
     setup_ball 20
     for i in 0 1 2; do
-        batch --shard "$i/3" -o "rows.$i.tsv"
+        batch --shard "$i/3" -o rows.tsv
     done
-    fails 3 'shard 1 of 3 is missing' merge rows.0.tsv rows.2.tsv -o merged.tsv
-    fails 3 'shard 2 of 3 is missing' merge rows.0.tsv rows.1.tsv -o merged.tsv
-    cp rows.1.tsv again.tsv
-    cp rows.1.json again.json
-    fails 3 'are both shard 1 of 3' merge rows.0.tsv rows.1.tsv rows.2.tsv again.tsv -o merged.tsv
-    batch --shard 1/3 -o other.tsv --resolution 8
-    fails 3 'are not shards of one batch' merge rows.0.tsv other.tsv rows.2.tsv -o merged.tsv
-    cp rows.1.tsv odd.tsv
-    sed 's/"heading": [0-9]*/"heading": 0/' rows.1.json >odd.json
-    fails 3 'are not shards of one batch' merge rows.0.tsv odd.tsv rows.2.tsv -o merged.tsv
-    fails 2 'would overwrite the input rows.0.tsv' merge rows.0.tsv rows.1.tsv rows.2.tsv -o rows.0.tsv
-    fails 2 'would overwrite the input rows.1.json' merge rows.0.tsv rows.1.tsv rows.2.tsv -o rows.1.json --force
-    sed -i '$s/unassigned/Unassigned/' rows.2.tsv
-    fails 3 'rows.2.tsv: is not the file that rows.2.json describes' merge rows.0.tsv rows.1.tsv rows.2.tsv -o merged.tsv
-    rm again.json
-    fails 3 'again.json: ' merge rows.0.tsv again.tsv rows.2.tsv -o merged.tsv
-    fails 2 '--output FILE is missing' merge rows.0.tsv
-    [ ! -e merged.tsv ]
+    mkdir good
+    cp rows.* good
+    refused() { # TEXT: what is said of it; and nothing has changed
+        fails 3 "$1" batch sphere.nii.gz --poses poses.tsv --angle 12 -q -o rows.tsv --shard all/3
+        [ ! -e rows.tsv ] && [ ! -e rows.json ]
+        cp good/* .
+    }
+    conus batch sphere.nii.gz --poses poses.tsv --angle 12 --resolution 8 -q --force --shard 1/3 -o rows.tsv
+    refused 'rows.1-of-3.tsv: there is a file already, of other poses, atlases, settings or another version'
+    cp rows.1-of-3.tsv rows.2-of-3.tsv
+    cp rows.1-of-3.json rows.2-of-3.json
+    refused 'rows.2-of-3.tsv: there is a file already, which is part 1/3 and not 2/3'
+    sed -i '$s/unassigned/Unassigned/' rows.2-of-3.tsv
+    refused 'rows.2-of-3.tsv: there is a file already, which is not the one that rows.2-of-3.json describes'
+    truncate -s -10 rows.0-of-3.tsv
+    refused 'rows.0-of-3.tsv: there is a file already, which is not the one that rows.0-of-3.json describes'
+    sed -i 's/"errors": 0/"errors": 1/' rows.1-of-3.json
+    refused 'rows.1-of-3.tsv: there is a file already; --force replaces it'
+    rm rows.1-of-3.json
+    refused 'rows.1-of-3.tsv: there is a file already; --force replaces it'
+    echo '{}' >rows.1-of-3.json
+    fails 2 'rows.1-of-3.json: there is a file that is no sidecar' batch sphere.nii.gz --poses poses.tsv --angle 12 -q \
+        -o rows.tsv --shard all/3
+    rm rows.1-of-3.json
+    mkfifo rows.1-of-3.json
+    fails 3 'rows.1-of-3.json: cannot write: is a device or pipe' batch sphere.nii.gz --poses poses.tsv --angle 12 -q \
+        -o rows.tsv --shard all/3
+    rm rows.1-of-3.json
+    cp poses.tsv rows.1-of-3.tsv
+    fails 2 'would overwrite the input rows.1-of-3.tsv' batch sphere.nii.gz --poses rows.1-of-3.tsv --angle 12 -q -o rows.tsv \
+        --shard all/3 --force
+    cp good/* .
+    rm rows.1-of-3.* # one that is missing is answered
+    batch -q --shard all/3 -o rows.tsv
+    batch -q -o whole.tsv
+    cmp whole.tsv rows.tsv
+    cp good/rows.1-of-3.* . # parts that an earlier run left when it was killed
+    cp good/rows.0-of-3.json .
+    batch -q --shard all/3 -o rows.tsv
+    nothing_left sphere.nii.gz sphere.tsv sphere.json poses.tsv rows.tsv rows.json whole.tsv whole.json \
+        good/rows.{0,1,2}-of-3.tsv good/rows.{0,1,2}-of-3.json
+    fails 2 'rows.tsv: there is a file already, of other' batch sphere.nii.gz --poses poses.tsv --angle 9 -q -o rows.tsv --shard all/3
+    answers batch sphere.nii.gz --poses poses.tsv --angle 9 -q -o rows.tsv --shard all/3 --force
 }
 
-@test "the number of poses without an answer is that of the rows, in every format" {
-    setup_ball 6
-    local lost='"lost, ""one""",0,0,0,0,0,0'
-    { echo query_id,x,y,z,tx,ty,tz; tail -n +2 poses.tsv | sed 's/\t/,/g; s/^/,/'; echo "$lost"; echo "$lost"; } >poses.csv
-    printf 'name\tx\ty\tz\nA\t0\t0\t0\nB\tn/a\t0\t0\nC\t90\t90\t90\n' >sub_electrodes.tsv
-    for format in csv ndjson afni; do
-        run -1 conus batch sphere.nii.gz --poses poses.csv --force --format $format -o "rows.$format"
-    done
-    run -1 conus batch sphere.nii.gz --poses poses.csv --summary --format csv -o summary.csv
-    run -1 conus batch sphere.nii.gz --poses sub_electrodes.tsv --radius 3 --quiet --format bids -o contacts.tsv
-    run -1 conus batch sphere.nii.gz --poses poses.csv -o full.tsv
-    for file in full.tsv:2 rows.csv:2 rows.ndjson:2 rows.afni:2 summary.csv:2 contacts.tsv:1; do
-        local name=${file%:*} wanted=${file#*:} sidecar
-        sidecar=$name.json
-        [ -e "$sidecar" ] || sidecar=${name%.*}.json
-        "$CONUS" merge "$name" -o "joined.$name" --force
-        cmp "$name" "joined.$name"
-        sed -i "s/\"errors\": $wanted,/\"errors\": 0,/" "$sidecar"
-        fails 3 "$name: $wanted poses without an answer, $sidecar says 0" merge "$name" -o "joined.$name" --force
-    done
+# source WANTED VARIABLE=VALUE...: the part that --shard auto finds in an environment with these variables.
+source_of() {
+    local wanted=$1
+    shift
+    run -0 --separate-stderr env -u SLURM_PROCID -u SLURM_STEP_ID -u SLURM_STEP_NUM_TASKS "$@" "$CONUS" batch sphere.nii.gz \
+        --poses poses.tsv --angle 12 -o auto.tsv --force --shard auto
+    [[ "$stderr" == *"conus: note: --shard $wanted, from "* ]] || { echo "said: $stderr"; return 1; }
+    local files=(auto*.tsv)
+    [[ "$wanted" == 0/1 && "${files[0]}" == auto.tsv ||
+        "${files[0]}" =~ ^auto\.0*${wanted%/*}-of-${wanted#*/}\.tsv$ ]] || { ls; return 1; }
+    grep -q -- "--shard $wanted\"" auto*.json
+    rm auto.*
 }
 
-@test "--shard comes from a Slurm job array, and is said" {
-    setup_ball 50
-    export SLURM_ARRAY_TASK_ID=12 SLURM_ARRAY_TASK_COUNT=4 SLURM_ARRAY_TASK_MIN=10
-    run -0 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --angle 12 -o slurm.tsv
-    check_message 'note: shard 2/4, from SLURM_ARRAY_TASK_ID=12'
-    unset SLURM_ARRAY_TASK_ID
-    batch --shard 2/4 | cmp - slurm.tsv
-    export SLURM_ARRAY_TASK_ID=15
-    fails 2 'SLURM_ARRAY_TASK_ID=15 does not say which part' batch sphere.nii.gz --poses poses.tsv
-    export SLURM_ARRAY_TASK_ID=10 SLURM_ARRAY_TASK_MAX=14
-    fails 2 'SLURM_ARRAY_TASK_ID=10 does not say which part' batch sphere.nii.gz --poses poses.tsv
-    answers batch sphere.nii.gz --poses poses.tsv --shard 0/1 -o all.tsv
+# no_source TEXT VARIABLE=VALUE...: --shard auto is refused, with this text.
+no_source() {
+    local text=$1
+    shift
+    run -2 --separate-stderr env "$@" "$CONUS" batch sphere.nii.gz --poses poses.tsv --angle 12 -o auto.tsv --shard auto
+    check_message "$text"
+}
+
+@test "--shard auto: each way by which a process is told its number, and of how many" {
+    setup_ball 20
+    slurm_array=(SLURM_ARRAY_TASK_ID=14 SLURM_ARRAY_TASK_MIN=10 SLURM_ARRAY_TASK_MAX=16 SLURM_ARRAY_TASK_STEP=2 SLURM_ARRAY_TASK_COUNT=4)
+    sge_array=(SGE_TASK_ID=4 SGE_TASK_FIRST=1 SGE_TASK_LAST=9 SGE_TASK_STEPSIZE=3)
+    source_of 2/5 OMPI_COMM_WORLD_RANK=2 OMPI_COMM_WORLD_SIZE=5 PMIX_RANK=2 SLURM_PROCID=0 SLURM_STEP_ID=0 SLURM_STEP_NUM_TASKS=1
+    source_of 3/4 PMI_RANK=3 PMI_SIZE=4
+    source_of 0/4 MV2_COMM_WORLD_RANK=0 MV2_COMM_WORLD_SIZE=4
+    source_of 1/2 FLUX_TASK_RANK=1 FLUX_JOB_SIZE=2
+    source_of 1/3 SLURM_PROCID=1 SLURM_STEP_NUM_TASKS=3 SLURM_STEP_ID=0 SLURM_NTASKS=8
+    source_of 0/1 SLURM_PROCID=0 SLURM_STEP_NUM_TASKS=1 SLURM_STEP_ID=0
+    source_of 2/4 "${slurm_array[@]}"
+    source_of 2/4 "${slurm_array[@]}" SLURM_PROCID=0 SLURM_NTASKS=8 # a script without srun
+    source_of 1/3 "${sge_array[@]}"
+    source_of 6/8 LSB_JOBINDEX=7 LSB_JOBINDEX_END=8
+    source_of 7/12 "${slurm_array[@]}" PMI_RANK=1 PMI_SIZE=3 # ranks in an array: 2 * 3 + 1
+    source_of 8/12 "${slurm_array[@]}" SLURM_PROCID=2 SLURM_STEP_NUM_TASKS=3 SLURM_STEP_ID=0
+    source_of 2/4 "${slurm_array[@]}" SGE_TASK_ID=undefined LSB_JOBINDEX=0
+    no_source 'the environment does not say which part this process is' SLURM_PROCID=0 SLURM_NTASKS=8
+    no_source 'the environment does not say which part this process is' -u SLURM_STEP_ID SLURM_PROCID=0 SLURM_STEP_NUM_TASKS=1
+    no_source 'the environment does not say which part this process is' SGE_TASK_ID=undefined
+    no_source 'SLURM_ARRAY_TASK_ID=3 is not one of a whole range of numbers' SLURM_ARRAY_TASK_ID=3 SLURM_ARRAY_TASK_MIN=3 \
+        SLURM_ARRAY_TASK_MAX=5 SLURM_ARRAY_TASK_STEP=1 SLURM_ARRAY_TASK_COUNT=2
+    no_source 'SLURM_ARRAY_TASK_ID=15 is not one' "${slurm_array[@]}" SLURM_ARRAY_TASK_ID=15
+    no_source 'SLURM_ARRAY_TASK_ID=18 is not one' "${slurm_array[@]}" SLURM_ARRAY_TASK_ID=18
+    no_source 'PMI_RANK=4 is not one' PMI_RANK=4 PMI_SIZE=4
+    no_source 'PMI_RANK=-1 is not one' PMI_RANK=-1 PMI_SIZE=4
+    no_source 'PBS_ARRAY_INDEX=3 does not say of how many; --shard "$((PBS_ARRAY_INDEX - 1))/N" does' PBS_ARRAY_INDEX=3
+    no_source 'PBS_ARRAYID=3 does not say' PBS_ARRAYID=3 PMI_RANK=1 PMI_SIZE=4
+    no_source 'PMIX_RANK=3 does not say of how many; --shard "$PMIX_RANK/N" does' PMIX_RANK=3
+    # Without --shard each task of an array answers everything, which is said.
+    run -0 --separate-stderr env "${slurm_array[@]}" "$CONUS" batch sphere.nii.gz --poses poses.tsv --angle 12 -o all.tsv
+    [[ "$stderr" == *'note: in an array of jobs (SLURM_ARRAY_TASK_ID=14); --shard auto divides the poses'* ]]
+    run -0 --separate-stderr env PBS_ARRAYID=1 "$CONUS" batch sphere.nii.gz --poses poses.tsv --angle 12 -o all.tsv
+    [[ "$stderr" == *'note: in an array of jobs (PBS_ARRAYID=1); --shard I/N divides the poses'* ]]
+}
+
+@test "ranks of mpirun answer a part each" {
+    command -v mpirun >/dev/null || skip "no mpirun"
+    setup_ball 101
+    batch -q -o whole.tsv
+    mpirun --oversubscribe --allow-run-as-root -n 3 "$CONUS" batch sphere.nii.gz --poses poses.tsv --angle 12 -q --threads 1 \
+        --shard auto -o rows.tsv 3>&-
+    batch --shard all/3 -o rows.tsv 2>said
+    grep -q 'rows.tsv: 3 of 3 parts are there already' said
+    cmp whole.tsv rows.tsv
 }
 
 @test "mistakes in --shard, --threads, --block and the outputs are reported" {
@@ -291,22 +415,18 @@ alone() {
     fails 2 '--shard: "1" is not I/N' batch sphere.nii.gz --poses poses.tsv --shard 1
     fails 2 '--shard: "-1/2" is not I/N' batch sphere.nii.gz --poses poses.tsv --shard=-1/2
     fails 2 '--shard needs a file of poses' batch sphere.nii.gz --poses - --shard 0/2
-    fails 2 '--resume needs a file of poses' batch sphere.nii.gz --poses - --resume -o rows.tsv
     fails 2 '--threads' batch sphere.nii.gz --poses poses.tsv --threads 0
     fails 2 '--block' batch sphere.nii.gz --poses poses.tsv --block 100000
     fails 2 '--poses FILE is missing' batch sphere.nii.gz
-    fails 2 '--resume has no effect without a file for --output' batch sphere.nii.gz --poses poses.tsv --resume
-    fails 2 '--resume has no effect without a file for --output' batch sphere.nii.gz --poses poses.tsv --resume -o -
+    fails 2 '--shard all/N needs a file for --output' batch sphere.nii.gz --poses poses.tsv --shard all/3
+    fails 2 '--shard all/N needs a file for --output' batch sphere.nii.gz --poses poses.tsv --shard all/3 -o -
+    fails 2 '--shard: "all" is not I/N' batch sphere.nii.gz --poses poses.tsv --shard all -o rows.tsv
+    fails 2 '--shard: "all/0" is not I/N' batch sphere.nii.gz --poses poses.tsv --shard all/0 -o rows.tsv
+    fails 2 '--shard: 1000001 parts, allowed are 1000000' batch sphere.nii.gz --poses poses.tsv --shard 1/1000001 -o rows.tsv
     fails 2 '--force has no effect without a file for --output' batch sphere.nii.gz --poses poses.tsv --force -o -
-    fails 2 '--force and --resume exclude each other' batch sphere.nii.gz --poses poses.tsv -o a.tsv --force --resume
     fails 2 'would overwrite the input' batch sphere.nii.gz --poses poses.tsv --format tsv -o sphere.nii.gz --force
     fails 2 'would overwrite the input' batch sphere.nii.gz --poses poses.tsv -o poses.tsv --force
     fails 3 'none.tsv' batch sphere.nii.gz --poses none.tsv
-    for ending in part journal; do
-        mv poses.tsv rows.tsv.$ending
-        fails 2 "would overwrite the input rows.tsv.$ending" batch sphere.nii.gz --poses rows.tsv.$ending -o rows.tsv --force
-        mv rows.tsv.$ending poses.tsv
-    done
     nothing_left sphere.nii.gz sphere.tsv sphere.json poses.tsv
 }
 
@@ -319,92 +439,95 @@ alone() {
     for name in pipe folder link; do
         local kind="is a ${name/pipe/device or pipe}, which a file would replace"
         fails 3 "$name.tsv: cannot write: $kind" batch sphere.nii.gz --poses poses.tsv -o $name.tsv --force
-        fails 3 "$name.tsv: cannot write: $kind" merge whole.tsv -o $name.tsv --force
+        fails 3 "$name.tsv: cannot write: $kind" batch sphere.nii.gz --poses poses.tsv -o $name.tsv --shard all/2 --force
     done
     fails 3 'rows.json: cannot write: is a device or pipe' batch sphere.nii.gz --poses poses.tsv -o rows.tsv --force
-    fails 3 'rows.json: cannot write: is a device or pipe' merge whole.tsv -o rows.tsv --force
+    mkfifo rows.1-of-2.json
+    fails 3 'rows.1-of-2.json: cannot write: is a device or pipe' batch sphere.nii.gz --poses poses.tsv -o rows.tsv --shard 1/2
+    rm rows.1-of-2.json
     [ -p pipe.tsv ] && [ -d folder.tsv ] && [ -L link.tsv ] && [ -p rows.json ]
     nothing_left sphere.nii.gz sphere.tsv sphere.json poses.tsv whole.tsv whole.json
 }
 
 # bats test_tags=main
-@test "nothing is overwritten without --force" {
+@test "nothing is overwritten without --force; what is there with the same question is left, and said" {
     setup_ball 5
     batch -o rows.tsv
-    local before=$(hash_of rows.tsv)
-    fails 2 'rows.tsv: there is a file already; --force replaces it' batch sphere.nii.gz --poses poses.tsv -o rows.tsv
+    local before=$(hash_of rows.tsv) sidecar=$(hash_of rows.json)
+    run -0 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --angle 12 --threads 3 -o rows.tsv
+    [[ "$stderr" == *'conus: note: rows.tsv: is there already, with these answers' ]]
+    [ "$(hash_of rows.tsv)/$(hash_of rows.json)" = "$before/$sidecar" ]
+    fails 2 'rows.tsv: there is a file already, of other poses, atlases, settings or another version; --force replaces it' \
+        batch sphere.nii.gz --poses poses.tsv -q -o rows.tsv
     [ "$(hash_of rows.tsv)" = "$before" ]
     answers batch sphere.nii.gz --poses poses.tsv -o rows.tsv --force
     [ "$(hash_of rows.tsv)" != "$before" ]
+    rm rows.tsv # a sidecar that is left, of this question or another
+    answers batch sphere.nii.gz --poses poses.tsv -o rows.tsv
+    rm rows.tsv
+    fails 2 'rows.json: there is a file already, of other' batch sphere.nii.gz --poses poses.tsv --angle 7 -q -o rows.tsv
+    rm rows.json
+    echo mine >rows.tsv
+    fails 2 'rows.tsv: there is a file already; --force replaces it' batch sphere.nii.gz --poses poses.tsv -q -o rows.tsv
+    [ "$(cat rows.tsv)" = mine ]
 }
 
 @test "a file that has lost its end is not taken as finished" {
     setup_ball 5
     batch -o rows.tsv
     truncate -s -10 rows.tsv
-    fails 2 'rows.tsv: there is a file already' batch sphere.nii.gz --poses poses.tsv --angle 12 -o rows.tsv --resume
+    fails 2 'rows.tsv: there is a file already, which is not the one that rows.json describes' \
+        batch sphere.nii.gz --poses poses.tsv --angle 12 -q -o rows.tsv
+}
+
+# in_parts FILE I: answers the poses in seven parts in the background, as process $child, until part I is there.
+in_parts() {
+    background "$CONUS" batch sphere.nii.gz --poses poses.tsv --angle 12 -q --threads 1 -o "$1" --shard all/7
+    while runs "$child" && [ ! -e "${1%.tsv}.$2-of-7.tsv" ]; do
+        read -rt 0.01 -u "$never" || true
+    done
 }
 
 # bats test_tags=main
-@test "killed and resumed three times: the file of one run" {
-    setup_ball 2000
+@test "killed and asked again until it is done: the file of one run, and nothing else" {
+    setup_ball 20000
     batch -o rows.tsv
-    for blocks in 1 2 3; do
-        hold_batch -o killed.tsv --resume
-        wait_for_blocks "$blocks" killed.tsv
+    for part in "" 1/3; do # one file and one part: nothing is left
+        hold_batch -o killed.tsv ${part:+--shard $part}
+        wait_for_block
         stop_held KILL 137
-        [ ! -e killed.tsv ]
-        fails 2 'killed.tsv: an unfinished batch is there; --resume continues it, --force begins anew' \
-            batch sphere.nii.gz --poses poses.tsv --angle 12 -o killed.tsv
-        fails 2 'written with other settings' batch sphere.nii.gz --poses poses.tsv --angle 13 -o killed.tsv --resume
+        rm -f progress said
+        nothing_left sphere.nii.gz sphere.tsv sphere.json poses.tsv rows.tsv rows.json filled
     done
-    batch --threads 3 -o killed.tsv --resume
+    for whole in 1 2 3; do # each time one part more is there
+        in_parts killed.tsv "$whole"
+        kill -KILL "$child" || true
+        wait "$child" || true
+        [ ! -e killed.tsv ] || break # it was too quick
+    done
+    fails 3 'killed.0-of-7.tsv: there is a file already, of other' batch sphere.nii.gz --poses poses.tsv --angle 13 -q -o killed.tsv --shard all/7
+    batch --threads 3 -q -o killed.tsv --shard all/7
     cmp rows.tsv killed.tsv
-    [ ! -e killed.tsv.part ] && [ ! -e killed.tsv.journal ]
-    diff <(grep -Ev 'CommandLine|Checksum' rows.json) <(grep -Ev 'CommandLine|Checksum' killed.json)
-    answers batch sphere.nii.gz --poses poses.tsv --angle 12 -o killed.tsv --resume
-    fails 2 'there is a file already' batch sphere.nii.gz --poses poses.tsv --angle 13 -o killed.tsv --resume
+    same_but_words rows.json killed.json
+    rm -f progress said
+    nothing_left sphere.nii.gz sphere.tsv sphere.json poses.tsv rows.tsv rows.json killed.tsv killed.json filled
 }
 
-@test "poses that change while they are answered: an error, and what is there goes on with the old ones" {
+@test "poses that change while they are answered: an error, and nothing is left" {
     setup_ball 20000
     batch -o rows.tsv
     cp poses.tsv old.tsv
-    hold_batch --threads 1 -o changed.tsv
-    wait_for_blocks 1 changed.tsv
-    sed 's/^[0-9-]/1/' old.tsv >poses.tsv # the same file, with other bytes
-    let_go 3
-    grep -q 'conus: poses.tsv: changed while it was read' said
-    [ ! -e changed.tsv ] && [ ! -e changed.json ] && [ -e changed.tsv.part ] && [ -e changed.tsv.journal ]
-    fails 2 'written with other settings, poses' \
-        batch sphere.nii.gz --poses poses.tsv --angle 12 --block 100 -o changed.tsv --resume
-    cp old.tsv poses.tsv
-    batch -o changed.tsv --resume
-    cmp rows.tsv changed.tsv
-}
-
-@test "pipes in the place of a batch's own files are refused, not waited for" {
-    setup_ball 5
-    batch -o whole.tsv
-    for ending in journal part; do
-        rm -f rows.tsv.*
-        touch rows.tsv.journal rows.tsv.part
-        rm "rows.tsv.$ending"
-        mkfifo "rows.tsv.$ending"
-        for how in --resume --force; do
-            run -3 --separate-stderr timeout 60 "$CONUS" batch sphere.nii.gz --poses poses.tsv -o rows.tsv $how
-            check_message "rows.tsv.$ending: cannot write: is a device or pipe"
-        done
+    for part in "" all/3; do
+        hold_batch --threads 1 -o changed.tsv ${part:+--shard $part}
+        wait_for_block
+        sed 's/^[0-9-]/1/' old.tsv >poses.tsv # the same file, with other bytes
+        let_go 3
+        grep -q 'conus: poses.tsv: changed while it was read' said
+        [ ! -e changed.tsv ] && [ ! -e changed.json ] && [ ! -e changed.0-of-3.tsv ]
+        cp old.tsv poses.tsv
     done
-    mkfifo shard.tsv
-    cp whole.json shard.json
-    run -3 --separate-stderr timeout 60 "$CONUS" merge shard.tsv -o joined.tsv
-    check_message 'shard.tsv: cannot read: is a pipe, a regular file is needed'
-    rm shard.tsv shard.json
-    cp whole.tsv shard.tsv
-    mkfifo shard.json
-    run -3 --separate-stderr timeout 60 "$CONUS" merge shard.tsv -o joined.tsv
-    check_message 'shard.json: cannot read: is a pipe, a regular file is needed'
+    batch -o changed.tsv --shard all/3
+    cmp rows.tsv changed.tsv
 }
 
 @test "leftovers of other processes do no harm" {
@@ -414,52 +537,13 @@ alone() {
     local next=$(sh -c 'echo $$')
     for pid in $(seq "$next" $((next + 300))); do
         echo left >"rows.json.$pid.part"
-        echo left >"joined.tsv.$pid.part"
+        echo left >"rows.tsv.$pid.part"
     done
     answers batch sphere.nii.gz --poses poses.tsv --angle 12 -o rows.tsv --force
-    answers merge rows.tsv -o joined.tsv
-    cmp rows.tsv joined.tsv
+    answers batch sphere.nii.gz --poses poses.tsv --angle 12 -o rows.tsv --shard all/3 --force
 }
 
-@test "half-written rows of a crash are cut off" {
-    setup_ball 2000
-    batch -o rows.tsv
-    for blocks in 1 2 3 4; do
-        hold_batch -o torn.tsv --resume
-        wait_for_blocks "$blocks" torn.tsv
-        stop_held KILL 137
-    done
-    cp torn.tsv.part part
-    cp torn.tsv.journal journal
-    printf '17 0 1000 0123' >>torn.tsv.journal # a line that was being written
-    batch -o torn.tsv --resume
-    cmp rows.tsv torn.tsv
-    rm torn.tsv torn.json
-    cp journal torn.tsv.journal
-    head -c 3000 part >torn.tsv.part # rows that never reached the disk
-    batch -o torn.tsv --resume
-    cmp rows.tsv torn.tsv
-    rm torn.tsv torn.json
-    cp journal torn.tsv.journal
-    cp part torn.tsv.part
-    printf X | dd of=torn.tsv.part bs=1 seek=9000 conv=notrunc status=none # or reached it damaged
-    batch -o torn.tsv --resume
-    cmp rows.tsv torn.tsv
-    rm torn.tsv torn.json
-    sed '4s/^\([0-9]*\) [0-9]* /\1 99 /' journal >torn.tsv.journal # the journal is damaged: other counts, the same bytes
-    not cmp -s journal torn.tsv.journal
-    cp part torn.tsv.part
-    batch -o torn.tsv --resume
-    cmp rows.tsv torn.tsv
-    diff <(grep -Ev 'CommandLine|Checksum' rows.json) <(grep -Ev 'CommandLine|Checksum' torn.json)
-    rm torn.tsv torn.json
-    : >torn.tsv.journal
-    cp part torn.tsv.part
-    batch -o torn.tsv --resume
-    cmp rows.tsv torn.tsv
-}
-
-@test "--resume notices files that decide the answers: coordinate system, label table" {
+@test "a file that is there is known by all that decides the answers: coordinate system, label table" {
     setup_ball 2
     printf 'name\tx\ty\tz\tsize\nA1\t1\t2\t1\t5\nA2\t0\t0\t9\t5\n' >sub-1_electrodes.tsv
     system() {
@@ -470,20 +554,20 @@ alone() {
     }
     system mm
     ask -o rows.tsv
-    ask -o rows.tsv --resume
+    ask -o rows.tsv
     grep -q "\"coordsystem_file_sha256\": \"$(sha256sum sub-1_coordsystem.json | cut -d ' ' -f 1)\"" rows.json
     system cm
-    run -2 --separate-stderr ask -o rows.tsv --resume
+    run -2 --separate-stderr ask -o rows.tsv
     check_message 'rows.tsv: there is a file already'
     system mm
-    ask -o rows.tsv --resume
+    ask -o rows.tsv
     mv sub-1_coordsystem.json away
-    run -2 ask -o rows.tsv --resume
+    run -2 ask -o rows.tsv
     mv away sub-1_coordsystem.json
     sed -i 's/Sphere/Ball/' sphere.tsv
-    run -2 ask -o rows.tsv --resume
+    run -2 ask -o rows.tsv
     sed -i 's/Ball/Sphere/' sphere.tsv
-    ask -o rows.tsv --resume
+    ask -o rows.tsv
     fails 2 'would overwrite the input sub-1_coordsystem.json' \
         batch sphere.nii.gz,template=none --poses sub-1_electrodes.tsv --radius 3 --quiet -o sub-1_coordsystem.tsv --force
     for command in "query --pose" "sweep --angle 5 --pose"; do
@@ -494,7 +578,7 @@ alone() {
 }
 
 # bats test_tags=main
-@test "a full disk: a message, and --resume goes on" {
+@test "a full disk: a message, and nothing is left" {
     setup_ball 5000
     batch -o rows.tsv
     (
@@ -505,8 +589,8 @@ alone() {
         run -3 --separate-stderr conus query sphere.nii.gz --pose poses.tsv --angle 12 --format tsv -q -o query.tsv
         check_message 'query.json: cannot write: File too large'
     )
-    [ ! -e full.tsv ]
-    batch -o full.tsv --resume
+    nothing_left sphere.nii.gz sphere.tsv sphere.json poses.tsv rows.tsv rows.json
+    batch -o full.tsv
     cmp rows.tsv full.tsv
     [ -e /dev/full ] || return 0
     conus batch sphere.nii.gz --poses poses.tsv 2>said >/dev/full && return 1 || [ $? -eq 3 ]
@@ -521,18 +605,22 @@ alone() {
     [ ! -s said ]
 }
 
-@test "SIGINT and SIGTERM finish the block and say how to go on" {
-    setup_ball 2000
+@test "SIGINT and SIGTERM finish the block and say how many poses are kept in whole parts" {
+    setup_ball 20000
     batch -o rows.tsv
     hold_batch -o stopped.tsv
-    wait_for_blocks 1 stopped.tsv
+    wait_for_block
     stop_held INT 130
-    grep -q 'conus: interrupted after 100 poses; continue with: conus batch .* -o stopped.tsv -q --progress json --resume' said
-    hold_batch -o stopped.tsv --resume
-    wait_for_blocks 2 stopped.tsv
-    stop_held TERM 143
-    grep -q 'conus: interrupted after 200 poses; continue' said
-    batch -o stopped.tsv --resume
+    grep -q 'conus: interrupted after 100 poses, of which nothing is kept; --shard all/N keeps whole parts' said
+    [ ! -e stopped.tsv ] && [ ! -e stopped.json ]
+    in_parts stopped.tsv 1 2>said
+    kill -TERM "$child"
+    wait "$child" || [ $? -eq 143 ]
+    if [ ! -e stopped.tsv ]; then
+        local kept=$(jq -s 'map(.Batch.poses) | add' stopped.*.json)
+        grep -q "conus: interrupted after [0-9]* poses, $kept of them in whole parts; the same command goes on" said
+    fi
+    batch -o stopped.tsv --shard all/7
     cmp rows.tsv stopped.tsv
 }
 
@@ -566,11 +654,6 @@ pipe_in() {
         cmp rows.tsv piped.tsv
         [ "$(cat said)" = 'conus: interrupted after 250 poses' ]
     done
-    pipe_in --threads 2 -o kept.tsv
-    wait_for_lines "$two_blocks" kept.tsv.part
-    stop TERM 143
-    exec 5>&-
-    cmp rows.tsv kept.tsv.part
 }
 
 @test "a reader that goes ends a batch that waits for a silent pipe" {
@@ -588,12 +671,21 @@ pipe_in() {
     [ ! -s said ]
 }
 
-@test "two runs do not write one file" {
+@test "two processes of one part: its bytes are those of either" {
     setup_ball 2000
-    hold_batch -o rows.tsv
-    wait_for_blocks 1 rows.tsv
-    fails 3 'rows.tsv: another conus is writing this file' batch sphere.nii.gz --poses poses.tsv --angle 12 -o rows.tsv --resume
+    hold_batch -o rows.tsv --shard 1/2
+    wait_for_block
+    batch -q -o rows.tsv --shard 1/2
+    cp rows.1-of-2.tsv first.tsv
     let_go 0
+    cmp first.tsv rows.1-of-2.tsv
+    conus verify rows.1-of-2.tsv
+    batch -q -o rows.tsv --shard all/2
+    hold_batch -o again.tsv --shard all/3
+    wait_for_block
+    batch -q -o again.tsv --shard all/3
+    let_go 0
+    cmp rows.tsv again.tsv
 }
 
 @test "progress is JSON for programs, and nothing where nobody looks" {
@@ -654,11 +746,10 @@ pipe_in() {
     [ "$(cut -f 1-3 <<<"$output" | tail -1)" = $'a\t3\terror' ]
     run -1 --separate-stderr conus batch sphere.nii.gz --poses repeat.tsv --range 0,90 --segments - -q
     [ "$(cut -f 1-3 <<<"$output" | sed -n '1p;$p' | paste -sd' ')" = $'query\trow\torder a\t3\tn/a' ]
-    # Shards count on, a file is read again, and another that is compared with it finds its rows.
-    for i in 0 1; do run -1 conus batch sphere.nii.gz --poses repeat.tsv -q --shard $i/2 -o part.$i.tsv || true; done
-    run -0 conus merge part.0.tsv part.1.tsv -o merged.tsv
-    cmp merged.tsv repeat.out.tsv
-    run -0 conus diff merged.tsv repeat.out.tsv
+    # Parts count on, a file is read again, and another that is compared with it finds its rows.
+    parts 2 joined.tsv sphere.nii.gz --poses repeat.tsv
+    cmp joined.tsv repeat.out.tsv
+    run -0 conus diff joined.tsv repeat.out.tsv
     run -0 conus verify repeat.out.tsv
 }
 
@@ -678,9 +769,8 @@ pipe_in() {
     done
     run -1 --separate-stderr conus query sphere.nii.gz --pose kept.csv -q --keep group
     grep -q '^query M1 (group patient): cone' <<<"$output"
-    for i in 0 1 2; do run conus batch sphere.nii.gz --poses kept.csv -q --summary --keep group,note --shard $i/3 -o part.$i.csv; done
-    run -0 conus merge part.0.csv part.1.csv part.2.csv -o merged.csv
-    cmp merged.csv rows.csv
+    parts 3 joined.csv sphere.nii.gz --poses kept.csv --summary --keep group,note
+    cmp joined.csv rows.csv
     # A column that is kept is not passed over.
     run -1 --separate-stderr conus query sphere.nii.gz --pose kept.csv --format tsv
     [[ "$stderr" == *'columns passed over: "Group", "note"'* ]]
@@ -744,9 +834,9 @@ pipe_in() {
         --segments e.csv
 }
 
-# example NAME: prints the code of docs/batch.md whose fence has that name.
+# example NAME [LANGUAGE]: prints the code of docs/batch.md whose fence has that name.
 example() {
-    awk -v fence="\`\`\`sh $1" '$0 == fence { inside = 1; next } /^```/ { inside = 0 } inside' \
+    awk -v fence="\`\`\`${2-sh} $1" '$0 == fence { inside = 1; next } /^```/ { inside = 0 } inside' \
         "$BATS_TEST_DIRNAME/../../docs/batch.md"
 }
 
@@ -761,23 +851,83 @@ setup_example() {
     PATH=$PWD/bin:$PATH
 }
 
+# run_example NAME LINES: runs that example, which has as many lines, and then the last line of all.
+run_example() {
+    example "$1" >run.sh
+    [ "$(wc -l <run.sh)" -eq "$2" ]
+    PARALLEL_HOME=$PWD bash -eu run.sh
+    joined_example
+}
+
+joined_example() {
+    example last >last.sh
+    [ "$(wc -l <last.sh)" -eq 1 ]
+    bash -eu last.sh 2>said
+    grep -q 'rows.tsv: 16 of 16 parts are there already' said
+    cmp whole.tsv rows.tsv
+}
+
 @test "the example with GNU parallel" {
     command -v parallel >/dev/null || skip "no GNU parallel"
     setup_example
-    example parallel >run.sh
-    [ "$(wc -l <run.sh)" -eq 3 ]
-    PARALLEL_HOME=$PWD bash -eu run.sh
-    cmp whole.tsv rows.tsv
+    run_example parallel 1
+}
+
+@test "the example with make" {
+    command -v make >/dev/null || skip "no make"
+    setup_example
+    example make >Makefile
+    make -j2 parts 3>&-
+    [ -z "$(make -s parts)" ]
+    joined_example
+}
+
+@test "the example with mpirun" {
+    command -v mpirun >/dev/null || skip "no mpirun"
+    setup_example
+    export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
+    run_example mpirun 1 3>&-
 }
 
 @test "the example of a Slurm array, task by task" {
     setup_example
     example sbatch >array.sh
-    grep -q '^#SBATCH --array=0-7' array.sh
-    for task in 0 1 2 3 4 5 6 7; do
-        SLURM_ARRAY_TASK_ID=$task SLURM_ARRAY_TASK_COUNT=8 SLURM_ARRAY_TASK_MIN=0 SLURM_ARRAY_TASK_STEP=1 \
-            bash -eu array.sh
+    grep -q '^#SBATCH --array=0-15' array.sh
+    for task in {0..15}; do
+        SLURM_ARRAY_TASK_ID=$task SLURM_ARRAY_TASK_COUNT=16 SLURM_ARRAY_TASK_MIN=0 SLURM_ARRAY_TASK_MAX=15 \
+            SLURM_ARRAY_TASK_STEP=1 bash -eu array.sh
     done
-    conus merge rows.[0-7].tsv -o rows.tsv
-    cmp whole.tsv rows.tsv
+    joined_example
+}
+
+@test "the example with Snakemake" {
+    need_long
+    command -v snakemake >/dev/null || skip "no snakemake"
+    setup_example
+    example snakemake >Snakefile
+    snakemake --cores 2 --quiet 3>&-
+    joined_example
+}
+
+# by_function NAME MODULE CODE: has the line of docs/batch.md for NAME, behind CODE, call the function there.
+by_function() {
+    need_long
+    local python=${CONUS_ENGINES_PYTHON:-/usr/bin/python3}
+    "$python" -c "import $2" || skip "no $2"
+    setup_example
+    { example part python
+      echo "if __name__ == '__main__':"
+      printf '    %s\n' "$3" "$(sed -n "s/ *# $1.*//p; /$1/p" "$BATS_TEST_DIRNAME/../../docs/batch.md" | grep -m 1 '(part')"
+    } >run.py
+    cat run.py
+    "$python" run.py 3>&-
+    joined_example
+}
+
+@test "the example with Dask" {
+    by_function Dask distributed 'import distributed; client = distributed.Client(n_workers=2, threads_per_worker=1, dashboard_address=None)'
+}
+
+@test "the example with joblib" {
+    by_function joblib joblib 'import joblib'
 }

@@ -47,20 +47,20 @@ need() {
     run -1 "$CONUS" verify away.tsv
 }
 
-@test "batch, its parts and merge keep the warnings, of which two have one" {
+@test "batch and its parts keep the warnings, each of its own poses, and what is joined those of all" {
     sphere --size 16
     printf 'x\ty\tz\tdx\tdy\tdz\n0\t0\t90\t0\t0\t1\n0\t0\t91\t0\t0\t1\n0\t0\t90\t0\t0\t-1\n0\t0\t90\t0\t0\t-1\n' >poses.tsv
     for i in 0 1; do
-        "$CONUS" batch sphere.nii.gz --poses poses.tsv --shard $i/2 -q -o part.$i.tsv
+        "$CONUS" batch sphere.nii.gz --poses poses.tsv --shard $i/2 -q -o joined.tsv
     done
-    jq -e '.Warnings == ["poses.tsv: 2 of 2 cones point away from the atlas, the first in line 2; looking the other way it would hit Sphere first"]' part.0.json
-    jq -e 'has("Warnings") | not' part.1.json
-    "$CONUS" merge part.0.tsv part.1.tsv -o merged.tsv
-    jq -e '.Warnings | length == 1' merged.json
+    jq -e '.Warnings == ["poses.tsv: 2 of 2 cones point away from the atlas, the first in line 2; looking the other way it would hit Sphere first"]' joined.0-of-2.json
+    jq -e 'has("Warnings") | not' joined.1-of-2.json
+    "$CONUS" batch sphere.nii.gz --poses poses.tsv --shard all/2 -q -o joined.tsv
+    jq -e 'has("Warnings") | not' joined.json
     "$CONUS" batch sphere.nii.gz --poses poses.tsv -q -o all.tsv # 2 of 4 are no more than half
     jq -e 'has("Warnings") | not' all.json
-    cmp all.tsv merged.tsv
-    "$CONUS" verify merged.tsv
+    cmp all.tsv joined.tsv
+    "$CONUS" verify joined.tsv
 }
 
 # Poses of people's own scans and in spaces of templates, on what there is of atlases: r refused, w warning, n note,

@@ -61,14 +61,13 @@ poses() {
     [ "$(wc -l <<<"$stderr")" -eq 1 ] # the note about the poses is given once
     cmp wanted.tsv rows.tsv
     cmp answer.tsv answers.tsv
-    for i in 0 1; do
-        conus batch u-shape.nii.gz --poses poses.tsv $needle --clearance part$i.tsv,within=7 --shard $i/2 || [ $i -eq 0 ]
+    for part in 1/3 all/3; do
+        conus batch u-shape.nii.gz --poses poses.tsv $needle --clearance joined.tsv,within=7 --shard $part || [ $part = all/3 ]
     done
-    conus merge part[01].tsv -o merged.tsv
-    cmp wanted.tsv merged.tsv
-    run -1 conus batch u-shape.nii.gz --poses poses.tsv $needle --clearance rows.tsv,within=7 --resume # nothing is left to do
-    fails 2 'there is a file already' batch u-shape.nii.gz --poses poses.tsv $needle --clearance rows.tsv,within=8 --resume
-    for file in wanted rows merged; do
+    cmp wanted.tsv joined.tsv
+    run -1 conus batch u-shape.nii.gz --poses poses.tsv $needle --clearance rows.tsv,within=7 # nothing is left to do
+    fails 2 'there is a file already' batch u-shape.nii.gz --poses poses.tsv $needle --clearance rows.tsv,within=8
+    for file in wanted rows joined; do
         run -0 "$CONUS" verify $file.tsv
         has "$file.tsv: identical"
     done

@@ -102,25 +102,23 @@ contacts() {
             conus batch slabs.nii.gz --poses probe.tsv --radius 4 --format $format --quiet \
                 --threads "${settings% *}" --block "${settings#* }" | cmp - "wanted.$format"
         done
-        run -1 conus batch slabs.nii.gz --poses probe.tsv --radius 4 --format $format --quiet -o "rows.$format" --resume
+        run -1 conus batch slabs.nii.gz --poses probe.tsv --radius 4 --format $format --quiet -o "rows.$format"
         cmp "wanted.$format" "rows.$format"
-        run -1 conus batch slabs.nii.gz --poses probe.tsv --radius 4 --format $format --quiet -o "rows.$format" --resume
-        run -2 conus batch slabs.nii.gz --poses probe.tsv --radius 5 --format $format --quiet -o "rows.$format" --resume
+        run -1 conus batch slabs.nii.gz --poses probe.tsv --radius 4 --format $format --quiet -o "rows.$format"
+        run -2 conus batch slabs.nii.gz --poses probe.tsv --radius 5 --format $format --quiet -o "rows.$format"
     done
     for format in afni bids; do
-        for i in 0 1 2; do
-            conus batch slabs.nii.gz --poses probe.tsv --radius 4 --format $format --quiet --shard "$i/3" -o "$i.$format" || [ $? -eq 1 ]
+        for part in 1/3 2/3 all/3; do
+            conus batch slabs.nii.gz --poses probe.tsv --radius 4 --format $format --quiet --shard $part -o "joined.$format" 2>said || [ $? -eq 1 ]
         done
-        conus merge 2.$format 0.$format 1.$format -o "merged.$format" 2>said
-        not grep -v '^conus: warning: probe.tsv: no' said
-        cmp "wanted.$format" "merged.$format"
-        [ "$(jq -r .Batch.errors "merged.$format.json")" -eq 43 ]
+        cmp "wanted.$format" "joined.$format"
+        [ "$(jq -r .Batch.errors "joined.$format.json")" -eq 43 ]
     done
     fails 2 '--shard: a probe' batch slabs.nii.gz --poses probe.tsv --radius 4 --format spikeglx --shard 0/2
     fails 2 '--summary: formats of other programs' batch slabs.nii.gz --poses probe.tsv --radius 4 --format bids --summary
 }
 
-@test "a batch in another program's format goes on where it was killed, and only as the same" {
+@test "a batch in another program's format is answered again after it was killed, and known as the same" {
     contacts 4000
     mv slabs.tsv labels.tsv
     mv probe.tsv in_electrodes.tsv # in the space of the atlas, so that no warning goes where progress does
@@ -128,16 +126,16 @@ contacts() {
     for format in afni bids; do
         conus batch slabs.nii.gz,template=none --poses in_electrodes.tsv --radius 4 --labels labels.tsv --format $format --quiet -o "whole.$format" || [ $? -eq 1 ]
         hold batch slabs.nii.gz,template=none --poses in_electrodes.tsv --radius 4 --labels labels.tsv --format $format -o "rows.$format"
-        wait_for_blocks 1 "rows.$format"
+        wait_for_block
         stop_held KILL 137
         [ ! -e "rows.$format" ]
-        conus batch slabs.nii.gz,template=none --poses in_electrodes.tsv --radius 4 --labels labels.tsv --format $format --quiet -o "rows.$format" --resume || [ $? -eq 1 ]
+        conus batch slabs.nii.gz,template=none --poses in_electrodes.tsv --radius 4 --labels labels.tsv --format $format --quiet -o "rows.$format" || [ $? -eq 1 ]
         cmp "whole.$format" "rows.$format"
     done
     mv slabs.nii.gz other.nii.gz
     for format in afni:2 bids:1; do # AFNI's rows have the file's name
         run -"${format#*:}" conus batch other.nii.gz,template=none --poses in_electrodes.tsv --radius 4 --labels labels.tsv --format "${format%:*}" --quiet \
-            -o "rows.${format%:*}" --resume
+            -o "rows.${format%:*}"
     done
 }
 
@@ -203,18 +201,15 @@ PYTHON
     has 'name first, "upper" part -> first, "lower" part'
 }
 
-@test "shards of CSV are joined as CSV" {
+@test "parts of CSV are joined as CSV" {
     conus phantom slabs -o .
     oddly_named
     printf 'x y z tx ty tz\n' | tr ' ' , >poses.csv
     for i in {1..20}; do echo "$i,-50,0,0,0,0"; done >>poses.csv
     local of=(slabs.nii.gz --labels names.tsv --poses poses.csv)
     answers batch "${of[@]}" -o whole.csv
-    for i in 0 1 2; do
-        conus batch "${of[@]}" --shard $i/3 -o part.$i.csv
-    done
-    fails 2 'joined.tsv is of another format than the shard part.0.csv' merge part.[0-2].csv -o joined.tsv
-    answers merge part.[0-2].csv -o joined.csv
+    conus batch "${of[@]}" --shard 1/3 -o joined.csv
+    conus batch "${of[@]}" --shard all/3 -o joined.csv
     cmp whole.csv joined.csv
     [ -e joined.json ]
 }

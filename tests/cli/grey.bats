@@ -40,17 +40,6 @@ refuses() {
     refuses mesh t1.nii.gz -o meshes
 }
 
-@test "conus-mpi refuses it" {
-    command -v mpirun >/dev/null || skip "no mpirun"
-    [ -x "${CONUS%/cli/conus}/mpi/conus-mpi" ] || skip "conus-mpi is not built"
-    grey
-    export ASAN_OPTIONS=detect_leaks=0 # OpenMPI does not free everything
-    run -3 --separate-stderr mpirun --oversubscribe --allow-run-as-root -n 2 "${CONUS%/cli/conus}/mpi/conus-mpi" batch \
-        t1.nii.gz --poses poses.tsv -o rows.tsv 3>&-
-    [[ "$stderr" == *'t1.nii.gz: looks like an image, not like labels'* ]]
-    [ ! -e rows.tsv ]
-}
-
 @test "the window refuses it" {
     need_window
     grey

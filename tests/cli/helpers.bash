@@ -121,10 +121,14 @@ stop_held() {
     let_go "$2"
 }
 
-# wait_for_blocks N FILE: waits until the journal of FILE, which process $pid writes, has N blocks below its first two
-# lines.
-wait_for_blocks() {
-    wait_until "$pid" has_lines $((2 + $1)) "$2.journal"
+# waits_to_write PID: whether a thread of the process is in a call of the system about its stderr.
+waits_to_write() {
+    grep -qsE '^[0-9]+ 0x2 ' "/proc/$1"/task/*/syscall
+}
+
+# wait_for_block: waits until process $pid, which hold started, has answered its first block.
+wait_for_block() {
+    wait_until "$pid" waits_to_write "$pid"
 }
 
 # free_port: prints a port on which nobody listens and from which no connection starts by itself.

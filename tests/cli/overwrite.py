@@ -43,7 +43,6 @@ ROWS = [
     ("query pair.hdr " + AIM, {"output": ".tsv", "mask": ".nii.gz"}, ["pair.hdr", "pair.img", "pair.tsv"]),
     ("batch u-shape.nii.gz --poses poses.tsv", {"output": ".tsv", "segments": ".csv", "clearance": ".ndjson"},
      [*ATLAS, "poses.tsv"]),
-    ("merge shard0.tsv shard1.tsv", {"output": ".tsv"}, ["shard0.tsv", "shard0.json", "shard1.tsv", "shard1.json"]),
     ("track u-shape.nii.gz --poses track.tsv", {"output": ".tsv", "sidecar": ".json"}, [*ATLAS, "track.tsv"]),
     (f"sweep u-shape.nii.gz --pose poses.tsv {MORE}", {"output": ".tsv", "sidecar": ".json"},
      ["u-shape.nii.gz", "own.tsv", "poses.tsv", "bundle.tck", "shift.txt"]),
@@ -58,8 +57,6 @@ ROWS = [
      [*ATLAS, "skin.func.gii", "region.nii.gz", "apart.tsv"]),
     ("plan u-shape.nii.gz --poses poses.tsv --reach Ball,@list.txt,length=1",
      {"output": ".tsv", "poses-out": ".mrk.json"}, [*ATLAS, "poses.tsv", "list.txt"]),
-    ("plan u-shape.nii.gz --poses poses.tsv --reach Ball --merge plan0.tsv --merge plan1.tsv", {"output": ".tsv", "poses-out": ".tsv"},
-     [*ATLAS, "poses.tsv", "plan0.tsv", "plan0.tsv.journal", "plan1.tsv"]),
     (f"render u-shape.nii.gz {AIM} --context grey.nii.gz --size 16x16 --camera camera.txt --palette palette.txt --transfer transfer.txt",
      {"output": ".png"}, [*ATLAS, "grey.nii.gz", "camera.txt", "palette.txt", "transfer.txt"]),
     ("page both.atlas.json --template template.html", {"output": ".html"},
@@ -80,7 +77,7 @@ def gifti(points, triangles):
 
 
 def run(folder, words, **more):
-    # -mpi and -view share what is checked here: apps/batch, and the library's one writer
+    # -view shares what is checked here: the library's one writer
     return subprocess.run([CONUS, *words], cwd=folder, capture_output=True, text=True, check=False, **more)
 
 
@@ -123,15 +120,11 @@ def make_inputs(folder):
                                          "context": {"file": "grey.nii.gz"}, "streamlines": [{"file": "bundle.tck"}]}))
     signs = [(20, 0, 0), (-20, 0, 0), (0, 20, 0), (0, -20, 0), (0, 0, 20), (0, 0, -20)]
     write("skin.func.gii", gifti(signs, [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]))
-    for i in range(2):
-        run(folder, f"batch u-shape.nii.gz --poses poses.tsv --shard {i}/2 -o shard{i}.tsv".split()).check_returncode()
-        run(folder, f"plan u-shape.nii.gz --poses poses.tsv --reach Ball --shard {i}/2 -o plan{i}.tsv".split())
 
 
 def command(folder, row, chosen, path):
     """The words of a row with the file `path` for the output `chosen`; others go to new files."""
-    words = row[0].split()
-    words += ["--quiet"] if words[0] != "merge" else []
+    words = [*row[0].split(), "--quiet"]
     for i, (option, ending) in enumerate(row[1].items()):
         value = path if option == chosen else f"new{i}{ending}"
         words += [f"--{option}", value]

@@ -57,17 +57,11 @@ complete_fish() {
     [ "$(find pages -name '*.1' | wc -l)" -eq $(($(commands | wc -l) + 1)) ]
 }
 
-@test "conus-view and conus-mpi have one man page each" {
+@test "conus-view has one man page" {
     view_program
     write_pages "$VIEW"
     help_options "$VIEW" >wanted
     man_options pages/conus-view.1 | diff wanted -
-    local mpi=${CONUS_MPI-}
-    [ -x "$mpi" ] || skip "conus-mpi is not built"
-    write_pages "$mpi"
-    help_options "$mpi" batch >wanted
-    man_options pages/conus-mpi.1 | diff wanted -
-    [ "$(complete_bash pages/conus-mpi.bash conus-mpi '' | xargs)" = "batch --help --version" ]
 }
 
 @test "man pages are good roff, and show the text as it is" {

@@ -372,3 +372,56 @@ END
     fails 2 'share=2 is not a number from 0 to 1' $U --reach U,share=2
     fails 2 'no key "volume"' $U --avoid U,volume=2
 }
+
+# many_needles: needles.tsv with 2000 candidates of which every other one is no pose.
+many_needles() {
+    awk 'BEGIN {
+        print "query_id\tx\ty\tz\tdx\tdy\tdz\tfar"
+        for (i = 1; i <= 2000; i++)
+            printf "n%d\t40\t%.3f\t5\t%d\t0\t0\t%.3f\n", i, i % 13 - 6, i % 2 - 1, 20 + i % 17 }' >needles.tsv
+}
+
+# A plan waits to write its progress behind the first blocks, so the signal comes while it tries poses.
+@test "an interrupted plan lists the best of the poses that it tried, and says so in its table, JSON and sidecar" {
+    needles
+    many_needles
+    local ask=(--reach U --radius 1 --top 7 --threads 1)
+    for signal in INT TERM; do
+        hold plan u-shape.nii.gz --poses needles.tsv "${ask[@]}" -o cut.tsv --force
+        wait_for_block
+        stop_held $signal 1
+        grep -q '^conus: warning: interrupted: tried [1-9][0-9]* of 2000 poses; the list has the best of these$' said
+        tried=$(sed -n 's/^conus: warning: interrupted: tried \([0-9]*\) of.*/\1/p' said)
+        [ "$tried" -lt 2000 ]
+        head -n $((tried + 1)) needles.tsv >tried.tsv
+        run -1 conus plan u-shape.nii.gz --poses tried.tsv "${ask[@]}" -o wanted.tsv -q --force
+        cmp cut.tsv wanted.tsv
+        [ "$(jq -r '.Warnings[-1]' cut.json)" = "interrupted: tried $tried of 2000 poses; the list has the best of these" ]
+        [ "$(jq -c .Plan cut.json)" = "$(jq -c .Plan wanted.json)" ]
+    done
+    hold plan u-shape.nii.gz --poses needles.tsv "${ask[@]}" --format json >cut.json
+    wait_for_block
+    stop_held INT 1
+    jq -e '.Warnings[-1] | startswith("interrupted: tried ")' cut.json
+    hold plan u-shape.nii.gz --poses needles.tsv "${ask[@]}" >cut.txt
+    wait_for_block
+    stop_held INT 1
+    grep -q 'interrupted: tried' cut.txt
+}
+
+@test "the best of parts, planned once more, are the best of all" {
+    needles
+    many_needles
+    local ask=(--reach U,length=2 --radius 1 --top 40 -q)
+    run -1 conus plan u-shape.nii.gz --poses needles.tsv "${ask[@]}" -o whole.tsv
+    head -n 1 needles.tsv >head
+    tail -n +2 needles.tsv | split -l 700 - part.
+    for part in part.a?; do
+        cat head $part >part.tsv
+        run -1 conus plan u-shape.nii.gz --poses part.tsv "${ask[@]}" --poses-out $part.tsv -o list.tsv --force
+    done
+    { cat part.aa.tsv; tail -qn +2 part.ab.tsv part.ac.tsv; } >best.tsv
+    conus plan u-shape.nii.gz --poses best.tsv "${ask[@]}" -o again.tsv
+    [ "$(wc -l <whole.tsv)" -eq 41 ]
+    cmp whole.tsv again.tsv
+}

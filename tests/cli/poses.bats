@@ -477,8 +477,8 @@ data32="0" data33="1"/></Marker></InstrumentMarker>'
     sphere --size 16
     printf '1 0 0 80\n0 0 -1 0\n0 1 0 0\n0 0 0 1\n' >matrix.txt
     answers batch sphere.nii.gz --poses matrix.txt --axis -x -o rows.tsv
-    answers batch sphere.nii.gz --poses matrix.txt --axis -x -o rows.tsv --resume
-    fails 2 'rows.tsv' batch sphere.nii.gz --poses matrix.txt -o rows.tsv --resume
+    answers batch sphere.nii.gz --poses matrix.txt --axis -x -o rows.tsv -q
+    fails 2 'rows.tsv' batch sphere.nii.gz --poses matrix.txt -o rows.tsv
 }
 
 @test "options about the file need one" {

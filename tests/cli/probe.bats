@@ -170,12 +170,11 @@ AIM=(--origin 0,14.6,0 --direction 0,1,0)
     conus batch slabs.nii.gz --probe np.json --poses two.tsv -q --block 1 | diff - <(printf '%s\n' "$output")
     answers batch slabs.nii.gz --probe np.json --poses two.tsv -q -o rows.tsv
     conus batch slabs.nii.gz --probe np.json --poses two.tsv -q | cmp - rows.tsv
-    for i in 0 1; do answers batch slabs.nii.gz --probe np.json --poses two.tsv -q --shard $i/2 -o part.$i.tsv; done
-    answers merge part.0.tsv part.1.tsv -o merged.tsv
-    cmp merged.tsv rows.tsv
+    for part in 1/2 all/2; do answers batch slabs.nii.gz --probe np.json --poses two.tsv -q --shard $part -o joined.tsv; done
+    cmp joined.tsv rows.tsv
     answers verify rows.tsv
     has 'identical'
-    [[ "$(conus cite merged.tsv | tr '\n' ' ')" == *'each of the 20 contacts of a probe at each of 2 poses of the device'* ]]
+    [[ "$(conus cite joined.tsv | tr '\n' ' ')" == *'each of the 20 contacts of a probe at each of 2 poses of the device'* ]]
     sed -i 's/"e1"/"e99"/' np.json
     run -1 conus verify rows.tsv # the file of the probe is another
     sed -i 's/"e99"/"e1"/' np.json

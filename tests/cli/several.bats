@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# Several atlases in one query: query, sweep, track, batch, merge and diff with --atlas.
+# Several atlases in one query: query, sweep, track, batch and diff with --atlas.
 load helpers
 
 # atlases: two phantoms in one space, ball.nii.gz and slabs.nii.gz, and poses.tsv that point at both; one row is no
@@ -79,7 +79,7 @@ same_rows() {
     [[ "${lines[3]}" =~ ^\ *0.000\ \ ball\ \ \ \ \ \ 1\ \ Sphere ]]
 }
 
-@test "a batch writes the rows of query, whatever the threads, blocks, shards and formats" {
+@test "a batch writes the rows of query, whatever the threads, blocks, parts and formats" {
     atlases 60
     both=(ball.nii.gz --atlas slabs.nii.gz --poses poses.tsv --angle 15)
     conus query ball.nii.gz --atlas slabs.nii.gz --pose poses.tsv --angle 15 -o query.tsv 2>said || [ $? -eq 1 ]
@@ -89,11 +89,10 @@ same_rows() {
     done
     for format in tsv csv ndjson; do
         run -1 conus batch "${both[@]}" -o "rows.$format" --force
-        for i in 0 1 2; do
-            conus batch "${both[@]}" --shard "$i/3" -o "shard$i.$format" || [ $? -eq 1 ]
+        for part in 1/3 all/3; do
+            conus batch "${both[@]}" --shard $part -o "joined.$format" || [ $? -eq 1 ]
         done
-        answers merge "shard1.$format" "shard0.$format" "shard2.$format" -o "merged.$format"
-        cmp "rows.$format" "merged.$format"
+        cmp "rows.$format" "joined.$format"
         rm -f ./*.json
     done
     run -1 conus batch "${both[@]}" --summary -o summary.tsv
@@ -101,20 +100,20 @@ same_rows() {
     [ "$(wc -l <summary.tsv)" -eq 121 ]
 }
 
-@test "a batch is resumed with the same atlases, and only with them" {
+@test "a file and its parts are known by their atlases" {
     atlases 400
     both=(ball.nii.gz --atlas slabs.nii.gz --poses poses.tsv)
     run -1 conus batch "${both[@]}" -o rows.tsv
-    hold batch "${both[@]}" --block 20 -o killed.tsv
-    wait_for_blocks 1 killed.tsv
-    stop_held KILL 137
-    fails 2 'written with other settings, poses, atlas' batch ball.nii.gz --poses poses.tsv -o killed.tsv --resume
-    fails 2 'written with other settings, poses, atlas' batch "${both[@]}" --atlas ball.nii.gz -o killed.tsv --resume
-    fails 2 'written with other settings, poses, atlas' \
-        batch slabs.nii.gz --atlas ball.nii.gz --poses poses.tsv -o killed.tsv --resume
-    run -1 conus batch "${both[@]}" --threads 3 -o killed.tsv --resume
-    cmp rows.tsv killed.tsv
-    diff <(grep -Ev 'CommandLine|Checksum' rows.json) <(grep -Ev 'CommandLine|Checksum' killed.json)
+    run conus batch "${both[@]}" --shard 1/2 -o joined.tsv
+    for how in "-o rows.tsv:2" "-o joined.tsv --shard 1/2:2" "-o joined.tsv --shard all/2:3"; do
+        # shellcheck disable=SC2086 # words
+        for atlases in ball.nii.gz "ball.nii.gz --atlas slabs.nii.gz --atlas ball.nii.gz" "slabs.nii.gz --atlas ball.nii.gz"; do
+            fails ${how#*:} 'of other poses, atlases, settings' batch $atlases --poses poses.tsv -q ${how%:*}
+        done
+    done
+    run -1 conus batch "${both[@]}" --threads 3 -o joined.tsv --shard all/2
+    cmp rows.tsv joined.tsv
+    diff <(grep -Ev 'CommandLine|Checksum' rows.json) <(grep -Ev 'CommandLine|Checksum' joined.json)
 }
 
 @test "what belongs to the answer names every atlas" {

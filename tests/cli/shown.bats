@@ -95,7 +95,7 @@ near() {
     [ "$(cell name 1)/$(cell name 2)" = Core/unassigned ]
 }
 
-@test "a batch answers, resumes and merges only what hides the same" {
+@test "a batch answers and joins only what hides the same" {
     nested
     printf 'x\ty\tz\ttx\tty\ttz\n' >poses.tsv
     printf '0\t-100\t0\t0\t0\t0\n0\t0\t100\t0\t0\t0\n' >>poses.tsv
@@ -103,12 +103,10 @@ near() {
     answers "${of[@]}" --hide Shell --force -o rows.tsv
     output=$(cat rows.tsv)
     [ "$(cell name 1)/$(cell name 3)" = Core/Core ]
-    answers "${of[@]}" --shard 0/2 --hide Shell -o part0.tsv
-    answers "${of[@]}" --shard 1/2 --only Core -o part1.tsv
-    answers merge part0.tsv part1.tsv -o joined.tsv
+    answers "${of[@]}" --shard 1/2 --only Core -o joined.tsv
+    fails 3 'joined.1-of-2.tsv: there is a file already, of other' "${of[@]}" --shard all/2 --hide Inner -o joined.tsv
+    answers "${of[@]}" --shard all/2 --hide Shell -o joined.tsv
     cmp joined.tsv rows.tsv
-    answers "${of[@]}" --shard 1/2 --hide Inner -o part2.tsv
-    fails 3 'part2.tsv' merge part0.tsv part2.tsv -o other.tsv
 }
 
 @test "pathways are shown and hidden, too" {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# The job array of docs/batch.md in a Slurm of one node, which this test starts itself.
+# The job array and srun of docs/batch.md in a Slurm of one node, which this test starts itself.
 load helpers
 
 write_configuration() {
@@ -70,7 +70,15 @@ teardown() {
     done
 }
 
-@test "the example of docs/batch.md: sbatch, merge, the file of one run" {
+# example NAME: the code of docs/batch.md whose fence has that name, for four parts: sixteen tasks of four processors
+# would wait for each other here.
+example() {
+    awk -v fence="\`\`\`sh $1" '$0 == fence { inside = 1; next } /^```/ { inside = 0 } inside' \
+        "$BATS_TEST_DIRNAME/../../docs/batch.md" |
+        sed 's/array=0-15/array=0-3/; s/ntasks=16/ntasks=4 --overcommit/; s/cpus-per-task=4/cpus-per-task=1/; s|all/16|all/4|'
+}
+
+@test "the examples of docs/batch.md: an array, then srun; and the file of one run" {
     slurm_up
     sphere --size 32 --spacing 2,2,2
     mv sphere.nii.gz aal.nii.gz
@@ -84,12 +92,22 @@ teardown() {
     mkdir bin
     ln -s "$CONUS" bin/conus
     PATH=$PWD/bin:$PATH
-    # eight tasks of four processors would wait for each other here
-    awk '$0 == "```sh sbatch" { inside = 1; next } /^```/ { inside = 0 } inside' "$BATS_TEST_DIRNAME/../../docs/batch.md" |
-        sed 's/array=0-7/array=0-3/; s/cpus-per-task=4/cpus-per-task=1/' >array.sh
+    example sbatch >array.sh
     grep -q '^#SBATCH --array=0-3' array.sh
     timeout $HANG sbatch --wait array.sh
-    grep -h 'note: shard 3/4, from SLURM_ARRAY_TASK_ID=3' slurm-*_3.out
-    conus merge rows.[0-3].tsv -o rows.tsv
+    grep -h 'note: --shard 3/4, from SLURM_ARRAY_TASK_ID=3' slurm-*_3.out
+    example last >last.sh
+    bash -eu last.sh 2>said
+    grep -q 'rows.tsv: 4 of 4 parts are there already' said
+    cmp whole.tsv rows.tsv
+    rm rows.*
+    example srun >srun.sh
+    timeout $HANG bash -eu srun.sh >said 2>&1
+    grep -q 'note: --shard 3/4, from SLURM_PROCID=3' said
+    printf '#!/bin/bash\n%s\n' 'conus batch aal.nii.gz --poses poses.tsv --shard auto -o none.tsv' >alone.sh
+    run -2 timeout $HANG sbatch --wait --ntasks=2 --overcommit -o alone.out alone.sh # no srun: all would be part 0
+    grep -q 'the environment does not say which part this process is' alone.out
+    bash -eu last.sh 2>said
+    grep -q 'rows.tsv: 4 of 4 parts are there already' said
     cmp whole.tsv rows.tsv
 }

@@ -174,7 +174,7 @@ shifts() {
     fails 3 'one.atlas.json: transform: lab/none.txt: ' query lab/one.atlas.json $ask
 }
 
-@test "a batch is not resumed under another transform" {
+@test "a batch of another transform is another one" {
     shifts
     printf 'x\ty\tz\ttx\tty\ttz\n-7\t-100\t0\t-7\t0\t10\n' >poses.tsv
     echo '{"conus_atlas": 1, "parcellation": "nested.nii.gz", "transform": "right.txt"}' >one.atlas.json
@@ -182,11 +182,11 @@ shifts() {
     for atlas in 'nested.nii.gz --atlas-transform right.txt' one.atlas.json; do
         local batch="batch $atlas --poses poses.tsv --angle 20 -o rows.tsv --quiet"
         conus $batch --force
-        answers $batch --resume # it is finished already
+        answers $batch # it is finished already
         sed -i 's/7/8/' right.txt
-        fails 2 'there is a file already' $batch --resume
+        fails 2 'there is a file already' $batch
         cp kept.txt right.txt
-        answers $batch --resume
+        answers $batch
     done
 }
 

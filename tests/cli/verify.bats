@@ -84,14 +84,14 @@ setup_file() {
     make quotes.tsv query "atlas/../atlas/./sphere.nii.gz" $aim --score "share + centre"
     make batch.tsv batch $S --poses poses.tsv
     make threads.csv batch $S --atlas $L --poses poses.tsv --threads 3 --block 1 --force
-    make batch.ndjson batch $S --poses poses.tsv --summary --resume
+    make batch.ndjson batch $S --poses poses.tsv --summary
     make batch-list.tsv batch $N --labels tree.tsv --poses poses.tsv --level @list.txt
     make batch-rows.tsv batch $S --poses poses.tsv --segments out/batch-passed.tsv
     conus batch $S --poses poses.tsv --segments out/batch-only.csv -q || [ $? -eq 1 ]
     make batch-afni batch $S --poses poses.tsv --format afni
-    conus batch $S --poses poses.tsv --shard 0/2 -q -o out/s0.tsv || [ $? -eq 1 ]
-    conus batch $S --poses poses.tsv --shard 1/2 -q -o out/s1.tsv
-    conus merge out/s0.tsv out/s1.tsv -o out/merged.tsv
+    conus batch $S --poses poses.tsv --shard 0/2 -q -o out/s.tsv || [ $? -eq 1 ]
+    conus batch $S --poses poses.tsv --shard 1/2 -q -o out/s.tsv
+    conus batch $S --poses poses.tsv --shard all/3 -q -o out/joined.tsv || [ $? -eq 1 ]
     make sweep.tsv sweep $N $aim
     make angles.csv sweep $N --origin 0,-100,0 --toward 0,0,20 --angles 5:25:5
     make jitter.tsv sweep $S $aim --jitter 3,2 --samples 64
@@ -105,7 +105,7 @@ setup_file() {
     make ends.tsv query $N --streamlines lines.tck $aim --endpoints out/ends-rows.tsv --streamlines-out out/lines.tck
     make listed.csv overlap $N --labels tree.tsv out/in_mask.nii.gz --level @list.txt
     conus query $S $aim --format tsv -q --sidecar out/stdout.tsv.json >out/stdout.tsv
-    results+=(out/{images-rows,ends-rows,s0,s1,merged,passed,batch-passed}.tsv out/batch-only.csv
+    results+=(out/{images-rows,ends-rows,s.0-of-2,s.1-of-2,joined,passed,batch-passed}.tsv out/batch-only.csv
         out/{in_dseg,in_mask}.nii.gz out/stdout.tsv)
     printf '%s\n' "${results[@]}" >results
     cp -r . "$BATS_FILE_TMPDIR/kept"
@@ -274,7 +274,7 @@ says() {
 # each kind of sidecar is changed alone.
 @test "every value of a sidecar that is changed is noticed, with the checksum recomputed" {
     study
-    run -0 python3 "$BATS_TEST_DIRNAME/leaves.py" "$CONUS" out/{several,batch,merged,sweep,track,plan,passed,ends-rows}.tsv \
+    run -0 python3 "$BATS_TEST_DIRNAME/leaves.py" "$CONUS" out/{several,batch,joined,sweep,track,plan,passed,ends-rows}.tsv \
         out/regions.json out/in_mask.nii.gz
     echo "$output"
     count=$(sed -nE 's/^([0-9]+) values changed, \1 noticed$/\1/p' <<<"$output")

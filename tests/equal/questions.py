@@ -379,25 +379,14 @@ def batches(ask):
         ask(f"batch {atlas} --poses in/many.tsv --layers all --range 40,95 --radius 3 -o {{o}}/rows.tsv")
         ask(f"batch {atlas} --poses in/bad.tsv --format afni")
     for form, extra in (("tsv", ""), ("csv", "--summary"), ("ndjson", "--layers all")):
-        shards = [f"shards-{form}/rows.{i}.{form}" for i in range(3)]
-        for i, shard in enumerate(shards):
-            ask(f"batch ph/tubes.nii.gz --poses in/bad.tsv {extra} --shard {i}/3 -o {shard}",
-                makes=f"shards-{form}")
-        ask(f"merge {' '.join(reversed(shards))} -o {{o}}/merged.{form}")
-        ask(f"merge {shards[0]} {shards[2]} -o {{o}}/merged.{form}")
-    ask("batch ph/sphere.nii.gz --poses in/ball.tsv --resume -o again/rows.tsv", makes="again")
-    ask("batch ph/sphere.nii.gz --poses in/ball.tsv --resume -o again/rows.tsv")
-    ask("batch ph/sphere.nii.gz --poses in/bad.tsv --resume -o again/rows.tsv")
+        for part in ("0/3", "02/3", "1/3", "all/3"):
+            ask(f"batch ph/tubes.nii.gz --poses in/bad.tsv {extra} --shard {part} -o parts-{form}/rows.{form}",
+                makes=f"parts-{form}")
+        ask(f"batch ph/tubes.nii.gz --poses in/bad.tsv {extra} --shard all/3 -o {{o}}/rows.{form}")
+    ask("batch ph/sphere.nii.gz --poses in/ball.tsv -o again/rows.tsv", makes="again")
+    ask("batch ph/sphere.nii.gz --poses in/ball.tsv -o again/rows.tsv")
+    ask("batch ph/sphere.nii.gz --poses in/bad.tsv -o again/rows.tsv")
     ask("batch ph/sphere.nii.gz --poses in/bad.tsv --force -o again/rows.tsv")
-
-
-def mpi(ask):
-    for ranks, options in ((2, ""), (2, "--layers all"), (2, "--summary --block 8"), (3, "--threads 1 --block 16")):
-        for form in ("tsv", "ndjson"):
-            ask(f"-n {ranks} batch ph/nested.nii.gz --poses in/many.tsv {options} -o {{o}}/rows.{form}",
-                program="conus-mpi")
-    ask("-n 2 batch ph/tubes.nii.gz --poses in/bad.tsv -o {o}/rows.csv", program="conus-mpi")
-    ask("-n 2 batch ph/brain/brain.atlas.json --poses in/brain.tsv -o {o}/rows.tsv", program="conus-mpi")
 
 
 def sweeps(ask):
@@ -635,7 +624,7 @@ def help_texts(ask):
             ask(words)
     for words in ("-h", "--help", "--version", "", "nonsense", "help", "help query", "help nonsense", "--nonsense"):
         ask(words)
-    for program in ("conus-view", "conus-mesh", "conus-mpi"):
+    for program in ("conus-view", "conus-mesh"):
         for words in ("-h", "--help", "--version", "--nonsense", "nonsense"):
             ask(words, program=program)
 
@@ -706,7 +695,7 @@ MOVE = f"query ph/nested.nii.gz {BALL_AIM} --atlas-transform {{f}}"
 READERS = {
     "afni": ("x+orig.HEAD", VOLUME),
     "annot": ("lh.x.annot", SURFACE_LABELS),
-    "batch_record": ("rows.json", "merge {d}/rows.tsv -o {o}/rows.tsv", "verify {d}/rows.tsv"),
+    "batch_record": ("rows.json", "verify {d}/rows.tsv"),
     "brainglobe_atlas": ("atlases/x/1_0/manifest.json", "info {d}/atlases/x/1_0", "info {f}"),
     "brainglobe_metadata": ("metadata.json", "info {d}", "info {f}"),
     "cifti": ("x.dlabel.nii", VOLUME),
@@ -749,8 +738,8 @@ READERS = {
 # Corpora that no command reads as a file: of the window, which needs a display; streams of conus-hdf5, conus-mesh and
 # the network; what conus keeps; pieces of files.
 UNREAD = ("place", "recent", "script", "session", "thumbnail", "hdf5_stream", "minc", "nwb", "simnibs", "transform_chain",
-          "mesh_request", "mesh_stream", "igtl", "atlas_pack", "batch_journal", "cache_entry", "gzip_index",
-          "mesh_cache", "plan_known", "gzip", "text")
+          "mesh_request", "mesh_stream", "igtl", "atlas_pack", "cache_entry", "gzip_index",
+          "mesh_cache", "gzip", "text")
 # Files beside that which is asked about.
 BESIDE = {"batch_record": "rows.tsv", "sidecar": "rows.tsv", "coordsystem": "sub-01_electrodes.tsv"}
 
@@ -922,7 +911,7 @@ def shared_hostile(ask):
 GROUPS = {
     "phantoms": phantoms, "answers": answers, "looks": looks, "areas": areas, "poses": poses,
     "other-programs": other_programs, "pictures-of-answers": pictures_of_answers, "gl": gl,
-    "batches": batches, "mpi": mpi, "sweeps": sweeps, "tracks": tracks, "manifests": manifests, "meshes": meshes,
+    "batches": batches, "sweeps": sweeps, "tracks": tracks, "manifests": manifests, "meshes": meshes,
     "renders": renders, "legends": legends, "diffs": diffs, "examples": examples, "samples": samples,
     "windows": windows, "refusals": refusals, "help": help_texts, "tables": tables,
     "files-of-fuzzers": files_of_fuzzers, "files-of-corpus": files_of_corpus, "python": python,

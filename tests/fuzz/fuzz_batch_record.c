@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A shard's sidecar: the values that conus merge takes from it are consistent. */
-#include "batch/batch_record.h"
+/* The sidecar of a part: the values that are taken from it when parts are joined are consistent. */
+#include "cli/batch/batch_record.h"
 #include "quiet.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,10 +13,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct batch_record record;
     FILE *kept = be_quiet();
-    int code = batch_record_parse(&record, "fuzz", (const char *)data, size);
+    conus_astray found[1] = {{0}};
+    int code = batch_record_parse(&record, found, 1, "fuzz", (const char *)data, size);
     stderr = kept;
     if (!code && (record.shard.index >= record.shard.count || record.header_size > record.bytes ||
-                  strlen(record.fingerprint) != sizeof record.fingerprint - 1)) {
+                  strlen(record.fingerprint) != sizeof record.fingerprint - 1 || !isfinite(found[0].away.angle))) {
         abort();
     }
     return 0;

@@ -24,7 +24,7 @@ claimed() {
 }
 
 @test "each installed file is in one package, or is listed as in none" {
-    [ -x "$BATS_FILE_TMPDIR/usr/bin/conus-view" ] && [ -x "$BATS_FILE_TMPDIR/usr/bin/conus-mpi" ] &&
+    [ -x "$BATS_FILE_TMPDIR/usr/bin/conus-view" ] &&
         [ -x "$BATS_FILE_TMPDIR/usr/bin/conus-mesh" ] && [ -x "$BATS_FILE_TMPDIR/usr/bin/conus-hdf5" ] &&
         [ -d "$BATS_FILE_TMPDIR/usr/lib/python3" ] ||
         skip "not all programs are built"

@@ -338,24 +338,6 @@ static void compare_json(struct comparing *out, const char *name, json_t *a, jso
     }
 }
 
-/* The sidecar of a merged batch has two commands: the one that is answered again, then the one that merged. */
-static void compare_programs(struct comparing *out, const json_t *recorded, const json_t *again)
-{
-    static const char merge[] = "conus merge ";
-    json_t *programs = json_deep_copy(json_object_get(recorded, "GeneratedBy"));
-    json_t *last = json_array_get(programs, 1);
-    const char *line = json_string_value(json_object_get(last, "CommandLine"));
-    const char *name = json_string_value(json_object_get(last, "Name"));
-    out->failed = out->failed || !programs;
-    if (line && strncmp(line, merge, sizeof merge - 1) == 0 && name && strcmp(name, "conus") == 0 &&
-        record_is_version(json_string_value(json_object_get(last, "Version"))) && json_object_size(last) == 3 &&
-        json_object_get(recorded, "Batch")) {
-        json_array_remove(programs, 1);
-    }
-    compare_json(out, "GeneratedBy", programs, json_object_get(again, "GeneratedBy"), 0);
-    json_decref(programs);
-}
-
 /* The files that were made again lie elsewhere: each path must be the one that was asked for. */
 static void compare_outputs(struct comparing *out, const json_t *recorded, const json_t *again)
 {
@@ -389,9 +371,7 @@ bool sidecars_differ(char **out, const json_t *recorded, const json_t *again, co
     json_t *value;
     json_object_foreach((json_t *)again, key, value)
     {
-        if (strcmp(key, "GeneratedBy") == 0) {
-            compare_programs(&comparing, recorded, again);
-        } else if (strcmp(key, "Outputs") == 0) {
+        if (strcmp(key, "Outputs") == 0) {
             compare_outputs(&comparing, recorded, again);
         } else {
             compare_json(&comparing, key, json_object_get(recorded, key), value, 0);

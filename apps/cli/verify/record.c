@@ -256,7 +256,7 @@ static const char *read_command(struct record *out)
     const char *name = NULL;
     const char *command = NULL;
     const json_t *programs = json_object_get(out->root, "GeneratedBy");
-    json_t *program = json_array_get(programs, 0); /* of a batch that was merged, the batch */
+    json_t *program = json_array_get(programs, 0);
     if (json_unpack(program, "{s: s, s: s}", "Name", &name, "Version", &out->version) || strcmp(name, "conus") != 0) {
         return refuse("GeneratedBy: does not name conus and its version: not a sidecar of conus");
     }

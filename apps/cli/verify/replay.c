@@ -403,7 +403,7 @@ static bool asks_for_help(const struct command_line *line)
 bool replay_parse(struct replay *out, const struct command *const *commands)
 {
     const struct command_line *line = &out->record->line;
-    bool known = line->count > 1 && (strcmp(line->words[0], "conus") == 0 || strcmp(line->words[0], "conus-mpi") == 0);
+    bool known = line->count > 1 && strcmp(line->words[0], "conus") == 0;
     out->command = known ? find_command(commands, line->words[1]) : NULL;
     if (!out->command || asks_for_help(line)) {
         return fail_replay(out,
@@ -583,7 +583,7 @@ static void put_words(struct writing *out)
         put_option(out, "engine", replay->engine);
     }
     const struct option *of_batch = option_find(replay->command, "shard");
-    if (of_batch && of_batch->role == OPTION_OF_RUN) { /* always, since Slurm's environment may say another one */
+    if (of_batch && of_batch->role == OPTION_OF_RUN) { /* that of the rows */
         snprintf(shard, sizeof shard, "%lld/%lld", (long long)replay->record->shard[0],
                  (long long)replay->record->shard[1]);
         put_option(out, "shard", shard);

@@ -354,7 +354,7 @@ static bool open_path(struct window *window, const char *text, const struct atla
     }
     if (wait_load(window, &request, &atlases, why)) {
         if (before) {
-            warnings_forget(); /* which were about it */
+            warnings_forget(0); /* which were about it */
         }
         for (size_t i = 0; i < atlases.count && settings.safe_colours; i++) {
             conus_atlas_use_safe_colours(atlases.items[i].atlas);

@@ -886,112 +886,70 @@ static conus_pose_stream *pairs(void)
     return stream;
 }
 
+/* Ends a run when it has asked so many times. */
 struct halt {
-    conus_plan *plan;
-    size_t after;
-    char *state; /* when it ended */
+    size_t calls, most;
 };
 
 static bool halt_after(void *user, size_t done, size_t total)
 {
     struct halt *halt = user;
-    const char *text = NULL;
-    size_t size = 0;
+    (void)done;
     (void)total;
-    if (done < halt->after) {
-        return true;
-    }
-    assert_ok(conus_plan_state(&text, &size, halt->plan));
-    halt->state = memory_text(text, size);
-    return false;
+    return ++halt->calls < halt->most;
 }
 
-/* A plan with these options that takes over states and tries rows first to first + count. The caller frees its
- * state. */
-static conus_plan *run_part(char **state, conus_selector *selector, const struct asked *asked, char *const *known,
-                            uint64_t first, uint64_t count, size_t after)
+/* A plan of rows up to `limit` that is cancelled at question `most`, and cut then. */
+static conus_plan *run_until(conus_selector *selector, const struct asked *asked, uint64_t limit, size_t most)
 {
-    struct halt halt = {.after = after};
+    struct halt halt = {.most = most};
     conus_plan_options options = asked->options;
     conus_pose_stream *stream = pairs();
-    const char *text;
-    size_t size;
-    uint64_t end;
+    conus_plan *plan = NULL;
     options.progress = halt_after;
     options.progress_user = &halt;
-    assert_ok(conus_plan_create(&halt.plan, selector, asked->constraints, asked->count, &options));
-    if (asked->measures_all) {
-        plan_measure_all(halt.plan);
+    assert_ok(conus_plan_create(&plan, selector, asked->constraints, asked->count, &options));
+    assert_fails(conus_plan_cut(plan), CONUS_ERROR_ARGUMENT);
+    conus_status status = conus_plan_run(plan, stream, limit);
+    assert_int_equal(status, halt.calls >= most ? CONUS_ERROR_CANCELLED : CONUS_OK);
+    if (status) {
+        assert_int_equal(conus_plan_count(plan), 0);
+        assert_ok(conus_plan_cut(plan));
     }
-    for (; known && *known; known++) {
-        assert_ok(conus_plan_add_state(&end, halt.plan, *known, strlen(*known)));
-    }
-    assert_ok(conus_pose_stream_skip(stream, first));
-    conus_status status = conus_plan_run(halt.plan, stream, count);
-    assert_int_equal(status, halt.state ? CONUS_ERROR_CANCELLED : CONUS_OK);
-    if (!halt.state) {
-        assert_ok(conus_plan_state(&text, &size, halt.plan));
-        halt.state = memory_text(text, size);
-    }
-    *state = halt.state;
+    assert_fails(conus_plan_cut(plan), CONUS_ERROR_ARGUMENT);
     conus_pose_stream_destroy(stream);
-    return halt.plan;
+    return plan;
 }
 
-/* A plan that is cut into parts at any row and joined gives the same as in one run. */
-static void parts_make_the_whole(void **state)
+/* A plan that is cut, while it tries poses or asks the listed ones for their chances, is that of the rows tried. */
+static void cut_is_the_plan_of_what_was_tried(void **state)
 {
     (void)state;
     const conus_constraint wants[2][2] = {{reach("1", 2), avoid("2", 3)}, {reach("1", 2), avoid("2", 90)}};
+    const conus_jitter_options jitter = {.tilt = 0.02, .shift = 0.5, .samples = 16};
     const conus_plan_options options[] = {
         {.top = 5, .entries = ENTRIES, .targets = TARGETS},
         {.top = 40, .infeasible = true, .threads = 3},
-        {.top = UINT64_MAX, .infeasible = true},
-        {.top = 3, .entries = ENTRIES},
+        {.top = 30, .infeasible = true, .jitter = &jitter, .threads = 2},
     };
     conus_atlas *atlas = boxes();
     conus_selector *selector = NULL;
     assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.radius = 0.4}));
-    for (size_t o = 0; o < 8; o++) {
-        struct asked asked = {
-            .constraints = wants[o & 1], .count = 2, .options = options[o / 2], .measures_all = o / 2 == 2};
-        char *ends[4] = {NULL};
-        char *again[2] = {NULL};
-        char *cut;
-        conus_plan *whole = run_part(&ends[3], selector, &asked, NULL, 0, UINT64_MAX, SIZE_MAX);
-        char *wanted = tell(whole, &asked.options);
-        assert_int_equal(conus_plan_left(whole, 0), PAIRS);
-        assert_int_equal(conus_plan_left(whole, 2) > 0, !(o & 1)); /* 90 mm from the box there is nothing */
-        for (uint64_t part = 0; part < 3; part++) {
-            conus_plan_destroy(run_part(&ends[part], selector, &asked, NULL, 120 * part, 120, SIZE_MAX));
-        }
-        memory_free(ends[3]);
-        ends[3] = NULL;
-        for (size_t after = 1; after < PAIRS; after += 97) {
-            conus_plan_destroy(run_part(&again[0], selector, &asked, NULL, 0, UINT64_MAX, after));
-            conus_plan_destroy(
-                run_part(&cut, selector, &asked, again, 0, UINT64_MAX, after + 60 * (after & 1))); /* twice */
-            memory_free(again[0]);
-            again[0] = cut;
-            conus_plan *plan = run_part(&cut, selector, &asked, again, 0, UINT64_MAX, SIZE_MAX);
+    for (size_t o = 0; o < 6; o++) {
+        struct asked asked = {.constraints = wants[o & 1], .count = 2, .options = options[o / 2]};
+        for (size_t most = 1; most < 40; most += 3) {
+            conus_plan *plan = run_until(selector, &asked, UINT64_MAX, most);
+            uint64_t rows = conus_plan_left(plan, 0) + conus_plan_rejected(plan).count;
+            conus_plan *wanted = run_until(selector, &asked, rows, SIZE_MAX);
             char *told = tell(plan, &asked.options);
-            assert_string_equal(told, wanted);
+            char *whole = tell(wanted, &asked.options);
+            assert_true(most > 4 ? rows > 4 * 20 : rows < PAIRS);
+            assert_string_equal(told, whole);
             memory_free(told);
-            memory_free(again[0]);
-            memory_free(cut);
+            memory_free(whole);
             conus_plan_destroy(plan);
+            conus_plan_destroy(wanted);
         }
-        conus_plan *merged = run_part(&cut, selector, &asked, ends, 0, UINT64_MAX, SIZE_MAX);
-        char *told = tell(merged, &asked.options);
-        assert_string_equal(told, wanted);
-        memory_free(told);
-        memory_free(cut);
-        memory_free(wanted);
-        for (size_t i = 0; i < 3; i++) {
-            memory_free(ends[i]);
-        }
-        conus_plan_destroy(merged);
-        conus_plan_destroy(whole);
     }
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
@@ -1041,86 +999,6 @@ static void pruning_changes_no_digit(void **state)
     conus_atlas_destroy(atlas);
 }
 
-static void states_that_are_none(void **state)
-{
-    (void)state;
-    static const char good[] = "rows 0 40\nleft 39 20 3\nnone 1 7\nkept 2 9 40\nentries\ntargets\nwhy no pose\n";
-    static const char *const bad[] = {
-        "",
-        "rows 40 0\nleft 39 20 3\nnone 1 7\nkept\nentries\ntargets\nwhy no pose\n",
-        "rows 0 40\nleft 40 20 3\nnone 1 7\nkept\nentries\ntargets\nwhy no pose\n",
-        "rows 0 40\nleft 39 20 21\nnone 1 7\nkept\nentries\ntargets\nwhy no pose\n",
-        "rows 0 40\nleft 39 20\nnone 1 7\nkept\nentries\ntargets\nwhy no pose\n",
-        "rows 1 41\nleft 39 20 3\nnone 1 7\nkept 1\nentries\ntargets\nwhy no pose\n",
-        "rows 0 40\nleft 39 20 3\nnone 1 7\nkept 41\nentries\ntargets\nwhy no pose\n",
-        "rows 0 40\nleft 39 20 3\nnone 1 7\nkept 9 2\nentries\ntargets\nwhy no pose\n",
-        "rows 0 40\nleft 39 20 3\nnone 1 7\nkept 2 2\nentries\ntargets\nwhy no pose\n",
-        "rows 0 40\nleft 39 20 3\nnone 1 7\nkept -2\nentries\ntargets\nwhy no pose\n",
-        "rows 0 40\nleft 39 20 3\nnone 1 7\nkept\nentries 4\ntargets\nwhy no pose\n",
-        "rows 0 40\nleft 39 20 3\nnone 1 7\nkept\nentries\ntargets\nwhy no pose\n\n",
-        "rows 0 99999999999999999999\nleft 39 20 3\nnone 1 7\nkept\nentries\ntargets\nwhy no pose\n",
-    };
-    const conus_constraint wants[] = {reach("1", 2), avoid("2", 3)};
-    uint64_t end = 0;
-    conus_atlas *atlas = boxes();
-    conus_selector *selector = NULL;
-    conus_plan *plan = NULL;
-    conus_pose_stream *stream = pairs();
-    assert_ok(conus_selector_create(&selector, atlas, NULL));
-    assert_ok(conus_plan_create(&plan, selector, wants, 2, NULL));
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        assert_fails(conus_plan_add_state(&end, plan, bad[i], strlen(bad[i])), CONUS_ERROR_DATA);
-    }
-    for (size_t size = 0; size + 1 < sizeof good; size++) {
-        assert_fails(conus_plan_add_state(&end, plan, good, size), CONUS_ERROR_DATA);
-    }
-    assert_int_equal(end, 0);
-    assert_int_equal(conus_plan_left(plan, 0), 0);
-    assert_ok(conus_plan_add_state(&end, plan, good, sizeof good - 1));
-    assert_int_equal(end, 40);
-    assert_fails(conus_plan_add_state(&end, plan, good, sizeof good - 1), CONUS_ERROR_DATA); /* not behind the first */
-    assert_fails(conus_plan_run(plan, stream, 39), CONUS_ERROR_DATA);                        /* fewer than it knows */
-    assert_fails(conus_plan_add_state(&end, plan, good, sizeof good - 1), CONUS_ERROR_ARGUMENT);
-    conus_plan_destroy(plan);
-    for (int of_targets = 0; of_targets < 2; of_targets++) { /* with a map, from a state without one */
-        const conus_plan_options options = {.entries = of_targets ? 0 : ENTRIES, .targets = of_targets ? TARGETS : 0};
-        assert_ok(conus_plan_create(&plan, selector, wants, 2, &options));
-        assert_fails(conus_plan_add_state(&end, plan, good, sizeof good - 1), CONUS_ERROR_DATA);
-        assert_non_null(strstr(conus_message(), of_targets ? "needs a map of targets" : "needs a map of entries"));
-        conus_plan_destroy(plan);
-    }
-    conus_pose_stream_destroy(stream);
-    conus_selector_destroy(selector);
-    conus_atlas_destroy(atlas);
-}
-
-/* From a state to the next one. */
-static conus_status attempt_state(void *data)
-{
-    static const char known[] = "rows 0 40\nleft 40 20\nnone 0 0\nkept 2 9 40\nentries\ntargets\nwhy \n";
-    const conus_constraint want = reach("1", 2);
-    conus_plan *plan = NULL;
-    const char *text;
-    size_t size;
-    uint64_t end;
-    conus_status status = conus_plan_create(&plan, data, &want, 1, &(conus_plan_options){.threads = 1});
-    status = status ? status : conus_plan_add_state(&end, plan, known, sizeof known - 1);
-    status = status ? status : conus_plan_state(&text, &size, plan);
-    conus_plan_destroy(plan);
-    return status;
-}
-
-static void every_failing_allocation_of_a_state(void **state)
-{
-    (void)state;
-    conus_atlas *atlas = boxes();
-    conus_selector *selector = NULL;
-    assert_ok(conus_selector_create(&selector, atlas, NULL));
-    test_every_allocation(attempt_state, selector);
-    conus_selector_destroy(selector);
-    conus_atlas_destroy(atlas);
-}
-
 TEST_GROUP(plan)
 {
     const struct CMUnitTest tests[] = {
@@ -1142,10 +1020,8 @@ TEST_GROUP(plan)
         cmocka_unit_test(bad_arguments),
         cmocka_unit_test(every_failing_allocation_is_survived),
         cmocka_unit_test(progress_ends_a_run),
-        cmocka_unit_test(parts_make_the_whole),
+        cmocka_unit_test(cut_is_the_plan_of_what_was_tried),
         cmocka_unit_test(pruning_changes_no_digit),
-        cmocka_unit_test(states_that_are_none),
-        cmocka_unit_test(every_failing_allocation_of_a_state),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

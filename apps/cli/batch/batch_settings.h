@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The options of `conus batch`, shared with conus-mpi. */
-#ifndef CONUS_BATCH_BATCH_SETTINGS_H
-#define CONUS_BATCH_BATCH_SETTINGS_H
+/** @file The options of `conus batch`. */
+#ifndef CONUS_CLI_BATCH_SETTINGS_H
+#define CONUS_CLI_BATCH_SETTINGS_H
 
+#include "cli/batch/batch_shard.h"
 #include "conus/report.h"
 #include "settings/pose_settings.h"
 #include "settings/settings.h"
@@ -24,14 +25,10 @@ struct batch_settings {
     const struct rows_kind *of_axis; /* no option: the rows of this run, whose file is the output; NULL = answers */
     bool is_again; /* no option: an earlier run over the same poses has said what there is to say about them */
     const char *shard;
+    struct shard part; /* no option: what --shard means */
     uint32_t threads, block;
-    bool force, resume;
+    bool force;
     size_t progress; /* enum progress_kind */
-};
-
-/** A part of something that is numbered from 0: number @p index of @p count. */
-struct shard {
-    uint64_t index, count;
 };
 
 extern const struct option_group batch_groups[]; /**< For struct batch_settings. */
@@ -39,15 +36,5 @@ extern const struct option_group batch_groups[]; /**< For struct batch_settings.
 /** The format of the rows: --format (not that of rows about axes besides answers), else what the ending of --output
  * says, TSV where that is no file. False, after an error message, for a file whose ending says nothing. */
 bool batch_format(conus_format *out, const struct batch_settings *settings, const struct arguments *arguments);
-
-/** Reads --shard, or takes it from Slurm's job array, saying so. Returns the exit code and prints an error unless it is
- * 0. */
-int batch_shard(struct shard *out, const struct batch_settings *settings);
-
-/** Reads "I/N". Likewise. */
-int shard_parse(struct shard *out, const char *text);
-
-/** Where the shard of @p total things begins and how many it has. Shards differ by one at most; the first have more. */
-void shard_range(uint64_t *first, uint64_t *count, struct shard shard, uint64_t total);
 
 #endif

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * The sidecar of a batch: what a report's says, and under "Batch" which poses the file answers (docs/batch.md). */
-#ifndef CONUS_BATCH_BATCH_RECORD_H
-#define CONUS_BATCH_BATCH_RECORD_H
+#ifndef CONUS_CLI_BATCH_RECORD_H
+#define CONUS_CLI_BATCH_RECORD_H
 
-#include "batch/batch_settings.h"
-#include "conus/batch.h"
+#include "cli/batch/batch_shard.h"
 #include "options/provenance.h"
+#include "settings/notes.h"
 
 enum { BATCH_RECORD_LIMIT = 1 << 26 }; /**< Largest sidecar that is read, bytes. */
 
@@ -15,9 +15,8 @@ struct batch_record {
     struct shard shard;
     uint64_t first, poses, errors; /**< First pose (from 0), how many, and those without an answer. */
     uint64_t bytes, header_size;   /**< Size of the file, and of the header row in it. */
-    uint64_t atlases;              /**< Read back: how many were asked, each with rows of its own. */
     uint32_t crc;                  /**< CRC-32 of the file's bytes. */
-    const char *pose_file;         /**< As given, with the words behind it; NULL = as the sidecar says already, */
+    const char *pose_file;         /**< As given, with the words behind it, */
     const char *pose_hash;         /**< its SHA-256, "" of standard input, */
     const char *coordsystem;       /**< The file that gives units and space of its positions; "" = none, */
     const char *coordsystem_hash;  /**< its SHA-256, */
@@ -26,21 +25,24 @@ struct batch_record {
     size_t contacts;               /**< and how many contacts it has. */
     double angle;                  /**< and the angle of poses without one, degrees; */
     bool has_angles, has_points;   /**< poses may have angles of their own, or be points, */
-    bool has_ranges;               /**< or have ranges of their own. */
+    bool has_ranges;               /**< or have ranges of their own; */
+    const struct aimed *aimed;     /**< [atlases] of a part, with what was found about its poses; NULL = is not kept. */
+    size_t atlases;                /**< As many as were asked. */
 };
 
 /** Fingerprint of rows: of their sidecar, which is a JSON object, without what differs between machines; the texts of
  * @p sources up to NULL; and the atlases' objects. */
 int batch_fingerprint(char out[65], const char *sidecar, const struct atlases *atlases, const char *const *sources);
 
-/** Writes the sidecar: @p text, a JSON object, with the record in it, and with @p command as the command line. Of a
- * merged batch, @p question is NULL: that of the first shard stays. */
+/** Writes the sidecar: @p text, a JSON object, with the record in it, and with @p command as the command line. */
 int batch_record_write(const char *path, const char *text, const struct batch_record *record, const char *command,
                        const struct question *question);
 
-/** Reads it back. */
-int batch_record_read(struct batch_record *out, const char *path);
+/** Reads it back: fingerprint, shard and counts; and, unless @p found is NULL, what was found by each of @p atlases,
+ * whose objects the caller checks. */
+int batch_record_read(struct batch_record *out, conus_astray *found, size_t atlases, const char *path);
 /** The same from bytes; @p path is for messages. */
-int batch_record_parse(struct batch_record *out, const char *path, const char *text, size_t size);
+int batch_record_parse(struct batch_record *out, conus_astray *found, size_t atlases, const char *path,
+                       const char *text, size_t size);
 
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Dispatches a command line: one batch, and each of its files. */
-#include "batch/batch_dispatch.h"
+#include "cli/batch/batch_dispatch.h"
 
+#include "cli/batch/batch_task.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -65,8 +66,7 @@ static bool check_outputs_differ(const struct batch_output *outputs, size_t coun
     return true;
 }
 
-int batch_dispatch(const struct batch_settings *settings, const struct arguments *arguments, batch_answer *answer,
-                   void *user)
+int batch_dispatch(const struct batch_settings *settings, const struct arguments *arguments)
 {
     struct batch_output outputs[1 + AXIS_FILES] = {{settings->output, NULL}};
     size_t count = settings->output != NULL;
@@ -76,14 +76,17 @@ int batch_dispatch(const struct batch_settings *settings, const struct arguments
         }
     }
     count = count ? count : 1; /* the answers, on standard output */
+    struct shard part = {0, 1, false};
     int code = check_outputs_differ(outputs, count, settings->poses) ? EXIT_DONE : EXIT_USAGE;
+    code = code ? code : shard_read(&part, settings->shard, settings->common.quiet);
     for (size_t i = 0; i < count && (code == EXIT_DONE || code == EXIT_DIFFERENT); i++) {
         struct batch_settings own = *settings;
         own.output = outputs[i].path;
         own.of_axis = outputs[i].kind;
+        own.part = part;
         own.is_again = i > 0;
         own.common.quiet = settings->common.quiet || i > 0; /* the notes are said */
-        code = worse_code(code, answer(user, &own, arguments));
+        code = worse_code(code, batch_answer(&own, arguments));
     }
     return code;
 }

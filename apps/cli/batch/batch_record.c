@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Writes the record of a batch into its sidecar, with the hashes that identify its inputs. */
-#include "batch/batch_record.h"
+#include "cli/batch/batch_record.h"
 
+#include "base/system/system.h"
 #include "conus/pose_file.h"
 #include "conus/version.h"
 #include "options/input_file.h"
@@ -11,6 +12,7 @@
 
 #include <inttypes.h>
 #include <jansson.h>
+#include <math.h>
 #include <nettle/sha2.h>
 #include <stdlib.h>
 #include <string.h>
@@ -83,6 +85,62 @@ int batch_fingerprint(char out[65], const char *sidecar, const struct atlases *a
     return EXIT_DONE;
 }
 
+enum { ODDITIES = 5, ODDITY_NUMBERS = 20, FOUND_NUMBERS = 2 + ODDITIES * ODDITY_NUMBERS };
+static const double COUNT_LIMIT = 9e15; /* up to which each whole number is a double */
+
+static conus_oddity *oddity_at(conus_astray *found, size_t index)
+{
+    conus_oddity *const all[ODDITIES] = {&found->inside, &found->away, &found->tiny, &found->far, &found->apart};
+    return all[index];
+}
+
+/* What was found as a line of numbers with all their digits. */
+static json_t *json_from_found(conus_astray found)
+{
+    double numbers[FOUND_NUMBERS] = {(double)found.poses, (double)found.points};
+    char line[FOUND_NUMBERS * 26];
+    int length = 0;
+    for (size_t i = 0; i < ODDITIES; i++) {
+        const conus_oddity *oddity = oddity_at(&found, i);
+        double *out = numbers + 2 + i * ODDITY_NUMBERS;
+        out[0] = (double)oddity->count;
+        out[1] = (double)oddity->first;
+        out[2] = oddity->object;
+        out[3] = oddity->angle;
+        memcpy(out + 4, oddity->pose.world_from_device, sizeof oddity->pose.world_from_device);
+    }
+    for (size_t i = 0; i < FOUND_NUMBERS; i++) {
+        length += snprintf(line + length, sizeof line - (size_t)length, "%s%.17g", i ? " " : "", numbers[i]);
+    }
+    return json_string(line);
+}
+
+static bool found_from_json(conus_astray *out, const json_t *value)
+{
+    double numbers[FOUND_NUMBERS];
+    const char *text = json_string_value(value);
+    for (size_t i = 0; i < FOUND_NUMBERS; i++) {
+        char *end = NULL;
+        numbers[i] = text ? system_to_double(text, &end) : NAN;
+        bool is_count = i < 2 || (i - 2) % ODDITY_NUMBERS < 3;
+        bool fits = isfinite(numbers[i]) &&
+                    (!is_count || (numbers[i] >= 0 && numbers[i] <= COUNT_LIMIT && floor(numbers[i]) == numbers[i]));
+        if (!fits || *end != (i + 1 < FOUND_NUMBERS ? ' ' : '\0')) {
+            return false;
+        }
+        text = end + 1;
+    }
+    *out = (conus_astray){.poses = (uint64_t)numbers[0], .points = (uint64_t)numbers[1]};
+    for (size_t i = 0; i < ODDITIES; i++) {
+        conus_oddity *oddity = oddity_at(out, i);
+        const double *in = numbers + 2 + i * ODDITY_NUMBERS;
+        *oddity =
+            (conus_oddity){(uint64_t)in[0], (uint64_t)in[1], in[2] <= UINT32_MAX ? (uint32_t)in[2] : 0, .angle = in[3]};
+        memcpy(oddity->pose.world_from_device, in + 4, sizeof oddity->pose.world_from_device);
+    }
+    return true;
+}
+
 static json_t *json_from_record(const struct batch_record *record)
 {
     char crc[16];
@@ -92,68 +150,52 @@ static json_t *json_from_record(const struct batch_record *record)
                   (json_int_t)record->shard.index, (json_int_t)record->shard.count, "first", (json_int_t)record->first,
                   "poses", (json_int_t)record->poses, "errors", (json_int_t)record->errors, "bytes",
                   (json_int_t)record->bytes, "heading", (json_int_t)record->header_size, "crc32", crc);
-    if (record->pose_file) {
-        size_t length = conus_pose_path_length(record->pose_file);
-        const char *words = record->pose_file + length;
-        json_t *path = json_stringn(record->pose_file, length);
-        json_object_set_new(batch, "pose_file", path ? path : json_null());
-        if (*words) {
-            json_t *text = json_string(words + 1);
-            json_object_set_new(batch, "pose_words", text ? text : json_null());
+    size_t length = conus_pose_path_length(record->pose_file);
+    const char *words = record->pose_file + length;
+    json_t *path = json_stringn(record->pose_file, length);
+    json_object_set_new(batch, "pose_file", path ? path : json_null());
+    if (*words) {
+        json_t *text = json_string(words + 1);
+        json_object_set_new(batch, "pose_words", text ? text : json_null());
+    }
+    json_object_set_new(batch, "pose_file_sha256", *record->pose_hash ? json_string(record->pose_hash) : json_null());
+    json_object_set_new(batch, "angle_deg", json_real(record->angle));
+    json_object_set_new(batch, "own_angles", json_boolean(record->has_angles));
+    json_object_set_new(batch, "points", json_boolean(record->has_points));
+    if (record->aimed) {
+        json_t *found = json_array();
+        for (size_t i = 0; i < record->atlases; i++) {
+            json_array_append_new(found, json_from_found(record->aimed[i].found));
         }
-        json_object_set_new(batch, "pose_file_sha256",
-                            *record->pose_hash ? json_string(record->pose_hash) : json_null());
-        json_object_set_new(batch, "angle_deg", json_real(record->angle));
-        json_object_set_new(batch, "own_angles", json_boolean(record->has_angles));
-        json_object_set_new(batch, "points", json_boolean(record->has_points));
+        json_object_set_new(batch, "found", found);
     }
     if (record->contacts) {
         json_object_set_new(batch, "contacts", json_integer((json_int_t)record->contacts));
     }
-    if (record->pose_file && record->has_ranges) {
+    if (record->has_ranges) {
         json_object_set_new(batch, "own_ranges", json_true());
     }
-    if (record->pose_file && *record->coordsystem) {
-        json_t *path = json_string(record->coordsystem);
-        json_object_set_new(batch, "coordsystem_file", path ? path : json_null());
+    if (*record->coordsystem) {
+        json_t *system = json_string(record->coordsystem);
+        json_object_set_new(batch, "coordsystem_file", system ? system : json_null());
         json_object_set_new(batch, "coordsystem_file_sha256", json_string(record->coordsystem_hash));
     }
     return batch;
-}
-
-/* Puts the record where a record is already, if there is one, and keeps what it does not say. */
-static bool set_record(json_t *root, json_t *record)
-{
-    json_t *batch = json_object_get(root, "Batch");
-    bool set = batch ? json_object_update(batch, record) == 0 : json_object_set(root, "Batch", record) == 0;
-    json_decref(record);
-    return set;
-}
-
-/* The program whose command line is given: an entry that has none yet, or a new one. */
-static bool set_command(json_t *root, const char *command)
-{
-    json_t *programs = json_object_get(root, "GeneratedBy");
-    json_t *program = json_array_get(programs, json_array_size(programs) - 1);
-    if (json_object_get(program, "CommandLine")) {
-        program = json_pack("{s: s, s: s}", "Name", "conus", "Version", conus_version());
-        json_array_append_new(programs, program);
-    }
-    json_t *text = json_string(command);
-    return json_object_set_new(program, "CommandLine", text ? text : json_null()) == 0;
 }
 
 int batch_record_write(const char *path, const char *text, const struct batch_record *record, const char *command,
                        const struct question *question)
 {
     json_t *root = json_loads(text, 0, NULL);
+    json_t *program = json_array_get(json_object_get(root, "GeneratedBy"), 0);
+    json_t *words = json_string(command);
     char *whole = NULL;
     json_object_del(root, "Queries");
-    json_object_del(root, "Checksum"); /* of a shard */
-    if (root && set_record(root, json_from_record(record)) && set_command(root, command) &&
+    if (root && json_object_set_new(root, "Batch", json_from_record(record)) == 0 &&
+        json_object_set_new(program, "CommandLine", words ? words : json_null()) == 0 &&
         provenance_put_input(root, record->level_file) && provenance_put_input(root, record->probe_file) &&
-        (!question || json_object_set_new(root, "Question", question_json(question)) == 0) &&
-        provenance_put_warnings(root) && provenance_seal(root)) {
+        json_object_set_new(root, "Question", question_json(question)) == 0 && provenance_put_warnings(root) &&
+        provenance_seal(root)) {
         char *dumped = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(DIGITS));
         whole = dumped && asprintf(&whole, "%s\n", dumped) >= 0 ? whole : NULL;
         free(dumped);
@@ -176,49 +218,57 @@ static bool read_record(struct batch_record *out, json_t *root)
                              &fingerprint, "shard", &index, &count, "first", &first, "poses", &poses, "errors", &errors,
                              "bytes", &bytes, "heading", &header_size, "crc32", &crc);
     char *end = NULL;
-    size_t atlases = json_array_size(json_object_get(root, "Atlases")); /* 0: it has "Atlas", which is one */
-    unsigned long checksum = failed ? 0 : strtoul(crc, &end, 16);
-    if (failed || strlen(fingerprint) != 64 || *end || index < 0 || count <= index || first < 0 || poses < 0 ||
-        errors < 0 || header_size < 0 || bytes < header_size) {
+    unsigned long long checksum = failed ? 0 : strtoull(crc, &end, 16);
+    if (failed || strlen(fingerprint) != 64 || *end || checksum > UINT32_MAX || index < 0 || count <= index ||
+        first < 0 || poses < 0 || errors < 0 || errors > poses || header_size < 0 || bytes < header_size) {
         return false;
     }
-    *out = (struct batch_record){.shard = {(uint64_t)index, (uint64_t)count},
+    *out = (struct batch_record){.shard = {(uint64_t)index, (uint64_t)count, false},
                                  .first = (uint64_t)first,
                                  .poses = (uint64_t)poses,
                                  .errors = (uint64_t)errors,
                                  .bytes = (uint64_t)bytes,
                                  .header_size = (uint64_t)header_size,
-                                 .atlases = atlases ? atlases : 1,
                                  .crc = (uint32_t)checksum};
     memcpy(out->fingerprint, fingerprint, sizeof out->fingerprint);
     return true;
 }
 
-int batch_record_read(struct batch_record *out, const char *path)
+/* Whether nothing was changed since it was written. */
+static bool is_sealed(json_t *root)
+{
+    char sum[SHA256_TEXT];
+    const char *given = json_string_value(json_object_get(root, "Checksum"));
+    return given && provenance_checksum(sum, root) && strcmp(given, sum) == 0;
+}
+
+int batch_record_read(struct batch_record *out, conus_astray *found, size_t atlases, const char *path)
 {
     char *text = NULL;
     size_t size = 0;
     int code = input_file_read(&text, &size, path, INPUT_FILE, BATCH_RECORD_LIMIT);
-    code = code ? code : batch_record_parse(out, path, text, size);
+    code = code ? code : batch_record_parse(out, found, atlases, path, text, size);
     free(text);
     return code;
 }
 
-int batch_record_parse(struct batch_record *out, const char *path, const char *text, size_t size)
+int batch_record_parse(struct batch_record *out, conus_astray *found, size_t atlases, const char *path,
+                       const char *text, size_t size)
 {
     json_error_t error;
     json_t *root = json_loadb(text, size, 0, &error);
     if (!root) {
         return print_data_error("%s: %s", path, error.text);
     }
-    bool read = read_record(out, root);
-    json_decref(root);
-    if (!read) {
-        print_error_line(
-            "%s: has no \"Batch\" with fingerprint, shard, first, poses, errors, bytes, heading and crc32, as "
-            "conus batch "
-            "writes it",
-            path);
+    const json_t *lines = json_object_get(json_object_get(root, "Batch"), "found");
+    bool is_whole = read_record(out, root) && (!found || json_array_size(lines) == atlases);
+    for (size_t i = 0; found && i < atlases && is_whole; i++) {
+        is_whole = found_from_json(&found[i], json_array_get(lines, i));
     }
-    return read ? EXIT_DONE : EXIT_DATA;
+    bool is_intact = is_whole && is_sealed(root);
+    json_decref(root);
+    if (!is_whole) {
+        return print_data_error("%s: its \"Batch\" is not that of a part, as conus batch writes it", path);
+    }
+    return is_intact ? EXIT_DONE : print_data_error("%s: was changed since conus wrote it (Checksum)", path);
 }

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The table of options of conus batch and conus-mpi, and what --format and --shard mean. */
-#include "batch/batch_settings.h"
+/* The table of options of conus batch, and what --format means. */
+#include "cli/batch/batch_settings.h"
 
-#include "base/system/system.h"
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/output.h"
@@ -33,9 +32,10 @@ static const struct option pose_options[] = {
      .common = true},
     {.name = "shard",
      FIELD(shard),
-     .value = "I/N",
-     .help = "answer part I (from 0) of N equal parts of the file (default in a Slurm job array: the task's part)",
-     .words = "split, cluster, array",
+     .value = "I/N|all/N|auto",
+     .help = "answer part I (from 0) of N equal parts of the file, into FILE.I-of-N; or every part that is not there, "
+             "and join them; or the part that srun, mpirun or an array of jobs gives this process",
+     .words = "split, cluster, array, part, merge, join, resume, continue, mpi",
      .role = OPTION_OF_RUN},
     {0},
 };
@@ -64,14 +64,8 @@ static const struct option output_options[] = {
      .common = true},
     {.name = "force",
      FIELD(force),
-     .help = "replace FILE or its partial file",
+     .help = "replace FILE, and parts of it",
      .words = "overwrite",
-     .role = OPTION_OF_RUN,
-     .excludes = "resume"},
-    {.name = "resume",
-     FIELD(resume),
-     .help = "resume an interrupted run with the same settings; begin if there was none",
-     .words = "continue",
      .role = OPTION_OF_RUN},
     {0},
 };
@@ -80,8 +74,7 @@ static const struct option run_options[] = {
     {.name = "threads",
      FIELD(threads),
      .value = "N",
-     .help = "number of threads, 1 to 1024 (default: one per available processor, in conus-mpi one per rank); the rows "
-             "do not depend on it",
+     .help = "number of threads, 1 to 1024 (default: one per available processor); the rows do not depend on it",
      OPTION_FROM_TO(1, 1024),
      .words = "parallel, cores, jobs",
      .common = true,
@@ -137,62 +130,4 @@ bool batch_format(conus_format *out, const struct batch_settings *settings, cons
     return known || refuse("%s: --%s ends in none of .tsv, .csv, .ndjson and .jsonl; --format says what else is "
                            "written",
                            settings->output, settings->of_axis ? settings->of_axis->option : "output");
-}
-
-/* Number of an environment's variable; `missing` where it is not set. */
-static bool read_variable(uint64_t *out, const char *name, uint64_t missing)
-{
-    const char *text = system_variable(name);
-    *out = missing;
-    return !text || count_parse(text, UINT32_MAX, out);
-}
-
-static int shard_of_slurm(struct shard *out)
-{
-    uint64_t id, count, lowest, highest, step;
-    if (!system_variable("SLURM_ARRAY_TASK_ID") || !system_variable("SLURM_ARRAY_TASK_COUNT")) {
-        return EXIT_DONE;
-    }
-    bool numbers = read_variable(&id, "SLURM_ARRAY_TASK_ID", 0) && read_variable(&count, "SLURM_ARRAY_TASK_COUNT", 0) &&
-                   read_variable(&lowest, "SLURM_ARRAY_TASK_MIN", 0) &&
-                   read_variable(&step, "SLURM_ARRAY_TASK_STEP", 1) &&
-                   read_variable(&highest, "SLURM_ARRAY_TASK_MAX", lowest + (count - 1) * step);
-    if (!numbers || step == 0 || id < lowest || (id - lowest) % step != 0 || (id - lowest) / step >= count ||
-        highest != lowest + (count - 1) * step) {
-        return print_usage_error(
-            "SLURM_ARRAY_TASK_ID=%s does not say which part of the poses to answer; --shard I/N does "
-            "(0/1 is all of them)",
-            system_variable("SLURM_ARRAY_TASK_ID"));
-    }
-    *out = (struct shard){(id - lowest) / step, count};
-    print_error_line("note: shard %llu/%llu, from SLURM_ARRAY_TASK_ID=%llu", (unsigned long long)out->index,
-                     (unsigned long long)out->count, (unsigned long long)id);
-    return EXIT_DONE;
-}
-
-int batch_shard(struct shard *out, const struct batch_settings *settings)
-{
-    *out = (struct shard){0, 1};
-    return settings->shard ? shard_parse(out, settings->shard) : shard_of_slurm(out);
-}
-
-int shard_parse(struct shard *out, const char *text)
-{
-    char index[32];
-    const char *slash = strchr(text, '/');
-    size_t length = slash ? (size_t)(slash - text) : 0;
-    snprintf(index, sizeof index, "%.*s", (int)(length < sizeof index ? length : 0), text);
-    if (!slash || !count_parse(index, UINT32_MAX, &out->index) || !count_parse(slash + 1, UINT32_MAX, &out->count) ||
-        out->index >= out->count) {
-        return print_usage_error("--shard: \"%s\" is not I/N with whole numbers, I from 0 to N - 1", text);
-    }
-    return EXIT_DONE;
-}
-
-void shard_range(uint64_t *first, uint64_t *count, struct shard shard, uint64_t total)
-{
-    uint64_t each = total / shard.count;
-    uint64_t more = total % shard.count;
-    *first = shard.index * each + (shard.index < more ? shard.index : more);
-    *count = each + (shard.index < more);
 }
