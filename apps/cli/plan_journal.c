@@ -210,7 +210,8 @@ static int identify(struct plan_journal *out, const struct request *request, con
     for (size_t i = 0; i < request->arguments->use_count; i++) {
         const struct option_use *use = &request->arguments->uses[i];
         if (use->option->role == OPTION_PLAIN || use->option->role == OPTION_ASKS ||
-            use->option->role == OPTION_READS || use->option->role == OPTION_READS_IMAGE) {
+            use->option->role == OPTION_READS || use->option->role == OPTION_READS_NAMES ||
+            use->option->role == OPTION_READS_IMAGE) {
             fprintf(asked, "%s=%s\n", use->option->name, use->value ? use->value : "");
         }
     }

@@ -34,7 +34,6 @@ struct cited_atlas {
 
 struct citation {
     const json_t *sidecar;       /**< NULL of an atlas alone. */
-    json_t *question;            /**< "Question" of the sidecar; NULL likewise. */
     const char *version;         /**< The version of conus. */
     struct cited_atlas *atlases; /**< [atlas_count] */
     size_t atlas_count;
@@ -43,9 +42,6 @@ struct citation {
 /** The method that conus implements, as README.md has it. */
 extern const char citation_method[];
 
-/** The question that the sidecar records. Of a sidecar from before that was recorded, it is guessed from keys and the
- * command line. NULL without memory; the caller releases it. */
-json_t *citation_question(const struct citation *citation, const struct arguments *arguments);
 /** Whether there are sentences for the question. */
 bool citation_is_known(const struct citation *citation);
 

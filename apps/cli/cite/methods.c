@@ -22,16 +22,21 @@ static const char *setting_text(const struct citation *citation, const char *nam
     return text ? text : "";
 }
 
+static const json_t *question(const struct citation *citation)
+{
+    return json_object_get(citation->sidecar, "Question");
+}
+
 /* The text of an option that is a part of the question; NULL if it was not given. */
 static const char *option_value(const struct citation *citation, const char *name)
 {
-    const json_t *value = json_object_get(json_object_get(citation->question, "options"), name);
+    const json_t *value = json_object_get(json_object_get(question(citation), "options"), name);
     return json_is_true(value) ? "" : json_string_value(value);
 }
 
 static bool question_is(const struct citation *citation, const char *key, const char *name)
 {
-    const char *text = json_string_value(json_object_get(citation->question, key));
+    const char *text = json_string_value(json_object_get(question(citation), key));
     return text && strcmp(text, name) == 0;
 }
 
@@ -61,45 +66,6 @@ static size_t count_with(const struct citation *citation, const char *key)
         count += json_object_get(query, key) != NULL;
     }
     return count;
-}
-
-/* The question of a sidecar that does not name it, from before it was recorded: by the keys that only some rows have.
- * The settings of segments have no rays. Contacts, other than shanks, have no range. */
-static json_t *guess_question(const struct citation *citation, const struct arguments *arguments)
-{
-    const char *command = arguments->command->name;
-    const char *format = option_text(arguments, "format");
-    const json_t *settings = json_object_get(citation->sidecar, "Settings");
-    bool is_sweep = strcmp(command, "sweep") == 0;
-    bool is_pointed = strcmp(command, "query") == 0 || strcmp(command, "batch") == 0;
-    bool is_probe = format && (strcmp(format, "spikeglx") == 0 || strcmp(format, "open-ephys") == 0);
-    bool is_of_ball = count_with(citation, "point_ras") && !count_with(citation, "angle_deg");
-    bool has_axis = settings && is_pointed && !is_of_ball &&
-                    (!json_object_get(settings, "resolution") || (is_probe && json_object_get(settings, "range_mm")));
-    struct question question = {arguments, "answers", is_of_ball ? "ball" : "cone"};
-    if (strcmp(command, "overlap") == 0) {
-        question.rows = "coverages";
-        question.region = "volume";
-    } else if (strcmp(command, "connect") == 0 || count_with(citation, "endpoint_radius_mm")) {
-        question.rows = "connections";
-        question.region = strcmp(command, "connect") == 0 ? "all" : question.region;
-    } else if (is_sweep && !option_text(arguments, "angles") && !option_text(arguments, "jitter")) {
-        question.rows = "admissions";
-    } else if (has_axis) {
-        question.rows = "segments";
-        question.region = "axis";
-    }
-    json_t *guessed = question_json(&question);
-    if (strcmp(command, "track") == 0 && option_text(arguments, "poses")) {
-        json_object_set_new(guessed, "reads_poses", json_true());
-    }
-    return guessed;
-}
-
-json_t *citation_question(const struct citation *citation, const struct arguments *arguments)
-{
-    json_t *recorded = json_object_get(citation->sidecar, "Question");
-    return recorded ? json_incref(recorded) : guess_question(citation, arguments);
 }
 
 static bool has_pathways(const json_t *atlas)
@@ -207,7 +173,7 @@ static bool may_have_own_angles(const struct citation *citation)
 {
     const json_t *batch = json_object_get(citation->sidecar, "Batch");
     const json_t *own = batch ? json_object_get(batch, "own_angles") : setting(citation, "own_angles");
-    return own ? !json_is_false(own) : batch || json_is_true(json_object_get(citation->question, "reads_poses"));
+    return own ? !json_is_false(own) : batch || json_is_true(json_object_get(question(citation), "reads_poses"));
 }
 
 /* The angle of poses without their own, of a file whose poses are not listed. */
