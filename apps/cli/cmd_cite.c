@@ -68,7 +68,6 @@ struct citing {
     struct citation citation;
     struct record record;
     struct atlases atlases; /* of ATLAS */
-    char **names;           /* [citation.atlas_count] what the citation borrows */
 };
 
 /* "aal" of "aal.nii.gz"; NULL without memory. */
@@ -87,8 +86,7 @@ static char *stem_of(const char *path)
 static int make_atlases(struct citing *citing, size_t count)
 {
     citing->citation.atlases = calloc(count, sizeof *citing->citation.atlases);
-    citing->names = calloc(count, sizeof(char *));
-    citing->citation.atlas_count = citing->citation.atlases && citing->names ? count : 0;
+    citing->citation.atlas_count = citing->citation.atlases ? count : 0;
     return citing->citation.atlas_count ? EXIT_DONE : print_no_memory();
 }
 
@@ -124,8 +122,7 @@ static int list_recorded(struct citing *citing, const char *ran)
         if (!path) {
             return print_data_error("%s: Atlas: path: is missing", citing->given);
         }
-        citing->names[i] = name ? strdup(name) : stem_of(path);
-        atlas->name = citing->names[i];
+        atlas->name = name ? strdup(name) : stem_of(path);
         atlas->file = path_name(path);
         code = atlas->name ? look_for_references(citing, atlas, path, ran) : print_no_memory();
     }
@@ -164,7 +161,7 @@ static int cite_atlas(struct citing *citing)
         return code;
     }
     struct cited_atlas *atlas = &citing->citation.atlases[0];
-    citing->names[0] = found.atlas ? strdup(found.atlas->name) : stem_of(found.path);
+    atlas->name = found.atlas ? strdup(found.atlas->name) : stem_of(found.path);
     const conus_volume_info *info = conus_atlas_volume(citing->atlases.items[0].atlas, 0);
     const char *path = info && found.atlas ? info->path : found.path;
     references_find(&atlas->references, found.path);
@@ -172,7 +169,6 @@ static int cite_atlas(struct citing *citing)
         references_find(&atlas->references, path);
     }
     citing->citation.version = conus_version();
-    atlas->name = citing->names[0];
     for (size_t i = 0; i < conus_atlas_volume_count(citing->atlases.items[0].atlas) && !atlas->sha256; i++) {
         const conus_volume_info *volume = conus_atlas_volume(citing->atlases.items[0].atlas, i);
         atlas->sha256 = strcmp(volume->path, path) == 0 ? volume->sha256 : NULL;
@@ -214,7 +210,6 @@ static int put_text(FILE *out, const struct citation *citation)
     put_wrapped(out, text.data);
     fputc('\n', out);
     citation_list(out, citation);
-    citation_warnings(out, citation);
     free(text.data);
     return EXIT_DONE;
 }
@@ -276,10 +271,11 @@ static int run_cite(const void *given, const struct arguments *arguments)
     code = code ? code : write_citation(&citing);
     for (size_t i = 0; i < citing.citation.atlas_count; i++) {
         references_finish(&citing.citation.atlases[i].references);
-        free(citing.names ? citing.names[i] : NULL);
+        free(citing.citation.atlases[i].name);
     }
     free(citing.citation.atlases);
-    free((void *)citing.names);
+    json_decref(citing.citation.facts);
+    json_decref(citing.citation.atlases_asked);
     record_finish(&citing.record);
     atlases_finish(&citing.atlases);
     free(sidecar);

@@ -254,6 +254,43 @@ END
     fails 3 'not a sidecar of conus' cite b.tsv
 }
 
+# Whoever cites a result says what conus warned of it, too.
+@test "every warning of the sidecar is in the paragraph" {
+    scene
+    conus query nested.nii.gz --origin 0,-100,0 --direction 0,-1,0 -q -o a.tsv
+    cites a.tsv
+    has 'conus warned: "the cone points away from the atlas; looking the other way it would hit Shell outer first".'
+    [[ "${output%%T. Rick*}" == *'conus warned'*'The cone is a geometric model'* ]]
+    conus query nested.nii.gz $aim --sides exchanged -o b.tsv
+    cites b.tsv
+    has 'Left and right of its places were exchanged, about x = 0.'
+    [[ "$output" != *warned* && "$output" != *'affine transform'* ]]
+}
+
+# A page has no program to ask: it says the same itself, but for where its cone is, and the atlas's file.
+@test "the sentences of a page are those of conus cite" {
+    type node >/dev/null || skip 'no node'
+    scene
+    local angle layers resolution sentence
+    for angle in 30 150; do
+        for layers in visible all; do
+            for resolution in 64 33; do
+                conus query nested.nii.gz --origin 0,-100,0 --toward 0,0,0 -q --force --layers $layers --resolution $resolution \
+                    --angle $angle -o a.tsv
+                cites a.tsv
+                node --input-type=module -e "import { toMethods } from '$BATS_TEST_DIRNAME/../../apps/web/page/state.js';
+                    const said = toMethods({ origin: [0, -100, 0], toward: [0, 0, 0], angle: $angle, layers: '$layers', resolution: $resolution },
+                        { name: 'nested', version: '0', sha256: '', transform: '' }).split(/(?<=\.) (?=[A-Z])/);
+                    console.log(said.filter((sentence) => !/RAS mm|^The atlas was/.test(sentence)).join('\n'));" >said
+                [ "$(wc -l <said)" -eq $([ $layers = all ] && echo 6 || echo 5) ]
+                while IFS= read -r sentence; do
+                    has "$sentence"
+                done <said
+            done
+        done
+    done
+}
+
 # A changed sidecar that is cited would put a wrong statement into a paper.
 @test "a sidecar that was changed is not cited" {
     scene
@@ -298,6 +335,10 @@ END
     [ "$(jq -c '.Batch | [.own_angles, .points]' e.json)" = '[false,true]' ]
     cites e.tsv
     has '(a ball of that radius where the file gives a point without a direction)'
+    printf "$header\town\n$row\tx\n" >kept.tsv # the name of a column is no fact
+    conus batch nested.nii.gz --poses kept.tsv --keep own --angle 30 -q -o k.tsv
+    cites k.tsv
+    [[ "$output" != *depths* ]]
     conus track nested.nii.gz --poses steps.tsv --angle 30 -q -o f.tsv
     cites f.tsv
     has 'a full opening angle of 30°, were determined for each step'
