@@ -40,15 +40,12 @@ static const struct command *find_command(const struct command *const *commands,
 /* --help and --version would end the parser, and print. */
 static bool asks_for_help(const struct command_line *line)
 {
-    static const char *const words[] = {"--help", "-h", "--version"};
+    bool asks = false;
     for (size_t i = 0; i < line->count; i++) {
-        for (size_t k = 0; k < sizeof words / sizeof words[0]; k++) {
-            if (strcmp(line->words[i], words[k]) == 0) {
-                return true;
-            }
-        }
+        const char *word = line->words[i];
+        asks = asks || strcmp(word, "-h") == 0 || strcmp(word, "--help") == 0 || strcmp(word, "--version") == 0;
     }
-    return false;
+    return asks;
 }
 
 /* Whether `word` begins with the path of a recorded file, or of its folder, behind which only keys may stand. */
@@ -88,48 +85,6 @@ static bool names_recorded(const struct record *record, const char *word, bool i
         known = (!is_list || is_recorded(record, at + 1)) && (!may_begin || !leads_out(at) || is_recorded(record, at));
     }
     return known;
-}
-
-/* What stands for an atlas or image in the words: as given, or what its name meant. */
-static const char *file_of(const struct replay *replay, const char *given, const char *recorded)
-{
-    return recorded && path_is_name(given) && !is_recorded(replay->record, given) ? recorded : given;
-}
-
-static const char *context_of(const struct replay *replay, const char *given)
-{
-    return file_of(replay, given, record_context(replay->record));
-}
-
-static const char *atlas_of(const struct replay *replay, const char *given, size_t index)
-{
-    return file_of(replay, given, record_atlas(replay->record, index));
-}
-
-/* Whether the words read no file but recorded ones. */
-static bool check_files(struct replay *out)
-{
-    const struct arguments *arguments = &out->arguments;
-    const char *bad = NULL;
-    size_t atlases = 0;
-    for (size_t i = 0; i < arguments->use_count && !bad; i++) {
-        const struct option_use *use = &arguments->uses[i];
-        enum option_role role = use->option->role;
-        bool writes = role >= OPTION_WRITES_ANSWER && role <= OPTION_WRITES_ROWS;
-        bool is_file = role >= OPTION_READS && role <= OPTION_READS_POSES && role != OPTION_READS_NAMES;
-        const char *word = role == OPTION_READS_ATLAS   ? atlas_of(out, use->value, ++atlases)
-                           : role == OPTION_READS_IMAGE ? context_of(out, use->value)
-                                                        : use->value;
-        bad = writes || !word || names_recorded(out->record, word, is_file) ? NULL : use->value;
-    }
-    for (size_t i = 0; i < arguments->operand_count && !bad; i++) {
-        const char *word = i ? arguments->operands[i] : atlas_of(out, arguments->operands[0], 0);
-        bad = names_recorded(out->record, word, true) ? NULL : word;
-    }
-    for (size_t i = 0; i < arguments->more.count && !bad; i++) {
-        bad = names_recorded(out->record, arguments->more.items[i], true) ? NULL : arguments->more.items[i];
-    }
-    return !bad || fail_replay(out, "its command line reads %.200s, which is not recorded as an input", bad);
 }
 
 static bool parse_words(struct replay *out, const struct command *const *commands)
@@ -175,7 +130,7 @@ bool replay_check(struct replay *out, const struct command *const *commands)
             return fail_replay(out, "its command line has --%s, which is not asked again", name);
         }
     }
-    return check_files(out);
+    return true;
 }
 
 /* Words on the way. */
@@ -183,7 +138,8 @@ struct writing {
     struct replay *replay;
     char *words[COMMAND_WORDS + 16];
     int count;
-    size_t atlases; /* how many of --atlas were written */
+    size_t atlases;  /* how many of --atlas were written */
+    const char *bad; /* a word that reads a file which is not recorded; NULL = none */
     bool has_output, has_format, whole;
 };
 
@@ -203,10 +159,11 @@ static void put_option(struct writing *out, const char *name, const char *value)
     put_word(out, asprintf(&word, "--%s%s%s", name, value ? "=" : "", value ? value : "") < 0 ? NULL : word);
 }
 
-/* An operand (no name), or an option. */
-static void put_read(struct writing *out, const char *name, const char *given)
+/* An operand (no name), or an option, which may name files. */
+static void put_read(struct writing *out, const char *name, const char *given, bool is_file)
 {
     char *word = out->replay->is_moved ? stage_word(&out->replay->stage, given) : strdup(given);
+    out->bad = names_recorded(out->replay->record, given, is_file) ? out->bad : given;
     out->whole = out->whole && word;
     if (word && name) {
         put_option(out, name, word);
@@ -219,21 +176,26 @@ static void put_read(struct writing *out, const char *name, const char *given)
 typedef conus_status (*catalogue_search)(const conus_installed **out, const conus_catalogue *catalogue,
                                          const char *name);
 
-/* What was given by its name: if that means another file here, or none, the recorded file. */
-static const char *named(const struct writing *out, const char *given, const char *recorded, catalogue_search find)
+/* An atlas or image. What was given by its name is the recorded file, and by its name if that still means it. */
+static void put_named(struct writing *out, const char *name, const char *given, const char *recorded,
+                      catalogue_search find)
 {
     const conus_installed *atlas = NULL;
     conus_catalogue *catalogue = NULL;
-    bool same = given == recorded || (!conus_catalogue_create(&catalogue, NULL) && !find(&atlas, catalogue, given) &&
-                                      strcmp(atlas->path, recorded) == 0 && !out->replay->is_moved);
+    if (!recorded || !path_is_name(given) || is_recorded(out->replay->record, given)) {
+        put_read(out, name, given, true);
+        return;
+    }
+    bool same = !conus_catalogue_create(&catalogue, NULL) && !find(&atlas, catalogue, given) &&
+                strcmp(atlas->path, recorded) == 0 && !out->replay->is_moved;
     conus_catalogue_destroy(catalogue);
-    return same ? given : recorded;
+    out->bad = is_recorded(out->replay->record, recorded) ? out->bad : recorded;
+    put_read(out, name, same ? given : recorded, !same);
 }
 
 static void put_atlas(struct writing *out, const char *name, const char *given, size_t index)
 {
-    const char *file = atlas_of(out->replay, given, index);
-    put_read(out, name, file == given ? given : named(out, given, file, conus_catalogue_find));
+    put_named(out, name, given, record_atlas(out->replay->record, index), conus_catalogue_find);
 }
 
 /* A file of the same name in a folder of its own, with its key (NULL = none). */
@@ -261,27 +223,26 @@ static void put_output(struct writing *out, const struct option *option, const c
 static void put_use(struct writing *out, const struct option_use *use)
 {
     const char *name = use->option->name;
-    const char *context;
     switch (use->option->role) {
     case OPTION_PLAIN:
     case OPTION_ASKS:
     case OPTION_KEPT:
-        if (strcmp(name, "max-memory") != 0) {
-            put_option(out, name, use->value);
+    case OPTION_READS_NAMES:
+        if (!use->value) {
+            put_option(out, name, NULL);
+        } else if (strcmp(name, "max-memory") != 0) {
+            put_read(out, name, use->value, false);
         }
         break;
     case OPTION_READS:
-    case OPTION_READS_NAMES:
     case OPTION_READS_POSES:
-        put_read(out, name, use->value);
+        put_read(out, name, use->value, true);
         break;
     case OPTION_READS_ATLAS:
         put_atlas(out, name, use->value, ++out->atlases);
         break;
     case OPTION_READS_IMAGE:
-        context = context_of(out->replay, use->value);
-        put_read(out, name,
-                 context == use->value ? context : named(out, use->value, context, conus_catalogue_find_image));
+        put_named(out, name, use->value, record_context(out->replay->record), conus_catalogue_find_image);
         break;
     case OPTION_WRITES_ANSWER:
     case OPTION_WRITES:
@@ -322,10 +283,10 @@ static void put_words(struct writing *out)
     put_word(out, strdup("--")); /* since a path may begin with a dash */
     put_atlas(out, NULL, arguments->operands[0], 0);
     for (size_t i = 1; i < arguments->operand_count; i++) {
-        put_read(out, NULL, arguments->operands[i]);
+        put_read(out, NULL, arguments->operands[i], true);
     }
     for (size_t i = 0; i < arguments->more.count; i++) {
-        put_read(out, NULL, arguments->more.items[i]);
+        put_read(out, NULL, arguments->more.items[i], true);
     }
 }
 
@@ -397,8 +358,11 @@ bool replay_run(struct replay *replay)
         return fail_replay(replay, "%s", error_line());
     }
     put_words(&writing);
-    bool answered = writing.whole ? run_words(replay, writing.count, writing.words)
-                                  : fail_replay(replay, "its command line does not fit into memory");
+    bool answered =
+        writing.bad
+            ? fail_replay(replay, "its command line reads %.200s, which is not recorded as an input", writing.bad)
+        : !writing.whole ? fail_replay(replay, "its command line does not fit into memory")
+                         : run_words(replay, writing.count, writing.words);
     for (int i = 0; i < writing.count; i++) {
         free(writing.words[i]);
     }

@@ -47,12 +47,12 @@ struct replay {
 };
 
 /** Takes the recorded command line apart by @p commands, a list that ends with NULL: it must be of one of those that
- * answer questions, and one that can be asked again, of files that are recorded. False, with out->why, where it is not.
- * @p out is the caller's to replay_finish() in any case. */
+ * answer questions, and one that can be asked again. False, with out->why, where it is not. @p out is the caller's to
+ * replay_finish() in any case. */
 bool replay_check(struct replay *out, const struct command *const *commands);
 
-/** Asks it, in this process: its words read links to what was found and write into the stage. False, with replay->why,
- * where there is no answer. */
+/** Asks it, in this process: its words read links to what was found, and no other file, and write into the stage.
+ * False, with replay->why, where there is no answer. */
 bool replay_run(struct replay *replay);
 void replay_finish(struct replay *replay);
 
