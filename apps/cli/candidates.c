@@ -35,7 +35,7 @@ const struct option candidate_options[] = {
      .words = "target",
      .common = true,
      .needs = "from",
-     .role = OPTION_READS},
+     .role = OPTION_READS_NAMES},
     {.name = "tilt",
      FIELD(tilt),
      .value = "MAX,STEP",

@@ -6,10 +6,10 @@
 #include "base/system/system.h"
 #include "base/text.h"
 #include "cli/commands.h"
-#include "cli/verify/replay.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/outputs.h"
+#include "options/stage.h"
 #include "settings/atlas_input.h"
 #include "settings/named_places.h"
 #include "settings/notes.h"
@@ -317,13 +317,8 @@ static int open_as_page(struct page *page, const struct stage *stage)
 static int check_opens(struct page *page)
 {
     struct stage stage;
-    int code = stage_begin(&stage, "verify") ? EXIT_DONE : EXIT_DATA;
-    if (!code) {
-        stage.cwd = strdup(stage.folder);
-        code = stage.cwd ? open_as_page(page, &stage) : print_no_memory();
-    }
-    stage_remove(stage.folder);
-    stage_finish(&stage);
+    int code = stage_begin(&stage, "page", 0) ? open_as_page(page, &stage) : EXIT_DATA;
+    stage_end(&stage, false);
     return code;
 }
 

@@ -1,42 +1,31 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus verify: answers a result again from its sidecar, and says whether it is the same, or why not. */
 #include "cli/commands.h"
-#include "cli/verify/verdict.h"
-#include "options/messages.h"
-#include "options/output.h"
+#include "cli/verify/verify.h"
 #include "settings/settings.h"
 
-#include <stdlib.h>
-#include <string.h>
-
-struct verify_settings {
+struct verify_choices {
     struct common_settings common;
-    struct verdict_settings verdict;
+    struct verify_settings verify;
     size_t format;
 };
 
 static const char *const formats[] = {"table", "json", NULL};
-static const char *const engines[] = {"rays", "gl", NULL};
 
-#define FIELD(member) OPTION_AT(struct verify_settings, member)
+#define FIELD(member) OPTION_AT(struct verify_choices, member)
 
 static const struct option own_options[] = {
     {.name = "sidecar",
-     FIELD(verdict.sidecar),
+     FIELD(verify.sidecar),
      .value = "FILE.json",
      .help = "the sidecar of RESULT, if it is not beside it",
      .common = true},
-    {.name = "search",
-     FIELD(verdict.folders),
+    {.name = "folder",
+     FIELD(verify.folder),
      .value = "FOLDER",
-     .help = "look here, and in the folders below, for files that are no longer where they were, by size and SHA-256; "
-             "may be repeated",
+     .help = "look here, too, for files that moved or have another name, by their SHA-256; they are looked for in the "
+             "folder that conus ran in, as the path of RESULT tells, else in this one",
      .common = true},
-    {.name = "engine",
-     FIELD(verdict.engine),
-     .value = "NAME",
-     .help = "answer with this engine in place of the one that was asked for:",
-     .choices = engines},
     {.name = "format",
      FIELD(format),
      .value = "FORMAT",
@@ -44,38 +33,22 @@ static const struct option own_options[] = {
      .choices = formats},
     {.name = "max-memory",
      .type = OPTION_BYTES,
-     .offset = offsetof(struct verify_settings, verdict.max_memory),
+     .offset = offsetof(struct verify_choices, verify.max_memory),
      .value = "SIZE",
-     .help = "largest RESULT to read, like 512M or 2G (default 4G)"},
+     .help = "largest file to read, like 512M or 8G (default 4G), whatever the sidecar asks for"},
     {0},
 };
 
 static const struct option_group groups[] = {
     {"Options", own_options, 0},
-    {"", plain_options, offsetof(struct verify_settings, common)},
+    {"", plain_options, offsetof(struct verify_choices, common)},
     {0},
 };
 
-/* A result that could not be compared is an error, but not in JSON. */
 static int run_verify(const void *given, const struct arguments *arguments)
 {
-    static const int codes[] = {
-        [VERDICT_IDENTICAL] = EXIT_DONE, [VERDICT_DIFFERENT] = EXIT_DIFFERENT, [VERDICT_NONE] = EXIT_DATA};
-    const struct verify_settings *settings = given;
-    struct verdict_settings own = settings->verdict;
-    struct verdict verdict;
-    own.engine_name = option_given(arguments, "engine") ? engines[own.engine] : NULL;
-    int code = verdict_find(&verdict, arguments->operands[0], &own, arguments->family);
-    if (!code && verdict.kind == VERDICT_NONE && !settings->format) {
-        verdict_print_error(&verdict);
-    } else if (!code) {
-        char *text = settings->format ? verdict_json(&verdict) : verdict_text(&verdict);
-        code = text ? output_write(NULL, text, strlen(text)) : print_no_memory();
-        free(text);
-    }
-    code = code ? code : codes[verdict.kind];
-    verdict_finish(&verdict);
-    return code;
+    const struct verify_choices *settings = given;
+    return verify_result(arguments->operands[0], &settings->verify, arguments->family, settings->format);
 }
 
 const struct command cmd_verify = {
@@ -83,12 +56,12 @@ const struct command cmd_verify = {
     .summary = "answer a result again from its sidecar and compare",
     .operands = {"RESULT"},
     .description =
-        "RESULT is what query, batch, sweep, track or overlap wrote, with its .json beside it. Checks the\n"
-        "SHA-256 of all that was read, answers again in a folder of its own, and compares byte for byte. Exit code\n"
-        "0: identical, 1: something differs, and which row and why, 3: it cannot be answered again, and why.",
+        "RESULT is what query, batch, sweep, track, overlap, connect or plan wrote, with its .json beside it. Checks\n"
+        "the SHA-256 of all that was read, answers again in a folder of its own, and compares. Exit code 0:\n"
+        "identical, 1: something differs, and which row and why, 3: it cannot be answered again, and why.",
     .examples = "  conus verify answers.tsv\n"
-                "  conus verify answers.tsv --search ~/atlases --search /data/study\n",
+                "  conus verify answers.tsv --folder /data/study\n",
     .groups = groups,
-    .settings_size = sizeof(struct verify_settings),
+    .settings_size = sizeof(struct verify_choices),
     .run = run_verify,
 };

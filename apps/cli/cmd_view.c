@@ -6,9 +6,9 @@
 #include "base/text.h"
 #include "cli/cmd_page.h"
 #include "cli/commands.h"
-#include "cli/verify/replay.h"
 #include "options/messages.h"
 #include "options/output.h"
+#include "options/stage.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -65,27 +65,22 @@ static int run_view(const void *given, const struct arguments *arguments)
     struct page_settings settings = *(const struct page_settings *)given;
     struct stage stage;
     char *path = NULL;
-    int code = stage_begin(&stage, "view") ? EXIT_DONE : EXIT_DATA;
+    int code = stage_begin(&stage, "view", 0) ? EXIT_DONE : EXIT_DATA;
     if (!code) {
         settings.output = path = name_page(stage.folder, arguments->operands[0]);
         code = path ? page_write(settings, arguments,
                                  "the window, conus-view, is not installed (Debian package conus-view), and ")
                     : print_no_memory();
     }
-    if (code) {
-        stage_remove(stage.folder);
-    } else if (!system_show(path)) {
+    if (!code && !system_show(path)) {
         print_error_line("no browser could be started here: open %s in one, here or on another computer", path);
-    } else if (!settings.common.quiet) {
+    } else if (!code && !settings.common.quiet) {
         print_error_line("note: opened in the browser: %s, which stays until the system clears that folder; the "
                          "window, conus-view, has more (on Linux: Debian package conus-view)",
                          path);
     }
-    if (!code) {
-        free(stage.folder);
-    }
     free(path);
-    stage_finish(&stage);
+    stage_end(&stage, !code);
     return code;
 }
 

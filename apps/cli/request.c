@@ -18,7 +18,7 @@ const struct option request_level_options[] = {
      .help = "report areas at this depth of the area tree (1 = its roots), or as these areas: names, @FILE",
      .words = "hierarchy, ontology",
      .common = true,
-     .role = OPTION_READS},
+     .role = OPTION_READS_NAMES},
     {0},
 };
 

@@ -41,6 +41,7 @@ enum option_role {
     OPTION_OF_RUN,         /**< Says how a run goes, and not what it answers. */
     OPTION_LIVE,           /**< Poses come from a tracker, which cannot be asked again. */
     OPTION_READS,          /**< A file that is read, perhaps with keys behind it. */
+    OPTION_READS_NAMES,    /**< Names or numbers, or a file of them: "@FILE", FILE. */
     OPTION_READS_ATLAS,    /**< An atlas, by its file or name. */
     OPTION_READS_IMAGE,    /**< Likewise a volume that is no atlas, or a surface. */
     OPTION_READS_POSES,    /**< A file of poses, or - for standard input. */

@@ -20,20 +20,13 @@ static const double log_interval_ms = 5 * 60 * 1000;
 void progress_start(struct progress *out, enum progress_kind kind, bool quiet, const char *what, uint64_t total)
 {
     double start = clock_ms();
-    const char *other = system_variable(PROGRESS_VARIABLE);
-    bool is_redirected = other && *other;
-    bool is_for_people = is_redirected || (kind == PROGRESS_AUTO && !quiet);
-    *out = (struct progress){.kind = is_redirected ? PROGRESS_AUTO : kind,
-                             .what = what,
-                             .total = total,
-                             .to = is_redirected ? (int)strtol(other, NULL, 10) : STDERR_FILENO,
-                             .started = start,
-                             .shown = start};
+    bool is_for_people = kind == PROGRESS_AUTO && !quiet;
+    *out = (struct progress){.kind = kind, .what = what, .total = total, .started = start, .shown = start};
     if (out->kind == PROGRESS_JSON) {
         out->shown -= 2 * interval_ms; /* a program that reads along gets the first block at once */
     }
-    out->on_terminal = is_for_people && system_is_terminal(out->to);
-    out->in_log = is_for_people && !out->on_terminal && !is_redirected;
+    out->on_terminal = is_for_people && system_is_terminal(STDERR_FILENO);
+    out->in_log = is_for_people && !out->on_terminal;
 }
 
 bool progress_is_shown(const struct progress *progress)
@@ -103,7 +96,7 @@ void progress_update(struct progress *progress, uint64_t done, uint64_t errors)
     make_line(line, progress, done, errors);
     if (progress->on_terminal) {
         char shown[LINE_SIZE + 8];
-        system_write(progress->to, shown, (size_t)snprintf(shown, sizeof shown, "\r\033[K%s", line));
+        system_write(STDERR_FILENO, shown, (size_t)snprintf(shown, sizeof shown, "\r\033[K%s", line));
         messages_unfinished(true);
     } else {
         print_error_line("%s", line);
@@ -113,7 +106,7 @@ void progress_update(struct progress *progress, uint64_t done, uint64_t errors)
 void progress_finish(struct progress *progress, uint64_t done, uint64_t errors)
 {
     if (progress->on_terminal) {
-        system_write(progress->to, "\r\033[K", strlen("\r\033[K"));
+        system_write(STDERR_FILENO, "\r\033[K", strlen("\r\033[K"));
         messages_unfinished(false);
     }
     if (progress->kind == PROGRESS_JSON) {

@@ -17,7 +17,6 @@ struct progress {
     const char *what; /**< "poses" */
     bool on_terminal;
     bool in_log;           /**< A line now and then. */
-    int to;                /**< Descriptor of the terminal. */
     uint64_t total;        /**< 0 = not known. */
     uint64_t before;       /**< Done when it began. */
     double started, shown; /**< By clock_ms(). */
@@ -25,10 +24,6 @@ struct progress {
 
 /** @p quiet: no lines for people. @p what is counted: "poses"; @p total of them, 0 = not known. */
 void progress_start(struct progress *out, enum progress_kind kind, bool quiet, const char *what, uint64_t total);
-
-/** The variable of the environment by which a process that answers for another one shows its progress on the terminal
- * at the descriptor that it names, whatever was asked for, and nowhere if that is no terminal. */
-#define PROGRESS_VARIABLE "CONUS_PROGRESS_TO"
 
 /** Whether progress will be shown, so that it is worth counting the work. */
 bool progress_is_shown(const struct progress *progress);

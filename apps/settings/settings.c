@@ -136,14 +136,14 @@ const struct option shown_options[] = {
              "area tree; all others are as if never loaded; put a name with a comma in double quotes; @FILE is a file "
              "with one name per line; may be repeated",
      .words = "region, ROI, filter, include",
-     .role = OPTION_READS},
+     .role = OPTION_READS_NAMES},
     {.name = "hide",
      FIELD(atlas_settings, hide),
      .value = "NAME,...",
      .help = "remove these areas, pathways and bundles, named as for --only: not hit, not drawn, not occluding; may be "
              "repeated",
      .words = "exclude, remove",
-     .role = OPTION_READS},
+     .role = OPTION_READS_NAMES},
     {0},
 };
 
@@ -348,7 +348,7 @@ const struct option engine_options[] = {
          "report areas rolled up the area tree: to depth N (roots have 1), or to the nearest of these areas, by name, "
          "abbreviation or label; put a name with a comma in double quotes; @FILE is a file with one area per line",
      .words = "hierarchy, ontology",
-     .role = OPTION_READS},
+     .role = OPTION_READS_NAMES},
     {.name = "score",
      FIELD(engine_settings, score),
      .value = "FORMULA",

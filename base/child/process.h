@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * A process that runs a program: what systems do differently about it. It needs nothing else of conus, so that programs
- * have it, too. What fails has errno set. */
+ * A process that runs a program: what systems do differently about it. What fails has errno set. */
 #ifndef CONUS_BASE_CHILD_PROCESS_H
 #define CONUS_BASE_CHILD_PROCESS_H
 
@@ -24,23 +23,18 @@ struct process_limits {
 
 /** How a program is started: with an empty stdin, and no descriptors but stdout, stderr and one more. */
 struct process_start {
-    const char *path;   /**< Of the program. */
-    char *const *words; /**< As of execv(): the first is the program's name. */
-    const char *folder; /**< Where it runs; NULL = where this process does. */
-    int given;          /**< What becomes its descriptor 3; SYSTEM_NO_FILE = nothing. */
-    /** NULL = it stands in for this process, as a part of the same program: Ctrl-C ends it, and while it runs not this
-     * one. Else it has these limits. On Linux it then gains no rights and writes to no file, on macOS it writes to
-     * none, on Windows it starts no program. */
-    const struct process_limits *limits;
+    const char *path;                    /**< Of the program. */
+    char *const *words;                  /**< As of execv(): the first is the program's name. */
+    int given;                           /**< What becomes its descriptor 3; SYSTEM_NO_FILE = nothing. */
+    const struct process_limits *limits; /**< On Linux it gains no rights, too, and writes to no file, on macOS it
+                                              writes to none, on Windows it starts no program. */
 };
 
 /** A process. To be process_finish()ed wherever process_begin() succeeded. */
 struct process {
-    intptr_t id;                   /**< 0 = it has ended. */
-    intptr_t ends[2];              /**< What its stdout and stderr are read from; -1 = they have ended. */
-    void (*interrupt)(int number); /**< What Ctrl-C did before. */
-    void *state;                   /**< Of the system. */
-    bool stands_in;
+    intptr_t id;      /**< 0 = it has ended. */
+    intptr_t ends[2]; /**< What its stdout and stderr are read from; -1 = they have ended. */
+    void *state;      /**< Of the system. */
 };
 
 enum { PROCESS_OUT, PROCESS_ERR };

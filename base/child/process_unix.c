@@ -96,15 +96,10 @@ static void become_program(const struct process_start *start, const int ends[END
 #ifdef __linux__
     prctl(PR_SET_PDEATHSIG, SIGKILL); /* it does not outlive who asked */
 #endif
-    if (start->limits) {
-        take_limits(start->limits);
-    } else {
-        signal(SIGINT, SIG_DFL);
-    }
+    take_limits(start->limits);
     close_others();
     if (nothing >= 0 && dup2(nothing, STDIN_FILENO) >= 0 && dup2(ends[OUT + 1], STDOUT_FILENO) >= 0 &&
-        dup2(ends[ERR + 1], STDERR_FILENO) >= 0 && (ends[INPUT] < 0 || dup2(ends[INPUT], GIVEN) >= 0) &&
-        (!start->folder || chdir(start->folder) == 0)) {
+        dup2(ends[ERR + 1], STDERR_FILENO) >= 0 && (ends[INPUT] < 0 || dup2(ends[INPUT], GIVEN) >= 0)) {
         if (ends[INPUT] < 0) {
             close(GIVEN);
         }
@@ -150,8 +145,6 @@ static bool start_with(struct process *out, const struct process_start *start, i
             return false;
         }
     }
-    out->stands_in = !start->limits;
-    out->interrupt = out->stands_in ? signal(SIGINT, SIG_IGN) : SIG_DFL;
     pid_t pid = fork();
     if (pid == 0) {
         become_program(start, ends);
@@ -257,9 +250,5 @@ void process_finish(struct process *process)
             close((int)process->ends[i]);
             process->ends[i] = -1;
         }
-    }
-    if (process->stands_in) {
-        signal(SIGINT, process->interrupt);
-        process->stands_in = false;
     }
 }

@@ -98,16 +98,14 @@ static bool open_pipe(struct reading *out, HANDLE *end, const struct process *pr
 static bool make_job(HANDLE *out, const struct process_limits *limits)
 {
     JOBOBJECT_EXTENDED_LIMIT_INFORMATION info = {0};
-    info.BasicLimitInformation.LimitFlags = JOB_OBJECT_LIMIT_KILL_ON_JOB_CLOSE;
-    if (limits) {
-        info.BasicLimitInformation.LimitFlags |= JOB_OBJECT_LIMIT_PROCESS_TIME | JOB_OBJECT_LIMIT_ACTIVE_PROCESS |
-                                                 JOB_OBJECT_LIMIT_DIE_ON_UNHANDLED_EXCEPTION;
-        info.BasicLimitInformation.PerProcessUserTimeLimit.QuadPart = (LONGLONG)limits->seconds * 10000000;
-        info.BasicLimitInformation.ActiveProcessLimit = 1;
-        if (limits->space < SIZE_MAX) {
-            info.BasicLimitInformation.LimitFlags |= JOB_OBJECT_LIMIT_PROCESS_MEMORY;
-            info.ProcessMemoryLimit = (SIZE_T)limits->space;
-        }
+    info.BasicLimitInformation.LimitFlags = JOB_OBJECT_LIMIT_KILL_ON_JOB_CLOSE | JOB_OBJECT_LIMIT_PROCESS_TIME |
+                                            JOB_OBJECT_LIMIT_ACTIVE_PROCESS |
+                                            JOB_OBJECT_LIMIT_DIE_ON_UNHANDLED_EXCEPTION;
+    info.BasicLimitInformation.PerProcessUserTimeLimit.QuadPart = (LONGLONG)limits->seconds * 10000000;
+    info.BasicLimitInformation.ActiveProcessLimit = 1;
+    if (limits->space < SIZE_MAX) {
+        info.BasicLimitInformation.LimitFlags |= JOB_OBJECT_LIMIT_PROCESS_MEMORY;
+        info.ProcessMemoryLimit = (SIZE_T)limits->space;
     }
     *out = CreateJobObjectW(NULL, NULL);
     return (*out && SetInformationJobObject(*out, JobObjectExtendedLimitInformation, &info, sizeof info)) ||
@@ -140,7 +138,6 @@ static void hand_on(struct handed_on *out, const HANDLE handles[DESCRIPTORS])
 static bool start_with(HANDLE *out, const struct process_start *start, HANDLE handles[DESCRIPTORS], HANDLE job)
 {
     wchar_t path[SYSTEM_PATH];
-    wchar_t folder[SYSTEM_PATH];
     wchar_t *words = malloc(WORDS_LIMIT * sizeof *words);
     struct handed_on handed_on;
     SIZE_T size = 0;
@@ -159,13 +156,11 @@ static bool start_with(HANDLE *out, const struct process_start *start, HANDLE ha
     errno = ENOMEM;
     bool begun = words && listed && join_words(words, start->words) &&
                  MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, start->path, -1, path, SYSTEM_PATH) &&
-                 (!start->folder ||
-                  MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, start->folder, -1, folder, SYSTEM_PATH)) &&
                  ((UpdateProcThreadAttribute(info.lpAttributeList, 0, PROC_THREAD_ATTRIBUTE_HANDLE_LIST, handles,
                                              (handles[GIVEN] ? DESCRIPTORS : GIVEN) * sizeof(HANDLE), NULL, NULL) &&
                    CreateProcessW(path, words, NULL, NULL, TRUE,
                                   CREATE_SUSPENDED | EXTENDED_STARTUPINFO_PRESENT | CREATE_UNICODE_ENVIRONMENT, NULL,
-                                  start->folder ? folder : NULL, &info.StartupInfo, &made)) ||
+                                  NULL, &info.StartupInfo, &made)) ||
                   fail_last());
     if (begun && !(AssignProcessToJobObject(job, made.hProcess) && ResumeThread(made.hThread) != (DWORD)-1)) {
         begun = fail_last();
@@ -213,9 +208,6 @@ bool process_begin(struct process *out, const struct process_start *start)
         }
     }
     out->id = (intptr_t)process;
-    if (begun && !start->limits) { /* behind its start, since it would have this, too */
-        out->stands_in = SetConsoleCtrlHandler(NULL, TRUE);
-    }
     if (!begun) {
         process_finish(out);
     }
@@ -340,9 +332,6 @@ void process_finish(struct process *process)
     }
     if (parts && parts->job) {
         CloseHandle(parts->job);
-    }
-    if (process->stands_in) {
-        SetConsoleCtrlHandler(NULL, FALSE);
     }
     free(parts);
     *process = (struct process){.ends = {-1, -1}};

@@ -149,6 +149,8 @@ bool system_list(const char *folder, bool (*take)(void *user, const char *name),
 bool system_real_path(char out[SYSTEM_PATH], const char *path);
 /** The current folder. */
 bool system_here(char out[SYSTEM_PATH]);
+/** Makes another folder the current one. */
+bool system_enter(const char *folder);
 /** Whether a path is a name of what some process has open, or of a device: what is there belongs to others. */
 bool system_is_open_name(const char *path);
 /** As strcmp(), of names in a folder: 0 where both lead to one file. Windows, and macOS as most have it, do not tell

@@ -314,6 +314,11 @@ bool system_here(char out[SYSTEM_PATH])
     return getcwd(out, SYSTEM_PATH);
 }
 
+bool system_enter(const char *folder)
+{
+    return chdir(folder) == 0;
+}
+
 bool system_is_open_name(const char *path)
 {
     return strncmp(path, "/dev/", strlen("/dev/")) == 0 || strncmp(path, "/proc/", strlen("/proc/")) == 0;

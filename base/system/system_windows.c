@@ -800,6 +800,12 @@ bool system_here(char out[SYSTEM_PATH])
     return length && length < SYSTEM_PATH ? narrow(out, SYSTEM_PATH, wide) : fail_last();
 }
 
+bool system_enter(const char *folder)
+{
+    wide_path wide;
+    return widen(wide, folder) && (SetCurrentDirectoryW(wide) || fail_last());
+}
+
 /* Devices have their names in every folder, also with an ending. */
 bool system_is_open_name(const char *path)
 {

@@ -64,10 +64,10 @@ _ERRORS = {
 
 # Options of the programs in the library's messages, and their names here. Other options are left as they are.
 _ARGUMENTS = {
-    "--any-space": "any_space", "--atlas-transform": "transforms", "--axis": "axis", "--context": "context",
+    "--any-space": "any_space", "--atlas-transform": "transforms", "--axis": "axis", "--context": "context", "--folder": "folder",
     "--hemispheres split": 'hemispheres="split"', "--hemispheres": "hemispheres", "--space": "space",
     "--labels": "labels", "--labels-anyway": "labels_anyway", "--mask-object": "name", "--max-memory": "max_memory",
-    "--pathway": "pathways", "--point": "point", "--probability": "probability", "--probe": "probe", "--probe-tip": "tip", "--search": "search", "--sidecar": "sidecar",
+    "--pathway": "pathways", "--point": "point", "--probability": "probability", "--probe": "probe", "--probe-tip": "tip", "--sidecar": "sidecar",
     "--sides": "sides", "--sides exchanged": 'sides="exchanged"', "--streamlines": "streamlines",
     "as ATLAS": "as source", "is ATLAS": "is source",
     "--pathway FILE,name=NAME": "pathways=[(map, {name: (low, high)})]",

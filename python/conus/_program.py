@@ -22,13 +22,13 @@ Path = Union[str, "os.PathLike[str]"]
 
 
 class Difference(NamedTuple):
-    """A line in which a result and its new answer differ."""
+    """A cell, row or line in which a result and its new answer differ."""
 
     line: int
     where: str
-    """"query 1, Hippocampus_L: share", or "" where the line is no row of a table."""
+    """"query 1: area 37 Hippocampus_L: share", or "" where it is no table."""
     recorded: Optional[str]
-    """The content of the file; None where it has ended."""
+    """The content of the file; None where it has ended; of a row "removed" or "added"."""
     again: Optional[str]
 
 
@@ -39,7 +39,7 @@ class SourceFile(NamedTuple):
     sha256: Optional[str]
     found: Optional[str]
     state: str
-    """"same", "moved", "changed", "missing", or "not recorded" where the sidecar has no SHA-256."""
+    """"same", "moved", "changed", "missing", or "not compared", of a folder."""
 
 
 class Verification(NamedTuple):
@@ -67,10 +67,10 @@ def _word(name: str, value: Any) -> str:
         raise ArgumentError(f"{name}: {value!r}, wanted is a path") from None
 
 
-def _arguments(what: Path, sidecar: Optional[Path], search: Union[Path, Sequence[Path]]) -> list[str]:
-    folders = [search] if isinstance(search, (str, os.PathLike)) else list(search)
+def _arguments(what: Path, sidecar: Optional[Path], folder: Optional[Path]) -> list[str]:
     words = [] if sidecar is None else [f"--sidecar={_word('sidecar', sidecar)}"]
-    return [*words, *(f"--search={_word('search', folder)}" for folder in folders), "--", _word("result", what)]
+    words += [] if folder is None else [f"--folder={_word('folder', folder)}"]
+    return [*words, "--", _word("result", what)]
 
 
 _PACKED = os.path.join(
@@ -104,15 +104,13 @@ def _refuse(ended: subprocess.CompletedProcess[str]) -> None:
     raise errors.get(ended.returncode, DataError)(python_words(lines[-1].removeprefix("conus: ")))
 
 
-def verify(
-    result: Path, *, sidecar: Optional[Path] = None, search: Union[Path, Sequence[Path]] = ()
-) -> Verification:
+def verify(result: Path, *, sidecar: Optional[Path] = None, folder: Optional[Path] = None) -> Verification:
     """Answers a result of the program again from its sidecar and compares, as ``conus verify`` does.
 
-    ``search`` are folders in which to look for files that moved. Runs the program: ``$CONUS``, or
+    ``folder`` is where files are that moved or have another name. Runs the program: ``$CONUS``, or
     that of the wheel, or ``conus`` in ``$PATH``.
     """
-    ended = _run("verify", "--format=json", *_arguments(result, sidecar, search))
+    ended = _run("verify", "--format=json", *_arguments(result, sidecar, folder))
     if not ended.stdout:
         _refuse(ended)
     found = json.loads(ended.stdout)
@@ -125,14 +123,14 @@ def verify(
 
 
 def cite(
-    what: Path, *, format: str = "text", sidecar: Optional[Path] = None, search: Union[Path, Sequence[Path]] = ()
+    what: Path, *, format: str = "text", sidecar: Optional[Path] = None, folder: Optional[Path] = None
 ) -> str:
     """The methods paragraph of a result with its references, or how to cite an atlas, as ``conus cite`` writes it.
 
     ``format`` is "text" or "bibtex". Runs the program: ``$CONUS``, or that of the wheel, or
     ``conus`` in ``$PATH``.
     """
-    ended = _run("cite", f"--format={format}", *_arguments(what, sidecar, search))
+    ended = _run("cite", f"--format={format}", *_arguments(what, sidecar, folder))
     if ended.returncode:
         _refuse(ended)
     return ended.stdout

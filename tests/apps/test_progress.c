@@ -51,20 +51,10 @@ static void a_log_gets_a_line_now_and_then(void **state)
     assert_said(PROGRESS_NONE, false, 1e6, 1000, "");
 }
 
-/* A process that answers for another one shows its progress on that one's terminal, or nowhere. */
-static void redirected_progress_is_in_no_log(void **state)
-{
-    (void)state;
-    setenv(PROGRESS_VARIABLE, "0", 1);
-    assert_said(PROGRESS_AUTO, false, 1e6, 1000, "");
-    unsetenv(PROGRESS_VARIABLE);
-}
-
 TEST_GROUP(progress)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_log_gets_a_line_now_and_then),
-        cmocka_unit_test(redirected_progress_is_in_no_log),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

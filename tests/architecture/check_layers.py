@@ -30,7 +30,7 @@ APPS = {
     "apps/pages": "apps/options",
     "apps/cli/batch": "apps/options apps/settings",
     "apps/cli/answers": "apps/options apps/settings",
-    "apps/cli/verify": "apps/options",
+    "apps/cli/verify": "apps/options apps/cli/answers",
     "apps/cli/cite": "apps/options",
     "apps/cli": "apps/link apps/options apps/settings apps/figures apps/pages apps/cli/batch apps/cli/answers"
     " apps/cli/verify apps/cli/cite",
@@ -130,7 +130,7 @@ LIBRARY = {
 }
 RULES = {**LIBRARY, **APPS}
 # What programs link beside the library (conus_system in base/CMakeLists.txt).
-SHARED = {"base/child/process.h", "base/look.h", "base/look_sizes.h", "base/order.h", "base/path.h",
+SHARED = {"base/look.h", "base/look_sizes.h", "base/order.h", "base/path.h",
           "base/system/system.h", "base/text.h"}
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 

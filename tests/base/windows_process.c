@@ -42,9 +42,6 @@ static int play(int count, char **words)
             fputc('x', i % 3 ? stdout : stderr);
         }
     }
-    if (strcmp(words[1], "here") == 0 && system_here(text)) {
-        fputs(strrchr(text, '/') + 1, stdout);
-    }
     if (strcmp(words[1], "wait") == 0) {
         const struct timespec minute = {.tv_sec = 60};
         nanosleep(&minute, NULL);
@@ -63,16 +60,16 @@ struct answer {
     bool begun;
 };
 
-static struct answer ask(char *const *words, const char *folder, int given, double seconds)
+static const struct process_limits limits = {.space = UINT64_MAX, .seconds = 60};
+
+static struct answer ask(char *const *words, int given, double seconds)
 {
-    static const struct process_limits limits = {.space = UINT64_MAX, .seconds = 60};
     struct answer answer = {0};
     char program[SYSTEM_PATH];
     char data[2][1000];
     struct process process;
     struct process_part parts[2] = {{data[0], sizeof data[0], 0}, {data[1], sizeof data[1], 0}};
-    const struct process_start start = {
-        .path = program, .words = words, .folder = folder, .given = given, .limits = folder ? NULL : &limits};
+    const struct process_start start = {.path = program, .words = words, .given = given, .limits = &limits};
     answer.begun = system_program(program) && process_begin(&process, &start);
     while (answer.begun && process_writes(&process) &&
            (answer.reading = process_read(parts, &process, seconds)) == PROCESS_CAME) {
@@ -100,12 +97,12 @@ static void check_words(void)
     char *words[] = {self, "say", "", "a b", "q\"u\"", "b\\s\\", "e\\\\\"x", "t \\", "\xc3\xa4\xe8\x84\xb3", NULL};
     int file = system_open_scratch("input");
     CHECK(file >= 0 && system_write(file, "given", 5) && lseek(file, 0, SEEK_SET) == 0);
-    struct answer answer = ask(words, NULL, file, INFINITY);
+    struct answer answer = ask(words, file, INFINITY);
     CHECK(answer.begun && answer.end.kind == PROCESS_EXITED && answer.end.code == 7);
     CHECK(strcmp(answer.text[0], "[][a b][q\"u\"][b\\s\\][e\\\\\"x][t \\][\xc3\xa4\xe8\x84\xb3] 5 given 0") == 0);
     CHECK(strcmp(answer.text[1], "words") == 0);
     CHECK(close(file) == 0);
-    answer = ask((char *[]){self, "say", NULL}, NULL, SYSTEM_NO_FILE, INFINITY);
+    answer = ask((char *[]){self, "say", NULL}, SYSTEM_NO_FILE, INFINITY);
     CHECK(answer.begun && strcmp(answer.text[0], " -1  0") == 0);
 }
 
@@ -118,17 +115,15 @@ int main(int count, char **words)
         return play(count, words);
     }
     check_words();
-    struct answer answer = ask((char *[]){self, "much", NULL}, NULL, SYSTEM_NO_FILE, INFINITY);
+    struct answer answer = ask((char *[]){self, "much", NULL}, SYSTEM_NO_FILE, INFINITY);
     CHECK(answer.end.kind == PROCESS_EXITED && answer.sizes[0] == MUCH / 3 * 2 && answer.sizes[1] == MUCH / 3);
-    CHECK(system_make_folder("in \xc3\xa4", false));
-    answer = ask((char *[]){self, "here", NULL}, "in \xc3\xa4", SYSTEM_NO_FILE, INFINITY);
-    CHECK(answer.begun && strcmp(answer.text[0], "in \xc3\xa4") == 0);
-    answer = ask((char *[]){self, "wait", NULL}, NULL, SYSTEM_NO_FILE, 0.1);
+    answer = ask((char *[]){self, "wait", NULL}, SYSTEM_NO_FILE, 0.1);
     CHECK(answer.begun && answer.reading == PROCESS_LATE);
-    answer = ask((char *[]){self, "crash", NULL}, NULL, SYSTEM_NO_FILE, INFINITY);
+    answer = ask((char *[]){self, "crash", NULL}, SYSTEM_NO_FILE, INFINITY);
     CHECK(answer.end.kind == PROCESS_CRASHED && strcmp(answer.end.how, "exception c0000005") == 0);
     CHECK(strncmp(answer.text[1], "conus: ended by exception c0000005\n", 35) == 0); /* then wine's own words */
-    CHECK(!process_begin(&process, &(struct process_start){.path = "none.exe", .words = none, .given = -1}) &&
+    CHECK(!process_begin(&process,
+                         &(struct process_start){.path = "none.exe", .words = none, .given = -1, .limits = &limits}) &&
           errno == ENOENT);
     printf("%d failures\n", failures);
     return failures ? 1 : 0;

@@ -145,7 +145,7 @@ fsl_xml() {
     # Moved, it is found by its sum, as an atlas is.
     mkdir -p elsewhere && mv b/*.nii.gz elsewhere/
     unset CONUS_ATLAS_PATH
-    run -0 conus verify name.tsv --search elsewhere
+    run -0 conus verify name.tsv --folder elsewhere
     has identical
     # Two images of one name: both are shown.
     put t1.nii.gz b/sub-01_T1w.nii.gz c/sub-01_T1w.nii.gz

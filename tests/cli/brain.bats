@@ -27,8 +27,8 @@ need() {
     jq -e --arg words "$words" '.Warnings | length == 1 and (.[0] | startswith($words))' jhu.json
     "$CONUS" verify jhu.tsv
     run -0 "$CONUS" cite jhu.tsv
-    has 'conus warned of this result:'
-    has "- $words"
+    output=$(tr '\n' ' ' <<<"$output")
+    has "conus warned: \"$words"
     run -0 --separate-stderr "$CONUS" $ask --sides exchanged -q -o mended.tsv
     [ -z "$stderr" ]
     jq -e 'has("Warnings") | not' mended.json

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """leaves.py CONUS RESULT...: changes every value in the sidecar of every result, one at a time, and adds Units and Levels to columns without, recomputes the
-Checksum as docs/formats.md has it, and runs `conus verify`, which must notice each. Prints those that it does not, and
-how many there were. Without CONUS_TEST_LONG, values of one name (Inputs.0.path and Inputs.1.path have one) are changed
+Checksum as docs/formats.md has it, and runs `conus verify`, which must notice each but those of FREE, which it must not.
+Prints those of which that is not so, and how many others there were. Without CONUS_TEST_LONG, values of one name (Inputs.0.path and Inputs.1.path have one) are changed
 in the first result that has them only, the first and the last. leaves.py --seal FILE prints the Checksum that a sidecar
 should have."""
 import concurrent.futures
@@ -14,7 +14,16 @@ import sys
 import tempfile
 
 SEALED = ["Space", "GeneratedBy", "Atlas", "Atlases", "Settings", "Queries", "Batch", "Inputs", "Outputs", "Sources",
-          "Question", "Plan", "Places", "Understood", "Kept"]
+          "Question", "Plan", "Warnings", "Places", "Understood", "Kept"]
+# All that docs/commands.md lets differ, in the sidecar of whatever result, and how each may be changed.
+FREE = {
+    "GeneratedBy.CommandLine": lambda words: words.replace(" -q", "", 1),  # what is asked: the rest must follow from it
+    "GeneratedBy.Version": lambda version: version + ".1",  # a note names it
+    "Settings.engine": lambda engine: engine.split(",")[0] + ", scalar",  # the processor's instructions
+    "Outputs.bytes": lambda size: size + 1,  # of pictures, which have the command line in them
+    "Outputs.sha256": lambda sum: "0" * 64,
+}
+PICTURES = ("image",)
 
 
 class Real(str):
@@ -67,8 +76,6 @@ def changed(path, value):
         return not value
     if isinstance(value, int):
         return value + 1
-    if path[-1] == "CommandLine":
-        return value.replace(" -q", "", 1)
     return "x" + (value or "")
 
 
@@ -82,12 +89,12 @@ def first_and_last(paths, seen):
     return sorted({path for same in new.values() for path in (same[0], same[-1])}, key=paths.index)
 
 
-def may_differ(path, root):
-    """What docs/commands.md lists: the words of the command line, which are asked, and the bytes of pictures."""
-    if path[-1] == "CommandLine":
-        return True
-    output = root["Outputs"][path[1]]["option"] if path[0] == "Outputs" else ""
-    return output == "image" and path[2] in ("bytes", "sha256")
+def freedom(path, root):
+    """How this value may be changed without a difference; None where it may not."""
+    name = ".".join(key for key in path if isinstance(key, str))
+    is_other = path[0] == "Outputs" and root["Outputs"][path[1]]["option"] not in PICTURES
+    is_device = name == "Settings.engine" and not root["Settings"]["engine"].startswith("rays")
+    return None if is_other or is_device else FREE.get(name)
 
 
 def encode(value):
@@ -106,15 +113,23 @@ def verify(conus, result, root):
         return subprocess.run([conus, "verify", result, "--sidecar", file.name], capture_output=True, text=True)
 
 
-def is_noticed(conus, result, root, path):
+def edited(root, path, change):
     own = copy.deepcopy(root)
     inner = own
     for key in path[:-1]:
         inner = inner[key]
-    inner[path[-1]] = changed(path, inner[path[-1]])
+    inner[path[-1]] = change(inner[path[-1]])
     if path != ("Checksum",):
         own["Checksum"] = seal(own)
-    return verify(conus, result, own).returncode in (1, 3)
+    return own
+
+
+def is_noticed(conus, result, root, path):
+    return verify(conus, result, edited(root, path, lambda value: changed(path, value))).returncode in (1, 3)
+
+
+def is_free(conus, result, root, path):
+    return verify(conus, result, edited(root, path, freedom(path, root))).returncode == 0
 
 
 def is_added_noticed(conus, result, root, path):
@@ -138,13 +153,19 @@ def main():
                 sys.exit(f"{result}: its Checksum is not the one of docs/formats.md")
             if verify(conus, result, root).returncode:
                 sys.exit(f"{result}: not identical before any change")
-            paths = [path for path in leaves(root) if not may_differ(path, root)]
+            paths = list(leaves(root))
             if not os.environ.get("CONUS_TEST_LONG"):
                 paths = first_and_last(paths, seen)
             columns = [key for key, value in root.items() if isinstance(value, dict) and "Description" in value]
             added = [(key, word) for key in columns for word in ("Units", "Levels") if word not in root[key]]
             added = added if os.environ.get("CONUS_TEST_LONG") else [path for path in added if not path[0] in seen]
             seen.update(dict(added))
+            free = [path for path in paths if freedom(path, root)]
+            for path, same in zip(free, pool.map(lambda path: is_free(conus, result, root, path), free)):
+                if not same:
+                    print(f"{result}: {'.'.join(map(str, path))}: is free, and is different")
+            paths = [path for path in paths if path[-1] != "CommandLine" and path not in free] + [
+                path for path in free if path[0] != "Outputs" and path[-1] != "CommandLine"]
             found = [*pool.map(lambda path: is_noticed(conus, result, root, path), paths),
                      *pool.map(lambda path: is_added_noticed(conus, result, root, path), added)]
             for path, noticed in zip(paths + added, found):

@@ -119,8 +119,7 @@ plain() {
         shows '[0-9]+ samples' "$CONUS" sweep sphere.nii.gz --origin 0,0,100 --toward 0,0,0 --jitter 2,2 --samples "$1" -o chances.tsv
     }
     batch() {
-        shows "$1 poses" "$CONUS" batch sphere.nii.gz --poses poses.tsv -o rows.tsv --block 16 --threads 1 &&
-            shows "$1 poses" "$CONUS" verify rows.tsv
+        shows "$1 poses" "$CONUS" batch sphere.nii.gz --poses poses.tsv -o rows.tsv --block 16 --threads 1
     }
     query() {
         shows "$1 poses" "$CONUS" query sphere.nii.gz --pose poses.tsv -o query.tsv

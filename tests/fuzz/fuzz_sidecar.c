@@ -28,8 +28,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     check(record.inputs, record.input_count, true);
     check(record.outputs, record.output_count, false);
-    if (!record.version || !record.line.count || record.line.words[record.line.count] || record.shard[0] < 0 ||
-        record.shard[1] <= record.shard[0] || (record.is_intact && !record.is_sealed)) {
+    if (!record.version || !record.line.count || record.line.words[record.line.count] ||
+        (record.is_intact && !record.is_sealed)) {
         abort();
     }
     record_finish(&record);

@@ -48,10 +48,9 @@ def test_moved_and_missing(rows, tmp_path):
     (tmp_path / "plates.nii.gz").rename(folder / "other.nii.gz")
     found = conus.verify(rows)
     assert (found.verdict, found.files[0].state, found.files[0].found) == ("not verified", "missing", None)
-    for search in (folder, [str(folder)]):
-        found = conus.verify(rows, search=search)
-        assert found and found.files[0].state == "moved"
-        assert found.files[0].found == (folder / "other.nii.gz").resolve().as_posix()
+    found = conus.verify(rows, folder=folder)
+    assert found and found.files[0].state == "moved"
+    assert found.files[0].found == (folder / "other.nii.gz").resolve().as_posix()
 
 
 def test_page(rows):

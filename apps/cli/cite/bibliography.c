@@ -19,15 +19,6 @@ static const char method_bibtex[] = "@inproceedings{rick2010conic,\n"
                                     "  doi = {10.1109/VR.2010.5444783}\n"
                                     "}\n";
 
-void citation_warnings(FILE *out, const struct citation *citation)
-{
-    const json_t *warnings = json_object_get(citation->sidecar, "Warnings");
-    for (size_t i = 0; i < json_array_size(warnings); i++) {
-        const char *line = json_string_value(json_array_get(warnings, i));
-        fprintf(out, "%s- %s\n", i ? "" : "\nconus warned of this result:\n", line ? line : "");
-    }
-}
-
 void citation_list(FILE *out, const struct citation *citation)
 {
     if (citation_has_rays(citation)) {

@@ -25,7 +25,7 @@ void references_finish(struct references *references);
 
 /** An atlas that was asked. */
 struct cited_atlas {
-    const char *name;   /**< As in rows, or the file's without its ending. */
+    char *name;         /**< As in rows, or the file's without its ending; to be freed. */
     const char *file;   /**< Name of its file or folder. */
     const char *sha256; /**< The file's; NULL of several files. */
     struct references references;
@@ -34,28 +34,23 @@ struct cited_atlas {
 
 struct citation {
     const json_t *sidecar;       /**< NULL of an atlas alone. */
-    json_t *question;            /**< "Question" of the sidecar; NULL likewise. */
     const char *version;         /**< The version of conus. */
     struct cited_atlas *atlases; /**< [atlas_count] */
     size_t atlas_count;
+    json_t *facts, *atlases_asked; /**< Of citation_is_known(); the caller releases them. */
 };
 
 /** The method that conus implements, as README.md has it. */
 extern const char citation_method[];
 
-/** The question that the sidecar records. Of a sidecar from before that was recorded, it is guessed from keys and the
- * command line. NULL without memory; the caller releases it. */
-json_t *citation_question(const struct citation *citation, const struct arguments *arguments);
-/** Whether there are sentences for the question. */
-bool citation_is_known(const struct citation *citation);
+/** Gathers the facts of the sidecar. Whether there are sentences for its question. */
+bool citation_is_known(struct citation *citation);
 
 /** Whether the method has a part in the answer: it has none where no rays were traced. */
 bool citation_has_rays(const struct citation *citation);
 
-/** Writes the paragraph; one line. */
+/** Writes the paragraph, which has the warnings of the sidecar; one line. */
 void citation_methods(FILE *out, const struct citation *citation);
-/** Writes the warnings that the sidecar has, a line each, below a heading; nothing where it has none. */
-void citation_warnings(FILE *out, const struct citation *citation);
 /** Writes the references, a line each. */
 void citation_list(FILE *out, const struct citation *citation);
 /** Writes them as BibTeX. */

@@ -3,7 +3,6 @@
 #include "cli/verify/record.h"
 
 #include "base/order.h"
-#include "conus/pose_file.h"
 #include "options/provenance.h"
 
 #include <stdarg.h>
@@ -234,8 +233,6 @@ static const char *read_batch(struct record *out)
         shard[0] < 0 || shard[1] <= shard[0] || bytes < 0 || strlen(crc) != 8 || strspn(crc, "0123456789abcdef") != 8) {
         return refuse("Batch: no shard, bytes and crc32 as conus batch writes them");
     }
-    out->shard[0] = shard[0];
-    out->shard[1] = shard[1];
     const char *option = json_object_get(out->root, "entry_x")        ? "segments" /* only they have these columns */
                          : json_object_get(out->root, "clearance_mm") ? "clearance"
                                                                       : "output";
@@ -282,7 +279,6 @@ static const char *read_all(struct record *out)
     bad = bad ? bad : read_outputs(out);
     bad = bad ? bad : read_batch(out);
     bad = bad ? bad : join_equal(out);
-    out->has_inputs = json_object_get(out->root, "Inputs");
     if (bad) {
         return bad;
     }
@@ -303,7 +299,7 @@ static const char *read_all(struct record *out)
 const char *record_parse(struct record *out, const char *text, size_t size)
 {
     json_error_t error = {.text = "does not fit into memory"};
-    *out = (struct record){.root = provenance_parse(text, size, &error), .shard = {0, 1}};
+    *out = (struct record){.root = provenance_parse(text, size, &error)};
     if (!json_is_object(out->root)) {
         record_finish(out);
         return refuse("is no JSON object: %.120s", error.text);
@@ -322,24 +318,6 @@ void record_finish(struct record *record)
     free(record->outputs);
     json_decref(record->root);
     *record = (struct record){0};
-}
-
-bool record_add_input(struct record *record, const char *path)
-{
-    const size_t length = conus_pose_path_length(path); /* words may stand behind it */
-    for (size_t i = 0; i < record->input_count; i++) {
-        const char *known = record->inputs[i].path;
-        if (strcmp(known, path) == 0 || (strncmp(known, path, length) == 0 && !known[length])) {
-            return true;
-        }
-    }
-    struct recorded_file *more = realloc(record->inputs, (record->input_count + 1) * sizeof *more);
-    if (!more) {
-        return false;
-    }
-    record->inputs = more;
-    record->inputs[record->input_count++] = (struct recorded_file){.path = path, .bytes = -1, .crc32 = -1};
-    return true;
 }
 
 static const json_t *atlas_at(const struct record *record, size_t index)

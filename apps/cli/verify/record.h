@@ -38,10 +38,8 @@ struct record {
     struct command_line line;
     struct recorded_file *inputs, *outputs; /**< Each path of an input is there once. */
     size_t input_count, output_count;
-    bool has_inputs;  /**< It lists all inputs: those of older versions do not. */
-    bool is_sealed;   /**< It has a checksum, */
-    bool is_intact;   /**< which fits. */
-    int64_t shard[2]; /**< I of N of a batch. */
+    bool is_sealed; /**< It has a checksum, */
+    bool is_intact; /**< which fits. */
 };
 
 /** Reads a sidecar of @p size bytes. Returns NULL, or says why this is no sidecar; that text lasts until the thread's
@@ -51,9 +49,6 @@ void record_finish(struct record *record);
 
 /** Whether @p text is a version of conus: digits and dots. */
 bool record_is_version(const char *text);
-
-/** Adds a file that was read, of which no checksum is recorded, unless it is there. False without memory. */
-bool record_add_input(struct record *record, const char *path);
 
 /** Path that the record's atlas @p index was loaded from, of several in their order; NULL if it does not say. */
 const char *record_atlas(const struct record *record, size_t index);
