@@ -83,7 +83,7 @@ static void sides_are_asked(void **state)
                                "1,42,-20,50,0,0,0,1,1,1,0,M1 left,,\n"
                                "2,-42,-20,50,0,0,0,1,1,1,0,M1 right,,\n";
     conus_pose_options options = {.longest = 200};
-    pose_text_refuse(text_from(text), &options, "sides: 1 of 1 points called left lie on the right, 1 of 1 called");
+    pose_text_refuse(text_from(text), &options, "sides: 1 of 1 rows called left lie on the right, 1 of 1 called");
     options.columns = "sides=anyway";
     conus_pose_list *list = pose_text_parse(text_from(text), &options);
     assert_row_at(pose_row_of(list, 0, "M1 left"), 42, -20, 50);
