@@ -312,12 +312,12 @@ static bool run_words(struct replay *replay, int count, char **words)
         return fail_replay(replay, "it cannot be answered again in %s", replay->stage.cwd);
     }
     system_set_variable("CONUS_CACHE", "off"); /* what the files hold now */
-    warnings_forget();
+    warnings_forget(0);
     messages_hold(true);
     int code = options_parse(&arguments, settings, replay->command, NULL, count, words, 2);
     code = code >= 0 ? EXIT_USAGE : replay->command->run(settings, &arguments);
     messages_hold(false);
-    warnings_forget();
+    warnings_forget(0);
     options_finish(settings, &arguments);
     free(settings);
     bool is_back = system_enter(here);
