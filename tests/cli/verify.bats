@@ -423,6 +423,13 @@ hostile() {
     hostile "conus query /etc/passwd $aim" 'reads /etc/passwd, which is not recorded as an input'
     hostile "conus query $aim -- --output=$PWD/evil.tsv" 'which is not recorded as an input'
     hostile "conus overlap atlas/sphere.nii.gz atlas/sphere.nii.gz secret.txt" 'reads secret.txt, which is not recorded'
+    # A folder has no SHA-256 of its own.
+    mkdir private
+    cp atlas/sphere.* private
+    jq --arg sum "$(sha256sum list.txt | cut -d ' ' -f 1)" '.Inputs = [{path: "private", sha256: $sum}] |
+        .GeneratedBy[0].CommandLine = "conus query private --origin 0,-100,0 --toward 0,0,0"' \
+        "$BATS_FILE_TMPDIR/kept/out/q.json" >out/q.json
+    says 3 'private is a folder, and no file in it is recorded' out/q.tsv
     # Recorded paths that lead out of the folder.
     local sum
     sum=$(sha256sum poses.tsv | cut -d ' ' -f 1)

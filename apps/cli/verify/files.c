@@ -45,6 +45,7 @@ static bool try_path(struct found_file *out, const struct recorded_file *file, c
     if (is_same || (info.kind == SYSTEM_FILE && state == FILE_SAME)) {
         free(out->path);
         out->path = strdup(real);
+        out->is_folder = is_folder;
         out->state = !is_same ? FILE_CHANGED : is_folder && state == FILE_SAME ? FILE_UNSUMMED : state;
     }
     return is_same;

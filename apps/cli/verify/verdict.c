@@ -147,8 +147,25 @@ static void find_output(struct checking *checking)
     }
 }
 
+/* A folder, a store of Zarr, has no SHA-256 but that of what is read of it: its metadata must be recorded. */
+static bool has_file_in(const struct record *record, const char *folder)
+{
+    const size_t length = path_plain_length(folder, strlen(folder));
+    bool has = false;
+    for (size_t i = 0; i < record->input_count; i++) {
+        const struct recorded_file *file = &record->inputs[i];
+        has = has || (file->bytes >= 0 && file->sha256 && strncmp(file->path, folder, length) == 0 &&
+                      strchr(SYSTEM_SEPARATORS, file->path[length]) && file->path[length]);
+    }
+    return has;
+}
+
 static void say_file(struct checking *checking, const struct recorded_file *file, const struct found_file *found)
 {
+    if (found->is_folder && !has_file_in(&checking->record, file->path)) {
+        checking->missing = true;
+        say(&checking->why, "%s is a folder, and no file in it is recorded", file->path);
+    }
     checking->changed = checking->changed || found->state == FILE_CHANGED;
     checking->missing = checking->missing || found->state == FILE_MISSING;
     if (found->state == FILE_MOVED) {

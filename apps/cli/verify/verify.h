@@ -18,6 +18,7 @@ enum file_state {
 struct found_file {
     char *path; /**< Whole; NULL where it is missing. */
     enum file_state state;
+    bool is_folder;
 };
 
 /** The folder in which conus ran: that in which @p actual has the relative path @p recorded, else "", this one. NULL
