@@ -18,13 +18,12 @@ enum { LINE_SIZE = 2048, WORD_SIZE = 64 };
 
 /* The thread's newest. */
 static _Thread_local char said[LINE_SIZE];
-static _Thread_local bool is_held;
+static _Thread_local unsigned holds;
 static _Thread_local bool is_unfinished;
 
 /* The thread's warnings, which its answers say, too. */
 static _Thread_local char **warnings;
 static _Thread_local size_t warning_count;
-static _Thread_local bool is_mute;
 
 void make_plain_line(char *text)
 {
@@ -51,7 +50,7 @@ static void print_error_list(const char *format, va_list args)
 {
     vsnprintf(said, sizeof said, format, args);
     make_plain_line(said);
-    if (!is_held) {
+    if (!holds) {
         const char *word = severity_word(said);
         const char *form = !terminal_has_colour(STDERR_FILENO) ? "conus: %s%s\n"
                            : *word == 'w'                      ? "conus: \033[1;31m%s\033[0m%s\n"
@@ -89,7 +88,7 @@ void say_note(conus_severity severity, bool quiet, const char *format, ...)
     vsnprintf(line, sizeof line, format, args);
     va_end(args);
     make_plain_line(line);
-    if (warns ? !is_mute && keep_warning(line) : !quiet) {
+    if (warns ? keep_warning(line) : !quiet) {
         print_error_line("%s: %s", warns ? "warning" : "note", line);
     }
 }
@@ -110,11 +109,6 @@ void warnings_forget(size_t first)
     }
 }
 
-void warnings_mute(void)
-{
-    is_mute = true;
-}
-
 void messages_unfinished(bool is)
 {
     is_unfinished = is;
@@ -122,7 +116,7 @@ void messages_unfinished(bool is)
 
 void messages_hold(bool held)
 {
-    is_held = held;
+    holds = held ? holds + 1 : holds - 1;
 }
 
 const char *error_line(void)

@@ -28,13 +28,12 @@ void say_note(conus_severity severity, bool quiet, const char *format, ...) __at
 const char *warning_line(size_t index);
 /** Forgets the thread's warnings from @p first on: what follows is about other files. */
 void warnings_forget(size_t first);
-/** This thread says no warnings from here on: another process does. */
-void warnings_mute(void);
 
 /** Whether the terminal's last line is unfinished, as that of a progress is: a message takes its place. */
 void messages_unfinished(bool is);
 
-/** While lines are held, this thread prints none; error_line() has the last one. */
+/** While lines are held, this thread prints none; error_line() has the last one. Each hold has an end, and may lie
+ * within another. */
 void messages_hold(bool held);
 
 /** The line that this thread wrote last, without "conus: "; "" before the first. It lasts until the thread writes

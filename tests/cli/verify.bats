@@ -263,7 +263,7 @@ says() {
 # Each value of each kind of sidecar is changed alone, with a Checksum that fits; leaves.py lists those that are free.
 @test "every value of a sidecar that is changed is noticed, with the checksum recomputed" {
     study
-    run -0 python3 "$BATS_TEST_DIRNAME/leaves.py" "$CONUS" out/{several,layers,batch,s1,sweep,jitter,track,plan,near,passed}.tsv \
+    run -0 python3 "$BATS_TEST_DIRNAME/leaves.py" "$CONUS" out/{several,layers,batch,s.1-of-2,joined,sweep,jitter,track,plan,near,passed}.tsv \
         out/{ends-rows,clusters,overlap,out_electrodes,moved,field,scene,warned}.tsv out/{regions,connect,all}.json \
         out/{in_mask,in_dseg}.nii.gz out/q-format
     echo "$output"
