@@ -211,7 +211,9 @@ typedef struct conus_view {
     bool shapes;          /**< Keep text, legend, scale bar and the outlines of cuts out of the pixels, as shapes for
                               conus_image_write() of .svg and .pdf, which need it. */
     const double *measured;  /**< [6] Two places, world mm: the line between them lies over all else, with its length;
-                                not with no_legend, nor where an end is not in the drawing. NULL = none. */
+                                not with no_legend, nor where an end is not in the drawing. In a cut it is firm where
+                                it lies in it, half a voxel away at most, faint to 25 mm, and has its length only where
+                                some of it is firm: "in 3-D" unless all is. NULL = none. */
     conus_progress progress; /**< Hears of each piece that is drawn; false ends the picture. NULL = no callback, and
                                 quicker by what waiting for each piece costs. */
     void *progress_user;     /**< Passed to @p progress. */

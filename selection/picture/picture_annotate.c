@@ -413,8 +413,30 @@ static void draw_tags(struct draw_list *list, const struct picture *picture)
     }
 }
 
-void picture_draw_measured(struct draw_list *list, const struct picture *picture, double ends[2][2])
+/* Finds the part of a line, 0 to 1 from end to end, that is less than `limit` away from a plane. */
+static bool find_near(double part[2], const double away[2], double limit)
 {
+    double rise = away[1] - away[0];
+    double cross[2] = {(-limit - away[0]) / rise, (limit - away[0]) / rise};
+    part[0] = rise != 0 ? fmax(fmin(cross[0], cross[1]), 0) : 0;
+    part[1] = rise != 0 ? fmin(fmax(cross[0], cross[1]), 1) : 1;
+    return rise != 0 ? part[0] < part[1] : fabs(away[0]) <= limit;
+}
+
+static void draw_part(struct draw_list *list, double ends[2][2], const double part[2], double width,
+                      const float rgba[4])
+{
+    double at[2][2];
+    for (int n = 0; n < 4; n++) {
+        at[n / 2][n % 2] = ends[0][n % 2] + part[n / 2] * (ends[1][n % 2] - ends[0][n % 2]);
+    }
+    draw_line(list, at[0], at[1], width, rgba);
+}
+
+void picture_draw_measured(struct draw_list *list, const struct picture *picture, double ends[2][2],
+                           const double away[2])
+{
+    static const double faded = 25;                            /* mm from a cut, as in the window */
     static const float dark[4] = {LOOK_MEASURED_UNDER, 0.85F}; /* light on dark is seen on everything */
     static const float light[4] = {LOOK_MEASURED, 1};
     const double *places = picture->options.measured;
@@ -427,13 +449,27 @@ void picture_draw_measured(struct draw_list *list, const struct picture *picture
             return;
         }
     }
+    double firm[2];
+    double faint[2];
+    const conus_volume_info *volume = conus_atlas_volume(picture->atlas, 0);
+    const double slice = volume ? fmax(fmax(volume->spacing[0], volume->spacing[1]), volume->spacing[2]) : 1;
+    bool is_in = find_near(firm, away, slice / 2);
+    bool is_whole = is_in && firm[0] <= 0 && firm[1] >= 1;
+    if (!is_whole && find_near(faint, away, faded)) {
+        draw_part(list, ends, faint, picture->line, (const float[]){LOOK_MEASURED, 0.4F});
+    }
+    if (!is_in) {
+        return;
+    }
     vec3_sub(offset, places + 3, places);
-    snprintf(text, sizeof text, "%.2f mm", vec3_length(offset));
+    snprintf(text, sizeof text, "%.2f mm%s", vec3_length(offset), is_whole ? "" : " in 3-D");
     for (int layer = 0; layer < 2; layer++) {
         const float *rgba = layer ? light : dark;
-        draw_line(list, ends[0], ends[1], (layer ? 2 : 4) * picture->line, rgba);
+        draw_part(list, ends, firm, (layer ? 2 : 4) * picture->line, rgba);
         for (int n = 0; n < 2; n++) {
-            draw_line(list, ends[n], ends[n], (layer ? 6 : 8) * picture->line, rgba);
+            if (firm[n] == n) {
+                draw_line(list, ends[n], ends[n], (layer ? 6 : 8) * picture->line, rgba);
+            }
         }
     }
     const double middle[2] = {(ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2};
@@ -454,7 +490,7 @@ static void draw_measured(struct draw_list *list, const struct picture *picture)
             return;
         }
     }
-    picture_draw_measured(list, picture, ends);
+    picture_draw_measured(list, picture, ends, (const double[]){0, 0});
 }
 
 void picture_annotate(struct draw_list *list, const struct picture *picture)

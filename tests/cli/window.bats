@@ -366,6 +366,45 @@ END
     leave
 }
 
+# It lies over black, beside the ball, in the plane z = 0: only in that cut is it a line with a length, in figures, too.
+@test "a measured line is firm in the cut that it lies in, and faint beside it" {
+    need_pixels
+    conus phantom sphere -o .
+    view sphere.nii.gz <<'END'
+save at.json
+END
+    jq '.measure = {"on": false, "count": 2, "points": [-19, -18, 0, -10, -18, 0]}' at.json >measured.json
+    for z in 0 5 40; do
+        view sphere.nii.gz --session measured.json --size 900x500 <<END
+key tab
+crosshair 0 30 $z
+settle
+screenshot window$z.png
+figure figure$z.png axial
+END
+    done
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+
+
+def longest(name, least):
+    """The longest row of pixels that are so light, in the lower left quarter."""
+    rgb = oiio.ImageBuf(name).get_pixels(oiio.UINT8)[..., :3].min(axis=2)
+    runs = [0]
+    for row in rgb[rgb.shape[0] // 2 :, 60 : rgb.shape[1] // 2] >= least:
+        for on in row:
+            runs.append(runs[-1] + 1 if on else 0)
+    return max(runs)
+
+
+for of in "window", "figure":
+    firm, beside = (longest(f"{of}{z}.png", 180) for z in (0, 5))
+    faint, none = (longest(f"{of}{z}.png", 40) for z in (5, 40))
+    assert firm > 40 > 20 > beside, (of, firm, beside)
+    assert faint > 40 > 20 > none, (of, faint, none)
+END
+}
+
 @test "the 3-D pane says that clicks measure, as long as they do" {
     need_window
     need_pixels

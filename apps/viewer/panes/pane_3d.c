@@ -358,7 +358,7 @@ static void draw_measured(struct window *window)
         seen = window_point(ends[i], window, viewer->measure.points + (size_t)3 * i) && seen;
     }
     if (seen) {
-        pane_measured(window, &window->frame.labels, &window->screen.panes[PANE_3D], ends);
+        pane_measured(window, &window->frame.labels, &window->screen.panes[PANE_3D], NULL, ends);
     }
 }
 
