@@ -9,7 +9,7 @@
 #define SIZE(type, size) static_assert(sizeof(type) == (size), "callers are compiled with this size of " #type)
 
 SIZE(conus_load_options, 80);
-SIZE(conus_pathway_options, 72);
+SIZE(conus_pathway_options, 80);
 SIZE(conus_context_options, 56);
 SIZE(conus_context_map_options, 64);
 SIZE(conus_transform_options, 72);
@@ -44,7 +44,7 @@ SIZE(conus_catalogue_place, 32);
 SIZE(conus_label, 40);
 SIZE(conus_band, 24);
 SIZE(conus_object, 128);
-SIZE(conus_volume_info, 488);
+SIZE(conus_volume_info, 512);
 SIZE(conus_pose, 128);
 SIZE(conus_pose_row, 264);
 SIZE(conus_row_marks, 48);

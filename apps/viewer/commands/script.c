@@ -691,7 +691,7 @@ static const struct script_command {
     {"drop", 1, SCRIPT_WORDS - 1, "PATH...", .act = do_drop, .is_anywhere = true},
     {"type", 1, 1, "PATH, on the start page or where a file is chosen", .act = do_type, .is_anywhere = true},
     {"context", 1, 1, "FILE", .act = do_add},
-    {"pathway", 1, 1, "FILE[,threshold=T][,name=S][,volume=K] or FILE,band=LOW:HIGH:NAME", .act = do_add},
+    {"pathway", 1, 1, "FILE[,threshold=T][,name=S][,unit=S][,volume=K] or FILE,band=LOW:HIGH:NAME", .act = do_add},
     {"streamlines", 1, 1, "FILE[,radius=R][,name=S][,space=S][,moves]", .act = do_add},
     {"atlas", 1, 1, "FILE or NAME", .act = do_add},
     {"take-out", 1, 1, "FILE that was added", .act = do_take_out},
