@@ -139,8 +139,10 @@ typedef enum conus_side {
     CONUS_SIDE_BACK,        /**< From the back. */
     CONUS_SIDE_TOP,         /**< From above, anterior up. */
     CONUS_SIDE_BOTTOM,      /**< From below, anterior up, the person's right to the left of the picture. */
-    CONUS_SIDE_BESIDE_CONE  /**< 60 degrees off the cone's axis, whence the place of the best hit is seen best, and with
+    CONUS_SIDE_BESIDE_CONE, /**< 60 degrees off the cone's axis, whence the place of the best hit is seen best, and with
                                all of the cone in the picture; without a cone as #CONUS_SIDE_OF_CONE. */
+    CONUS_SIDE_ACROSS_CONE  /**< At right angles to the cone's axis, from above by 25 degrees where there is such a
+                               direction, and with all of the cone in the picture; likewise. @since 0.1 */
 } conus_side;
 
 /** Where a picture's legend is. */
