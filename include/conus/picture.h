@@ -169,6 +169,16 @@ typedef struct conus_drawn_probe {
                                        the first object. */
 } conus_drawn_probe;
 
+/** Something over a picture in space, whatever lies before it: a line, or a disc, and a name. */
+typedef struct conus_mark {
+    double ends[2][3]; /**< World mm. Not drawn where one of them is behind the camera. */
+    double radius;     /**< Of a disc around the first end in place of the line, in 14ths of the letters' size; 0 = the
+                          line. */
+    const char *name;  /**< UTF-8, beside the first end, with a thin line to it, in place of both; NULL = none. */
+    uint8_t rgb[3];    /**< sRGB of the line or disc. */
+    bool dashed;       /**< The line has dashes, which go on in the next mark. */
+} conus_mark;
+
 /** Options of conus_render(). */
 typedef struct conus_view {
     size_t struct_size;   /**< Its size, as #CONUS_VIEW_INIT sets it; 0 = that of this version. */
@@ -227,16 +237,19 @@ typedef struct conus_view {
     size_t probe_count;              /**< 0 = none. */
     bool has_unselected; /**< Areas and pathways that the selection or the probes do not hit have one colour. */
     uint8_t
-        unselected_rgb[3]; /**< It, sRGB; else they are a neutral grey with a selection, or have their own, paler. */
-    bool own_colours;      /**< With a selection: objects have their own colours. Else, unless the atlas has a palette
-                              (conus_atlas_use_palette(), not the safe colours), what is hit has one of six colours by
-                              its place in the answer: what is hit first, then pathways, bundles and what is listed,
-                              areas behind others, and what else stands out. From the seventh on it is grey, with a
-                              number in picture and legend but for areas that are only behind others; all else is a
-                              neutral grey. Pathways that are haze have their own. */
-    bool no_cone;          /**< With a selection: only its contacts are drawn, not its cone. */
-    bool print;            /**< As for paper: what is drawn in space has a thin dark line around it, and of several
-                              panels each has a letter: a, b, c. */
+        unselected_rgb[3];   /**< It, sRGB; else they are a neutral grey with a selection, or have their own, paler. */
+    bool own_colours;        /**< With a selection: objects have their own colours. Else, unless the atlas has a palette
+                                (conus_atlas_use_palette(), not the safe colours), what is hit has one of six colours by
+                                its place in the answer: what is hit first, then pathways, bundles and what is listed,
+                                areas behind others, and what else stands out. From the seventh on it is grey, with a
+                                number in picture and legend but for areas that are only behind others; all else is a
+                                neutral grey. Pathways that are haze have their own. */
+    bool no_cone;            /**< With a selection: only its contacts are drawn, not its cone. */
+    bool print;              /**< As for paper: what is drawn in space has a thin dark line around it, and of several
+                                panels each has a letter: a, b, c. */
+    const conus_mark *marks; /**< [mark_count] Over the drawing; names not with no_legend, nor where they would lie on
+                                one before or beside the drawing. */
+    size_t mark_count;       /**< 0 = none. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

@@ -659,6 +659,9 @@ static conus_status make_image(conus_image **out, const struct picture *picture,
     if (!status && picture->options.probe_count) {
         status = picture_probes_draw(image->list, picture);
     }
+    if (!status) {
+        picture_draw_marks(image->list, picture);
+    }
     if (!status && picture->font) {
         picture_annotate(image->list, picture);
     }
