@@ -138,10 +138,10 @@ key_at() {
     tell 'aim 60 3 2 0 0 0' 'key space' 'orbit 10 0'
     look '.frozen == true and .layers == "visible"'
     orbit=$(jq -c .orbit "look$looks.json")
-    click_at 1150 416 # Show
+    click_at 1150 443 # Show
     key_at Escape
     look '.has_pose == true and .frozen == true'
-    click_at 1150 416
+    click_at 1150 443
     xdotool key --window "$window" h
     key_at Down
     key_at Return
@@ -470,11 +470,11 @@ END
     conus phantom sphere -o .
     live slabs.nii.gz --size 1280x800
     tell 'drop sphere.nii.gz'
-    click_at 919 532 # Second tool
+    click_at 919 559 # Second tool
     look '.second.on | not'
     xdotool key --window "$window" Escape
     pass
-    click_at 919 532
+    click_at 919 559
     look '.second.on'
     leave
 }
@@ -555,12 +555,12 @@ END
     jq -e --slurpfile drawn drawn.json '.transfer == $drawn[0].transfer' kept.json
     [ ! -e saved.tsv ]
     live "${brain[@]}" --size 1280x800
-    click_at 1085 536 # Context
-    xdotool mousemove --window "$window" 1088 687
+    click_at 1085 563 # Context
+    xdotool mousemove --window "$window" 1088 714
     pass
     xdotool mousedown 1
     pass
-    xdotool mousemove --window "$window" 1088 665
+    xdotool mousemove --window "$window" 1088 692
     pass
     xdotool mouseup 1
     pass
@@ -605,7 +605,7 @@ quick_mouse() {
     [ -z "${CONUS_TEST_LONG-}" ] || count=100
     quick_mouse atlas octants.nii
     live octants.nii
-    tell 'key f' settle 'save 0.json'
+    tell 'key f' 'key x' 'key x' settle 'save 0.json' # cones begin on the surface, where the mouse is
     quick_mouse actions $count >actions
     while read -r -u 5 -a action; do
         i=$((i + 1))

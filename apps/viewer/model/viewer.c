@@ -66,6 +66,7 @@ conus_status viewer_create(struct viewer *out, const struct view_source *sources
     viewer.display.fill = 0.45;
     viewer.study.settings = study_defaults;
     viewer.cone.options.log = log;
+    viewer.cone.start = START_BEFORE;
     viewer.magnification = 1;
     viewer.atlases = viewer.drawn = calloc(count, sizeof *viewer.atlases);
     viewer.names = calloc(count, sizeof *viewer.names);

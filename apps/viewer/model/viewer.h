@@ -55,9 +55,12 @@ struct pin {
     double apart;                  /**< mm from the pin before it; NaN of the first. */
 };
 
+/** Where the mouse's cones begin: at the surface under it, before that (point.h), or at the eye. */
+enum starts { START_SURFACE = 0, START_BEFORE, START_EYE };
+
 /** How all atlases are asked, for both tools, and what the first one's cone does besides. */
 struct cone_state {
-    bool apex_at_eye;               /**< The mouse's cones begin at the eye, not at the surface under the mouse. */
+    enum starts start;              /**< Where the mouse's cones begin. */
     bool one_ray;                   /**< In place of the cone there is one ray along its axis, first hits only. */
     enum follow follow;             /**< The cone's tip, or the contact of its best hit in the drawn atlas. */
     conus_selector_options options; /**< Without a level. */
