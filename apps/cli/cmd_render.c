@@ -46,8 +46,8 @@ struct drawn_rows {
 
 enum { NAME_LIMIT = 200 }; /* bytes of a row's name in that of a file */
 
-/* Opacity of areas that no probe passes. */
-static const double FAINT = 0.12;
+/* Opacity of areas that no probe passes, and of those that a beam passes on its way. */
+static const double FAINT = 0.12, PASSED = 0.5;
 
 /* Opening, radians, of the cone that says in what other space a probe would pass something. */
 static const double NARROW = 1e-3;
@@ -315,14 +315,21 @@ static int find_listed(struct translucent *out, const conus_atlas *atlas, const 
     return EXIT_DONE;
 }
 
-static int find_opacities(struct translucent *out, const conus_atlas *atlas, const struct option_list *texts)
+/* All NaN; NULL without memory. */
+static double *make_opacities(const conus_atlas *atlas)
 {
     size_t count = conus_atlas_object_count(atlas) + 1;
-    int code = EXIT_DONE;
-    out->opacity = texts->count ? malloc(count * sizeof *out->opacity) : NULL;
-    for (size_t n = 0; out->opacity && n < count; n++) {
-        out->opacity[n] = NAN;
+    double *opacity = calloc(count, sizeof *opacity);
+    for (size_t n = 0; opacity && n < count; n++) {
+        opacity[n] = NAN;
     }
+    return opacity;
+}
+
+static int find_opacities(struct translucent *out, const conus_atlas *atlas, const struct option_list *texts)
+{
+    int code = EXIT_DONE;
+    out->opacity = texts->count ? make_opacities(atlas) : NULL;
     for (size_t i = 0; i < texts->count && !code; i++) {
         char *name = NULL;
         const char *value = NULL;
@@ -788,16 +795,54 @@ static int check_outputs(const struct picture *picture)
     return EXIT_DONE;
 }
 
+/* Whether the pose is of a beam, which goes through the head: other areas would hide it. */
+static bool is_beam(const struct picture *picture)
+{
+    return picture->settings->aim.aperture > 0;
+}
+
+static bool has_shell(const struct picture *picture)
+{
+    const struct render_settings *settings = picture->settings;
+    const bool is_chosen = settings->transfer || settings->translucent.opacity.count ||
+                           settings->translucent.pathways.count || option_given(picture->arguments, "context-opacity");
+    return settings->has_shell || (is_beam(picture) && !is_chosen);
+}
+
+/* Draws no area around which the shell is unless it is hit, but pathways, which somebody added. */
+static int leave_areas_out(struct translucent *out, const conus_atlas *atlas)
+{
+    if (out->no_pale || out->pale > 0) { /* as asked */
+        return EXIT_DONE;
+    }
+    out->no_pale = true;
+    out->opacity = out->opacity ? out->opacity : make_opacities(atlas);
+    if (!out->opacity) {
+        return print_no_memory();
+    }
+    for (uint32_t n = 1; n <= conus_atlas_object_count(atlas); n++) {
+        bool is_haze = false;
+        for (size_t i = 0; i < out->pathway_count; i++) {
+            is_haze = is_haze || !out->pathways[i].pathway || out->pathways[i].pathway == n;
+        }
+        bool is_pathway = conus_atlas_object(atlas, n)->kind == CONUS_KIND_PATHWAY;
+        out->opacity[n] = is_pathway && !is_haze && isnan(out->opacity[n]) ? 1 : out->opacity[n];
+    }
+    return EXIT_DONE;
+}
+
 static int load_atlas(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
     int code = atlas_input_load(&picture->atlas, picture->arguments->operands[0], &settings->atlas);
     code = code ? code : context_choice_load(picture->atlas, &settings->context, &settings->atlas);
     code = code ? code : translucent_find(&picture->translucent, picture->atlas, &settings->translucent);
-    if (!code && settings->has_shell) {
-        struct translucent *translucent = &picture->translucent;
-        translucent->no_pale = translucent->no_pale || translucent->pale == 0;
-        code = print_status(conus_atlas_add_shell(picture->atlas, 0));
+    if (!code && has_shell(picture)) {
+        conus_status status = conus_atlas_add_shell(picture->atlas, 0);
+        bool has_none = status == CONUS_ERROR_ARGUMENT && !settings->has_shell; /* surfaces, which nobody asked about */
+        code = has_none ? EXIT_DONE
+               : status ? print_status(status)
+                        : leave_areas_out(&picture->translucent, picture->atlas);
     }
     return code;
 }
@@ -819,7 +864,7 @@ static conus_status make_renderer(struct picture *picture)
     if (!render_cuts_need_space(&settings->cuts)) {
         return CONUS_OK;
     }
-    const bool hides_volume = settings->has_shell && !settings->transfer;
+    const bool hides_volume = has_shell(picture) && !settings->transfer;
     const conus_renderer_options options = {.transfer = hides_volume ? "none" : settings->transfer,
                                             .max_memory = settings->atlas.max_memory,
                                             .pathways = picture->translucent.pathways,
@@ -889,6 +934,22 @@ static int draw_frames(const struct picture *picture, const conus_view *view, co
     return code;
 }
 
+/* Opacities with those of areas that the beam only passes, which are glass, so that it is seen among them; NULL without
+ * memory. To be freed. */
+static double *beam_opacities(const struct picture *picture, const conus_selection *selection)
+{
+    double *opacity = make_opacities(picture->atlas);
+    if (opacity) {
+        memcpy(opacity, picture->translucent.opacity, (conus_atlas_object_count(picture->atlas) + 1) * sizeof *opacity);
+    }
+    for (size_t i = 0; opacity && i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        bool is_passed = result->object && !result->pixels && isnan(opacity[result->object]);
+        opacity[result->object] = is_passed ? PASSED : opacity[result->object];
+    }
+    return opacity;
+}
+
 /* Draws a picture, of a cone if there is one: `selection` is its selection at `pose`. */
 static int draw_picture(const struct picture *picture, const conus_selection *selection, const conus_pose *pose,
                         const char *path)
@@ -913,6 +974,11 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
                        .title = picture->title,
                        .frame = &picture->frame};
     figure_view(&view, &settings->figure);
+    if (is_beam(picture) && !settings->figure.side && !view.camera) {
+        view.side = CONUS_SIDE_ACROSS_CONE;
+    }
+    double *glass = is_beam(picture) && view.opacity ? beam_opacities(picture, selection) : NULL;
+    view.opacity = glass ? glass : view.opacity;
     if ((picture->probe_count || picture->point_count) && !settings->translucent.opacity.count) {
         view.pale = FAINT;
     }
@@ -941,6 +1007,7 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
                    : EXIT_DONE;
     code = code ? code : draw_frames(picture, &view, planes, count, path);
     free(planes);
+    free(glass);
     return code;
 }
 

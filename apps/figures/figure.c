@@ -20,7 +20,8 @@ enum { STYLE_AUTO, STYLE_SCREEN, STYLE_PRINT };
 static const char *const styles[] = {"auto", "screen", "print", NULL};
 
 /* In the orders of conus_side, after the first, and conus_legend. */
-static const char *const sides[] = {"auto", "cone", "left", "right", "front", "back", "top", "bottom", "beside", NULL};
+static const char *const sides[] = {"auto", "cone",   "left",   "right",  "front", "back",
+                                    "top",  "bottom", "beside", "across", NULL};
 const char *const figure_legends[] = {"auto", "right", "below", "none", NULL};
 
 const struct option figure_options[] = {
@@ -67,7 +68,8 @@ const struct option figure_options[] = {
      .type = OPTION_CHOICE,
      .offset = FIELD(side),
      .value = "SIDE",
-     .help = "the whole atlas from this side; beside is 60 degrees off the cone's axis; auto is cone, in print beside:",
+     .help = "the whole atlas from this side; beside is 60 degrees off the cone's axis, across at right "
+             "angles to it, from above; auto is cone, in print beside, of a beam across:",
      .choices = sides,
      .excludes = "camera,camera-origin"},
     {.name = "background",

@@ -24,6 +24,7 @@ struct pathway_option {
     char *path;        /* With ",volume=K" at its end, as the library wants it. */
     char *name;        /* NULL if not given. */
     char *volume;      /* "volume=K", NULL if not given. */
+    char *unit;        /* NULL if not given. */
     double threshold;  /* 0 if not given. */
     conus_band *bands; /* [band_count], in the order in which they were given; names point into texts. */
     size_t band_count;
@@ -80,6 +81,10 @@ static bool read_key(struct pathway_option *pathway, char *key)
         pathway->name = value;
         return *value || refuse("--pathway: name= is empty");
     }
+    if (strncmp(key, "unit=", 5) == 0 && !pathway->unit) {
+        pathway->unit = value;
+        return *value || refuse("--pathway: unit= is empty");
+    }
     if (strncmp(key, "volume=", 7) == 0 && !pathway->volume) {
         uint64_t index;
         pathway->volume = key;
@@ -89,7 +94,7 @@ static bool read_key(struct pathway_option *pathway, char *key)
     if (strncmp(key, "band=", 5) == 0) {
         return read_band(pathway, value);
     }
-    return refuse("--pathway: \"%s\" is none of threshold=T, name=S and volume=K, each at most once, and "
+    return refuse("--pathway: \"%s\" is none of threshold=T, name=S, unit=S and volume=K, each at most once, and "
                   "band=LOW:HIGH:NAME",
                   key);
 }
@@ -98,7 +103,7 @@ static bool read_key(struct pathway_option *pathway, char *key)
  * keys off the end as long as there are some, since a file's name may have commas as well. */
 static bool pathway_option_parse(struct pathway_option *out, const char *text)
 {
-    static const char *const names[] = {",threshold=", ",name=", ",volume=", ",band=", NULL};
+    static const char *const names[] = {",threshold=", ",name=", ",unit=", ",volume=", ",band=", NULL};
     size_t size = strlen(text) + 1;
     *out = (struct pathway_option){.text = calloc(2, size), .given = text};
     if (!out->text) {
@@ -332,6 +337,7 @@ static int add_pathways(conus_atlas *atlas, const struct pathway_option *pathway
         }
         const conus_pathway_options options = {.threshold = pathway->threshold,
                                                .name = pathway->name,
+                                               .unit = pathway->unit,
                                                .max_memory = settings->max_memory,
                                                .bands = pathway->bands,
                                                .band_count = pathway->band_count,

@@ -74,8 +74,10 @@ const struct option atlas_options[] = {
      .value = "FILE[,KEY=VALUE]...",
      .help =
          "add a scalar map as a pathway; keys: threshold=T (voxels with values of at least T belong to it; default a "
-         "quarter of the file's scale), name=S, volume=K (of a 4-D file, from 0); or as several, each a band of "
-         "values: band=LOW:HIGH:NAME (from LOW to below HIGH; either may be left out), once for each; may be repeated",
+         "quarter of the file's scale), name=S, unit=S (what its values are: z, % signal change), volume=K (of a 4-D "
+         "file, from 0); "
+         "or as several, each a band of values: band=LOW:HIGH:NAME (from LOW to below HIGH; either may be left out), "
+         "once for each; may be repeated",
      .words = "tract, probability map",
      .role = OPTION_READS},
     {.name = "streamlines",

@@ -109,6 +109,8 @@ typedef struct conus_pathway_options {
     size_t band_count;       /**< Up to 4096; 0 = one pathway, by the threshold. */
     bool cache;              /**< For one volume of a packed 4-D file: keeps where its volumes lie in the user's cache
                                 folder, and takes it from there the next time: see cache.h. */
+    const char *unit; /**< What its values are, for legends: UTF-8, up to 23 bytes; NULL = as the header or the file's
+                         name says. */
 } conus_pathway_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

@@ -134,6 +134,8 @@ typedef struct conus_volume_info {
     double maximum;              /**< Largest of the scaled values. */
     double threshold; /**< Threshold of a pathway that is no band, of an area of a probabilistic atlas, or of a context
                          that blocks; else 0. */
+    char unit[24];    /**< What the values of a map are, in UTF-8: "z", "probability", "% signal change", as
+                         conus_pathway_options.unit, the header's intent or the file's name says; "" = not known. */
 } conus_volume_info;
 
 /**

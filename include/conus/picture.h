@@ -139,8 +139,10 @@ typedef enum conus_side {
     CONUS_SIDE_BACK,        /**< From the back. */
     CONUS_SIDE_TOP,         /**< From above, anterior up. */
     CONUS_SIDE_BOTTOM,      /**< From below, anterior up, the person's right to the left of the picture. */
-    CONUS_SIDE_BESIDE_CONE  /**< 60 degrees off the cone's axis, whence the place of the best hit is seen best, and with
+    CONUS_SIDE_BESIDE_CONE, /**< 60 degrees off the cone's axis, whence the place of the best hit is seen best, and with
                                all of the cone in the picture; without a cone as #CONUS_SIDE_OF_CONE. */
+    CONUS_SIDE_ACROSS_CONE  /**< At right angles to the cone's axis, from above by 25 degrees where there is such a
+                               direction, and with all of the cone in the picture; likewise. @since 0.1 */
 } conus_side;
 
 /** Where a picture's legend is. */
@@ -178,6 +180,16 @@ typedef struct conus_drawn_point {
     double radius;     /**< Of the ball, mm, from 0 on; 0 = 1. Balls that would hardly be seen are drawn larger, and the
                           paler the farther they lie behind the atlas's middle. */
 } conus_drawn_point;
+
+/** Something over a picture in space, whatever lies before it: a line, or a disc, and a name. */
+typedef struct conus_mark {
+    double ends[2][3]; /**< World mm. Not drawn where one of them is behind the camera. */
+    double radius;     /**< Of a disc around the first end in place of the line, in 14ths of the letters' size; 0 = the
+                          line. */
+    const char *name;  /**< UTF-8, beside the first end, with a thin line to it, in place of both; NULL = none. */
+    uint8_t rgb[3];    /**< sRGB of the line or disc. */
+    bool dashed;       /**< The line has dashes, which go on in the next mark. */
+} conus_mark;
 
 /** Options of conus_render(). */
 typedef struct conus_view {
@@ -223,7 +235,9 @@ typedef struct conus_view {
     bool shapes;          /**< Keep text, legend, scale bar and the outlines of cuts out of the pixels, as shapes for
                               conus_image_write() of .svg and .pdf, which need it. */
     const double *measured;  /**< [6] Two places, world mm: the line between them lies over all else, with its length;
-                                not with no_legend, nor where an end is not in the drawing. NULL = none. */
+                                not with no_legend, nor where an end is not in the drawing. In a cut it is firm where
+                                it lies in it, half a voxel away at most, faint to 25 mm, and has its length only where
+                                some of it is firm: "in 3-D" unless all is. NULL = none. */
     conus_progress progress; /**< Hears of each piece that is drawn; false ends the picture. NULL = no callback, and
                                 quicker by what waiting for each piece costs. */
     void *progress_user;     /**< Passed to @p progress. */
@@ -235,16 +249,19 @@ typedef struct conus_view {
     size_t probe_count;              /**< 0 = none. */
     bool has_unselected; /**< Areas and pathways that the selection or the probes do not hit have one colour. */
     uint8_t
-        unselected_rgb[3]; /**< It, sRGB; else they are a neutral grey with a selection, or have their own, paler. */
-    bool own_colours;      /**< With a selection: objects have their own colours. Else, unless the atlas has a palette
-                              (conus_atlas_use_palette(), not the safe colours), what is hit has one of six colours by
-                              its place in the answer: what is hit first, then pathways, bundles and what is listed,
-                              areas behind others, and what else stands out. From the seventh on it is grey, with a
-                              number in picture and legend but for areas that are only behind others; all else is a
-                              neutral grey. Pathways that are haze have their own. */
-    bool no_cone;          /**< With a selection: only its contacts are drawn, not its cone. */
-    bool print;            /**< As for paper: what is drawn in space has a thin dark line around it, and of several
-                              panels each has a letter: a, b, c. */
+        unselected_rgb[3];   /**< It, sRGB; else they are a neutral grey with a selection, or have their own, paler. */
+    bool own_colours;        /**< With a selection: objects have their own colours. Else, unless the atlas has a palette
+                                (conus_atlas_use_palette(), not the safe colours), what is hit has one of six colours by
+                                its place in the answer: what is hit first, then pathways, bundles and what is listed,
+                                areas behind others, and what else stands out. From the seventh on it is grey, with a
+                                number in picture and legend but for areas that are only behind others; all else is a
+                                neutral grey. Pathways that are haze have their own. */
+    bool no_cone;            /**< With a selection: only its contacts are drawn, not its cone. */
+    bool print;              /**< As for paper: what is drawn in space has a thin dark line around it, and of several
+                                panels each has a letter: a, b, c. */
+    const conus_mark *marks; /**< [mark_count] Over the drawing; names not with no_legend, nor where they would lie on
+                                one before or beside the drawing. */
+    size_t mark_count;       /**< 0 = none. */
     const conus_drawn_point *points; /**< [point_count] With neither a selection nor probes: balls over the drawing,
                                         and over cuts that go through them or, of smaller ones, are up to 2 mm from
                                         their middle. Areas are a neutral grey unless @p own_colours, the palette or

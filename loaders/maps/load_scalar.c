@@ -232,6 +232,28 @@ static const char *choose_name(struct job *job, const char *wanted, const struct
     return title.name ? title.name : name_by_file(job, file);
 }
 
+/* Sets what the values are: as asked, as the header said, or as programs call such files. */
+static void choose_unit(struct job *job, conus_volume_info *info, const char *wanted)
+{
+    static const char *const names[][2] = {{"zstat", "z"}, {"zmap", "z"}, {"zscore", "z"},
+                                           {"tstat", "t"}, {"tmap", "t"}, {"spmT", "t"},
+                                           {"fstat", "F"}, {"spmF", "F"}, {"prob", "probability"}};
+    const char *base = path_base(info->path);
+    if (wanted && (strlen(wanted) >= sizeof info->unit || !text_is_utf8((struct text){wanted, strlen(wanted)}))) {
+        job_fail(job, CONUS_ERROR_ARGUMENT, "%s: unit \"%s\", allowed are up to %zu bytes of UTF-8", info->path, wanted,
+                 sizeof info->unit - 1);
+    } else if (wanted) {
+        snprintf(info->unit, sizeof info->unit, "%s", wanted);
+    }
+    for (size_t i = 0; i < sizeof names / sizeof *names && !info->unit[0]; i++) {
+        for (const char *at = base; *at && !info->unit[0]; at++) {
+            if (strncasecmp(at, names[i][0], strlen(names[i][0])) == 0) {
+                snprintf(info->unit, sizeof info->unit, "%s", names[i][1]);
+            }
+        }
+    }
+}
+
 static void add_one(struct job *job, conus_atlas *atlas, struct volume_file *file, const conus_pathway_options *options)
 {
     struct value_map map = {0};
@@ -272,6 +294,10 @@ void pathway_add(struct job *job, conus_atlas *atlas, struct volume_file *file, 
     }
     file->info.role = CONUS_ROLE_SCALAR;
     file->info.threshold = 0;
+    choose_unit(job, &file->info, options->unit);
+    if (!job_ok(job)) {
+        return;
+    }
     if (options->band_count) {
         add_bands(job, atlas, file, options);
     } else {

@@ -267,6 +267,14 @@ static conus_status read_scaling(conus_volume_info *info, const struct fields *f
     return CONUS_OK;
 }
 
+/* What the values are, where the intent is that of a statistic; "" = another one. */
+static const char *unit_of(int intent_code)
+{
+    static const char *const units[] = {[2] = "r", [3] = "t", [4] = "F", [5] = "z", [6] = "\u03c7\u00b2", [22] = "p"};
+    const char *unit = intent_code >= 0 && intent_code <= 22 ? units[intent_code] : NULL;
+    return unit ? unit : "";
+}
+
 /* The fields that volumes and matrices have in common. */
 static conus_status begin_header(struct volume_header *out, struct fields *f)
 {
@@ -275,6 +283,7 @@ static conus_status begin_header(struct volume_header *out, struct fields *f)
                                   .header_size = f->version == 1 ? NIFTI1_SIZE : NIFTI2_SIZE,
                                   .intent_code = f->intent_code};
     snprintf(out->info.format, sizeof out->info.format, "NIfTI-%d", f->version);
+    snprintf(out->info.unit, sizeof out->info.unit, "%s", unit_of(f->intent_code));
     conus_status status = volume_header_set_datatype(out, f->datatype);
     if (status) {
         return status;

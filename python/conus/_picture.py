@@ -91,7 +91,7 @@ class GLOwner:
 _SRGB = (np.arange(255) + 0.5) / 255
 _STEPS = np.where(_SRGB <= 0.04045, _SRGB / 12.92, ((_SRGB + 0.055) / 1.055) ** 2.4).astype(np.float32)
 _POINT = dtype_of("conus_transfer_point")
-_SIDES = ("cone", "left", "right", "front", "back", "top", "bottom", "beside")
+_SIDES = ("cone", "left", "right", "front", "back", "top", "bottom", "beside", "across")
 _STYLES = ("auto", "screen", "print")
 _LEGENDS = ("auto", "right", "below", "none")
 _PLANES = {"axial": ((1, 0, 0), (0, 1, 0)), "coronal": ((1, 0, 0), (0, 0, 1)), "sagittal": ((0, 1, 0), (0, 0, 1))}
@@ -361,8 +361,8 @@ class Renderer(Bound):
             with width_mm.
         view : str
             Without a camera, the side from which the atlas is seen: "cone", "left", "right", "front",
-            "back", "top", "bottom" or "beside": 60 degrees off the cone's axis, with all of it. If not given "cone",
-            in print "beside".
+            "back", "top", "bottom", "beside": 60 degrees off the cone's axis, with all of it, or "across": at right
+            angles to it, from above. If not given "cone", in print "beside".
         background : str
             "light", "white", "black", "transparent" or "#rrggbb"; "light" if not given, in print "white".
         width_mm, height_mm, dpi : float

@@ -117,6 +117,7 @@ struct scene {
     const uint32_t *tiles;      /* that are drawn; NULL: all */
     float part;                 /* of a pixel that each ray is */
     const struct bricks *alike; /* NULL: rays look at each plane */
+    bool has_layers;            /* colour_pass_has_layers() */
     float shift[2];             /* of the rays under way */
     uint32_t width, height;
     float *rgba;
@@ -555,13 +556,17 @@ static float object_depth(const struct scene *scene, const struct track *areas, 
     return inside;
 }
 
-static void area_normal(float out[3], const struct scene *scene, four place)
+static const float least_gradient = 0.25F; /* of the stored gradient (field.h) */
+
+/* False where it is a border with an area that is not seen, of which the occupancy has hardly a gradient. */
+static bool area_normal(float out[3], const struct scene *scene, four place)
 {
     float strength;
     decode_gradient(out, &strength, sample_bytes(&scene->pass->areas.field, place));
     for (int a = 0; a < 3; a++) {
         out[a] = -out[a] / most(strength, 1e-6F);
     }
+    return strength > least_gradient || !scene->has_layers;
 }
 
 /* The normal of the border between two objects, in world axes: their occupancy has no gradient there. Borders mostly
@@ -1095,10 +1100,8 @@ static bool enter_area(struct walk *walk, four *sum, const struct ray *ray, floa
     const float opacity = ray->scene->pass->opacity[walk->object];
     const four place = place_on(&walk->areas, stop);
     float normal[3];
-    if (walk->before) {
+    if (walk->before || !area_normal(normal, ray->scene, place)) {
         border_normal(normal, ray->scene, walk->object, place, ray->view);
-    } else {
-        area_normal(normal, ray->scene, place);
     }
     blend_surface(sum, object_colour(ray, walk->object, normal, stop), opacity);
     walk->seen[walk->seen_count++] = walk->object;
@@ -1343,6 +1346,7 @@ static conus_status draw(float *rgba, struct colour_device *device, const struct
     }
     scene->device = own;
     scene->pass = pass;
+    scene->has_layers = colour_pass_has_layers(pass, view);
     scene->part = 1;
     scene->width = view->width;
     scene->height = view->height;

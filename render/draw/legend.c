@@ -100,10 +100,12 @@ static void step_to(struct place *place, const struct layout *layout, size_t i)
 static bool fits_into_columns(const struct layout *layout)
 {
     struct place place = {0, 0};
+    bool is_broken = false; /* a bar, of which another column has the marks before */
     for (size_t i = 0; i < layout->shown; i++) {
         step_to(&place, layout, i);
+        is_broken = is_broken || (line_at(layout, i)->bar && place.line == 0);
     }
-    return place.column < layout->columns;
+    return place.column < layout->columns && !is_broken;
 }
 
 /* The least number of lines with which all stand in the columns. */

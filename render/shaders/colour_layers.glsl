@@ -12,6 +12,7 @@ layout(std430, binding = 2) readonly buffer Opacities
 
 const int SEEN = 16; // translucent areas along one ray
 const float OUTLINE_OPACITY = 0.8; // of surfaces around the areas
+const float LEAST_GRADIENT = 0.25; // of the stored gradient (field.h)
 const float EDGE = 0.3; // cosine between normal and view
 
 bool lies_in(vec3 place)
@@ -310,8 +311,9 @@ void main()
         } else if (walk.enters) {
             uint object = walk.object;
             vec3 place = place_on(areas, stop);
-            vec3 normal = walk.before == 0u ? area_normal(textureLod(areas_field, place, 0.0))
-                                            : border_normal(object, place, view);
+            vec4 field = textureLod(areas_field, place, 0.0); // hardly has a gradient at a border with an unseen area
+            bool is_outer = walk.before == 0u && length(decode_gradient(field.xyz)) > LEAST_GRADIENT;
+            vec3 normal = is_outer ? area_normal(field) : border_normal(object, place, view);
             blend_surface(sum, object_colour(object, normal, direction, view, stop), opacities[object]);
             hit = opacities[object] < 1.0 ? NEVER : stop;
             seen[seen_count++] = object;

@@ -69,8 +69,13 @@ void picture_annotate(struct draw_list *list, const struct picture *picture);
  * degrees of the world's; the camera's first two columns are the cut's right and up. */
 void picture_annotate_cut(struct draw_list *list, struct picture *picture, double mm_per_pixel);
 
-/** Draws the line that the options measure, with its length, if both of its @p ends, pixels, lie in the drawing. */
-void picture_draw_measured(struct draw_list *list, const struct picture *picture, double ends[2][2]);
+/** Draws the marks of the options. */
+void picture_draw_marks(struct draw_list *list, const struct picture *picture);
+
+/** Draws the line that the options measure, if both of its @p ends, pixels, lie in the drawing. These are @p away, mm
+ * with a sign, from a cut: it is firm where it is in that, and has its length only then. */
+void picture_draw_measured(struct draw_list *list, const struct picture *picture, double ends[2][2],
+                           const double away[2]);
 
 /** The letter of the direction, in the world, to which a picture's axis points; NULL where none is within 15 degrees.
  */

@@ -413,10 +413,36 @@ static void draw_tags(struct draw_list *list, const struct picture *picture)
     }
 }
 
-void picture_draw_measured(struct draw_list *list, const struct picture *picture, double ends[2][2])
+/* Light on dark is seen on everything. */
+static const float measured_under[4] = {LOOK_MEASURED_UNDER, 0.85F};
+static const float measured_light[4] = {LOOK_MEASURED, 1};
+
+/* Finds the part of a line, 0 to 1 from end to end, that is less than `limit` away from a plane. */
+static bool find_near(double part[2], const double away[2], double limit)
 {
-    static const float dark[4] = {LOOK_MEASURED_UNDER, 0.85F}; /* light on dark is seen on everything */
-    static const float light[4] = {LOOK_MEASURED, 1};
+    double rise = away[1] - away[0];
+    double cross[2] = {(-limit - away[0]) / rise, (limit - away[0]) / rise};
+    part[0] = rise != 0 ? fmax(fmin(cross[0], cross[1]), 0) : 0;
+    part[1] = rise != 0 ? fmin(fmax(cross[0], cross[1]), 1) : 1;
+    return rise != 0 ? part[0] < part[1] : fabs(away[0]) <= limit;
+}
+
+static void draw_part(struct draw_list *list, double ends[2][2], const double part[2], double width,
+                      const float rgba[4])
+{
+    double at[2][2];
+    for (int n = 0; n < 4; n++) {
+        at[n / 2][n % 2] = ends[0][n % 2] + part[n / 2] * (ends[1][n % 2] - ends[0][n % 2]);
+    }
+    draw_line(list, at[0], at[1], width, rgba);
+}
+
+void picture_draw_measured(struct draw_list *list, const struct picture *picture, double ends[2][2],
+                           const double away[2])
+{
+    static const double faded = 25; /* mm from a cut, as in the window */
+    const float *const dark = measured_under;
+    const float *const light = measured_light;
     const double *places = picture->options.measured;
     const double size = picture->em;
     double offset[3];
@@ -427,13 +453,27 @@ void picture_draw_measured(struct draw_list *list, const struct picture *picture
             return;
         }
     }
+    double firm[2];
+    double faint[2];
+    const conus_volume_info *volume = conus_atlas_volume(picture->atlas, 0);
+    const double slice = volume ? fmax(fmax(volume->spacing[0], volume->spacing[1]), volume->spacing[2]) : 1;
+    bool is_in = find_near(firm, away, slice / 2);
+    bool is_whole = is_in && firm[0] <= 0 && firm[1] >= 1;
+    if (!is_whole && find_near(faint, away, faded)) {
+        draw_part(list, ends, faint, picture->line, (const float[]){LOOK_MEASURED, 0.4F});
+    }
+    if (!is_in) {
+        return;
+    }
     vec3_sub(offset, places + 3, places);
-    snprintf(text, sizeof text, "%.2f mm", vec3_length(offset));
+    snprintf(text, sizeof text, "%.2f mm%s", vec3_length(offset), is_whole ? "" : " in 3-D");
     for (int layer = 0; layer < 2; layer++) {
         const float *rgba = layer ? light : dark;
-        draw_line(list, ends[0], ends[1], (layer ? 2 : 4) * picture->line, rgba);
+        draw_part(list, ends, firm, (layer ? 2 : 4) * picture->line, rgba);
         for (int n = 0; n < 2; n++) {
-            draw_line(list, ends[n], ends[n], (layer ? 6 : 8) * picture->line, rgba);
+            if (firm[n] == n) {
+                draw_line(list, ends[n], ends[n], (layer ? 6 : 8) * picture->line, rgba);
+            }
         }
     }
     const double middle[2] = {(ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2};
@@ -454,7 +494,89 @@ static void draw_measured(struct draw_list *list, const struct picture *picture)
             return;
         }
     }
-    picture_draw_measured(list, picture, ends);
+    picture_draw_measured(list, picture, ends, (const double[]){0, 0});
+}
+
+/* A line with an edge, so that it is seen on everything; dashed from `phase` on, which goes on. */
+static void draw_cased(struct draw_list *list, double ends[2][2], double unit, double *phase, const float rgba[4])
+{
+    static const double dash = 6, gap = 5;
+    const double length = hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]);
+    const double period = (dash + gap) * unit;
+    if (!phase) {
+        draw_line(list, ends[0], ends[1], 4 * unit, measured_under);
+        draw_line(list, ends[0], ends[1], 2 * unit, rgba);
+        return;
+    }
+    const int count = length > 0 && length < 1e5 ? (int)ceil((*phase + length) / period) : 0;
+    for (int i = 0; i < count; i++) {
+        const double at = i * period - *phase;
+        const double part[2] = {fmax(at, 0) / length, fmin(at + dash * unit, length) / length};
+        if (part[0] < part[1]) {
+            draw_part(list, ends, part, 4 * unit, measured_under);
+            draw_part(list, ends, part, 2 * unit, rgba);
+        }
+    }
+    *phase = fmod(*phase + length, period);
+}
+
+/* Writes a name beside its place, where it lies on none of the `count` boxes; false where there is no room. */
+static bool draw_name(struct draw_list *list, const struct picture *picture, const char *name, const double at[2],
+                      struct draw_box *boxes, size_t count)
+{
+    static const double ways[][2] = {{1, -1}, {-1, -1}, {1, 1}, {-1, 1}, {1, -3}, {-1, -3}, {1, 3}, {-1, 3}};
+    const double size = picture->em;
+    const double wide = font_width(picture->font, size, name) + 0.8 * size;
+    const double high = 1.5 * size;
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+        const double left = at[0] + size * ways[i][0] - (ways[i][0] < 0 ? wide : 0);
+        const double top = at[1] + size * ways[i][1] - high / 2;
+        const struct draw_box box = {left, top, left + wide, top + high};
+        bool is_free = left >= 0 && top >= 0 && box.right <= picture->drawing[0] && box.bottom <= picture->drawing[1];
+        for (size_t k = 0; k < count && is_free; k++) {
+            is_free = box.right < boxes[k].left || box.left > boxes[k].right || box.bottom < boxes[k].top ||
+                      box.top > boxes[k].bottom;
+        }
+        if (is_free) {
+            const double end[2] = {ways[i][0] < 0 ? box.right : box.left, (top + box.bottom) / 2};
+            draw_line(list, at, end, picture->line, measured_light);
+            draw_box(list, &box, 0.3 * size, measured_under);
+            draw_text(list, picture->font, (const double[]){left + 0.4 * size, end[1] + 0.36 * size}, size,
+                      measured_light, name);
+            boxes[count] = box;
+            return true;
+        }
+    }
+    return false;
+}
+
+void picture_draw_marks(struct draw_list *list, const struct picture *picture)
+{
+    enum { NAMES = 16 };
+    struct draw_box boxes[NAMES];
+    size_t names = 0;
+    double phase = 0;
+    const double unit = picture->em / 14;
+    for (size_t i = 0; i < picture->options.mark_count; i++) {
+        const conus_mark *mark = &picture->options.marks[i];
+        double ends[2][2];
+        double depth;
+        float rgba[4];
+        bool is_seen = true;
+        for (int e = 0; e < 2 && is_seen; e++) {
+            is_seen =
+                camera_project(&ends[e][0], &ends[e][1], &depth, &picture->camera, &picture->frame, mark->ends[e]);
+        }
+        draw_colour(rgba, mark->rgb, 1);
+        if (is_seen && mark->name) {
+            names += picture->font && names < NAMES && draw_name(list, picture, mark->name, ends[0], boxes, names);
+        } else if (is_seen && mark->radius > 0) {
+            draw_line(list, ends[0], ends[0], 2 * (mark->radius + 1) * unit, measured_under);
+            draw_line(list, ends[0], ends[0], 2 * mark->radius * unit, rgba);
+        } else if (is_seen) {
+            draw_cased(list, ends, unit, mark->dashed ? &phase : NULL, rgba);
+        }
+    }
 }
 
 void picture_annotate(struct draw_list *list, const struct picture *picture)

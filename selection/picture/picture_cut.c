@@ -83,13 +83,17 @@ static void draw_measured(struct draw_list *list, const struct picture *picture,
 {
     const double *axes = picture->camera.world_from_camera;
     double ends[2][2];
+    double away[2];
+    double normal[3];
+    vec3_cross(normal, axes, axes + 4);
     for (int n = 0; n < 2; n++) {
         double offset[3];
         vec3_sub(offset, picture->options.measured + 3 * n, view->centre);
         ends[n][0] = view->width / 2.0 + vec3_dot(axes, offset) / view->mm_per_pixel;
         ends[n][1] = view->height / 2.0 - vec3_dot(axes + 4, offset) / view->mm_per_pixel;
+        away[n] = vec3_dot(normal, offset);
     }
-    picture_draw_measured(list, picture, ends);
+    picture_draw_measured(list, picture, ends, away);
 }
 
 static conus_status make_image(conus_image **out, struct picture *picture, const conus_cut_view *view,

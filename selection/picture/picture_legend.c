@@ -484,6 +484,19 @@ static void add_map(struct picture_legend *out, const struct picture *picture)
     }
 }
 
+static const char percent[] = "probability, %";
+
+/* What the values of a map are. Where nothing says so they are no statistic if they are stored as whole numbers over
+ * the range of a probability. */
+static const char *unit_of(const conus_volume_info *info, const struct value_scale *scale)
+{
+    const bool is_whole = strncmp(info->datatype, "uint", 4) == 0 && info->slope == 1;
+    const bool is_stated = strcmp(info->unit, "probability") == 0 && scale->is_probability;
+    return is_stated || (!info->unit[0] && scale->is_probability && is_whole) ? percent
+           : info->unit[0]                                                    ? info->unit
+                                                                              : "value";
+}
+
 /* Explains the colours of haze by values: as values where they stand for the same ones in all such pathways, else as
  * parts of the way from where each pathway begins to its largest value. */
 static void add_haze(struct picture_legend *out, const struct picture *picture)
@@ -492,7 +505,7 @@ static void add_haze(struct picture_legend *out, const struct picture *picture)
     const char *unit = NULL;
     double span[2] = {0, 1};
     bool is_same = true;
-    bool is_probability = true;
+    bool is_one_unit = true;
     for (uint32_t number = 1; number <= picture->atlas->object_count; number++) {
         if (!is_by_value(picture, number)) {
             continue;
@@ -502,13 +515,13 @@ static void add_haze(struct picture_legend *out, const struct picture *picture)
         struct value_spread spread = {0};
         value_spread_add(&spread, &volume->map, &volume->info);
         const struct value_scale scale = value_scale_of(&spread, &volume->info);
-        double factor = scale.is_probability ? 100 / scale.value : 1;
+        const char *own_unit = unit_of(&volume->info, &scale);
+        double factor = own_unit == percent && scale.is_probability ? 100 / scale.value : 1;
         const double ends[2] = {factor * transfer->points[0].value,
                                 factor * transfer->points[transfer->count - 1].value};
-        const char *own_unit = scale.is_probability ? "probability, %" : "value";
-        is_probability = is_probability && scale.is_probability;
         if (first) {
-            is_same = is_same && unit == own_unit && fabs(ends[0] - span[0]) + fabs(ends[1] - span[1]) < 1e-6;
+            is_one_unit = is_one_unit && strcmp(unit, own_unit) == 0;
+            is_same = is_same && is_one_unit && fabs(ends[0] - span[0]) + fabs(ends[1] - span[1]) < 1e-6;
         } else {
             first = transfer;
             unit = own_unit;
@@ -516,8 +529,9 @@ static void add_haze(struct picture_legend *out, const struct picture *picture)
         }
     }
     if (first) {
-        const char *what = is_same ? unit : is_probability ? "probability, % of range" : "value, % of range";
-        add_row(out, say(out, "Pathways by %s", what))->heading = true;
+        const char *shared = !is_one_unit ? "value" : unit == percent ? "probability" : unit;
+        add_row(out, is_same ? say(out, "Pathways by %s", unit) : say(out, "Pathways by %s, %% of range", shared))
+            ->heading = true;
         add_bar(out, is_same ? span[0] : 0, is_same ? span[1] : 100, first);
     }
 }

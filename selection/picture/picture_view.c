@@ -76,10 +76,10 @@ static conus_status check_frustum(const conus_view *view)
 
 conus_status picture_check_sheet(const conus_view *view)
 {
-    if (view->side > CONUS_SIDE_BESIDE_CONE || view->legend > CONUS_LEGEND_NONE ||
+    if (view->side > CONUS_SIDE_ACROSS_CONE || view->legend > CONUS_LEGEND_NONE ||
         view->background > CONUS_BACKGROUND_TRANSPARENT) {
         return fail(CONUS_ERROR_ARGUMENT, "side %d, legend %d, background %d; allowed are at most %d, %d, %d",
-                    (int)view->side, (int)view->legend, (int)view->background, CONUS_SIDE_BESIDE_CONE,
+                    (int)view->side, (int)view->legend, (int)view->background, CONUS_SIDE_ACROSS_CONE,
                     CONUS_LEGEND_NONE, CONUS_BACKGROUND_TRANSPARENT);
     }
     if (view->side && view->camera) {
@@ -403,15 +403,47 @@ static conus_status look_from_beside(double out[3], const struct picture *pictur
     return status;
 }
 
+/* The direction at right angles to the cone's axis that looks down by 25 degrees, or by as nearly as much as there is;
+ * of several the most usual one. */
+static void look_across(double out[3], const struct picture *picture)
+{
+    enum { TURNS = 360 };
+    static const double usual = 0.001; /* as much as that part of the elevation */
+    const double *m = picture->options.selection->cone.pose.world_from_device;
+    double wanted[3];
+    double best = -INFINITY;
+    camera_default_forward(wanted);
+    for (int n = 0; n < TURNS; n++) {
+        const double turn = radians_from_degrees(360.0 / TURNS * n);
+        double forward[3];
+        vec3_scale(forward, m, cos(turn));
+        vec3_add_scaled(forward, forward, sin(turn), m + 4);
+        const double down = asin(fmin(fmax(-forward[2], -1), 1));
+        const double score = cos(down - radians_from_degrees(25)) + usual * vec3_dot(forward, wanted);
+        if (score > best + 1e-9) {
+            best = score;
+            memcpy(out, forward, sizeof forward);
+        }
+    }
+}
+
+/* Whether the camera sees the cone from a side, and so all of it. */
+static bool sees_whole_cone(const conus_view *options)
+{
+    return options->selection && (options->side == CONUS_SIDE_BESIDE_CONE || options->side == CONUS_SIDE_ACROSS_CONE);
+}
+
 /* Finds from which side a camera looks that is not given. */
 static conus_status choose_side(struct picture *picture)
 {
     const conus_view *options = &picture->options;
     camera_default_forward(picture->forward);
-    if (options->side && options->side != CONUS_SIDE_BESIDE_CONE) {
+    if (options->side && options->side < CONUS_SIDE_BESIDE_CONE) {
         memcpy(picture->forward, forwards[options->side], sizeof picture->forward);
-    } else if (options->selection && options->side) {
+    } else if (options->selection && options->side == CONUS_SIDE_BESIDE_CONE) {
         return look_from_beside(picture->forward, picture);
+    } else if (options->selection && options->side == CONUS_SIDE_ACROSS_CONE) {
+        look_across(picture->forward, picture);
     } else if (options->selection) {
         double axis[3];
         cone_axis(axis, &options->selection->cone);
@@ -434,7 +466,7 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
         set_frame(picture, false);
         return status ? fail_in(status, "camera") : CONUS_OK;
     }
-    const bool is_beside = options->selection && options->side == CONUS_SIDE_BESIDE_CONE;
+    const bool is_beside = sees_whole_cone(options);
     double(*points)[3] = memory_raw(pass->content_count + 2 * options->probe_count +
                                         BALL_POINTS * (options->point_count + 1) + WALL_POINTS,
                                     sizeof *points);
@@ -635,6 +667,9 @@ static conus_status make_image(conus_image **out, const struct picture *picture,
     if (!status && picture->options.point_count) {
         status = picture_points_draw(image->list, picture);
     }
+    if (!status) {
+        picture_draw_marks(image->list, picture);
+    }
     if (!status && picture->font) {
         picture_annotate(image->list, picture);
     }
@@ -753,7 +788,10 @@ static uint8_t area_of(const struct picture *picture, size_t number)
     double opacity = opacity_of(picture, number);
     bool stands_out = picture->emphasis && picture->emphasis[number] != EMPHASIS_PALE;
     bool is_given = picture_stands_out(picture, number) || (options->opacity && !isnan(options->opacity[number]));
-    return opacity < 1 ? PATHWAYS_AREA_UNDER : stands_out || is_given ? PATHWAYS_AREA_OVER : PATHWAYS_AREA_LEFT_OUT;
+    return opacity <= 0             ? PATHWAYS_AREA_LEFT_OUT /* so that pathways are lit by their own borders */
+           : opacity < 1            ? PATHWAYS_AREA_UNDER
+           : stands_out || is_given ? PATHWAYS_AREA_OVER
+                                    : PATHWAYS_AREA_LEFT_OUT;
 }
 
 static void mark_run(void *user, const struct tract_run *run, const struct tract_part *part)

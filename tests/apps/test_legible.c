@@ -315,7 +315,7 @@ static void look_at_all(struct window *window)
     viewer_choose(viewer, 1);
     nothing_is_cut(window, "confirmed");
     viewer_choose(viewer, 3);
-    viewer_pin(viewer, 0, 3, NULL, 0.5, 12.3, (double[]){0, 0, 0});
+    viewer_pin(viewer, (struct pin){.object = 3, .share = 0.5, .distance = 12.3});
     nothing_is_cut(window, "a long name");
     viewer->tools[FIRST_TOOL].pointer = POINT_BY_TRACKER;
     nothing_is_cut(window, "an old answer");

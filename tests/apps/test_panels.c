@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which texts the panel of hits has, and in which order, without a screen. */
 #include "options/clock.h"
+#include "options/messages.h"
 #include "viewer/commands/script.h"
 #include "viewer/panes/panels.h"
 #include "viewer/ui/ui_audit.h"
@@ -125,6 +126,35 @@ static void an_atlas_whose_areas_have_no_names_says_so(void **state)
     }
 }
 
+/* What was said on stderr stands beside the answer, but for what is there in short already. */
+static void warnings_of_the_program_stand_beside_the_answer(void **state)
+{
+    static const char other[] = "the two do not overlap: are they in one space?";
+    struct viewer viewer;
+    struct window window = {.viewer = &viewer, .screen.enlarged = -1};
+    conus_atlas *atlas = NULL;
+    (void)state;
+    assert_ok(area_rows_pairs(&atlas, true));
+    say_warning("%s", other);
+    say_warning("six: %s; more", conus_atlas_exchanged(atlas));
+    assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = "six"}, 1, NULL, NULL, NULL));
+    lay_out(&window);
+    draw(&window);
+    assert_true(has("Warning: the two do not overlap: are they in one space?"));
+    assert_true(has("Names or places have left and right exchanged"));
+    struct panel_warning warning;
+    size_t count = 0;
+    for (size_t i = 0; panel_warning(&warning, &i, &viewer);) {
+        count++;
+    }
+    assert_int_equal(count, 2);
+    warnings_forget(0);
+    draw(&window);
+    assert_false(has("Warning: the two do not overlap: are they in one space?"));
+    ui_destroy();
+    viewer_finish(&viewer);
+}
+
 /* The phantom's labels as the values of a pathway: the largest one is 4000000001. */
 static void a_threshold_has_its_part_of_the_largest_value(void **state)
 {
@@ -195,6 +225,7 @@ TEST_GROUP(panels)
         cmocka_unit_test(a_cylinder_has_a_radius_and_no_opening),
         cmocka_unit_test(the_card_stands_below_all_else),
         cmocka_unit_test(an_exchanged_atlas_is_exchanged_and_has_no_side),
+        cmocka_unit_test(warnings_of_the_program_stand_beside_the_answer),
         cmocka_unit_test(an_atlas_whose_areas_have_no_names_says_so),
         cmocka_unit_test(an_address_that_is_refused_stays_in_its_field),
         cmocka_unit_test(a_threshold_has_its_part_of_the_largest_value),

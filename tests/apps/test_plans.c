@@ -7,7 +7,10 @@
 #include "viewer/model/headline.h"
 #include "viewer/model/plans.h"
 #include "viewer/opening/view_words.h"
+#include "viewer/panes/panels.h"
+#include "viewer/session/session.h"
 #include "viewer/session/undo.h"
+#include "viewer/ui/ui_audit.h"
 
 #include "base/look.h"
 #include "conus/file.h"
@@ -129,6 +132,53 @@ static void the_answer_is_whether_the_target_is_reached(void **state)
     assert_int_equal(open_plan(&viewer, clear, 3), 0);
     assert_headline(&viewer, 30, "4.0 mm from Ball", " ");
     assert_headline(&viewer, 36, "Touches Ball", " ");
+    viewer_finish(&viewer);
+}
+
+/* What is kept is the needle: its verdict, and both ends. Sessions have them, too. */
+static void the_needle_is_kept_not_its_first_hit(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    open_usual(&window, &viewer);
+    window.screen.scale = 1;
+    window.screen.width = 1280;
+    window.screen.height = 800;
+    screen_divide(&window.screen);
+    assert_true(ui_audit_create(1, 1280, 800));
+    ui_audit_begin();
+    panel_results(&window);
+    ui_audit_end();
+    assert_true(ui_audit_place("Keep this needle") < SIZE_MAX && ui_audit_place("Keep U") == SIZE_MAX);
+    ui_destroy();
+    inputs_confirm(&window.inputs, &viewer, FIRST_TOOL);
+    assert_int_equal(viewer.pin_count, 1);
+    const struct pin *pin = &viewer.pins[0];
+    assert_int_equal(pin->object, 0);
+    assert_string_equal(pin->name, "needle: Reaches U, 4.0 mm from Ball");
+    assert_string_equal(viewer.message, "kept: needle: Reaches U, 4.0 mm from Ball");
+    for (int a = 0; a < 3; a++) {
+        assert_near(pin->entry[a], start[a], 1e-9);
+        assert_near(pin->contact[a], start[a] + 30 * along[a], 1e-9);
+    }
+    assert_near(pin->distance, 30, 0);
+    char *copied = viewer_pins_text(&viewer);
+    assert_non_null(strstr(copied, "needle: Reaches U, 4.0 mm from Ball\tn/a\t30\t10\t0\t5\tn/a\t40\t0\t5\n"));
+    free(copied);
+    char why[PROPERTY_REASON];
+    json_t *saved = session_json(&window);
+    viewer.pin_count = 0;
+    assert_true(session_read(&window, saved, "kept", why));
+    json_decref(saved);
+    assert_int_equal(viewer.pin_count, 1);
+    assert_near(viewer.pins[0].entry[0], 40, 1e-9);
+    assert_string_equal(viewer.pins[0].name, "needle: Reaches U, 4.0 mm from Ball");
+    viewer.cone.options.range[1] = 0; /* no needle: the area that is hit */
+    tool_reselect(&viewer);
+    inputs_confirm(&window.inputs, &viewer, FIRST_TOOL);
+    assert_string_equal(viewer.pins[1].name, "U");
+    assert_true(isnan(viewer.pins[1].entry[0]));
     viewer_finish(&viewer);
 }
 
@@ -372,6 +422,7 @@ TEST_GROUP(plans)
         cmocka_unit_test(before_the_first_pose_nothing_has_a_colour),
         cmocka_unit_test(the_tool_is_judged_where_it_is),
         cmocka_unit_test(the_answer_is_whether_the_target_is_reached),
+        cmocka_unit_test(the_needle_is_kept_not_its_first_hit),
         cmocka_unit_test(the_structures_of_a_plan_are_shown),
         cmocka_unit_test(what_is_not_there_is_not_judged),
         cmocka_unit_test(all_kinds_of_constraints_are_worded),

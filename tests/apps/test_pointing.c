@@ -151,6 +151,20 @@ static void the_mouse_puts_the_apex_there(void **state)
     assert_near(viewer.tools[FIRST_TOOL].angle, 5, 0);
     assert_false(aim_through(&viewer, eye, (double[]){0, 1, 0}));
     assert_false(viewer.tools[FIRST_TOOL].has_pose);
+    /* before the surface, by half the radius of a small atlas: the opening counts */
+    const double before = point_before(&viewer);
+    assert_near(before, viewer.radius / 2, 1e-9);
+    assert_true(before < 40);
+    assert_true(aim_through(&viewer, eye, back));
+    assert_near(m[13], 20.5 + before, 1e-9);
+    assert_near(conus_selection_result(viewer_selection(&viewer), 0)->distance, before, 1e-4);
+    viewer.cone.options.range[1] = 30; /* depths are told from the surface */
+    assert_true(aim_through(&viewer, eye, back));
+    assert_near(m[13], 20.5, 1e-9);
+    viewer.cone.options.range[1] = 0;
+    assert_true(aim_through(&viewer, (double[]){0, 20.5 + before / 2, 0}, back)); /* never behind the eye */
+    assert_near(m[13], 20.5 + before / 2, 1e-9);
+    property_set(&window, PROPERTY_START, START_SURFACE);
     assert_true(aim_through(&viewer, eye, back));
     assert_near(m[12], 0, 1e-9);
     assert_near(m[13], 20.5, 1e-9);
@@ -160,7 +174,7 @@ static void the_mouse_puts_the_apex_there(void **state)
     assert_false(aim_through(&viewer, eye, (double[]){0, 1, 0})); /* beside the brain it stays */
     assert_near(m[13], 20.5, 1e-9);
     assert_int_equal(viewer.tools[FIRST_TOOL].answer_number, number);
-    property_set(&window, PROPERTY_APEX_AT_EYE, true);
+    property_set(&window, PROPERTY_START, START_EYE);
     assert_true(aim_through(&viewer, eye, (double[]){0, 1, 0}));
     assert_near(m[13], 90, 1e-9);
     assert_near(m[9], -1, 1e-9);

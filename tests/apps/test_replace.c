@@ -143,10 +143,9 @@ static void confirmed_areas_keep_their_names(void **state)
     struct viewer viewer;
     (void)state;
     open_viewer(&viewer, CONUS_HEMISPHERES_SPLIT);
-    const double at[3] = {0};
-    viewer_pin(&viewer, 0, number_of(&viewer, "Four left"), NULL, 0.5, 1, at);
-    viewer_pin(&viewer, 0, number_of(&viewer, "A_R"), NULL, 0.5, 1, at);
-    viewer_pin(&viewer, 0, number_of(&viewer, "Tract"), NULL, 0.5, 1, at);
+    viewer_pin(&viewer, (struct pin){.object = number_of(&viewer, "Four left"), .share = 0.5, .distance = 1});
+    viewer_pin(&viewer, (struct pin){.object = number_of(&viewer, "A_R"), .share = 0.5, .distance = 1});
+    viewer_pin(&viewer, (struct pin){.object = number_of(&viewer, "Tract"), .share = 0.5, .distance = 1});
     change(&viewer, CONUS_HEMISPHERES_SPLIT, CONUS_HEMISPHERES_AS_IS);
     assert_string_equal(viewer.pins[0].name, "Four left");
     assert_int_equal(viewer.pins[0].object, 0);

@@ -5,6 +5,7 @@
 #include "viewer/session/session.h"
 #include "viewer/session/undo.h"
 #include "viewer/tools/inputs.h"
+#include "viewer/tools/point.h"
 #include "viewer/tools/shell.h"
 
 #include "test.h"
@@ -155,21 +156,23 @@ static void a_device_moves_one_tool(void **state)
     assert_int_equal(tool_moved_by(&viewer, POINT_BY_MOUSE), FIRST_TOOL);
     tool_choose(window.viewer, FIRST_TOOL, POINT_BY_WAND);
     assert_int_equal(tool_moved_by(&viewer, POINT_BY_MOUSE), SECOND_TOOL);
+    const double before = point_before(&viewer);
     inputs_point(&window.inputs, window.viewer, eye, back);
     unsigned version = viewer.tools[SECOND_TOOL].version;
     inputs_point(&window.inputs, window.viewer, eye, back); /* a pose that stays is no move */
     assert_int_equal(viewer.tools[SECOND_TOOL].version, version);
     assert_false(viewer.tools[FIRST_TOOL].has_pose);
-    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], 24, 1); /* the outermost ball's surface */
+    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], 24 + before,
+                1); /* before the outermost ball */
     assert_int_equal(conus_selection_result(view_atlas_selection(&viewer.atlases[0], SECOND_TOOL), 0)->object, 1);
     tool_hold(&viewer, SECOND_TOOL);
     inputs_point(&window.inputs, window.viewer, (double[]){0, -90, 0}, (double[]){0, 1, 0});
-    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], 24, 1);
+    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], 24 + before, 1);
     inputs_notice(&notice, &window.inputs, window.viewer, SECOND_TOOL);
     assert_non_null(strstr(notice.text, "held"));
     tool_hold(&viewer, SECOND_TOOL);
     inputs_point(&window.inputs, window.viewer, (double[]){0, -90, 0}, (double[]){0, 1, 0});
-    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], -24, 1);
+    assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], -24 - before, 1);
     tool_confirm(&viewer, SECOND_TOOL);
     assert_int_equal(viewer.pin_count, 1);
     assert_int_equal(viewer.pins[0].object, 1);

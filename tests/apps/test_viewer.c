@@ -583,7 +583,7 @@ static void the_oldest_pin_makes_room(void **state)
     (void)state;
     load(&viewer, "nested", "nested.nii.gz");
     for (int i = 0; i <= PIN_LIMIT; i++) {
-        viewer_pin(&viewer, 0, 1, NULL, 0.5, i, eye);
+        viewer_pin(&viewer, (struct pin){.object = 1, .share = 0.5, .distance = i});
     }
     assert_int_equal(viewer.pin_count, PIN_LIMIT);
     for (int i = 0; i < PIN_LIMIT; i++) {
@@ -600,12 +600,14 @@ static void a_pin_says_how_far_the_one_before_is(void **state)
     (void)state;
     load(&viewer, "nested", "nested.nii.gz");
     for (int i = 0; i < 3; i++) {
-        viewer_pin(&viewer, 0, 1, NULL, 0.5, 10, contacts[i]);
+        const double *at = contacts[i];
+        viewer_pin(&viewer, (struct pin){.object = 1, .share = 0.5, .distance = 10, .contact = {at[0], at[1], at[2]}});
     }
     char *text = viewer_pins_text(&viewer);
     assert_non_null(text);
     const char *line = text;
-    static const char *const endings[] = {"\tapart_mm", "\tn/a", "\t5", "\t12"};
+    static const char *const endings[] = {"\tapart_mm\tentry_x\tentry_y\tentry_z", "\tn/a\tn/a\tn/a\tn/a",
+                                          "\t5\tn/a\tn/a\tn/a", "\t12\tn/a\tn/a\tn/a"};
     for (int i = 0; i < 4; i++) {
         const char *end = strchr(line, '\n');
         assert_non_null(end);

@@ -25,7 +25,8 @@ assert numpy.ptp(a[..., :3]) > 100
 END
 }
 
-@test "a figure is what conus render draws with the same camera and options" {
+# The cone, the ball and names, which the window lays over its picture, are added to that of conus render.
+@test "a figure is what conus render draws with the same camera and options, and what lies over it" {
     need_window
     need_pixels
     conus phantom nested -o . --size 32
@@ -44,14 +45,14 @@ opacity 0.7
 background transparent
 sheet pixels 300 200
 sheet legend right
-figure right.png
+settle
 figure right.svg
+figure right.png
 sheet mm 30 25
 sheet dpi 200
 sheet legend below
 background white
-figure below.png 3d
-figure axial.png axial
+figure below.svg 3d
 save s.json
 END
     [ "$(jq -r .enlarged s.json)" = 3d ] # the pane is wide, so its height is 0.5 radians
@@ -61,15 +62,32 @@ END
     for how in 'right --size 300x200 --legend right --background transparent' \
         'below --width-mm 30 --height-mm 25 --dpi 200 --legend below --background white'; do
         # shellcheck disable=SC2086
-        conus render nested.nii.gz "$@" --field-of-view 28.64788975654116 "${cone[@]}" -o wanted.png ${how#* } --quiet
-        same "${how%% *}.png" wanted.png
-        [ "${how%% *}" = below ] || {
-            # shellcheck disable=SC2086
-            conus render nested.nii.gz "$@" --field-of-view 28.64788975654116 "${cone[@]}" -o wanted.svg ${how#* } --quiet
-            cmp right.svg wanted.svg
-            grep -q '>Shell outer<' right.svg # text is text
-        }
+        conus render nested.nii.gz "$@" --field-of-view 28.64788975654116 "${cone[@]}" -o wanted.svg ${how#* } --quiet
+        # with the same pixels, and all of its shapes
+        diff wanted.svg "${how%% *}.svg" >changes || true
+        not grep '^<' changes
+        grep -q '^> .*#ffb000' changes # lines of the cone
+        grep -q '^> .*>Shell outer<' changes # the name over the brain, beside that of the legend
     done
+    # shellcheck disable=SC2086
+    conus render nested.nii.gz "$@" --field-of-view 28.64788975654116 "${cone[@]}" -o wanted.png --size 300x200 \
+        --legend right --background transparent --quiet
+    run -1 cmp -s right.png wanted.png
+}
+
+# The mouse's cone lies in the opaque brain: only what lies over the picture shows it.
+@test "a figure has the cone that begins on the surface, its beginning and its name" {
+    need_window
+    need_pixels
+    conus phantom nested -o . --size 32
+    view nested.nii.gz --size 900x600 <<'END'
+settle
+point 0.45 0.45
+settle
+figure over.svg
+END
+    grep -q 'stroke="#ffb000"' over.svg
+    [ "$(grep -c '>Shell outer<' over.svg)" = 2 ] # in the legend, and beside its contact
 }
 
 # In mm a figure is in print style, unless a background was chosen. The window fills areas by 0.45 at first.

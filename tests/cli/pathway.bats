@@ -28,6 +28,31 @@ scaled() {
     printf "$1" | dd of="$2" bs=1 seek=112 conv=notrunc status=none # scl_slope of NIfTI-1
 }
 
+# The bar of a map says what its values are: by its header's intent, its name, or unit=; else only that they are values.
+@test "a map's bar has the map's own quantity" {
+    scene
+    local file wanted
+    scaled '\000\000\010\101' act.nii # 8.5
+    cp act.nii zstat1.nii
+    cp act.nii header.nii
+    printf '\005\000' | dd of=header.nii bs=1 seek=68 conv=notrunc status=none # intent_code: z score
+    cp header.nii tstat.nii # the header before the name
+    while IFS=: read -r file wanted; do
+        answers render slabs.nii.gz --pathway "$file,threshold=3.1,name=M" --pathway-transfer heat --size 300x200 -q -o m.svg
+        grep -qF ">Pathways by $wanted<" m.svg
+    done <<'END'
+act.nii:value
+zstat1.nii:z
+header.nii:z
+tstat.nii:z
+tstat.nii,unit=% signal change:% signal change
+END
+    answers render slabs.nii.gz --pathway sphere.nii.gz --pathway-transfer heat --size 300x200 -q -o m.svg
+    grep -qF '>Pathways by probability, %<' m.svg
+    fails 2 'unit= is empty' render slabs.nii.gz --pathway act.nii,unit= -o m.svg
+    fails 2 'allowed are up to 23 bytes' render slabs.nii.gz --pathway act.nii,unit=123456789012345678901234 -o m.svg
+}
+
 @test "what many pathways share is said once, and no threshold is lost" {
     scene
     cp sphere.nii.gz two.nii.gz
@@ -101,7 +126,7 @@ scaled() {
 @test "mistakes in --pathway are named" {
     scene
     local start="query slabs.nii.gz $AIM"
-    fails 2 '--pathway: "treshold=3" is none of threshold=T, name=S and volume=K' $start --pathway sphere.nii.gz,treshold=3
+    fails 2 '--pathway: "treshold=3" is none of threshold=T, name=S, unit=S and volume=K' $start --pathway sphere.nii.gz,treshold=3
     fails 2 '--pathway: threshold=0 is not a number above 0' $start --pathway sphere.nii.gz,threshold=0
     fails 2 '--pathway: "threshold=0,5" has a comma in it' $start --pathway sphere.nii.gz,threshold=0,5
     fails 2 '--pathway: "band=0,5:1:x" has a comma in it' $start --pathway sphere.nii.gz,band=0,5:1:x

@@ -441,3 +441,41 @@ texts() { grep -o '<text[^>]*>[^<]*' "$1" | sed -E 's/.* x="([^"]*)".*>(.*)/\1\t
     answers render nested.nii.gz --cuts coronal,sagittal --size 600x300 -o two.svg -q
     texts two.svg | awk -F '\t' '$2 == "R" { r = $1 } $2 == "P" { p = $1 } END { exit !(p - r > 22) }'
 }
+
+# The mask lies in areas that the shell is drawn in place of: it is there, and as round as where it lies in none.
+@test "a shell has the pathways, and these are lit whole" {
+    conus phantom nested -o .
+    sphere --size 24
+    gl render nested.nii.gz --shell --pathway sphere.nii.gz,name=M --view left --size 200x150 --no-legend -q -o in.png
+    gl render nested.nii.gz --shell --view left --size 200x150 --no-legend -q -o none.png
+    "$CONUS" render nested.nii.gz --shell --pathway sphere.nii.gz,name=M --view left --size 200x150 --no-legend -q \
+        --engine rays -o rays.png
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+
+read = lambda name: oiio.ImageBuf(name).get_pixels(oiio.UINT8)[..., :3].astype(int)
+for name in "in.png", "rays.png":
+    mask = abs(read(name) - read("none.png")).sum(axis=2) > 60
+    shades = read(name)[mask].sum(axis=1)
+    assert 500 < len(shades), len(shades)
+    assert shades.max() > 1.5 * shades.min() and len(set(shades)) > 40, (shades.min(), shades.max(), len(set(shades)))
+END
+}
+
+# The axis goes along x: the camera looks along y, from above, and the areas on the way let it through.
+@test "a beam is seen from the side and above, in glass" {
+    conus phantom u-shape -o .
+    local beam=(--focus 0,0,0 --transducer 60,0,0 --aperture-diameter 40 --size 200x150 --no-legend -q)
+    gl render u-shape.nii.gz "${beam[@]}" -o beam.exr
+    gl render u-shape.nii.gz "${beam[@]}" --shell --view across -o across.exr
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+
+camera = oiio.ImageBuf("beam.exr").spec().getattribute("conus:worldFromCamera")
+rows = [camera[4 * r : 4 * r + 4] for r in range(4)]
+back = [row[2] for row in rows] if abs(rows[0][0] ** 2 + rows[1][0] ** 2 + rows[2][0] ** 2 - 1) < 1e-3 else rows[2]
+assert abs(back[0]) < 1e-4 and 0.40 < abs(back[2]) < 0.44, camera # sine of 25 degrees
+same = abs(oiio.ImageBuf("beam.exr").get_pixels() - oiio.ImageBuf("across.exr").get_pixels()).max()
+assert same == 0, same
+END
+}

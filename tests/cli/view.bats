@@ -731,14 +731,26 @@ at_apex() {
     jq -r '.world_from_device | "--origin=\(.[12]),\(.[13]),\(.[14]) --direction=\(-.[8]),\(-.[9]),\(-.[10])"' "$1"
 }
 
-@test "the mouse's cone begins at the surface, and is one ray where one area is wanted" {
+@test "the mouse's cone begins before the surface, at it or at the eye, and is one ray where one area is wanted" {
     need_window
     conus phantom sphere -o .
     conus phantom nested -o .
-    printf 'point 0.5 0.5\nsave ball.json\n' | view sphere.nii.gz
+    printf 'point 0.5 0.5\nsave before.json\nkey x\nkey x\npoint 0.51 0.5\npoint 0.5 0.5\nsave ball.json\n' | view sphere.nii.gz
     # a ball of 20 mm: its voxels of 1 mm have their faces within half a diagonal of that
-    jq -e '.angle_deg == 5 and .apex_at_eye == false and
-        ([.world_from_device[12:15][] | . * .] | add | sqrt | . > 19.1 and . < 20.9)' ball.json
+    local away='([.world_from_device[12:15][] | . * .] | add | sqrt)'
+    jq -e ".angle_deg == 5 and .start == \"surface\" and ($away | . > 19.1 and . < 20.9)" ball.json
+    # half the radius of the ball around it, which has a corner of voxels 17 mm off all axes in it at most
+    jq -e --slurpfile at ball.json ".start == \"before\" and
+        ($away - (\$at[0] | $away) | . > 10 and . < 15.1)" before.json
+    # the opening counts from there
+    view nested.nii.gz <<'END'
+point 0.5 0.28
+angle 2
+results narrow.tsv
+angle 60
+results wide.tsv
+END
+    run -1 diff <(cut -f 3,9 narrow.tsv) <(cut -f 3,9 wide.tsv)
     view nested.nii.gz <<'END'
 angle 20
 point 0.5 0.5
@@ -775,9 +787,9 @@ END
     [ "$(wc -l <none.tsv)" -eq 1 ]
     [ "$(jq -c '[.has_pose, .frozen]' none.json)" = '[false,false]' ]
     # a session may lack these values
-    jq 'del(.one_ray, .apex_at_eye, .follow)' cone.json >old.json
+    jq 'del(.one_ray, .start, .follow)' cone.json >old.json
     printf 'key 1\nkey x\nkey g\nopen old.json\nsave kept.json\n' | view nested.nii.gz
-    [ "$(jq -c '[.one_ray, .apex_at_eye, .follow]' kept.json)" = '[true,true,"tip"]' ]
+    [ "$(jq -c '[.one_ray, .start, .follow]' kept.json)" = '[true,"eye","tip"]' ]
 }
 
 @test "changes are taken back and done again" {

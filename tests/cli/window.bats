@@ -138,10 +138,10 @@ key_at() {
     tell 'aim 60 3 2 0 0 0' 'key space' 'orbit 10 0'
     look '.frozen == true and .layers == "visible"'
     orbit=$(jq -c .orbit "look$looks.json")
-    click_at 1150 416 # Show
+    click_at 1150 443 # Show
     key_at Escape
     look '.has_pose == true and .frozen == true'
-    click_at 1150 416
+    click_at 1150 443
     xdotool key --window "$window" h
     key_at Down
     key_at Return
@@ -366,6 +366,45 @@ END
     leave
 }
 
+# It lies over black, beside the ball, in the plane z = 0: only in that cut is it a line with a length, in figures, too.
+@test "a measured line is firm in the cut that it lies in, and faint beside it" {
+    need_pixels
+    conus phantom sphere -o .
+    view sphere.nii.gz <<'END'
+save at.json
+END
+    jq '.measure = {"on": false, "count": 2, "points": [-19, -18, 0, -10, -18, 0]}' at.json >measured.json
+    for z in 0 5 40; do
+        view sphere.nii.gz --session measured.json --size 900x500 <<END
+key tab
+crosshair 0 30 $z
+settle
+screenshot window$z.png
+figure figure$z.png axial
+END
+    done
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+
+
+def longest(name, least):
+    """The longest row of pixels that are so light, in the lower left quarter."""
+    rgb = oiio.ImageBuf(name).get_pixels(oiio.UINT8)[..., :3].min(axis=2)
+    runs = [0]
+    for row in rgb[rgb.shape[0] // 2 :, 60 : rgb.shape[1] // 2] >= least:
+        for on in row:
+            runs.append(runs[-1] + 1 if on else 0)
+    return max(runs)
+
+
+for of in "window", "figure":
+    firm, beside = (longest(f"{of}{z}.png", 180) for z in (0, 5))
+    faint, none = (longest(f"{of}{z}.png", 40) for z in (5, 40))
+    assert firm > 40 > 20 > beside, (of, firm, beside)
+    assert faint > 40 > 20 > none, (of, faint, none)
+END
+}
+
 @test "the 3-D pane says that clicks measure, as long as they do" {
     need_window
     need_pixels
@@ -431,11 +470,11 @@ END
     conus phantom sphere -o .
     live slabs.nii.gz --size 1280x800
     tell 'drop sphere.nii.gz'
-    click_at 919 532 # Second tool
+    click_at 919 559 # Second tool
     look '.second.on | not'
     xdotool key --window "$window" Escape
     pass
-    click_at 919 532
+    click_at 919 559
     look '.second.on'
     leave
 }
@@ -516,12 +555,12 @@ END
     jq -e --slurpfile drawn drawn.json '.transfer == $drawn[0].transfer' kept.json
     [ ! -e saved.tsv ]
     live "${brain[@]}" --size 1280x800
-    click_at 1085 536 # Context
-    xdotool mousemove --window "$window" 1088 687
+    click_at 1085 563 # Context
+    xdotool mousemove --window "$window" 1088 714
     pass
     xdotool mousedown 1
     pass
-    xdotool mousemove --window "$window" 1088 665
+    xdotool mousemove --window "$window" 1088 692
     pass
     xdotool mouseup 1
     pass
@@ -566,7 +605,7 @@ quick_mouse() {
     [ -z "${CONUS_TEST_LONG-}" ] || count=100
     quick_mouse atlas octants.nii
     live octants.nii
-    tell 'key f' settle 'save 0.json'
+    tell 'key f' 'key x' 'key x' settle 'save 0.json' # cones begin on the surface, where the mouse is
     quick_mouse actions $count >actions
     while read -r -u 5 -a action; do
         i=$((i + 1))

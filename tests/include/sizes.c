@@ -9,7 +9,7 @@
 #define SIZE(type, size) static_assert(sizeof(type) == (size), "callers are compiled with this size of " #type)
 
 SIZE(conus_load_options, 80);
-SIZE(conus_pathway_options, 72);
+SIZE(conus_pathway_options, 80);
 SIZE(conus_context_options, 56);
 SIZE(conus_context_map_options, 64);
 SIZE(conus_transform_options, 72);
@@ -25,7 +25,8 @@ SIZE(conus_batch_options, 200);
 SIZE(conus_pose_array, 72);
 SIZE(conus_many_options, 32);
 SIZE(conus_renderer_options, 72);
-SIZE(conus_view, 232);
+SIZE(conus_view, 248);
+SIZE(conus_mark, 72);
 SIZE(conus_cut_view, 144);
 SIZE(conus_mesh_options, 80);
 SIZE(conus_phantom_options, 56);
@@ -44,7 +45,7 @@ SIZE(conus_catalogue_place, 32);
 SIZE(conus_label, 40);
 SIZE(conus_band, 24);
 SIZE(conus_object, 128);
-SIZE(conus_volume_info, 488);
+SIZE(conus_volume_info, 512);
 SIZE(conus_pose, 128);
 SIZE(conus_pose_row, 264);
 SIZE(conus_row_marks, 48);

@@ -344,7 +344,7 @@ static const struct key keys[] = {
     {"space", "hold the cone, or let it follow the mouse again, as a click does", .move = hold, .by = {FIRST_TOOL}},
     {"escape", "end the search; clear the cone, and choose no area", .act = clear},
     {"1", "one area, by a single ray, or all areas in the cone", .sets = PROPERTY_ONE_RAY},
-    {"x", "the mouse's cone begins at the surface, or at your eye", .sets = PROPERTY_APEX_AT_EYE},
+    {"x", "the mouse's cone begins at the surface, before it, or at your eye", .sets = PROPERTY_START},
     {"g", "the cuts go along with the cone's tip, with the contact of its best hit, or stay", .sets = PROPERTY_FOLLOW},
     {"+", "a wider cone", .move = widen, .by = {FIRST_TOOL, 1}, .sets = PROPERTY_ANGLE},
     {"-", "a narrower cone", .move = widen, .by = {FIRST_TOOL, -1}, .sets = PROPERTY_ANGLE},

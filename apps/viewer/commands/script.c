@@ -38,6 +38,7 @@ struct script {
     unsigned settled; /* frames that the pictures shall still be fine for */
     double until;     /* by clock_ms(): settled, or it fails; or the end of a pause */
     bool settling, pausing;
+    bool is_held;  /* the line was read, and is done once the pictures are fine */
     char *awaited; /* a file that must be there before the next command; NULL = none */
 };
 
@@ -521,11 +522,16 @@ static bool do_until(struct call *call)
     return call->script->awaited;
 }
 
+static void settle(struct script *script, unsigned frames)
+{
+    script->settling = true;
+    script->settled = frames;
+    script->until = clock_ms() + settle_limit_ms;
+}
+
 static bool do_settle(struct call *call)
 {
-    call->script->settling = true;
-    call->script->settled = SETTLE_FRAMES;
-    call->script->until = clock_ms() + settle_limit_ms;
+    settle(call->script, SETTLE_FRAMES);
     return true;
 }
 
@@ -691,7 +697,7 @@ static const struct script_command {
     {"drop", 1, SCRIPT_WORDS - 1, "PATH...", .act = do_drop, .is_anywhere = true},
     {"type", 1, 1, "PATH, on the start page or where a file is chosen", .act = do_type, .is_anywhere = true},
     {"context", 1, 1, "FILE", .act = do_add},
-    {"pathway", 1, 1, "FILE[,threshold=T][,name=S][,volume=K] or FILE,band=LOW:HIGH:NAME", .act = do_add},
+    {"pathway", 1, 1, "FILE[,threshold=T][,name=S][,unit=S][,volume=K] or FILE,band=LOW:HIGH:NAME", .act = do_add},
     {"streamlines", 1, 1, "FILE[,radius=R][,name=S][,space=S][,moves]", .act = do_add},
     {"atlas", 1, 1, "FILE or NAME", .act = do_add},
     {"take-out", 1, 1, "FILE that was added", .act = do_take_out},
@@ -867,6 +873,12 @@ static bool let_pass(struct script *script, const struct window *window)
     return script->settling && clock_ms() < script->until;
 }
 
+/* Whether a line is about what the 3-D pane shows, which lags behind what is asked. */
+static bool is_of_pane(const char *line)
+{
+    return strncmp(line, "figure ", strlen("figure ")) == 0 || strncmp(line, "picture ", strlen("picture ")) == 0;
+}
+
 bool script_step(struct script *script, struct window *window, int *code)
 {
     char *words[SCRIPT_WORDS];
@@ -874,10 +886,16 @@ bool script_step(struct script *script, struct window *window, int *code)
     if (let_pass(script, window)) {
         return false;
     }
-    if (!script->settling && !fgets(script->line, sizeof script->line, script->file)) {
+    const bool is_new = !script->settling && !script->is_held;
+    if (is_new && !fgets(script->line, sizeof script->line, script->file)) {
         return true;
     }
-    script->number += !script->settling;
+    script->number += is_new;
+    script->is_held = is_new && is_of_pane(script->line) && window->viewer && !window_is_settled(window);
+    if (script->is_held) {
+        settle(script, 1);
+        return false;
+    }
     bool fine = script->settling ? fail_line(script, "the pictures were not fine after 600 s")
                 : strlen(script->line) > LINE_LIMIT && script->line[LINE_LIMIT] != '\n'
                     ? fail_line(script, "more than 65536 bytes in a line")

@@ -14,10 +14,10 @@ enum { NAMED = 3 /* of those that are as good as the best */, SHARE_TEXT = 16 };
 
 static bool find_verdict(struct headline *out, struct viewer *viewer)
 {
-    const struct plan_verdict *verdict = plans_is_on(viewer) ? plans_verdict(viewer) : NULL;
-    if (!verdict || !(verdict->reaches[0] || verdict->clears[0])) {
+    if (!plans_has_needle(viewer)) {
         return false;
     }
+    const struct plan_verdict *verdict = plans_verdict(viewer);
     bool has_target = verdict->reaches[0];
     snprintf(out->what, sizeof out->what, "%s", has_target ? verdict->reaches : verdict->clears);
     snprintf(out->more, sizeof out->more, "%s", has_target && verdict->clears[0] ? verdict->clears : " ");

@@ -438,6 +438,28 @@ void plans_line(char out[PLAN_LINE], struct viewer *viewer, bool with_leeway)
              with_leeway ? verdict->leeway : "");
 }
 
+bool plans_has_needle(struct viewer *viewer)
+{
+    const struct plan_verdict *verdict = plans_is_on(viewer) ? plans_verdict(viewer) : NULL;
+    return verdict && (verdict->reaches[0] || verdict->clears[0]);
+}
+
+void plans_keep(struct viewer *viewer)
+{
+    const struct plan_verdict *verdict = plans_verdict(viewer);
+    const double *m = viewer->tools[FIRST_TOOL].pose.world_from_device;
+    const double *range = viewer->cone.options.range;
+    struct pin pin = {.share = NAN, .distance = range[1]};
+    snprintf(pin.name, sizeof pin.name, "needle: %s%s%s", verdict->reaches,
+             verdict->reaches[0] && verdict->clears[0] ? ", " : "", verdict->clears);
+    for (int a = 0; a < 3; a++) {
+        pin.entry[a] = m[12 + a] - range[0] * m[8 + a];
+        pin.contact[a] = m[12 + a] - range[1] * m[8 + a];
+    }
+    viewer_pin(viewer, pin);
+    viewer_say(viewer, "kept: %s", pin.name);
+}
+
 static void find_question(struct study_question *out, const struct viewer *viewer)
 {
     const struct plan_state *state = &viewer->plan;

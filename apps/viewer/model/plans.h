@@ -40,6 +40,11 @@ const struct plan_verdict *plans_verdict(struct viewer *viewer);
 /** That in one line. A tracked tool that is held is elsewhere than its device, which the line then says. */
 void plans_line(char out[PLAN_LINE], struct viewer *viewer, bool with_leeway);
 
+/** Whether the first tool is a needle that the answer is about: that it reaches, or is clear of, something. */
+bool plans_has_needle(struct viewer *viewer);
+/** Keeps that needle in the list of pins, by its verdict, with both ends. */
+void plans_keep(struct viewer *viewer);
+
 enum { PLAN_NUMBER = 32 };
 /** How lists and sentences print a leeway or clearance: never better than it is, so rounded down; "-" where there is
  * none. */

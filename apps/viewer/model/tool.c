@@ -159,8 +159,11 @@ void tool_confirm(struct viewer *viewer, enum tool_number number)
         viewer_say(viewer, "nothing in the %scone to confirm", whose[number]);
         return;
     }
-    viewer_pin(viewer, (size_t)(viewer->drawn - viewer->atlases), best->object, NULL, best->share, best->distance,
-               best->contact);
+    viewer_pin(viewer, (struct pin){.atlas = (size_t)(viewer->drawn - viewer->atlases),
+                                    .object = best->object,
+                                    .share = best->share,
+                                    .distance = best->distance,
+                                    .contact = {best->contact[0], best->contact[1], best->contact[2]}});
     const char *name = viewer_pin_title(title, viewer, &viewer->pins[viewer->pin_count - 1]);
     if (number == SECOND_TOOL) {
         viewer->version++;

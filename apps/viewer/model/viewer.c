@@ -66,6 +66,7 @@ conus_status viewer_create(struct viewer *out, const struct view_source *sources
     viewer.display.fill = 0.45;
     viewer.study.settings = study_defaults;
     viewer.cone.options.log = log;
+    viewer.cone.start = START_BEFORE;
     viewer.magnification = 1;
     viewer.atlases = viewer.drawn = calloc(count, sizeof *viewer.atlases);
     viewer.names = calloc(count, sizeof *viewer.names);
@@ -164,18 +165,18 @@ const char *viewer_place_text(char out[VIEWER_PLACE_TEXT], const struct viewer *
     return out;
 }
 
-void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, const char *name, double share, double distance,
-                const double contact[3])
+void viewer_pin(struct viewer *viewer, struct pin pin)
 {
     if (viewer->pin_count == PIN_LIMIT) {
         memmove(viewer->pins, viewer->pins + 1, (PIN_LIMIT - 1) * sizeof *viewer->pins);
         viewer->pin_count--;
     }
     const struct pin *last = viewer->pin_count ? &viewer->pins[viewer->pin_count - 1] : NULL;
-    struct pin pin = {.atlas = atlas, .object = object, .share = share, .distance = distance};
-    snprintf(pin.name, sizeof pin.name, "%s",
-             name ? name : conus_atlas_object(viewer->atlases[atlas].atlas, object)->name);
-    memcpy(pin.contact, contact, sizeof pin.contact);
+    if (pin.object) {
+        snprintf(pin.name, sizeof pin.name, "%s",
+                 conus_atlas_object(viewer->atlases[pin.atlas].atlas, pin.object)->name);
+        pin.entry[0] = pin.entry[1] = pin.entry[2] = NAN;
+    }
     double square = 0;
     for (int a = 0; a < 3 && last; a++) {
         square += (last->contact[a] - pin.contact[a]) * (last->contact[a] - pin.contact[a]);
@@ -197,16 +198,21 @@ char *viewer_pins_text(const struct viewer *viewer)
         return NULL;
     }
     bool several = viewer->atlas_count > 1;
-    fprintf(out, "%sname\tshare\tdistance_mm\tcontact_x\tcontact_y\tcontact_z\tapart_mm\n", several ? "atlas\t" : "");
+    fprintf(out, "%sname\tshare\tdistance_mm\tcontact_x\tcontact_y\tcontact_z\tapart_mm\tentry_x\tentry_y\tentry_z\n",
+            several ? "atlas\t" : "");
     for (size_t i = 0; i < viewer->pin_count; i++) {
+        enum { NUMBERS = 9 };
         const struct pin *pin = &viewer->pins[i];
-        double contact[3];
+        double numbers[NUMBERS] = {pin->share, pin->distance, [5] = pin->apart};
         char title[VIEW_ATLAS_TITLE];
-        conus_frame_from_world(contact, &viewer->frame, pin->contact);
-        fprintf(out, "%s%s%s\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\t", several ? viewer->names[pin->atlas] : "",
-                several ? "\t" : "", viewer_pin_title(title, viewer, pin), pin->share, pin->distance, contact[0],
-                contact[1], contact[2]);
-        fprintf(out, isnan(pin->apart) ? "n/a\n" : "%.9g\n", pin->apart);
+        conus_frame_from_world(numbers + 2, &viewer->frame, pin->contact);
+        conus_frame_from_world(numbers + 6, &viewer->frame, pin->entry);
+        fprintf(out, "%s%s%s", several ? viewer->names[pin->atlas] : "", several ? "\t" : "",
+                viewer_pin_title(title, viewer, pin));
+        for (size_t n = 0; n < NUMBERS; n++) {
+            fprintf(out, isnan(numbers[n]) ? "\tn/a" : "\t%.9g", numbers[n]);
+        }
+        fputc('\n', out);
     }
     return system_text_close(&text);
 }

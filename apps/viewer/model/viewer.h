@@ -44,19 +44,23 @@ enum follow { FOLLOW_NOTHING = 0, FOLLOW_TIP, FOLLOW_CONTACT, FOLLOW_COUNT };
 enum plane { AXIAL = 0, CORONAL, SAGITTAL, PLANE_COUNT };
 enum { PIN_LIMIT = 64, MESSAGE_SIZE_LIMIT = 256 };
 
-/** A confirmed result. */
+/** A confirmed result, or the needle of a plan that was kept. */
 struct pin {
-    size_t atlas;           /**< Index of the viewer's atlas that was drawn then, in which it is. */
-    uint32_t object;        /**< 0 = the atlas has it no longer, since its hemispheres are others. */
-    char name[96];          /**< That it had then. */
-    double share, distance; /**< mm from the apex. */
-    double contact[3];      /**< World mm; NaN where there was none. */
-    double apart;           /**< mm from the pin before it; NaN of the first. */
+    size_t atlas;    /**< Index of the viewer's atlas that was drawn then, in which it is. */
+    uint32_t object; /**< 0 = a needle, or the atlas has it no longer, since its hemispheres are others. */
+    char name[2 * PLAN_TEXT + 16]; /**< That it had then; of a needle the plan's verdict. */
+    double share, distance;        /**< mm from the apex, of a needle to its tip. NaN = there was none. */
+    double contact[3];             /**< World mm, of a needle its tip; NaN where there was none. */
+    double entry[3];               /**< Where a needle begins; NaN of a result. */
+    double apart;                  /**< mm from the pin before it; NaN of the first. */
 };
+
+/** Where the mouse's cones begin: at the surface under it, before that (point.h), or at the eye. */
+enum starts { START_SURFACE = 0, START_BEFORE, START_EYE };
 
 /** How all atlases are asked, for both tools, and what the first one's cone does besides. */
 struct cone_state {
-    bool apex_at_eye;               /**< The mouse's cones begin at the eye, not at the surface under the mouse. */
+    enum starts start;              /**< Where the mouse's cones begin. */
     bool one_ray;                   /**< In place of the cone there is one ray along its axis, first hits only. */
     enum follow follow;             /**< The cone's tip, or the contact of its best hit in the drawn atlas. */
     conus_selector_options options; /**< Without a level. */
@@ -147,9 +151,8 @@ size_t viewer_put_coordinate(char *out, size_t size, const struct viewer *viewer
 double viewer_query(conus_selector_options *options, const struct viewer *viewer, enum tool_number tool, size_t index);
 /** What the atlases are asked with: "cone", "cylinder", or "axis" of a single ray. */
 const char *viewer_shape(const struct viewer *viewer);
-/** Pins a result in atlas @p atlas that was confirmed before. @p name: of object 0; else NULL. */
-void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, const char *name, double share, double distance,
-                const double contact[3]);
+/** Pins @p pin. Its name is that of its object unless that is 0, and only then it has an entry. */
+void viewer_pin(struct viewer *viewer, struct pin pin);
 /** The first tool's answer in the drawn atlas; NULL = none. */
 const conus_selection *viewer_selection(const struct viewer *viewer);
 /** How lists call the object of a pin: as view_atlas_title() does, by the name that it had then. */

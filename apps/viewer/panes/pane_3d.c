@@ -358,7 +358,7 @@ static void draw_measured(struct window *window)
         seen = window_point(ends[i], window, viewer->measure.points + (size_t)3 * i) && seen;
     }
     if (seen) {
-        pane_measured(window, &window->frame.labels, &window->screen.panes[PANE_3D], ends);
+        pane_measured(window, &window->frame.labels, &window->screen.panes[PANE_3D], NULL, ends);
     }
 }
 
@@ -409,14 +409,11 @@ static void draw_notices(const struct window *window)
         at[1] -= 1.4F * ui_line();
     }
     const bool panel_says_it = !window->screen.folded[1] && !screen_is_bare(&window->screen);
-    for (size_t i = 0; i < WARNING_COUNT && !panel_says_it; i++) {
-        enum theme_text colour;
-        text = panel_warning(&colour, viewer->drawn, i);
-        if (text) {
-            ui_shorten(shown, sizeof shown, text, room);
-            ui_draw_text(at, theme_shaded[colour], shown);
-            at[1] -= 1.4F * ui_line();
-        }
+    struct panel_warning warning;
+    for (size_t i = 0; !panel_says_it && panel_warning(&warning, &i, viewer);) {
+        ui_shorten(shown, sizeof shown, warning.text, room);
+        ui_draw_text(at, theme_shaded[warning.colour], shown);
+        at[1] -= 1.4F * ui_line();
     }
     if (plans_is_on(viewer) && !notice.is_old && !panel_says_it) {
         char line[PLAN_LINE];

@@ -86,7 +86,9 @@ void pane_ball_draw(struct window *window, enum tool_number number)
 {
     float at[2];
     struct pen pen = pane_tool_pen(window, number);
-    if (find_ball(at, window, number)) {
+    const bool is_drawn = find_ball(at, window, number);
+    window->pictures.cones[number].has_ball = is_drawn;
+    if (is_drawn) {
         const struct ui_mouse mouse = ui_mouse_now();
         bool is_taken =
             window->frame.turns_cone == number || pane_cone_at(window, (float[]){mouse.x, mouse.y}) == number;

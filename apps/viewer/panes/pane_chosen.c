@@ -3,6 +3,7 @@
  * names. */
 #include "viewer/panes/panes.h"
 
+#include "base/look.h"
 #include "viewer/model/picker.h"
 #include "viewer/pictures/cells.h"
 
@@ -187,6 +188,9 @@ void pane_chosen(struct window *window)
     }
 }
 
+static const double faded = 25;   /* mm: a line so far from a cut is not drawn in it */
+static const double piece_mm = 1; /* of a line in a cut, which are firm or faint */
+
 void pane_point(float out[2], const struct pane_plane *plane, const double world[3])
 {
     const conus_cut_view *view = &plane->view;
@@ -200,18 +204,95 @@ void pane_point(float out[2], const struct pane_plane *plane, const double world
     out[1] = plane->box.y + plane->box.height / 2 - (float)(up / view->mm_per_pixel);
 }
 
-void pane_measured(const struct window *window, struct labels *labels, const struct ui_box *box, float ends[2][2])
+void pane_normal(double out[3], const struct pane_plane *plane)
+{
+    for (int a = 0; a < 3; a++) {
+        int b = (a + 1) % 3;
+        int c = (a + 2) % 3;
+        out[a] = plane->view.right[b] * plane->view.up[c] - plane->view.right[c] * plane->view.up[b];
+    }
+}
+
+/* Half of the longest edge of the first volume's voxels, mm; of an atlas without one, half a mm. */
+static double half_slice(const conus_atlas *atlas)
+{
+    const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
+    return volume ? fmax(fmax(volume->spacing[0], volume->spacing[1]), volume->spacing[2]) / 2 : 0.5;
+}
+
+/* How far a place of the needle is from a cut, with a sign. */
+static double from_cut(const double place[3], const struct pane_plane *plane)
+{
+    double normal[3];
+    double away = 0;
+    pane_normal(normal, plane);
+    for (int a = 0; a < 3; a++) {
+        away += (place[a] - plane->view.centre[a]) * normal[a];
+    }
+    return away;
+}
+
+double pane_line_cut(const struct window *window, const struct pane_plane *plane, const double from[3],
+                     const double to[3], double radius, struct pen pen)
+{
+    const double in_cut = fmax(radius, half_slice(window->viewer->drawn->atlas));
+    const double length = hypot(hypot(to[0] - from[0], to[1] - from[1]), to[2] - from[2]);
+    const double piece = fmax(piece_mm, length / 1000); /* sessions may have any places */
+    const int count = (int)ceil(length / piece);
+    int firm = 0;
+    for (int i = 0; i < count; i++) {
+        double place[3];
+        double away = 0;
+        float ends[2][2];
+        for (int e = 0; e < 2; e++) {
+            for (int a = 0; a < 3; a++) {
+                place[a] = from[a] + fmin(piece * (i + e) / length, 1) * (to[a] - from[a]);
+            }
+            pane_point(ends[e], plane, place);
+            away += from_cut(place, plane) / 2;
+        }
+        away = fabs(away);
+        firm += away <= in_cut;
+        if (away <= in_cut) {
+            stroke_line(ends[0], ends[1], pen);
+        } else if (away < faded) {
+            ui_colour faint = pen.colour;
+            faint.a = (uint8_t)(204 * (1 - away / faded) + 0.5);
+            ui_draw_line(ends[0], ends[1], faint, pen.scale);
+        }
+    }
+    return count ? (double)firm / count : 0;
+}
+
+bool pane_is_in_cut(const struct window *window, const struct pane_plane *plane, const double place[3], double radius)
+{
+    return fabs(from_cut(place, plane)) <= fmax(radius, half_slice(window->viewer->drawn->atlas));
+}
+
+void pane_measured(const struct window *window, struct labels *labels, const struct ui_box *box,
+                   const struct pane_plane *plane, float ends[2][2])
 {
     const struct viewer *viewer = window->viewer;
-    const struct pen pen = {theme_shaded[THEME_GREEN], 2, window->screen.scale};
+    const double *places = viewer->measure.points;
+    const struct pen pen = {{LOOK_RGB(LOOK_OVER), 255}, 2, window->screen.scale};
     const float middle[2] = {(ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2};
+    double firm = 1;
     char text[48];
     for (uint32_t i = 0; i < viewer->measure.count; i++) {
-        stroke_circle(ends[i], 4, pen);
+        if (!plane || pane_is_in_cut(window, plane, places + (size_t)3 * i, 0)) {
+            stroke_circle(ends[i], 4, pen);
+        }
     }
-    if (viewer->measure.count == 2) {
-        snprintf(text, sizeof text, "%.2f mm", viewer_distance(viewer));
+    if (viewer->measure.count < 2) {
+        return;
+    }
+    if (plane) {
+        firm = pane_line_cut(window, plane, places, places + 3, 0, pen);
+    } else {
         stroke_line(ends[0], ends[1], pen);
+    }
+    if (firm > 0) {
+        snprintf(text, sizeof text, "%.2f mm%s", viewer_distance(viewer), firm < 1 ? " in 3-D" : "");
         pane_name(labels, box, middle,
                   &(struct pane_name){.name = text, .colour = pen.colour, .above = true, .scale = pen.scale});
     }

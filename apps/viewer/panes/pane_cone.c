@@ -19,7 +19,6 @@ static const float needle = 3, tick = 5, apex_radius = 4; /* pixels at scale 1 *
 
 static const double tick_mm = 10;
 static const double arm[2] = {0.03, 0.12}; /* of the crosshair, in radii of the atlas: it is free within */
-static const double faded = 25;            /* mm: a needle so far from a cut is not drawn in it */
 static const double touching = 1.5;        /* mm: what lies no farther behind a surface lies on it */
 
 enum { PARTS = 4, ARC = 8 /* points of a ring that are looked at once */, STEPS = 3, HULL = 4 * SHELL_POINTS };
@@ -395,15 +394,6 @@ void pane_cross(struct window *window)
                (struct pen){(ui_colour){LOOK_RGB(LOOK_CROSS), 255}, 1, window->screen.scale});
 }
 
-static void find_normal(double out[3], const struct pane_plane *plane)
-{
-    for (int a = 0; a < 3; a++) {
-        int b = (a + 1) % 3;
-        int c = (a + 2) % 3;
-        out[a] = plane->view.right[b] * plane->view.up[c] - plane->view.right[c] * plane->view.up[b];
-    }
-}
-
 /* Finds where a plane cuts the cone between two depths: the corners of its section, as pixels. */
 static size_t find_section(float (*out)[2], const struct viewer *viewer, enum tool_number number,
                            const double depths[2], const struct pane_plane *plane)
@@ -411,7 +401,7 @@ static size_t find_section(float (*out)[2], const struct viewer *viewer, enum to
     struct shell shell;
     struct shell_piece pieces[2 * SHELL_POINTS];
     double normal[3];
-    find_normal(normal, plane);
+    pane_normal(normal, plane);
     find_shell(&shell, viewer, number, depths[0], depths[1]);
     size_t count = shell_cut(pieces, &shell, plane->view.centre, normal);
     for (size_t i = 0; i < count; i++) {
@@ -469,56 +459,23 @@ static void draw_section(struct window *window, enum tool_number number, const s
     draw_edges(window, number, plane, (double[]){extent->near, extent->solid}, false, pen);
 }
 
-/* Half of the longest edge of the first volume's voxels, mm; of an atlas without one, half a mm. */
-static double half_slice(const conus_atlas *atlas)
-{
-    const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
-    return volume ? fmax(fmax(volume->spacing[0], volume->spacing[1]), volume->spacing[2]) / 2 : 0.5;
-}
-
-/* How far a place of the needle is from a cut, with a sign. */
-static double from_cut(const double place[3], const struct pane_plane *plane)
-{
-    double normal[3];
-    double away = 0;
-    find_normal(normal, plane);
-    for (int a = 0; a < 3; a++) {
-        away += (place[a] - plane->view.centre[a]) * normal[a];
-    }
-    return away;
-}
-
-/* Draws the needle as it is seen from before the cut: with its marks where it is in it, else as a thin line, the
- * fainter the farther away. */
+/* Draws the needle as it is seen from before the cut, with its marks where it is in it. */
 static void draw_needle(const struct window *window, enum tool_number number, const struct pane_plane *plane,
                         struct pen pen)
 {
-    enum { PIECES_PER_MARK = 10 };
     const struct extent *extent = &window->pictures.cones[number].extent;
-    const double in_cut = fmax(window->viewer->cone.options.radius, half_slice(window->viewer->drawn->atlas));
+    const double radius = window->viewer->cone.options.radius;
     double places[2][3];
-    float ends[2][2];
     float from[2];
-    double step = tick_mm / PIECES_PER_MARK;
-    int count = (int)ceil((extent->end - extent->near) / step);
+    float at[2];
     on_axis(places[0], window, number, extent->near);
+    on_axis(places[1], window, number, extent->end);
     pane_point(from, plane, places[0]);
-    for (int i = 0; i < count; i++) {
-        for (int e = 0; e < 2; e++) {
-            on_axis(places[e], window, number, fmin(extent->near + step * (i + e), extent->end));
-            pane_point(ends[e], plane, places[e]);
-        }
-        double away = fabs(from_cut(places[0], plane) + from_cut(places[1], plane)) / 2;
-        if (away <= in_cut) {
-            stroke_line(ends[0], ends[1], (struct pen){pen.colour, needle, pen.scale});
-        } else if (away < faded) {
-            ui_draw_line(ends[0], ends[1], filled(pen.colour, 0.8 * (1 - away / faded)), pen.scale);
-        }
-    }
+    pane_line_cut(window, plane, places[0], places[1], radius, (struct pen){pen.colour, needle, pen.scale});
     for (int i = 1; find_tick(places[1], window, number, i); i++) {
-        pane_point(ends[1], plane, places[1]);
-        if (fabs(from_cut(places[1], plane)) <= in_cut) {
-            draw_tick(from, ends[1], pen);
+        pane_point(at, plane, places[1]);
+        if (pane_is_in_cut(window, plane, places[1], radius)) {
+            draw_tick(from, at, pen);
         }
     }
 }

@@ -185,7 +185,7 @@ static void draw_measured(const struct window *window, struct cut *cut)
     for (uint32_t i = 0; i < window->viewer->measure.count; i++) {
         pane_point(ends[i], &cut->plane, window->viewer->measure.points + (size_t)3 * i);
     }
-    pane_measured(window, &cut->labels, &cut->plane.box, ends);
+    pane_measured(window, &cut->labels, &cut->plane.box, &cut->plane, ends);
 }
 
 /* Draws its arms beside the place, which they leave free. */

@@ -11,7 +11,7 @@
 /* The syntax of the line, by kind. */
 static const char *const keys[ADDITION_COUNT] = {
     "FILE: a volume, in place of another one, or a surface",
-    "FILE,threshold=T,name=S,volume=K or FILE,band=LOW:HIGH:NAME, as for --pathway",
+    "FILE,threshold=T,name=S,unit=S,volume=K or FILE,band=LOW:HIGH:NAME, as for --pathway",
     "FILE,radius=MM,name=S,space=lps,moves, as for --streamlines; without a radius it is 0.5 mm",
     "FILE, or the name of an installed atlas, in the same space: it gets the same questions, as for --atlas"};
 

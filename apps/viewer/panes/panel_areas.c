@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The list of areas and pathways, with search and check boxes; hemispheres and sides. */
 #include "base/look_sizes.h"
+#include "options/messages.h"
 #include "viewer/model/hemispheres.h"
 #include "viewer/model/search.h"
 #include "viewer/panes/panels.h"
@@ -9,6 +10,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* The next widget gets the panel's width, or what is left of the line. */
 static void use_width(const struct window *window)
@@ -208,28 +210,55 @@ static const struct warning {
     enum theme_text colour;
     const char *text;
     const char *(*find)(const conus_atlas *atlas); /* More about it; NULL where it does not hold. */
-} warnings[WARNING_COUNT] = {
+} warnings[] = {
     {THEME_ORANGE, "Names or places have left and right exchanged", conus_atlas_exchanged},
     {THEME_HINT, "Areas have numbers in place of names", find_unnamed},
 };
+enum { WARNINGS = sizeof warnings / sizeof *warnings };
 
-const char *panel_warning(enum theme_text *colour, const struct view_atlas *view, size_t index)
+/* Whether a line is about what the table above says in short. */
+static bool is_said(const struct viewer *viewer, const char *line)
 {
-    *colour = warnings[index].colour;
-    return warnings[index].find(view->atlas) ? warnings[index].text : NULL;
+    bool is = false;
+    for (size_t i = 0; i < viewer->atlas_count * WARNINGS && !is; i++) {
+        const char *more = warnings[i % WARNINGS].find(viewer->atlases[i / WARNINGS].atlas);
+        is = more && strstr(line, more);
+    }
+    return is;
+}
+
+bool panel_warning(struct panel_warning *out, size_t *index, const struct viewer *viewer)
+{
+    const size_t of_atlases = viewer->atlas_count * WARNINGS;
+    const char *line;
+    for (; *index < of_atlases; ++*index) {
+        const struct view_atlas *view = &viewer->atlases[*index / WARNINGS];
+        const struct warning *warning = &warnings[*index % WARNINGS];
+        *out = (struct panel_warning){.colour = warning->colour, .more = warning->find(view->atlas)};
+        if (out->more) {
+            snprintf(out->text, sizeof out->text, "%s%s%s", warning->text, view->name[0] ? " in " : "", view->name);
+            ++*index;
+            return true;
+        }
+    }
+    while ((line = warning_line(*index - of_atlases))) {
+        ++*index;
+        if (!is_said(viewer, line)) {
+            *out = (struct panel_warning){.colour = THEME_ORANGE};
+            snprintf(out->text, sizeof out->text, "Warning: %s", line);
+            return true;
+        }
+    }
+    return false;
 }
 
 void panel_warnings(const struct viewer *viewer)
 {
-    for (size_t i = 0; i < viewer->atlas_count * WARNING_COUNT; i++) {
-        const struct view_atlas *view = &viewer->atlases[i / WARNING_COUNT];
-        const struct warning *warning = &warnings[i % WARNING_COUNT];
-        const char *more = warning->find(view->atlas);
-        char text[VIEW_ATLAS_TITLE];
-        if (more) {
-            snprintf(text, sizeof text, "%s%s%s", warning->text, view->name[0] ? " in " : "", view->name);
-            ui_text_wrapped(warning->colour, text);
-            ui_tip(more);
+    struct panel_warning warning;
+    for (size_t i = 0; panel_warning(&warning, &i, viewer);) {
+        ui_text_wrapped(warning.colour, warning.text);
+        if (warning.more) {
+            ui_tip(warning.more);
         }
     }
 }

@@ -102,7 +102,12 @@ void panel_card(struct window *window)
     panel_hide(viewer, number, false);
     ui_flow("Pin");
     if (ui_button("Pin", "adds it to what was confirmed, with the place of the crosshair")) {
-        viewer_pin(viewer, (size_t)(viewer->drawn - viewer->atlases), number, NULL, NAN, NAN, viewer->crosshair);
+        const double *at = viewer->crosshair;
+        viewer_pin(viewer, (struct pin){.atlas = (size_t)(viewer->drawn - viewer->atlases),
+                                        .object = number,
+                                        .share = NAN,
+                                        .distance = NAN,
+                                        .contact = {at[0], at[1], at[2]}});
         viewer->version++;
     }
     if (viewer->drawn == viewer->atlases) { /* which plans are about */

@@ -321,6 +321,9 @@ void panel_question(struct window *window)
     }
     choose_pointer(window);
     choose_width(window);
+    if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_MOUSE) {
+        panel_property(window, PROPERTY_START);
+    }
     choose_layers(viewer);
     search_area(window);
 }
@@ -329,9 +332,6 @@ void panel_question(struct window *window)
 static void choose_details(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_MOUSE) {
-        panel_property(window, PROPERTY_APEX_AT_EYE);
-    }
     show_pose(viewer);
     panel_property(window, PROPERTY_FOLLOW);
     panel_property(window, PROPERTY_ONE_RAY);

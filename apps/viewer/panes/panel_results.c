@@ -76,22 +76,20 @@ static void draw_ways_out(struct window *window)
     ui_popup_end();
 }
 
-/* Draws the main button, which says what it keeps where the large letters say something else: the first hit of a
- * planned needle. */
+/* Draws the main button, which keeps what the large letters say: the first hit, or the needle of a plan. */
 static void draw_keep(struct window *window, const struct headline *headline, bool is_old)
 {
     struct viewer *viewer = window->viewer;
     const conus_selection *selection = viewer_selection(viewer);
     const conus_result *best = conus_selection_count(selection) ? conus_selection_result(selection, 0) : NULL;
-    char title[VIEW_ATLAS_TITLE];
-    char label[VIEW_ATLAS_TITLE + 16] = "Keep answer";
-    bool can = best && best->object && !is_old;
+    bool can = (headline->is_of_plan || (best && best->object)) && !is_old;
     bool (*button)(const char *label, const char *tip) = can ? ui_main_button : ui_button; /* without one it is grey */
-    if (best && best->object && headline->is_of_plan) {
-        snprintf(label, sizeof label, "Keep %s", view_atlas_title(title, viewer->drawn, best->object));
-    }
     ui_disable(!can);
-    bool pressed = button(label, "confirms the first hit: pins it in a list; or Enter, or a double click on the brain");
+    bool pressed =
+        headline->is_of_plan
+            ? button("Keep this needle", "keeps it in a list, with both ends; or Enter, or a double click on the brain")
+            : button("Keep answer",
+                     "confirms the first hit: pins it in a list; or Enter, or a double click on the brain");
     ui_disable_end();
     if (pressed) {
         inputs_confirm(&window->inputs, viewer, FIRST_TOOL);

@@ -322,7 +322,7 @@ void panel_start(struct window *window)
     ui_text_wrapped(THEME_PLAIN, "Which areas of the brain does this beam, probe or pointing hand reach?");
     ui_gap(ui_line() / 2);
     ui_text_wrapped(THEME_PLAIN,
-                    "First open an atlas: click one below. Then move the mouse over the brain: a cone begins under it, "
+                    "First open an atlas: click one below. Then move the mouse over the brain: a cone follows it, "
                     "and the list on the right names the areas that it hits. A click holds the cone.");
     ui_gap(ui_line() / 2);
     draw_field(window);

@@ -12,10 +12,15 @@ void panel_ask(struct window *window);    /**< Before all others: how files open
 void panel_areas(struct window *window);
 /** How many areas are hidden, while some are, for the answer is without them. */
 void panel_hidden(struct window *window);
-enum { WARNING_COUNT = 2 };
-/** What has to be known of the names and places of an atlas to read the answer; NULL where @p index does not hold. */
-const char *panel_warning(enum theme_text *colour, const struct view_atlas *view, size_t index);
-/** That of each atlas. */
+/** What has to be known to read the answer. */
+struct panel_warning {
+    enum theme_text colour;
+    char text[512];
+    const char *more; /**< NULL = no more. */
+};
+/** Finds what holds from @p index on, which goes to behind it: of the names and places of the atlases, and what the
+ * program warned of on stderr, as tables, sidecars and conus cite have it. False where nothing does. */
+bool panel_warning(struct panel_warning *out, size_t *index, const struct viewer *viewer);
 void panel_warnings(const struct viewer *viewer);
 /** A folded panel, left (0) or right (1). */
 void panel_rail(struct window *window, size_t side);

@@ -26,15 +26,24 @@ struct pane_name {
 };
 /** Draws it where it lies on no other, with a line from there to the place. */
 void pane_name(struct labels *labels, const struct ui_box *box, const float at[2], const struct pane_name *what);
-/** The line between the two places that are measured, at these pixels, with its length. */
-void pane_measured(const struct window *window, struct labels *labels, const struct ui_box *box, float ends[2][2]);
 /** A flat pane: where it is, and where it looks. */
 struct pane_plane {
     struct ui_box box;
     conus_cut_view view;
 };
+/** The line between the two places that are measured, at these pixels, with its length. In a cut, @p plane, it is firm
+ * where it lies in it, and only then has a length: that in 3-D, which it says unless all of it lies there. */
+void pane_measured(const struct window *window, struct labels *labels, const struct ui_box *box,
+                   const struct pane_plane *plane, float ends[2][2]);
 /** The pixel of the window that a place is seen at, wherever it lies before or behind the cut. */
 void pane_point(float out[2], const struct pane_plane *plane, const double world[3]);
+void pane_normal(double out[3], const struct pane_plane *plane); /**< Of the cut, towards its viewer. */
+/** A line as it is seen from before a cut: firm where it is in it, half a slice or @p radius away at most, else thin,
+ * the fainter the farther away. Returns how much of it is firm, 0 to 1. */
+double pane_line_cut(const struct window *window, const struct pane_plane *plane, const double from[3],
+                     const double to[3], double radius, struct pen pen);
+/** Whether a place is in a cut, likewise. */
+bool pane_is_in_cut(const struct window *window, const struct pane_plane *plane, const double place[3], double radius);
 /** The cones of both tools, over a cut and over the 3-D pane. */
 void pane_cones_cut(struct window *window, const struct pane_plane *plane);
 void pane_cones(struct window *window);

@@ -23,14 +23,16 @@ static const char *const study_names[] = {"none", "sweep", "jitter"};
 static const char *const fold_names[] = {"as-at-first", "folded", "open"};
 static const char *const legend_names[] = {"auto", "right", "below", "none"};
 
-static const char *const eye_says[] = {"the mouse's cone begins at the surface: of the context, or of the atlas",
-                                       "the mouse's cone begins at your eye"};
+static const char *const start_names[] = {"surface", "before", "eye"};
+static const char *const start_says[] = {"the mouse's cone begins at the surface: of the context, or of the atlas",
+                                         "the mouse's cone begins before the surface, where its ball is",
+                                         "the mouse's cone begins at your eye"};
 static const char *const ray_says[] = {"all areas in the cone",
                                        "one area: the one that a ray along the axis hits first"};
 static const char *const follow_says[] = {"the cuts stay where they are", "the cuts follow the cone's tip",
                                           "the cuts follow the contact of the best hit"};
 static const char *const order_says[] = {"the best first", "the nearest first"};
-static const char *const apexes[] = {"at the surface", "at your eye"};
+static const char *const starts[] = {"at the surface", "off the surface", "at your eye"};
 static const char *const followed[] = {"nothing", "the cone's tip", "the best contact"};
 static const char *const bare_says[] = {"panels and cuts are back", "the brain alone; F brings all back"};
 static const char *const measure_says[] = {"clicks set the crosshair again",
@@ -112,11 +114,12 @@ const struct property properties[PROPERTY_COUNT] = {
     [PROPERTY_SLICE_FRACTION] = {NULL, "slice_fraction",
                                  "which part of the picture's slices are sampled; only where it is not 0, the default",
                                  OF_VIEWER(cone.options.slice_fraction), REALS(1, 0, 1), .presence = PROPERTY_ZERO},
-    [PROPERTY_APEX_AT_EYE] = {NULL, "apex_at_eye", "whether the mouse's cone begins at the eye, not at the surface",
-                              OF_VIEWER(cone.apex_at_eye), TRUTH, .presence = PROPERTY_KEPT, .says = eye_says,
-                              .label = "Start", .choices = apexes,
-                              .tip = "where the mouse's cone has its apex: at the first surface under the mouse, of "
-                                     "the context or of an\narea, or at the eye that looks at the 3-D pane"},
+    [PROPERTY_START] = {NULL, "start", "where the mouse's cone begins", OF_VIEWER(cone.start), ENUM(start_names),
+                        .presence = PROPERTY_KEPT, .says = start_says, .label = "Starts", .choices = starts,
+                        .tip = "where the mouse's cone has its apex: at the first surface under the mouse, of the "
+                               "context or of an\narea, 40 mm before it (a small atlas: half its radius), or at the "
+                               "eye that looks at the 3-D pane;\nwith an end of its depths, which are told from "
+                               "there, at the surface in place of before it"},
     [PROPERTY_ONE_RAY] = {NULL, "one_ray", "whether a single ray is asked in place of the cone",
                           OF_VIEWER(cone.one_ray), TRUTH, .presence = PROPERTY_KEPT, .says = ray_says,
                           .label = "One area only", .change = CHANGES_ANSWER,

@@ -79,15 +79,22 @@ static json_t *number_or_null(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
+static json_t *place_of(const double at[3])
+{
+    return json_pack("[o, o, o]", number_or_null(at[0]), number_or_null(at[1]), number_or_null(at[2]));
+}
+
 static json_t *pins_of(const struct viewer *viewer)
 {
     json_t *pins = json_array();
     for (size_t i = 0; i < viewer->pin_count; i++) {
         const struct pin *pin = &viewer->pins[i];
-        json_t *entry = json_pack("{s: i, s: o, s: o, s: [o, o, o]}", "object", (int)pin->object, "share",
-                                  number_or_null(pin->share), "distance_mm", number_or_null(pin->distance), "contact",
-                                  number_or_null(pin->contact[0]), number_or_null(pin->contact[1]),
-                                  number_or_null(pin->contact[2]));
+        json_t *entry =
+            json_pack("{s: i, s: o, s: o, s: o}", "object", (int)pin->object, "share", number_or_null(pin->share),
+                      "distance_mm", number_or_null(pin->distance), "contact", place_of(pin->contact));
+        if (isfinite(pin->entry[0])) {
+            json_object_set_new(entry, "entry", place_of(pin->entry));
+        }
         json_object_set_new(entry, "name", json_string(pin->name)); /* left out where it was cut within a letter */
         if (viewer->atlas_count > 1) {
             json_object_set_new(entry, "atlas", json_integer((json_int_t)pin->atlas + 1));
@@ -213,15 +220,19 @@ static void read_pins(struct viewer *viewer, const json_t *root)
         json_int_t object = json_integer_value(json_object_get(entry, "object"));
         json_int_t atlas = json_integer_value(json_object_get(entry, "atlas"));
         size_t of = atlas > 0 ? (size_t)atlas - 1 : 0; /* a session of one atlas does not say of which */
-        double contact[3];
+        struct pin pin = {.atlas = of,
+                          .object = (uint32_t)object,
+                          .share = number_or_nan(json_object_get(entry, "share")),
+                          .distance = number_or_nan(json_object_get(entry, "distance_mm"))};
         for (size_t a = 0; a < 3; a++) {
-            contact[a] = number_or_nan(json_array_get(json_object_get(entry, "contact"), a));
+            pin.contact[a] = number_or_nan(json_array_get(json_object_get(entry, "contact"), a));
+            pin.entry[a] = number_or_nan(json_array_get(json_object_get(entry, "entry"), a));
         }
         const char *name = object ? NULL : json_string_value(json_object_get(entry, "name"));
         if (of < viewer->atlas_count &&
             (name || (object > 0 && conus_atlas_object(viewer->atlases[of].atlas, (size_t)object)))) {
-            viewer_pin(viewer, of, (uint32_t)object, name, number_or_nan(json_object_get(entry, "share")),
-                       number_or_nan(json_object_get(entry, "distance_mm")), contact);
+            snprintf(pin.name, sizeof pin.name, "%s", name ? name : "");
+            viewer_pin(viewer, pin);
         }
     }
 }

@@ -6,8 +6,6 @@
 
 #include <math.h>
 
-static const double ball_mm = 40;
-
 static double dot(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -91,7 +89,7 @@ void extent_find(struct extent *out, struct viewer *viewer, enum tool_number num
     double leaves = nearest + viewer->radius - point_depth(viewer, behind, m + 8);
     bool meets = isfinite(enters);
     along(out->entry, apex, axis, meets ? enters : nearest);
-    out->reach = fmin(ball_mm, viewer->radius / 2) + (meets ? 0 : viewer->radius);
+    out->reach = point_before(viewer) + (meets ? 0 : viewer->radius);
     out->near = options.range[1] > 0 ? options.range[0] : 0;
     out->end = options.range[1] > 0 ? options.range[1] : leaves > 0 ? leaves : whole;
     double hits[2] = {-1, -1};

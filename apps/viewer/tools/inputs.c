@@ -4,6 +4,7 @@
 
 #include "options/clock.h"
 #include "settings/station_settings.h"
+#include "viewer/model/plans.h"
 #include "viewer/tools/point.h"
 
 #include <math.h>
@@ -381,7 +382,11 @@ void inputs_confirm(const struct inputs *inputs, struct viewer *viewer, enum too
         viewer_say(viewer, "%s", not_confirmed);
         return;
     }
-    tool_confirm(viewer, number);
+    if (number == FIRST_TOOL && plans_has_needle(viewer)) { /* what the answer is about */
+        plans_keep(viewer);
+    } else {
+        tool_confirm(viewer, number);
+    }
 }
 
 static const double default_step_s = 0.1;

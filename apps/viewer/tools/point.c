@@ -8,6 +8,7 @@
 
 /* The skin's grey value, as a fraction from black to white in the cuts: the air around a head is darker. */
 static const double skin_part = 0.2;
+static const double before_mm = 40;
 static const double fine = 0.01; /* the accuracy of the skin's depth, in steps */
 
 /* A ray through the context. */
@@ -86,10 +87,17 @@ double point_depth(struct viewer *viewer, const double from[3], const double dir
     return fmin(nearest, depth_of_context(viewer, from, direction, least, fmin(nearest, across + far)));
 }
 
+double point_before(const struct viewer *viewer)
+{
+    return fmin(before_mm, viewer->radius / 2);
+}
+
 bool point_find(conus_pose *out, struct viewer *viewer, const double eye[3], const double direction[3])
 {
-    double depth = viewer->cone.apex_at_eye ? 0 : point_depth(viewer, eye, direction);
+    const bool is_before = viewer->cone.start == START_BEFORE && !(viewer->cone.options.range[1] > 0);
+    double depth = viewer->cone.start == START_EYE ? 0 : point_depth(viewer, eye, direction);
     double apex[3];
+    depth = is_before ? fmax(depth - point_before(viewer), 0) : depth;
     for (int a = 0; a < 3; a++) {
         apex[a] = eye[a] + depth * direction[a];
     }

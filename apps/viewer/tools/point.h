@@ -13,4 +13,8 @@ double point_depth(struct viewer *viewer, const double from[3], const double dir
  * where the cone has its apex there. False where the ray passes beside all surfaces. */
 bool point_find(conus_pose *out, struct viewer *viewer, const double eye[3], const double direction[3]);
 
+/** How far before the surface the mouse's cone begins, mm, where it does so: 40, or half the radius of a small atlas. A
+ * cone whose range has an end begins on the surface then: its depths are told from there. */
+double point_before(const struct viewer *viewer);
+
 #endif

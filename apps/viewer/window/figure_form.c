@@ -2,6 +2,7 @@
 /* Finds a name, waits until the window has said what it does, and writes what a pane shows as conus render would. */
 #include "viewer/window/figure_form.h"
 
+#include "base/look.h"
 #include "base/path.h"
 #include "base/system/system.h"
 #include "viewer/model/viewer.h"
@@ -74,28 +75,92 @@ static bool set_camera(conus_view *view, struct eye *eye, const char *streamline
     return view->legend != CONUS_LEGEND_RIGHT || view->no_legend || (!view->selection && !has_key);
 }
 
+/* What the pane has over its picture. */
+struct marks {
+    conus_mark items[TOOL_COUNT * (CONE_LINES + 3 + HITS_NAMED)];
+    size_t count;
+    char names[TOOL_COUNT][HITS_NAMED][VIEW_ATLAS_TITLE];
+};
+
+static conus_mark *add_mark(struct marks *marks, const double from[3], const double to[3], uint32_t rgb)
+{
+    conus_mark *mark = &marks->items[marks->count++];
+    for (int a = 0; a < 3; a++) {
+        mark->ends[0][a] = from[a];
+        mark->ends[1][a] = to[a];
+        mark->rgb[a] = (uint8_t)(rgb >> (16 - 8 * a));
+    }
+    return mark;
+}
+
+/* Adds a tool's cone, its beginning, its ball and the names of its best hits, as the pane has them for this eye. */
+static void add_tool(struct marks *marks, const struct window *window, enum tool_number number, const struct eye *eye)
+{
+    static const uint32_t colours[TOOL_COUNT] = {LOOK_CONE, LOOK_SECOND};
+    const struct viewer *viewer = window->viewer;
+    const struct tool *tool = &viewer->tools[number];
+    const struct cone_sight *sight = &window->pictures.cones[number];
+    const conus_selection *selection = view_atlas_selection(viewer->drawn, number);
+    bool is_shown = tool->has_pose && (number == FIRST_TOOL || tool->on) && sight->is_seen &&
+                    sight->answer_number == tool->answer_number && eye_is_same(&sight->view.eye, eye);
+    uint32_t rgb = inputs_is_old(&window->inputs, viewer, number) ? LOOK_CONE_OLD : colours[number];
+    if (!is_shown) {
+        return;
+    }
+    for (size_t i = 0; i < sight->line_count; i++) {
+        const struct cone_line *line = &sight->lines[i];
+        add_mark(marks, line->ends[0], line->ends[1], rgb)->dashed = line->dashed;
+    }
+    const double *apex = tool->pose.world_from_device + 12;
+    add_mark(marks, apex, apex, rgb)->radius = 5;
+    add_mark(marks, apex, apex, LOOK_APEX)->radius = 3.5;
+    if (sight->has_ball) {
+        add_mark(marks, sight->ball, sight->ball, rgb)->radius = 8;
+    }
+    for (size_t i = 0; i < HITS_NAMED && i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        if (result->object && result->pixels) {
+            char title[VIEW_ATLAS_TITLE];
+            char *name = marks->names[number][i];
+            snprintf(name, VIEW_ATLAS_TITLE, "%s", view_atlas_title(title, viewer->drawn, result->object));
+            add_mark(marks, result->contact, result->contact, rgb)->name = name;
+        }
+    }
+}
+
 static conus_status draw_3d(conus_image **out, const char **refusal, const struct window *window,
                             const struct figure_settings *settings, bool shapes)
 {
     const struct viewer *viewer = window->viewer;
     conus_renderer *renderer = NULL;
     struct eye eye;
+    struct marks *marks = calloc(1, sizeof *marks);
+    if (!marks) {
+        return CONUS_ERROR_MEMORY;
+    }
     conus_view view = {.selection = viewer_selection(viewer),
                        .chosen = viewer_full(viewer),
                        .fade = viewer->display.fade,
                        .shapes = shapes,
                        .measured = measured(viewer)};
     window_eye(window, &eye);
+    for (enum tool_number number = FIRST_TOOL; number < TOOL_COUNT; number++) {
+        add_tool(marks, window, number, &eye);
+    }
+    view.marks = marks->items;
+    view.mark_count = marks->count;
     figure_view(&view, settings);
     appearance_set(&view, &viewer->drawn->appearance);
     view.own_colours = viewer->display.own_colours;
     if (!set_camera(&view, &eye, settings->streamline_colour)) {
         *refusal = "a tracked head's view has no room for a legend beside it: choose auto, below or none";
+        free(marks);
         return CONUS_OK;
     }
     conus_status status = make_renderer(&renderer, viewer, settings);
     status = status ? status : conus_render(out, renderer, &view);
     conus_renderer_destroy(renderer);
+    free(marks);
     return status;
 }
 

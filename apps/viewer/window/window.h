@@ -93,7 +93,8 @@ struct cone_sight {
     size_t line_count;
     struct extent turned;       /**< The extent, with the reach of its ball as it is drawn. */
     double clear;               /**< Depth up to which nothing hides the axis. */
-    double ball[3];             /**< The place of its ball. */
+    double ball[3];             /**< The place of its ball, */
+    bool has_ball;              /**< which is drawn. */
     bool hides_ball;            /**< Something lies before that, */
     bool hides_hit[HITS_NAMED]; /**< or before the contact of the hit of that place in the answer. */
 };

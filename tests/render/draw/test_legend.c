@@ -4,6 +4,7 @@
 #include "render/image/image.h"
 #include "test.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <string.h>
 
@@ -343,6 +344,41 @@ static void a_key_is_shown_below_too_many_rows(void **state)
     font_destroy(font);
 }
 
+/* A bar of five marks stays one in as many columns as there may be, with a row before it or alone. */
+static void a_bar_never_breaks(void **state)
+{
+    static const char *const marks[] = {"8.4", "7.1", "5.8", "4.4", "3.1"};
+    static const uint8_t ramp[LEGEND_BAR][3] = {{0}};
+    struct font *font = make_font();
+    struct legend_row rows[7] = {{.name = "act"}, {.name = "by z", .heading = true}};
+    (void)state;
+    for (size_t i = 0; i < 5; i++) {
+        rows[2 + i] = (struct legend_row){.name = marks[i], .mark = true, .bar = i ? ramp : NULL};
+    }
+    for (size_t columns = 1; columns <= 4; columns++) {
+        for (size_t first = 0; first <= 2; first += 2) {
+            conus_image *image = make_image(600, 300);
+            double size[2];
+            double left = NAN;
+            size_t seen = 0;
+            struct legend legend = {.rows = rows + first, .count = 7 - first, .tail = first ? 0 : 6, .ink = INK};
+            legend.columns = columns;
+            legend_fit(size, &legend, font, (const double[]){600, 300}, 14, 12);
+            legend_draw(image->list, font, &legend);
+            for (size_t i = 0; i < image->list->count; i++) {
+                const struct draw_item *item = &image->list->items[i];
+                if (item->kind == DRAW_TEXT && isdigit(item->text[0])) {
+                    left = seen++ ? left : item->points[0][0];
+                    assert_near(item->points[0][0], left, 1e-9);
+                }
+            }
+            assert_int_equal(seen, 5);
+            conus_image_destroy(image);
+        }
+    }
+    font_destroy(font);
+}
+
 static conus_status draw_once(void *data)
 {
     (void)data;
@@ -525,6 +561,7 @@ TEST_GROUP(legend)
         cmocka_unit_test(stripes_go_down_to_the_right),
         cmocka_unit_test(legend_fits_into_any_image),
         cmocka_unit_test(a_key_is_shown_below_too_many_rows),
+        cmocka_unit_test(a_bar_never_breaks),
         cmocka_unit_test(every_failing_allocation_is_survived),
         cmocka_unit_test(a_legend_that_fits_is_whole),
         cmocka_unit_test(rows_go_down_columns),

@@ -230,25 +230,40 @@ static const struct draw_item *find_shape(const conus_image *image, enum draw_ki
     return NULL;
 }
 
-/* 3, 4 and 12 mm apart are 13 mm. Half a mm is a pixel, and an end 12 mm behind the cut is drawn where it is seen. */
+/* 3, 4 and 12 mm apart are 13 mm. Half a mm is a pixel. The cut is at z = 0, in
+ * voxels of 1 mm: of a line that goes 12 mm behind it a 24th is in it. */
 static void a_measured_distance_is_drawn(void **state)
 {
-    static const double places[2][6] = {{-10, 5, 0, -7, 9, 12}, {-10, 5, 0, -7, 90, 12}};
+    static const struct {
+        double places[6], firm; /* the part that is, from its first end */
+        const char *text;
+        bool is_faint;
+    } cases[] = {{{-10, 5, 0, -7, 9, 12}, 1 / 24.0, "13.00 mm in 3-D", true},
+                 {{-10, 5, 0, -7, 9, 0}, 1, "5.00 mm", false},
+                 {{-10, 5, 4, -7, 9, 16}, 0, NULL, true},
+                 {{-10, 5, 30, -7, 9, 42}, 0, NULL, false},
+                 {{-10, 5, 0, -7, 90, 12}, 0, NULL, false}}; /* outside the drawing */
     conus_atlas *atlas = load();
     (void)state;
-    for (int outside = 0; outside < 2; outside++) {
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         conus_image *image = NULL;
-        const conus_view sheet = {.shapes = true, .measured = places[outside]};
+        const conus_view sheet = {.shapes = true, .measured = cases[i].places};
+        const double part = cases[i].firm;
         assert_ok(conus_cut_image(&image, atlas, &plain, &sheet));
         const struct draw_item *line = find_shape(image, DRAW_LINES, NULL, 4);
-        const struct draw_item *text = find_shape(image, DRAW_TEXT, "13.00 mm", 0);
-        assert_int_equal(line != NULL, !outside);
-        assert_int_equal(text != NULL, !outside);
+        const struct draw_item *text = cases[i].text ? find_shape(image, DRAW_TEXT, cases[i].text, 0) : NULL;
+        assert_int_equal(line != NULL, part > 0);
+        assert_int_equal(text != NULL, part > 0);
+        assert_int_equal(find_shape(image, DRAW_LINES, NULL, 1) != NULL, cases[i].is_faint);
+        for (size_t item = 0; item < image->list->count && !text; item++) {
+            const char *any = image->list->items[item].text;
+            assert_true(!any || !strstr(any, "13.00 mm"));
+        }
         if (line && text) {
             assert_near(line->points[0][0], WIDTH / 2.0 - 20, 1e-9);
             assert_near(line->points[0][1], HEIGHT / 2.0 - 10, 1e-9);
-            assert_near(line->points[1][0], WIDTH / 2.0 - 14, 1e-9);
-            assert_near(line->points[1][1], HEIGHT / 2.0 - 18, 1e-9);
+            assert_near(line->points[1][0], WIDTH / 2.0 - 20 + 6 * part, 1e-9);
+            assert_near(line->points[1][1], HEIGHT / 2.0 - 10 - 8 * part, 1e-9);
             assert_near(text->points[0][0] + text->length / 2, WIDTH / 2.0 - 17, 1);
         }
         conus_image_destroy(image);

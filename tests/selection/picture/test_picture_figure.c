@@ -830,12 +830,42 @@ static void a_measured_distance_is_drawn(void **state)
     assert_int_equal(texts, 1);
 }
 
+/* At right angles to the axis, and 25 degrees from above where such a direction is among these. */
+static void the_side_across_the_cone_is_at_right_angles(void **state)
+{
+    static const double from[][4] = {
+        {-60, 0, 0, 25}, {60, 10, 5, 25}, {0, 70, 0, 25}, {0, 0, 75, 0}, {10, -40, -60, 25}};
+    struct scene scene = need_scene(state);
+    for (size_t i = 0; i < sizeof from / sizeof *from; i++) {
+        conus_selection *selection = NULL;
+        conus_image *image = NULL;
+        conus_pose pose;
+        double cosine = 0;
+        assert_ok(conus_pose_toward(&pose, from[i], (double[]){0, 0, 0}, NULL));
+        assert_ok(conus_select(&selection, scene.selector, &pose, radians_from_degrees(20)));
+        const conus_view view = {.side = CONUS_SIDE_ACROSS_CONE,
+                                 .width = 200,
+                                 .height = 150,
+                                 .legend = CONUS_LEGEND_NONE,
+                                 .selection = selection};
+        image = render(&scene, view);
+        const struct image_attribute *camera = image_find_attribute(image, "conus:worldFromCamera");
+        for (int a = 0; a < 3; a++) {
+            cosine += (double)camera->matrix[8 + a] * pose.world_from_device[8 + a];
+        }
+        assert_near(cosine, 0, 1e-5);
+        assert_near(degrees_from_radians(asin((double)camera->matrix[10])), from[i][3], 0.6);
+        conus_image_destroy(image);
+        conus_selection_destroy(selection);
+    }
+}
+
 static void views_out_of_range_are_refused(void **state)
 {
     struct scene scene = need_scene(state);
     conus_pose camera;
     assert_ok(conus_pose_toward(&camera, (double[]){-150, 0, 0}, (double[]){0, 0, 0}, NULL));
-    const conus_view views[] = {{.side = CONUS_SIDE_BESIDE_CONE + 1},
+    const conus_view views[] = {{.side = CONUS_SIDE_ACROSS_CONE + 1},
                                 {.legend = CONUS_LEGEND_NONE + 1},
                                 {.background = CONUS_BACKGROUND_TRANSPARENT + 1},
                                 {.side = CONUS_SIDE_TOP, .camera = &camera},
@@ -952,6 +982,7 @@ TEST_GROUP(picture_figure)
         cmocka_unit_test(on_paper_a_line_runs_around_the_drawing),
         cmocka_unit_test(letters_grow_with_the_resolution),
         cmocka_unit_test(a_measured_distance_is_drawn),
+        cmocka_unit_test(the_side_across_the_cone_is_at_right_angles),
         cmocka_unit_test(views_out_of_range_are_refused),
         cmocka_unit_test(a_column_has_the_cross_of_directions),
         cmocka_unit_test(allocations_may_fail),

@@ -740,7 +740,8 @@ static void add_box(conus_atlas *atlas, const char *name, const double low[3], c
                                  .type = CONUS_SCALAR_FLOAT32,
                                  .data = values,
                                  .world_from_voxel = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -29.5, -29.5, -29.5, 1}};
-    assert_ok(conus_atlas_add_values(atlas, &voxels, &(conus_pathway_options){.name = name, .threshold = 0.5}));
+    assert_ok(
+        conus_atlas_add_values(atlas, &voxels, &(conus_pathway_options){.name = name, .threshold = 0.5, .unit = "z"}));
     memory_free(values);
 }
 
@@ -814,7 +815,7 @@ static void haze_that_is_not_seen_has_no_bar(void **state)
     for (int is_back = 0; is_back < 2; is_back++) {
         scene.view = (conus_view){.side = is_back ? CONUS_SIDE_BACK : CONUS_SIDE_FRONT, .shapes = true};
         assert_int_equal(count_texts(&scene, "Behind"), is_back);
-        assert_int_equal(count_texts(&scene, "Pathways by probability, %"), is_back);
+        assert_int_equal(count_texts(&scene, "Pathways by z"), is_back);
     }
     finish_scene(&scene);
 }

@@ -89,6 +89,7 @@ conus_status area_rows_add_pathway(conus_atlas *atlas, const char *name)
     }
     info.role = CONUS_ROLE_SCALAR;
     info.threshold = 0.5;
+    memcpy(info.unit, "probability", sizeof "probability");
     conus_status status = pathway_of_values(atlas, &info, values, name);
     memory_free(status ? values : NULL);
     return status;
