@@ -162,10 +162,11 @@ static int check_files(const struct batch_task *task)
 int batch_task_open(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
+    struct atlas_settings atlas = settings->atlas;
+    atlas.answers = true;
     int code = pose_settings_check_file(settings->poses, "poses", task->arguments);
-    code = code ? code
-                : atlases_load_all(&task->atlases, &settings->atlas,
-                                   &settings->context); /* whose size open_poses() asks */
+    code =
+        code ? code : atlases_load_all(&task->atlases, &atlas, &settings->context); /* open_poses() asks their size */
     code =
         code ? code : space_settings_frame(&task->frame, &task->atlases, &settings->aim.space, settings->common.quiet);
     code = code ? code : open_poses(task);

@@ -112,7 +112,9 @@ int request_load_poses(struct request *request)
 int request_load_atlases(struct request *request)
 {
     const struct request_settings *settings = request->settings;
-    int code = atlases_load(&request->atlases, request->arguments->operands[0], &settings->atlas, &settings->context);
+    struct atlas_settings atlas = settings->atlas;
+    atlas.answers = !settings->aim.inward; /* which may take the head of a context */
+    int code = atlases_load(&request->atlases, request->arguments->operands[0], &atlas, &settings->context);
     request->answerers = code ? NULL : calloc(1 + settings->atlas.more.count, sizeof *request->answerers);
     if (!code && !request->answerers) {
         return print_no_memory();

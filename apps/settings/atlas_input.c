@@ -539,6 +539,7 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
                                         .progress = hear_progress,
                                         .progress_user = &progress,
                                         .probability = settings->probability,
+                                        .without_context = settings->answers && !settings->transforms.count,
                                         .cache = !settings->no_cache};
     conus_atlas *atlas = NULL;
     conus_status status = conus_atlas_load(&atlas, name->path, &options);
