@@ -291,13 +291,20 @@ static void add_labelled(const struct scene *scene, const struct manifest_pathwa
     }
     const double asked = load->options->probability;
     const double threshold = asked > 0 ? asked : entry->threshold > 0 ? entry->threshold : 0.25; /* as of a pathway */
-    const struct probability_scale scale = probability_scale_of(scene->job, file, entry->scale);
+    struct probability_maps *maps = probability_maps_new(scene->job, file);
+    for (size_t i = 0; job_ok(scene->job) && i < maps->count; i++) {
+        const bool is_kept = label_table_find(labels, (uint32_t)i + 1);
+        if (is_kept) {
+            load_report(load, file->path, 1);
+        }
+        probability_maps_read(scene->job, maps, i, is_kept);
+    }
+    const struct probability_scale scale = probability_scale_of(scene->job, maps, entry->scale);
     for (size_t i = 0; job_ok(scene->job) && i < labels->count; i++) {
         struct label label = labels->entries[i];
         const uint32_t volume = label.number - 1;
         label.number = before + (entry->source.chosen ? 1 : label.number - skipped);
-        load_report(load, file->path, 1);
-        probability_add(scene->job, load->atlas, file, volume, &label, &scale, threshold);
+        probability_add(scene->job, load->atlas, maps, volume, &label, &scale, threshold);
     }
     if (job_ok(scene->job)) {
         job_note(scene->job, "%s: %zu area%s by probabilities of %s and more (values: %s)", path_base(file->path),
