@@ -10,6 +10,7 @@
 
 struct atlases;
 struct named_places;
+struct tract_shelf;
 
 struct space_settings {
     size_t name;      /* conus_space */
@@ -25,8 +26,8 @@ struct atlas_settings {
     bool labels_anyway;
     double probability; /* 0 = not given */
     struct option_list pathways, streamlines;
-    conus_tractogram **shared; /* [streamlines.count]: those that several atlases get, NULL until one has; else NULL.
-                                  Where there are such, bundles are asked about: --only without one keeps them all */
+    struct tract_shelf *shelf; /* no option: keeps what --streamlines reads; NULL = it is the atlas's alone */
+    bool asks_bundles;         /* no option: bundles are asked about: --only without one keeps them all */
     size_t hemispheres;        /* conus_hemispheres */
     size_t sides;              /* 1: the first atlas is mirrored */
     struct option_list only, hide;
