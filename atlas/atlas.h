@@ -72,7 +72,8 @@ struct conus_atlas {
     struct file_sums files; /**< Its source files other than those of its volumes: a manifest first.       */
     char *transfer; /**< Transfer function of the context: a preset's name or a file; NULL = the default.       */
     struct notes notes;
-    size_t exchanged; /**< Number of the note that left and right are exchanged, from 1 on; 0 = they are not. */
+    size_t exchanged;   /**< Number of the note that left and right are exchanged, from 1 on; 0 = they are not. */
+    bool lacks_context; /**< That of its manifest was left out (conus_load_options.without_context). */
     struct context_surface *context_surfaces; /**< [context_surface_count] */
     size_t context_surface_count;
     const void *mapped; /**< The file mapping that has its borrowed arrays, to be unmapped with the atlas; NULL = none.

@@ -84,6 +84,7 @@ void atlas_cache_init(struct atlas_cache *out, const char *path, const char *kin
         buffer_append(key, &options->max_memory, sizeof options->max_memory);
         buffer_append(key, &options->probability, sizeof options->probability);
         buffer_append(key, options->labels_anyway ? "y" : "n", 1);
+        buffer_append(key, options->without_context ? "y" : "n", 1);
         cache_store_name(&out->store);
     }
     out->options.cache = out->store.path.size;

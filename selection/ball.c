@@ -95,14 +95,16 @@ static double rounding_of(double distance)
     return 1e-9 * (1 + distance);
 }
 
-/* Whether the voxels of all volumes have perpendicular edges, which the search for what is far relies on. */
+/* Whether the voxels of all volumes but the context have perpendicular edges, which the search for what is far relies
+ * on. */
 static bool has_right_angles(const conus_atlas *atlas)
 {
     bool has = true;
     for (size_t i = 0; i < atlas->volume_count; i++) {
         struct near_cells cells;
         near_cells_init(&cells, &atlas->volumes[i]);
-        has = has && cells.gram[0][1] == 0 && cells.gram[1][2] == 0 && cells.gram[2][0] == 0;
+        const bool is_right = cells.gram[0][1] == 0 && cells.gram[1][2] == 0 && cells.gram[2][0] == 0;
+        has = has && (is_right || atlas->volumes[i].info.role == CONUS_ROLE_CONTEXT);
     }
     return has;
 }

@@ -212,6 +212,8 @@ static void put_volumes(FILE *out, const conus_atlas *atlas)
             put_volume(out, info);
             if (info->threshold > 0) {
                 fprintf(out, "  blocks       from %.9g on\n", info->threshold);
+            } else if (i && !conus_atlas_brain(atlas).is_moved) { /* conus_load_options.without_context */
+                fputs("  answers      do not need it, without --inward or --atlas-transform\n", out);
             }
         }
     }

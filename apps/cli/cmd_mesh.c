@@ -111,8 +111,10 @@ static int run_mesh(const void *given, const struct arguments *arguments)
     if (options.no_smoothing && option_given(arguments, "pass-band")) {
         return print_usage_error("--pass-band has no effect with --smooth 0");
     }
+    struct atlas_settings areas = settings->atlas;
+    areas.answers = true;
     conus_atlas *atlas = NULL;
-    int code = atlas_input_load(&atlas, arguments->operands[0], &settings->atlas);
+    int code = atlas_input_load(&atlas, arguments->operands[0], &areas);
     if (!code) {
         atlas_notes_say(atlas, &settings->common);
         code = print_status(conus_atlas_write_meshes(atlas, settings->output, &options));

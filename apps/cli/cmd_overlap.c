@@ -89,7 +89,8 @@ static bool atlas_is_region(const struct overlap *overlap)
 static bool region_is_atlas(const struct overlap *overlap, const char *path)
 {
     const struct atlas_settings *given = &overlap->settings->request.atlas;
-    const struct atlas_settings settings = {.max_memory = given->max_memory, .no_cache = given->no_cache};
+    const struct atlas_settings settings = {
+        .max_memory = given->max_memory, .no_cache = given->no_cache, .answers = true};
     conus_atlas *atlas = NULL;
     bool is_atlas = !atlas_input_load(&atlas, path, &settings) && conus_atlas_object_count(atlas) > 1;
     conus_atlas_destroy(atlas);

@@ -99,20 +99,25 @@ conus_pose_options request_pose_options(const struct request *request)
 int request_load_poses(struct request *request)
 {
     const char *path = request->settings->aim.pose;
+    if (!path) {
+        return EXIT_DONE;
+    }
     conus_pose_options options = request_pose_options(request);
     options.all_rows = request->format == CONUS_FORMAT_BIDS || format_is_of_probe(request->format);
     if (request->kept) {
         options.keep = request->marks.names = request->kept->at;
         options.keep_count = request->marks.count = request->kept->count;
     }
-    conus_status status = path ? conus_pose_list_load(&request->poses, path, &options) : CONUS_OK;
+    conus_status status = conus_pose_list_load(&request->poses, path, &options);
     return status ? pose_settings_print_error(status, path, "pose", request->arguments) : EXIT_DONE;
 }
 
 int request_load_atlases(struct request *request)
 {
     const struct request_settings *settings = request->settings;
-    int code = atlases_load(&request->atlases, request->arguments->operands[0], &settings->atlas, &settings->context);
+    struct atlas_settings atlas = settings->atlas;
+    atlas.answers = !settings->aim.inward; /* which may take the head of a context */
+    int code = atlases_load(&request->atlases, request->arguments->operands[0], &atlas, &settings->context);
     request->answerers = code ? NULL : calloc(1 + settings->atlas.more.count, sizeof *request->answerers);
     if (!code && !request->answerers) {
         return print_no_memory();

@@ -8,6 +8,7 @@
 #include "options/options.h"
 #include "options/output.h"
 #include "settings/settings.h"
+#include "settings/tract_shelf.h"
 
 #include "conus/streamlines.h"
 
@@ -361,14 +362,15 @@ static int add_streamlines(conus_atlas *atlas, const struct streamlines_option *
                                                    .space = options[i].space,
                                                    .max_memory = settings->max_memory,
                                                    .cache = !settings->no_cache};
-            conus_tractogram **shared = settings->shared ? &settings->shared[i] : NULL;
-            if (!(shared && *shared) && !begin_file(progress, options[i].path)) {
+            struct tract_shelf *shelf = settings->shelf;
+            const conus_tractogram *kept = NULL;
+            if (!(shelf && tract_shelf_has(shelf, options[i].path, own.space)) &&
+                !begin_file(progress, options[i].path)) {
                 return EXIT_DATA;
             }
-            conus_status status = !shared   ? conus_atlas_add_streamlines(atlas, options[i].path, &own)
-                                  : *shared ? CONUS_OK
-                                            : conus_tractogram_load(shared, options[i].path, &own);
-            status = status || !shared ? status : conus_atlas_add_tractogram(atlas, *shared, &own);
+            conus_status status = shelf ? tract_shelf_find(&kept, shelf, options[i].path, &own)
+                                        : conus_atlas_add_streamlines(atlas, options[i].path, &own);
+            status = status || !shelf ? status : conus_atlas_add_tractogram(atlas, kept, &own);
             code = print_status(status);
         }
     }
@@ -464,9 +466,9 @@ static int show_objects(conus_atlas *atlas, const struct atlas_settings *setting
     char *only = join_lists(&settings->only);
     char *hide = join_lists(&settings->hide);
     bool failed = (settings->only.count && !only) || (settings->hide.count && !hide);
-    conus_status status = failed                     ? CONUS_ERROR_MEMORY
-                          : only && settings->shared ? show_with_bundles(atlas, only, hide)
-                                                     : conus_atlas_show(atlas, only, hide);
+    conus_status status = failed                           ? CONUS_ERROR_MEMORY
+                          : only && settings->asks_bundles ? show_with_bundles(atlas, only, hide)
+                                                           : conus_atlas_show(atlas, only, hide);
     free(only);
     free(hide);
     return failed ? print_no_memory() : print_status(status);
@@ -545,6 +547,7 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
                                         .progress = hear_progress,
                                         .progress_user = &progress,
                                         .probability = settings->probability,
+                                        .without_context = settings->answers && !settings->transforms.count,
                                         .cache = !settings->no_cache};
     conus_atlas *atlas = NULL;
     conus_status status = conus_atlas_load(&atlas, name->path, &options);

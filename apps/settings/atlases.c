@@ -120,13 +120,14 @@ static int load_at(struct atlases *atlases, size_t index, const struct atlas_set
 {
     struct named_atlas *item = &atlases->items[index];
     struct atlas_settings own = *settings;
-    own.shared = atlases->shared;
+    own.shelf = atlases->shares_streamlines ? &atlases->shelf : own.shelf;
+    own.asks_bundles = atlases->shares_streamlines;
     if (index) {
         own.labels = NULL;
         own.probability = 0;
         own.sides = 0;
         own.pathways = own.only = own.hide = (struct option_list){0};
-        own.streamlines = atlases->shared ? own.streamlines : (struct option_list){0};
+        own.streamlines = atlases->shares_streamlines ? own.streamlines : (struct option_list){0};
     }
     return atlas_input_load(&item->atlas, item->given, &own);
 }
@@ -150,11 +151,6 @@ int atlases_load(struct atlases *out, const char *path, const struct atlas_setti
                  const struct context_settings *context)
 {
     int code = atlases_name(out, path, settings);
-    if (!code && out->shares_streamlines) {
-        out->shared_count = settings->streamlines.count;
-        out->shared = calloc(out->shared_count + 1, sizeof(conus_tractogram *));
-        code = out->shared ? EXIT_DONE : print_no_memory();
-    }
     return code ? code : atlases_load_all(out, settings, context);
 }
 
@@ -164,10 +160,7 @@ void atlases_finish(struct atlases *atlases)
         conus_atlas_destroy(atlases->items[i].atlas);
         free(atlases->items[i].name);
     }
-    for (size_t i = 0; atlases->shared && i < atlases->shared_count; i++) {
-        conus_tractogram_destroy(atlases->shared[i]);
-    }
-    free((void *)atlases->shared);
+    tract_shelf_finish(&atlases->shelf);
     free(atlases->items);
     *atlases = (struct atlases){0};
 }

@@ -6,6 +6,7 @@
 #include "conus/atlas_info.h"
 #include "settings/atlas_input.h"
 #include "settings/settings.h"
+#include "settings/tract_shelf.h"
 
 struct named_atlas {
     conus_atlas *atlas;
@@ -17,9 +18,8 @@ struct named_atlas {
 struct atlases {
     struct named_atlas *items; /**< [count] ATLAS, then those of --atlas. */
     size_t count;
-    bool shares_streamlines;   /**< Every atlas has the bundles of --streamlines; they are in memory once. */
-    conus_tractogram **shared; /**< [shared_count] These. */
-    size_t shared_count;
+    bool shares_streamlines;  /**< Every atlas has the bundles of --streamlines; they are in memory once. */
+    struct tract_shelf shelf; /**< If so: these. */
 };
 
 enum { ATLAS_PREFIX_SIZE = 256 };

@@ -114,7 +114,8 @@ static double longest_edge(const conus_atlas *atlas)
     double low[3];
     double high[3];
     double longest = 0;
-    for (int a = 0; a < 3 && atlas && !conus_atlas_bounds(low, high, atlas); a++) {
+    const bool has_box = atlas && !conus_atlas_bounds(low, high, atlas);
+    for (int a = 0; a < 3 && has_box; a++) {
         longest = high[a] - low[a] > longest ? high[a] - low[a] : longest;
     }
     return longest;

@@ -10,6 +10,7 @@
 
 struct atlases;
 struct named_places;
+struct tract_shelf;
 
 struct space_settings {
     size_t name;      /* conus_space */
@@ -25,14 +26,15 @@ struct atlas_settings {
     bool labels_anyway;
     double probability; /* 0 = not given */
     struct option_list pathways, streamlines;
-    conus_tractogram **shared; /* [streamlines.count]: those that several atlases get, NULL until one has; else NULL.
-                                  Where there are such, bundles are asked about: --only without one keeps them all */
+    struct tract_shelf *shelf; /* no option: keeps what --streamlines reads; NULL = it is the atlas's alone */
+    bool asks_bundles;         /* no option: bundles are asked about: --only without one keeps them all */
     size_t hemispheres;        /* conus_hemispheres */
     size_t sides;              /* 1: the first atlas is mirrored */
     struct option_list only, hide;
     struct option_list transforms;
     uint64_t max_memory;
     bool no_cache;
+    bool answers;                 /* no option: the context of a manifest is left out where no answer needs it */
     bool image_is_fine;           /* no option: where ATLAS is an image, nobody is told, and error_line() has why */
     struct option_list more;      /* of --atlas: atlases besides ATLAS (atlases.h) */
     conus_load_progress progress; /* no option: of programs that show it */

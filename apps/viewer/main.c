@@ -198,7 +198,10 @@ static bool open_window(struct window *out, const struct window_options *options
 
 static int run_view(const void *given, const struct arguments *arguments)
 {
-    const struct view_settings *settings = given;
+    struct tract_shelf shelf = {0}; /* what is opened again is not read again */
+    struct view_settings own = *(const struct view_settings *)given;
+    const struct view_settings *settings = &own;
+    own.atlas.shelf = &shelf;
     double started = clock_ms();
     struct script *script = NULL;
     struct window window;
@@ -215,6 +218,7 @@ static int run_view(const void *given, const struct arguments *arguments)
     }
     find_window_options(&options, settings);
     if (!open_window(&window, &options, arguments->operands[0], settings)) {
+        tract_shelf_finish(&shelf);
         script_destroy(script);
         return EXIT_NO_GL;
     }
@@ -233,6 +237,7 @@ static int run_view(const void *given, const struct arguments *arguments)
         place_save(&place);
     }
     window_close(&window);
+    tract_shelf_finish(&shelf);
     script_destroy(script);
     return code;
 }

@@ -72,17 +72,18 @@ conus_status fit_note_size(bool *said, struct notes *notes, const char *words, c
                                words, own, other, larger ? "micrometres" : "metres");
 }
 
-conus_status fit_note_context(conus_atlas *atlas, const char *words, const struct fit_box *box)
+conus_status fit_note_context(struct notes *notes, const conus_atlas *atlas, const char *words,
+                              const struct fit_box *box)
 {
     bool said;
     bool apart = false;
     const struct fit_box areas = fit_box_of_areas(atlas, true, true);
-    conus_status status = fit_note_size(&said, &atlas->notes, words, box, &areas);
+    conus_status status = fit_note_size(&said, notes, words, box, &areas);
     for (int a = 0; a < 3; a++) {
         apart = apart || box->low[a] > areas.high[a] || box->high[a] < areas.low[a];
     }
     bool empty = areas.low[0] > areas.high[0];
     return status || said || !apart || empty || atlas->is_moved
                ? status
-               : notes_warn(&atlas->notes, "%s: lies beside the box around the areas: is it in their space?", words);
+               : notes_warn(notes, "%s: lies beside the box around the areas: is it in their space?", words);
 }

@@ -22,8 +22,9 @@ struct fit_box fit_box_of_grid(const conus_volume_info *info);
 conus_status fit_note_size(bool *said, struct notes *notes, const char *words, const struct fit_box *box,
                            const struct fit_box *areas);
 
-/** The same for a context that is added to @p atlas; and a warning if its box does not touch that of the areas: it is
+/** The same for a context of @p atlas; and a warning if its box does not touch that of the areas: it is
  * in another space. For an atlas that was moved fit_note() says that. */
-conus_status fit_note_context(conus_atlas *atlas, const char *words, const struct fit_box *box);
+conus_status fit_note_context(struct notes *notes, const conus_atlas *atlas, const char *words,
+                              const struct fit_box *box);
 
 #endif

@@ -233,8 +233,11 @@ conus_status conus_atlas_inward(double out[3], conus_inward *from, const conus_a
 {
     double sum[3] = {0};
     conus_inward found = CONUS_INWARD_SURFACE;
-    conus_status status =
-        vec3_is_finite(point) ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "inward: the point is not finite");
+    conus_status status = !vec3_is_finite(point) ? fail(CONUS_ERROR_ARGUMENT, "inward: the point is not finite")
+                          : atlas->lacks_context
+                              ? fail(CONUS_ERROR_ARGUMENT, "inward: the atlas was loaded without its context, whose "
+                                                           "head says where that is")
+                              : CONUS_OK;
     for (size_t i = 0; i < atlas->context_surface_count && !status; i++) {
         const struct context_surface *surface = &atlas->context_surfaces[i];
         if (surface->mesh.shape.closed && !surface->is_shell) {

@@ -3,6 +3,7 @@
 #include "base/files/file.h"
 
 #include "base/files/file_trace.h"
+#include "base/files/inputs.h"
 #include "base/memory.h"
 #include "base/path.h"
 #include "base/system/system.h"
@@ -301,7 +302,7 @@ static conus_status write_file(const char *path, const void *data, size_t size, 
     conus_status status = input ? fail(CONUS_ERROR_ARGUMENT, "%s would overwrite the input %s", path, input)
                                 : write_regular(path, data, size, how);
     if (!status) {
-        file_trace_product(path);
+        inputs_product(path);
     }
     return status;
 }

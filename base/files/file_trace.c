@@ -2,22 +2,15 @@
 /* Keeps what a thread asks of the file system, and asks it again. */
 #include "base/files/file_trace.h"
 
+#include "base/files/inputs.h"
 #include "base/memory.h"
 #include "base/order.h"
 #include "base/system/system.h"
-#include "conus/file.h"
 
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
 static _Thread_local struct file_trace *open_trace; /* of this thread; NULL = none */
-static _Thread_local bool is_searching;
-
-/* What this process has read, each file once or more often, and the files that it has made; NULL = nobody asked for
- * it. */
-static pthread_mutex_t inputs_lock = PTHREAD_MUTEX_INITIALIZER;
-static struct file_trace *inputs, *products;
 
 void file_trace_finish(struct file_trace *trace)
 {
@@ -58,12 +51,6 @@ static void keep(enum trace_kind kind, const char *path, const char *more, const
     append_item(open_trace, item, more);
 }
 
-static void keep_file(struct file_trace *trace, const char *path, const struct file_state *state)
-{
-    append_item(trace, (struct traced){.kind = TRACE_FILE, .path = memory_text(path, strlen(path)), .state = *state},
-                NULL);
-}
-
 static enum trace_kind kind_of(struct file_state *out, const struct system_stat *info)
 {
     *out = (struct file_state){0};
@@ -88,56 +75,22 @@ void file_trace_path(const char *path, const struct system_stat *info)
     }
 }
 
-static void add_input(const char *path, const struct file_state *state)
-{
-    bool is_product = false; /* what the process itself has made may be made anew */
-    pthread_mutex_lock(&inputs_lock);
-    for (size_t i = 0; inputs && i < products->count; i++) {
-        is_product = is_product || file_state_equal(&products->items[i].state, state);
-    }
-    if (inputs && !is_product) {
-        keep_file(inputs, path, state);
-    }
-    pthread_mutex_unlock(&inputs_lock);
-}
-
-void file_trace_product(const char *path)
-{
-    struct system_stat info;
-    struct file_state state;
-    pthread_mutex_lock(&inputs_lock);
-    if (inputs && system_stat(&info, path) && kind_of(&state, &info) == TRACE_FILE) {
-        keep_file(products, path, &state);
-    }
-    pthread_mutex_unlock(&inputs_lock);
-}
-
 void file_trace_input(const char *path, const struct system_stat *info)
 {
-    struct file_state state;
     file_trace_path(path, info);
-    if (is_searching || kind_of(&state, info) != TRACE_FILE) {
-        return;
-    }
-    if (open_trace && open_trace->count) {
+    if (inputs_read(path, info) && open_trace && open_trace->count) {
         open_trace->items[open_trace->count - 1].is_input = true;
     }
-    add_input(path, &state);
-}
-
-bool file_trace_search(bool searches)
-{
-    bool before = is_searching;
-    is_searching = searches;
-    return before;
 }
 
 void file_trace_take(const char *path)
 {
-    if (is_searching) {
-        is_searching = false;
-        conus_inputs_add(path);
-        is_searching = true;
+    struct system_stat info;
+    if (inputs_search(false)) {
+        if (path && system_stat(&info, path)) {
+            file_trace_input(path, &info);
+        }
+        inputs_search(true);
     }
 }
 
@@ -145,73 +98,9 @@ void file_trace_tell(const struct file_trace *trace)
 {
     for (size_t i = 0; i < trace->count; i++) {
         if (trace->items[i].is_input) {
-            add_input(trace->items[i].path, &trace->items[i].state);
+            inputs_put(trace->items[i].path, &trace->items[i].state);
         }
     }
-}
-
-/* Whether a file with the state is this input: not another one, with its number, after the input was removed. */
-static bool is_input(const struct traced *input, const struct file_state *state)
-{
-    struct system_stat info;
-    return input->state.device == state->device && input->state.inode == state->inode &&
-           (file_state_equal(&input->state, state) ||
-            (system_stat(&info, input->path) && info.device == state->device && info.inode == state->inode));
-}
-
-/* The name of the input that is this file; with no memory for all inputs, any file may be one. */
-const char *conus_inputs_find(const char *path)
-{
-    struct system_stat info;
-    struct file_state state;
-    const char *found = NULL;
-    pthread_mutex_lock(&inputs_lock);
-    if (inputs && path && system_stat(&info, path) && kind_of(&state, &info) == TRACE_FILE) {
-        found = inputs->broken ? path : NULL;
-        for (size_t i = 0; i < inputs->count && !found; i++) {
-            found = is_input(&inputs->items[i], &state) ? inputs->items[i].path : NULL;
-        }
-    }
-    pthread_mutex_unlock(&inputs_lock);
-    return found;
-}
-
-static void lock_inputs(void)
-{
-    pthread_mutex_lock(&inputs_lock);
-}
-
-static void unlock_inputs(void)
-{
-    pthread_mutex_unlock(&inputs_lock);
-}
-
-conus_status conus_inputs_keep(void)
-{
-    pthread_mutex_lock(&inputs_lock);
-    if (!inputs) {
-        pthread_atfork(lock_inputs, unlock_inputs, unlock_inputs); /* a child would wait for ever */
-    }
-    products = products ? products : memory_zeroed(1, sizeof *products);
-    inputs = inputs || !products ? inputs : memory_zeroed(1, sizeof *inputs);
-    pthread_mutex_unlock(&inputs_lock);
-    return inputs ? CONUS_OK : fail_in(CONUS_ERROR_MEMORY, "inputs");
-}
-
-void conus_inputs_add(const char *path)
-{
-    struct system_stat info;
-    if (path && system_stat(&info, path)) {
-        file_trace_input(path, &info);
-    }
-}
-
-const char *conus_inputs_at(size_t index)
-{
-    pthread_mutex_lock(&inputs_lock);
-    const char *path = inputs && index < inputs->count ? inputs->items[index].path : NULL;
-    pthread_mutex_unlock(&inputs_lock);
-    return path;
 }
 
 void file_trace_failed(void)

@@ -4,8 +4,8 @@
  * missing, what folders list. So it can be found out later whether the answers are still the same. * A file's answer is
  * its identity: device, inode, size, and the times of its last change. Every change alters one of them, with one
  * exception: the clock of a file system goes in steps, and a second change within one step goes unnoticed. So a trace
- * is settled only if all its files were at rest for a while before it began. Of the files it says which were read, and
- * a process may ask for the list of all that it reads (conus_inputs_keep()). */
+ * is settled only if all its files were at rest for a while before it began. Of the files it says which are
+ * inputs (inputs.h). */
 #ifndef CONUS_BASE_FILE_TRACE_H
 #define CONUS_BASE_FILE_TRACE_H
 
@@ -70,18 +70,14 @@ bool file_trace_parse(struct file_trace *out, const uint8_t *data, size_t size);
 struct system_stat;
 /** @p info is what stat() says of @p path; NULL = it found nothing. */
 void file_trace_path(const char *path, const struct system_stat *info);
-/** The same of a file that is opened to be read: it is an input, unless the thread searches. */
+/** The same of a file that is opened to be read: inputs_read(). */
 void file_trace_input(const char *path, const struct system_stat *info);
-/** While a thread searches, it reads files to find out whether they belong to what it makes. Those that do become
- * inputs by file_trace_take(), which does nothing at other times. Gives what was, to be set again. */
-bool file_trace_search(bool searches);
+/** The file @p path was read while the thread searches, and belongs to what it makes. Does nothing at other times. */
 void file_trace_take(const char *path);
 /** A file is there, but could not be read: the next time it may be, and look the same. That breaks the trace. */
 void file_trace_failed(void);
 /** The inputs of a kept trace, which need not be read again, are inputs of this process. */
 void file_trace_tell(const struct file_trace *trace);
-/** The file @p path has been made by this process, which may read it and make it again. */
-void file_trace_product(const char *path);
 /** getenv(). */
 const char *file_trace_environment(const char *name);
 /** system_real_path() into @p out, [SYSTEM_PATH]. */

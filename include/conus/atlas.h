@@ -44,6 +44,11 @@ typedef struct conus_load_options {
     void *log_user;     /**< Passed to @p log. */
     double probability; /**< From which probability on a voxel belongs to an area of probabilities, above 0 to 1, in
                            place of 0.25 and of a manifest's; 0 = those. */
+    bool without_context; /**< Leaves out the volume that is the context of a manifest or a BrainGlobe folder, unless
+                             answers need it: where it blocks rays, where a transform of the manifest moves the atlas,
+                             which is compared with its head, where the atlas has no volume before it, whose header
+                             says whose brain it is, and where something is to be noted about its place. An atlas that
+                             lacks it refuses conus_atlas_inward() and conus_atlas_transform(), which use it. */
     bool cache; /**< Keeps the atlas in the user's cache folder, and takes it from there the next time: see conus_cache.
                    For one volume of a packed 4-D file, the places of its volumes are kept, too. */
 } conus_load_options;
@@ -284,8 +289,8 @@ typedef struct conus_transform_options {
  * that cannot be inverted, and where the field leads to nothing of the atlas, or of a surface;
  * #CONUS_ERROR_UNSUPPORTED for another kind of transform, and for the inverse of a field; #CONUS_ERROR_ARGUMENT for
  * FSL's files and register.dat without their images, for images with another file, for a field that does not say what
- * its vectors are, for a grid where nothing is resampled, where something is hidden, and for an attached atlas that a
- * field has moved.
+ * its vectors are, for a grid where nothing is resampled, where something is hidden, for an attached atlas that a field
+ * has moved, and for one without its context.
  * @threads One at a time, while no other thread uses the atlas.
  * @since 0.1
  */

@@ -464,7 +464,8 @@ typedef enum conus_inward {
  * @param[out] from By what; NULL = not wanted.
  * @param atlas The atlas with its context.
  * @param point World mm.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a point in the hull and no surface near it; #CONUS_ERROR_MEMORY.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a point in the hull and no surface near it, and for an atlas that was
+ * loaded without its context; #CONUS_ERROR_MEMORY.
  * @threads Any, while none changes the atlas.
  * @since 0.1
  */

@@ -3,7 +3,7 @@
 #include "loaders/catalogue/catalogue.h"
 
 #include "base/files/file.h"
-#include "base/files/file_trace.h"
+#include "base/files/inputs.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/system/system.h"
@@ -193,7 +193,7 @@ conus_status conus_catalogue_create(conus_catalogue **out, const conus_catalogue
     catalogue->sink = (struct note_sink){.log = options->log, .user = options->log_user};
     catalogue->job.sink = &catalogue->sink;
     conus_status status = CONUS_OK;
-    bool before = file_trace_search(true);
+    bool before = inputs_search(true);
     for (size_t i = 0; !status && i < sizeof places / sizeof places[0]; i++) {
         const char *source = catalogue->source.name;
         if (!source || strcmp(source, places[i].source) != 0) {
@@ -202,7 +202,7 @@ conus_status conus_catalogue_create(conus_catalogue **out, const conus_catalogue
         }
         status = look_at_place(catalogue, &places[i]);
     }
-    file_trace_search(before);
+    inputs_search(before);
     catalogue->job.sink = NULL;
     if (!status && job_ok(&catalogue->job)) {
         *out = catalogue;

@@ -4,6 +4,7 @@
 
 #include "base/files/file_trace.h"
 #include "base/files/folder.h"
+#include "base/files/inputs.h"
 #include "base/formats/xml.h"
 #include "base/path.h"
 #include "base/system/system.h"
@@ -97,12 +98,12 @@ void fsl_atlas_each(struct job *job, const char *volume_path, enum fsl_use use, 
     const char *base = path_base(volume_path);
     const char *name = job_copy(job, (struct text){base, volume_stem_length(base)});
     const char *folder = !path_is_name(volume_path) ? job_beside(job, volume_path, "") : "./";
-    bool before = file_trace_search(true);
+    bool before = inputs_search(true);
     search_in(job, &search, folder, name);
     if (job_ok(job) && file_trace_real_path(real, folder)) { /* in the folder above the volume is "folder/name" */
         search_in(job, &search, job_format(job, "%s../", folder), job_format(job, "%s/%s", path_base(real), name));
     }
-    file_trace_search(before);
+    inputs_search(before);
 }
 
 char *fsl_image_find(struct job *job, const char *xml_path, const char *image)

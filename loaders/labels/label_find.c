@@ -6,6 +6,7 @@
 #include "atlas/labels/labels.h"
 #include "base/files/file_trace.h"
 #include "base/files/folder.h"
+#include "base/files/inputs.h"
 #include "base/geometry/math3.h"
 #include "base/path.h"
 #include "loaders/labels/fsl_find.h"
@@ -545,13 +546,13 @@ void label_table_of_volume(struct job *job, struct label_table *out, const char 
         .table = labels_new(job),
         .files = job->files.count};
     struct attempt attempt = job_try(job); /* so that a table's notes are heard only where it is used */
-    bool before = file_trace_search(true);
+    bool before = inputs_search(true);
     search_all(job, &search);
     bool found = search.source != NULL;
     if (job_ok(job)) {
         colour_beside(job, &search);
     }
-    file_trace_search(before);
+    inputs_search(before);
     job_kept(job, &attempt);
     if (job_ok(job)) {
         *source = search.source;

@@ -5,6 +5,7 @@
 
 #include "base/files/file_trace.h"
 #include "base/files/folder.h"
+#include "base/files/inputs.h"
 #include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_format.h"
@@ -162,11 +163,11 @@ static const char *find_table(struct job *job, struct label_table *out, const ch
     for (size_t i = 0; several && !out->count && i < (path ? 1 : sizeof endings / sizeof endings[0]); i++) {
         file = path ? label_path_split(job, chosen.columns, path)
                     : job_format(job, "%.*s%s", (int)volume_stem_length(info->path), info->path, endings[i]);
-        bool before = file_trace_search(!path);
+        bool before = inputs_search(!path);
         if (job_ok(job) && (path || job_has_file(job, file))) {
             take_names(job, out, file, path != NULL, &chosen, is_listed);
         }
-        file_trace_search(before);
+        inputs_search(before);
     }
     return out->count ? path_base(file) : NULL;
 }

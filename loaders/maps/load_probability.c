@@ -14,20 +14,38 @@ static const char *scale_words(double value)
     return value == 1 ? "0 to 1" : value == 100 ? "percent" : value == UINT8_MAX ? "0 to 255" : "0 to 65535";
 }
 
-/* The spread over all volumes, and whether each has 0 and one other value. */
-static struct value_spread find_spread(struct job *job, bool *masks, struct volume_file *file)
+static void finish_maps(void *given)
 {
-    struct value_spread spread = {0};
-    *masks = true;
-    for (size_t i = 0; job_ok(job) && i < file->info.volume_count; i++) {
-        struct value_map map = {0};
-        if (JOB_CALL(job, volume_file_select(file, i)) && JOB_CALL(job, volume_file_map(&map, file, &job->notes))) {
-            value_spread_add(&spread, &map, &file->info);
-            *masks = *masks && value_map_is_mask(&map);
-        }
-        value_map_finish(&map);
+    struct probability_maps *maps = given;
+    for (size_t i = 0; maps->volumes && i < maps->count; i++) {
+        value_map_finish(&maps->volumes[i].map);
     }
-    return spread;
+}
+
+struct probability_maps *probability_maps_new(struct job *job, struct volume_file *file)
+{
+    struct probability_maps *maps = job_new(job, struct probability_maps);
+    if (maps) {
+        *maps = (struct probability_maps){.file = file, .count = file->info.volume_count, .masks = true};
+        maps->volumes = job_zeroed(job, maps->count, sizeof *maps->volumes);
+        job_own(job, finish_maps, maps);
+    }
+    return job_ok(job) ? maps : NULL;
+}
+
+void probability_maps_read(struct job *job, struct probability_maps *maps, size_t volume, bool kept)
+{
+    struct value_map map = {0};
+    if (JOB_CALL(job, volume_file_select(maps->file, volume)) &&
+        JOB_CALL(job, volume_file_map(&map, maps->file, &job->notes))) {
+        value_spread_add(&maps->spread, &map, &maps->file->info);
+        maps->masks = maps->masks && value_map_is_mask(&map);
+        if (kept) {
+            maps->volumes[volume] = (struct probability_map){maps->file->info, map};
+            return;
+        }
+    }
+    value_map_finish(&map);
 }
 
 /* Refuses values that are none of the scale, and warns of a few. */
@@ -51,16 +69,16 @@ static void check_strays(struct job *job, const struct value_spread *spread, dou
     }
 }
 
-struct probability_scale probability_scale_of(struct job *job, struct volume_file *file, double stated)
+struct probability_scale probability_scale_of(struct job *job, const struct probability_maps *maps, double stated)
 {
-    bool masks;
     struct probability_scale scale = {stated, "as stated"};
-    const struct value_spread spread = find_spread(job, &masks, file);
     if (!job_ok(job)) {
         return scale;
     }
+    const struct value_spread spread = maps->spread;
+    const struct volume_file *file = maps->file;
     if (!(stated > 0)) {
-        if (masks && spread.least >= 0 && spread.largest > 1 + TOLERANCE) {
+        if (maps->masks && spread.least >= 0 && spread.largest > 1 + TOLERANCE) {
             return (struct probability_scale){0, "masks, since each volume has 0 and one other value, taken for 1"};
         }
         const struct value_scale found = value_scale_of(&spread, &file->info);
@@ -88,23 +106,24 @@ static void divide_values(conus_volume_info *info, struct value_map *map, double
     info->maximum = fmin(info->maximum / scale, 1);
 }
 
-void probability_add(struct job *job, conus_atlas *atlas, struct volume_file *file, size_t volume,
+void probability_add(struct job *job, conus_atlas *atlas, struct probability_maps *maps, size_t volume,
                      const struct label *label, const struct probability_scale *scale, double threshold)
 {
     char digits[LABEL_DIGITS];
-    struct value_map map = {0};
-    if (JOB_CALL(job, volume_file_select(file, volume)) && JOB_CALL(job, volume_file_map(&map, file, &job->notes))) {
-        const conus_object area = label_object(label, atlas->object_count, digits);
-        conus_volume_info info = file->info;
-        divide_values(&info, &map, scale->value);
-        info.role = CONUS_ROLE_PROBABILITY;
-        info.threshold = threshold;
-        if (!(info.maximum >= tolerance_least(threshold))) {
-            job_note(job, "%s has no voxels: its largest probability is %.4g, the threshold %.4g", area.name,
-                     info.maximum, threshold);
-        }
-        atlas_take(job, atlas);
-        (void)JOB_CALL(job, atlas_add_probabilistic_area(atlas, &info, &map, &area));
+    if (!job_ok(job) || (volume >= maps->count && !JOB_CALL(job, volume_file_select(maps->file, volume)))) {
+        return;
     }
-    value_map_finish(&map);
+    struct probability_map *of = &maps->volumes[volume];
+    const conus_object area = label_object(label, atlas->object_count, digits);
+    conus_volume_info info = of->info;
+    info.path = maps->file->path; /* that of its own may have been opened again */
+    divide_values(&info, &of->map, scale->value);
+    info.role = CONUS_ROLE_PROBABILITY;
+    info.threshold = threshold;
+    if (!(info.maximum >= tolerance_least(threshold))) {
+        job_note(job, "%s has no voxels: its largest probability is %.4g, the threshold %.4g", area.name, info.maximum,
+                 threshold);
+    }
+    atlas_take(job, atlas);
+    (void)JOB_CALL(job, atlas_add_probabilistic_area(atlas, &info, &of->map, &area));
 }

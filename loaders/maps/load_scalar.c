@@ -346,7 +346,7 @@ void context_set(struct job *job, conus_atlas *atlas, struct volume_file *file, 
     }
     atlas_take(job, atlas);
     const struct fit_box grid = fit_box_of_grid(info);
-    bool is_set = JOB_CALL(job, fit_note_context(atlas, info->path, &grid)) &&
+    bool is_set = JOB_CALL(job, fit_note_context(&atlas->notes, atlas, info->path, &grid)) &&
                   JOB_CALL(job, fit_note(atlas, info, values)) && JOB_CALL(job, atlas_set_context(atlas, info, values));
     if (!is_set) {
         memory_free(values);

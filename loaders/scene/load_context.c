@@ -51,7 +51,7 @@ static void add_context(struct job *job, conus_atlas *atlas, const char *path, c
         struct fit_box box;
         memcpy(box.low, mesh->shape.low, sizeof box.low);
         memcpy(box.high, mesh->shape.high, sizeof box.high);
-        (void)JOB_CALL(job, fit_note_context(atlas, mesh->path, &box));
+        (void)JOB_CALL(job, fit_note_context(&atlas->notes, atlas, mesh->path, &box));
     }
     (void)JOB_CALL(job, fit_note_surfaces(atlas));
     (void)JOB_CALL(job, atlas_note_file(atlas, path, &state));
@@ -75,6 +75,19 @@ void context_load(struct job *job, conus_atlas *atlas, const char *path, const c
         context_set(job, atlas, &file, options);
     }
     volume_file_finish(&file);
+}
+
+bool context_is_plain(struct job *job, const conus_atlas *atlas, const char *path, uint64_t max_memory)
+{
+    conus_volume_info info;
+    struct notes notes = {0};
+    if (JOB_CALL(job, volume_file_grid(&info, path, max_memory, &notes))) {
+        const struct fit_box grid = fit_box_of_grid(&info);
+        (void)JOB_CALL(job, fit_note_context(&notes, atlas, path, &grid));
+    }
+    const bool is_plain = job_ok(job) && !notes.count;
+    notes_finish(&notes);
+    return is_plain;
 }
 
 conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const conus_context_options *options)

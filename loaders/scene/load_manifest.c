@@ -31,6 +31,7 @@ struct scene {
     const struct named_maps *maps; /* whose table names the volumes of a file that is ATLAS, and whose user sees no
                                  manifest; NULL without one */
     bool moves;                    /* what is added moves with the areas */
+    bool has_image;                /* a context that is a volume */
     struct volume_file series;     /* kept for the pathways that follow, if any is in the same file */
     const char *series_name;       /* as the manifest writes it; NULL without one */
 };
@@ -290,13 +291,20 @@ static void add_labelled(const struct scene *scene, const struct manifest_pathwa
     }
     const double asked = load->options->probability;
     const double threshold = asked > 0 ? asked : entry->threshold > 0 ? entry->threshold : 0.25; /* as of a pathway */
-    const struct probability_scale scale = probability_scale_of(scene->job, file, entry->scale);
+    struct probability_maps *maps = probability_maps_new(scene->job, file);
+    for (size_t i = 0; job_ok(scene->job) && i < maps->count; i++) {
+        const bool is_kept = label_table_find(labels, (uint32_t)i + 1);
+        if (is_kept) {
+            load_report(load, file->path, 1);
+        }
+        probability_maps_read(scene->job, maps, i, is_kept);
+    }
+    const struct probability_scale scale = probability_scale_of(scene->job, maps, entry->scale);
     for (size_t i = 0; job_ok(scene->job) && i < labels->count; i++) {
         struct label label = labels->entries[i];
         const uint32_t volume = label.number - 1;
         label.number = before + (entry->source.chosen ? 1 : label.number - skipped);
-        load_report(load, file->path, 1);
-        probability_add(scene->job, load->atlas, file, volume, &label, &scale, threshold);
+        probability_add(scene->job, load->atlas, maps, volume, &label, &scale, threshold);
     }
     if (job_ok(scene->job)) {
         job_note(scene->job, "%s: %zu area%s by probabilities of %s and more (values: %s)", path_base(file->path),
@@ -411,7 +419,7 @@ static void add_bundles(struct scene *scene, size_t i)
 }
 
 /* What keeps the file `path` from being the context that the entry describes; NULL = nothing. */
-static const char *refuse_context(const conus_atlas *atlas, const struct manifest_context *entry, const char *path)
+static const char *refuse_context(const struct scene *scene, const struct manifest_context *entry, const char *path)
 {
     if (mesh_file_is(path)) {
         return entry->transfer     ? "transfer: is for volumes, this is a surface"
@@ -419,9 +427,9 @@ static const char *refuse_context(const conus_atlas *atlas, const struct manifes
                : entry->moves      ? "moves: a surface is where poses are"
                                    : NULL;
     }
-    return entry->opacity != 0    ? "opacity: is for surfaces, this is none; a volume has a transfer function"
-           : atlas_context(atlas) ? "file: is no surface, and there is a volume already"
-                                  : NULL;
+    return entry->opacity != 0 ? "opacity: is for surfaces, this is none; a volume has a transfer function"
+           : scene->has_image  ? "file: is no surface, and there is a volume already"
+                               : NULL;
 }
 
 /* Keeps what the entry says of its transfer function. */
@@ -434,6 +442,20 @@ static void take_transfer(const struct scene *scene, const struct manifest_conte
     }
     memory_free(*transfer);
     *transfer = job_give(scene->job, job_format(scene->job, "%s", name), strlen(name) + 1);
+}
+
+/* Whether a context that is a volume is left out: it is not wanted, and no answer needs it. One does where it blocks
+ * rays; where the atlas is moved, and compared with its head; where it would be the first volume, which says whose
+ * brain it is; where something is to be noted about its place. What is left out may not be there, as it is in no
+ * sidecar. */
+static bool is_left_out(const struct scene *scene, const struct manifest_context *entry, const char *path)
+{
+    const conus_load_options *options = scene->load->options;
+    const char *file = path_of(scene, entry->source.file);
+    return job_ok(scene->job) && options->without_context && !(entry->blocks > 0) &&
+           !scene->manifest->transforms.count && scene->load->atlas->volume_count && !mesh_file_is(path) &&
+           ((!file_exists(file) && !file_is_folder(file)) ||
+            context_is_plain(scene->job, scene->load->atlas, path, options->max_memory));
 }
 
 static void set_context(struct scene *scene, size_t i)
@@ -450,9 +472,15 @@ static void set_context(struct scene *scene, size_t i)
     }
     const char *path = source_path(scene, &entry->source);
     load_report(load, path, 1);
-    const char *wrong = job_ok(scene->job) ? refuse_context(load->atlas, entry, path) : NULL;
+    const bool is_image = job_ok(scene->job) && !mesh_file_is(path);
+    const char *wrong = job_ok(scene->job) ? refuse_context(scene, entry, path) : NULL;
     if (wrong) {
         job_bad(scene->job, "%s", wrong);
+    }
+    scene->has_image = scene->has_image || is_image;
+    if (is_left_out(scene, entry, path)) {
+        load->atlas->lacks_context = true;
+        return;
     }
     context_load(scene->job, load->atlas, path, &options);
     if (entry->transfer && job_step(scene->job)) {

@@ -238,6 +238,9 @@ conus_status conus_atlas_transform(conus_atlas *atlas, const char *path, const c
     if (!atlas || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_transform: an atlas and a path are needed");
     }
+    if (atlas->lacks_context) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: the atlas was loaded without its context, which moves with it", path);
+    }
     struct job job = {0};
     const struct atlas_mark mark = atlas_mark(atlas);
     transform_load(&job, atlas, path, options_of(conus_transform_options, options));

@@ -4,8 +4,8 @@
 
 #include "base/buffer.h"
 #include "base/files/file.h"
-#include "base/files/file_trace.h"
 #include "base/files/folder.h"
+#include "base/files/inputs.h"
 #include "base/formats/gzip.h"
 #include "base/formats/xml.h"
 #include "base/memory.h"
@@ -128,7 +128,7 @@ conus_status surface_list_make(struct surface_list *out, const char *folder, uin
     static const char *const endings[] = {".surf.gii", ".surf.gii.gz", ".gii", ".gii.gz"};
     struct surface_list list = {0};
     conus_status status = CONUS_OK;
-    bool before = file_trace_search(true);
+    bool before = inputs_search(true);
     for (size_t i = 0; !status && i < 4 && !(i == 2 && list.count); i++) {
         struct names names = {0};
         status = names_list(&names, folder, endings[i]);
@@ -137,7 +137,7 @@ conus_status surface_list_make(struct surface_list *out, const char *folder, uin
         }
         names_finish(&names);
     }
-    file_trace_search(before);
+    inputs_search(before);
     if (status) {
         surface_list_finish(&list);
         return status;

@@ -157,6 +157,7 @@ struct opening {
     const char *needed;           /* in the place where the file stands; NULL: default_needed */
     struct volume_selector selector;
     bool all;                /* volumes are kept, not only the chosen one */
+    bool only_grid;          /* no voxels are */
     enum stored_use use;     /* of an index of packed voxels */
     struct tiff tiff;        /* of a TIFF stack, else no pages */
     struct volume_zarr zarr; /* of OME-Zarr, else no folder */
@@ -624,6 +625,10 @@ static conus_status open_attempt(struct volume_file *file, const char *path, str
         return status;
     }
     status = choose_volume(o);
+    if (!status && o->only_grid) {
+        file->info = o->header.info;
+        return CONUS_OK;
+    }
     return status ? fail_in(status, path) : volume_take_all(file, o);
 }
 
@@ -757,6 +762,18 @@ conus_status volume_file_open_cached(struct volume_file *out, const char *path, 
 {
     struct opening opening = {.limit = memory_limit(max_memory), .use = cache ? STORED_INDEX : STORED_PLAIN};
     return open_by_selector(out, path, &opening, notes);
+}
+
+conus_status volume_file_grid(conus_volume_info *out, const char *path, uint64_t max_memory, struct notes *notes)
+{
+    struct volume_file file = {0};
+    struct opening opening = {.limit = memory_limit(max_memory), .only_grid = true};
+    conus_status status = open_by_selector(&file, path, &opening, notes);
+    if (!status) {
+        *out = file.info;
+    }
+    volume_file_finish(&file);
+    return status;
 }
 
 conus_status volume_file_open_labels(struct volume_file *out, struct label_voxels *labels, const char *path,

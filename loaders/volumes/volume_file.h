@@ -51,6 +51,9 @@ conus_status volume_file_open(struct volume_file *out, const char *path, uint64_
 conus_status volume_file_open_cached(struct volume_file *out, const char *path, uint64_t max_memory, bool cache,
                                      struct notes *notes);
 
+/** Likewise, but without voxels: out->path is NULL, and there is no SHA-256. */
+conus_status volume_file_grid(conus_volume_info *out, const char *path, uint64_t max_memory, struct notes *notes);
+
 struct label_voxels;
 
 /** Reads the labels of the volume @p path into @p labels; @p out gets the rest, without voxels. Uses max_memory and

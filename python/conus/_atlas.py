@@ -213,11 +213,12 @@ def _find_image(source: Any) -> Any:
 
 
 def _from_file(
-    path: Path, labels: Any, labels_anyway: bool, max_memory: int, progress: Any, probability: float, cache: bool
+    path: Path, labels: Any, labels_anyway: bool, max_memory: int, progress: Any, probability: float, cache: bool,
+    without_context: bool,
 ) -> Any:
     options, out = ffi.new("conus_load_options *"), ffi.new("conus_atlas **")
     table, file = optional(path_of, "labels", labels), path_of("source", path)
-    options.probability, options.cache = probability, flag("cache", cache)
+    options.probability, options.cache, options.without_context = probability, flag("cache", cache), without_context
     options.labels, options.labels_anyway, options.max_memory = table, flag("labels_anyway", labels_anyway), max_memory
     with telling(progress, "file", 1) as tell:
         state = Callback(tell)
@@ -300,6 +301,8 @@ def load(
         The context drawn around the areas: a path or nibabel image of a volume, the name of an installed one
         ("ch2bet"), the path of a surface, or a list of these with at most one volume. Its voxels with values from ``context_blocks`` on block
         rays (0 = none); surfaces have ``context_opacity``, above 0 to 1 (0 = 0.25), and block nothing.
+        False: that of a manifest is left out, unless answers need it, which are the same; for atlases that are not
+        drawn, nor asked for :meth:`Atlas.inward`, nor moved.
     shell
         Draws a glass shell around all areas of voxels and the head in the context volume. A picture with
         ``transfer="none"`` leaves out that volume, and ``opacity`` the areas.
@@ -357,7 +360,7 @@ def load(
     source = _stated(source, template)
     if isinstance(source, (str, bytes, os.PathLike)):
         source, labels = _find(source, labels)
-        raw = _from_file(source, labels, labels_anyway, max_memory, progress, probability, cache)
+        raw = _from_file(source, labels, labels_anyway, max_memory, progress, probability, cache, context is False)
     elif probability:
         raise ArgumentError("probability: an array of labels has no areas of probabilities")
     elif hasattr(source, "dataobj"):
@@ -494,7 +497,7 @@ def _is_surface(source: Any) -> bool:
 
 
 def _set_contexts(atlas: Any, context: Any, blocks: float, opacity: float, max_memory: int, cache: bool) -> None:
-    sources = list(context) if isinstance(context, (list, tuple)) else [] if context is None else [context]
+    sources = list(context) if isinstance(context, (list, tuple)) else [context] if context not in (None, False) else []
     surfaces = [_is_surface(source) for source in sources]
     blocks, opacity = real("context_blocks", blocks), real("context_opacity", opacity)
     if blocks and surfaces.count(False) == 0:

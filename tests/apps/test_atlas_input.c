@@ -56,6 +56,51 @@ static void a_cancelled_load_calls_back_no_more(void **state)
     fclose(said);
 }
 
+static conus_atlas *load_bundle(struct tract_shelf *shelf, const char *atlas, const char *bundle, int wanted)
+{
+    const struct atlas_settings settings = {
+        .streamlines = {.items = &bundle, .count = 1}, .shelf = shelf, .no_cache = true};
+    conus_atlas *out = NULL;
+    messages_hold(true);
+    assert_int_equal(atlas_input_load(&out, atlas, &settings), wanted);
+    messages_hold(false);
+    return out;
+}
+
+/* The file is cut, so what is found again was not read again. What was asked for is kept until something else is. */
+static void a_tractogram_is_read_once(void **state)
+{
+    (void)state;
+    const char *folder = test_scratch("shelf");
+    struct tract_shelf shelf = {0};
+    char path[4096], bundle[4096], other[4200];
+    assert_ok(conus_phantom_write("bundle", folder, NULL));
+    assert_ok(conus_phantom_write("sphere", folder, NULL));
+    snprintf(path, sizeof path, "%s/sphere.nii.gz", folder);
+    snprintf(bundle, sizeof bundle, "%s/bundle.tck", folder);
+    snprintf(other, sizeof other, "%s,space=lps", bundle);
+    tract_shelf_begin(&shelf, false);
+    conus_atlas *first = load_bundle(&shelf, path, bundle, EXIT_DONE);
+    assert_int_equal(truncate(bundle, 40), 0);
+    tract_shelf_begin(&shelf, true);
+    conus_atlas *again = load_bundle(&shelf, path, bundle, EXIT_DONE);
+    load_bundle(&shelf, path, other, EXIT_DATA);
+    conus_tractogram_info info[2] = {CONUS_TRACTOGRAM_INFO_INIT, CONUS_TRACTOGRAM_INFO_INIT};
+    assert_ok(conus_atlas_tractogram(&info[0], first, 0));
+    assert_ok(conus_atlas_tractogram(&info[1], again, 0));
+    assert_int_equal(info[0].points, info[1].points);
+    assert_string_equal(info[0].path, info[1].path);
+    conus_atlas_destroy(first);
+    tract_shelf_drop(&shelf);
+    assert_int_equal(shelf.count, 1);
+    conus_atlas_destroy(again);
+    tract_shelf_begin(&shelf, false);
+    load_bundle(&shelf, path, bundle, EXIT_DATA);
+    tract_shelf_drop(&shelf);
+    assert_int_equal(shelf.count, 0);
+    tract_shelf_finish(&shelf);
+}
+
 /* Runs `say` with stderr in a file, and returns its output; the caller frees it. */
 static char *words_of(void (*say)(void *user), void *user)
 {
@@ -253,9 +298,11 @@ static void notes_say_which_atlases_do_not_belong_together(void **state)
 
 TEST_GROUP(atlas_input)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_cancelled_load_calls_back_no_more), cmocka_unit_test(atlases_have_different_names),
-        cmocka_unit_test(some_options_are_of_the_first_atlas), cmocka_unit_test(errors_name_the_atlas),
-        cmocka_unit_test(notes_say_which_atlases_do_not_belong_together)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_cancelled_load_calls_back_no_more),
+                                       cmocka_unit_test(a_tractogram_is_read_once),
+                                       cmocka_unit_test(atlases_have_different_names),
+                                       cmocka_unit_test(some_options_are_of_the_first_atlas),
+                                       cmocka_unit_test(errors_name_the_atlas),
+                                       cmocka_unit_test(notes_say_which_atlases_do_not_belong_together)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,6 +2,7 @@
 /* A trace records questions to the file system with their answers, and tells whether the answers would be the same
  * now. */
 #include "base/files/file_trace.h"
+#include "base/files/inputs.h"
 #include "base/memory.h"
 #include "base/system/system.h"
 #include "conus/file.h"
@@ -321,12 +322,12 @@ static int keep_inputs(void)
     CHECK(file_state_find(&before, test_in("a.txt")) == CONUS_OK && file_exists(test_in("file")))
     CHECK(!conus_inputs_at(0)) /* to be asked about is not to be read */
     /* while a thread searches, it takes what it can use */
-    CHECK(!file_trace_search(true))
+    CHECK(!inputs_search(true))
     CHECK(file_read(&bytes, test_in("a.txt"), 100) == CONUS_OK)
     bytes_finish(&bytes);
     CHECK(!conus_inputs_find(test_in("a.txt")))
     file_trace_take(test_in("a.txt"));
-    CHECK(file_trace_search(false))
+    CHECK(inputs_search(false))
     CHECK(strcmp(conus_inputs_find(test_in("a.txt")), test_in("a.txt")) == 0)
     /* a trace that is kept has its inputs, and no other file */
     file_trace_begin(&trace);

@@ -195,7 +195,7 @@ same_answers() {
     same_answers --streamlines "$PWD/./lines.trx"
     printf '1 0 0 4\n0 1 0 0\n0 0 0.9 0\n0 0 0 1\n' > shear.txt
     same_answers --streamlines lines.trx,moves --streamlines walk.tck --atlas-transform shear.txt
-    [ "$(entries)" = 4 ] # one entry is for another path
+    [ "$(entries)" = 5 ] # one entry is for another path, and one for info, which has a context
     [ "$("$CONUS" cache list --format tsv | cut -f 4 | sort -u | grep -Ec '(lines|walk)\.t')" -ge 2 ]
     fails 2 'radius 101 mm, allowed is above 0 to 100' \
         query phantom/sphere.nii.gz "${AIM[@]}" --streamlines walk.tck,radius=101

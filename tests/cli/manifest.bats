@@ -145,6 +145,27 @@ END
     grep -qP '\tpathway\t1\tArc\t' <<<"$output"
 }
 
+@test "answers leave out a context that they do not need" {
+    conus phantom brain -o brain
+    local aim='--origin 120,20,40 --angle 30'
+    conus query brain/brain.atlas.json $aim --toward 0,-18,10 -q -o out.tsv
+    conus query brain/brain.atlas.json $aim --inward -q -o in.tsv
+    sed 's/"transfer": "brain"/"blocks": 99999/' brain/brain.atlas.json >brain/blocks.atlas.json
+    fails 3 'blocks from 99999 on' query brain/blocks.atlas.json $aim --toward 0,-18,10
+    sed -i 's/99999/46000/' brain/blocks.atlas.json
+    conus query brain/blocks.atlas.json $aim --toward 0,-18,10 -q -o blocked.tsv
+    local roles='[.Atlas.volumes[].role] | join(" ")'
+    [ "$(jq -r "$roles" out.json)" = pathway ]
+    [ "$(jq -r "$roles" in.json)" = 'pathway context' ]
+    [ "$(jq -r "$roles" blocked.json)" = 'pathway context' ]
+    answers info brain/brain.atlas.json
+    has 'answers      do not need it, without --inward or --atlas-transform'
+    fails 2 'would overwrite the input brain/brain-context.nii.gz' query brain/brain.atlas.json $aim \
+        --toward 0,-18,10 --force --format tsv -o brain/brain-context.nii.gz
+    conus verify out.tsv # without the context
+    conus render brain/brain.atlas.json --size 16x16 -q -o brain.png
+}
+
 @test "surfaces in folders get labels of their own" {
     conus phantom brain -o brain
     mkdir -p set/left set/right

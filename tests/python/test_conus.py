@@ -995,6 +995,20 @@ def test_a_context_may_be_surfaces(tmp_path):
             conus.load(plates(), AFFINE, **arguments)
 
 
+def test_a_context_that_no_answer_needs_is_left_out(tmp_path):
+    nibabel = pytest.importorskip("nibabel")
+    nibabel.Nifti1Image(plates(), AFFINE).to_filename(tmp_path / "plates.nii")
+    nibabel.Nifti1Image(plates("f4"), AFFINE).to_filename(tmp_path / "image.nii")
+    scene = tmp_path / "a.atlas.json"
+    scene.write_text('{"conus_atlas": 1, "parcellation": "plates.nii", "context": "image.nii"}')
+    whole, bare = conus.load(scene), conus.load(scene, context=False)
+    hits = [one.select(origin=(0, 0, 0), direction=(-5, 0, 0), angle=10) for one in (whole, bare)]
+    assert str(hits[0]) == str(hits[1])
+    whole.inward((0, 90, 0))
+    with pytest.raises(conus.ArgumentError, match="loaded without its context"):
+        bare.inward((0, 90, 0))
+
+
 def test_a_manifest_has_its_transform(tmp_path):
     nibabel = pytest.importorskip("nibabel")
     nibabel.Nifti1Image(plates(), AFFINE).to_filename(tmp_path / "plates.nii")

@@ -237,10 +237,11 @@ static int check_files(const struct task *task)
 static int open_task(struct task *task)
 {
     const struct batch_settings *settings = task->settings;
+    struct atlas_settings atlas = settings->atlas;
+    atlas.answers = true;
     int code = pose_settings_check_file(settings->poses, "poses", task->arguments);
-    code = code ? code
-                : atlases_load_all(&task->atlases, &settings->atlas,
-                                   &settings->context); /* whose size open_poses() asks */
+    code =
+        code ? code : atlases_load_all(&task->atlases, &atlas, &settings->context); /* open_poses() asks their size */
     code =
         code ? code : space_settings_frame(&task->frame, &task->atlases, &settings->aim.space, settings->common.quiet);
     code = code ? code : open_poses(task);

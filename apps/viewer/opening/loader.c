@@ -131,6 +131,9 @@ static void load(struct loader *loader)
     if (request->may_be && !request->may_be(request->path)) {
         return;
     }
+    if (settings.shelf) {
+        tract_shelf_begin(settings.shelf, request->again);
+    }
     loader->ahead = settings.more.count + 1 + (request->context->files.count || request->context->map);
     int code = atlases_load(&loader->atlases, request->path, &settings, NULL);
     code = code ? code : set_contexts(loader);

@@ -14,6 +14,7 @@ struct loading {
     const struct atlas_settings *settings;
     const struct context_choice *context; /**< Without files the first atlas's own. Another atlas that has none of its
                                              own gets the same. */
+    bool again;                           /**< The files are those that are open: tractograms stay as they are. */
     bool (*may_be)(const char *path);     /**< Asked first, on that thread: false = nothing is loaded, nor said why.
                                              NULL = it is. */
     void (*task)(void *user);             /**< Called in place of loading, with user; NULL = it loads. */

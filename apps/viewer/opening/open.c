@@ -301,8 +301,8 @@ static bool show_viewer(struct window *window, struct viewer *viewer, const stru
 /* Drops the options that were for another atlas, whose brain and names may differ. */
 static void leave_options(struct view_settings *settings)
 {
-    settings->atlas =
-        (struct atlas_settings){.max_memory = settings->atlas.max_memory, .no_cache = settings->atlas.no_cache};
+    settings->atlas = (struct atlas_settings){
+        .max_memory = settings->atlas.max_memory, .no_cache = settings->atlas.no_cache, .shelf = settings->atlas.shelf};
     settings->context = (struct context_choice){0};
     settings->transfer = settings->session = NULL;
     settings->poses = NULL;
@@ -390,6 +390,9 @@ static bool open_path(struct window *window, const char *text, const struct atla
     }
     bool fine = viewer && replace(window, viewer, name, &settings, why);
     destroy_viewer(fine ? before : viewer);
+    if (fine && settings.atlas.shelf) {
+        tract_shelf_drop(settings.atlas.shelf);
+    }
     return fine;
 }
 

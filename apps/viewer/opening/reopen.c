@@ -244,7 +244,8 @@ static bool load_and_show(struct window *window, const struct worded *worded, in
 {
     const struct loading request = {.path = window->viewer->atlases->path,
                                     .settings = &worded->settings.atlas,
-                                    .context = &worded->settings.context};
+                                    .context = &worded->settings.context,
+                                    .again = true};
     struct atlases loaded = {0};
     json_t *words = view_words(&worded->arguments, NULL);
     snprintf(why, LOADER_WHY, "%s", words ? "" : "not enough memory");
@@ -258,6 +259,9 @@ static bool load_and_show(struct window *window, const struct worded *worded, in
     }
     json_decref(words);
     atlases_finish(&loaded);
+    if (fine && worded->settings.atlas.shelf) {
+        tract_shelf_drop(worded->settings.atlas.shelf);
+    }
     return fine;
 }
 

@@ -205,6 +205,23 @@ static void thresholds_are_probabilities(void **state)
     }
 }
 
+/* Each volume is read once, so its note stands once. */
+static void what_is_no_number_is_said_once_for_a_volume(void **state)
+{
+    (void)state;
+    test_folder("nan");
+    write_maps(test_in("maps.nii"), 16, NAN, 3);
+    write_text(test_in("m.atlas.json"), "{\"conus_atlas\": 1, \"probabilities\": [{\"file\": \"maps.nii\", \"names\": "
+                                        "[\"a\", \"b\", \"c\"], \"scale\": 1}]}");
+    conus_atlas *atlas = load("m.atlas.json");
+    size_t said = 0;
+    for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
+        said += strstr(conus_atlas_note(atlas, i), "4 voxels are not finite numbers") != NULL;
+    }
+    assert_int_equal(said, 3);
+    conus_atlas_destroy(atlas);
+}
+
 TEST_GROUP(probabilities)
 {
     const struct CMUnitTest tests[] = {
@@ -213,6 +230,7 @@ TEST_GROUP(probabilities)
         cmocka_unit_test(pictures_show_the_most_probable),
         cmocka_unit_test(what_needs_labels_is_refused),
         cmocka_unit_test(thresholds_are_probabilities),
+        cmocka_unit_test(what_is_no_number_is_said_once_for_a_volume),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -228,6 +228,67 @@ static void volumes_of_other_units_are_noted(void **state)
     }
 }
 
+/* The beginning of a manifest. */
+#define VOXELS "{\"conus_atlas\": 1, \"parcellation\": \"v.nii\", "
+
+/* Loads m.atlas.json, which is `text`, whole and without its context: it has the same notes, and if its context was
+ * left out it is not asked what takes one. */
+static void check_left_out(const char *text, bool left_out)
+{
+    conus_atlas *atlases[2] = {0};
+    double inward[3];
+    row_text(test_in("m.atlas.json"), text);
+    for (int k = 0; k < 2; k++) {
+        assert_ok(conus_atlas_load(&atlases[k], test_in("m.atlas.json"), &(conus_load_options){.without_context = k}));
+    }
+    assert_int_equal(conus_atlas_note_count(atlases[1]), conus_atlas_note_count(atlases[0]));
+    for (size_t i = 0; i < conus_atlas_note_count(atlases[0]); i++) {
+        assert_string_equal(conus_atlas_note(atlases[1], i), conus_atlas_note(atlases[0], i));
+    }
+    for (int k = 0; k < 2; k++) {
+        const bool lacks = k && left_out;
+        assert_int_equal(!atlas_context(atlases[k]) && !conus_atlas_context_surface_count(atlases[k]), lacks);
+        assert_int_equal(conus_atlas_inward(inward, NULL, atlases[k], (const double[]){99, 0, 0}),
+                         lacks ? CONUS_ERROR_ARGUMENT : CONUS_OK);
+        assert_int_equal(conus_atlas_transform(atlases[k], test_in("move.txt"), NULL),
+                         lacks ? CONUS_ERROR_ARGUMENT : CONUS_OK);
+        conus_atlas_destroy(atlases[k]);
+    }
+}
+
+static void a_context_that_no_answer_needs_is_left_out(void **state)
+{
+    (void)state;
+    static const char areas[] =
+        "{\"conus_atlas\": 1, \"areas\": [{\"file\": \"b.gii\", \"label\": 1, \"name\": \"b\"}], "
+        "\"context\": \"image.nii\"}";
+    static const conus_load_options without = {.without_context = true};
+    conus_atlas *atlas = NULL;
+    test_folder("left_out");
+    row_write("v.nii", 8, 1);
+    row_write("image.nii", 8, 2);
+    row_write("far.nii", 8, 1000);
+    write_scaled("b.gii", 1, 0);
+    row_text(test_in("move.txt"), "1 0 0 3\n0 1 0 0\n0 0 1 0\n0 0 0 1\n");
+    check_left_out(VOXELS "\"context\": \"image.nii\"}", true);
+    /* It blocks; it is the only volume, whose brain it is; the atlas is compared with its head; it is noted to be long;
+     * it is a surface. */
+    check_left_out(VOXELS "\"context\": {\"file\": \"image.nii\", \"blocks\": 2}}", false);
+    check_left_out(areas, false);
+    check_left_out(VOXELS "\"transform\": \"move.txt\", \"context\": \"image.nii\"}", false);
+    check_left_out(VOXELS "\"context\": \"far.nii\"}", false);
+    check_left_out(VOXELS "\"context\": \"b.gii\"}", false);
+    row_text(test_in("m.atlas.json"), VOXELS "\"context\": [\"image.nii\", \"v.nii\"]}");
+    assert_fails(conus_atlas_load(&atlas, test_in("m.atlas.json"), &without), CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "context[1]: file: is no surface, and there is a volume already"));
+    row_text(test_in("m.atlas.json"), VOXELS "\"context\": \"move.txt\"}");
+    assert_fails(conus_atlas_load(&atlas, test_in("m.atlas.json"), &without), CONUS_ERROR_DATA);
+    row_text(test_in("m.atlas.json"), VOXELS "\"context\": \"none.nii\"}");
+    assert_fails(conus_atlas_load(&atlas, test_in("m.atlas.json"), NULL), CONUS_ERROR_IO);
+    assert_ok(conus_atlas_load(&atlas, test_in("m.atlas.json"), &without)); /* as where verify answers again */
+    conus_atlas_destroy(atlas);
+}
+
 /* Areas that are surfaces, beside areas of voxels: a grid of 8 mm and the box of 85 mm, 10.625 times as long. */
 static void surfaces_of_other_units_are_noted(void **state)
 {
@@ -344,6 +405,7 @@ TEST_GROUP(load_context)
         cmocka_unit_test(what_is_not_of_surfaces_is_refused),
         cmocka_unit_test(volumes_of_other_units_are_noted),
         cmocka_unit_test(surfaces_of_other_units_are_noted),
+        cmocka_unit_test(a_context_that_no_answer_needs_is_left_out),
         cmocka_unit_test(every_failing_allocation_leaves_the_atlas),
         cmocka_unit_test(a_map_colours_the_surface_that_it_fits),
         cmocka_unit_test(every_failing_allocation_of_a_map),
