@@ -977,7 +977,8 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
     if (is_beam(picture) && !settings->figure.side && !view.camera) {
         view.side = CONUS_SIDE_ACROSS_CONE;
     }
-    double *glass = is_beam(picture) && view.opacity ? beam_opacities(picture, selection) : NULL;
+    const bool has_glass = is_beam(picture) && view.opacity && !settings->translucent.opacity.count;
+    double *glass = has_glass ? beam_opacities(picture, selection) : NULL;
     view.opacity = glass ? glass : view.opacity;
     if ((picture->probe_count || picture->point_count) && !settings->translucent.opacity.count) {
         view.pale = FAINT;

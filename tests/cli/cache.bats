@@ -238,7 +238,7 @@ with open("far.tck", "wb") as file:
     while read -r inside note; do
         far "$inside"
         run -0 --separate-stderr "$CONUS" query phantom/sphere.nii.gz "${AIM[@]}" --streamlines far.tck
-        [[ $stderr == *"bundle far: $note" || ( -z $note && $stderr != *'bundle far'* ) ]]
+        [[ ( -n $note && $stderr == *"bundle far: $note"* ) || ( -z $note && $stderr != *'bundle far'* ) ]]
     done <<'END'
 100000
 61000

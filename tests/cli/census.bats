@@ -215,8 +215,10 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
     [ "$output" = "$rows" ]
     answers query nested.nii.gz --pose beams.csv --aperture-diameter 40 --format json
     [ "$(jq -c '[.Queries[] | [.angle_deg, .range_mm]]' <<<"$output")" = '[[36.8698976,[0,60]],[90,[0,20]]]' ]
-    conus render nested.nii.gz "${beam[@]}" -q -o a.png
-    conus render nested.nii.gz --origin 0,0,0 --toward 0,0,60 --angle 36.86989764584402 --range 0,60 --layers all -q -o b.png
+    local look=(--view cone --opacity 0.5 -q) # else it is seen across, in glass
+    conus render nested.nii.gz "${beam[@]}" "${look[@]}" -o a.png
+    conus render nested.nii.gz --origin 0,0,0 --toward 0,0,60 --angle 36.86989764584402 --range 0,60 --layers all \
+        "${look[@]}" -o b.png
     cmp a.png b.png
     fails 2 '--focus has no effect without --transducer' query nested.nii.gz --focus 0,0,0
     fails 2 '--focus needs --aperture-diameter' query nested.nii.gz --focus 0,0,0 --transducer 0,0,60

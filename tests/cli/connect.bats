@@ -163,8 +163,8 @@ says_identical() {
     conus query $U --origin 8,0,60 --toward 8,0,5 --angle 4 -q --endpoints ends.tsv --endpoint-radius 0 >answer.txt
     answers cite ends.tsv
     output=$(tr '\n' ' ' <<<"$output")
-    has 'of all streamlines that come into a cone of 4 degrees about the device'
-    has 'for one pose of the device with conus'
+    has "of all streamlines that come into a cone about the device's axis, with its apex at the device's position and a full"
+    has 'opening angle of 4°, for one pose of the device with conus'
     has 'An end had the area that it lies in. '
     [[ "$output" != *rays* && "$output" != *'the axis crosses'* ]]
 }

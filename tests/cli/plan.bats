@@ -117,8 +117,8 @@ columns() {
     done
     answers cite rows.tsv
     output=$(tr '\n' ' ' <<<"$output")
-    has 'A needle was tried at 4 candidate poses with conus'
-    has 'Its radius was 1 mm. Constraints were at least 5 mm of the axis in U; more than 3 mm of clearance from Ball. 2 poses hold all of them'
+    has 'A needle with a radius of 1 mm was tried at 4 candidate poses with conus'
+    has 'Constraints were at least 5 mm of the axis in U; more than 3 mm of clearance from Ball. 2 poses hold all of them'
 }
 
 @test "every format, and the sidecar" {

@@ -920,7 +920,9 @@ static conus_status attempt_points(void *data)
     static const conus_cut_plane plane = {.right = {1, 0, 0}, .up = {0, 1, 0}};
     const struct scene *scene = data;
     conus_image *image = NULL;
-    const conus_view view = {.width = 200, .height = 80, .points = points, .point_count = 2};
+    static const conus_mark marks[] = {{.ends = {{0, 0, 0}, {9, 9, 9}}, .dashed = true}, {.radius = 3}, {.name = "M"}};
+    const conus_view view = {
+        .width = 200, .height = 80, .points = points, .point_count = 2, .marks = marks, .mark_count = 3};
     conus_status status = conus_cuts_image(&image, scene->atlas, &plane, 1, NULL, scene->renderer, &view);
     assert_true((status == CONUS_OK) == (image != NULL));
     conus_image_destroy(image);
