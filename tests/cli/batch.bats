@@ -327,6 +327,15 @@ parts() {
     fails 2 'would overwrite the input rows.1-of-3.tsv' batch sphere.nii.gz --poses rows.1-of-3.tsv --angle 12 -q -o rows.tsv \
         --shard all/3 --force
     cp good/* .
+    touch rows.0-of-03.tsv.x rows.-of-4.tsv rows.1-of-.tsv row.1-of-4.tsv rows.1-of-4.csv # are no parts
+    batch --shard 3/12 -o rows.tsv
+    fails 3 'rows.03-of-12.tsv: is one of 12 parts, not of 3; --shard all/12 joins them, --force leaves them alone' \
+        batch sphere.nii.gz --poses poses.tsv --angle 12 -q -o rows.tsv --shard all/3
+    mkdir elsewhere
+    cp rows.03-of-12.* elsewhere
+    fails 3 'elsewhere/rows.03-of-12.tsv: is one of 12 parts' \
+        batch sphere.nii.gz --poses poses.tsv --angle 12 -q -o elsewhere/rows.tsv --shard all/3
+    rm -r elsewhere rows.03-of-12.* rows.0-of-03.tsv.x rows.-of-4.tsv rows.1-of-.tsv row.1-of-4.tsv rows.1-of-4.csv
     rm rows.1-of-3.* # one that is missing is answered
     batch -q --shard all/3 -o rows.tsv
     batch -q -o whole.tsv

@@ -4,6 +4,7 @@
 
 #include "base/path.h"
 #include "base/system/system.h"
+#include "base/text.h"
 #include "options/messages.h"
 
 #include <inttypes.h>
@@ -177,6 +178,13 @@ void shard_range(uint64_t *first, uint64_t *count, struct shard shard, uint64_t 
     *count = each + (shard.index < more);
 }
 
+/* The length of a file's name before its ending. */
+static size_t stem_length(const char *base)
+{
+    const char *dot = strrchr(base, '.');
+    return dot && dot > base ? (size_t)(dot - base) : strlen(base);
+}
+
 char *shard_path(const char *path, struct shard shard)
 {
     char *out = NULL;
@@ -184,13 +192,67 @@ char *shard_path(const char *path, struct shard shard)
         return strdup(path);
     }
     const char *base = path_base(path);
-    const char *dot = strrchr(base, '.');
-    size_t stem = dot && dot > base ? (size_t)(dot - path) : strlen(path);
+    size_t stem = (size_t)(base - path) + stem_length(base);
     int digits = snprintf(NULL, 0, "%" PRIu64, shard.count - 1);
     return asprintf(&out, "%.*s.%0*" PRIu64 "-of-%" PRIu64 "%s", (int)stem, path, digits, shard.index, shard.count,
                     path + stem) < 0
                ? NULL
                : out;
+}
+
+/* Names in the folder of a file's parts. */
+struct listing {
+    const char *base; /* the file's name; `stem` bytes of it are before its ending */
+    size_t stem;
+    uint64_t count; /* of the parts that may be there */
+    char other[SYSTEM_PATH];
+    uint64_t other_count; /* 0 = no part of another number was found */
+};
+
+/* The number at the beginning of the text, and what is behind it; false where there is none. */
+static bool read_number(uint64_t *out, const char **text)
+{
+    char *end;
+    bool is_number = **text >= '0' && **text <= '9';
+    *out = is_number ? strtoull(*text, &end, 10) : 0;
+    *text = is_number ? end : *text;
+    return is_number;
+}
+
+static bool look_at_name(void *user, const char *name)
+{
+    static const char of[] = "-of-";
+    struct listing *listing = user;
+    uint64_t index, count;
+    if (strncmp(name, listing->base, listing->stem) != 0 || name[listing->stem] != '.') {
+        return true;
+    }
+    const char *rest = name + listing->stem + 1;
+    bool is_part = read_number(&index, &rest) && strncmp(rest, of, sizeof of - 1) == 0;
+    rest += is_part ? sizeof of - 1 : 0;
+    is_part = is_part && read_number(&count, &rest) && strcmp(rest, listing->base + listing->stem) == 0;
+    if (is_part && count != listing->count) {
+        snprintf(listing->other, sizeof listing->other, "%s", name);
+        listing->other_count = count;
+    }
+    return !listing->other_count;
+}
+
+int shard_check_others(const char *path, uint64_t count)
+{
+    struct listing listing = {.base = path_base(path), .stem = stem_length(path_base(path)), .count = count};
+    size_t length = path_folder_length(path);
+    char *folder = length ? text_copy(path, length) : text_copy(".", 1);
+    if (!folder) {
+        return print_no_memory();
+    }
+    system_list(folder, look_at_name, &listing);
+    free(folder);
+    return listing.other_count
+               ? print_data_error("%.*s%s: is one of %" PRIu64 " parts, not of %" PRIu64 "; --shard all/%" PRIu64
+                                  " joins them, --force leaves them alone",
+                                  (int)length, path, listing.other, listing.other_count, count, listing.other_count)
+               : EXIT_DONE;
 }
 
 char *shard_words(const struct arguments *arguments, struct shard shard)

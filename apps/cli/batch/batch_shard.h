@@ -27,6 +27,10 @@ void shard_range(uint64_t *first, uint64_t *count, struct shard shard, uint64_t 
  * frees it. */
 char *shard_path(const char *path, struct shard shard);
 
+/** Whether no part of the file @p path is there that is one of another number of parts than @p count: of these some may
+ * be answered already. Returns the exit code and prints an error unless it is 0. */
+int shard_check_others(const char *path, uint64_t count);
+
 /** The command line, in which --shard names the part. Likewise. */
 char *shard_words(const struct arguments *arguments, struct shard shard);
 

@@ -886,6 +886,9 @@ static int answer_parts(struct task *task)
         return print_no_memory();
     }
     int code = look_at_file(&is_joined, &record, task);
+    if (!code && !is_joined && !task->settings->force) {
+        code = shard_check_others(task->settings->output, part.count);
+    }
     for (; part.index < part.count && !code && !is_joined; part.index++) {
         code = name_file(task, part);
         code = code ? code : check_file(task);
