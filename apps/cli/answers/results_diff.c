@@ -21,7 +21,7 @@ struct comparison {
     struct differences count;
 };
 
-static void tell(struct comparison *diff, const char *what, size_t row, const char *where, const char *column,
+static void report(struct comparison *diff, const char *what, size_t row, const char *where, const char *column,
                  const char *before, const char *after)
 {
     diff->take(diff->user, &(struct difference){what, row + 2, where, column, before, after});
@@ -84,7 +84,7 @@ static void compare_rows(struct comparison *diff, size_t row, size_t other)
         }
         diff->count.changed += !where;
         where = where ? where : row_name(diff->a, row);
-        tell(diff, "changed", row, where ? where : "", name, one, two);
+        report(diff, "changed", row, where ? where : "", name, one, two);
     }
     diff->count.same += !where;
     free(where);
@@ -93,7 +93,7 @@ static void compare_rows(struct comparison *diff, size_t row, size_t other)
 static void tell_row(struct comparison *diff, const char *what, const struct results *of, size_t row)
 {
     char *where = row_name(of, row);
-    tell(diff, what, row, where ? where : "", NULL, NULL, NULL);
+    report(diff, what, row, where ? where : "", NULL, NULL, NULL);
     free(where);
 }
 
