@@ -22,7 +22,7 @@ struct comparison {
 };
 
 static void report(struct comparison *diff, const char *what, size_t row, const char *where, const char *column,
-                 const char *before, const char *after)
+                   const char *before, const char *after)
 {
     diff->take(diff->user, &(struct difference){what, row + 2, where, column, before, after});
 }
