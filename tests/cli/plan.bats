@@ -399,6 +399,8 @@ many_needles() {
         [ "$(jq -r '.Warnings[-1]' cut.json)" = "interrupted: tried $tried of 2000 poses; the list has the best of these" ]
         [ "$(jq -c .Plan cut.json)" = "$(jq -c .Plan wanted.json)" ]
     done
+    run -3 conus verify cut.tsv
+    [[ "$output" == *"its run was interrupted, and another one would not end at the same pose"* ]]
     hold plan u-shape.nii.gz --poses needles.tsv "${ask[@]}" --format json >cut.json
     wait_for_block
     stop_held INT 1

@@ -44,23 +44,31 @@ static const char *cell_named(const struct results *results, size_t row, const c
     return results_column(results, name, &column) ? results_cell(results, row, column) : NULL;
 }
 
+/* Writes a cell behind before, unless there is none or it says no more than the row's kind. */
+static void write_cell(FILE *out, const char *before, const char *cell, const char *kind)
+{
+    if (cell && strcmp(cell, "n/a") != 0 && strcmp(cell, kind) != 0) {
+        fprintf(out, "%s%s", before, cell);
+    }
+}
+
 /* "query 1, row 2, aal: area 3 Core"; NULL without memory. */
 static char *row_name(const struct results *results, size_t row)
 {
     static const char *const more[] = {"name", "pathway", "i", "j", "k", "bundle", "end_a", "end_b"};
-    const char *atlas = cell_named(results, row, "atlas");
+    const char *kind = cell_named(results, row, "kind");
     const char *index = cell_named(results, row, "index");
-    const char *number = cell_named(results, row, "row");
     struct system_text text;
     FILE *out = system_text_open(&text);
     if (out) {
-        fprintf(out, "query %s%s%s%s%s: %s %s", cell_named(results, row, "query"), number ? ", row " : "",
-                number ? number : "", atlas ? ", " : "", atlas ? atlas : "", cell_named(results, row, "kind"),
-                index ? index : cell_named(results, row, "bundle_index"));
+        fprintf(out, "query %s", cell_named(results, row, "query"));
+        write_cell(out, ", row ", cell_named(results, row, "row"), kind);
+        write_cell(out, ", ", cell_named(results, row, "atlas"), kind);
+        fprintf(out, ": %s", kind);
+        write_cell(out, " ", index ? index : cell_named(results, row, "bundle_index"), kind);
     }
     for (size_t i = 0; out && i < sizeof more / sizeof more[0]; i++) {
-        const char *cell = cell_named(results, row, more[i]);
-        fprintf(out, "%s%s", cell ? " " : "", cell ? cell : "");
+        write_cell(out, " ", cell_named(results, row, more[i]), kind);
     }
     return system_text_close(&text);
 }

@@ -109,10 +109,21 @@ static bool parse_words(struct replay *out, const struct command *const *command
            fail_replay(out, "this conus, %s, does not take its command line: %s", conus_version(), error_line());
 }
 
+/* A plan that a signal ended says so in its last warning: another run would end elsewhere. */
+static bool was_interrupted(const struct record *record)
+{
+    const json_t *warnings = json_object_get(record->root, "Warnings");
+    const char *last = json_string_value(json_array_get(warnings, json_array_size(warnings) - 1));
+    return last && strncmp(last, "interrupted: ", strlen("interrupted: ")) == 0;
+}
+
 bool replay_check(struct replay *out, const struct command *const *commands)
 {
     if (!parse_words(out, commands)) {
         return false;
+    }
+    if (was_interrupted(out->record)) {
+        return fail_replay(out, "its run was interrupted, and another one would not end at the same pose");
     }
     const struct arguments *arguments = &out->arguments;
     for (size_t i = 0; i < arguments->use_count; i++) {
