@@ -1266,14 +1266,12 @@ static int run_render(const void *given, const struct arguments *arguments)
         return EXIT_USAGE;
     }
     struct picture picture = {.settings = settings, .arguments = arguments};
-    bool late = space_settings_needs_atlas(&settings->aim.space);
-    int code = late ? load_atlas(&picture) : EXIT_DONE;
+    int code = load_atlas(&picture);
     struct named_atlas named = {.atlas = picture.atlas};
     code = code ? code
                 : space_settings_frame(&picture.frame, &(struct atlases){.items = &named, .count = 1},
                                        &settings->aim.space, settings->common.quiet);
     code = code ? code : find_rows(&picture);
-    code = code || late ? code : load_atlas(&picture);
     picture.places = (struct named_places){.atlas = picture.atlas, .frame = &picture.frame};
     code = code ? code : find_camera(&picture);
     code = code || !has_option_pose(arguments)

@@ -382,15 +382,19 @@ static conus_status find_by_words(uint32_t *out, const conus_atlas *atlas, size_
 static conus_status refuse_side(const conus_atlas *atlas, struct text text)
 {
     int at = NO_WORD;
+    int own_at = NO_WORD;
     char side = find_side(&at, text);
     for (uint32_t number = 1; side && number <= atlas->area_count; number++) {
         const conus_object *area = &atlas->objects[number - 1];
         if (!atlas_is_paired(atlas, number) && !area->hemisphere &&
             (have_same_words(text, at, text_from(area->name), NO_WORD) ||
              have_same_words(text, at, text_from(area->abbreviation), NO_WORD))) {
-            return fail(CONUS_ERROR_ARGUMENT,
-                        "\"%.*s\": \"%s\" has no sides here; --hemispheres split makes \"%s %s\" of it",
-                        shown_size(text), text.data, area->name, area->name, side == 'L' ? "left" : "right");
+            const char own = find_side(&own_at, text_from(area->name));
+            return own ? fail(CONUS_ERROR_ARGUMENT, "\"%.*s\": \"%s\" is on the %s by its name: which side is meant?",
+                              shown_size(text), text.data, area->name, own == 'L' ? "left" : "right")
+                       : fail(CONUS_ERROR_ARGUMENT,
+                              "\"%.*s\": \"%s\" has no sides here; --hemispheres split makes \"%s %s\" of it",
+                              shown_size(text), text.data, area->name, area->name, side == 'L' ? "left" : "right");
         }
     }
     return CONUS_OK;

@@ -28,7 +28,7 @@ class Difference(NamedTuple):
     where: str
     """"query 1: area 37 Hippocampus_L: share", or "" where it is no table."""
     recorded: Optional[str]
-    """The content of the file; None where it has ended; of a row "removed" or "added"."""
+    """The content of the file; None where it has ended; "this row" or "this column" where the other one has none."""
     again: Optional[str]
 
 

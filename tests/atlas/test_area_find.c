@@ -113,6 +113,7 @@ static void what_may_be_several_is_refused_with_names(void **state)
         {"arcuate", "\"Arcuate_L\", \"Arcuate_R\"; give"},
         {"left V1", "\"V1\" has no sides here; --hemispheres split makes \"V1 left\" of it"},
         {"frontal pole R", "\"Frontal Pole right\" of it"},
+        {"Only_R left", "\"Only_R\" is on the right by its name: which side is meant?"},
         {"only", "no area or pathway has the name, abbreviation or label \"only\"; did you mean \"Only_R\"?"},
         {"left only", "no area or pathway"},
         {"left hippocampus right", "no area or pathway"},

@@ -165,13 +165,13 @@ says() {
     says 1 'line 2, query 1: area 1 Sphere: score: 0.818221159, answered again: 0.818221158' out/q.tsv
     has 'why: out/q.tsv was changed after conus wrote it: it has another SHA-256 than out/q.json records'
     sed -i 2d out/layers.tsv
-    says 1 'line 2, query 1: area 1 Shell outer: added, answered again: nothing' out/layers.tsv
+    says 1 'line 2, query 1: area 1 Shell outer: nothing, answered again: this row' out/layers.tsv
     has 'why: out/layers.tsv was changed'
     sed -i 's/another point is needed/another point is neaded/' out/threads.csv
     says 1 'name: line 3: toward: is the origin itself, another point is neaded, answered again: line 3: ' out/threads.csv
     has 'another length or CRC-32 than out/threads.json records'
     sed -i '1s/score/Score/' out/qc.csv
-    says 1 'line 1, the first: Score: column, answered again: nothing' out/qc.csv
+    says 1 'line 1, Score: this column, answered again: nothing' out/qc.csv
     sed -i 's/"pixels": 2616/"pixels": 2615/' out/qj.json
     says 1 '"pixels": 2615,, answered again: "pixels": 2616,' out/qj.json
     has 'was changed after conus wrote it: it has another SHA-256'

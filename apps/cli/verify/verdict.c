@@ -237,15 +237,24 @@ static void list_difference(struct checking *checking, size_t line, const char *
     }
 }
 
+/* A row or column that only one of them has is "this row" there, and nothing in the other. */
 static void take_difference(void *user, const struct difference *difference)
 {
     struct checking *checking = user;
     char *where = NULL;
-    const bool is_cell = difference->before;
-    if (asprintf(&where, "%s%s%s", difference->where, difference->column ? ": " : "",
+    const char *before = difference->before;
+    const char *after = difference->after;
+    const bool is_cell = before;
+    const bool is_column = !is_cell && difference->column;
+    if (!is_cell) {
+        bool is_recorded =
+            strcmp(is_column ? difference->where : difference->what, is_column ? "the first" : "removed") == 0;
+        *(is_recorded ? &before : &after) = is_column ? "this column" : "this row";
+    }
+    if (asprintf(&where, "%s%s%s", is_column ? "" : difference->where, is_cell ? ": " : "",
                  difference->column ? difference->column : "") >= 0) {
-        list_difference(checking, difference->line, where, json_string(is_cell ? difference->before : difference->what),
-                        is_cell ? json_string(difference->after) : NULL);
+        list_difference(checking, difference->line, where, before ? json_string(before) : NULL,
+                        after ? json_string(after) : NULL);
         free(where);
     }
 }
