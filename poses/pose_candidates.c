@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Candidates by their number: which entry, which target, which tilt, which turn (Eq. 22). */
-#include "poses/pose_candidates.h"
+#include "poses/pose_stream.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"

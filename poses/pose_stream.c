@@ -16,16 +16,10 @@
 #include "base/system/system.h"
 #include "base/text.h"
 #include "conus/file.h"
-#include "poses/caps.h"
-#include "poses/forms.h"
-#include "poses/pose_candidates.h"
 #include "poses/programs/pose_programs.h"
 #include "poses/rows/columns.h"
-#include "poses/rows/pairs.h"
 #include "poses/rows/pose_lines.h"
-#include "poses/rows/pose_list.h"
 #include "poses/rows/pose_row.h"
-#include "poses/rows/sides.h"
 
 #include <errno.h>
 #include <math.h>

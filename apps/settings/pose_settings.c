@@ -19,39 +19,25 @@
 static const char *const axes[] = {"format", "+x", "-x", "+y", "-y", "+z", "-z", NULL};
 
 const struct option pose_file_options[] = {
-    {.name = "poses-format",
-     OPTION_AT(struct pose_file_settings, format),
-     .value = "FORMAT",
-     .help = "format of the file of poses; auto detects it from the content:",
-     .choice_at = conus_pose_format_name,
+    {OPTION_VALUED("poses-format", struct pose_file_settings, format, "FORMAT"),
+     .help = "format of the file of poses; auto detects it from the content:", .choice_at = conus_pose_format_name,
      .needs = "pose|poses|camera|from"},
-    {.name = "axis",
-     OPTION_AT(struct pose_file_settings, axis),
-     .value = "AXIS",
+    {OPTION_VALUED("axis", struct pose_file_settings, axis, "AXIS"),
      .help = "axis of the device, in the file's frame, along which it points; each format has its own, tables and "
              "matrices -z:",
-     .choices = axes,
-     .needs = "pose|poses|camera"},
-    {.name = "along-shafts",
-     OPTION_AT(struct pose_file_settings, along_shafts),
-     .help = "contacts of electrodes (BIDS) point along their shafts, each to the next",
-     .needs = "pose|poses|camera"},
-    {.name = "any-space",
-     OPTION_AT(struct pose_file_settings, any_space),
-     .help = "accept positions even if the file names another space than the atlas",
-     .needs = "pose|poses|camera|from"},
+     .choices = axes, .needs = "pose|poses|camera"},
+    {OPTION_NAMED("along-shafts", struct pose_file_settings, along_shafts),
+     .help = "contacts of electrodes (BIDS) point along their shafts, each to the next", .needs = "pose|poses|camera"},
+    {OPTION_NAMED("any-space", struct pose_file_settings, any_space),
+     .help = "accept positions even if the file names another space than the atlas", .needs = "pose|poses|camera|from"},
     {0},
 };
 
 const struct option keep_options[] = {
-    {.name = "keep",
-     OPTION_AT(struct keep_settings, columns),
-     .value = "COLUMN,...",
+    {OPTION_VALUED("keep", struct keep_settings, columns, "COLUMN,..."),
      .help =
          "give the rows of the answer these columns of the table of poses, by their names in its header, as they are",
-     .words = "group, subject, condition, copy",
-     .role = OPTION_ASKS,
-     .needs = "pose|poses"},
+     .words = "group, subject, condition, copy", .role = OPTION_ASKS, .needs = "pose|poses"},
     {0},
 };
 
@@ -81,30 +67,21 @@ int keep_settings_names(struct kept_names *out, const struct keep_settings *sett
 }
 
 const struct option probe_settings_options[] = {
-    {.name = "probe",
-     OPTION_AT(struct probe_settings, path),
-     .value = "FILE",
+    {OPTION_VALUED("probe", struct probe_settings, path, "FILE"),
      .help = "instead of a cone, what is at each contact of a probe that ProbeInterface (.json), SpikeGLX (.ap.meta, "
              ".imro) or Open Ephys (settings.xml) describes, and within --radius MM (default 0.000001) of it: the tip "
              "is where the pose is, or at the far end of --range, and the shank "
              "points along the axis; several poses are insertions of one probe",
-     .words = "ProbeInterface, Neuropixels, SpikeGLX, Open Ephys, electrodes, contacts",
-     .role = OPTION_READS,
+     .words = "ProbeInterface, Neuropixels, SpikeGLX, Open Ephys, electrodes, contacts", .role = OPTION_READS,
      .excludes = "point,angle,aperture-diameter,segments,clearance,image,mask,streamlines-out,connectivity"},
-    {.name = "probe-tip",
-     OPTION_AT(struct probe_settings, tip),
-     .value = "MM",
+    {OPTION_VALUED("probe-tip", struct probe_settings, tip, "MM"),
      .help = "distance from the tip to the lowest contact, in place of the contour in the probe's file; of a recording "
              "to the lowest row that the probe has",
-     OPTION_ABOVE_TO(0, 1000),
-     .needs = "probe"},
-    {.name = "probe-roll",
-     OPTION_AT(struct probe_settings, roll),
-     .value = "DEGREES",
+     OPTION_ABOVE_TO(0, 1000), .needs = "probe"},
+    {OPTION_VALUED("probe-roll", struct probe_settings, roll, "DEGREES"),
      .help = "turn the probe about its shank, the device's +y towards its +x, as conus plan --roll does; at 0 the "
              "probe's x axis is the device's +x",
-     OPTION_FROM_TO(-360, 360),
-     .needs = "probe"},
+     OPTION_FROM_TO(-360, 360), .needs = "probe"},
     {0},
 };
 

@@ -7,7 +7,6 @@
 #include "base/order.h"
 #include "poses/rows/columns.h"
 #include "poses/rows/named_cells.h"
-#include "poses/rows/pairs.h"
 #include "poses/rows/pose_row.h"
 
 #include <stdio.h>

@@ -2,8 +2,8 @@
 /* What the numbers of a table's head say against their unit, their signs or their sides. */
 #include "base/geometry/math3.h"
 #include "base/status.h"
+#include "poses/rows/columns.h"
 #include "poses/rows/columns_head.h"
-#include "poses/rows/sides.h"
 
 #include <ctype.h>
 #include <stdio.h>

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Tables of points and poses: which column has which role, and the row that a line is. */
+/** @file Tables of points and poses: which column has which role, the row that a line is, axes in two rows, and what
+ * names say of left and right. */
 #ifndef CONUS_POSES_ROWS_COLUMNS_H
 #define CONUS_POSES_ROWS_COLUMNS_H
 
 #include "base/formats/table.h"
 #include "base/notes.h"
+#include "base/text.h"
 #include "conus/pose_file.h"
 #include "poses/rows/pose_row.h"
 #include "poses/rows/space_words.h"
@@ -72,8 +74,8 @@ struct columns {
     struct space_words said; /**< What titles, comments and headers say. */
     bool has_unit;           /**< The file names it, */
     bool is_own_unit;        /**< or the user. */
-    size_t pairs; /**< From 1: the column that says whether a row is an entry or the target of its name (pairs.h); 0 =
-                     none does. */
+    size_t pairs; /**< From 1: the column that says whether a row is an entry or the target of its name (pairs_parse());
+                     0 = none does. */
     bool ends_at_target; /**< Axes end there, not only point there (target_x, but not tx). */
     bool moves;          /**< Positions of MNI 305 are moved to MNI 152. */
     size_t heard_lines;  /**< Lines of the head, whose words are in @p said. */
@@ -131,5 +133,38 @@ enum columns_line columns_read(conus_pose_row *row, struct pose_name *name, conu
 
 /** Whether @p text is sixteen numbers and nothing else: then @p row or its error (in *bad) is the pose they are. */
 bool columns_plain_matrix(conus_pose_row *row, conus_status *bad, struct text text, const conus_pose_options *options);
+
+/** Adds the axes of a table with columns.pairs to @p list, in the order of their entries; each ends at its target.
+ * CONUS_ERROR_DATA where a name has not one of each. */
+conus_status pairs_parse(conus_pose_list *list, const struct columns *columns, struct text text,
+                         const conus_pose_options *options);
+
+enum { SIDES_SHAFTS = 64, SIDES_SHAFT_SIZE = 12 };
+
+/** All 0: nothing was counted yet. */
+struct sides {
+    size_t left, right, left_on_right, right_on_left; /**< Points that a word calls so. */
+    struct shaft {
+        char letters[SIDES_SHAFT_SIZE]; /**< "LPH" of "LPH 1". */
+        size_t contacts, wrong;         /**< Wrong: on the other side than its first letter says. */
+    } shafts[SIDES_SHAFTS];
+    size_t shaft_count;
+    bool has_others; /**< Names that end with a number and begin otherwise, or more shafts than these. */
+};
+
+/** The side that a name states by a word of its own: -1 left, +1 right, 0 none. */
+int sides_of_name(struct text name);
+
+/** Counts a point that is called @p name, and so or by a column on @p side; @p x mm from the middle, and wrong where
+ * that is more than @p edge on the other side. */
+void sides_count(struct sides *sides, int side, struct text name, double x, double edge);
+
+/** CONUS_ERROR_DATA where half of the points called left, or right, lie on the other side; @p why: what they may be. */
+conus_status sides_check(const struct sides *sides, const char *why);
+
+/** Warns of shafts of electrodes (LA1, LPH-2) whose contacts, three at least, all lie on the other side than the first
+ * letter says. It says a side only where there is the same shaft of the other one (RPH), or where all names with a
+ * number begin so: of both letters, or of three shafts. */
+conus_status sides_warn_of_shafts(const struct sides *sides, struct notes *notes);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes an axis of two rows. */
-#include "poses/rows/pairs.h"
+#include "poses/rows/columns.h"
 
 #include "base/geometry/math3.h"
 #include "base/order.h"

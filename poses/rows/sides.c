@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Counts which names contradict the side on which their points lie. */
-#include "poses/rows/sides.h"
+#include "poses/rows/columns.h"
 
 #include "base/status.h"
 
