@@ -297,12 +297,13 @@ int settings_understood(char out[96], struct named_places *places, const struct 
 
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
 {
+    const struct command *command = arguments->command;
     bool has_origin = option_given(arguments, "origin");
-    if (option_find(arguments->command, "focus") && option_given(arguments, "focus")) {
+    bool is_inward = option_find(command, "inward") && option_given(arguments, "inward");
+    if (option_find(command, "focus") && option_given(arguments, "focus")) {
         return option_given(arguments, "aperture-diameter") ||
                refuse("--focus needs --aperture-diameter MM with it: how wide the beam is at the transducer");
     }
-    bool is_inward = option_find(arguments->command, "inward") && option_given(arguments, "inward");
     if (has_origin && !option_given(arguments, "toward") && !option_given(arguments, "direction") && !is_inward) {
         return refuse("--origin needs --toward PLACE or --direction X,Y,Z with it");
     }
@@ -360,31 +361,28 @@ static int find_inward(double along[3], struct named_places *places, const doubl
 int settings_pose(conus_pose *out, double *target, struct named_places *places, const struct aim_settings *settings,
                   const struct arguments *arguments)
 {
-    *target = NAN;
-    const double *given_up = option_given(arguments, "up") ? settings->up : NULL;
+    const double *up = option_given(arguments, "up") ? settings->up : NULL;
+    const bool is_beam = settings->focus;
     double from[3];
     double along[3];
     double above[3];
-    int code = EXIT_DONE;
-    if (settings->focus) {
-        code = settings_pose_toward(out, target, places, (const char *const[]){"focus", "transducer"},
-                                    (const char *const[]){settings->focus, settings->transducer}, NULL);
-    } else if (option_given(arguments, "toward")) {
-        code = settings_pose_toward(out, target, places, (const char *const[]){"origin", "toward"},
-                                    (const char *const[]){settings->origin, settings->toward}, given_up);
-    } else if (settings->inward) {
-        code = named_places_find(from, places, "origin", settings->origin, NULL);
-        code = code ? code : find_inward(along, places, from);
-        conus_frame_direction_to_world(above, places->frame, settings->up);
-        code = code ? code : print_status(conus_pose_along(out, from, along, given_up ? above : NULL));
+    int code;
+    *target = NAN;
+    if (is_beam || option_given(arguments, "toward")) {
+        code = settings_pose_toward(
+            out, target, places, (const char *const[]){is_beam ? "focus" : "origin", is_beam ? "transducer" : "toward"},
+            (const char *const[]){is_beam ? settings->focus : settings->origin,
+                                  is_beam ? settings->transducer : settings->toward},
+            is_beam ? NULL : up);
     } else {
         code = named_places_find(from, places, "origin", settings->origin, NULL);
         conus_frame_direction_to_world(along, places->frame, settings->direction);
+        code = code || !settings->inward ? code : find_inward(along, places, from);
         conus_frame_direction_to_world(above, places->frame, settings->up);
-        code = code ? code : print_status(conus_pose_along(out, from, along, given_up ? above : NULL));
+        code = code ? code : print_status(conus_pose_along(out, from, along, up ? above : NULL));
     }
     if (!code) {
-        conus_frame_turn_pose(out, places->frame, given_up != NULL);
+        conus_frame_turn_pose(out, places->frame, up != NULL);
     }
     return code;
 }
@@ -434,13 +432,11 @@ double settings_angle(const struct aim_settings *settings, const struct engine_s
 bool settings_check_shape(const struct aim_settings *settings, const struct engine_settings *engine,
                           const struct arguments *arguments)
 {
-    if (!option_given(arguments, "angle")) {
-        return true;
-    }
-    if (engine->radius > 0 && settings->angle != 0) {
+    bool is_given = option_given(arguments, "angle");
+    if (is_given && engine->radius > 0 && settings->angle != 0) {
         return refuse("--radius makes a cylinder, whose --angle is 0");
     }
-    if (engine->radius == 0 && !(settings->angle > 0 && settings->angle < 180)) {
+    if (is_given && engine->radius == 0 && !(settings->angle > 0 && settings->angle < 180)) {
         return refuse("--angle: %.10g is out of range, allowed is more than 0 and less than 180%s", settings->angle,
                       settings->angle == 0 ? "; 0 goes with --radius" : "");
     }

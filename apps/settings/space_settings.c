@@ -23,13 +23,8 @@ const struct option space_options[] = {
 bool space_settings_check(const struct arguments *arguments, const struct space_settings *settings)
 {
     const double *b = settings->bregma;
-    if (!option_given(arguments, "bregma")) {
-        return true;
-    }
-    if (b[0] == 0 && b[1] == 0 && b[2] == 0) {
-        return refuse("--bregma: 0,0,0 is the corner of the CCF's grid, AP,DV,ML in micrometres are needed");
-    }
-    return true;
+    return !option_given(arguments, "bregma") || b[0] != 0 || b[1] != 0 || b[2] != 0 ||
+           refuse("--bregma: 0,0,0 is the corner of the CCF's grid, AP,DV,ML in micrometres are needed");
 }
 
 bool space_settings_needs_atlas(const struct space_settings *settings)
