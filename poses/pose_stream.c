@@ -267,6 +267,7 @@ static conus_status plan_table(conus_pose_stream *stream)
     conus_status status = pose_lines_fill_head(lines, POSE_LINE_LIMIT);
     bool is_short = true;
     bool is_decided = false;
+    stream->columns.side = sides_of_file(stream->path);
     while (!status && !is_decided) {
         struct text head = whole_lines(lines);
         struct text rest = head;
@@ -346,7 +347,7 @@ static conus_status check_sides(conus_pose_stream *stream)
         }
     }
     conus_status status = sides_check(&sides, "are x and y in another space than the file says, or --space?");
-    return status ? status : sides_warn_of_shafts(&sides, &list->notes);
+    return status ? status : sides_warn(&sides, sides_of_file(stream->path), &list->notes);
 }
 
 /* Warns where a head in metres would be as small: all positions lie within 1 mm of the origin, but not at it, or three

@@ -2,6 +2,7 @@
 /* What the head of a table says of the space and unit of its positions, what its numbers say against their unit, their
  * signs or their sides, and what names say of sides. */
 #include "base/geometry/math3.h"
+#include "base/path.h"
 #include "base/status.h"
 #include "poses/rows/columns.h"
 #include "poses/rows/columns_head.h"
@@ -238,7 +239,7 @@ static conus_status judge(const struct census *c, const struct head *head, struc
     if (!status && is_asked && wrong) {
         status = notes_warn(notes, "%zu rows lie on the other side than their name says", wrong);
     }
-    return status || !is_asked || !is_list ? status : sides_warn_of_shafts(sides, notes);
+    return status || !is_asked || !is_list ? status : sides_warn(sides, head->out->side, notes);
 }
 
 /* Whether a word stands where a number is to be, and a character that is no sign before a coordinate. */
@@ -295,7 +296,8 @@ conus_status columns_check_numbers(const struct head *head, struct notes *notes)
     return judge(&census, head, notes, longest, first_fault);
 }
 
-int sides_of_name(struct text name)
+/* Words of at least so many letters count. */
+static int find_side(struct text name, size_t least)
 {
     static const char left[] = "left/l/lh/links/gauche", right[] = "right/r/rh/rechts/droite";
     int side = 0;
@@ -305,10 +307,23 @@ int sides_of_name(struct text name)
             size++;
         }
         const struct text word = {name.data + i, size};
-        side = text_is_one_of(word, left, false) ? -1 : text_is_one_of(word, right, false) ? 1 : side;
+        side = size < least                         ? side
+               : text_is_one_of(word, left, false)  ? -1
+               : text_is_one_of(word, right, false) ? 1
+                                                    : side;
         i += size + 1;
     }
     return side;
+}
+
+int sides_of_name(struct text name)
+{
+    return find_side(name, 1);
+}
+
+int sides_of_file(const char *path)
+{
+    return path ? find_side(text_from(path_base(path)), 2) : 0;
 }
 
 /* The letters of a contact's name: "LPH" of "LPH 1". They begin with two capitals, L or R the first. *ends: whether the
@@ -354,6 +369,9 @@ static void count_shaft(struct sides *sides, struct text name, double x, double 
 void sides_count(struct sides *sides, int side, struct text name, double x, double edge)
 {
     size_t *wrong = side < 0 ? &sides->left_on_right : &sides->right_on_left;
+    sides->points++;
+    sides->beyond[0] += x < -edge;
+    sides->beyond[1] += x > edge;
     if (side) {
         *(side < 0 ? &sides->left : &sides->right) += 1;
         *wrong += side < 0 ? x > edge : x < -edge;
@@ -373,8 +391,21 @@ conus_status sides_check(const struct sides *s, const char *why)
                       s->left_on_right, s->left, s->right_on_left, s->right, why);
 }
 
-conus_status sides_warn_of_shafts(const struct sides *sides, struct notes *notes)
+static conus_status warn_of_file(const struct sides *sides, int of_file, struct notes *notes)
 {
+    enum { LEAST = 3 };
+    const size_t wrong = of_file ? sides->beyond[of_file < 0] : 0;
+    return sides->points < LEAST || 2 * wrong <= sides->points
+               ? CONUS_OK
+               : notes_warn(notes,
+                            "its name says %s, and %zu of %zu points lie on the %s; is x mirrored? ',sides=anyway' "
+                            "behind FILE says that it is not",
+                            of_file < 0 ? "left" : "right", wrong, sides->points, of_file < 0 ? "right" : "left");
+}
+
+conus_status sides_warn(const struct sides *sides, int of_file, struct notes *notes)
+{
+    conus_status status = warn_of_file(sides, of_file, notes);
     char shown[4 * SIDES_SHAFT_SIZE] = "";
     size_t of_letter[2] = {0};
     size_t wrong = 0;
@@ -394,9 +425,10 @@ conus_status sides_warn_of_shafts(const struct sides *sides, struct notes *notes
             snprintf(shown + used, sizeof shown - used, "%s%s", used ? ", " : "", shaft->letters);
         }
     }
-    return !wrong ? CONUS_OK
-                  : notes_warn(notes,
-                               "%zu of %zu electrodes lie on the other side than the first letter of their names says "
-                               "(%s%s); is x mirrored? ',sides=anyway' behind FILE says that it is not",
-                               wrong, sides->shaft_count, shown, wrong > 3 ? ", ..." : "");
+    return status || !wrong
+               ? status
+               : notes_warn(notes,
+                            "%zu of %zu electrodes lie on the other side than the first letter of their names says "
+                            "(%s%s); is x mirrored? ',sides=anyway' behind FILE says that it is not",
+                            wrong, sides->shaft_count, shown, wrong > 3 ? ", ..." : "");
 }

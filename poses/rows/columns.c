@@ -1279,7 +1279,8 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     if (!head) {
         return CONUS_ERROR_MEMORY;
     }
-    *out = (struct columns){.space = options->space, .is_bids = out->is_bids, .table.quotes_are_plain = out->is_bids};
+    *out = (struct columns){
+        .space = options->space, .is_bids = out->is_bids, .side = out->side, .table.quotes_are_plain = out->is_bids};
     head->out = out;
     head->options = options;
     head->text = head_text;

@@ -63,6 +63,7 @@ struct columns {
     uint64_t header_sum;                 /**< Of the header's line. */
     bool is_bids; /**< Before columns_plan(): marks belong to cells, no column is unusual, and only x, y, z and name, or
                      those that the user names, and words of space and unit have a role. */
+    int side;     /**< Before columns_plan(): sides_of_file(). */
     bool is_of_points; /**< It gives no direction. */
     bool has_space;    /**< It says itself in which space the numbers are: */
     conus_space space;
@@ -144,6 +145,7 @@ enum { SIDES_SHAFTS = 64, SIDES_SHAFT_SIZE = 12 };
 /** All 0: nothing was counted yet. */
 struct sides {
     size_t left, right, left_on_right, right_on_left; /**< Points that a word calls so. */
+    size_t points, beyond[2];                         /**< All, and those beyond the edge on the left and right. */
     struct shaft {
         char letters[SIDES_SHAFT_SIZE]; /**< "LPH" of "LPH 1". */
         size_t contacts, wrong;         /**< Wrong: on the other side than its first letter says. */
@@ -155,6 +157,9 @@ struct sides {
 /** The side that a name states by a word of its own: -1 left, +1 right, 0 none. */
 int sides_of_name(struct text name);
 
+/** The same of a file at @p path, NULL = none; a letter alone says nothing there ("peaks_R.csv"). */
+int sides_of_file(const char *path);
+
 /** Counts a point that is called @p name, and so or by a column on @p side; @p x mm from the middle, and wrong where
  * that is more than @p edge on the other side. */
 void sides_count(struct sides *sides, int side, struct text name, double x, double edge);
@@ -162,9 +167,11 @@ void sides_count(struct sides *sides, int side, struct text name, double x, doub
 /** CONUS_ERROR_DATA where half of the points called left, or right, lie on the other side; @p why: what they may be. */
 conus_status sides_check(const struct sides *sides, const char *why);
 
-/** Warns of shafts of electrodes (LA1, LPH-2) whose contacts, three at least, all lie on the other side than the first
- * letter says. It says a side only where there is the same shaft of the other one (RPH), or where all names with a
- * number begin so: of both letters, or of three shafts. */
-conus_status sides_warn_of_shafts(const struct sides *sides, struct notes *notes);
+/** Warns where half of the points, three at least, lie beyond the edge on the other side than their file's name says,
+ * by
+ * @p of_file; and of shafts of electrodes (LA1, LPH-2) whose contacts, three at least, all lie on the other side than
+ * the first letter says. It says a side only where there is the same shaft of the other one (RPH), or where all names
+ * with a number begin so: of both letters, or of three shafts. */
+conus_status sides_warn(const struct sides *sides, int of_file, struct notes *notes);
 
 #endif
