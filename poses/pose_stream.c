@@ -76,7 +76,6 @@ static conus_status find_format_of_matlab(conus_pose_format *format, conus_pose_
     return status;
 }
 
-/* The box around positions. */
 struct extent {
     size_t count;
     double low[3], high[3]; /* mm. */
@@ -104,7 +103,6 @@ static void extent_add(struct extent *extent, const conus_pose_row *row)
 enum { NAMES_COMPARED = 1 << 18 }; /* rows; their names are held until the stream ends */
 enum { HEAD_ROWS = 64 };
 
-/* The names of the rows read. */
 struct row_names {
     struct buffer text; /* each with a zero behind it */
     size_t count;

@@ -146,7 +146,6 @@ static bool file_space_parse(conus_file_space *out, const char *text)
     return *out != CONUS_FILE_SPACE_AS_STATED;
 }
 
-/* One --streamlines. */
 struct streamlines_option {
     char *path;       /* Its text, which is cut where the file's name ends. */
     const char *name; /* NULL if not given. */

@@ -156,7 +156,6 @@ static bool read_key(conus_constraint *out, bool *has_measure, char *text)
     return false;
 }
 
-/* Cuts keys off the end of a text. */
 static bool read_keys(conus_constraint *out, char *text)
 {
     bool has_measure = false;

@@ -502,7 +502,6 @@ enum pose_brackets pose_brackets_json(json_t *root)
     return all ? BRACKETS_NAMES : BRACKETS_NONE;
 }
 
-/* Freeview's point sets say in which space they are. */
 static conus_status set_freeview_space(conus_pose_list *list, const json_t *root, bool any_space)
 {
     struct text system = json_text_of(json_object_get(root, "vox2ras"));

@@ -378,7 +378,6 @@ static conus_status check_unique(const conus_probe *probe)
     return status;
 }
 
-/* Reserves what the lists of positions need. */
 static conus_status reserve(conus_probe *out, const json_t *probes, uint64_t max_memory)
 {
     size_t contacts = 0;

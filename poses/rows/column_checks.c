@@ -42,7 +42,6 @@ static struct space_words hear_column(const struct head *head, size_t column)
     return all_brains && !(best.why && !all_refused) ? best : (struct space_words){0};
 }
 
-/* What columns say of the rows. */
 static conus_status hear_rows(struct head *head)
 {
     struct columns *out = head->out;
@@ -68,7 +67,6 @@ static conus_status hear_rows(struct head *head)
     return CONUS_OK;
 }
 
-/* What is said of spaces and units; the user's word, and a column of LPS or RAS, beat it. */
 conus_status columns_hear_words(struct head *head, struct notes *notes)
 {
     struct columns *out = head->out;
@@ -259,8 +257,6 @@ static void find_faults(bool *has_word, bool *has_glyph, const struct columns *c
     }
 }
 
-/* What the numbers of the head say against their unit, their signs or their sides. The unit that the user or the
- * file states is not questioned. */
 conus_status columns_check_numbers(const struct head *head, struct notes *notes)
 {
     struct census census = {0};

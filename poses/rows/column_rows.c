@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* mm per unit of a space. */
 double columns_space_mm(conus_space space)
 {
     return space == CONUS_SPACE_CCF ? 0.001 : 1;
@@ -50,7 +49,6 @@ static bool has_words(struct text text)
     return words >= 2;
 }
 
-/* Whether a line has several words and too few cells for a row: "Note. Talairach coordinates, p < 0.05." */
 bool columns_is_sentence(const struct columns *columns, struct text text)
 {
     struct table_line line;
@@ -114,7 +112,6 @@ static bool read_point(double point[3], struct text *name, const struct table *t
     return true;
 }
 
-/* As the rest of the text has it, or else with white space or commas. */
 bool columns_point(double point[3], struct text *name, const struct table *table, struct text line)
 {
     static const enum table_separator others[] = {TABLE_SPACES, TABLE_COMMAS};
@@ -437,7 +434,6 @@ static conus_status read_row(conus_pose_row *row, struct pose_name *name, const 
     return status;
 }
 
-/* Whether the three coordinates of a row hold nothing. */
 static bool is_without_position(const struct columns *columns, const struct table_line *line)
 {
     size_t absent = 0;

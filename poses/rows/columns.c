@@ -436,7 +436,6 @@ static const struct family *find_kind(struct head *head, enum family_kind kind)
     return found;
 }
 
-/* Columns of one number or text each. */
 static void find_roles(struct head *head)
 {
     for (size_t r = 0; r < sizeof roles / sizeof roles[0]; r++) {
@@ -512,7 +511,6 @@ static void drop_role(struct head *head, enum role role)
     head->out->has[role] = false;
 }
 
-/* Whether the column is 0 in all rows of the head. */
 static bool is_all_zero(const struct head *head, enum role role)
 {
     bool all = true;
@@ -583,7 +581,8 @@ static bool is_on_its_side(const struct head *head)
 static void refuse_other_space(struct head *head, const struct family *position)
 {
     struct space_words words = {0};
-    space_words_hear_of(&words, text_from(head->names[position->at[0]]));
+    const size_t column = position->at[position->at[0] == COLUMN_NONE]; /* one of the three may be missing */
+    space_words_hear_of(&words, text_from(head->names[column]));
     space_words_hear_of(&words, text_from(position->stem));
     FAULT_IF(!words.space.brain && !words.why && !words.has_signs && !head->options->any_space, head,
              "%s are named after another image or space: --any-space takes them as they are, with --atlas-transform "
@@ -800,7 +799,6 @@ static void list_columns(struct buffer *out, const struct head *head, bool known
     }
 }
 
-/* What is passed over without need is said once. */
 static conus_status note_unknown(struct notes *notes, const struct head *head)
 {
     struct buffer list = {0};

@@ -206,7 +206,6 @@ static size_t line_length(const struct pose_lines *lines)
     return end ? (size_t)(end - lines->data) : length;
 }
 
-/* Takes the line's ending, if there is one. */
 static void take_ending(struct pose_lines *lines)
 {
     if (lines->size) {
