@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Caps of electrodes, which name no space. They are taken as MNI only where their names lie on the head of MNI 152
  * (Okamoto's published cap: at most 14.7 mm off, half of it within 9.2). */
-#include "poses/caps.h"
+#include "poses/pose_stream.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
 #include "base/text.h"
-#include "poses/rows/positions.h"
+#include "poses/rows/pose_row.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Tells files of poses by how they begin. */
-#include "poses/forms.h"
+#include "poses/pose_stream.h"
 
 #include "base/child/hdf5.h"
 #include "base/formats/matlab.h"

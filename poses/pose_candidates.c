@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Candidates by their number: which entry, which target, which tilt, which turn (Eq. 22). */
-#include "poses/pose_candidates.h"
+#include "poses/pose_stream.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -53,7 +53,6 @@ static conus_status check(const conus_candidates *asked)
     return isfinite(asked->beyond) ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "beyond: a finite number is needed");
 }
 
-/* How many directions lie within a ring of angle `tilt`. */
 static double ring_size(double tilt, double step)
 {
     return fmax(1, ceil(2 * MATH3_PI * sin(tilt) / step - ROUNDING));

@@ -16,16 +16,10 @@
 #include "base/system/system.h"
 #include "base/text.h"
 #include "conus/file.h"
-#include "poses/caps.h"
-#include "poses/forms.h"
-#include "poses/pose_candidates.h"
 #include "poses/programs/pose_programs.h"
 #include "poses/rows/columns.h"
-#include "poses/rows/pairs.h"
 #include "poses/rows/pose_lines.h"
-#include "poses/rows/pose_list.h"
 #include "poses/rows/pose_row.h"
-#include "poses/rows/sides.h"
 
 #include <errno.h>
 #include <math.h>
@@ -82,7 +76,6 @@ static conus_status find_format_of_matlab(conus_pose_format *format, conus_pose_
     return status;
 }
 
-/* The box around positions. */
 struct extent {
     size_t count;
     double low[3], high[3]; /* mm. */
@@ -110,7 +103,6 @@ static void extent_add(struct extent *extent, const conus_pose_row *row)
 enum { NAMES_COMPARED = 1 << 18 }; /* rows; their names are held until the stream ends */
 enum { HEAD_ROWS = 64 };
 
-/* The names of the rows read. */
 struct row_names {
     struct buffer text; /* each with a zero behind it */
     size_t count;
@@ -192,6 +184,12 @@ struct conus_pose_stream {
     conus_pose_list head; /* the first rows that were read line by line */
 };
 
+/* The first bytes that are there. */
+static struct text head_of(const struct pose_lines *lines)
+{
+    return (struct text){lines->data, lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT};
+}
+
 static conus_status fail_of(const conus_pose_stream *stream, conus_status status)
 {
     return status && stream->name ? fail_in(status, stream->name) : status;
@@ -216,12 +214,12 @@ static conus_status decode(struct text *text, conus_pose_stream *stream)
 /* The lines that are there, without one that is not whole. */
 static struct text whole_lines(const struct pose_lines *lines)
 {
-    size_t size = lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT;
-    struct text head = {lines->data, size};
-    while (!(lines->ended && size == lines->size) && head.size && !strchr("\r\n", head.data[head.size - 1])) {
+    struct text head = head_of(lines);
+    bool is_all = lines->ended && head.size == lines->size;
+    while (!is_all && head.size && !strchr("\r\n", head.data[head.size - 1])) {
         head.size--;
     }
-    return head.size ? head : (struct text){lines->data, size};
+    return head.size ? head : head_of(lines);
 }
 
 /* Whether all numbers of a text are the sixteen of a matrix, in one line or in four. */
@@ -241,18 +239,13 @@ static conus_status find_format(conus_pose_stream *stream)
     status = status ? status : pose_lines_fill_head(lines, POSE_LINE_LIMIT);
     conus_pose_format found = CONUS_POSE_FORMAT_AUTO;
     while (!status && found == CONUS_POSE_FORMAT_AUTO) {
-        bool all = lines->ended || lines->size >= POSE_LINE_LIMIT;
-        size_t size = lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT;
-        found = forms_find((struct text){lines->data, size}, all, &used);
-        if (found == CONUS_POSE_FORMAT_AUTO) {
-            status = pose_lines_fill(lines, lines->size + 1);
-        }
+        found = forms_find(head_of(lines), lines->ended || lines->size >= POSE_LINE_LIMIT, &used);
+        status = found == CONUS_POSE_FORMAT_AUTO ? pose_lines_fill(lines, lines->size + 1) : CONUS_OK;
     }
-    struct text head = {lines->data, lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT};
+    const struct text head = head_of(lines);
     bool is_own_word = stream->words.at[0].size && !pose_brackets_are_rows(head); /* the user knows the columns */
     found = !status && !is_own_word && pose_lists_know(head, stream->path) ? CONUS_POSE_FORMAT_LIST : found;
-    const char *kind =
-        status || found == CONUS_POSE_FORMAT_LIST ? NULL : forms_why_none((struct text){lines->data, lines->size});
+    const char *kind = status || found == CONUS_POSE_FORMAT_LIST ? NULL : forms_why_none(head);
     if (kind) {
         return fail(CONUS_ERROR_DATA, "%s", kind);
     }
@@ -260,9 +253,7 @@ static conus_status find_format(conus_pose_stream *stream)
         status = fail(CONUS_ERROR_DATA, "a zero byte: not a text of poses");
     }
     bool is_short = lines->ended && lines->size < POSE_LINE_LIMIT;
-    if (found == CONUS_POSE_FORMAT_TABLE && is_short && is_matrix((struct text){lines->data, lines->size})) {
-        found = CONUS_POSE_FORMAT_MATRIX;
-    }
+    found = found == CONUS_POSE_FORMAT_TABLE && is_short && is_matrix(head) ? CONUS_POSE_FORMAT_MATRIX : found;
     stream->format = stream->options.format ? stream->options.format : found;
     return status;
 }
@@ -274,18 +265,18 @@ static conus_status plan_table(conus_pose_stream *stream)
     conus_status status = pose_lines_fill_head(lines, POSE_LINE_LIMIT);
     bool is_short = true;
     bool is_decided = false;
+    stream->columns.side = sides_of_file(stream->path);
     while (!status && !is_decided) {
         struct text head = whole_lines(lines);
         struct text rest = head;
-        bool all = lines->ended || lines->size >= POSE_LINE_LIMIT;
-        if (all && !table_next_line(&rest, &(struct text){0}, NULL)) {
-            return lines->size >= POSE_LINE_LIMIT
-                       ? fail(CONUS_ERROR_DATA, "header: a line of more than %d bytes", POSE_LINE_LIMIT)
-                       : fail(CONUS_ERROR_DATA, "no poses: " POSE_FORMATS " is needed");
-        }
-        if (all && !memchr(head.data, '\n', head.size) && !memchr(head.data, '\r', head.size) &&
-            head.size >= POSE_LINE_LIMIT) {
-            return fail(CONUS_ERROR_DATA, "header: a line of more than %d bytes", POSE_LINE_LIMIT);
+        bool is_full = lines->size >= POSE_LINE_LIMIT;
+        bool all = lines->ended || is_full;
+        bool is_empty = all && !table_next_line(&rest, &(struct text){0}, NULL);
+        bool is_one_line =
+            head.size >= POSE_LINE_LIMIT && !memchr(head.data, '\n', head.size) && !memchr(head.data, '\r', head.size);
+        if (is_empty || is_one_line) {
+            return is_full ? fail(CONUS_ERROR_DATA, "header: a line of more than %d bytes", POSE_LINE_LIMIT)
+                           : fail(CONUS_ERROR_DATA, "no poses: " POSE_FORMATS " is needed");
         }
         status = decode(&head, stream);
         size_t notes = stream->list.notes.count;
@@ -311,16 +302,23 @@ static conus_status plan_table(conus_pose_stream *stream)
     if (!status && !stream->list.space.name[0]) {
         stream->list.space = columns_space(columns);
     }
-    bool is_points = !status && !stream->columns.has_header;
-    stream->format = is_points               ? CONUS_POSE_FORMAT_POINTS
-                     : stream->columns.pairs ? CONUS_POSE_FORMAT_LIST
-                                             : stream->format;
+    stream->format = !status && !columns->has_header ? CONUS_POSE_FORMAT_POINTS
+                     : columns->pairs                ? CONUS_POSE_FORMAT_LIST
+                                                     : stream->format;
     return status;
 }
 
 static bool is_read_whole(const conus_pose_stream *stream)
 {
     return formats[stream->format].parse != NULL;
+}
+
+/* How many rows there are, where that is known at once: UINT64_MAX of lines. */
+static uint64_t count_known(const conus_pose_stream *stream)
+{
+    return is_read_whole(stream)      ? stream->list.count
+           : stream->candidates.count ? stream->candidates.count
+                                      : UINT64_MAX;
 }
 
 static bool is_of_rodents(conus_pose_format format)
@@ -347,7 +345,7 @@ static conus_status check_sides(conus_pose_stream *stream)
         }
     }
     conus_status status = sides_check(&sides, "are x and y in another space than the file says, or --space?");
-    return status ? status : sides_warn_of_shafts(&sides, &list->notes);
+    return status ? status : sides_warn(&sides, sides_of_file(stream->path), &list->notes);
 }
 
 /* Warns where a head in metres would be as small: all positions lie within 1 mm of the origin, but not at it, or three
@@ -520,19 +518,18 @@ const char *pose_path_name(const char *path)
 static conus_status open_path(conus_pose_stream *stream, const char *path)
 {
     size_t length = is_stdin(path) ? 0 : conus_pose_path_length(path);
-    bool has_words = path && length && path[length];
+    bool has_words = length && path[length];
     stream->name =
         has_words ? memory_text(path, length) : memory_text(pose_path_name(path), strlen(pose_path_name(path)));
     if (!stream->name) {
         return CONUS_ERROR_MEMORY;
     }
     stream->options.columns = has_words ? path + length + 1 : stream->options.columns;
-    path = has_words ? stream->name : path;
     stream->list.sink.path = stream->name;
-    stream->path = is_stdin(path) ? NULL : path;
-    stream->descriptor = is_stdin(path) ? STDIN_FILENO : system_open(path, SYSTEM_READ);
-    stream->owned = !is_stdin(path) && stream->descriptor >= 0;
-    conus_inputs_add(is_stdin(path) ? "/dev/stdin" : path);
+    stream->path = is_stdin(has_words ? stream->name : path) ? NULL : stream->name;
+    stream->descriptor = stream->path ? system_open(stream->path, SYSTEM_READ) : STDIN_FILENO;
+    stream->owned = stream->path && stream->descriptor >= 0;
+    conus_inputs_add(stream->path ? stream->path : "/dev/stdin");
     return fail_of(stream, stream->descriptor < 0 ? fail_errno("open") : begin_file(stream));
 }
 
@@ -547,16 +544,12 @@ static conus_status create_stream(conus_pose_stream **out, const conus_pose_opti
         !conus_pose_format_name((size_t)options->format)) {
         return fail(CONUS_ERROR_ARGUMENT, "options of poses: space, axis or format is none of its names");
     }
-    conus_frame frame = {0}; /* the caller's, or that of a space that needs no atlas */
-    conus_status status = CONUS_OK;
-    if (options->frame) {
-        frame = *options->frame;
-        status =
-            conus_space_name((size_t)frame.space) ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "frame: its space is none");
-    } else {
-        status = conus_frame_find(&frame, NULL, options->space, NULL);
+    if (options->frame && !conus_space_name((size_t)options->frame->space)) {
+        return fail(CONUS_ERROR_ARGUMENT, "frame: its space is none");
     }
-    if (status) {
+    conus_frame frame = options->frame ? *options->frame : (conus_frame){0};
+    conus_status status = options->frame ? CONUS_OK : conus_frame_find(&frame, NULL, options->space, NULL);
+    if (status) { /* the space needs an atlas */
         return status;
     }
     conus_pose_stream *stream = memory_zeroed(1, sizeof *stream);
@@ -648,12 +641,8 @@ static conus_status name_row(conus_pose_row *row, conus_pose_stream *stream, str
     return status;
 }
 
-static conus_status make_row(conus_pose_row *out, conus_pose_stream *stream, bool *found)
+static conus_status make_row(conus_pose_row *out, conus_pose_stream *stream)
 {
-    *found = stream->taken < stream->candidates.count;
-    if (!*found) {
-        return CONUS_OK;
-    }
     char id[POSE_CANDIDATE_ID];
     conus_status bad = pose_candidates_row(out, id, &stream->candidates, stream->taken);
     return name_row(out, stream, text_from(id), bad ? conus_message() : NULL);
@@ -753,27 +742,26 @@ conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_p
     bool found = true;
     conus_status status = capacity ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "capacity: 0 rows, allowed is 1 or more");
     pose_list_clear(&stream->block);
-    while (!status && found && got < capacity) {
+    for (; !status && found && got < capacity; got += found, stream->taken += found) {
+        conus_pose_row *row = &rows[got];
+        const bool is_made = stream->candidates.count;
+        found = stream->taken < count_known(stream);
         if (is_read_whole(stream)) {
-            found = stream->taken < stream->list.count;
-            if (found) {
-                rows[got] = stream->list.rows[stream->taken];
-            }
-        } else {
-            status = (stream->candidates.count ? make_row : read_row)(&rows[got], stream, &found);
+            *row = found ? stream->list.rows[stream->taken] : *row;
+        } else if (found) {
+            status = is_made ? make_row(row, stream) : read_row(row, stream, &found);
         }
-        if (!status && found && !stream->candidates.count) {
-            pose_row_end(&rows[got], &stream->options);
+        found = found && !status;
+        if (found && !is_made) {
+            pose_row_end(row, &stream->options);
         }
-        if (!status && found && stream->names.count < NAMES_COMPARED && !stream->candidates.count) {
+        if (found && !is_made && stream->names.count < NAMES_COMPARED) {
             stream->names.count++;
-            buffer_append(&stream->names.text, rows[got].id, strlen(rows[got].id) + 1);
+            buffer_append(&stream->names.text, row->id, strlen(row->id) + 1);
         }
-        if (!status && found && !is_read_whole(stream) && stream->head.count < HEAD_ROWS) {
-            status = pose_list_add(&stream->head, &rows[got], text_from(rows[got].id), rows[got].error);
+        if (found && !is_read_whole(stream) && stream->head.count < HEAD_ROWS) {
+            status = pose_list_add(&stream->head, row, text_from(row->id), row->error);
         }
-        got += found;
-        stream->taken += found;
     }
     if (!status && !found) {
         status = note_extent(stream);
@@ -789,9 +777,9 @@ conus_status conus_pose_stream_skip(conus_pose_stream *stream, uint64_t rows)
     conus_status status = CONUS_OK;
     stream->is_partial = stream->is_partial || rows;
     pose_list_clear(&stream->block);
-    if (is_read_whole(stream) || stream->candidates.count) {
-        uint64_t left = (is_read_whole(stream) ? stream->list.count : stream->candidates.count) - stream->taken;
-        stream->taken += rows < left ? rows : left;
+    const uint64_t known = count_known(stream);
+    if (known < UINT64_MAX) {
+        stream->taken += rows < known - stream->taken ? rows : known - stream->taken;
         return CONUS_OK;
     }
     for (bool found = true; !status && found && rows; rows--) {
@@ -805,6 +793,7 @@ static conus_status count_again(uint64_t *count, conus_pose_stream *stream)
 {
     struct pose_lines lines = {.descriptor = -1};
     conus_status status = CONUS_OK;
+    *count = 0;
     if (stream->descriptor < 0) {
         pose_lines_init_text(&lines, stream->text);
     } else if (stream->lines.seekable) {
@@ -824,12 +813,8 @@ static conus_status count_again(uint64_t *count, conus_pose_stream *stream)
 
 conus_status conus_pose_stream_count(uint64_t *count, conus_pose_stream *stream)
 {
-    if (is_read_whole(stream) || stream->candidates.count) {
-        *count = is_read_whole(stream) ? stream->list.count : stream->candidates.count;
-        return CONUS_OK;
-    }
-    uint64_t rows = 0;
-    conus_status status = count_again(&rows, stream);
+    uint64_t rows = count_known(stream);
+    conus_status status = rows < UINT64_MAX ? CONUS_OK : count_again(&rows, stream);
     *count = status ? *count : rows;
     return fail_of(stream, status);
 }

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Poses block by block, from any format. */
+/** @file Poses block by block, from any format or from entries and targets (Eq. 22); how their files begin; caps. */
 #ifndef CONUS_POSES_POSE_STREAM_H
 #define CONUS_POSES_POSE_STREAM_H
 
 #include "base/notes.h"
+#include "base/status.h"
 #include "base/text.h"
+#include "conus/candidates.h"
 #include "conus/pose_file.h"
+#include "poses/rows/pose_row.h"
 
 /** As conus_pose_stream_open(), from a text that outlives the stream. Errors name no file. */
 conus_status pose_stream_parse(conus_pose_stream **out, struct text text, const conus_pose_options *options);
@@ -23,5 +26,37 @@ conus_status pose_list_parse(conus_pose_list **out, struct text text, const conu
 
 /** The name of the file @p path in messages: itself, or "standard input". */
 const char *pose_path_name(const char *path);
+
+/** Checks the rows of a cap, brings them to mm by list->space.scale (0 = the cap names no unit), and sets list->space:
+ * CONUS_ERROR_DATA, with what fits better, unless the names that are positions (position_find()) lie where MNI 152 has
+ * them. */
+conus_status cap_check(conus_pose_list *list);
+
+/** The format of a text by its first line with data, which ends behind *used bytes; CONUS_POSE_FORMAT_AUTO while that
+ * is not @p all there. JSON is CONUS_POSE_FORMAT_MARKUPS and MATLAB's binary CONUS_POSE_FORMAT_SIMNIBS, whichever
+ * program wrote it; CONUS_POSE_FORMAT_TABLE is whatever is delimited text. */
+conus_pose_format forms_find(struct text text, bool all, size_t *used);
+
+/** Why a text with these first bytes holds no poses; NULL if they do not show that. */
+const char *forms_why_none(struct text text);
+
+enum { POSE_CANDIDATE_ID = 96 }; /**< "e1-t1-k1-r1", each number of at most 20 digits. */
+
+struct pose_candidates {
+    conus_candidates asked;
+    conus_frame frame;
+    uint64_t *rings;   /**< [ring_count + 1] Number of the first tilt of each ring, the untilted direction the first; */
+    size_t ring_count; /**< behind the last one how many tilts there are. */
+    uint64_t rolls;    /**< Turns about the axis, 1 = none. */
+    uint64_t count;    /**< 0 = there are none at all: the stream is of a file. */
+};
+
+/** Fills a zeroed one, checked; pose_candidates_finish() ends it, also after a failure. */
+conus_status pose_candidates_init(struct pose_candidates *out, const conus_candidates *asked);
+void pose_candidates_finish(struct pose_candidates *candidates);
+
+/** Candidate @p index, from 0. A row with an error when there is no direction: CONUS_ERROR_ARGUMENT. */
+conus_status pose_candidates_row(conus_pose_row *out, char id[POSE_CANDIDATE_ID],
+                                 const struct pose_candidates *candidates, uint64_t index);
 
 #endif

@@ -69,6 +69,10 @@ enum option_role {
 #define OPTION_AT(settings, member)                                                                                    \
     .type = OPTION_TYPE(((settings *)NULL)->member), .offset = offsetof(settings, member)
 
+/** Likewise with the name, and with what stands for the value in a help. */
+#define OPTION_NAMED(text, settings, member) .name = (text), OPTION_AT(settings, member)
+#define OPTION_VALUED(text, settings, member, word) OPTION_NAMED(text, settings, member), .value = (word)
+
 /** The range of a row's numbers, with both ends, with none, or with the upper one. */
 #define OPTION_FROM_TO(least, most) .low = (least), .high = (most)
 #define OPTION_BETWEEN(below, above) .low = (below), .high = (above), .open = true

@@ -20,14 +20,13 @@
 
 /* One --pathway, or several with bands of one file. */
 struct pathway_option {
-    char *text;        /* The text that the others point into. */
-    const char *given; /* As it was given: borrowed. */
-    char *path;        /* With ",volume=K" at its end, as the library wants it. */
-    char *name;        /* NULL if not given. */
-    char *volume;      /* "volume=K", NULL if not given. */
-    char *unit;        /* NULL if not given. */
-    double threshold;  /* 0 if not given. */
-    conus_band *bands; /* [band_count], in the order in which they were given; names point into texts. */
+    char *text;              /* The text that the others point into. */
+    const char *given;       /* As it was given: borrowed. */
+    char *path;              /* With ",volume=K" at its end, as the library wants it. */
+    const char *name, *unit; /* NULL if not given. */
+    char *volume;            /* "volume=K", NULL if not given. */
+    double threshold;        /* 0 if not given. */
+    conus_band *bands;       /* [band_count], in the order in which they were given; names point into texts. */
     size_t band_count;
 };
 
@@ -68,23 +67,24 @@ static bool read_band(struct pathway_option *pathway, char *value)
     return add_bands(pathway, &band, 1);
 }
 
+/* Takes "NAME=VALUE" unless there is such a value already; false where it is no such key. */
+static bool take_text(const char **out, const char *key, const char *name)
+{
+    bool is_it = !*out && strncmp(key, name, strlen(name)) == 0;
+    *out = is_it ? key + strlen(name) : *out;
+    return is_it;
+}
+
 /* Reads "key=value", the text after a comma. */
 static bool read_key(struct pathway_option *pathway, char *key)
 {
     char *value = strchr(key, '=') + 1;
     if (strncmp(key, "threshold=", 10) == 0 && pathway->threshold == 0) {
-        if (!number_parse(value, &pathway->threshold) || pathway->threshold <= 0) {
-            return refuse("--pathway: threshold=%s is not a number above 0", value);
-        }
-        return true;
+        return (number_parse(value, &pathway->threshold) && pathway->threshold > 0) ||
+               refuse("--pathway: threshold=%s is not a number above 0", value);
     }
-    if (strncmp(key, "name=", 5) == 0 && !pathway->name) {
-        pathway->name = value;
-        return *value || refuse("--pathway: name= is empty");
-    }
-    if (strncmp(key, "unit=", 5) == 0 && !pathway->unit) {
-        pathway->unit = value;
-        return *value || refuse("--pathway: unit= is empty");
+    if (take_text(&pathway->name, key, "name=") || take_text(&pathway->unit, key, "unit=")) {
+        return *value || refuse("--pathway: %s is empty", key);
     }
     if (strncmp(key, "volume=", 7) == 0 && !pathway->volume) {
         uint64_t index;
@@ -146,12 +146,11 @@ static bool file_space_parse(conus_file_space *out, const char *text)
     return *out != CONUS_FILE_SPACE_AS_STATED;
 }
 
-/* One --streamlines. */
 struct streamlines_option {
-    char *path;    /* Its text, which is cut where the file's name ends. */
-    char *name;    /* NULL if not given. */
-    double radius; /* mm; 0 if not given. */
-    bool moves;    /* With the atlas. */
+    char *path;       /* Its text, which is cut where the file's name ends. */
+    const char *name; /* NULL if not given. */
+    double radius;    /* mm; 0 if not given. */
+    bool moves;       /* With the atlas. */
     conus_file_space space;
 };
 
@@ -159,13 +158,10 @@ struct streamlines_option {
 static bool streamlines_read_key(struct streamlines_option *out, char *key)
 {
     if (strncmp(key, "radius=", 7) == 0 && out->radius == 0) {
-        if (!number_parse(key + 7, &out->radius) || out->radius <= 0) {
-            return refuse("--streamlines: radius=%s is not a number above 0", key + 7);
-        }
-        return true;
+        return (number_parse(key + 7, &out->radius) && out->radius > 0) ||
+               refuse("--streamlines: radius=%s is not a number above 0", key + 7);
     }
-    if (strncmp(key, "name=", 5) == 0 && !out->name) {
-        out->name = key + 5;
+    if (take_text(&out->name, key, "name=")) {
         return *out->name || refuse("--streamlines: name= is empty");
     }
     if (strcmp(key, "moves") == 0 && !out->moves) {
@@ -226,19 +222,8 @@ static bool transform_take_key(struct transform_option *out, const char *key)
         out->options.transform = is_number ? (size_t)number + 1 : 0;
         return is_number;
     }
-    if (strncmp(key, "grid=", 5) == 0 && !out->options.grid) {
-        out->options.grid = key + 5;
-        return true;
-    }
-    if (strncmp(key, "from=", 5) == 0 && !out->options.from) {
-        out->options.from = key + 5;
-        return true;
-    }
-    if (strncmp(key, "to=", 3) == 0 && !out->options.to) {
-        out->options.to = key + 3;
-        return true;
-    }
-    return false;
+    return take_text(&out->options.grid, key, "grid=") || take_text(&out->options.from, key, "from=") ||
+           take_text(&out->options.to, key, "to=");
 }
 
 static bool is_empty(const char *text)
@@ -249,12 +234,11 @@ static bool is_empty(const char *text)
 /* A field and what it resamples may take `max_memory`, 0 = the default. */
 static int transform_apply(conus_atlas *atlas, const char *given, uint64_t max_memory)
 {
-    struct transform_option option;
     char *text = strdup(given);
+    struct transform_option option = {.path = text};
     if (!text) {
         return print_no_memory();
     }
-    option = (struct transform_option){.path = text};
     /* Keys are cut off the end as long as there are some, since a file's name may have commas as well. */
     for (char *comma; (comma = strrchr(text, ',')) && transform_take_key(&option, comma + 1);) {
         *comma = '\0';
@@ -267,10 +251,7 @@ static int transform_apply(conus_atlas *atlas, const char *given, uint64_t max_m
         empty   ? print_usage_error("--atlas-transform: \"%s\" names no file, or no image", given)
         : space ? print_usage_error("--atlas-transform: \"%s\", allowed are space=ras and space=lps, once", space + 1)
                 : EXIT_DONE;
-    if (!code) {
-        conus_status status = conus_atlas_transform(atlas, option.path, &option.options);
-        code = print_status(status);
-    }
+    code = code ? code : print_status(conus_atlas_transform(atlas, option.path, &option.options));
     free(text);
     return code;
 }
@@ -343,8 +324,7 @@ static int add_pathways(conus_atlas *atlas, const struct pathway_option *pathway
                                                .bands = pathway->bands,
                                                .band_count = pathway->band_count,
                                                .cache = !settings->no_cache};
-        conus_status status = conus_atlas_add_pathway(atlas, pathway->path, &options);
-        code = print_status(status);
+        code = print_status(conus_atlas_add_pathway(atlas, pathway->path, &options));
     }
     return code;
 }
@@ -560,10 +540,7 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
         messages_hold(false);
         return code;
     }
-    if (status) {
-        return print_status(status);
-    }
-    int code = print_status(settings->sides ? conus_atlas_exchange_sides(atlas) : CONUS_OK);
+    int code = print_status(status ? status : settings->sides ? conus_atlas_exchange_sides(atlas) : CONUS_OK);
     code = code ? code : choose_hemispheres(atlas, name->path, settings);
     code = code ? code : add_streamlines(atlas, additions->streamlines, true, &progress);
     /* Points go through the first transform first; the atlas goes back through the last one first. */
@@ -647,8 +624,7 @@ bool context_choice_has_volume(const struct context_choice *choice)
 static bool read_map_key(conus_context_map_options *out, char *key)
 {
     char *high = strchr(key, ':');
-    if (strncmp(key, "array=", 6) == 0 && key[6] && !out->array) {
-        out->array = key + 6;
+    if (strcmp(key, "array=") != 0 && take_text(&out->array, key, "array=")) {
         return true;
     }
     if (strncmp(key, "range=", 6) == 0 && high && out->range[0] == 0 && out->range[1] == 0) {

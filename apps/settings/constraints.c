@@ -11,78 +11,47 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FIELD(member) OPTION_AT(struct constraint_settings, member)
-
 /* In the order of conus_constraint_kind, */
 const struct option constraint_options[] = {
-    {.name = "reach",
-     FIELD(reach),
-     .value = "NAME,...[,KEY=VALUE]...",
+    {OPTION_VALUED("reach", struct constraint_settings, reach, "NAME,...[,KEY=VALUE]..."),
      .help = "the axis is in these areas, pathways or bundles, which are one structure; keys: length=MM (in all at "
              "least; default any at all), part=A:B (counting only what is A to B mm before the tip); or in place "
              "of a length tip (the far end is in it), crossed (also of a surface that is not closed), contacts=N (of "
              "--contacts in it at least) or probability=P (mean of the contacts, else along the axis), or of the "
              "cone or cylinder share=P, pierced=P, volume=MM3, fraction=P, streamlines=N (at least); may be repeated",
-     .words = "target, hit",
-     .common = true,
-     .role = OPTION_ASKS},
-    {.name = "avoid",
-     FIELD(avoid),
-     .value = "NAME,...[,KEY=VALUE]",
+     .words = "target, hit", .common = true, .role = OPTION_ASKS},
+    {OPTION_VALUED("avoid", struct constraint_settings, avoid, "NAME,...[,KEY=VALUE]"),
      .help = "the needle stays farther than margin=MM from these, 0 to 100 (default 0: it does not touch them); may be "
              "repeated; share=P, pierced=P in place of the margin: at most so much of the cone or cylinder",
-     .words = "risk, vessels, clearance, safety",
-     .common = true,
-     .role = OPTION_ASKS},
-    {.name = "length",
-     FIELD(length),
-     .value = "MIN,MAX",
-     .help = "the needle is so long, mm",
-     .role = OPTION_PLAIN,
-     OPTION_FROM_TO(0, 1e9)},
-    {.name = "lean",
-     FIELD(lean),
-     .value = "X,Y,Z,MAX",
+     .words = "risk, vessels, clearance, safety", .common = true, .role = OPTION_ASKS},
+    {OPTION_VALUED("length", struct constraint_settings, length, "MIN,MAX"), .help = "the needle is so long, mm",
+     .role = OPTION_PLAIN, OPTION_FROM_TO(0, 1e9)},
+    {OPTION_VALUED("lean", struct constraint_settings, lean, "X,Y,Z,MAX"),
      .help = "the axis and this direction enclose at most MAX degrees, as an arc or a manipulator allows; may be "
              "repeated",
-     .words = "tilt, angle",
-     .role = OPTION_ASKS},
-    {.name = "apart",
-     FIELD(apart),
-     .value = "FILE,MM",
+     .words = "tilt, angle", .role = OPTION_ASKS},
+    {OPTION_VALUED("apart", struct constraint_settings, apart, "FILE,MM"),
      .help = "the axis stays farther than MM from those of the poses in FILE, 0 to 100; may be repeated",
-     .words = "conflict, electrodes",
-     .role = OPTION_READS},
-    {.name = "first",
-     FIELD(first),
-     .value = "NAME,...",
-     .help = "the first object that the axis passes is one of these: a gyrus; may be repeated",
-     .words = "entry",
+     .words = "conflict, electrodes", .role = OPTION_READS},
+    {OPTION_VALUED("first", struct constraint_settings, first, "NAME,..."),
+     .help = "the first object that the axis passes is one of these: a gyrus; may be repeated", .words = "entry",
      .role = OPTION_ASKS},
     {0},
 };
 
 /* and behind these. */
 const struct option entry_options[] = {
-    {.name = "entry-angle",
-     FIELD(entry_angle),
-     .value = "MAX",
+    {OPTION_VALUED("entry-angle", struct constraint_settings, entry_angle, "MAX"),
      .help = "the axis and the inward normal of the surface at its entry enclose at most MAX degrees",
-     OPTION_FROM_TO(0, 180),
-     .words = "perpendicular, drill",
-     .needs = "from",
-     .role = OPTION_PLAIN},
+     OPTION_FROM_TO(0, 180), .words = "perpendicular, drill", .needs = "from", .role = OPTION_PLAIN},
     {0},
 };
 
 const struct option shank_options[] = {
-    {.name = "shanks",
-     FIELD(shanks),
-     .value = "X,Y;X,Y;...",
+    {OPTION_VALUED("shanks", struct constraint_settings, shanks, "X,Y;X,Y;..."),
      .help = "the device has several parallel needles: where they are beside its axis, along its x and y, mm; "
              "constraints are about any of them (--reach) or all, or what their key shank=any|all|N says",
-     .words = "probe, multi-shank, parallel",
-     .role = OPTION_ASKS},
+     .words = "probe, multi-shank, parallel", .role = OPTION_ASKS},
     {0},
 };
 
@@ -187,7 +156,6 @@ static bool read_key(conus_constraint *out, bool *has_measure, char *text)
     return false;
 }
 
-/* Cuts keys off the end of a text. */
 static bool read_keys(conus_constraint *out, char *text)
 {
     bool has_measure = false;

@@ -5,7 +5,7 @@
 #include "options/messages.h"
 
 #include <inttypes.h>
-#include <stdarg.h>
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -123,18 +123,14 @@ static void say_open(const conus_atlas *atlas, const char *of)
         open += object->triangles > 0 && !object->closed;
         odd += object->closed && object->volume_mm3 == 0;
     }
-    if (odd) {
-        say_note(CONUS_SEVERITY_NOTE, false,
-                 "%s%zu of %zu surfaces overlap themselves, or have parts that face inwards and are no cavities: "
-                 "there is no fraction",
-                 of, odd, surfaces);
-    }
-    if (open) {
-        say_note(CONUS_SEVERITY_NOTE, false,
-                 "%s%zu of %zu surfaces are not closed: paths count only where a ray goes in and comes out, and "
-                 "there is no fraction",
-                 of, open, surfaces);
-    }
+    say_note(CONUS_SEVERITY_NOTE, !odd,
+             "%s%zu of %zu surfaces overlap themselves, or have parts that face inwards and are no cavities: "
+             "there is no fraction",
+             of, odd, surfaces);
+    say_note(CONUS_SEVERITY_NOTE, !open,
+             "%s%zu of %zu surfaces are not closed: paths count only where a ray goes in and comes out, and "
+             "there is no fraction",
+             of, open, surfaces);
 }
 
 void atlases_say_open(const struct atlases *atlases, const struct engine_settings *engine,
@@ -156,76 +152,57 @@ struct lines {
     size_t count;
 };
 
-/* What holds for more than half of `all` is no slip of some of them: it warns. */
-__attribute__((format(printf, 4, 5))) static void add_line(struct lines *lines, const conus_oddity *oddity,
-                                                           uint64_t all, const char *format, ...)
+/* Says that so many of `all` in a file are `many`, and the first of them, or without a file what the one is. What holds
+ * for more than half of them is no slip of some, and may warn. */
+static void add_line(struct lines *lines, const char *file, const conus_oddity *odd, uint64_t all, bool may_warn,
+                     const char *many, const char *one, const char *behind)
 {
-    va_list args;
-    va_start(args, format);
-    lines->severity[lines->count] = oddity && 2 * oddity->count > all ? CONUS_SEVERITY_WARNING : CONUS_SEVERITY_NOTE;
-    vsnprintf(lines->at[lines->count++], LINE_SIZE, format, args);
-    va_end(args);
+    char *line = lines->at[lines->count];
+    lines->severity[lines->count++] = may_warn && 2 * odd->count > all ? CONUS_SEVERITY_WARNING : CONUS_SEVERITY_NOTE;
+    if (file) {
+        snprintf(line, LINE_SIZE, "%s: %" PRIu64 " of %" PRIu64 " %s, the first in line %" PRIu64 "%s", file,
+                 odd->count, all, many, odd->first, behind);
+    } else {
+        snprintf(line, LINE_SIZE, "%s%s", one, behind);
+    }
 }
 
 static void add_inside(struct lines *out, const struct aimed *aimed, const char *file)
 {
     const conus_oddity *inside = &aimed->found.inside;
-    const char *name = conus_atlas_object(aimed->atlas, inside->object)->name;
-    if (file) {
-        add_line(out, NULL, 0,
-                 "%s: %" PRIu64 " of %" PRIu64 " devices lie inside an area, the first in line %" PRIu64 ", inside %s",
-                 file, inside->count, aimed->found.poses, inside->first, name);
-    } else {
-        add_line(out, NULL, 0, "the device lies inside %s", name);
-    }
+    char where[LINE_SIZE];
+    snprintf(where, sizeof where, "%s inside %s", file ? "," : "",
+             conus_atlas_object(aimed->atlas, inside->object)->name);
+    add_line(out, file, inside, aimed->found.poses, false, "devices lie inside an area", "the device lies", where);
 }
 
 static void add_away(struct lines *out, const struct aimed *aimed, const char *file, const char *remedy)
 {
     const conus_oddity *away = &aimed->found.away;
-    const bool probes = aimed->is_of_probes;
-    const char *what = probes ? "probe" : away->angle > 0 ? "cone" : "cylinder";
-    if (file) {
-        add_line(out, away, aimed->found.poses,
-                 "%s: %" PRIu64 " of %" PRIu64 " %ss %s, the first in line %" PRIu64 "%s", file, away->count,
-                 aimed->found.poses, what, probes ? "pass nothing of the atlas" : "point away from the atlas",
-                 away->first, remedy);
-    } else {
-        add_line(out, away, aimed->found.poses, "the %s %s%s", what,
-                 probes ? "passes nothing of the atlas" : "points away from the atlas", remedy);
-    }
-}
-
-static void add_tiny(struct lines *out, const conus_astray *found, const char *file, const char *remedy)
-{
-    if (file) {
-        add_line(out, &found->tiny, found->poses,
-                 "%s: %" PRIu64 " of %" PRIu64
-                 " devices lie within 1 mm of the world's origin, the first in line %" PRIu64 "%s",
-                 file, found->tiny.count, found->poses, found->tiny.first, remedy);
-    } else {
-        add_line(out, &found->tiny, found->poses, "the device lies within 1 mm of the world's origin%s", remedy);
-    }
+    bool is_cone = away->angle > 0;
+    add_line(out, file, away, aimed->found.poses, true,
+             aimed->is_of_probes ? "probes pass nothing of the atlas"
+             : is_cone           ? "cones point away from the atlas"
+                                 : "cylinders point away from the atlas",
+             aimed->is_of_probes ? "the probe passes nothing of the atlas"
+             : is_cone           ? "the cone points away from the atlas"
+                                 : "the cylinder points away from the atlas",
+             remedy);
 }
 
 /* Some points may well lie outside, as contacts beside a brain do: only more than a fifth is odd. */
 static void add_apart(struct lines *out, const struct aimed *aimed, const char *file)
 {
+    static const char ask[] = "; are they in its space?";
     const conus_astray *found = &aimed->found;
-    const conus_oddity *apart = &found->apart;
-    const conus_oddity *far = &found->far;
-    if (file && 2 * far->count > found->points) {
-        add_line(out, far, found->points,
-                 "%s: %" PRIu64 " of %" PRIu64
-                 " points lie farther from the atlas than a quarter of its length, the first in line %" PRIu64
-                 "; are they in its space?",
-                 file, far->count, found->points, far->first);
-    } else if (file && 5 * apart->count > found->points) {
-        add_line(out, NULL, 0,
-                 "%s: %" PRIu64 " of %" PRIu64
-                 " points lie more than %s outside of the atlas, the first in line %" PRIu64 "; are they in its space?",
-                 file, apart->count, found->points, aimed->radius > 0 ? "the radius" : "a quarter of its longest edge",
-                 apart->first);
+    if (file && 2 * found->far.count > found->points) {
+        add_line(out, file, &found->far, found->points, true,
+                 "points lie farther from the atlas than a quarter of its length", "", ask);
+    } else if (file && 5 * found->apart.count > found->points) {
+        add_line(out, file, &found->apart, found->points, false,
+                 aimed->radius > 0 ? "points lie more than the radius outside of the atlas"
+                                   : "points lie more than a quarter of its longest edge outside of the atlas",
+                 "", ask);
     }
 }
 
@@ -272,7 +249,9 @@ static void find_lines(struct lines *out, const struct aimed *aimed, const char 
                      conus_atlas_object(aimed->atlas, reading.object)->name);
         }
         if (reading.of_tiny) {
-            add_tiny(out, &aimed->found, file, words);
+            add_line(out, file, &aimed->found.tiny, aimed->found.poses, true,
+                     "devices lie within 1 mm of the world's origin",
+                     "the device lies within 1 mm of the world's origin", words);
             return; /* in metres, all else is otherwise, too */
         }
     }

@@ -19,39 +19,25 @@
 static const char *const axes[] = {"format", "+x", "-x", "+y", "-y", "+z", "-z", NULL};
 
 const struct option pose_file_options[] = {
-    {.name = "poses-format",
-     OPTION_AT(struct pose_file_settings, format),
-     .value = "FORMAT",
-     .help = "format of the file of poses; auto detects it from the content:",
-     .choice_at = conus_pose_format_name,
+    {OPTION_VALUED("poses-format", struct pose_file_settings, format, "FORMAT"),
+     .help = "format of the file of poses; auto detects it from the content:", .choice_at = conus_pose_format_name,
      .needs = "pose|poses|camera|from"},
-    {.name = "axis",
-     OPTION_AT(struct pose_file_settings, axis),
-     .value = "AXIS",
+    {OPTION_VALUED("axis", struct pose_file_settings, axis, "AXIS"),
      .help = "axis of the device, in the file's frame, along which it points; each format has its own, tables and "
              "matrices -z:",
-     .choices = axes,
-     .needs = "pose|poses|camera"},
-    {.name = "along-shafts",
-     OPTION_AT(struct pose_file_settings, along_shafts),
-     .help = "contacts of electrodes (BIDS) point along their shafts, each to the next",
-     .needs = "pose|poses|camera"},
-    {.name = "any-space",
-     OPTION_AT(struct pose_file_settings, any_space),
-     .help = "accept positions even if the file names another space than the atlas",
-     .needs = "pose|poses|camera|from"},
+     .choices = axes, .needs = "pose|poses|camera"},
+    {OPTION_NAMED("along-shafts", struct pose_file_settings, along_shafts),
+     .help = "contacts of electrodes (BIDS) point along their shafts, each to the next", .needs = "pose|poses|camera"},
+    {OPTION_NAMED("any-space", struct pose_file_settings, any_space),
+     .help = "accept positions even if the file names another space than the atlas", .needs = "pose|poses|camera|from"},
     {0},
 };
 
 const struct option keep_options[] = {
-    {.name = "keep",
-     OPTION_AT(struct keep_settings, columns),
-     .value = "COLUMN,...",
+    {OPTION_VALUED("keep", struct keep_settings, columns, "COLUMN,..."),
      .help =
          "give the rows of the answer these columns of the table of poses, by their names in its header, as they are",
-     .words = "group, subject, condition, copy",
-     .role = OPTION_ASKS,
-     .needs = "pose|poses"},
+     .words = "group, subject, condition, copy", .role = OPTION_ASKS, .needs = "pose|poses"},
     {0},
 };
 
@@ -81,30 +67,21 @@ int keep_settings_names(struct kept_names *out, const struct keep_settings *sett
 }
 
 const struct option probe_settings_options[] = {
-    {.name = "probe",
-     OPTION_AT(struct probe_settings, path),
-     .value = "FILE",
+    {OPTION_VALUED("probe", struct probe_settings, path, "FILE"),
      .help = "instead of a cone, what is at each contact of a probe that ProbeInterface (.json), SpikeGLX (.ap.meta, "
              ".imro) or Open Ephys (settings.xml) describes, and within --radius MM (default 0.000001) of it: the tip "
              "is where the pose is, or at the far end of --range, and the shank "
              "points along the axis; several poses are insertions of one probe",
-     .words = "ProbeInterface, Neuropixels, SpikeGLX, Open Ephys, electrodes, contacts",
-     .role = OPTION_READS,
+     .words = "ProbeInterface, Neuropixels, SpikeGLX, Open Ephys, electrodes, contacts", .role = OPTION_READS,
      .excludes = "point,angle,aperture-diameter,segments,clearance,image,mask,streamlines-out,connectivity"},
-    {.name = "probe-tip",
-     OPTION_AT(struct probe_settings, tip),
-     .value = "MM",
+    {OPTION_VALUED("probe-tip", struct probe_settings, tip, "MM"),
      .help = "distance from the tip to the lowest contact, in place of the contour in the probe's file; of a recording "
              "to the lowest row that the probe has",
-     OPTION_ABOVE_TO(0, 1000),
-     .needs = "probe"},
-    {.name = "probe-roll",
-     OPTION_AT(struct probe_settings, roll),
-     .value = "DEGREES",
+     OPTION_ABOVE_TO(0, 1000), .needs = "probe"},
+    {OPTION_VALUED("probe-roll", struct probe_settings, roll, "DEGREES"),
      .help = "turn the probe about its shank, the device's +y towards its +x, as conus plan --roll does; at 0 the "
              "probe's x axis is the device's +x",
-     OPTION_FROM_TO(-360, 360),
-     .needs = "probe"},
+     OPTION_FROM_TO(-360, 360), .needs = "probe"},
     {0},
 };
 
@@ -212,56 +189,33 @@ int probe_settings_load(conus_probe **out, const struct probe_settings *settings
     return print_status(settings->path ? conus_probe_load(out, settings->path, &options) : CONUS_OK);
 }
 
+enum { IDS_COMPARED = 1 << 20, ID_SLOTS = 2 * IDS_COMPARED };
+
 /* Ids that were seen, by their hashes: two ids with one hash only cost a column. */
 struct ids {
-    uint64_t *slots; /* [capacity] 0 = free */
-    size_t count, capacity;
+    uint64_t *slots; /* [ID_SLOTS] 0 = free */
+    size_t count;
     bool repeated;
 };
 
-enum { IDS_COMPARED = 1 << 20, IDS_AT_FIRST = 1 << 10 };
-
-/* FNV-1a: the same on every machine, so that shards have the same columns. */
-static uint64_t hash_of(const char *id)
+/* False without memory. The hash is FNV-1a: the same on every machine, so that shards have the same columns. */
+static bool ids_add(struct ids *ids, const char *id)
 {
     uint64_t hash = 0xcbf29ce484222325;
     for (; *id; id++) {
         hash = (hash ^ (unsigned char)*id) * 0x100000001b3;
     }
-    return hash ? hash : 1;
-}
-
-/* Whether the hash is there; it is now. */
-static bool ids_put(struct ids *ids, uint64_t hash)
-{
-    size_t at = (size_t)(hash ^ hash >> 32) & (ids->capacity - 1);
+    hash += hash == 0;
+    size_t at = (size_t)(hash ^ hash >> 32) % ID_SLOTS;
+    ids->slots = ids->slots ? ids->slots : calloc(ID_SLOTS, sizeof *ids->slots);
+    if (!ids->slots) {
+        return false;
+    }
     while (ids->slots[at] && ids->slots[at] != hash) {
-        at = (at + 1) & (ids->capacity - 1);
+        at = (at + 1) % ID_SLOTS;
     }
-    bool is_there = ids->slots[at];
+    ids->repeated = ids->slots[at] || ++ids->count > IDS_COMPARED;
     ids->slots[at] = hash;
-    ids->count += !is_there;
-    return is_there;
-}
-
-/* False without memory. */
-static bool ids_add(struct ids *ids, const char *id)
-{
-    if (2 * ids->count >= ids->capacity) {
-        struct ids larger = {.capacity = ids->capacity ? 2 * ids->capacity : IDS_AT_FIRST};
-        larger.slots = calloc(larger.capacity, sizeof *larger.slots);
-        if (!larger.slots) {
-            return false;
-        }
-        for (size_t i = 0; i < ids->capacity; i++) {
-            if (ids->slots[i]) {
-                ids_put(&larger, ids->slots[i]);
-            }
-        }
-        free(ids->slots);
-        *ids = larger;
-    }
-    ids->repeated = ids_put(ids, hash_of(id)) || ids->count > IDS_COMPARED;
     return true;
 }
 
@@ -321,59 +275,72 @@ void pose_settings_say_none(const char *path, const struct common_settings *comm
     say_note(CONUS_SEVERITY_NOTE, common->quiet, "%s: no poses in it", pose_settings_file_name(path));
 }
 
-static int print_match_error(const char *path, const struct named_atlas *atlas, bool has_any_space)
-{
-    return print_data_error("%s: %s%s%s; --atlas-transform FILE brings the atlas to them%s",
-                            pose_settings_file_name(path), atlas->name ? atlas->name : "", atlas->name ? ": " : "",
-                            conus_message(), has_any_space ? ", --any-space takes them as they are" : "");
-}
-
-/* Notes of a list, or else a stream. */
-struct pose_notes {
-    const conus_pose_list *list;
-    const conus_pose_stream *stream;
+/* Poses of a list, or else a stream. */
+struct pose_source {
+    conus_pose_list *list;
+    conus_pose_stream *stream;
 };
 
-static const char *note_at(const struct pose_notes *notes, size_t index)
+static const char *note_at(const struct pose_source *from, size_t index)
 {
-    return notes->list ? conus_pose_list_note(notes->list, index) : conus_pose_stream_note(notes->stream, index);
+    return from->list ? conus_pose_list_note(from->list, index) : conus_pose_stream_note(from->stream, index);
 }
 
-/* A note about one atlas is not said again for the next. */
-static size_t say_notes(const struct pose_notes *notes, const char *path, bool once, size_t first, bool quiet)
+/* Says the notes from the first on; @p once: one about one atlas not again for the next. Returns how many there are. */
+static size_t say_notes(const struct pose_source *from, const char *path, bool once, size_t first, bool quiet)
 {
     const char *note;
     size_t i = first;
-    for (; (note = note_at(notes, i)); i++) {
+    for (; (note = note_at(from, i)); i++) {
         bool said = false;
         for (size_t k = 0; k < i && once && !said; k++) {
-            said = strcmp(note_at(notes, k), note) == 0;
+            said = strcmp(note_at(from, k), note) == 0;
         }
-        conus_severity severity = notes->list ? conus_pose_list_note_severity(notes->list, i)
-                                              : conus_pose_stream_note_severity(notes->stream, i);
         if (!said) {
-            say_note(severity, quiet, "%s: %s", pose_settings_file_name(path), note);
+            say_note(from->list ? conus_pose_list_note_severity(from->list, i)
+                                : conus_pose_stream_note_severity(from->stream, i),
+                     quiet, "%s: %s", pose_settings_file_name(path), note);
         }
     }
     return i;
 }
 
+static int match(size_t *said, const struct pose_source *from, const char *path, const struct atlases *atlases,
+                 const struct pose_file_settings *settings, const struct common_settings *common)
+{
+    for (size_t i = 0; i < atlases->count && !(settings && settings->any_space); i++) {
+        const struct named_atlas *atlas = &atlases->items[i];
+        if (from->list ? conus_pose_list_match(from->list, atlas->atlas)
+                       : conus_pose_stream_match(from->stream, atlas->atlas)) {
+            char name[ATLAS_PREFIX_SIZE];
+            return print_data_error("%s: %s%s; --atlas-transform FILE brings the atlas to them%s",
+                                    pose_settings_file_name(path), atlases_prefix(name, atlas), conus_message(),
+                                    settings ? ", --any-space takes them as they are" : "");
+        }
+    }
+    *said = say_notes(from, path, atlases->count > 1, 0, common->quiet);
+    return EXIT_DONE;
+}
+
 int pose_settings_match_list(conus_pose_list *poses, const char *path, const struct atlases *atlases,
                              const struct pose_file_settings *settings, const struct common_settings *common)
 {
-    for (size_t i = 0; i < atlases->count && !(settings && settings->any_space); i++) {
-        if (conus_pose_list_match(poses, atlases->items[i].atlas)) {
-            return print_match_error(path, &atlases->items[i], settings);
-        }
-    }
-    say_notes(&(struct pose_notes){.list = poses}, path, atlases->count > 1, 0, common->quiet);
-    return EXIT_DONE;
+    return match(&(size_t){0}, &(struct pose_source){.list = poses}, path, atlases, settings, common);
+}
+
+int pose_settings_match_stream(size_t *said, conus_pose_stream *poses, const char *path, const struct atlases *atlases,
+                               const struct pose_file_settings *settings, const struct common_settings *common)
+{
+    return match(said, &(struct pose_source){.stream = poses}, path, atlases, settings, common);
 }
 
 static void warn_of_gap(const conus_name_gap *gap, const char *what, const conus_pose_list *poses, const char *path,
                         const struct named_atlas *atlas)
 {
-    const conus_pose_row *row = conus_pose_list_row(poses, gap->farthest);
+    const conus_pose_row *row = gap->is_far ? conus_pose_list_row(poses, gap->farthest) : NULL;
+    if (!row) {
+        return;
+    }
     say_warning("%s%s%s%s: %zu points are called as %s, and half of them lie %.0f mm or more from there (%.60s in line "
                 "%zu: %.0f mm); are they in its space and unit, with its sides?",
                 pose_settings_file_name(path), atlas->name ? " (" : "", atlas->name ? atlas->name : "",
@@ -386,30 +353,14 @@ void pose_settings_warn_of_names(const conus_pose_list *poses, const char *path,
     for (size_t i = 0; i < atlases->count && !status; i++) {
         conus_name_check found = {0};
         status = conus_places_check(&found, atlases->items[i].atlas, poses);
-        if (found.areas.is_far) {
-            warn_of_gap(&found.areas, "areas of the atlas", poses, path, &atlases->items[i]);
-        }
-        if (found.positions.is_far) {
-            warn_of_gap(&found.positions, "positions of a cap", poses, path, &atlases->items[i]);
-        }
+        warn_of_gap(&found.areas, "areas of the atlas", poses, path, &atlases->items[i]);
+        warn_of_gap(&found.positions, "positions of a cap", poses, path, &atlases->items[i]);
     }
     print_status(status);
 }
 
-void pose_settings_say_late(const conus_pose_stream *poses, const char *path, size_t said,
+void pose_settings_say_late(conus_pose_stream *poses, const char *path, size_t said,
                             const struct common_settings *common)
 {
-    say_notes(&(struct pose_notes){.stream = poses}, path, false, said, common->quiet);
-}
-
-int pose_settings_match_stream(size_t *said, conus_pose_stream *poses, const char *path, const struct atlases *atlases,
-                               const struct pose_file_settings *settings, const struct common_settings *common)
-{
-    for (size_t i = 0; i < atlases->count && !settings->any_space; i++) {
-        if (conus_pose_stream_match(poses, atlases->items[i].atlas)) {
-            return print_match_error(path, &atlases->items[i], true);
-        }
-    }
-    *said = say_notes(&(struct pose_notes){.stream = poses}, path, atlases->count > 1, 0, common->quiet);
-    return EXIT_DONE;
+    say_notes(&(struct pose_source){.stream = poses}, path, false, said, common->quiet);
 }

@@ -94,7 +94,7 @@ int pose_settings_match_stream(size_t *said, conus_pose_stream *poses, const cha
  */
 void pose_settings_warn_of_names(const conus_pose_list *poses, const char *path, const struct atlases *atlases);
 /** Says those that came behind the first @p said, when all poses had been read. */
-void pose_settings_say_late(const conus_pose_stream *poses, const char *path, size_t said,
+void pose_settings_say_late(conus_pose_stream *poses, const char *path, size_t said,
                             const struct common_settings *common);
 /** The same for a list; @p settings may be NULL, of a command without these options. */
 int pose_settings_match_list(conus_pose_list *poses, const char *path, const struct atlases *atlases,

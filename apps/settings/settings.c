@@ -12,8 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FIELD(type, member) OPTION_AT(struct type, member)
-
 static const char *const apertures[] = {"circle", "square", NULL};
 const char *const settings_engines[] = {"auto", "rays", "gl", NULL};
 static const char *const samplings[] = {"exact", "slices", NULL};
@@ -23,13 +21,10 @@ static const char *const layers[] = {"visible", "all", NULL};
 
 /* The last rows of every command. */
 #define HELP_AND_VERSION                                                                                               \
-    {.name = "help",                                                                                                   \
-     .letter = 'h',                                                                                                    \
-     OPTION_AT(struct common_settings, help),                                                                          \
-     .help = "this text; -h is the short one",                                                                         \
+    {OPTION_NAMED("help", struct common_settings, help), .letter = 'h', .help = "this text; -h is the short one",      \
      .role = OPTION_ENDS},                                                                                             \
     {                                                                                                                  \
-        .name = "version", OPTION_AT(struct common_settings, version), .help = "the version", .role = OPTION_ENDS      \
+        OPTION_NAMED("version", struct common_settings, version), .help = "the version", .role = OPTION_ENDS           \
     }
 
 const struct option plain_options[] = {
@@ -38,74 +33,48 @@ const struct option plain_options[] = {
 };
 
 const struct option quiet_options[] = {
-    {.name = "quiet",
-     .letter = 'q',
-     FIELD(common_settings, quiet),
-     .help = "print only errors and warnings on stderr, no notes",
-     .role = OPTION_OF_RUN},
-    {.name = "verbose",
-     .letter = 'v',
-     FIELD(common_settings, verbose),
-     .help = "print the engine's and the GL driver's messages, too, on stderr",
-     .role = OPTION_OF_RUN},
+    {OPTION_NAMED("quiet", struct common_settings, quiet), .letter = 'q',
+     .help = "print only errors and warnings on stderr, no notes", .role = OPTION_OF_RUN},
+    {OPTION_NAMED("verbose", struct common_settings, verbose), .letter = 'v',
+     .help = "print the engine's and the GL driver's messages, too, on stderr", .role = OPTION_OF_RUN},
     HELP_AND_VERSION,
     {0},
 };
 
 const struct option atlas_options[] = {
-    {.name = "labels",
-     FIELD(atlas_settings, labels),
-     .value = "FILE[,label=COLUMN,name=COLUMN]",
+    {OPTION_VALUED("labels", struct atlas_settings, labels, "FILE[,label=COLUMN,name=COLUMN]"),
      .help = "label table; replaces the one found beside or inside the atlas; columns of a header row that are not "
              "called as usual are given by their names",
-     .words = "lookup table, LUT, names",
-     .role = OPTION_READS},
-    {.name = "labels-anyway",
-     FIELD(atlas_settings, labels_anyway),
+     .words = "lookup table, LUT, names", .role = OPTION_READS},
+    {OPTION_NAMED("labels-anyway", struct atlas_settings, labels_anyway),
      .help = "treat every value as a label, even if the volume looks like an image"},
-    {.name = "probability",
-     FIELD(atlas_settings, probability),
-     .value = "T",
+    {OPTION_VALUED("probability", struct atlas_settings, probability, "T"),
      .help = "of an atlas of probabilities: a voxel belongs to an area with a probability of at least T (default 0.25, "
              "or as the manifest says)",
      OPTION_ABOVE_TO(0, 1)},
-    {.name = "pathway",
-     FIELD(atlas_settings, pathways),
-     .value = "FILE[,KEY=VALUE]...",
+    {OPTION_VALUED("pathway", struct atlas_settings, pathways, "FILE[,KEY=VALUE]..."),
      .help =
          "add a scalar map as a pathway; keys: threshold=T (voxels with values of at least T belong to it; default a "
          "quarter of the file's scale), name=S, unit=S (what its values are: z, % signal change), volume=K (of a 4-D "
          "file, from 0); "
          "or as several, each a band of values: band=LOW:HIGH:NAME (from LOW to below HIGH; either may be left out), "
          "once for each; may be repeated",
-     .words = "tract, probability map",
-     .role = OPTION_READS},
-    {.name = "streamlines",
-     FIELD(atlas_settings, streamlines),
-     .value = "FILE[,KEY=VALUE]...",
+     .words = "tract, probability map", .role = OPTION_READS},
+    {OPTION_VALUED("streamlines", struct atlas_settings, streamlines, "FILE[,KEY=VALUE]..."),
      .help =
          "add a tractogram as a bundle, or as one for each of its groups; keys: radius=R (a ray hits what is nearer "
          "than R mm to a streamline; default 0.5), name=S, space=ras or space=lps (the axes of a file that does not "
          "state them, as DIPY's VTK in LPS), moves (it lies where ATLAS's files do, and --atlas-transform moves it, "
          "too); may be repeated",
-     .words = "fibre, fiber, tractography, tractogram",
-     .role = OPTION_READS},
-    {.name = "hemispheres",
-     FIELD(atlas_settings, hemispheres),
-     .value = "HOW",
+     .words = "fibre, fiber, tractography, tractogram", .role = OPTION_READS},
+    {OPTION_VALUED("hemispheres", struct atlas_settings, hemispheres, "HOW"),
      .help =
          "cut areas of both sides in two at x = 0 (split), or report left and right areas of one name as one (merged):",
-     .choices = settings_hemispheres,
-     .words = "left, right, side"},
-    {.name = "sides",
-     FIELD(atlas_settings, sides),
-     .value = "HOW",
+     .choices = settings_hemispheres, .words = "left, right, side"},
+    {OPTION_VALUED("sides", struct atlas_settings, sides, "HOW"),
      .help = "mirror ATLAS, whose voxels lie the other way round than its header says, as a warning tells (exchanged):",
-     .choices = sides,
-     .words = "left, right, mirror, flip"},
-    {.name = "atlas-transform",
-     FIELD(atlas_settings, transforms),
-     .value = "FILE[,KEY]...",
+     .choices = sides, .words = "left, right, mirror, flip"},
+    {OPTION_VALUED("atlas-transform", struct atlas_settings, transforms, "FILE[,KEY]..."),
      .help =
          "bring the atlas to the poses: an affine (ITK, FreeSurfer, MNI, FSL, 4 x 4), a B-spline (ITK), a "
          "deformation field (ITK, SPM, FSL, MRtrix, NiftyReg, SynthMorph) or a composite of these (ITK, ANTs, X5) "
@@ -113,8 +82,7 @@ const struct option atlas_options[] = {
          "atlas), relative or absolute (a field's vectors), space=ras or space=lps (their axes), grid=IMAGE (voxels "
          "for the labels), transform=K (number K, from 0, of a list of ITK's); may be repeated, points go through "
          "the first one first",
-     .words = "warp, registration, normalise",
-     .role = OPTION_READS},
+     .words = "warp, registration, normalise", .role = OPTION_READS},
     {.name = "max-memory",
      .type = OPTION_BYTES,
      .offset = offsetof(struct atlas_settings, max_memory),
@@ -123,36 +91,26 @@ const struct option atlas_options[] = {
          "largest file or volume to accept, like 512M or 2G (default 8G; 1G for files of poses that are read whole)",
      .words = "RAM",
      .role = OPTION_KEPT},
-    {.name = "no-cache",
-     FIELD(atlas_settings, no_cache),
-     .help = "read the atlas's files anew, and keep nothing for the next time (conus cache)",
-     .role = OPTION_OF_RUN},
+    {OPTION_NAMED("no-cache", struct atlas_settings, no_cache),
+     .help = "read the atlas's files anew, and keep nothing for the next time (conus cache)", .role = OPTION_OF_RUN},
     {0},
 };
 
 const struct option shown_options[] = {
-    {.name = "only",
-     FIELD(atlas_settings, only),
-     .value = "NAME,...",
+    {OPTION_VALUED("only", struct atlas_settings, only, "NAME,..."),
      .help = "keep only these areas, pathways and bundles, by name, abbreviation or label, with all below them in the "
              "area tree; all others are as if never loaded; put a name with a comma in double quotes; @FILE is a file "
              "with one name per line; may be repeated",
-     .words = "region, ROI, filter, include",
-     .role = OPTION_READS_NAMES},
-    {.name = "hide",
-     FIELD(atlas_settings, hide),
-     .value = "NAME,...",
+     .words = "region, ROI, filter, include", .role = OPTION_READS_NAMES},
+    {OPTION_VALUED("hide", struct atlas_settings, hide, "NAME,..."),
      .help = "remove these areas, pathways and bundles, named as for --only: not hit, not drawn, not occluding; may be "
              "repeated",
-     .words = "exclude, remove",
-     .role = OPTION_READS_NAMES},
+     .words = "exclude, remove", .role = OPTION_READS_NAMES},
     {0},
 };
 
 const struct option more_atlas_options[] = {
-    {.name = "atlas",
-     FIELD(atlas_settings, more),
-     .value = "ATLAS",
+    {OPTION_VALUED("atlas", struct atlas_settings, more, "ATLAS"),
      .help = "another atlas in the same space, a file or a name, that gets the same question; --labels, --pathway, "
              "--streamlines (except in conus connect), --only, --hide and --level apply to the first atlas only; may "
              "be repeated",
@@ -161,214 +119,125 @@ const struct option more_atlas_options[] = {
 };
 
 const struct option context_options[] = {
-    {.name = "context",
-     FIELD(context_settings, path),
-     .value = "FILE",
+    {OPTION_VALUED("context", struct context_settings, path, "FILE"),
      .help = "scalar map that blocks rays, such as a skull, or in which --inward finds the head: a file, or the name "
              "of an installed image",
-     .role = OPTION_READS_IMAGE,
-     .flags = OPTION_OF_RAYS,
-     .needs = "context-blocks|inward"},
-    {.name = "context-blocks",
-     FIELD(context_settings, blocks),
-     .value = "T",
-     .help = "context voxels with values of at least T block rays",
-     OPTION_BETWEEN(0, FLT_MAX),
-     .needs = "context"},
+     .role = OPTION_READS_IMAGE, .flags = OPTION_OF_RAYS, .needs = "context-blocks|inward"},
+    {OPTION_VALUED("context-blocks", struct context_settings, blocks, "T"),
+     .help = "context voxels with values of at least T block rays", OPTION_BETWEEN(0, FLT_MAX), .needs = "context"},
     {0},
 };
 
 const struct option context_choice_options[] = {
-    {.name = "context",
-     FIELD(context_choice, files),
-     .value = "FILE",
+    {OPTION_VALUED("context", struct context_choice, files, "FILE"),
      .help = "scalar map, such as a T1, or surface, such as a scalp, to draw around the areas, in the place of a "
              "manifest's volume: a file, or the name of an installed image, ch2bet; may be repeated for more surfaces",
      .role = OPTION_READS_IMAGE},
-    {.name = "context-opacity",
-     FIELD(context_choice, opacity),
-     .value = "O",
-     .help = "opacity of the context's surfaces, above 0 to 1 (default 0.25)",
-     OPTION_ABOVE_TO(0, 1),
+    {OPTION_VALUED("context-opacity", struct context_choice, opacity, "O"),
+     .help = "opacity of the context's surfaces, above 0 to 1 (default 0.25)", OPTION_ABOVE_TO(0, 1),
      .needs = "context"},
     {0},
 };
 
 const struct option map_options[] = {
-    {.name = "map",
-     FIELD(context_choice, map),
-     .value = "FILE,array=NAME[,range=A:B]",
+    {OPTION_VALUED("map", struct context_choice, map, "FILE,array=NAME[,range=A:B]"),
      .help =
          "colour the surface of --context by an array of a GIFTI file (.func.gii, .shape.gii), from A, dark blue, to "
          "B, yellow (default: the least and the largest); the surface is opaque unless --context-opacity is given",
-     .words = "overlay, colours, func.gii, metric",
-     .role = OPTION_READS},
+     .words = "overlay, colours, func.gii, metric", .role = OPTION_READS},
     {0},
 };
 
 const struct option aim_options[] = {
-    {.name = "origin",
-     FIELD(aim_settings, origin),
-     .value = PLACE_VALUE,
-     .help = "position of the device, the cone's apex: " PLACE_HELP,
-     .words = "position, apex, tip",
-     .common = true,
-     .role = OPTION_ASKS,
-     .flags = OPTION_OF_CONE | OPTION_IS_PLACE,
-     .excludes = "pose,poses"},
-    {.name = "toward",
-     FIELD(aim_settings, toward),
-     .value = PLACE_VALUE,
+    {OPTION_VALUED("origin", struct aim_settings, origin, PLACE_VALUE),
+     .help = "position of the device, the cone's apex: " PLACE_HELP, .words = "position, apex, tip", .common = true,
+     .role = OPTION_ASKS, .flags = OPTION_OF_CONE | OPTION_IS_PLACE, .excludes = "pose,poses"},
+    {OPTION_VALUED("toward", struct aim_settings, toward, PLACE_VALUE),
      .help = "place at which the device points (near:AREA is the area's point nearest to the other end)",
-     .words = "target",
-     .common = true,
-     .role = OPTION_ASKS,
-     .flags = OPTION_OF_CONE | OPTION_IS_PLACE,
-     .needs = "origin",
-     .excludes = "direction"},
-    {.name = "direction",
-     FIELD(aim_settings, direction),
-     .value = "X,Y,Z",
-     .help = "or direction of the axis, of any length but 0",
-     .flags = OPTION_OF_CONE,
-     .needs = "origin"},
-    {.name = "inward",
-     FIELD(aim_settings, inward),
+     .words = "target", .common = true, .role = OPTION_ASKS, .flags = OPTION_OF_CONE | OPTION_IS_PLACE,
+     .needs = "origin", .excludes = "direction"},
+    {OPTION_VALUED("direction", struct aim_settings, direction, "X,Y,Z"),
+     .help = "or direction of the axis, of any length but 0", .flags = OPTION_OF_CONE, .needs = "origin"},
+    {OPTION_NAMED("inward", struct aim_settings, inward),
      .help = "or straight into the head: from a position of a cap like C3 against the scalp's normal there, elsewhere "
              "against that of the context's head within 5 mm, or else to the atlas's nearest",
-     .words = "EEG, fNIRS, optode, perpendicular",
-     .flags = OPTION_OF_CONE,
-     .needs = "origin",
+     .words = "EEG, fNIRS, optode, perpendicular", .flags = OPTION_OF_CONE, .needs = "origin",
      .excludes = "toward,direction"},
-    {.name = "up",
-     FIELD(aim_settings, up),
-     .value = "X,Y,Z",
-     .help = "up direction of the device (default superior; anterior if it points up or down)",
-     .flags = OPTION_OF_CONE,
+    {OPTION_VALUED("up", struct aim_settings, up, "X,Y,Z"),
+     .help = "up direction of the device (default superior; anterior if it points up or down)", .flags = OPTION_OF_CONE,
      .needs = "origin"},
-    {.name = "pose",
-     FIELD(aim_settings, pose),
-     .value = "FILE",
+    {OPTION_VALUED("pose", struct aim_settings, pose, "FILE"),
      .help =
          "poses from a file instead, - for standard input: a table with a header, a 4x4 matrix, or what Brainsight, "
          "Localite, 3D Slicer, SimNIBS, InVesalius, Lead-DBS or BIDS write (docs/formats.md)",
-     .words = "coil, trajectory, electrode, points",
-     .common = true,
-     .role = OPTION_READS_POSES,
-     .flags = OPTION_OF_CONE,
-     .excludes = "poses"},
+     .words = "coil, trajectory, electrode, points", .common = true, .role = OPTION_READS_POSES,
+     .flags = OPTION_OF_CONE, .excludes = "poses"},
     {0},
 };
 
 const struct option beam_options[] = {
-    {.name = "focus",
-     FIELD(aim_settings, focus),
-     .value = PLACE_VALUE,
+    {OPTION_VALUED("focus", struct aim_settings, focus, PLACE_VALUE),
      .help = "instead of a cone from the device, a beam that is wide at the device and narrow at its focus, here: "
              "the cone from the focus to the transducer, with all layers",
-     .words = "ultrasound, FUS, beam",
-     .role = OPTION_ASKS,
-     .flags = OPTION_OF_CONE | OPTION_IS_PLACE,
-     .needs = "transducer",
-     .excludes = "origin,pose,poses,angle,radius,range,layers"},
-    {.name = "transducer",
-     FIELD(aim_settings, transducer),
-     .value = PLACE_VALUE,
-     .help = "the middle of the transducer's aperture",
-     .role = OPTION_ASKS,
-     .flags = OPTION_OF_CONE | OPTION_IS_PLACE,
+     .words = "ultrasound, FUS, beam", .role = OPTION_ASKS, .flags = OPTION_OF_CONE | OPTION_IS_PLACE,
+     .needs = "transducer", .excludes = "origin,pose,poses,angle,radius,range,layers"},
+    {OPTION_VALUED("transducer", struct aim_settings, transducer, PLACE_VALUE),
+     .help = "the middle of the transducer's aperture", .role = OPTION_ASKS, .flags = OPTION_OF_CONE | OPTION_IS_PLACE,
      .needs = "focus"},
     {0},
 };
 
 const struct option aperture_options[] = {
-    {.name = "aperture-diameter",
-     FIELD(aim_settings, aperture),
-     .value = "MM",
+    {OPTION_VALUED("aperture-diameter", struct aim_settings, aperture, "MM"),
      .help = "diameter of the transducer's aperture; in a file of poses each row is a beam, from focus_x focus_y "
              "focus_z (or target_x ...) to transducer_x transducer_y transducer_z",
-     OPTION_BETWEEN(0, 1e6),
-     .flags = OPTION_OF_CONE,
-     .needs = "focus|pose|poses",
+     OPTION_BETWEEN(0, 1e6), .flags = OPTION_OF_CONE, .needs = "focus|pose|poses",
      .excludes = "origin,angle,radius,range,layers"},
     {0},
 };
 
 const struct option angle_options[] = {
-    {.name = "angle",
-     FIELD(aim_settings, angle),
-     .value = "DEGREES",
-     .help = "full opening angle of the cone, more than 0 and less than 180 (default 10)",
-     .words = "width, opening",
-     .common = true,
-     .flags = OPTION_OF_CONE},
+    {OPTION_VALUED("angle", struct aim_settings, angle, "DEGREES"),
+     .help = "full opening angle of the cone, more than 0 and less than 180 (default 10)", .words = "width, opening",
+     .common = true, .flags = OPTION_OF_CONE},
     {0},
 };
 
 const struct option pixel_options[] = {
-    {.name = "resolution",
-     FIELD(engine_settings, resolution),
-     .value = "N",
+    {OPTION_VALUED("resolution", struct engine_settings, resolution, "N"),
      .help = "trace N x N rays, one per pixel, N from 1 to 1024 (default " OPTION_DIGITS(CONUS_RESOLUTION_DEFAULT) ")",
-     OPTION_FROM_TO(1, 1024),
-     .words = "rays",
-     .flags = OPTION_OF_RAYS},
-    {.name = "aperture",
-     FIELD(engine_settings, aperture),
-     .value = "SHAPE",
-     .help = "pixels that count: those in the circle, or all:",
-     .choices = apertures,
-     .flags = OPTION_OF_RAYS},
+     OPTION_FROM_TO(1, 1024), .words = "rays", .flags = OPTION_OF_RAYS},
+    {OPTION_VALUED("aperture", struct engine_settings, aperture, "SHAPE"),
+     .help = "pixels that count: those in the circle, or all:", .choices = apertures, .flags = OPTION_OF_RAYS},
     {0},
 };
 
 const struct option engine_options[] = {
-    {.name = "engine",
-     FIELD(engine_settings, engine),
-     .value = "NAME",
+    {OPTION_VALUED("engine", struct engine_settings, engine, "NAME"),
      .help = "rays on the CPU or an OpenGL pass, with the same hits; auto is rays in this program:",
-     .choices = settings_engines,
-     .flags = OPTION_OF_RAYS},
-    {.name = "sampling",
-     FIELD(engine_settings, sampling),
-     .value = "KIND",
+     .choices = settings_engines, .flags = OPTION_OF_RAYS},
+    {OPTION_VALUED("sampling", struct engine_settings, sampling, "KIND"),
      .help = "visit every voxel along a ray, or only planes across the view, which can miss thin objects:",
-     .choices = samplings,
-     .flags = OPTION_OF_RAYS},
-    {.name = "slice-fraction",
-     FIELD(engine_settings, slice_fraction),
-     .value = "F",
+     .choices = samplings, .flags = OPTION_OF_RAYS},
+    {OPTION_VALUED("slice-fraction", struct engine_settings, slice_fraction, "F"),
      .help = "with --sampling slices: part of the picture's slices that the selection takes, more than 0 to 1 "
              "(default 0.2, the paper's fifth)",
-     OPTION_ABOVE_TO(0, 1),
-     .flags = OPTION_OF_RAYS,
-     .needs = "sampling=slices"},
-    {.name = "level",
-     FIELD(engine_settings, level),
-     .value = "N|AREA,...",
+     OPTION_ABOVE_TO(0, 1), .flags = OPTION_OF_RAYS, .needs = "sampling=slices"},
+    {OPTION_VALUED("level", struct engine_settings, level, "N|AREA,..."),
      .help =
          "report areas rolled up the area tree: to depth N (roots have 1), or to the nearest of these areas, by name, "
          "abbreviation or label; put a name with a comma in double quotes; @FILE is a file with one area per line",
-     .words = "hierarchy, ontology",
-     .role = OPTION_READS_NAMES},
-    {.name = "score",
-     FIELD(engine_settings, score),
-     .value = "FORMULA",
+     .words = "hierarchy, ontology", .role = OPTION_READS_NAMES},
+    {OPTION_VALUED("score", struct engine_settings, score, "FORMULA"),
      .help = "score that ranks the objects: a name below (default share), or a formula like 0.5*share+0.5*centre",
-     .words = "sort, rank",
-     .role = OPTION_ASKS,
-     .flags = OPTION_OF_RAYS},
+     .words = "sort, rank", .role = OPTION_ASKS, .flags = OPTION_OF_RAYS},
     {0},
 };
 
 const struct option shape_options[] = {
-    {.name = "layers",
-     FIELD(engine_settings, layers),
-     .value = "WHICH",
-     .help = "first hits only, or all hits in the cone with path lengths, volumes and values:",
-     .choices = layers,
-     .words = "behind, occluded, depth",
-     .flags = OPTION_OF_RAYS},
+    {OPTION_VALUED("layers", struct engine_settings, layers, "WHICH"),
+     .help = "first hits only, or all hits in the cone with path lengths, volumes and values:", .choices = layers,
+     .words = "behind, occluded, depth", .flags = OPTION_OF_RAYS},
     {.name = "range",
      .type = OPTION_RANGE,
      .offset = offsetof(struct engine_settings, range),
@@ -377,24 +246,17 @@ const struct option shape_options[] = {
              "probe; target is the point of --toward or of each pose's row, or MM behind it",
      OPTION_FROM_TO(0, 1e9),
      .flags = OPTION_OF_CONE | OPTION_TO_TARGET},
-    {.name = "radius",
-     FIELD(engine_settings, radius),
-     .value = "MM",
-     .help = "radius of a cylinder that replaces the cone, mm, more than 0: a needle, a probe",
-     OPTION_BETWEEN(0, 1e9),
+    {OPTION_VALUED("radius", struct engine_settings, radius, "MM"),
+     .help = "radius of a cylinder that replaces the cone, mm, more than 0: a needle, a probe", OPTION_BETWEEN(0, 1e9),
      .words = "cylinder, needle, sphere, ball"},
     {0},
 };
 
 const struct option slices_options[] = {
-    {.name = "slices",
-     FIELD(engine_settings, slices),
-     .value = "N",
+    {OPTION_VALUED("slices", struct engine_settings, slices, "N"),
      .help = "with --sampling slices: slices of the picture; the selection takes --slice-fraction of them (default "
              "sqrt(2) times the longest edge of the volume)",
-     OPTION_FROM_TO(1, 65536),
-     .flags = OPTION_OF_RAYS,
-     .needs = "sampling=slices"},
+     OPTION_FROM_TO(1, 65536), .flags = OPTION_OF_RAYS, .needs = "sampling=slices"},
     {0},
 };
 
@@ -435,12 +297,13 @@ int settings_understood(char out[96], struct named_places *places, const struct 
 
 bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
 {
+    const struct command *command = arguments->command;
     bool has_origin = option_given(arguments, "origin");
-    if (option_find(arguments->command, "focus") && option_given(arguments, "focus")) {
+    bool is_inward = option_find(command, "inward") && option_given(arguments, "inward");
+    if (option_find(command, "focus") && option_given(arguments, "focus")) {
         return option_given(arguments, "aperture-diameter") ||
                refuse("--focus needs --aperture-diameter MM with it: how wide the beam is at the transducer");
     }
-    bool is_inward = option_find(arguments->command, "inward") && option_given(arguments, "inward");
     if (has_origin && !option_given(arguments, "toward") && !option_given(arguments, "direction") && !is_inward) {
         return refuse("--origin needs --toward PLACE or --direction X,Y,Z with it");
     }
@@ -498,31 +361,28 @@ static int find_inward(double along[3], struct named_places *places, const doubl
 int settings_pose(conus_pose *out, double *target, struct named_places *places, const struct aim_settings *settings,
                   const struct arguments *arguments)
 {
-    *target = NAN;
-    const double *given_up = option_given(arguments, "up") ? settings->up : NULL;
+    const double *up = option_given(arguments, "up") ? settings->up : NULL;
+    const bool is_beam = settings->focus;
     double from[3];
     double along[3];
     double above[3];
-    int code = EXIT_DONE;
-    if (settings->focus) {
-        code = settings_pose_toward(out, target, places, (const char *const[]){"focus", "transducer"},
-                                    (const char *const[]){settings->focus, settings->transducer}, NULL);
-    } else if (option_given(arguments, "toward")) {
-        code = settings_pose_toward(out, target, places, (const char *const[]){"origin", "toward"},
-                                    (const char *const[]){settings->origin, settings->toward}, given_up);
-    } else if (settings->inward) {
-        code = named_places_find(from, places, "origin", settings->origin, NULL);
-        code = code ? code : find_inward(along, places, from);
-        conus_frame_direction_to_world(above, places->frame, settings->up);
-        code = code ? code : print_status(conus_pose_along(out, from, along, given_up ? above : NULL));
+    int code;
+    *target = NAN;
+    if (is_beam || option_given(arguments, "toward")) {
+        code = settings_pose_toward(
+            out, target, places, (const char *const[]){is_beam ? "focus" : "origin", is_beam ? "transducer" : "toward"},
+            (const char *const[]){is_beam ? settings->focus : settings->origin,
+                                  is_beam ? settings->transducer : settings->toward},
+            is_beam ? NULL : up);
     } else {
         code = named_places_find(from, places, "origin", settings->origin, NULL);
         conus_frame_direction_to_world(along, places->frame, settings->direction);
+        code = code || !settings->inward ? code : find_inward(along, places, from);
         conus_frame_direction_to_world(above, places->frame, settings->up);
-        code = code ? code : print_status(conus_pose_along(out, from, along, given_up ? above : NULL));
+        code = code ? code : print_status(conus_pose_along(out, from, along, up ? above : NULL));
     }
     if (!code) {
-        conus_frame_turn_pose(out, places->frame, given_up != NULL);
+        conus_frame_turn_pose(out, places->frame, up != NULL);
     }
     return code;
 }
@@ -572,13 +432,11 @@ double settings_angle(const struct aim_settings *settings, const struct engine_s
 bool settings_check_shape(const struct aim_settings *settings, const struct engine_settings *engine,
                           const struct arguments *arguments)
 {
-    if (!option_given(arguments, "angle")) {
-        return true;
-    }
-    if (engine->radius > 0 && settings->angle != 0) {
+    bool is_given = option_given(arguments, "angle");
+    if (is_given && engine->radius > 0 && settings->angle != 0) {
         return refuse("--radius makes a cylinder, whose --angle is 0");
     }
-    if (engine->radius == 0 && !(settings->angle > 0 && settings->angle < 180)) {
+    if (is_given && engine->radius == 0 && !(settings->angle > 0 && settings->angle < 180)) {
         return refuse("--angle: %.10g is out of range, allowed is more than 0 and less than 180%s", settings->angle,
                       settings->angle == 0 ? "; 0 goes with --radius" : "");
     }
@@ -635,34 +493,20 @@ const struct rows_kind settings_axis_rows[AXIS_FILES] = {{"segments", CONUS_ROWS
                                                          {"clearance", CONUS_ROWS_CLEARANCES, "clearances"}};
 
 const struct option axis_options[] = {
-    {.name = "segments",
-     OPTION_AT(struct axis_settings, files[0]),
-     .value = "FILE",
+    {OPTION_VALUED("segments", struct axis_settings, files[0], "FILE"),
      .help = "write what the axis passes, in order of depth: a row for each stretch inside an area, pathway or "
              "bundle, or between them",
-     .words = "probe, shank, track",
-     .role = OPTION_WRITES_ROWS,
-     .flags = OPTION_OF_CONE},
-    {.name = "clearance",
-     OPTION_AT(struct axis_settings, files[1]),
-     .value = "FILE[,within=MM]",
+     .words = "probe, shank, track", .role = OPTION_WRITES_ROWS, .flags = OPTION_OF_CONE},
+    {OPTION_VALUED("clearance", struct axis_settings, files[1], "FILE[,within=MM]"),
      .help = "write how far the device stays from each area, pathway and bundle, the nearest first, and where; as a "
              "needle of --radius (a cone has none) from the near to the far end of --range; up to MM away, 0 to 1000 "
              "(default 10)",
-     .words = "margin, safety, needle, avoid",
-     .role = OPTION_WRITES_ROWS,
-     .flags = OPTION_OF_CONE,
-     .key = "within"},
-    {.name = "order",
-     OPTION_AT(struct axis_settings, order),
-     .value = "ORDER",
+     .words = "margin, safety, needle, avoid", .role = OPTION_WRITES_ROWS, .flags = OPTION_OF_CONE, .key = "within"},
+    {OPTION_VALUED("order", struct axis_settings, order, "ORDER"),
      .help = "order of the rows of an answer: the best first, or the nearest (with --layers all by entry, else by "
              "distance):",
-     .choices = orders,
-     .words = "sort"},
-    {.name = "contacts",
-     OPTION_AT(struct axis_settings, contacts),
-     .value = "COUNT,COLUMNS,PITCH,TIP",
+     .choices = orders, .words = "sort"},
+    {OPTION_VALUED("contacts", struct axis_settings, contacts, "COUNT,COLUMNS,PITCH,TIP"),
      .help = "for --format open-ephys of shanks: COUNT contacts, COLUMNS in a row, PITCH mm from row to row, the first "
              "TIP mm from the tip",
      .role = OPTION_ASKS},

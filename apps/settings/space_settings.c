@@ -7,17 +7,13 @@
 #include <math.h>
 
 const struct option space_options[] = {
-    {.name = "space",
-     OPTION_AT(struct space_settings, name),
-     .value = "NAME",
+    {OPTION_VALUED("space", struct space_settings, name, "NAME"),
      .help =
          "what the three numbers of all positions, given and reported, are: mm to the right, anterior, superior (ras) "
          "or left, posterior, superior (lps); of the Allen CCF, micrometres AP, DV, ML from its corner (ccf), or mm "
          "AP, ML, DV from bregma, to anterior, right, dorsal (bregma):",
      .choice_at = conus_space_name},
-    {.name = "bregma",
-     OPTION_AT(struct space_settings, bregma),
-     .value = "AP,DV,ML",
+    {OPTION_VALUED("bregma", struct space_settings, bregma, "AP,DV,ML"),
      .help = "with --space bregma: where bregma lies in the Allen CCF, micrometres (default 5400,332,5739, the "
              "International Brain Laboratory's)",
      .needs = "space=bregma"},
@@ -27,13 +23,8 @@ const struct option space_options[] = {
 bool space_settings_check(const struct arguments *arguments, const struct space_settings *settings)
 {
     const double *b = settings->bregma;
-    if (!option_given(arguments, "bregma")) {
-        return true;
-    }
-    if (b[0] == 0 && b[1] == 0 && b[2] == 0) {
-        return refuse("--bregma: 0,0,0 is the corner of the CCF's grid, AP,DV,ML in micrometres are needed");
-    }
-    return true;
+    return !option_given(arguments, "bregma") || b[0] != 0 || b[1] != 0 || b[2] != 0 ||
+           refuse("--bregma: 0,0,0 is the corner of the CCF's grid, AP,DV,ML in micrometres are needed");
 }
 
 bool space_settings_needs_atlas(const struct space_settings *settings)

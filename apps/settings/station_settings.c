@@ -10,49 +10,32 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FIELD(member) OPTION_AT(struct station_settings, member)
-
 enum { ADDRESS_SIZE = 256 };
 
 /* In the order of conus_axis, whose first is -z here. */
 static const char *const axes[] = {"-z", "+x", "-x", "+y", "-y", "+z", NULL};
 
 const struct option station_options_table[] = {
-    {.name = "listen",
-     FIELD(listen),
-     .value = "[ADDRESS:]PORT",
+    {OPTION_VALUED("listen", struct station_settings, listen, "[ADDRESS:]PORT"),
      .help =
          "wait for a tracker that sends OpenIGTLink, as a server; its usual port is 18944, and without an address only "
          "this machine may connect",
-     .role = OPTION_LIVE,
-     .excludes = "connect"},
-    {.name = "connect",
-     FIELD(connect),
-     .value = "HOST[:PORT]",
+     .role = OPTION_LIVE, .excludes = "connect"},
+    {OPTION_VALUED("connect", struct station_settings, connect, "HOST[:PORT]"),
      .help = "or connect to one as a client (default port 18944); tries again until the tracker answers",
      .role = OPTION_LIVE},
-    {.name = "tool",
-     FIELD(tool),
-     .value = "NAME",
+    {OPTION_VALUED("tool", struct station_settings, tool, "NAME"),
      .help =
          "the tool that points, as the tracker calls it (Pointer, or PointerToTracker); default the first that comes"},
-    {.name = "reference",
-     FIELD(reference),
-     .value = "NAME",
+    {OPTION_VALUED("reference", struct station_settings, reference, "NAME"),
      .help = "poses are relative to this tool, for instance one on the head"},
-    {.name = "tool-axis",
-     FIELD(axis),
-     .value = "AXIS",
-     .help = "axis of the tool along which it points:",
-     .choices = axes},
-    {.name = "world-from-tracker",
-     FIELD(world_from_tracker),
-     .value = "FILE",
+    {OPTION_VALUED("tool-axis", struct station_settings, axis, "AXIS"),
+     .help = "axis of the tool along which it points:", .choices = axes},
+    {OPTION_VALUED("world-from-tracker", struct station_settings, world_from_tracker, "FILE"),
      .help = "4x4 matrix, rows of four numbers, from the tracker's (or the reference's) mm to the atlas's mm"},
-    {.name = "tracker-lps", FIELD(lps), .help = "the tracker's positions are LPS: x to the left, y to the back"},
-    {.name = "enlarge",
-     FIELD(enlarged),
-     .value = "FACTOR",
+    {OPTION_NAMED("tracker-lps", struct station_settings, lps),
+     .help = "the tracker's positions are LPS: x to the left, y to the back"},
+    {OPTION_VALUED("enlarge", struct station_settings, enlarged, "FACTOR"),
      .help = "show the brain enlarged by this factor about the atlas's origin: poses are moved nearer to the origin by "
              "the same factor",
      OPTION_FROM_TO(0.001, 1000)},
@@ -60,49 +43,29 @@ const struct option station_options_table[] = {
 };
 
 const struct option screen_options_table[] = {
-    {.name = "head",
-     FIELD(head),
-     .value = "NAME",
+    {OPTION_VALUED("head", struct station_settings, head, "NAME"),
      .help = "the tool on the viewer's head: the 3-D pane shows what this eye sees through the screen",
      .needs = "screen-mm"},
-    {.name = "screen-mm",
-     FIELD(screen_mm),
-     .value = "WxH",
-     .help = "size of the whole screen, mm",
-     OPTION_FROM_TO(1, 1000000),
-     .needs = "head"},
-    {.name = "screen-pose",
-     FIELD(screen_pose),
-     .value = "FILE",
+    {OPTION_VALUED("screen-mm", struct station_settings, screen_mm, "WxH"), .help = "size of the whole screen, mm",
+     OPTION_FROM_TO(1, 1000000), .needs = "head"},
+    {OPTION_VALUED("screen-pose", struct station_settings, screen_pose, "FILE"),
      .help = "4x4 matrix from the screen's mm (origin in its middle, x right, y up, z to the viewer) to the "
              "tracker's mm (default the identity)",
      .needs = "head"},
-    {.name = "eye",
-     FIELD(eye),
-     .value = "X,Y,Z",
-     .help = "position of the eye in the head tool's frame, mm (default 0,0,0)",
-     .needs = "head"},
+    {OPTION_VALUED("eye", struct station_settings, eye, "X,Y,Z"),
+     .help = "position of the eye in the head tool's frame, mm (default 0,0,0)", .needs = "head"},
     {0},
 };
 
 const struct option second_options_table[] = {
-    {.name = "second-tool",
-     FIELD(second_tool),
-     .value = "NAME",
+    {OPTION_VALUED("second-tool", struct station_settings, second_tool, "NAME"),
      .help = "another tool that points, with a cone and a list of its own: of the same tracker, or of the one of "
              "--second-listen or --second-connect (default the first that comes there)"},
-    {.name = "second-listen",
-     FIELD(second_listen),
-     .value = "[ADDRESS:]PORT",
-     .help = "wait for the second tool's own tracker, as with --listen",
-     .excludes = "second-connect"},
-    {.name = "second-connect",
-     FIELD(second_connect),
-     .value = "HOST[:PORT]",
+    {OPTION_VALUED("second-listen", struct station_settings, second_listen, "[ADDRESS:]PORT"),
+     .help = "wait for the second tool's own tracker, as with --listen", .excludes = "second-connect"},
+    {OPTION_VALUED("second-connect", struct station_settings, second_connect, "HOST[:PORT]"),
      .help = "or connect to it, as with --connect"},
-    {.name = "second-world-from-tracker",
-     FIELD(second_world_from_tracker),
-     .value = "FILE",
+    {OPTION_VALUED("second-world-from-tracker", struct station_settings, second_world_from_tracker, "FILE"),
      .help = "4x4 matrix of that tracker (default that of --world-from-tracker)"},
     {0},
 };

@@ -15,6 +15,8 @@
 
 enum { MATRIX = 16, ROW = 4, KEYS = 64 };
 
+static const struct text nameless = {"", 0};
+
 /* What is read here becomes a table, so that columns.h judges and hears all of it alike: a header, then lines. */
 static void sheet_header(struct buffer *sheet, const conus_pose_options *options, bool has_target)
 {
@@ -27,32 +29,33 @@ static void sheet_header(struct buffer *sheet, const conus_pose_options *options
     buffer_text(sheet, has_target ? "\ttx\tty\ttz\n" : "\n");
 }
 
-/* A cell of words, in quotation marks where there are any. */
-static void sheet_words(struct buffer *sheet, struct text words)
+/* Words in one line; of a cell in quotation marks, where there are any. */
+static void sheet_words(struct buffer *sheet, struct text words, bool is_cell)
 {
-    buffer_text(sheet, words.size ? "\"" : "");
+    const char *mark = is_cell && words.size ? "\"" : "";
+    buffer_text(sheet, mark);
     for (size_t i = 0; i < words.size; i++) {
         bool is_plain = (unsigned char)words.data[i] >= ' ';
         buffer_append(sheet, is_plain ? words.data + i : " ", 1);
-        buffer_text(sheet, words.data[i] == '"' ? "\"" : "");
+        buffer_text(sheet, words.data[i] == '"' ? mark : "");
     }
-    buffer_text(sheet, words.size ? "\"" : "");
+    buffer_text(sheet, mark);
 }
 
-static void sheet_point(struct buffer *sheet, struct text name, const double point[3])
+/* A line of a name and so many numbers; without any it is no row. */
+static void sheet_row(struct buffer *sheet, struct text name, const double *numbers, size_t count)
 {
-    sheet_words(sheet, name);
-    for (size_t k = 0; k < 3; k++) {
-        buffer_format(sheet, "\t%.17g", point[k]);
+    sheet_words(sheet, name, true);
+    for (size_t k = 0; k < count; k++) {
+        buffer_format(sheet, "\t%.17g", numbers[k]);
     }
+    buffer_text(sheet, count ? "\n" : "?\n");
 }
 
 static void sheet_comment(struct buffer *sheet, struct text words)
 {
     buffer_text(sheet, "# ");
-    for (size_t i = 0; i < words.size; i++) {
-        buffer_append(sheet, (unsigned char)words.data[i] >= ' ' ? words.data + i : " ", 1);
-    }
+    sheet_words(sheet, words, false);
     buffer_text(sheet, "\n");
 }
 
@@ -167,8 +170,7 @@ static conus_status end_row(struct reading *reading)
     reading->width = width;
     reading->rows++;
     if (width == 3) {
-        sheet_point(&reading->sheet, text_from(""), reading->numbers);
-        buffer_text(&reading->sheet, "\n");
+        sheet_row(&reading->sheet, nameless, reading->numbers, 3);
         reading->count = 0;
     } else if (reading->rows % ROW == 0) {
         conus_pose_row row = pose_row_at(reading->rows / ROW);
@@ -337,23 +339,24 @@ static bool take_triple(double point[3], struct text *rest)
 /* A line "name: (x, y, z)", "(x, y, z) name" or "(x, y, z) -> (x, y, z)", from entry to target. */
 struct spoken {
     struct text name;
-    double point[3], target[3];
-    bool has_target;
+    double numbers[6];
+    size_t count; /* of them: 3, or 6 with a target */
 };
 
 static bool read_spoken(struct spoken *out, struct text line)
 {
     const char *open = memchr(line.data, '(', line.size);
-    struct text before = table_trim((struct text){line.data, open ? (size_t)(open - line.data) : 0});
-    struct text rest = open ? (struct text){open, line.size - (size_t)(open - line.data)} : (struct text){"", 0};
-    *out = (struct spoken){{"", 0}, {0}, {0}, false};
-    if (!take_triple(out->point, &rest)) {
+    const size_t skipped = open ? (size_t)(open - line.data) : line.size;
+    struct text before = table_trim((struct text){line.data, open ? skipped : 0});
+    struct text rest = {line.data + skipped, line.size - skipped};
+    *out = (struct spoken){.name = nameless, .count = 3};
+    if (!take_triple(out->numbers, &rest)) {
         return false;
     }
     const size_t arrow = text_starts(rest, "->") ? 2 : text_starts(rest, "\xe2\x86\x92") ? 3 : 0;
     if (arrow) {
         rest = table_trim((struct text){rest.data + arrow, rest.size - arrow});
-        out->has_target = take_triple(out->target, &rest);
+        out->count = take_triple(out->numbers + 3, &rest) ? 6 : 3;
     }
     bool is_mark = before.size && memchr(":=", before.data[before.size - 1], 2);
     before.size -= is_mark;
@@ -365,7 +368,7 @@ static bool read_spoken(struct spoken *out, struct text line)
     bool is_name = rest.size && !text_to_double(word, &number) && !memchr(rest.data, '(', rest.size) &&
                    !memchr(",;\t", rest.data[0], 3);
     out->name = before.size ? before : rest;
-    return (!arrow || out->has_target) && (!rest.size || (!before.size && is_name)) &&
+    return (!arrow || out->count == 6) && (!rest.size || (!before.size && is_name)) &&
            (!before.size || !memchr(before.data, '"', before.size));
 }
 
@@ -379,36 +382,6 @@ static bool is_spoken(struct text text)
 bool pose_brackets_are_rows(struct text text)
 {
     return begins_in_brackets(text) || is_spoken(text);
-}
-
-static conus_status parse_spoken(conus_pose_list *list, struct text text, const conus_pose_options *options)
-{
-    struct buffer sheet = {0};
-    struct spoken spoken;
-    struct text line;
-    struct text inside;
-    struct text rest = text;
-    bool has_target = false;
-    while (!has_target && table_next_line(&rest, &line, NULL)) {
-        has_target = read_spoken(&spoken, line) && spoken.has_target;
-    }
-    sheet_header(&sheet, options, has_target);
-    while (text_line(&text, &line)) {
-        if (table_is_blank(line)) {
-            buffer_text(&sheet, "\n");
-        } else if (table_is_comment(&inside, line)) {
-            sheet_comment(&sheet, inside);
-        } else if (read_spoken(&spoken, line)) {
-            sheet_point(&sheet, spoken.name, spoken.point);
-            for (size_t k = 0; k < 3 && spoken.has_target; k++) {
-                buffer_format(&sheet, "\t%.17g", spoken.target[k]);
-            }
-            buffer_text(&sheet, "\n");
-        } else {
-            buffer_text(&sheet, "?\n");
-        }
-    }
-    return sheet_read(list, &sheet, options, "not as the first line: (x, y, z) and a name, or (x, y, z) -> (x, y, z)");
 }
 
 /* A table with the three coordinates in one cell: "(-42, -20, 50)". */
@@ -470,41 +443,50 @@ bool pose_brackets_in_cells(struct text head)
     return find_cells(&cells, head);
 }
 
-static conus_status parse_cells(conus_pose_list *list, struct text text, const conus_pose_options *options)
+static bool read_cells(struct spoken *out, const struct cells *cells, struct text line)
 {
-    struct cells cells;
     struct table_line row;
+    bool fits = table_split(&row, &cells->table, line) && cells->at < row.count;
+    *out = (struct spoken){.name = nameless, .count = 3};
+    out->name = fits && cells->name < row.count ? row.cells[cells->name] : nameless;
+    return fits && cell_point(out->numbers, row.cells[cells->at]);
+}
+
+/* Lines that are spoken, or, of a table, have a cell of three numbers. */
+static conus_status parse_lines(conus_pose_list *list, struct text text, const conus_pose_options *options)
+{
     struct buffer sheet = {0};
+    struct cells cells;
+    struct spoken spoken;
     struct text line;
     struct text inside;
-    if (!find_cells(&cells, text) || cells.count != 1) {
+    struct text rest = text;
+    const bool is_table = !is_spoken(text);
+    bool has_target = false;
+    if (is_table && (!find_cells(&cells, text) || cells.count != 1)) {
         return fail(CONUS_ERROR_DATA, "several columns with three numbers in a cell: which are the positions? Take the "
                                       "others out");
     }
-    sheet_header(&sheet, options, false);
-    for (size_t above = cells.headers; text_line(&text, &line);) {
-        double point[3] = {0};
+    while (!is_table && !has_target && table_next_line(&rest, &line, NULL)) {
+        has_target = read_spoken(&spoken, line) && spoken.count == 6;
+    }
+    sheet_header(&sheet, options, has_target);
+    for (size_t above = is_table ? cells.headers : 0; text_line(&text, &line);) {
         bool is_blank = table_is_blank(line);
-        if (table_is_comment(&inside, line) || (!is_blank && above)) {
-            above -= !is_blank && !table_is_comment(&inside, line);
+        bool is_comment = table_is_comment(&inside, line);
+        if (is_comment || (!is_blank && above)) {
+            above -= !is_blank && !is_comment;
             sheet_comment(&sheet, inside);
         } else if (is_blank) {
             buffer_text(&sheet, "\n");
-        } else if (table_split(&row, &cells.table, line) && cells.at < row.count &&
-                   cell_point(point, row.cells[cells.at])) {
-            sheet_point(&sheet, cells.name < row.count ? row.cells[cells.name] : (struct text){"", 0}, point);
-            buffer_text(&sheet, "\n");
         } else {
-            buffer_text(&sheet, "?\n");
+            bool is_row = is_table ? read_cells(&spoken, &cells, line) : read_spoken(&spoken, line);
+            sheet_row(&sheet, is_row ? spoken.name : nameless, spoken.numbers, is_row ? spoken.count : 0);
         }
     }
-    return sheet_read(list, &sheet, options, "no cell of three numbers");
-}
-
-/* Three numbers of a list. */
-static conus_status read_triple(double point[3], const json_t *list)
-{
-    return json_numbers(point, 3, list) ? CONUS_OK : fail(CONUS_ERROR_DATA, "three numbers are needed");
+    return sheet_read(list, &sheet, options,
+                      is_table ? "no cell of three numbers"
+                               : "not as the first line: (x, y, z) and a name, or (x, y, z) -> (x, y, z)");
 }
 
 enum pose_brackets pose_brackets_json(json_t *root)
@@ -515,12 +497,11 @@ enum pose_brackets pose_brackets_json(json_t *root)
         return BRACKETS_FREEVIEW;
     }
     for (void *at = json_object_iter(root); all && at; at = json_object_iter_next(root, at)) {
-        all = read_triple(point, json_object_iter_value(at)) == CONUS_OK;
+        all = json_numbers(point, 3, json_object_iter_value(at));
     }
     return all ? BRACKETS_NAMES : BRACKETS_NONE;
 }
 
-/* Freeview's point sets say in which space they are. */
 static conus_status set_freeview_space(conus_pose_list *list, const json_t *root, bool any_space)
 {
     struct text system = json_text_of(json_object_get(root, "vox2ras"));
@@ -549,16 +530,17 @@ static conus_status find_keys(struct keys *keys, json_t *object)
     for (void *at = json_object_iter(object); at; at = json_object_iter_next(object, at)) {
         const char *key = json_object_iter_key(at);
         const json_t *value = json_object_iter_value(at);
-        bool is_known = is_unit(key) || (json_is_object(value) && strcmp(key, "coordinates") == 0);
-        for (size_t i = 0; i < keys->count && !is_known; i++) {
-            is_known = strcmp(keys->at[i], key) == 0;
+        size_t i = 0;
+        while (i < keys->count && strcmp(keys->at[i], key) != 0) {
+            i++;
         }
-        if (!is_known && keys->count == KEYS) {
+        if (i < keys->count || is_unit(key) || (json_is_object(value) && strcmp(key, "coordinates") == 0)) {
+            continue;
+        }
+        if (i == KEYS) {
             return fail(CONUS_ERROR_DATA, "objects with more than %d keys", KEYS);
         }
-        if (!is_known) {
-            keys->at[keys->count++] = key;
-        }
+        keys->at[keys->count++] = key;
     }
     return CONUS_OK;
 }
@@ -576,9 +558,7 @@ static conus_status hear_unit_key(struct buffer *comments, json_t *object)
             return fail(CONUS_ERROR_DATA, "\"%s\" is \"%.*s\", allowed are mm, um, cm and m", json_object_iter_key(at),
                         POSE_QUOTE(unit));
         }
-        buffer_text(comments, "# unit ");
-        buffer_append(comments, unit.data, unit.size);
-        buffer_text(comments, "\n");
+        buffer_format(comments, "# unit %.*s\n", (int)unit.size, unit.data);
     }
     return CONUS_OK;
 }
@@ -592,7 +572,7 @@ static void sheet_value(struct buffer *sheet, const json_t *value)
     } else if (json_is_boolean(value)) {
         buffer_text(sheet, json_is_true(value) ? "1" : "0");
     } else if (json_is_string(value)) {
-        sheet_words(sheet, json_text_of(value));
+        sheet_words(sheet, json_text_of(value), true);
     } else if (value && !json_is_null(value)) {
         buffer_text(sheet, "list");
     }
@@ -605,8 +585,8 @@ static conus_status parse_objects(conus_pose_list *list, json_t *objects, bool i
     struct keys keys = {0};
     struct buffer sheet = {0};
     struct buffer comments = {0};
-    sheet_comments(&comments, above);
     conus_status status = CONUS_OK;
+    sheet_comments(&comments, above);
     for (size_t i = 0; !status && i < json_array_size(objects); i++) {
         json_t *object = json_array_get(objects, i);
         json_t *inner = json_object_get(object, "coordinates");
@@ -617,7 +597,7 @@ static conus_status parse_objects(conus_pose_list *list, json_t *objects, bool i
     }
     for (size_t k = 0; k < keys.count; k++) {
         buffer_text(&sheet, k ? "\t" : "");
-        sheet_words(&sheet, text_from(keys.at[k]));
+        sheet_words(&sheet, text_from(keys.at[k]), true);
     }
     buffer_text(&sheet, "\n");
     for (size_t i = 0; !status && i < json_array_size(objects); i++) {
@@ -654,12 +634,8 @@ static conus_status parse_map(conus_pose_list *list, json_t *root, struct text a
             return fail(CONUS_ERROR_DATA, "the names x, y and z: a table on its side; save it by rows "
                                           "(orient=\"records\")");
         }
-        if (read_triple(point, json_object_iter_value(at))) {
-            buffer_text(&sheet, "?\n");
-            continue;
-        }
-        sheet_point(&sheet, key, point);
-        buffer_text(&sheet, "\n");
+        bool is_row = json_numbers(point, 3, json_object_iter_value(at));
+        sheet_row(&sheet, is_row ? key : nameless, point, is_row ? 3 : 0);
     }
     sheet_comments(&sheet, above);
     return sheet_read(list, &sheet, options, "three numbers are needed");
@@ -671,11 +647,8 @@ conus_status pose_brackets_parse(conus_pose_list *list, struct text text, const 
     if (begins_in_brackets(text)) {
         return parse_list(list, text, options);
     }
-    if (is_spoken(text)) {
-        return parse_spoken(list, text, options);
-    }
-    if (pose_brackets_in_cells(text)) {
-        return parse_cells(list, text, options);
+    if (is_spoken(text) || pose_brackets_in_cells(text)) {
+        return parse_lines(list, text, options);
     }
     const struct text json = pose_brackets_behind_comments(text);
     const struct text above = {text.data, (size_t)(json.data - text.data)};

@@ -9,7 +9,6 @@
 
 #include <stdio.h>
 
-/* Columns that are read. */
 enum column { X, Y, Z, M00, M22 = M00 + 8, DATE, CLOCK, COLUMNS };
 
 static const char *const names[COLUMNS] = {"Loc. X", "Loc. Y", "Loc. Z", "m0n0", "m0n1", "m0n2", "m1n0",

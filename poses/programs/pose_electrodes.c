@@ -7,10 +7,9 @@
 #include "base/order.h"
 #include "poses/rows/columns.h"
 #include "poses/rows/named_cells.h"
-#include "poses/rows/pairs.h"
 #include "poses/rows/pose_row.h"
 
-#include <stdio.h>
+#include <string.h>
 
 /* Columns that are read; and those that say where a device points: such a table is one of poses. */
 enum column { NAME, GROUP = NAME + 4, PROBE_NAME, DIRECTIONS, COLUMNS = DIRECTIONS + 4 };
@@ -18,14 +17,11 @@ enum column { NAME, GROUP = NAME + 4, PROBE_NAME, DIRECTIONS, COLUMNS = DIRECTIO
 static const char *const names[COLUMNS] = {"name",       "x",     "y",     "z",     "group",
                                            "probe_name", "tx/TX", "dx/DX", "qw/QW", "m00/M00"};
 
+/* A contact with a position. */
 struct contact {
-    conus_pose_row row;
-    struct text name;
     struct text shaft; /* the column group, or the name without the number at its end */
     uint64_t number;   /* at the end of the name, or else of the row */
-    char *error;       /* why it is no pose; owned, NULL = it is a pose */
-    size_t next;       /* on the same shaft; itself if it is the last */
-    size_t previous;
+    size_t row;        /* in the list */
 };
 
 struct reading {
@@ -54,48 +50,53 @@ bool pose_electrodes_header(struct text line)
     return find_columns(&header, line);
 }
 
-static conus_status add_contact(struct reading *reading, struct text line, size_t number)
+/* "LA12" is contact 12 of LA, unless it has a group. */
+static conus_status add_contact(struct reading *reading, struct text name, struct text group, size_t row)
 {
+    struct contact contact = {.shaft = name, .row = row};
     if (!memory_reserve(&reading->contacts, &reading->capacity, reading->count + 1, sizeof *reading->contacts)) {
         return CONUS_ERROR_MEMORY;
     }
+    while (contact.shaft.size && strchr("0123456789", contact.shaft.data[contact.shaft.size - 1])) {
+        contact.shaft.size--;
+    }
+    struct text digits = {name.size ? name.data + contact.shaft.size : "", name.size - contact.shaft.size};
+    contact.number = text_to_uint(digits, UINT64_MAX, &contact.number) ? contact.number : row + 1;
+    contact.shaft = columns_is_absent(group) ? contact.shaft : group;
+    reading->contacts[reading->count++] = contact;
+    return CONUS_OK;
+}
+
+static conus_status read_line(struct reading *reading, conus_pose_list *list, struct text line, size_t number)
+{
+    const conus_pose_options *options = reading->options;
+    const struct columns *columns = &reading->columns;
     struct table_line cells;
     struct pose_name name = {.text = {"", 0}};
-    struct contact contact = {.row = pose_row_at(number), .next = reading->count, .previous = reading->count};
+    struct text whole = {"", 0}; /* with the marks that belong to it */
+    conus_pose_row row = pose_row_at(number);
     conus_status bad = CONUS_OK;
-    enum columns_line kind = columns_read(&contact.row, &name, &bad, &reading->columns, line, number, reading->options);
-    conus_status late =
-        kind == LINE_ROW && !bad ? CONUS_OK : columns_hear_late(&reading->columns, line, number, reading->options);
-    if (late || kind == LINE_NOTHING || kind == LINE_AGAIN || !table_split(&cells, &reading->columns.table, line)) {
-        return late;
+    enum columns_line kind = columns_read(&row, &name, &bad, columns, line, number, options);
+    conus_status status = kind == LINE_ROW && !bad ? CONUS_OK : columns_hear_late(columns, line, number, options);
+    if (status || kind == LINE_NOTHING || kind == LINE_AGAIN || !table_split(&cells, &columns->table, line)) {
+        return status;
     }
-    if (kind == LINE_ABSENT && !reading->options->all_rows) {
+    if (kind == LINE_ABSENT && !options->all_rows) {
         reading->first_absent = reading->absent++ ? reading->first_absent : number;
         return CONUS_OK;
     }
     if (kind != LINE_ROW) { /* an answer has as many rows as the table */
         bad = fail(CONUS_ERROR_DATA, kind == LINE_ABSENT ? "x: not known (n/a)" : "no number in it");
     }
-    for (size_t i = 0; i < cells.count && i < reading->columns.count; i++) {
-        contact.name = reading->columns.role_of[i] == ROLE_NAME ? cells.cells[i] : contact.name;
+    for (size_t i = 0; i < cells.count && i < columns->count; i++) {
+        whole = columns->role_of[i] == ROLE_NAME ? cells.cells[i] : whole;
     }
-    struct text group =
-        reading->header.at[GROUP] < cells.count ? cells.cells[reading->header.at[GROUP]] : text_from("");
-    contact.error = bad ? memory_text(conus_message(), text_from(conus_message()).size) : NULL;
-    if (bad && !contact.error) {
-        return CONUS_ERROR_MEMORY;
-    }
-    struct text stem = contact.name; /* "LA12" is contact 12 of LA */
-    while (stem.size && stem.data[stem.size - 1] >= '0' && stem.data[stem.size - 1] <= '9') {
-        stem.size--;
-    }
-    struct text digits = {contact.name.size ? contact.name.data + stem.size : "", contact.name.size - stem.size};
-    contact.shaft = columns_is_absent(group) ? stem : group;
-    if (!text_to_uint(digits, UINT64_MAX, &contact.number)) {
-        contact.number = reading->count + 1;
-    }
-    reading->contacts[reading->count++] = contact;
-    return CONUS_OK;
+    size_t group = reading->header.at[GROUP];
+    row.is_point = !options->along_shafts;
+    status = pose_list_add(list, &row, whole, bad ? conus_message() : NULL);
+    return status || bad || row.is_point
+               ? status
+               : add_contact(reading, whole, group < cells.count ? cells.cells[group] : text_from(""), list->count - 1);
 }
 
 static conus_status read_table(struct reading *reading, conus_pose_list *list, struct text text)
@@ -119,7 +120,7 @@ static conus_status read_table(struct reading *reading, conus_pose_list *list, s
         return pairs_parse(list, &reading->columns, text, reading->options);
     }
     for (size_t number = 1; !status && text_line(&text, &line); number++) {
-        status = add_contact(reading, line, number);
+        status = read_line(reading, list, line, number);
     }
     return status;
 }
@@ -127,52 +128,47 @@ static conus_status read_table(struct reading *reading, conus_pose_list *list, s
 /* By shaft, then outward. */
 static int compare_contacts(const void *left, const void *right)
 {
-    const struct contact *a = *(struct contact *const *)left;
-    const struct contact *b = *(struct contact *const *)right;
+    const struct contact *a = left;
+    const struct contact *b = right;
     int order = text_compare(a->shaft, b->shaft);
     order = order ? order : compare_unsigned(a->number, b->number);
-    return order ? order : compare_unsigned(a->row.line, b->row.line);
+    return order ? order : compare_unsigned(a->row, b->row);
 }
 
-/* Finds each contact's neighbours on its shaft, among contacts with positions. */
-static conus_status find_neighbours(struct reading *reading)
+/* Whether contact @p index, of those in order, is on the shaft of the one before. */
+static bool goes_on(const struct reading *reading, size_t index)
 {
-    struct contact **sorted = memory_raw(reading->count, sizeof(struct contact *));
-    if (!sorted) {
-        return CONUS_ERROR_MEMORY;
-    }
-    size_t count = 0;
-    for (size_t i = 0; i < reading->count; i++) {
-        if (!reading->contacts[i].error) {
-            sorted[count++] = &reading->contacts[i];
-        }
-    }
-    order_sort(sorted, count, sizeof(struct contact *), compare_contacts);
-    for (size_t i = 1; i < count; i++) {
-        struct contact *inner = sorted[i - 1];
-        struct contact *outer = sorted[i];
-        if (text_compare(inner->shaft, outer->shaft) == 0) {
-            inner->next = (size_t)(outer - reading->contacts);
-            outer->previous = (size_t)(inner - reading->contacts);
-        }
-    }
-    memory_free(sorted);
-    return CONUS_OK;
+    return index > 0 && index < reading->count &&
+           text_compare(reading->contacts[index - 1].shaft, reading->contacts[index].shaft) == 0;
 }
 
-/* At the contact, pointing at the next one outward; the last points as its neighbour does. */
-static conus_status pose_along_shaft(conus_pose *out, const struct reading *reading, size_t index)
+/* Each points at the next one outward; the last one of a shaft as its neighbour does. */
+static conus_status point_along_shafts(conus_pose_list *list, struct reading *reading)
 {
-    const struct contact *contact = &reading->contacts[index];
-    const struct contact *from = contact->next == index ? &reading->contacts[contact->previous] : contact;
-    const struct contact *to = &reading->contacts[from == contact ? contact->next : index];
-    double direction[3];
-    if (from == to) {
-        return fail(CONUS_ERROR_DATA, "the only contact of its shaft \"%.*s\": no other gives it a direction",
-                    POSE_QUOTE(contact->shaft));
+    const struct contact *contacts = reading->contacts;
+    conus_status status = CONUS_OK;
+    order_sort(reading->contacts, reading->count, sizeof *contacts, compare_contacts);
+    for (size_t i = 0; !status && i < reading->count; i++) {
+        conus_pose_row *row = &list->rows[contacts[i].row];
+        size_t from = goes_on(reading, i + 1) ? i : i - 1;
+        bool has_other = from == i || goes_on(reading, i);
+        const double origin[3] = {row->pose.world_from_device[12], row->pose.world_from_device[13],
+                                  row->pose.world_from_device[14]};
+        double direction[3];
+        if (has_other) {
+            vec3_sub(direction, list->rows[contacts[from + 1].row].pose.world_from_device + 12,
+                     list->rows[contacts[from].row].pose.world_from_device + 12);
+        }
+        conus_status bad =
+            has_other ? conus_pose_along(&row->pose, origin, direction, NULL)
+                      : fail(CONUS_ERROR_DATA, "the only contact of its shaft \"%.*s\": no other gives it a direction",
+                             POSE_QUOTE(contacts[i].shaft));
+        if (bad && !row->error) {
+            row->error = memory_text(conus_message(), strlen(conus_message()));
+            status = row->error ? CONUS_OK : CONUS_ERROR_MEMORY;
+        }
     }
-    vec3_sub(direction, to->row.pose.world_from_device + 12, from->row.pose.world_from_device + 12);
-    return conus_pose_along(out, contact->row.pose.world_from_device + 12, direction, NULL);
+    return status;
 }
 
 conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
@@ -201,17 +197,7 @@ conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, cons
     if (!list->space.name[0] || (list->space.is_of_path && said.name[0])) { /* the content counts */
         list->space = said;
     }
-    status = status || !options->along_shafts ? status : find_neighbours(&reading);
-    for (size_t i = 0; !status && i < reading.count; i++) {
-        const struct contact *contact = &reading.contacts[i];
-        conus_pose_row row = contact->row;
-        row.is_point = !options->along_shafts;
-        conus_status bad = contact->error || row.is_point ? CONUS_OK : pose_along_shaft(&row.pose, &reading, i);
-        status = pose_list_add(list, &row, contact->name, bad ? conus_message() : contact->error);
-    }
-    for (size_t i = 0; i < reading.count; i++) {
-        memory_free(reading.contacts[i].error);
-    }
+    status = status || !options->along_shafts ? status : point_along_shafts(list, &reading);
     memory_free(reading.contacts);
     return status;
 }

@@ -28,7 +28,6 @@ static bool is_channel(const char *key)
            text_to_uint(text_from(key + sizeof channel_key - 1), UINT64_MAX, &number);
 }
 
-/* Whether there is a channel, of any number. */
 static bool has_channels(json_t *root)
 {
     bool found = false;

@@ -103,10 +103,9 @@ static conus_status add_contacts(conus_pose_list *list, const struct matlab *mat
 static conus_status parse_from(conus_pose_list *list, struct text text, const conus_pose_options *options, size_t space)
 {
     struct matlab matlab = {0};
-    if (!matlab_is(text)) {
-        return fail(CONUS_ERROR_DATA, "not a file of MATLAB: no reconstruction of Lead-DBS");
-    }
-    conus_status status = matlab_parse(&matlab, text, pose_memory(options) - text.size);
+    conus_status status = matlab_is(text)
+                              ? matlab_parse(&matlab, text, pose_memory(options) - text.size)
+                              : fail(CONUS_ERROR_DATA, "not a file of MATLAB: no reconstruction of Lead-DBS");
     status = status ? status : add_contacts(list, &matlab, options, space);
     matlab_finish(&matlab);
     return status;

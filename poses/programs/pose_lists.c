@@ -4,7 +4,6 @@
 #include "poses/programs/pose_programs.h"
 
 #include "poses/rows/pose_row.h"
-#include "poses/rows/positions.h"
 #include "poses/rows/space_words.h"
 
 #include <math.h>

@@ -53,7 +53,6 @@ static struct text get_text(const struct hdf5_object *object, const char *name)
     return hdf5_text(object ? hdf5_attribute(object, name) : NULL);
 }
 
-/* Columns of places, which lie in @p group. */
 static conus_status find_places(struct table *out, const struct hdf5 *hdf5, struct text group)
 {
     static const char *const names[AXES] = {"x", "y", "z"};
@@ -87,7 +86,6 @@ static bool take_orientation(struct table *out, struct text letters)
     return seen == 7;
 }
 
-/* Takes origin, unit and directions of a Space. */
 static conus_status take_space(struct table *out, const struct hdf5_object *space)
 {
     struct text origin = get_text(space, "origin");

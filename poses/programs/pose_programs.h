@@ -5,10 +5,13 @@
 #ifndef CONUS_POSES_PROGRAMS_POSE_PROGRAMS_H
 #define CONUS_POSES_PROGRAMS_POSE_PROGRAMS_H
 
+#include "base/buffer.h"
 #include "base/child/hdf5.h"
 #include "base/formats/json_text.h"
+#include "base/text.h"
 #include "conus/pose_file.h"
-#include "poses/rows/pose_list.h"
+#include "conus/probe.h"
+#include "poses/rows/pose_row.h"
 
 /** Brainsight's export: sections of targets, samples and electrodes; landmarks are passed over. */
 conus_status pose_brainsight_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
@@ -99,5 +102,16 @@ bool pose_fcsv_line(struct text line);
 /** SimNIBS's matsimnibs: in a MAT-file of a SESSION, a TMSLIST or a POSITION, or as a text of 16 numbers each. @p text
  * is no longer than pose_memory(). */
 conus_status pose_simnibs_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+
+/** Whether @p text is of a recording: SpikeGLX's .ap.meta or .imro, or XML. */
+bool probe_recording_is(struct text text);
+
+/** Writes such a text's contacts and tips as JSON of ProbeInterface: a probe of SpikeGLX, the probes of Open Ephys's
+ * settings.xml. @p tip: mm from the tip to the lowest row that the probe has, recorded or not; 0 = that of its part
+ * number. CONUS_ERROR_DATA for what does not say where its contacts are. */
+conus_status probe_recording_write(struct buffer *out, struct text text, double tip);
+
+/** As conus_probe_load(), from @p text. Errors name no file. */
+conus_status probe_parse(conus_probe **out, struct text text, const conus_probe_options *options);
 
 #endif

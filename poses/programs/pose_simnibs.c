@@ -58,11 +58,8 @@ static conus_status add_structures(struct reading *reading)
     for (size_t i = 0; !status && i < reading->matlab->count; i++) {
         const struct matlab_array *array = &reading->matlab->arrays[i];
         const struct matlab_array *found = NULL;
-        for (size_t k = 0; !status && k < array->count; k++) {
-            found = matlab_field(reading->matlab, array, k, "matsimnibs");
-            if (!found) {
-                break;
-            }
+        for (size_t k = 0;
+             !status && k < array->count && (found = matlab_field(reading->matlab, array, k, "matsimnibs")); k++) {
             char name[POSE_ID_LIMIT + 2]; /* a byte more than allowed, to notice longer names */
             struct text id = matlab_text(name, sizeof name, matlab_field(reading->matlab, array, k, "name"));
             status = add_array(reading, found, id);

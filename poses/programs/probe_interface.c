@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses ProbeInterface's JSON, and puts the contacts of its probes where poses say. */
-#include "poses/programs/probe_interface.h"
+#include "poses/programs/pose_programs.h"
 
 #include "base/buffer.h"
 #include "base/files/file.h"
@@ -9,8 +9,6 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/order.h"
-#include "poses/programs/probe_recording.h"
-#include "poses/rows/pose_list.h"
 #include "poses/rows/pose_row.h"
 #include "poses/rows/space_words.h"
 
@@ -380,7 +378,6 @@ static conus_status check_unique(const conus_probe *probe)
     return status;
 }
 
-/* Reserves what the lists of positions need. */
 static conus_status reserve(conus_probe *out, const json_t *probes, uint64_t max_memory)
 {
     size_t contacts = 0;

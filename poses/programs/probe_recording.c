@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds where the contacts of a Neuropixels probe are that SpikeGLX or Open Ephys recorded from. */
-#include "poses/programs/probe_recording.h"
+#include "poses/programs/pose_programs.h"
 
 #include "base/formats/xml.h"
 #include "base/memory.h"

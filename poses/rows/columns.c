@@ -68,12 +68,12 @@ static const char *const word_keys[] = {"x", "y", "z", "name", "unit", "sides"};
 /* The key that a text begins with, before its "="; -1 for none. */
 static int key_of(const char *text)
 {
-    int found = -1;
-    for (size_t i = 0; i < sizeof word_keys / sizeof word_keys[0]; i++) {
-        size_t size = strlen(word_keys[i]);
-        found = strncmp(text, word_keys[i], size) == 0 && text[size] == '=' ? (int)i : found;
+    int key = sizeof word_keys / sizeof word_keys[0] - 1;
+    while (key >= 0 &&
+           (strncmp(text, word_keys[key], strlen(word_keys[key])) != 0 || text[strlen(word_keys[key])] != '=')) {
+        key--;
     }
-    return found;
+    return key;
 }
 
 size_t conus_pose_path_length(const char *path)
@@ -129,6 +129,7 @@ conus_status columns_words_parse(struct columns_words *out, const char *text)
 /* Adds a fault to those that there are. */
 #define FAULT(head, ...)                                                                                               \
     (buffer_text(&(head)->faults, (head)->faults.size ? "; " : ""), buffer_format(&(head)->faults, __VA_ARGS__))
+#define FAULT_IF(is_one, ...) ((is_one) ? FAULT(__VA_ARGS__) : (void)0)
 
 /* The name in small letters, with one blank for what stands between words, and without a unit in brackets or behind:
  * "MNI_X (mm)" is "mni x". Other brackets are words. */
@@ -182,11 +183,22 @@ static size_t find_name(const struct head *head, const char *name, size_t first)
 static bool is_capital(const struct head *head, size_t column)
 {
     struct text cell = head->line.cells[column];
-    bool found = false;
-    for (size_t i = 0; i < cell.size; i++) {
-        found = found || (cell.data[i] >= 'A' && cell.data[i] <= 'Z');
+    size_t i = 0;
+    while (i < cell.size && !(cell.data[i] >= 'A' && cell.data[i] <= 'Z')) {
+        i++;
     }
-    return found;
+    return i < cell.size;
+}
+
+/* Whether these are the names of three columns that stand side by side from this one on, all of one case. */
+static bool is_triple(const struct head *head, size_t first, const char *const names[3])
+{
+    bool is_one = first + 2 < head->line.count;
+    for (size_t k = 0; is_one && k < 3; k++) {
+        is_one =
+            strcmp(head->names[first + k], names[k]) == 0 && is_capital(head, first + k) == is_capital(head, first);
+    }
+    return is_one;
 }
 
 /* `name` with `letter` at `at`, of `size` bytes, in place of another. */
@@ -235,35 +247,28 @@ static void add_family(struct head *head, const size_t at[3], const char *name, 
 /* Of a name that stands twice the one whose column makes three that stand side by side, of one case; else a fault. */
 static void settle_twice(struct head *head, size_t at[3], const char *const names[3])
 {
-    size_t settled[3] = {COLUMN_NONE, COLUMN_NONE, COLUMN_NONE};
+    size_t settled = COLUMN_NONE;
     size_t found = 0;
-    bool twice = false;
+    bool is_twice[3];
     for (int k = 0; k < 3; k++) {
-        twice = twice || (at[k] != COLUMN_NONE && find_name(head, names[k], at[k] + 1) != COLUMN_NONE);
+        is_twice[k] = at[k] != COLUMN_NONE && find_name(head, names[k], at[k] + 1) != COLUMN_NONE;
     }
-    for (size_t i = 0; twice && i + 2 < head->line.count; i++) {
-        bool side_by_side = strcmp(head->names[i], names[0]) == 0 && strcmp(head->names[i + 1], names[1]) == 0 &&
-                            strcmp(head->names[i + 2], names[2]) == 0;
-        bool of_one_case =
-            is_capital(head, i) == is_capital(head, i + 1) && is_capital(head, i) == is_capital(head, i + 2);
-        if (side_by_side && of_one_case) {
-            found++;
-            settled[0] = i, settled[1] = i + 1, settled[2] = i + 2;
-        }
+    if (!is_twice[0] && !is_twice[1] && !is_twice[2]) {
+        return;
     }
-    for (int k = 0; twice && found == 1 && k < 3; k++) { /* the other one must differ in its case */
+    for (size_t i = 0; i < head->line.count; i++) {
+        bool is_one = is_triple(head, i, names);
+        settled = is_one ? i : settled;
+        found += is_one;
+    }
+    for (size_t k = 0; found == 1 && k < 3; k++) { /* the other one must differ in its case */
         for (size_t i = find_name(head, names[k], 0); i != COLUMN_NONE; i = find_name(head, names[k], i + 1)) {
-            found += i != settled[k] && text_compare(head->line.cells[i], head->line.cells[settled[k]]) == 0;
+            found += i != settled + k && text_compare(head->line.cells[i], head->line.cells[settled + k]) == 0;
         }
     }
-    if (twice && found != 1) {
-        for (int k = 0; k < 3; k++) {
-            if (at[k] != COLUMN_NONE && find_name(head, names[k], at[k] + 1) != COLUMN_NONE) {
-                FAULT(head, "column \"%s\" twice", names[k]);
-            }
-        }
-    } else if (twice) {
-        memcpy(at, settled, sizeof settled);
+    for (size_t k = 0; k < 3; k++) {
+        FAULT_IF(found != 1 && is_twice[k], head, "column \"%s\" twice", names[k]);
+        at[k] = found == 1 ? settled + k : at[k];
     }
 }
 
@@ -302,17 +307,10 @@ static void find_families(struct head *head, const char *const letters[3])
 static void find_letters(struct head *head)
 {
     static const char *const sets[2][3] = {{"r", "a", "s"}, {"l", "p", "s"}};
-    for (size_t i = 0; i + 2 < head->line.count; i++) {
-        for (int set = 0; set < 2; set++) {
-            bool all = true;
-            for (size_t k = 0; k < 3; k++) {
-                all = all && strcmp(head->names[i + k], sets[set][k]) == 0 &&
-                      is_capital(head, i + k) == is_capital(head, i);
-            }
-            if (all && head->family_count < COLUMN_FAMILIES) {
-                head->families[head->family_count++] =
-                    (struct family){.at = {i, i + 1, i + 2}, .has_letters = true, .is_lps = set == 1};
-            }
+    for (size_t i = 0; i < 2 * head->line.count; i++) {
+        if (is_triple(head, i / 2, sets[i % 2]) && head->family_count < COLUMN_FAMILIES) {
+            head->families[head->family_count++] =
+                (struct family){.at = {i / 2, i / 2 + 1, i / 2 + 2}, .has_letters = true, .is_lps = i % 2};
         }
     }
 }
@@ -330,22 +328,13 @@ static void set_role(struct head *head, size_t column, enum role role)
     snprintf(out->shown[role], COLUMN_NAME_SIZE, "%.*s", TEXT_SHOW(head->line.cells[column], COLUMN_NAME_SIZE - 1));
 }
 
-static bool has_all(const struct columns *columns, enum role first, size_t count)
+static size_t count_roles(const struct columns *columns, enum role first, size_t count)
 {
-    bool all = true;
+    size_t found = 0;
     for (size_t i = 0; i < count; i++) {
-        all = all && columns->has[first + i];
+        found += columns->has[first + i];
     }
-    return all;
-}
-
-static bool has_any(const struct columns *columns, enum role first, size_t count)
-{
-    bool any = false;
-    for (size_t i = 0; i < count; i++) {
-        any = any || columns->has[first + i];
-    }
-    return any;
+    return found;
 }
 
 /* The columns of a family as the header has them: "MNI_X MNI_Y MNI_Z". */
@@ -378,20 +367,15 @@ static void take_family(struct head *head, const struct family *family, enum rol
             continue;
         }
         double own = head->unit[family->at[k]];
-        if (own != 0 && unit != 0 && own != unit) {
-            FAULT(head, "%s: two units, %s", what, FAMILY_SHOWN(head, family));
-        }
+        FAULT_IF(own != 0 && unit != 0 && own != unit, head, "%s: two units, %s", what, FAMILY_SHOWN(head, family));
         unit = own != 0 ? own : unit;
         set_role(head, family->at[k], first + (enum role)k);
     }
     double scale = unit / columns_space_mm(out->space);
-    if (unit == SPACE_UNIT_REFUSED && !(head->words.unit > 0)) {
-        FAULT(head, "%s: %s; ',unit=mm' behind FILE takes them so", FAMILY_SHOWN(head, family), space_why_unit);
-    }
+    FAULT_IF(unit == SPACE_UNIT_REFUSED && !(head->words.unit > 0), head,
+             "%s: %s; ',unit=mm' behind FILE takes them so", FAMILY_SHOWN(head, family), space_why_unit);
     if (unit > 0 && first <= ROLE_TX) {
-        if (out->scale > 0 && out->scale != scale) {
-            FAULT(head, "two units: positions and targets have different ones");
-        }
+        FAULT_IF(out->scale > 0 && out->scale != scale, head, "two units: positions and targets have different ones");
         out->scale = scale;
     }
     if (family->has_letters) {
@@ -430,13 +414,11 @@ static const struct family *find_position(struct head *head)
         tied = order > 0 ? NULL : order == 0 ? family : tied;
         best = order > 0 ? family : best;
     }
-    if (tied) {
-        FAULT(
-            head,
-            "positions in %s or in %s: rename those that are not meant; the ends of an axis are called entry_x entry_y "
-            "entry_z and target_x target_y target_z",
-            FAMILY_SHOWN(head, best), FAMILY_SHOWN(head, tied));
-    }
+    FAULT_IF(
+        tied, head,
+        "positions in %s or in %s: rename those that are not meant; the ends of an axis are called entry_x entry_y "
+        "entry_z and target_x target_y target_z",
+        FAMILY_SHOWN(head, best), FAMILY_SHOWN(head, tied));
     return best;
 }
 
@@ -447,15 +429,13 @@ static const struct family *find_kind(struct head *head, enum family_kind kind)
     for (size_t i = 0; i < head->family_count; i++) {
         const struct family *family = &head->families[i];
         bool is_better = family->kind == kind && (!found || (!is_whole(found) && is_whole(family)));
-        if (family->kind == kind && found && is_whole(found) && is_whole(family)) {
-            FAULT(head, "%s and %s: which is it?", FAMILY_SHOWN(head, found), FAMILY_SHOWN(head, family));
-        }
+        FAULT_IF(family->kind == kind && found && is_whole(found) && is_whole(family), head, "%s and %s: which is it?",
+                 FAMILY_SHOWN(head, found), FAMILY_SHOWN(head, family));
         found = is_better ? family : found;
     }
     return found;
 }
 
-/* Columns of one number or text each. */
 static void find_roles(struct head *head)
 {
     for (size_t r = 0; r < sizeof roles / sizeof roles[0]; r++) {
@@ -470,9 +450,8 @@ static void find_roles(struct head *head)
                 continue;
             }
             bool is_loose = role == ROLE_NAME && !text_is_one_of(name, "query id/query/id/name", true);
-            if (!is_loose && find_name(head, copy, column + 1) != COLUMN_NONE) {
-                FAULT(head, "column \"%.*s\" twice", POSE_QUOTE(head->line.cells[column]));
-            }
+            FAULT_IF(!is_loose && find_name(head, copy, column + 1) != COLUMN_NONE, head, "column \"%.*s\" twice",
+                     POSE_QUOTE(head->line.cells[column]));
             set_role(head, column, role);
         }
     }
@@ -498,13 +477,11 @@ static void refuse_turned(struct head *head, const struct family *position)
     for (size_t i = 0; i < head->family_count; i++) {
         const struct family *family = &head->families[i];
         bool is_beside = family->kind == UNKNOWN && position->kind != OF_SPACE && is_whole(family);
-        if (family != position && (family->kind == TURNED || is_beside || family->kind == ENTRY)) {
-            FAULT(head,
-                  "%s beside %s: a direction has the columns dx dy dz, a point to look at tx ty tz, an axis entry_x "
-                  "entry_y "
-                  "entry_z and target_x target_y target_z; without %s the rows are points",
-                  FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position), FAMILY_SHOWN(head, family));
-        }
+        FAULT_IF(family != position && (family->kind == TURNED || is_beside || family->kind == ENTRY), head,
+                 "%s beside %s: a direction has the columns dx dy dz, a point to look at tx ty tz, an axis entry_x "
+                 "entry_y "
+                 "entry_z and target_x target_y target_z; without %s the rows are points",
+                 FAMILY_SHOWN(head, family), FAMILY_SHOWN(head, position), FAMILY_SHOWN(head, family));
     }
     for (size_t i = 0; i < head->line.count; i++) {
         struct text rest = text_from(head->names[i]);
@@ -518,13 +495,11 @@ static void refuse_turned(struct head *head, const struct family *position)
             const size_t *at = head->families[k].at;
             is_one = at[0] != i && at[1] != i && at[2] != i;
         }
-        if (is_one) {
-            FAULT(head,
-                  "column \"%.*s\" beside %s: angles and rotations are read as tilt_ml and tilt_ap (one of them may "
-                  "be 0), phi and theta, dx dy dz, tx ty tz, qw qx qy qz or m00...m33; without it the rows are %s",
-                  POSE_QUOTE(head->line.cells[i]), FAMILY_SHOWN(head, position),
-                  is_straight ? "straight down" : "points");
-        }
+        FAULT_IF(is_one, head,
+                 "column \"%.*s\" beside %s: angles and rotations are read as tilt_ml and tilt_ap (one of them may "
+                 "be 0), phi and theta, dx dy dz, tx ty tz, qw qx qy qz or m00...m33; without it the rows are %s",
+                 POSE_QUOTE(head->line.cells[i]), FAMILY_SHOWN(head, position),
+                 is_straight ? "straight down" : "points");
     }
 }
 
@@ -536,7 +511,6 @@ static void drop_role(struct head *head, enum role role)
     head->out->has[role] = false;
 }
 
-/* Whether the column is 0 in all rows of the head. */
 static bool is_all_zero(const struct head *head, enum role role)
 {
     bool all = true;
@@ -562,9 +536,7 @@ static size_t find_word(struct head *head, struct text word)
         found = is_it && !count ? i : found;
         count += is_it;
     }
-    if (count != 1) {
-        FAULT(head, "column \"%.*s\" %s", POSE_QUOTE(word), count ? "twice" : "is not there");
-    }
+    FAULT_IF(count != 1, head, "column \"%.*s\" %s", POSE_QUOTE(word), count ? "twice" : "is not there");
     return found;
 }
 
@@ -604,20 +576,18 @@ static bool is_on_its_side(const struct head *head)
     return called[0] == 1 && called[1] == 1 && called[2] == 1;
 }
 
-/* One way of saying where the device points, or none. */
 /* Coordinates whose header names another image, which space words do not know: of those that they know the brain is
  * compared with the atlas's. */
 static void refuse_other_space(struct head *head, const struct family *position)
 {
     struct space_words words = {0};
-    space_words_hear_of(&words, text_from(head->names[position->at[0]]));
+    const size_t column = position->at[position->at[0] == COLUMN_NONE]; /* one of the three may be missing */
+    space_words_hear_of(&words, text_from(head->names[column]));
     space_words_hear_of(&words, text_from(position->stem));
-    if (!words.space.brain && !words.why && !words.has_signs && !head->options->any_space) {
-        FAULT(head,
-              "%s are named after another image or space: --any-space takes them as they are, with --atlas-transform "
-              "where that brings the atlas to them",
-              FAMILY_SHOWN(head, position));
-    }
+    FAULT_IF(!words.space.brain && !words.why && !words.has_signs && !head->options->any_space, head,
+             "%s are named after another image or space: --any-space takes them as they are, with --atlas-transform "
+             "where that brings the atlas to them",
+             FAMILY_SHOWN(head, position));
 }
 
 /* A beam begins at its focus, whichever of its ends the table has first. */
@@ -628,12 +598,10 @@ static void find_beam(struct head *head, const struct family **position, const s
     for (int i = 0; i < 2; i++) {
         is_focus[i] = strstr(ends[i]->stem, "focus") || (ends[i]->kind == TARGET && strcmp(ends[i]->stem, "t") != 0);
     }
-    if (is_focus[0] == is_focus[1]) {
-        FAULT(head,
-              "a beam has a focus and a transducer, and %s or %s may be either: call them focus_x focus_y focus_z and "
-              "transducer_x transducer_y transducer_z",
-              FAMILY_SHOWN(head, ends[0]), FAMILY_SHOWN(head, ends[1]));
-    }
+    FAULT_IF(is_focus[0] == is_focus[1], head,
+             "a beam has a focus and a transducer, and %s or %s may be either: call them focus_x focus_y focus_z and "
+             "transducer_x transducer_y transducer_z",
+             FAMILY_SHOWN(head, ends[0]), FAMILY_SHOWN(head, ends[1]));
     *position = ends[is_focus[1]];
     *target = ends[!is_focus[1]];
 }
@@ -648,7 +616,7 @@ static void choose_families(struct head *head)
     const struct family *direction = find_kind(head, DIRECTION);
     const struct family *up = find_kind(head, UP);
     const struct family *quaternion = find_kind(head, QUATERNION);
-    bool has_matrix = has_any(out, ROLE_M00, MATRIX_NUMBERS);
+    bool has_matrix = count_roles(out, ROLE_M00, MATRIX_NUMBERS) > 0;
     bool has_quaternion = quaternion || out->has[ROLE_QW];
     if (!position) {
         bool is_log = !entry && has_quaternion && target && strcmp(target->stem, "t") == 0; /* of a tracker */
@@ -684,71 +652,51 @@ static void choose_families(struct head *head)
         drop_role(head, ROLE_PHI);
         drop_role(head, ROLE_THETA);
     }
-    if (has_angles && !is_of_rodents) {
-        FAULT(head, "phi and theta are angles from bregma, which only an atlas of the Allen CCF has (--space bregma)");
-    }
-    if (has_tilt && out->has[ROLE_TILT_ML] != out->has[ROLE_TILT_AP]) {
-        FAULT(head, "only one of the columns tilt_ml and tilt_ap: the other one may be 0");
-    }
+    FAULT_IF(has_angles && !is_of_rodents, head,
+             "phi and theta are angles from bregma, which only an atlas of the Allen CCF has (--space bregma)");
+    FAULT_IF(has_tilt && out->has[ROLE_TILT_ML] != out->has[ROLE_TILT_AP], head,
+             "only one of the columns tilt_ml and tilt_ap: the other one may be 0");
     if (out->has[ROLE_ANGLE] && (out->is_of_points || out->has[ROLE_DEPTH]) && is_all_zero(head, ROLE_ANGLE)) {
         drop_role(head, ROLE_ANGLE); /* whichever it is, it says nothing */
     }
-    if (out->has[ROLE_ANGLE] && out->has[ROLE_DEPTH] && !strstr(out->shown[ROLE_ANGLE], "pening")) {
-        FAULT(head,
-              "\"%s\" beside depth: the opening of a cone, or the tilt of the probe? call it opening, or tilt_ml "
-              "and tilt_ap",
-              out->shown[ROLE_ANGLE]);
-    }
-    if (has_quaternion && !(quaternion && out->has[ROLE_QW])) {
-        FAULT(head, "only some of the columns qw qx qy qz");
-    }
-    if (has_matrix && !has_all(out, ROLE_M00, MATRIX_NUMBERS)) {
-        FAULT(head, "only some of the columns m00...m33");
-    }
-    if (directions > 1) {
-        FAULT(head,
-              "several directions; needed is one of tx ty tz (a target), dx dy dz, qw qx qy qz, or m00...m33 alone");
-    }
-    if (has_matrix && position) {
-        FAULT(head, "x y z are needed, and only, without m00...m33");
-    }
+    FAULT_IF(out->has[ROLE_ANGLE] && out->has[ROLE_DEPTH] && !strstr(out->shown[ROLE_ANGLE], "pening"), head,
+             "\"%s\" beside depth: the opening of a cone, or the tilt of the probe? call it opening, or tilt_ml "
+             "and tilt_ap",
+             out->shown[ROLE_ANGLE]);
+    FAULT_IF(has_quaternion && !(quaternion && out->has[ROLE_QW]), head, "only some of the columns qw qx qy qz");
+    FAULT_IF(has_matrix && count_roles(out, ROLE_M00, MATRIX_NUMBERS) < MATRIX_NUMBERS, head,
+             "only some of the columns m00...m33");
+    FAULT_IF(directions > 1, head,
+             "several directions; needed is one of tx ty tz (a target), dx dy dz, qw qx qy qz, or m00...m33 alone");
+    FAULT_IF(has_matrix && position, head, "x y z are needed, and only, without m00...m33");
     if (!has_matrix && !position) {
         FAULT(head, "%s", head->is_on_its_side ? on_its_side : "x y z are needed: no columns say where rows are");
-        if (!head->is_on_its_side && !head->row_count && head->out->has[ROLE_NAME]) {
-            FAULT(head, "names of places (C3, an area) go behind --point, one each");
-        }
+        FAULT_IF(!head->is_on_its_side && !head->row_count && head->out->has[ROLE_NAME], head,
+                 "names of places (C3, an area) go behind --point, one each");
         for (size_t i = 0; i < head->family_count; i++) {
             const struct family *family = &head->families[i];
-            if (family->kind == UNKNOWN || family->kind == TURNED) {
-                FAULT(head, "%s may be something else: call them x y z where they are positions",
-                      FAMILY_SHOWN(head, family));
-            }
+            FAULT_IF(family->kind == UNKNOWN || family->kind == TURNED, head,
+                     "%s may be something else: call them x y z where they are positions", FAMILY_SHOWN(head, family));
         }
     }
-    if (up && !target && !direction) {
-        FAULT(head, "ux uy uz go with tx ty tz or dx dy dz");
-    }
+    FAULT_IF(up && !target && !direction, head, "ux uy uz go with tx ty tz or dx dy dz");
     if (is_straight && position && !named) {
         refuse_turned(head, position);
     }
     if (!out->is_of_points || !position) {
         return;
     }
-    if (out->has[ROLE_ANGLE]) {
-        FAULT(head,
-              "column \"%s\" is the opening of a cone, which needs a direction: tx ty tz, dx dy dz or qw qx qy qz",
-              out->shown[ROLE_ANGLE]);
-    }
+    FAULT_IF(out->has[ROLE_ANGLE], head,
+             "column \"%s\" is the opening of a cone, which needs a direction: tx ty tz, dx dy dz or qw qx qy qz",
+             out->shown[ROLE_ANGLE]);
     if (out->has[ROLE_DEPTH] && named) {
         drop_role(head, ROLE_DEPTH);
     }
-    if (out->has[ROLE_DEPTH]) {
-        FAULT(head, "depth is a way along a direction, tx ty tz, dx dy dz or tilt_ml tilt_ap, which is not there; in "
-                    "space ccf and bregma alone it is straight down");
-    }
-    if (out->has[ROLE_NEAR] || out->has[ROLE_FAR]) {
-        FAULT(head, "near and far are depths along a direction: tx ty tz, dx dy dz or qw qx qy qz");
-    }
+    FAULT_IF(out->has[ROLE_DEPTH], head,
+             "depth is a way along a direction, tx ty tz, dx dy dz or tilt_ml tilt_ap, which is not there; in "
+             "space ccf and bregma alone it is straight down");
+    FAULT_IF(out->has[ROLE_NEAR] || out->has[ROLE_FAR], head,
+             "near and far are depths along a direction: tx ty tz, dx dy dz or qw qx qy qz");
     if (!named) { /* the user's word is enough */
         refuse_turned(head, position);
     }
@@ -785,32 +733,38 @@ static conus_status find_row_names(struct head *head, struct notes *notes)
     return CONUS_OK;
 }
 
-/* The first name of a role of one column, or of a family's; "" of others. */
-static struct text name_of(enum role role)
-{
-    static const struct {
-        enum role first;
-        const char *names;
-    } families[] = {{ROLE_TX, "tx/ty/tz"}, {ROLE_DX, "dx/dy/dz"}, {ROLE_QX, "qx/qy/qz"}}; /* "x" is like all */
-    const char *names = role == ROLE_SPACE ? "space" : "";
-    for (size_t i = 0; i < sizeof roles / sizeof roles[0]; i++) {
-        names = roles[i].role == role && role != ROLE_NAME ? roles[i].names : names;
-    }
-    for (size_t i = 0; i < sizeof families / sizeof families[0]; i++) {
-        bool is_one = role >= families[i].first && role < families[i].first + 3;
-        names = is_one ? families[i].names + 3 * (role - families[i].first) : names;
-    }
-    return (struct text){names, strcspn(names, "/")};
-}
-
 /* The known column that was perhaps meant: it is not there, and little is to be changed; "" if there is none. */
 static struct text column_meant(const struct columns *columns, const char *field)
 {
+    static const char *const names[ROLE_NAME] = {/* "x" is like all */
+                                                 [ROLE_TX] = "tx",
+                                                 "ty",
+                                                 "tz",
+                                                 "dx",
+                                                 "dy",
+                                                 "dz",
+                                                 "qw",
+                                                 "qx",
+                                                 "qy",
+                                                 "qz",
+                                                 [ROLE_ANGLE] = "angle",
+                                                 "time s",
+                                                 "trigger",
+                                                 "error deg",
+                                                 "error mm",
+                                                 "near",
+                                                 "far",
+                                                 "depth",
+                                                 "tilt ml",
+                                                 "tilt ap",
+                                                 "phi",
+                                                 "theta",
+                                                 "space"};
     struct text meant = {"", 0};
     size_t length = strlen(field);
     size_t least = (length + 1) / 3;
     for (enum role role = 0; role < ROLE_NAME; role++) {
-        const struct text name = name_of(role);
+        const struct text name = text_from(names[role] ? names[role] : "");
         size_t distance = text_distance(text_from(field), name);
         if (!columns->has[role] && distance > 0 && distance <= least && distance < name.size &&
             (name.size > 2 || length > name.size)) {
@@ -821,21 +775,15 @@ static struct text column_meant(const struct columns *columns, const char *field
     return meant;
 }
 
-static bool is_kept(const struct columns *columns, size_t column)
-{
-    bool found = false;
-    for (size_t i = 0; i < columns->kept_count && !found; i++) {
-        found = columns->kept[i] == column;
-    }
-    return found;
-}
-
 /* Lists the columns, with suggestions for unknown ones; or the unknown ones only. */
 static void list_columns(struct buffer *out, const struct head *head, bool known)
 {
     size_t count = 0;
     for (size_t i = 0; i < head->line.given; i++) {
-        bool is_known = head->out->role_of[i] != ROLES || is_kept(head->out, i) || head->out->pairs == i + 1;
+        bool is_known = head->out->role_of[i] != ROLES || head->out->pairs == i + 1;
+        for (size_t k = 0; k < head->out->kept_count; k++) {
+            is_known = is_known || head->out->kept[k] == i;
+        }
         if ((is_known && !known) || count++ >= SHOWN) {
             continue;
         }
@@ -851,15 +799,12 @@ static void list_columns(struct buffer *out, const struct head *head, bool known
     }
 }
 
-/* What is passed over without need is said once. */
 static conus_status note_unknown(struct notes *notes, const struct head *head)
 {
     struct buffer list = {0};
     list_columns(&list, head, false);
     conus_status status = buffer_status(&list);
-    if (!status && list.size) {
-        status = notes_add(notes, "columns passed over: %s", list.data);
-    }
+    status = status || !list.size ? status : notes_add(notes, "columns passed over: %s", list.data);
     buffer_finish(&list);
     return status;
 }
@@ -883,15 +828,15 @@ static void refuse_lone_end(struct head *head)
 {
     struct columns *out = head->out;
     for (size_t i = 0; out->is_of_points && !head->is_named && i < head->line.given; i++) {
-        bool is_called = text_is_one_of(text_from(head->names[i]), "target/entry", true) && out->role_of[i] == ROLES;
+        const char *s = head->names[i];
+        bool is_called = text_is_one_of(text_from(s), "target/entry", true) && out->role_of[i] == ROLES;
         bool has_name = false;
         for (size_t r = 0; is_called && !has_name && r < head->row_count; r++) {
             double value;
-            has_name = !columns_is_absent(columns_cell(head, r, i)) &&
-                       !table_number(&value, &out->table, columns_cell(head, r, i));
+            const struct text cell = columns_cell(head, r, i);
+            has_name = !columns_is_absent(cell) && !table_number(&value, &out->table, cell);
         }
         if (has_name && out->has[ROLE_NAME] && out->has[ROLE_X]) {
-            const char *s = strcmp(head->names[i], "target") == 0 ? "target" : "entry";
             FAULT(
                 head,
                 "column \"%.*s\" beside %s %s %s: either it names the place where each axis %s, or it is a word about "
@@ -918,13 +863,10 @@ static void find_pairs(struct head *head)
         if (out->role_of[column] == ROLE_CONTACT) {
             drop_role(head, ROLE_CONTACT);
         }
-        if (out->role_of[column] == ROLE_NAME || !out->has[ROLE_NAME]) {
-            FAULT(
-                head,
-                "column \"%.*s\" has an entry and a target in two rows, and no column says by a name which two belong "
-                "together",
-                POSE_QUOTE(head->line.cells[column]));
-        }
+        FAULT_IF(out->role_of[column] == ROLE_NAME || !out->has[ROLE_NAME], head,
+                 "column \"%.*s\" has an entry and a target in two rows, and no column says by a name which two belong "
+                 "together",
+                 POSE_QUOTE(head->line.cells[column]));
         out->pairs = column + 1;
     }
 }
@@ -992,10 +934,8 @@ static void find_columns(struct head *head)
         head->unit[i] = normalise(head->names[i], head->line.cells[i]);
     }
     for (size_t i = 2; i < head->line.count; i++) { /* SPM's spreadsheet calls each of the three so */
-        bool is_triad = true;
-        for (size_t k = 0; k < 3; k++) {
-            is_triad = is_triad && strcmp(head->names[i - k], "x y z") == 0;
-        }
+        bool is_triad = strcmp(head->names[i - 2], "x y z") == 0 && strcmp(head->names[i - 1], "x y z") == 0 &&
+                        strcmp(head->names[i], "x y z") == 0;
         for (size_t k = 0; k < 3 && is_triad; k++) {
             snprintf(head->names[i - 2 + k], COLUMN_NAME_SIZE, "%c", "xyz"[k]);
         }
@@ -1015,11 +955,9 @@ static void find_columns(struct head *head)
     if (find_name(head, "x", 0) == COLUMN_NONE) {
         find_letters(head);
     }
-    if (head->words.name.size) {
-        size_t column = find_word(head, head->words.name);
-        if (column != COLUMN_NONE) {
-            set_role(head, column, ROLE_NAME);
-        }
+    size_t column = head->words.name.size ? find_word(head, head->words.name) : COLUMN_NONE;
+    if (column != COLUMN_NONE) {
+        set_role(head, column, ROLE_NAME);
     }
     if (out->is_bids) { /* other columns are of others, whatever they are called */
         take_family(head, find_named(head), ROLE_X, "x y z");
@@ -1038,7 +976,8 @@ static void find_columns(struct head *head)
 /* Whether some of the columns of a line belong together as coordinates, so that it is a header. */
 static bool has_triad(const struct head *head)
 {
-    bool has = has_all(head->out, ROLE_M00, MATRIX_NUMBERS) || (head->words.at[0].size && is_whole(&head->named));
+    bool has = count_roles(head->out, ROLE_M00, MATRIX_NUMBERS) == MATRIX_NUMBERS ||
+               (head->words.at[0].size && is_whole(&head->named));
     for (size_t i = 0; i < head->family_count; i++) {
         has = has || is_whole(&head->families[i]);
     }
@@ -1106,16 +1045,18 @@ static bool find_header(struct head *head)
             break; /* no rows: the first line decides */
         }
     }
-    bool found = best.size || fallback.size;
-    if (found) {
-        const struct text header = best.size ? best : fallback;
-        head->out->head_lines = best.size ? line_of_best : line_of_fallback;
-        head->out->header_sum = columns_sum(header);
-        (void)split_header(head, header, table->cells);
+    if (!best.size) {
+        best = fallback;
+        line_of_best = line_of_fallback;
+    }
+    if (best.size) {
+        head->out->head_lines = line_of_best;
+        head->out->header_sum = columns_sum(best);
+        (void)split_header(head, best, table->cells);
         shift_header(head);
         find_columns(head);
     }
-    return found;
+    return best.size;
 }
 
 /* Without rows a header alone tells what separates its cells: what makes the most of them. */
@@ -1336,7 +1277,8 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     if (!head) {
         return CONUS_ERROR_MEMORY;
     }
-    *out = (struct columns){.space = options->space, .is_bids = out->is_bids, .table.quotes_are_plain = out->is_bids};
+    *out = (struct columns){
+        .space = options->space, .is_bids = out->is_bids, .side = out->side, .table.quotes_are_plain = out->is_bids};
     head->out = out;
     head->options = options;
     head->text = head_text;
@@ -1360,9 +1302,8 @@ conus_status columns_plan(struct columns *out, bool *is_short, struct notes *not
     }
     status = find_rows(head);
     out->has_header = !status && options->format != CONUS_POSE_FORMAT_POINTS && find_header(head);
-    if (out->has_header && out->table.comma == TABLE_COMMA_UNCLEAR) {
-        FAULT(head, "a comma before three digits, or commas of two kinds: 1,250 may be 1250 or 1.25");
-    }
+    FAULT_IF(out->has_header && out->table.comma == TABLE_COMMA_UNCLEAR, head,
+             "a comma before three digits, or commas of two kinds: 1,250 may be 1250 or 1.25");
     if (status) {
         out->has_header = false;
     } else if (!out->has_header) {

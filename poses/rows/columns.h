@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Tables of points and poses: which column has which role, and the row that a line is. */
+/** @file Tables of points and poses: which column has which role, the row that a line is, axes in two rows, and what
+ * names say of left and right. */
 #ifndef CONUS_POSES_ROWS_COLUMNS_H
 #define CONUS_POSES_ROWS_COLUMNS_H
 
 #include "base/formats/table.h"
 #include "base/notes.h"
+#include "base/text.h"
 #include "conus/pose_file.h"
 #include "poses/rows/pose_row.h"
 #include "poses/rows/space_words.h"
@@ -61,6 +63,7 @@ struct columns {
     uint64_t header_sum;                 /**< Of the header's line. */
     bool is_bids; /**< Before columns_plan(): marks belong to cells, no column is unusual, and only x, y, z and name, or
                      those that the user names, and words of space and unit have a role. */
+    int side;     /**< Before columns_plan(): sides_of_file(). */
     bool is_of_points; /**< It gives no direction. */
     bool has_space;    /**< It says itself in which space the numbers are: */
     conus_space space;
@@ -72,8 +75,8 @@ struct columns {
     struct space_words said; /**< What titles, comments and headers say. */
     bool has_unit;           /**< The file names it, */
     bool is_own_unit;        /**< or the user. */
-    size_t pairs; /**< From 1: the column that says whether a row is an entry or the target of its name (pairs.h); 0 =
-                     none does. */
+    size_t pairs; /**< From 1: the column that says whether a row is an entry or the target of its name (pairs_parse());
+                     0 = none does. */
     bool ends_at_target; /**< Axes end there, not only point there (target_x, but not tx). */
     bool moves;          /**< Positions of MNI 305 are moved to MNI 152. */
     size_t heard_lines;  /**< Lines of the head, whose words are in @p said. */
@@ -131,5 +134,44 @@ enum columns_line columns_read(conus_pose_row *row, struct pose_name *name, conu
 
 /** Whether @p text is sixteen numbers and nothing else: then @p row or its error (in *bad) is the pose they are. */
 bool columns_plain_matrix(conus_pose_row *row, conus_status *bad, struct text text, const conus_pose_options *options);
+
+/** Adds the axes of a table with columns.pairs to @p list, in the order of their entries; each ends at its target.
+ * CONUS_ERROR_DATA where a name has not one of each. */
+conus_status pairs_parse(conus_pose_list *list, const struct columns *columns, struct text text,
+                         const conus_pose_options *options);
+
+enum { SIDES_SHAFTS = 64, SIDES_SHAFT_SIZE = 12 };
+
+/** All 0: nothing was counted yet. */
+struct sides {
+    size_t left, right, left_on_right, right_on_left; /**< Points that a word calls so. */
+    size_t points, beyond[2];                         /**< All, and those beyond the edge on the left and right. */
+    struct shaft {
+        char letters[SIDES_SHAFT_SIZE]; /**< "LPH" of "LPH 1". */
+        size_t contacts, wrong;         /**< Wrong: on the other side than its first letter says. */
+    } shafts[SIDES_SHAFTS];
+    size_t shaft_count;
+    bool has_others; /**< Names that end with a number and begin otherwise, or more shafts than these. */
+};
+
+/** The side that a name states by a word of its own: -1 left, +1 right, 0 none. */
+int sides_of_name(struct text name);
+
+/** The same of a file at @p path, NULL = none; a letter alone says nothing there ("peaks_R.csv"). */
+int sides_of_file(const char *path);
+
+/** Counts a point that is called @p name, and so or by a column on @p side; @p x mm from the middle, and wrong where
+ * that is more than @p edge on the other side. */
+void sides_count(struct sides *sides, int side, struct text name, double x, double edge);
+
+/** CONUS_ERROR_DATA where half of the points called left, or right, lie on the other side; @p why: what they may be. */
+conus_status sides_check(const struct sides *sides, const char *why);
+
+/** Warns where half of the points, three at least, lie beyond the edge on the other side than their file's name says,
+ * by
+ * @p of_file; and of shafts of electrodes (LA1, LPH-2) whose contacts, three at least, all lie on the other side than
+ * the first letter says. It says a side only where there is the same shaft of the other one (RPH), or where all names
+ * with a number begin so: of both letters, or of three shafts. */
+conus_status sides_warn(const struct sides *sides, int of_file, struct notes *notes);
 
 #endif

@@ -75,33 +75,32 @@ static size_t put_character(char *out, uint32_t c)
     return count;
 }
 
-/* UTF-16 as UTF-8: how much there is. Half a character at the end waits in `odd`; half a pair is U+FFFD. */
+/* UTF-16 as UTF-8: how much there is. Half a character waits for the next bytes; half a pair is U+FFFD. */
 static size_t narrow(char *out, struct pose_lines *lines, const char *wide, size_t size)
 {
     size_t written = 0;
     for (size_t i = 0; i < size; i++) {
-        lines->odd[lines->odd_size++] = wide[i];
-        if (lines->odd_size % 2) {
+        const uint32_t first = lines->half;
+        const uint32_t second = (unsigned char)wide[i];
+        lines->half = (unsigned char)second;
+        lines->has_half = !lines->has_half;
+        if (lines->has_half) {
             continue;
         }
-        uint32_t units[2] = {0};
-        for (size_t k = 0; k < lines->odd_size / 2; k++) {
-            unsigned char first = (unsigned char)lines->odd[2 * k];
-            unsigned char second = (unsigned char)lines->odd[2 * k + 1];
-            units[k] = lines->wide == POSE_WIDE_BIG ? (uint32_t)first << 8 | second : (uint32_t)second << 8 | first;
-        }
-        bool is_high = units[0] >= 0xD800 && units[0] < 0xDC00;
-        bool is_pair = is_high && units[1] >= 0xDC00 && units[1] < 0xE000;
-        if (is_high && lines->odd_size == 2) {
+        const uint32_t unit = lines->wide == POSE_WIDE_BIG ? first << 8 | second : second << 8 | first;
+        const uint32_t high = lines->high;
+        bool is_half = unit >= 0xD800 && unit < 0xE000;
+        bool is_pair = high && unit >= 0xDC00 && is_half;
+        lines->high = !high && is_half && unit < 0xDC00 ? unit : 0;
+        if (lines->high) {
             continue;
         }
-        bool is_half = units[0] >= 0xD800 && units[0] < 0xE000 && !is_pair;
-        uint32_t c = is_pair ? 0x10000 + ((units[0] - 0xD800) << 10) + (units[1] - 0xDC00) : units[0];
-        written += put_character(out + written, is_half ? 0xFFFD : c);
-        if (lines->odd_size == 4 && !is_pair) { /* the second is a character of its own, or the first half of one */
-            written += put_character(out + written, units[1] >= 0xD800 && units[1] < 0xE000 ? 0xFFFD : units[1]);
+        if (high && !is_pair) {
+            written += put_character(out + written, 0xFFFD);
         }
-        lines->odd_size = 0;
+        written += put_character(out + written, is_pair   ? 0x10000 + ((high - 0xD800) << 10) + (unit - 0xDC00)
+                                                : is_half ? 0xFFFD
+                                                          : unit);
     }
     return written;
 }
@@ -134,12 +133,6 @@ static conus_status read_within(struct pose_lines *lines, int most_ms, bool *sil
     lines->offset += (uint64_t)got;
     lines->ended = got == 0;
     return CONUS_OK;
-}
-
-static conus_status read_more(struct pose_lines *lines)
-{
-    bool silent;
-    return read_within(lines, -1, &silent);
 }
 
 static void take_bytes(struct pose_lines *lines, size_t size)
@@ -181,23 +174,24 @@ conus_status pose_lines_begin(struct pose_lines *lines)
     return status;
 }
 
-conus_status pose_lines_fill_head(struct pose_lines *lines, size_t size)
+static conus_status fill(struct pose_lines *lines, size_t size, bool may_be_silent)
 {
     conus_status status = CONUS_OK;
     bool silent = false;
     while (!status && !lines->ended && lines->size < size && !silent) {
-        status = read_within(lines, lines->size ? SILENCE_MS : -1, &silent);
+        status = read_within(lines, may_be_silent && lines->size ? SILENCE_MS : -1, &silent);
     }
     return status;
 }
 
+conus_status pose_lines_fill_head(struct pose_lines *lines, size_t size)
+{
+    return fill(lines, size, true);
+}
+
 conus_status pose_lines_fill(struct pose_lines *lines, size_t size)
 {
-    conus_status status = CONUS_OK;
-    while (!status && !lines->ended && lines->size < size) {
-        status = read_more(lines);
-    }
-    return status;
+    return fill(lines, size, false);
 }
 
 /* Bytes before the first LF or CR; lines->size if there is none. */
@@ -212,7 +206,6 @@ static size_t line_length(const struct pose_lines *lines)
     return end ? (size_t)(end - lines->data) : length;
 }
 
-/* Takes the line's ending, if there is one. */
 static void take_ending(struct pose_lines *lines)
 {
     if (lines->size) {
@@ -240,7 +233,7 @@ static conus_status drop_long_line(struct pose_lines *lines)
         if (lines->ended) {
             return CONUS_OK;
         }
-        status = read_more(lines);
+        status = pose_lines_fill(lines, lines->size + 1);
     }
     if (!status) {
         take_bytes(lines, line_length(lines));
@@ -254,7 +247,7 @@ conus_status pose_lines_next(struct pose_lines *lines, struct pose_line *line, b
     conus_status status = take_late_feed(lines);
     size_t length = line_length(lines);
     while (!status && length == lines->size && length <= POSE_LINE_LIMIT && !lines->ended) {
-        status = read_more(lines);
+        status = pose_lines_fill(lines, lines->size + 1);
         length = line_length(lines);
     }
     if (status) {
@@ -266,14 +259,12 @@ conus_status pose_lines_next(struct pose_lines *lines, struct pose_line *line, b
     }
     bool too_long = length > POSE_LINE_LIMIT;
     struct text text = {lines->data, too_long ? POSE_LINE_LIMIT : length};
-    struct text trimmed = text_trim(text);
-    *line = (struct pose_line){.number = ++lines->number, .too_long = too_long};
+    *line = (struct pose_line){.number = ++lines->number, .too_long = too_long, .text = text};
     if (too_long) {
-        line->blank = trimmed.size && trimmed.data[0] == '#'; /* what else may come is not known */
-        line->text = (struct text){"", 0};
+        line->blank = text_starts(text_trim(text), "#"); /* what else may come is not known */
+        line->text = text_from("");
         return drop_long_line(lines);
     }
-    line->text = text;
     take_bytes(lines, length);
     take_ending(lines);
     return CONUS_OK;
@@ -300,7 +291,7 @@ conus_status pose_lines_rest(struct bytes *out, struct pose_lines *lines, uint64
             bytes.size += lines->size;
             take_bytes(lines, lines->size);
         }
-        status = status || lines->ended ? status : read_more(lines);
+        status = status || lines->ended ? status : pose_lines_fill(lines, lines->size + 1);
     }
     if (status) {
         bytes_finish(&bytes);
@@ -315,7 +306,7 @@ conus_status pose_lines_sha256(char out[65], struct pose_lines *lines)
     conus_status status = CONUS_OK;
     while (!status && !lines->ended) {
         take_bytes(lines, lines->size);
-        status = read_more(lines);
+        status = pose_lines_fill(lines, lines->size + 1);
     }
     if (!status) {
         struct sha256_ctx hash = lines->hash;

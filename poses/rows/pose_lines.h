@@ -23,8 +23,9 @@ struct pose_lines {
     char *own; /**< NULL where `data` is borrowed. */
     bool ended;
     enum pose_wide { POSE_NARROW, POSE_WIDE_LITTLE, POSE_WIDE_BIG } wide; /**< UTF-16, which becomes UTF-8. */
-    char odd[4]; /**< Bytes of a character that is not all there; */
-    size_t odd_size;
+    bool has_half; /**< Of a unit of UTF-16 only this byte is there. */
+    unsigned char half;
+    uint32_t high; /**< Of a pair only this unit; 0 = none. */
     bool after_cr; /**< A LF that comes now belongs to the line before. */
     size_t number; /**< Lines taken. */
 

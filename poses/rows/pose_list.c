@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A list of poses: adding rows, ending it, and comparing the space that it names with that of an atlas. */
-#include "poses/rows/pose_list.h"
+#include "poses/rows/pose_row.h"
 
 #include "base/memory.h"
 #include "conus/atlas_info.h"
-#include "poses/rows/pose_row.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,7 +3,7 @@
  * and four landmarks, as SimNIBS computed them on the head of MNI 152 (ElectrodeCaps_MNI/EEG10-10_UI_Jurak_2007.csv),
  * to 0.1 mm. The normals are those of a quadric through the 13 nearest positions, weighted by exp(-(d / 35 mm)^2), from
  * the 10 % ring up. */
-#include "poses/rows/positions.h"
+#include "poses/rows/pose_row.h"
 
 static const struct position positions[] = {
     {"Nz", NULL, {0.0, 82.9, -43.0}, {0, 0, 0}},

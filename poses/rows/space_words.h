@@ -5,7 +5,7 @@
 
 #include "base/text.h"
 #include "conus/space.h"
-#include "poses/rows/pose_list.h"
+#include "poses/rows/pose_row.h"
 
 /** What was heard so far. All 0: nothing. */
 struct space_words {

@@ -6,7 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/options.h"
 #include "poses/place.h"
-#include "poses/rows/positions.h"
+#include "poses/rows/pose_row.h"
 #include "selection/plan/plan_deepest.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
 #include "atlas/areas/area_find.h"
 #include "base/geometry/math3.h"
 #include "base/order.h"
-#include "poses/rows/positions.h"
+#include "poses/rows/pose_row.h"
 #include "selection/plan/plan_deepest.h"
 
 #include <string.h>

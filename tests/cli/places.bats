@@ -51,11 +51,11 @@ first_line() {
 @test "a list whose names are areas elsewhere is warned of, by file and pipe" {
     [ -e "$AAL" ] || skip "no $AAL"
     local warned='3 points are called as areas of the atlas, and half of them lie 57 mm or more from there (Insula_L in'
-    printf 'name,x,y,z\nHippocampus_L,-27,-13,-15\nPrecentral_L,-40,-5,50\nInsula_L,-36,6,2\n' >right.csv
-    sed 's/,-/,/' right.csv >far.csv
-    run -0 --separate-stderr conus query "$AAL" --pose right.csv
+    printf 'name,x,y,z\nHippocampus_L,-27,-13,-15\nPrecentral_L,-40,-5,50\nInsula_L,-36,6,2\n' >good.csv
+    sed 's/,-/,/' good.csv >far.csv
+    run -0 --separate-stderr conus query "$AAL" --pose good.csv
     [[ $stderr != *warning* ]]
-    run -0 --separate-stderr conus batch "$AAL" --poses right.csv
+    run -0 --separate-stderr conus batch "$AAL" --poses good.csv
     [[ $stderr != *warning* ]]
     run -0 --separate-stderr conus query "$AAL" --pose far.csv,sides=anyway -q --format json
     [[ $stderr == "conus: warning: far.csv,sides=anyway: $warned"* ]]
@@ -67,6 +67,24 @@ first_line() {
         printf 'name,x,y,z\nHippocampus_L,-20,60,30\nPrecentral_L,-20,-80,-20\nInsula_L,-30,-70,40\n'
     )
     [[ $stderr == *'warning: standard input: 3 points are called as areas'* ]]
+}
+
+@test "a file called left whose points lie on the right is warned of" {
+    [ -e "$AAL" ] || skip "no $AAL"
+    local warned='its name says left, and 3 of 4 points lie on the right; is x mirrored?'
+    printf 'x,y,z\n40,1,2\n42,-20,3\n38,5,6\n-30,5,6\n' >e8_LEFT.csv
+    sed 's/^40/-40/' e8_LEFT.csv >half-left.csv
+    cp e8_LEFT.csv script_L.csv
+    run -0 --separate-stderr conus query "$AAL" --pose e8_LEFT.csv -q --format json
+    [[ $stderr == "conus: warning: e8_LEFT.csv: $warned"* ]]
+    [[ $(jq -r '.Warnings[0]' <<<"$output") == *"$warned"* ]]
+    sed '1d; s/,/ /g; s/.*/(&)/; s/ /, /g' e8_LEFT.csv >lh.txt
+    run -0 --separate-stderr conus batch "$AAL" --poses lh.txt -q
+    [[ $stderr == "conus: warning: lh.txt: $warned"* ]]
+    for fine in e8_LEFT.csv,sides=anyway half-left.csv script_L.csv; do
+        run -0 --separate-stderr conus query "$AAL" --pose "$fine" -q
+        [ -z "$stderr" ]
+    done
 }
 
 @test "an area is its inner point, which is said, recorded and asked again" {

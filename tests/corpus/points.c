@@ -5,7 +5,7 @@
 #include "base/files/file.h"
 #include "builders/nifti_builder.h"
 #include "conus/conus.h"
-#include "poses/rows/pose_list.h"
+#include "poses/rows/pose_row.h"
 #include "test.h"
 
 #include <jansson.h>

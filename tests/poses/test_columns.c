@@ -149,6 +149,7 @@ static void what_can_be_read_in_two_ways_is_refused(void **state)
         {"x (mm),y (cm),z (mm)\n1,2,3\n", "two units"},
         {"ap,ml,dv\n1,2,3\n", "ap, dv and ml are read in space ccf or bregma"},
         {"x,y,a\n1,2,3\n", "only some of the columns x y z: x y, without z"},
+        {"orig_y,orig_z,a\n1,2,3\n", "only some of the columns x y z: orig_y orig_z, without x"},
         {"a,b,c\nd,e,f\n", "x y z are needed"},
         {"name,x,y,z\nA,1,2,3\nregion,size,t\nB,4,5,6\n", "words again, as above a second table"},
     };

@@ -2,7 +2,7 @@
 /* The positions of the 10-10 system: equal to the published table, and mirror images of each other as a head is. */
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
-#include "poses/rows/positions.h"
+#include "poses/rows/pose_row.h"
 #include "test.h"
 
 #include <ctype.h>

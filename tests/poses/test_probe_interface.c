@@ -3,7 +3,7 @@
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "pose_checks.h"
-#include "poses/programs/probe_interface.h"
+#include "poses/programs/pose_programs.h"
 #include "test.h"
 
 #include <stdio.h>

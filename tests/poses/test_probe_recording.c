@@ -4,7 +4,7 @@
  * e / 2. */
 #include "base/files/file.h"
 #include "pose_checks.h"
-#include "poses/programs/probe_interface.h"
+#include "poses/programs/pose_programs.h"
 #include "test.h"
 
 #include <stdio.h>

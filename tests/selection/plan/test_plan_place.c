@@ -7,7 +7,7 @@
 #include "conus/phantom.h"
 #include "conus/place.h"
 #include "poses/pose_stream.h"
-#include "poses/rows/positions.h"
+#include "poses/rows/pose_row.h"
 #include "test.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 #include "conus/arrays.h"
 #include "conus/batch.h"
 #include "conus/report.h"
-#include "poses/programs/probe_interface.h"
+#include "poses/programs/pose_programs.h"
 #include "report_scene.h"
 #include "test.h"
 

@@ -1,0 +1,430 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the head of a table says of the space and unit of its positions, what its numbers say against their unit, their
+ * signs or their sides, and what names say of sides. */
+#include "base/geometry/math3.h"
+#include "base/path.h"
+#include "base/status.h"
+#include "poses/rows/columns.h"
+#include "poses/rows/columns_head.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Whether a line of the head is a title, a comment or a closing line: neither a row nor the header. */
+static bool is_of_words(struct text *inside, const struct head *head, struct text text, size_t number)
+{
+    const struct columns *out = head->out;
+    bool is_header = number == out->head_lines && out->has_header;
+    bool is_comment = table_is_comment(inside, text);
+    return is_comment ||
+           (!is_header && (number < out->table.first ||
+                           (number > out->head_lines && (!columns_has_digit(text) || columns_is_sentence(out, text)))));
+}
+
+/* What the cells of a column say of the rows' brain: MNI 152 where one is of that, else the first one's, and rows of
+ * another are errors; nothing where some say only how numbers grow. */
+static struct space_words hear_column(const struct head *head, size_t column)
+{
+    struct space_words best = {0};
+    bool all_refused = true;
+    bool all_brains = true;
+    for (size_t r = 0; r < head->row_count; r++) {
+        struct space_words own;
+        const struct text cell = columns_cell(head, r, column);
+        bool is_heard = space_words_hear_cell(&own, cell, false);
+        bool is_better = !best.heard[0] || (best.why && !own.why) ||
+                         (own.space.brain == POSE_BRAIN_MNI152 && best.space.brain != POSE_BRAIN_MNI152);
+        all_brains = all_brains && (own.heard[0] || !(is_heard || text_is_one_of(cell, "ccf/bregma", false)));
+        all_refused = all_refused && (!is_heard || own.why);
+        best = own.heard[0] && is_better ? own : best;
+    }
+    return all_brains && !(best.why && !all_refused) ? best : (struct space_words){0};
+}
+
+static conus_status hear_rows(struct head *head)
+{
+    struct columns *out = head->out;
+    struct space_words *said = &out->said;
+    for (size_t i = 0; i < out->count; i++) {
+        for (size_t r = 0; out->role_of[i] == ROLE_UNIT && r < head->row_count; r++) {
+            space_words_hear_of(said, space_unit_mm(columns_cell(head, r, i)) != 0 ? columns_cell(head, r, i)
+                                                                                   : text_from(""));
+        }
+        const struct space_words own =
+            out->role_of[i] == ROLE_SPACE && !head->options->any_space ? hear_column(head, i) : (struct space_words){0};
+        if (said->space.brain && own.space.brain && said->space.brain != own.space.brain) {
+            return fail(CONUS_ERROR_DATA,
+                        "\"%s\" is said in one place, and \"%s\" in column \"%.*s\": in which space are the positions?",
+                        said->space.name, own.heard, POSE_QUOTE(head->line.cells[i]));
+        }
+        said->space = said->space.brain ? said->space : own.space;
+        said->why = said->why ? said->why : own.why;
+        if (own.heard[0] && !said->heard[0]) {
+            memcpy(said->heard, own.heard, sizeof said->heard);
+        }
+    }
+    return CONUS_OK;
+}
+
+conus_status columns_hear_words(struct head *head, struct notes *notes)
+{
+    struct columns *out = head->out;
+    struct space_words *said = &out->said;
+    struct text rest = head->text;
+    struct text text;
+    struct text inside;
+    for (size_t number = 1; text_line(&rest, &text); number++) {
+        out->heard_lines = number;
+        if (!head->options->any_space && is_of_words(&inside, head, text, number)) {
+            space_words_hear(said, inside);
+        }
+    }
+    conus_status status = hear_rows(head);
+    if (status) {
+        return status;
+    }
+    if (said->why && !(said->why == space_why_unit && out->is_own_unit)) {
+        return fail(CONUS_ERROR_DATA, "positions are said to be \"%s\": %s; %s", said->heard, said->why,
+                    said->why == space_why_unit ? "',unit=mm' behind FILE takes them as mm"
+                                                : "--any-space takes them as they are");
+    }
+    if (said->may_be_lps && !said->has_signs && head->options->space == CONUS_SPACE_RAS) {
+        return fail(CONUS_ERROR_DATA, "a line says \"LPS\", but not of what: --space lps reads the positions so; "
+                                      "--any-space takes them as RAS, with x to the right");
+    }
+    if (said->are_two && !out->is_own_unit) {
+        return fail(CONUS_ERROR_DATA, "two units are named: which is that of the positions?");
+    }
+    if (said->mm > 0 && !out->is_own_unit) {
+        double scale = said->mm / columns_space_mm(head->options->space);
+        if (out->scale > 0 && out->scale != scale) {
+            return fail(CONUS_ERROR_DATA, "a line names another unit than the header has");
+        }
+        out->scale = scale;
+    }
+    bool is_of_people = head->options->space < CONUS_SPACE_CCF;
+    if (said->has_signs && is_of_people) {
+        out->space = said->signs;
+        return pose_note_space(notes, head->options, said->signs == CONUS_SPACE_LPS);
+    }
+    out->moves = space_moves(&said->space, head->options);
+    return out->moves ? space_note_move(notes, &said->space) : CONUS_OK;
+}
+
+/* The numbers of the head's rows, mm or as the space has them. */
+struct census {
+    size_t points, negatives, shallow, axes, short_axes;
+    double farthest;
+    struct sides sides;
+    size_t bad, rows;
+};
+
+/* A column whose cells are all words of sides says them, whatever its header; else the name does. */
+static int side_of_row(const struct head *head, struct text text, struct text name, size_t column)
+{
+    struct table_line line;
+    return column != COLUMN_NONE && table_split(&line, &head->out->table, text) && column < line.count
+               ? sides_of_name(line.cells[column])
+               : sides_of_name(name);
+}
+
+/* The column of a side of the brain: not that of a hand. */
+static size_t find_side_column(const struct head *head)
+{
+    static const char others[] = "hand/handed/handedness/eye/ear/foot/leg/arm/limb/finger/muscle/response";
+    static const char neither[] = "midline/mid/both/bilateral/m/b";
+    size_t found = COLUMN_NONE;
+    for (size_t i = 0; i < head->line.count && found == COLUMN_NONE && head->out->has_header; i++) {
+        struct text name = text_from(head->names[i]);
+        struct text word;
+        bool is_called = strstr(head->names[i], "hemi") || strcmp(head->names[i], "side") == 0;
+        bool all = head->out->role_of[i] == ROLES || (is_called && head->out->role_of[i] == ROLE_NAME);
+        size_t sides = 0;
+        while (text_word(&name, &word)) {
+            all = all && !text_is_one_of(word, others, false);
+        }
+        for (size_t r = 0; all && r < head->row_count; r++) {
+            const struct text cell = columns_cell(head, r, i);
+            sides += sides_of_name(cell) != 0;
+            all = is_called || columns_is_absent(cell) || sides_of_name(cell) || text_is_one_of(cell, neither, false);
+        }
+        found = all && sides ? i : found;
+    }
+    return found;
+}
+
+static void count_row(struct census *census, const struct head *head, const conus_pose_row *row, int side,
+                      struct text name, double width)
+{
+    double p[3];
+    conus_frame_from_world(p, head->options->frame, row->pose.world_from_device + 12);
+    const double *world = row->pose.world_from_device + 12;
+    bool is_of_bregma = head->options->space == CONUS_SPACE_BREGMA;
+    double distance = vec3_length(head->options->space < CONUS_SPACE_CCF ? world : p);
+    census->points++;
+    census->farthest = fmax(census->farthest, distance);
+    census->negatives += p[0] < 0 || p[1] < 0 || p[2] < 0;
+    census->shallow += is_of_bregma && row->is_point && p[2] > 0;
+    if (isfinite(row->range[1]) && head->out->ends_at_target) {
+        census->axes++;
+        census->short_axes += row->range[1] < width / 20;
+    }
+    sides_count(&census->sides, side, name, is_of_bregma ? p[1] : world[0], width / 36);
+}
+
+static conus_status judge(const struct census *c, const struct head *head, struct notes *notes, double longest,
+                          const char *first_fault)
+{
+    conus_space space = head->options->space;
+    bool of_people = space < CONUS_SPACE_CCF;
+    bool is_known = head->options->longest > 0;
+    enum { LEAST = 3 };
+    bool is_list = c->points >= LEAST && head->out->is_of_points;
+    bool is_said = head->out->has_unit;
+    if (c->rows > 1 && 2 * c->bad > c->rows && head->out->has_header) {
+        return fail(CONUS_ERROR_DATA,
+                    "%zu of %zu rows have no number where the header has x y z or a direction: is the order of the "
+                    "columns another? The first: %s",
+                    c->bad, c->rows, first_fault);
+    }
+    const struct sides *sides = &c->sides;
+    size_t wrong = sides->left_on_right + sides->right_on_left;
+    bool is_asked = is_known && !head->words.any_sides;
+    char why[64];
+    snprintf(why, sizeof why, "--space %s would turn x and y", space == CONUS_SPACE_LPS ? "ras" : "lps");
+    conus_status status = is_asked && is_list ? sides_check(sides, why) : CONUS_OK;
+    if (status) {
+        return status;
+    }
+    if (is_list && !is_said && (of_people || space == CONUS_SPACE_BREGMA) && c->farthest > 0 &&
+        c->farthest <= (of_people ? 1 : 0.02)) {
+        return fail(CONUS_ERROR_DATA,
+                    "all positions lie within %s mm of the origin, as if they were in metres; ',unit=m' behind FILE "
+                    "takes them so, ',unit=mm' as mm",
+                    of_people ? "1" : "0.02");
+    }
+    if (c->farthest > fmax(10 * longest, 1000) && of_people && is_known && !is_said) {
+        return fail(CONUS_ERROR_DATA,
+                    "a position lies %g mm from the origin, as if it were in micrometres; ',unit=um' behind FILE takes "
+                    "them so, ',unit=mm' as mm",
+                    c->farthest);
+    }
+    if (is_list && is_known && !is_said && space == CONUS_SPACE_CCF && c->farthest < 1000 * longest / 14) {
+        return fail(
+            CONUS_ERROR_DATA,
+            "all positions lie within %.0f um of the corner, outside of any brain: are they voxels? space ccf is "
+            "in micrometres; ',unit=um' behind FILE takes them so",
+            1000 * longest / 14);
+    }
+    if (space == CONUS_SPACE_BREGMA && is_list && 2 * c->shallow > c->points) {
+        return fail(
+            CONUS_ERROR_DATA,
+            "%zu of %zu positions have a DV above 0, above bregma: DV is up in space bregma, depths are negative",
+            c->shallow, c->points);
+    }
+    if (is_known && c->axes && 2 * c->short_axes >= c->axes) {
+        return columns_refuse_short(c->short_axes, c->axes, longest);
+    }
+    if (is_list && of_people && is_known && !is_said && c->farthest < longest / 14) {
+        status = notes_warn(notes,
+                            "all positions lie within %g mm of the origin: are they in centimetres? ',unit=cm' "
+                            "behind FILE takes them so",
+                            longest / 14);
+    } else if (is_list && of_people && is_known && !c->negatives && !(sides->left && sides->right && !wrong)) {
+        status = notes_warn(notes, "no position has a negative number: are they voxels, or positions in a frame?");
+    }
+    if (!status && is_asked && wrong) {
+        status = notes_warn(notes, "%zu rows lie on the other side than their name says", wrong);
+    }
+    return status || !is_asked || !is_list ? status : sides_warn(sides, head->out->side, notes);
+}
+
+/* Whether a word stands where a number is to be, and a character that is no sign before a coordinate. */
+static void find_faults(bool *has_word, bool *has_glyph, const struct columns *columns, struct text text)
+{
+    struct table_line line;
+    bool fits = table_split(&line, &columns->table, text);
+    *has_word = *has_glyph = false;
+    for (size_t i = 0; fits && i < line.count && i < columns->count; i++) {
+        double value;
+        struct text cell = line.cells[i];
+        bool is_word = !columns_is_absent(cell) && !table_number(&value, &columns->table, cell);
+        size_t length = cell.size && (unsigned char)cell.data[0] >= 0x80 ? text_character(cell) : 0;
+        *has_word |= is_word && columns->role_of[i] < ROLE_ANGLE;
+        *has_glyph |= is_word && columns->role_of[i] < ROLE_X + 3 && length && length < cell.size &&
+                      isdigit((unsigned char)cell.data[length]);
+    }
+}
+
+conus_status columns_check_numbers(const struct head *head, struct notes *notes)
+{
+    struct census census = {0};
+    struct text rest = head->text;
+    struct text text;
+    const conus_pose_options *options = head->options;
+    const double longest = options->longest; /* 0: what needs it is not asked */
+    size_t column = find_side_column(head);
+    char first_fault[256] = "";
+    for (size_t number = 1; text_line(&rest, &text); number++) {
+        conus_pose_row row = pose_row_at(number);
+        struct pose_name name = {.text = {"", 0}};
+        conus_status bad = CONUS_OK;
+        enum columns_line kind = columns_read(&row, &name, &bad, head->out, text, number, options);
+        bool has_word = false;
+        bool has_glyph = false;
+        census.rows += kind == LINE_ROW;
+        if (kind == LINE_ROW && bad) {
+            find_faults(&has_word, &has_glyph, head->out, text);
+        } else if (kind == LINE_ROW) {
+            count_row(&census, head, &row, side_of_row(head, text, name.text, column), name.text, longest);
+        }
+        if (has_glyph) {
+            char where[128];
+            snprintf(where, sizeof where, "line %zu: a character before a number that is no minus (as PDFs lose them)",
+                     number);
+            return fail_in(CONUS_ERROR_DATA, where);
+        }
+        if (has_word && !census.bad++) {
+            snprintf(first_fault, sizeof first_fault, "%s", conus_message());
+        }
+    }
+    return judge(&census, head, notes, longest, first_fault);
+}
+
+/* Words of at least so many letters count. */
+static int find_side(struct text name, size_t least)
+{
+    static const char left[] = "left/l/lh/links/gauche", right[] = "right/r/rh/rechts/droite";
+    int side = 0;
+    for (size_t i = 0; i < name.size;) {
+        size_t size = 0;
+        while (i + size < name.size && !strchr(" _-.,()[]", name.data[i + size])) {
+            size++;
+        }
+        const struct text word = {name.data + i, size};
+        side = size < least                         ? side
+               : text_is_one_of(word, left, false)  ? -1
+               : text_is_one_of(word, right, false) ? 1
+                                                    : side;
+        i += size + 1;
+    }
+    return side;
+}
+
+int sides_of_name(struct text name)
+{
+    return find_side(name, 1);
+}
+
+int sides_of_file(const char *path)
+{
+    return path ? find_side(text_from(path_base(path)), 2) : 0;
+}
+
+/* The letters of a contact's name: "LPH" of "LPH 1". They begin with two capitals, L or R the first. *ends: whether the
+ * name ends with a number. */
+static struct text letters_of(struct text name, bool *ends)
+{
+    static const char capitals[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ", small[] = "abcdefghijklmnopqrstuvwxyz";
+    size_t size = name.size;
+    while (size && strchr("0123456789", name.data[size - 1])) {
+        size--;
+    }
+    *ends = size < name.size;
+    size -= size && strchr(" _-", name.data[size - 1]);
+    bool fits =
+        *ends && size >= 2 && size < SIDES_SHAFT_SIZE && strchr("LR", name.data[0]) && strchr(capitals, name.data[1]);
+    for (size_t i = 2; i < size && fits; i++) {
+        fits = strchr(capitals, name.data[i]) || strchr(small, name.data[i]);
+    }
+    return (struct text){name.data, fits ? size : 0};
+}
+
+static void count_shaft(struct sides *sides, struct text name, double x, double edge)
+{
+    bool ends;
+    const struct text letters = letters_of(name, &ends);
+    size_t i = 0;
+    while (i < sides->shaft_count && !text_equal(letters, sides->shafts[i].letters)) {
+        i++;
+    }
+    if (!letters.size || i == SIDES_SHAFTS) {
+        sides->has_others = sides->has_others || ends;
+        return;
+    }
+    struct shaft *shaft = &sides->shafts[i];
+    if (i == sides->shaft_count) {
+        sides->shaft_count++;
+        memcpy(shaft->letters, letters.data, letters.size);
+    }
+    shaft->contacts++;
+    shaft->wrong += letters.data[0] == 'L' ? x > edge : x < -edge;
+}
+
+void sides_count(struct sides *sides, int side, struct text name, double x, double edge)
+{
+    size_t *wrong = side < 0 ? &sides->left_on_right : &sides->right_on_left;
+    sides->points++;
+    sides->beyond[0] += x < -edge;
+    sides->beyond[1] += x > edge;
+    if (side) {
+        *(side < 0 ? &sides->left : &sides->right) += 1;
+        *wrong += side < 0 ? x > edge : x < -edge;
+    } else {
+        count_shaft(sides, name, x, edge);
+    }
+}
+
+conus_status sides_check(const struct sides *s, const char *why)
+{
+    bool is_wrong = (s->left && 2 * s->left_on_right >= s->left) || (s->right && 2 * s->right_on_left >= s->right);
+    return !is_wrong || s->left + s->right < 2
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA,
+                      "sides: %zu of %zu rows called left lie on the right, %zu of %zu called right on the left; %s, "
+                      "and ',sides=anyway' behind FILE takes them as they are",
+                      s->left_on_right, s->left, s->right_on_left, s->right, why);
+}
+
+static conus_status warn_of_file(const struct sides *sides, int of_file, struct notes *notes)
+{
+    enum { LEAST = 3 };
+    const size_t wrong = of_file ? sides->beyond[of_file < 0] : 0;
+    return sides->points < LEAST || 2 * wrong <= sides->points
+               ? CONUS_OK
+               : notes_warn(notes,
+                            "its name says %s, and %zu of %zu points lie on the %s; is x mirrored? ',sides=anyway' "
+                            "behind FILE says that it is not",
+                            of_file < 0 ? "left" : "right", wrong, sides->points, of_file < 0 ? "right" : "left");
+}
+
+conus_status sides_warn(const struct sides *sides, int of_file, struct notes *notes)
+{
+    conus_status status = warn_of_file(sides, of_file, notes);
+    char shown[4 * SIDES_SHAFT_SIZE] = "";
+    size_t of_letter[2] = {0};
+    size_t wrong = 0;
+    for (size_t i = 0; i < sides->shaft_count; i++) {
+        of_letter[sides->shafts[i].letters[0] == 'R']++;
+    }
+    bool are_all = !sides->has_others && sides->shaft_count >= (of_letter[0] && of_letter[1] ? 2 : 3);
+    for (size_t i = 0; i < sides->shaft_count; i++) {
+        const struct shaft *shaft = &sides->shafts[i];
+        bool is_side = are_all;
+        for (size_t k = 0; k < sides->shaft_count; k++) {
+            const char *other = sides->shafts[k].letters;
+            is_side = is_side || (other[0] != shaft->letters[0] && strcmp(other + 1, shaft->letters + 1) == 0);
+        }
+        if (is_side && shaft->contacts >= 3 && shaft->wrong == shaft->contacts && wrong++ < 3) {
+            size_t used = strlen(shown);
+            snprintf(shown + used, sizeof shown - used, "%s%s", used ? ", " : "", shaft->letters);
+        }
+    }
+    return status || !wrong
+               ? status
+               : notes_warn(notes,
+                            "%zu of %zu electrodes lie on the other side than the first letter of their names says "
+                            "(%s%s); is x mirrored? ',sides=anyway' behind FILE says that it is not",
+                            wrong, sides->shaft_count, shown, wrong > 3 ? ", ..." : "");
+}
