@@ -78,7 +78,7 @@ static void draw_name(struct viewer *viewer, const struct view_atlas *view, enum
                  viewer_place_text(place, viewer, result->contact), result->pixels);
     }
     if (view == viewer->drawn) {
-        ui_chip("colour", colour_of(viewer, view, tool, result->object));
+        ui_chip(colour_of(viewer, view, tool, result->object));
         ui_same_line();
     }
     if (ui_row_cut(view_atlas_title(title, view, result->object),
