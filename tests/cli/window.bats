@@ -686,12 +686,15 @@ screenshot none.png
 aim 3 90 2 3 0 2
 settle
 screenshot card.png
+pointer tracker
+settle
+screenshot old.png
 END
     /usr/bin/python3 - <<'END'
 import OpenImageIO as oiio
-none, card = (oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[..., :3].astype(int) for name in ("none", "card"))
+none, card, old = (oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[..., :3].astype(int) for name in ("none", "card", "old"))
 bar = lambda rgb: (abs(rgb[400:, :40] - (0xD2, 0x24, 0x6C)).max(axis=2) < 8).any(axis=1).sum()
-assert bar(none) == 0 and bar(card) > 0.12 * 640, (bar(none), bar(card))
+assert bar(none) == bar(old) == 0 and bar(card) > 0.12 * 640, (bar(none), bar(old), bar(card))
 rows = (card[400:, 40:300].min(axis=2) > 220).any(axis=1)
 longest = run = 0
 for on in rows:

@@ -424,7 +424,12 @@ static void draw_card(struct window *window, float below)
     struct headline headline;
     char shown[HEADLINE_TEXT];
     uint8_t rgb[3];
+    const bool is_old = inputs_is_old(&window->inputs, viewer, FIRST_TOOL);
     headline_find(&headline, viewer);
+    if (is_old) {
+        snprintf(shown, sizeof shown, "OLD ANSWER \u00b7 %.480s", headline.more);
+        memcpy(headline.more, shown, sizeof shown);
+    }
     const float gap = card_gap * box->height;
     const float more = card_more * box->height;
     const float hit = card_hit * box->height;
@@ -436,17 +441,22 @@ static void draw_card(struct window *window, float below)
     float wide = fmaxf(ui_large_width(headline.what, name), ui_large_width(headline.more, more));
     wide = fminf(fmaxf(wide, draw_next_hits(viewer, at, most, hit, false)), most);
     const uint32_t best = conus_selection_count(selection) ? conus_selection_result(selection, 0)->object : 0;
-    viewer_colour(rgb, viewer, headline.is_of_plan ? 0 : best);
+    viewer_colour(rgb, viewer, best);
+    const ui_colour bar = is_old                ? theme_shaded[THEME_ORANGE]
+                          : headline.is_of_plan ? theme_shaded[panel_verdict_colour(plans_verdict(viewer))]
+                                                : (ui_colour){rgb[0], rgb[1], rgb[2], 255};
     const struct ui_box card = {at[0] - 2 * gap, at[1] - gap, wide + 4 * gap, whole};
     ui_draw_box(card, theme_surfaces[THEME_SHADE], 0);
-    ui_draw_box((struct ui_box){card.x, card.y, 0.6F * gap, card.height}, (ui_colour){rgb[0], rgb[1], rgb[2], 255}, 0);
+    ui_draw_box((struct ui_box){card.x, card.y, 0.6F * gap, card.height}, bar, 0);
     ui_shorten_name(shown, sizeof shown, headline.what,
                     most * ui_text_width(headline.what) / ui_large_width(headline.what, name));
     ui_draw_large(at, theme_shaded[THEME_PLAIN], shown, name);
     at[1] += name + gap;
-    ui_draw_large(at, theme_shaded[THEME_HINT], headline.more, more);
+    ui_draw_large(at, theme_shaded[is_old ? THEME_ORANGE : THEME_HINT], headline.more, more);
     at[1] += more + gap;
-    draw_next_hits(viewer, at, most, hit, true);
+    if (!is_old) {
+        draw_next_hits(viewer, at, most, hit, true);
+    }
 }
 
 /* Writes notices at the lower edge: of the head, and above it of both cones; and above all the answer, where no panel

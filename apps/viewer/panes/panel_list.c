@@ -184,7 +184,7 @@ void panel_lists(struct window *window, enum tool_number tool, float lines)
                 viewer_draw(viewer, i);
             }
         }
-        draw_list(window, view, tool, several ? fmaxf(lines / (float)viewer->atlas_count, 5) : lines);
+        draw_list(window, view, tool, several ? fmaxf(floorf(lines / (float)viewer->atlas_count) - 1, 4) : lines);
         ui_id_end();
     }
 }

@@ -227,7 +227,7 @@ static void draw_tabs(struct window *window)
         }
         shown->shown = ui_tab(label, shown->shown == i, tabs[i].tip) ? i : shown->shown;
     }
-    ui_scroll("tab", 0);
+    ui_scroll("tab", fmaxf(ui_room_below(), 8 * ui_line()));
     for (size_t i = PANEL_TABS; i--;) {
         if (ui_shows_tab(shown->shown == i)) {
             tabs[i].draw(window);
