@@ -63,7 +63,7 @@ enum look_colour {
 /** @name The themes
  * An item: its name, dark, light. LOOK_DARK_NAME and LOOK_LIGHT_NAME are the colours.
  * @{ */
-/** Texts of the window, and the mark of the focus, on which none stands. */
+/** Texts of the window. */
 #define LOOK_TEXTS(ITEM)                                                                                               \
     ITEM(PLAIN, 0xF2F4F6, 0x1B1F24)                                                                                    \
     ITEM(HINT, 0xBEC3CD, 0x424854)                                                                                     \
@@ -71,7 +71,14 @@ enum look_colour {
     ITEM(ORANGE, 0xFFAF55, 0x963000)                                                                                   \
     ITEM(RED, 0xFFA596, 0xA01014)                                                                                      \
     ITEM(GREEN, 0x6EE682, 0x005C20)
-#define LOOK_MARKS(ITEM) ITEM(MARK, 0x78B4FF, 0x185CBE)
+/** What no text stands on: the focus and ticks, the edge of what is pressed or typed in, sliders' knobs, lines between
+ * groups of widgets. */
+#define LOOK_MARKS(ITEM)                                                                                               \
+    ITEM(MARK, 0x78B4FF, 0x185CBE)                                                                                     \
+    ITEM(EDGE, 0x6A7481, 0x7F8792)                                                                                     \
+    ITEM(KNOB, 0xAEB9C5, 0x5A6572)                                                                                     \
+    ITEM(KNOB_HELD, 0xF2F4F6, 0x3A434E)                                                                                \
+    ITEM(LINE, 0x3A4049, 0xD9DCE1)
 
 /** What texts stand on. */
 #define LOOK_SURFACES(ITEM)                                                                                            \
@@ -86,12 +93,7 @@ enum look_colour {
     ITEM(ROW, 0x333B46, 0xDDE4EE)                                                                                      \
     ITEM(ROW_HOVERED, 0x2A2F37, 0xE9ECF0)                                                                              \
     ITEM(ROW_HELD, 0x3A424D, 0xD3DBE6)                                                                                 \
-    ITEM(KNOB, 0x4A5664, 0xB4BFCC)                                                                                     \
-    ITEM(KNOB_HELD, 0x566475, 0xA3B0C0)                                                                                \
     ITEM(MARKED, 0x34465F, 0xBFD3F2)
-
-/** Lines between groups of widgets. */
-#define LOOK_LINES(ITEM) ITEM(LINE, 0x3A4049, 0xD9DCE1)
 
 /** The page, as page.css names them. */
 #define LOOK_PAGE(ITEM)                                                                                                \
@@ -107,7 +109,7 @@ enum look_colour {
 #define LOOK_BOTH_THEMES(name, dark, light) LOOK_DARK_##name = (dark), LOOK_LIGHT_##name = (light),
 enum look_theme_colour {
     LOOK_TEXTS(LOOK_BOTH_THEMES) LOOK_MARKS(LOOK_BOTH_THEMES) LOOK_SURFACES(LOOK_BOTH_THEMES)
-        LOOK_LINES(LOOK_BOTH_THEMES) LOOK_PAGE(LOOK_BOTH_THEMES)
+        LOOK_PAGE(LOOK_BOTH_THEMES)
 };
 
 /** @name Linear light

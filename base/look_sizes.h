@@ -14,6 +14,7 @@ enum look_size {
     LOOK_PADDING_Y = 6,
     LOOK_GAP_X = 6,
     LOOK_GAP_Y = 4,
+    LOOK_BAR = 10,   /**< A bar that scrolls. */
     LOOK_CELL = 4,   /**< Between a table's columns, */
     LOOK_CELL_Y = 4, /**< and between a row and its line. */
 

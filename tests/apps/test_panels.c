@@ -60,7 +60,7 @@ static void a_cylinder_has_a_radius_and_no_opening(void **state)
     viewer_finish(&viewer);
 }
 
-/* The card comes and goes: what is pressed, also of a second tool, stays where it was. */
+/* What comes and goes stands below what is pressed, in a tab: of a second tool, too. */
 static void the_card_stands_below_all_else(void **state)
 {
     struct viewer viewer;
@@ -72,14 +72,71 @@ static void the_card_stands_below_all_else(void **state)
         viewer.tools[SECOND_TOOL].on = second;
         viewer.drawn->shown.chosen = 0;
         draw(&window);
-        size_t last = ui_audit_count();
-        assert_false(has("Pin"));
+        size_t last = ui_audit_count() - 1; /* a line says that nothing is chosen */
+        assert_false(has("Label"));
         viewer.drawn->shown.chosen = 1;
         draw(&window);
-        assert_true(has("Pin"));
-        assert_true(ui_audit_place("Label") >= last);
+        assert_true(ui_audit_place("Label") >= last && has("Label"));
         assert_true(ui_audit_place("Second tool") < last && ui_audit_place("Search") < last);
     }
+    ui_destroy();
+    viewer_finish(&viewer);
+}
+
+/* Nothing that the answer says moves what is asked, nor the tabs. */
+static void what_is_pressed_stays_where_it_is(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    float places[2];
+    (void)state;
+    window_scene_open(&window, &viewer);
+    lay_out(&window);
+    draw(&window);
+    assert_true(ui_audit_at(places, "Opening"));
+    const float asked = places[1];
+    assert_true(ui_audit_at(places, "Keep answer"));
+    const float keeps = places[1];
+    assert_true(ui_audit_at(places, "How sure?"));
+    const float tab = places[1];
+    viewer.cone.options.layers = CONUS_LAYERS_ALL;
+    viewer.cone.options.range[1] = 70; /* a line above the answer says so */
+    tool_reselect(&viewer);
+    viewer_choose(&viewer, 1);
+    tool_confirm(&viewer, FIRST_TOOL);
+    viewer.tools[SECOND_TOOL].on = true;
+    draw(&window);
+    draw(&window);
+    assert_true(has("only depths from 0 to 70 mm count"));
+    assert_true(ui_audit_at(places, "Opening") && places[1] == asked);
+    assert_true(ui_audit_at(places, "Keep answer") && places[1] == keeps);
+    assert_true(ui_audit_at(places, "How sure?") && places[1] == tab);
+    ui_destroy();
+    viewer_finish(&viewer);
+}
+
+/* A second tool that is switched on shows its tab; a kept answer does not take another one away. */
+static void a_tab_comes_to_the_front_when_it_is_switched_on(void **state)
+{
+    enum { AREA = 0, SURE = 2, SECOND = 6 };
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    window_scene_open(&window, &viewer);
+    lay_out(&window);
+    draw(&window);
+    assert_int_equal(window.screen.tabs.shown, AREA);
+    viewer.study.settings.kind = STUDY_SWEEP;
+    draw(&window);
+    assert_int_equal(window.screen.tabs.shown, SURE);
+    viewer.tools[SECOND_TOOL].on = true;
+    draw(&window);
+    assert_int_equal(window.screen.tabs.shown, SECOND);
+    window.screen.tabs.shown = SURE;
+    tool_confirm(&viewer, FIRST_TOOL);
+    draw(&window);
+    assert_int_equal(window.screen.tabs.shown, SURE);
+    assert_true(has(viewer.pin_count ? "Kept 1" : "Kept"));
     ui_destroy();
     viewer_finish(&viewer);
 }
@@ -224,6 +281,8 @@ TEST_GROUP(panels)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_cylinder_has_a_radius_and_no_opening),
         cmocka_unit_test(the_card_stands_below_all_else),
+        cmocka_unit_test(what_is_pressed_stays_where_it_is),
+        cmocka_unit_test(a_tab_comes_to_the_front_when_it_is_switched_on),
         cmocka_unit_test(an_exchanged_atlas_is_exchanged_and_has_no_side),
         cmocka_unit_test(warnings_of_the_program_stand_beside_the_answer),
         cmocka_unit_test(an_atlas_whose_areas_have_no_names_says_so),

@@ -388,7 +388,7 @@ static void a_list_follows_the_atlas_and_the_radius(void **state)
     viewer_finish(&viewer);
 }
 
-/* With a plan all is neutral before the tool has a pose, too; without one areas have the colours of their file then. */
+/* Before the tool has a pose all is neutral, with a plan also where the colours of the file are wanted. */
 static void before_the_first_pose_nothing_has_a_colour(void **state)
 {
     static const uint8_t neutral[] = {LOOK_RGB(LOOK_NOT_HIT)};
@@ -398,8 +398,13 @@ static void before_the_first_pose_nothing_has_a_colour(void **state)
     (void)state;
     window_scene_open_phantom(&window, &viewer, "u-shape");
     viewer_colour(rgb, &viewer, 1);
+    assert_memory_equal(rgb, neutral, 3);
+    assert_non_null(viewer_pictured(&viewer));
+    viewer.display.own_colours = true;
+    viewer_colour(rgb, &viewer, 1);
     assert_memory_equal(rgb, conus_atlas_object(viewer.drawn->atlas, 1)->rgb, 3);
     assert_null(viewer_pictured(&viewer));
+    viewer.display.own_colours = false;
     assert_int_equal(open_plan(&viewer, usual, 4), 0);
     viewer.drawn->shown.chosen = 1;
     assert_int_equal(viewer_full(&viewer), 0);

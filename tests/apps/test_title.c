@@ -50,7 +50,7 @@ static void names_of_two_kinds_are_told_apart(void **state)
     tool_aim_along(&viewer, FIRST_TOOL, (const double[]){0, 90, 0}, (const double[]){0, -1, 0});
     assert_titled(&window, "conus - nested.nii.gz - area Shell outer (hit)");
     tool_confirm(&viewer, FIRST_TOOL);
-    assert_memory_equal(viewer.message, "confirmed: area Shell outer, ", 29);
+    assert_memory_equal(viewer.message, "kept: area Shell outer, ", 24);
     assert_pinned(&viewer, "area Shell outer");
     viewer.pins[0].object = 0; /* the atlas has it no longer */
     assert_pinned(&viewer, "Shell outer");

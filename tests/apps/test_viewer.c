@@ -237,7 +237,9 @@ static void colours_go_and_come_back(void **state)
     (void)state;
     load(&viewer, "slabs", "slabs.nii.gz");
     unsigned scene = viewer.scene_number;
+    viewer.display.own_colours = true;
     viewer_colour(own, &viewer, 1);
+    viewer.display.own_colours = false;
     viewer_use_safe_colours(&viewer, true);
     viewer_use_safe_colours(&viewer, true);
     viewer_colour(safe, &viewer, 1);
@@ -251,6 +253,8 @@ static void colours_go_and_come_back(void **state)
     viewer_use_safe_colours(&viewer, false);
     assert_colour(&viewer, hit, first);
     tool_clear(&viewer);
+    assert_colour(&viewer, 1, (const uint8_t[]){LOOK_RGB(LOOK_NOT_HIT)});
+    viewer.display.own_colours = true;
     assert_colour(&viewer, 1, own);
     viewer_finish(&viewer);
 }
@@ -337,7 +341,7 @@ static void an_area_that_comes_to_lie_behind_is_a_change(void **state)
 }
 
 /* As in pictures: the area that is hit first has the first rank's colour, the other one is grey, and behind that one
- * it has the second. Without a cone, and where that was chosen, both have the atlas's. */
+ * it has the second. Without a cone both are grey, and where that was chosen they have the atlas's. */
 static void areas_have_the_colours_of_their_ranks(void **state)
 {
     static const uint8_t first[3] = {LOOK_RGB(LOOK_RANK_1)}, second[3] = {LOOK_RGB(LOOK_RANK_2)};
@@ -346,7 +350,10 @@ static void areas_have_the_colours_of_their_ranks(void **state)
     (void)state;
     load(&viewer, "slabs", "slabs.nii.gz");
     const conus_atlas *atlas = viewer.drawn->atlas;
+    assert_colour(&viewer, 1, not_hit);
+    viewer.display.own_colours = true;
     assert_colour(&viewer, 1, conus_atlas_object(atlas, 1)->rgb);
+    viewer.display.own_colours = false;
     tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     const uint32_t hit = conus_selection_result(viewer_selection(&viewer), 0)->object;
     const uint32_t other = 3 - hit;
@@ -387,6 +394,30 @@ static void an_opaque_context_is_hit_before_what_it_hides(void **state)
     assert_true(viewer_pick(&object, hidden, &viewer, from, back, surface + 0.01));
     assert_int_equal(object, 0);
     viewer_finish(&viewer);
+}
+
+/* An image that lies in areas through which nothing is seen is not drawn around them; it is where areas are glass or
+ * hidden, and where areas are a part of it only. */
+static void an_image_is_left_out_around_opaque_areas(void **state)
+{
+    (void)state;
+    for (int is_part = 0; is_part < 2; is_part++) {
+        struct viewer viewer;
+        char path[600];
+        conus_atlas *atlas = phantom("slabs", "slabs.nii.gz");
+        assert_ok(conus_phantom_write("brain", test_scratch("phantom"), NULL));
+        snprintf(path, sizeof path, "%s/%s", test_scratch("phantom"),
+                 is_part ? "brain-context.nii.gz" : "slabs.nii.gz");
+        assert_ok(conus_atlas_set_context(atlas, path, NULL));
+        view(&viewer, atlas);
+        assert_near(viewer_fade(&viewer), !is_part, 0);
+        viewer_set_opacity(&viewer, 0, 0.5);
+        assert_near(viewer_fade(&viewer), 0, 0);
+        viewer_set_opacity(&viewer, 0, 1);
+        viewer_hide(&viewer, 1, true);
+        assert_near(viewer_fade(&viewer), 0, 0);
+        viewer_finish(&viewer);
+    }
 }
 
 static void a_place_has_a_voxel_and_the_crosshair_stays_near(void **state)
@@ -703,6 +734,7 @@ TEST_GROUP(viewer)
         cmocka_unit_test(areas_hidden_by_an_option_can_be_shown),
         cmocka_unit_test(a_pathway_has_a_value),
         cmocka_unit_test(areas_have_the_colours_of_their_ranks),
+        cmocka_unit_test(an_image_is_left_out_around_opaque_areas),
         cmocka_unit_test(an_opaque_context_is_hit_before_what_it_hides),
         cmocka_unit_test(a_place_has_a_voxel_and_the_crosshair_stays_near),
         cmocka_unit_test(written_results_are_the_copied_table),

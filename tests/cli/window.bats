@@ -132,25 +132,26 @@ key_at() {
     pass
 }
 
-@test "an open list of choices takes all keys, and a heading folds only what is its own" {
+@test "an open list of choices takes all keys, and a tab shows what is its own" {
     conus phantom slabs -o .
     live slabs.nii.gz --size 1280x800
     tell 'aim 60 3 2 0 0 0' 'key space' 'orbit 10 0'
     look '.frozen == true and .layers == "visible"'
     orbit=$(jq -c .orbit "look$looks.json")
-    click_at 1150 443 # Show
+    click_at 1150 369 # Point with
     key_at Escape
     look '.has_pose == true and .frozen == true'
-    click_at 1150 443
+    click_at 1150 369
     xdotool key --window "$window" h
     key_at Down
     key_at Return
-    look ".layers == \"all\" and .confirmed == [] and .hidden == [] and .orbit == $orbit"
+    look ".pointer == \"wand\" and .confirmed == [] and .hidden == [] and .orbit == $orbit"
     xdotool key --window "$window" l # the list is closed: keys belong to the brain again
+    look '.layers == "all"'
+    click_at 1093 423 # first hits: of the wand's question, which has no start
     look '.layers == "visible"'
-    click_at 1085 335 # the heading above the query's settings
-    click_at 1085 397 # View, below Expert
-    click_at 919 479  # Outlines
+    click_at 1123 481 # the tab Look
+    click_at 919 562  # Outlines
     look '.outlines == false'
     leave
 }
@@ -373,7 +374,7 @@ END
     view sphere.nii.gz <<'END'
 save at.json
 END
-    jq '.measure = {"on": false, "count": 2, "points": [-19, -18, 0, -10, -18, 0]}' at.json >measured.json
+    jq '.own_colours = true | .measure = {"on": false, "count": 2, "points": [-19, -18, 0, -10, -18, 0]}' at.json >measured.json
     for z in 0 5 40; do
         view sphere.nii.gz --session measured.json --size 900x500 <<END
 key tab
@@ -456,11 +457,11 @@ END
     [[ $stderr == *'none/hits.tsv: '* ]]
 }
 
-@test "at 1500x940 the icons stand above the list of areas" {
+@test "at 1500x940 the icons stand beside the list of areas" {
     conus phantom slabs -o .
     live slabs.nii.gz --size 1500x940
     look '.measure.on | not'
-    click_at 72 41 # the second icon: measure
+    click_at 24 54 # the second icon: measure
     look '.measure.on'
     leave
 }
@@ -469,12 +470,13 @@ END
     conus phantom slabs -o .
     conus phantom sphere -o .
     live slabs.nii.gz --size 1280x800
+    click_at 1228 508 # the tab of the second tool
     tell 'drop sphere.nii.gz'
-    click_at 919 559 # Second tool
+    click_at 919 535
     look '.second.on | not'
     xdotool key --window "$window" Escape
     pass
-    click_at 919 559
+    click_at 919 535
     look '.second.on'
     leave
 }
@@ -555,12 +557,16 @@ END
     jq -e --slurpfile drawn drawn.json '.transfer == $drawn[0].transfer' kept.json
     [ ! -e saved.tsv ]
     live "${brain[@]}" --size 1280x800
-    click_at 1085 563 # Context
-    xdotool mousemove --window "$window" 1088 714
+    click_at 1123 508 # the tab Look
+    xdotool mousemove --window "$window" 1100 640 click --repeat 20 --delay 10 5
+    click_at 1085 759 # Context, its last heading
+    xdotool mousemove --window "$window" 1100 640 click --repeat 30 --delay 10 5
+    pass
+    xdotool mousemove --window "$window" 1083 715
     pass
     xdotool mousedown 1
     pass
-    xdotool mousemove --window "$window" 1088 692
+    xdotool mousemove --window "$window" 1083 693
     pass
     xdotool mouseup 1
     pass
@@ -666,6 +672,36 @@ crosshair() {
     between_frames xdotool key --window "$window" slash h
     look '.hidden == []' # the h is of the search that the slash opens
     leave
+}
+
+# The bar at its left has the first rank's colour, and the name is in letters that a room can read.
+@test "the brain alone has the answer on a card, and without an answer none" {
+    need_window
+    need_pixels
+    conus phantom slabs -o .
+    view slabs.nii.gz --size 1000x640 <<'END'
+key f
+settle
+screenshot none.png
+aim 3 90 2 3 0 2
+settle
+screenshot card.png
+pointer tracker
+settle
+screenshot old.png
+END
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+none, card, old = (oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[..., :3].astype(int) for name in ("none", "card", "old"))
+bar = lambda rgb: (abs(rgb[400:, :40] - (0xD2, 0x24, 0x6C)).max(axis=2) < 8).any(axis=1).sum()
+assert bar(none) == bar(old) == 0 and bar(card) > 0.12 * 640, (bar(none), bar(old), bar(card))
+rows = (card[400:, 40:300].min(axis=2) > 220).any(axis=1)
+longest = run = 0
+for on in rows:
+    run = run + 1 if on else 0
+    longest = max(longest, run)
+assert longest >= 640 / 40, longest
+END
 }
 
 @test "what lies over the 3-D picture belongs to it, and it keeps its shape while the pane changes" {

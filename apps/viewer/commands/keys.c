@@ -340,7 +340,7 @@ static void go_in_plan(struct window *window, const int by[3])
 static const struct key keys[] = {
     {"?", "this list; F1, too", .act = toggle_help, .is_anywhere = true, .group = "Window"},
     {"f1", NULL, .act = toggle_help, .is_anywhere = true},
-    {"enter", "confirm: pin the best result", .act = confirm, .group = "Pointing"},
+    {"enter", "keep the best hit", .act = confirm, .group = "Pointing"},
     {"space", "hold the cone, or let it follow the mouse again, as a click does", .move = hold, .by = {FIRST_TOOL}},
     {"escape", "end the search; clear the cone, and choose no area", .act = clear},
     {"1", "one area, by a single ray, or all areas in the cone", .sets = PROPERTY_ONE_RAY},
@@ -415,7 +415,7 @@ static const struct key keys[] = {
     {"o", "save a copy of the session, under a name by the time", .move = press_save, .by = {SAVE_SESSION}},
     {"p", "save what the window shows, as a picture", .move = press_save, .by = {SAVE_PICTURE}},
     {"ctrl+c", "copy the hits of the cone as a table", .move = copy_table, .by = {COPY_RESULTS}},
-    {"ctrl+shift+c", "copy what was confirmed", .move = copy_table, .by = {COPY_PINS}},
+    {"ctrl+shift+c", "copy what was kept", .move = copy_table, .by = {COPY_PINS}},
     {"ctrl+e", "export the hits of the cone", .move = press_save, .by = {SAVE_RESULTS}},
     {"ctrl+p", "save 3-D or a cut as a figure: its size, dpi, background, legend and name", .act = figure_form_open},
     {"ctrl+shift+p", "copy the path of the figure that was saved last", .act = figure_form_copy},
@@ -685,13 +685,13 @@ void keys_draw_help(struct window *window)
     ui_text_wrapped(
         THEME_PLAIN,
         "3-D: left button turns, right button moves, wheel comes nearer; the cone follows the mouse, a click holds it "
-        "and sets the crosshair, another one lets it go, a double click confirms.\n"
+        "and sets the crosshair, another one lets it go, a double click keeps the answer.\n"
         "Flat panes: left button sets the crosshair, wheel goes through the cuts, Ctrl and wheel magnify; middle "
         "button, or Ctrl and left, drags the context's brightness (up) and contrast (right), a double click resets; "
         "with the wand, right button puts the device there, with Shift it points there.\n"
         "SpaceMouse: the cap moves and turns the tool along its own axes; first button holds, second resets, third "
-        "confirms.\n"
+        "keeps the answer.\n"
         "Gamepad: left stick moves forward, back and aside, right stick turns, shoulder buttons move down and up, "
-        "triggers narrow and widen the cone; A holds, B resets, X confirms.");
+        "triggers narrow and widen the cone; A holds, B resets, X keeps.");
     ui_panel_end();
 }

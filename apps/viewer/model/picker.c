@@ -43,9 +43,8 @@ static double depth_of_surface(const struct viewer *viewer, const double origin[
                                double limit)
 {
     static const double dark = 0.1, half = 0.5;
-    struct context_ray context_ray = {.atlas = viewer->drawn->atlas,
-                                      .volume = view_atlas_context(viewer->drawn),
-                                      .thinned = 1 - viewer->display.fade};
+    struct context_ray context_ray = {
+        .atlas = viewer->drawn->atlas, .volume = view_atlas_context(viewer->drawn), .thinned = 1 - viewer_fade(viewer)};
     if (context_ray.volume < conus_atlas_volume_count(viewer->drawn->atlas) && viewer->painter) {
         context_ray.count = painter_transfer(viewer->painter, context_ray.points, EDITOR_POINTS);
     }

@@ -156,7 +156,7 @@ void tool_confirm(struct viewer *viewer, enum tool_number number)
     }
     const conus_result *best = conus_selection_result(view_atlas_selection(viewer->drawn, number), 0);
     if (!best || !best->object) {
-        viewer_say(viewer, "nothing in the %scone to confirm", whose[number]);
+        viewer_say(viewer, "nothing in the %scone to keep", whose[number]);
         return;
     }
     viewer_pin(viewer, (struct pin){.atlas = (size_t)(viewer->drawn - viewer->atlases),
@@ -167,9 +167,9 @@ void tool_confirm(struct viewer *viewer, enum tool_number number)
     const char *name = viewer_pin_title(title, viewer, &viewer->pins[viewer->pin_count - 1]);
     if (number == SECOND_TOOL) {
         viewer->version++;
-        viewer_say(viewer, "confirmed by the second tool: %s", name);
+        viewer_say(viewer, "kept, of the second tool: %s", name);
     } else {
-        viewer_say(viewer, "confirmed: %s, %.1f mm from the device", name, best->distance);
+        viewer_say(viewer, "kept: %s, %.1f mm from the start", name, best->distance);
     }
 }
 

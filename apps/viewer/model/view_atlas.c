@@ -21,6 +21,47 @@ static conus_status find_box(struct view_atlas *view)
     return hides && !status ? conus_atlas_set_hidden(view->atlas, view->shown.hidden) : status;
 }
 
+enum { LATTICE = 24 };
+
+/* Whether most of the places of a lattice where the context is brighter than black have an area. */
+static bool find_cover(const struct view_atlas *view)
+{
+    const size_t context = view_atlas_context(view);
+    const conus_volume_info *info = conus_atlas_volume(view->atlas, context);
+    conus_cut_view cut = {.width = LATTICE, .height = LATTICE, .no_outlines = true, .window = {0, 1}};
+    uint32_t objects[LATTICE][LATTICE];
+    uint8_t rgba[LATTICE][LATTICE][4];
+    size_t bright = 0;
+    size_t covered = 0;
+    double reach = 0; /* from the middle, along any axis */
+    for (int a = 0; info && a < 3; a++) {
+        const double *m = info->world_from_voxel;
+        cut.centre[a] = m[12 + a];
+        for (int b = 0; b < 3; b++) {
+            cut.centre[a] += m[4 * b + a] * (double)info->dim[b] / 2;
+            reach = fmax(reach, fabs(m[4 * b + a]) * (double)info->dim[b] / 2);
+        }
+    }
+    const double middle = cut.centre[2];
+    cut.mm_per_pixel = 2 * reach / LATTICE;
+    for (int k = 0; info && k < LATTICE; k++) {
+        cut.centre[2] = middle + (k + 0.5 - LATTICE / 2.0) * cut.mm_per_pixel;
+        if (conus_cut(&rgba[0][0][0], &objects[0][0], view->atlas, &cut)) {
+            return false;
+        }
+        for (int p = 0; p < LATTICE * LATTICE; p++) {
+            const int column = p % LATTICE;
+            const int row = p / LATTICE;
+            const double at[3] = {cut.centre[0] + (column + 0.5 - LATTICE / 2.0) * cut.mm_per_pixel,
+                                  cut.centre[1] - (row + 0.5 - LATTICE / 2.0) * cut.mm_per_pixel, cut.centre[2]};
+            bool is_bright = conus_atlas_value(view->atlas, context, at) > view->found_grey[0];
+            bright += is_bright;
+            covered += is_bright && objects[row][column];
+        }
+    }
+    return 2 * covered > bright;
+}
+
 bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
 {
     struct view_atlas view = {.atlas = source->atlas,
@@ -45,6 +86,7 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
     if (context == conus_atlas_volume_count(view.atlas) || conus_atlas_window(view.found_grey, view.atlas, context)) {
         view.found_grey[0] = view.found_grey[1] = 0;
     }
+    view.is_covered = find_cover(&view);
     *out = view;
     return true;
 }
@@ -183,6 +225,15 @@ size_t view_atlas_hidden(const struct view_atlas *view)
         count += view->shown.hidden[number];
     }
     return count;
+}
+
+bool view_atlas_shows_tracts(const struct view_atlas *view)
+{
+    size_t number = view->object_count; /* they come last */
+    while (number && view->shown.hidden[number] && conus_atlas_object(view->atlas, number)->kind != CONUS_KIND_AREA) {
+        number--;
+    }
+    return number && conus_atlas_object(view->atlas, number)->kind != CONUS_KIND_AREA;
 }
 
 char view_atlas_side(const struct view_atlas *view, size_t number)

@@ -27,6 +27,7 @@ struct view_atlas {
     const char **prefixes; /**< [object_count + 1] Of conus_atlas_prefixes(). */
     double found_grey[2];  /**< Grey values of the context that the cuts show as black and white, unless the look says
                             others: what air and bright tissue have; both 0 without one. */
+    bool is_covered;       /**< Most of what the context shows lies in areas. */
     struct appearance appearance;
     struct shown_objects shown;
     struct file_watch *watch;
@@ -74,6 +75,8 @@ const double *view_atlas_grey(const struct view_atlas *view);
 bool view_atlas_shares_context(const struct view_atlas *a, const struct view_atlas *b);
 /** How many of its objects are hidden. */
 size_t view_atlas_hidden(const struct view_atlas *view);
+/** Whether pathways or bundles are shown, for which pictures leave areas out. */
+bool view_atlas_shows_tracts(const struct view_atlas *view);
 enum { VIEW_ATLAS_TITLE = 256 };
 /** The name of object @p number in lists and pictures; its kind stands before the name where another kind has the same
  * name. */

@@ -354,11 +354,13 @@ void viewer_choose(struct viewer *viewer, uint32_t object)
     }
 }
 
-/* Whether only what is hit has a colour: with a plan also before there is a cone, beside what its needle is to reach.
- */
+/* Whether only what is hit has a colour: before there is a cone nothing has one, unless it was chosen, or pathways and
+ * bundles are to be told apart; with a plan these neither, beside what its needle is to reach. */
 static bool is_neutral(const struct viewer *viewer)
 {
-    return viewer_selection(viewer) || viewer->plan.task.constraints.count;
+    bool shows_colours = viewer->display.own_colours || viewer->display.safe_colours;
+    return viewer_selection(viewer) || viewer->plan.task.constraints.count ||
+           !(shows_colours || view_atlas_shows_tracts(viewer->drawn));
 }
 
 uint32_t viewer_full(const struct viewer *viewer)
@@ -366,7 +368,15 @@ uint32_t viewer_full(const struct viewer *viewer)
     return is_neutral(viewer) ? 0 : viewer->drawn->shown.chosen;
 }
 
-struct answer *viewer_pictured(struct viewer *viewer)
+double viewer_fade(const struct viewer *viewer)
+{
+    const struct view_atlas *view = viewer->drawn;
+    bool is_within = view->is_covered && view->appearance.opacity[0] >= 1 && !view_atlas_hidden(view) &&
+                     !view_atlas_shows_tracts(view);
+    return is_within ? 1 : viewer->display.fade;
+}
+
+struct answer *viewer_pictured(const struct viewer *viewer)
 {
     struct view_atlas *view = viewer->drawn;
     conus_selector_options options;
@@ -451,7 +461,8 @@ void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane
                             .fill = viewer->display.fill,
                             .no_outlines = viewer->display.no_outlines,
                             .window = {grey[0], grey[1]},
-                            .selection = viewer_selection(viewer),
+                            .selection = answer_selection(viewer_pictured(viewer)),
+                            .no_cone = !viewer_selection(viewer),
                             .chosen = viewer_full(viewer),
                             .own_colours = viewer->display.own_colours};
     memcpy(out->centre, viewer->centre, sizeof out->centre);

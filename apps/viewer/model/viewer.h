@@ -180,13 +180,16 @@ bool viewer_voxel(long voxel[3], const struct viewer *viewer, const double at[3]
 /** Chooses an object; the crosshair goes to its middle. */
 void viewer_choose(struct viewer *viewer, uint32_t object);
 
-/** The chosen object where there is no cone; with one only what it hits is in full colour in pictures. 0 = none. */
+/** The chosen object where all have the colours of their file; else only what is hit has one in pictures. 0 = none. */
 uint32_t viewer_full(const struct viewer *viewer);
 /** The place of an object in the answer, from 1, where pictures show it by a colour; 0 = it has its own, or is not hit.
  */
 size_t viewer_rank(const struct viewer *viewer, uint32_t object);
-/** The answer that pictures show the colours of: with a plan before there is a cone one without a hit; NULL = none. */
-struct answer *viewer_pictured(struct viewer *viewer);
+/** The answer that pictures show the colours of: before there is a cone one without a hit; NULL = none, and all have
+ * the colours of their file. */
+struct answer *viewer_pictured(const struct viewer *viewer);
+/** How much the context is thinned in 3-D: it is gone where it lies within areas through which nothing is seen. */
+double viewer_fade(const struct viewer *viewer);
 /** Grows with what cuts show: not with moves after which their colours are the same. */
 unsigned viewer_cut_version(const struct viewer *viewer);
 /** sRGB of an object that has this place; 0 = none. */

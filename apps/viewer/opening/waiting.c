@@ -39,9 +39,10 @@ static void draw_page(struct window *window, struct loader *loader, double secon
     float read = (float)progress.part * bar.width;
     float piece = (bar.width - read) / 4;
     float at = fabsf(fmodf((float)seconds, 2) - 1); /* from 1 to 0 and back */
-    ui_draw_box(bar, theme_line(), 0);
-    ui_draw_box((struct ui_box){bar.x, bar.y, read, bar.height}, theme_mark(), 0);
-    ui_draw_box((struct ui_box){bar.x + read + 3 * piece * (1 - at), bar.y, piece, bar.height}, theme_mark(), 0);
+    ui_draw_box(bar, theme_marks[THEME_LINE], 0);
+    ui_draw_box((struct ui_box){bar.x, bar.y, read, bar.height}, theme_marks[THEME_MARK], 0);
+    ui_draw_box((struct ui_box){bar.x + read + 3 * piece * (1 - at), bar.y, piece, bar.height}, theme_marks[THEME_MARK],
+                0);
     ui_text_coloured(THEME_HINT, "%s",
                      window->files.stops ? "Escape: this file is the last one that is read" : "Escape ends that");
     ui_panel_end();

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The 3-D pane: shows the painter's picture, and lets the mouse turn it or aim. */
 #include "base/look.h"
+#include "viewer/model/headline.h"
 #include "viewer/model/picker.h"
 #include "viewer/panes/panels.h"
 #include "viewer/panes/panes.h"
@@ -84,9 +85,7 @@ static void draw_compass(const struct window *window)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     float reach = compass_reach();
-    bool is_well;
-    bool has_text = head_text(&window->viewer->head, &is_well) || !window->viewer->tools[FIRST_TOOL].has_pose;
-    float below = has_text ? 1.6F * ui_line() : 0; /* where it stands */
+    float below = 1.6F * ui_line(); /* where words may stand */
     const float centre[2] = {box->x + box->width - reach, box->y + box->height - reach - below};
     struct labels labels = {.count = 0};
     for (int half = 0; half < 24 && has_compass(box); half++) { /* what points away first; of letters the near ones */
@@ -110,7 +109,7 @@ static void ask_painter(struct window *window, bool moving)
     struct painting what = {.eye = window->pictures.eye,
                             .width = (uint32_t)fmaxf(box->width, 1),
                             .height = (uint32_t)fmaxf(box->height, 1),
-                            .fade = viewer->display.fade,
+                            .fade = viewer_fade(viewer),
                             .backdrop = viewer->display.backdrop,
                             .is_dark = theme_used() == THEME_DARK,
                             .own_colours = viewer->display.own_colours,
@@ -292,6 +291,9 @@ static bool allows_name(void *user, const struct ui_box *box, uint32_t object)
     return does;
 }
 
+/* Sizes of the card, parts of the pane's height: texts can be read from the back of a room. */
+static const float card_name = 52.0F / 900, card_more = 26.0F / 900, card_hit = 24.0F / 900, card_gap = 10.0F / 900;
+
 /* Keeps names off what else lies over the picture. */
 static void reserve_places(struct window *window)
 {
@@ -314,6 +316,11 @@ static void reserve_places(struct window *window)
                    (struct ui_box){box->x + box->width - across, box->y + box->height - up, across, up});
     labels_reserve(&window->frame.labels,
                    (struct ui_box){box->x, box->y + box->height - 3 * line, box->width, 3 * line}); /* notices */
+    if (screen_is_bare(&window->screen)) {
+        const float high = (card_name + card_more + card_hit + 5 * card_gap) * box->height + 4 * line;
+        labels_reserve(&window->frame.labels,
+                       (struct ui_box){box->x, box->y + box->height - high, 0.65F * box->width, high});
+    }
 }
 
 /* Draws the device's view, enlarged: the pixels of its buffer in the areas' colours. */
@@ -378,8 +385,83 @@ static void draw_waiting(const struct window *window)
     }
 }
 
-/* Writes notices at the lower edge: of the head, and above it of both cones. */
-static void draw_notices(const struct window *window)
+/* Writes the next best hits in one line, as far as there is room for them, or only measures it. Returns its width. */
+static float draw_next_hits(const struct viewer *viewer, const float start[2], float room, float high, bool draws)
+{
+    const conus_selection *selection = viewer_selection(viewer);
+    float used = 0;
+    for (size_t i = 1; i < conus_selection_count(selection); i++) {
+        const conus_result *result = conus_selection_result(selection, i);
+        char title[VIEW_ATLAS_TITLE];
+        char text[VIEW_ATLAS_TITLE + 16];
+        uint8_t rgb[3];
+        if (!result->object || !result->pixels) {
+            continue;
+        }
+        snprintf(text, sizeof text, result->share < 0.01 ? "%s %.1f %%" : "%s %.0f %%",
+                 view_atlas_title(title, viewer->drawn, result->object), 100 * result->share);
+        const float wide = ui_large_width(text, high) + 1.8F * high;
+        if (used + wide > room) {
+            break;
+        }
+        if (draws) {
+            viewer_colour(rgb, viewer, result->object);
+            ui_draw_box((struct ui_box){start[0] + used, start[1] + 0.2F * high, 0.6F * high, 0.6F * high},
+                        (ui_colour){rgb[0], rgb[1], rgb[2], 255}, 0);
+            ui_draw_large((float[]){start[0] + used + high, start[1]}, light, text, high);
+        }
+        used += wide;
+    }
+    return used;
+}
+
+/* Where there are no panels the answer stands on the picture, above the line @p below. */
+static void draw_card(struct window *window, float below)
+{
+    struct viewer *viewer = window->viewer;
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
+    const conus_selection *selection = viewer_selection(viewer);
+    struct headline headline;
+    char shown[HEADLINE_TEXT];
+    uint8_t rgb[3];
+    const bool is_old = inputs_is_old(&window->inputs, viewer, FIRST_TOOL);
+    headline_find(&headline, viewer);
+    if (is_old) {
+        snprintf(shown, sizeof shown, "OLD ANSWER \u00b7 %.480s", headline.more);
+        memcpy(headline.more, shown, sizeof shown);
+    }
+    const float gap = card_gap * box->height;
+    const float more = card_more * box->height;
+    const float hit = card_hit * box->height;
+    const float most = 0.6F * box->width;
+    float name = card_name * box->height;
+    name = fmaxf(fminf(name, name * most / ui_large_width(headline.what, name)), more);
+    const float whole = name + more + hit + 4 * gap;
+    float at[2] = {box->x + 5 * gap, below - whole};
+    float wide = fmaxf(ui_large_width(headline.what, name), ui_large_width(headline.more, more));
+    wide = fminf(fmaxf(wide, draw_next_hits(viewer, at, most, hit, false)), most);
+    const uint32_t best = conus_selection_count(selection) ? conus_selection_result(selection, 0)->object : 0;
+    viewer_colour(rgb, viewer, best);
+    const ui_colour bar = is_old                ? theme_shaded[THEME_ORANGE]
+                          : headline.is_of_plan ? theme_shaded[panel_verdict_colour(plans_verdict(viewer))]
+                                                : (ui_colour){rgb[0], rgb[1], rgb[2], 255};
+    const struct ui_box card = {at[0] - 2 * gap, at[1] - gap, wide + 4 * gap, whole};
+    ui_draw_box(card, theme_surfaces[THEME_SHADE], 0);
+    ui_draw_box((struct ui_box){card.x, card.y, 0.6F * gap, card.height}, bar, 0);
+    ui_shorten_name(shown, sizeof shown, headline.what,
+                    most * ui_text_width(headline.what) / ui_large_width(headline.what, name));
+    ui_draw_large(at, theme_shaded[THEME_PLAIN], shown, name);
+    at[1] += name + gap;
+    ui_draw_large(at, theme_shaded[is_old ? THEME_ORANGE : THEME_HINT], headline.more, more);
+    at[1] += more + gap;
+    if (!is_old) {
+        draw_next_hits(viewer, at, most, hit, true);
+    }
+}
+
+/* Writes notices at the lower edge: of the head, and above it of both cones; and above all the answer, where no panel
+ * has it. */
+static void draw_notices(struct window *window)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     const struct viewer *viewer = window->viewer;
@@ -430,6 +512,10 @@ static void draw_notices(const struct window *window)
         snprintf(second, sizeof second, "tool 2: %s%s", notice.is_old ? "OLD ANSWER: " : "", notice.text);
         ui_shorten(shown, sizeof shown, second, room);
         ui_draw_text(at, notice.is_trouble ? theme_shaded[THEME_ORANGE] : light, shown);
+        at[1] -= 1.4F * ui_line();
+    }
+    if (screen_is_bare(&window->screen) && viewer->tools[FIRST_TOOL].has_pose) {
+        draw_card(window, at[1] + ui_line());
     }
 }
 

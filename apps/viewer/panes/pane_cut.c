@@ -324,7 +324,6 @@ void pane_cut(struct window *window, enum plane plane)
     cut_view(&cut.plane.view, window->viewer, plane, (double[]){(double)box->width, (double)box->height});
     make_title(&cut, window->viewer, plane);
     cut.plane.view.no_cone = true; /* pane_cone.c has it */
-    cut.plane.view.selection = answer_selection(viewer_pictured(window->viewer));
     draw_picture(window, &cut);
     ui_panel(figure_panes[plane], *box, UI_PLAIN);
     if (pane->texture.name) {

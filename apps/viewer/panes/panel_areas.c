@@ -86,7 +86,7 @@ static void draw_area(struct window *window, uint32_t number)
     ui_id(number);
     ui_dim(shown == SHOWN_NOT ? theme_pale : shown == SHOWN_IN_PART ? (1 + theme_pale) / 2 : 1);
     colour.a = viewer->drawn->shown.hidden[number] ? 60 : 255;
-    ui_chip("colour", colour);
+    ui_chip(colour);
     ui_same_line();
     if (viewer->drawn->shown.chosen == number) {
         if (window->frame.listed != number) { /* it was chosen just now */
@@ -159,7 +159,7 @@ static void choose_atlas(struct window *window)
     struct viewer *viewer = window->viewer;
     size_t drawn = (size_t)(viewer->drawn - viewer->atlases);
     if (viewer->atlas_count > 1) {
-        ui_width(window->screen.left.width - 20);
+        ui_width(ui_room());
         if (ui_choose("##atlas", &drawn, viewer->names, viewer->atlas_count)) {
             viewer_draw(viewer, drawn);
         }
@@ -290,21 +290,15 @@ static bool is_marked(const struct window *window, size_t icon)
                                   : icon == ICON_LIST && !window->screen.folded[0];
 }
 
-/* Draws them below each other on the rail, or in two lines above the open list. */
-static void draw_icons(struct window *window, bool in_lines)
+/* Draws them below each other: the list that one of them opens stands beside them, and none moves. */
+static void draw_icons(struct window *window)
 {
-    const size_t in_line = ICONS - ICON_LIST - 1;
-    const float gaps = (float)(in_line - 1) * LOOK_GAP_X * window->screen.scale;
-    const float most = in_lines ? (ui_room() - gaps) / (float)in_line : INFINITY;
-    const float wide = fminf(36 * window->screen.scale, most);
-    const float high = (in_lines ? 24 : 30) * window->screen.scale;
+    const float wide = fminf(36 * window->screen.scale, ui_room());
+    const float high = 30 * window->screen.scale;
     for (size_t i = 0; i < ICONS; i++) {
         const struct icon *icon = &icons[i];
         bool marked = is_marked(window, i);
-        bool begins = i == ICON_LIST + 1;
-        if (in_lines && i && !begins) {
-            ui_same_line();
-        } else if (!in_lines && begins) {
+        if (i == ICON_LIST + 1) {
             ui_separator();
         }
         ui_disable(icon->step && !changes_reach(&window->history.changes, icon->step));
@@ -322,9 +316,11 @@ static void draw_icons(struct window *window, bool in_lines)
 
 void panel_rail(struct window *window, size_t side)
 {
-    ui_panel(side ? "##hits" : "##areas", side ? window->screen.right : window->screen.left, UI_UNTITLED | UI_NARROW);
+    struct ui_box box = side ? window->screen.right : window->screen.left;
+    box.width = fminf(box.width, floorf(LAYOUT_RAIL * window->screen.scale));
+    ui_panel(side ? "##hits" : "##areas", box, UI_UNTITLED | UI_NARROW);
     if (side == 0) {
-        draw_icons(window, false);
+        draw_icons(window);
     } else if (ui_button("Hits", "opens the hits of the cone and the settings (F6)")) {
         layout_fold(&window->screen.layout, 1, false);
     }
@@ -334,16 +330,17 @@ void panel_rail(struct window *window, size_t side)
 void panel_areas(struct window *window)
 {
     struct viewer *viewer = window->viewer;
+    struct ui_box box = window->screen.left;
+    panel_rail(window, 0);
     if (window->screen.folded[0]) {
-        panel_rail(window, 0);
         return;
     }
-    ui_panel("Areas", window->screen.left, 0);
-    draw_icons(window, true);
-    ui_separator();
+    box.x += floorf(LAYOUT_RAIL * window->screen.scale);
+    box.width -= box.x;
+    ui_panel("Areas", box, 0);
     choose_atlas(window);
     ui_id((uint32_t)(viewer->drawn - viewer->atlases)); /* each has a list of its own, scrolled and opened */
-    ui_width(window->screen.left.width - 20);
+    ui_width(ui_room());
     bool wants_first =
         ui_type("##search", viewer->drawn->shown.search, sizeof viewer->drawn->shown.search, "search name or label");
     ui_tip("whole names come first, then names and words that begin so, names with it inside, and label numbers;\n"
@@ -352,6 +349,8 @@ void panel_areas(struct window *window)
         uint32_t best = search_best(viewer->drawn->atlas, viewer->drawn->shown.search);
         if (best) {
             viewer_choose(viewer, best);
+        } else {
+            viewer_say(viewer, "nothing is called \"%s\"", viewer->drawn->shown.search);
         }
     }
     panel_key_button(window, "Show all", "v", "no area is hidden any more; V, too");

@@ -94,14 +94,15 @@ void panel_card(struct window *window)
     struct viewer *viewer = window->viewer;
     uint32_t number = viewer->drawn->shown.chosen;
     const conus_object *object = conus_atlas_object(viewer->drawn->atlas, number);
-    if (!object || !ui_section("Chosen area", true)) {
+    if (!object) {
+        ui_text_wrapped(THEME_HINT, "no area is chosen: click one in a picture or a list");
         return;
     }
     ui_id(number);
     draw_facts(viewer, object, number);
     panel_hide(viewer, number, false);
-    ui_flow("Pin");
-    if (ui_button("Pin", "adds it to what was confirmed, with the place of the crosshair")) {
+    ui_flow("Keep");
+    if (ui_button("Keep", "adds it to what was kept, with the place of the crosshair")) {
         const double *at = viewer->crosshair;
         viewer_pin(viewer, (struct pin){.atlas = (size_t)(viewer->drawn - viewer->atlases),
                                         .object = number,

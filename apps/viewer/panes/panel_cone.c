@@ -299,6 +299,8 @@ static void search_area(struct window *window)
     uint32_t best = entered && search[0] ? search_best(viewer->drawn->atlas, search) : 0;
     if (best) {
         viewer_choose(viewer, best);
+    } else if (entered && search[0]) {
+        viewer_say(viewer, "nothing is called \"%s\"", search);
     }
     size_t count = 0;
     uint32_t *found = search[0] && window->screen.folded[0] ? search_all(&count, viewer->drawn->atlas, search) : NULL;
@@ -316,9 +318,6 @@ static void search_area(struct window *window)
 void panel_question(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    if (!ui_section("What is asked", true)) {
-        return;
-    }
     choose_pointer(window);
     choose_width(window);
     if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_MOUSE) {
@@ -362,13 +361,6 @@ static void show_times(const struct window *window)
 
 void panel_expert(struct window *window)
 {
-    if (ui_section("Expert", false)) {
-        choose_details(window);
-        panel_study_kind(window->viewer);
-        show_times(window);
-    }
-    if (ui_section("View", false)) {
-        panel_look_view(window);
-    }
-    panel_transfer(window);
+    choose_details(window);
+    show_times(window);
 }

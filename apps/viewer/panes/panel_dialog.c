@@ -154,8 +154,7 @@ void panel_dialog(struct window *window)
     if (pins) {
         ui_text_coloured(
             THEME_ORANGE,
-            "Another atlas in place of this one ends the list of what was confirmed (%zu); O in the window saves it.",
-            pins);
+            "Another atlas in place of this one ends the list of what was kept (%zu); O in the window saves it.", pins);
     }
     ui_gap(ui_line() / 2);
     float lists = fmaxf(ui_room_below() - 4 * ui_line(), 5 * ui_line());
@@ -177,17 +176,21 @@ void panel_dialog(struct window *window)
 static void ask_to_close(struct window *window)
 {
     char text[256];
-    snprintf(text, sizeof text, "No session has %s: it ends with the window. To keep it, go on, and press Ctrl+S.",
-             window->forms.closing_loses);
+    snprintf(text, sizeof text, "No session has %s: it ends with the window.", window->forms.closing_loses);
     window_panel(window, "Close without saving?", 460, 130);
     ui_text_wrapped(THEME_ORANGE, text);
     ui_gap(ui_line() / 4);
-    if (ui_button("Keep working", "all stays as it is; Enter or Escape")) {
+    if (ui_main_button("Save\u2026", "saves the session, as Ctrl+S does: then the window closes unasked")) {
         window_answer_closing(window, false);
+        window_press(window, "ctrl+s");
     }
     ui_same_line();
-    if (ui_button("Close", "the window, without saving; Q")) {
+    if (ui_button("Close without saving", "Q, too")) {
         window_answer_closing(window, true);
+    }
+    ui_same_line();
+    if (ui_button("Cancel", "all stays as it is; Enter or Escape")) {
+        window_answer_closing(window, false);
     }
     ui_panel_end();
 }
@@ -211,7 +214,7 @@ void panel_ask(struct window *window)
                                    "list. Or this one takes its place."
                                  : "This session takes the place of what is open.");
     if (pins) {
-        ui_text_wrapped(THEME_ORANGE, "If it takes its place, the list of what was confirmed ends.");
+        ui_text_wrapped(THEME_ORANGE, "If it takes its place, the list of what was kept ends.");
     }
     ui_gap(ui_line() / 4);
     if (may_be_added) {

@@ -2,6 +2,7 @@
 /* The form that asks which pane to save as a figure. */
 #include "viewer/panes/panels.h"
 
+#include "base/path.h"
 #include "viewer/window/figure_form.h"
 
 #include <string.h>
@@ -61,9 +62,29 @@ static void choose_text(struct window *window)
     }
 }
 
+/* Sets the ending of the name, which says the format. */
+static void choose_format(struct figure_form *form)
+{
+    static const char *const formats[] = {"PNG", "SVG", "PDF"}, *const endings[] = {".png", ".svg", ".pdf"};
+    enum { FORMATS = sizeof formats / sizeof formats[0] };
+    size_t format = 0;
+    while (format < FORMATS && !path_ends_in(form->name, endings[format])) {
+        format++;
+    }
+    if (ui_choose("File", &format, formats, FORMATS)) {
+        const char *dot = strrchr(form->name, '.');
+        const size_t stem = dot && !strchr(dot, '/') ? (size_t)(dot - form->name) : strlen(form->name);
+        if (stem + sizeof ".png" <= sizeof form->name) {
+            memcpy(form->name + stem, endings[format], sizeof ".png");
+        }
+    }
+    ui_tip("pixels, or shapes and letters that stay sharp at any size: the ending of the name; .exr is typed");
+}
+
 static void choose_name(struct window *window)
 {
     struct figure_form *form = &window->forms.figure;
+    choose_format(form);
     ui_take_keys(&form->takes_keys);
     bool entered = ui_type("Name", form->name, sizeof form->name, "figure.png");
     ui_tip(
@@ -87,7 +108,7 @@ void panel_figure(struct window *window)
     static const char *const panes[] = {"axial cut", "coronal cut", "sagittal cut", "3-D"};
     struct sheet before = window->sheet;
     enum backdrop backdrop = window->viewer->display.backdrop;
-    window_panel(window, "Save a figure (Ctrl+P; Escape closes this)", 520, plans_is_on(window->viewer) ? 360 : 330);
+    window_panel(window, "Save a figure (Ctrl+P; Escape closes this)", 520, plans_is_on(window->viewer) ? 387 : 357);
     ui_choose("Of", &window->forms.figure.pane, panes, PANE_COUNT);
     ui_tip("drawn anew at this size: the place, the cone and the look that the pane has now");
     choose_size(&window->sheet);

@@ -78,7 +78,7 @@ static void draw_name(struct viewer *viewer, const struct view_atlas *view, enum
                  viewer_place_text(place, viewer, result->contact), result->pixels);
     }
     if (view == viewer->drawn) {
-        ui_chip("colour", colour_of(viewer, view, tool, result->object));
+        ui_chip(colour_of(viewer, view, tool, result->object));
         ui_same_line();
     }
     if (ui_row_cut(view_atlas_title(title, view, result->object),
@@ -184,7 +184,7 @@ void panel_lists(struct window *window, enum tool_number tool, float lines)
                 viewer_draw(viewer, i);
             }
         }
-        draw_list(window, view, tool, several ? fmaxf(lines / (float)viewer->atlas_count, 5) : lines);
+        draw_list(window, view, tool, several ? fmaxf(floorf(lines / (float)viewer->atlas_count) - 1, 4) : lines);
         ui_id_end();
     }
 }

@@ -13,7 +13,7 @@
 
 static const double least_pale = 0.02; /* what should not be seen at all is hidden */
 
-void panel_look_view(struct window *window)
+static void look_at_view(struct window *window)
 {
     static const enum property_id shown[] = {PROPERTY_FADE,         PROPERTY_FILL,         PROPERTY_OUTLINES,
                                              PROPERTY_RADIOLOGICAL, PROPERTY_SAFE_COLOURS, PROPERTY_OWN_COLOURS};
@@ -103,7 +103,7 @@ static void explain_colours(const struct appearance *appearance)
     static const ui_colour pure[] = {{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}};
     for (uint32_t i = 0; appearance->streamlines == TRACT_BY_DIRECTION && i < 3; i++) {
         ui_id(i);
-        ui_chip("direction", pure[i]);
+        ui_chip(pure[i]);
         ui_same_line();
         ui_text("%s", directions[i]);
         ui_id_end();
@@ -334,9 +334,10 @@ static bool has_pathways(const struct view_atlas *view)
     return number;
 }
 
-void panel_transfer(struct window *window)
+void panel_look(struct window *window)
 {
     struct viewer *viewer = window->viewer;
+    look_at_view(window);
     bool has_context = view_atlas_context(viewer->drawn) < conus_atlas_volume_count(viewer->drawn->atlas);
     bool is_ready = make_ready(viewer);
     if (has_context && ui_section("Context", false)) {

@@ -14,8 +14,8 @@ static const struct {
 } columns[COLUMNS] = {
     {"pose", "the planned poses, the best first; click, or ; and :, move the first tool there and hold it",
      "12  entry 12"},
-    {"leeway", "mm by which no point of the needle may be off before a constraint breaks", "88.88"},
-    {"clear", "mm between the needle and what it is to avoid", "888.88"},
+    {"spare mm", "mm by which no point of the needle may be off before a constraint breaks", "88.88"},
+    {"away mm", "mm between the needle and what it is to avoid", "888.88"},
     {"from", "what of that is nearest; of the nearest misses the constraint that they break", "Hippocampus_L"},
 };
 
@@ -74,26 +74,30 @@ static void draw_list(struct viewer *viewer, const struct plan_list *list)
 void panel_plan(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    const char *why;
     char line[PLAN_LINE];
     if (!plans_is_on(viewer)) {
         return;
     }
     const struct plan_verdict *verdict = plans_verdict(viewer);
-    const struct plan_list *list = plans_list(viewer, &why);
-    bool is_behind = plans_is_behind(viewer);
     plans_line(line, viewer, true);
     ui_text_wrapped(panel_verdict_colour(verdict), line);
     ui_tip(verdict->details[0] ? verdict->details : "what the constraints of the plan say of the first tool");
-    if ((list || why[0]) && ui_section("Plan", true)) {
-        ui_text_wrapped(is_behind ? THEME_ORANGE : THEME_HINT, is_behind && list ? "OLD: trying the poses anew"
-                                                               : list            ? list->says
-                                                                                 : why);
-        ui_dim(is_behind ? theme_pale : 1);
-        if (list && list->count) {
-            draw_list(viewer, list);
-        }
-        ui_dim_end();
+}
+
+void panel_planned(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    const char *why = "";
+    const struct plan_list *list = plans_is_on(viewer) ? plans_list(viewer, &why) : NULL;
+    bool is_behind = plans_is_on(viewer) && plans_is_behind(viewer);
+    ui_text_wrapped(is_behind ? THEME_ORANGE : THEME_HINT, is_behind && list ? "OLD: trying the poses anew"
+                                                           : list            ? list->says
+                                                           : why[0]          ? why
+                                                                             : "no list of needles to try: start with "
+                                                                               "--reach or --avoid, and --poses");
+    ui_dim(is_behind ? theme_pale : 1);
+    if (list && list->count) {
+        draw_list(viewer, list);
     }
-    ui_separator();
+    ui_dim_end();
 }

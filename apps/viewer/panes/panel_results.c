@@ -1,14 +1,19 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The table of results and the one of confirmed results. */
+/* The panel of the answer: the table of results, what is asked, and tabs of all else. */
 #include "base/look_sizes.h"
 #include "viewer/panes/panels.h"
 
 #include "viewer/model/columns.h"
 #include "viewer/model/headline.h"
+#include "viewer/model/plans.h"
 #include "viewer/ui/ui_list.h"
 
 #include <math.h>
 #include <stdio.h>
+
+enum { LEAST_LINES = 4 /* of the list */ };
+
+static const float answer_part = 0.42F; /* of the panel's height */
 
 /* Two lines, which are there without a hit, too: nothing moves then. */
 static void draw_answer(const struct headline *headline)
@@ -20,13 +25,18 @@ static void draw_answer(const struct headline *headline)
 static void draw_pins(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    const char *columns[5] = {"confirmed", "share", "mm", "apart mm", "atlas"};
-    static const char *const widest[5] = {"", "100.00 %", "1000.00", "1000.00", "an atlas's name"};
+    const char *columns[5] = {"kept", "share", "mm", "from last mm", "atlas"};
+    if (!viewer->pin_count) {
+        ui_text_wrapped(THEME_HINT,
+                        "nothing yet: Keep answer, Enter, or a double click on the brain keeps the first hit");
+        return;
+    }
+    static const char *const widest[5] = {"", "100.00 %", "1000.0", "1000.0", "an atlas's name"};
     float widths[5];
     panel_widths(widths, window, columns, widest, 5);
     bool several = viewer->atlas_count > 1;
     size_t shown = several ? ui_list_fit(widths, 5, 5) : ui_list_fit(widths, 4, 2); /* the copied table has all */
-    if (ui_table("pins", columns, widths, shown, 6 * ui_list_line())) {
+    if (ui_table("pins", columns, widths, shown, fmaxf(ui_room_below(), 4 * ui_list_line()))) {
         for (size_t i = viewer->pin_count; i > 0; i--) {
             const struct pin *pin = &viewer->pins[i - 1];
             char title[VIEW_ATLAS_TITLE];
@@ -36,7 +46,7 @@ static void draw_pins(struct window *window)
             panel_number("%.1f %%", 100 * pin->share);
             for (size_t c = 2; c < shown && c < 4; c++) {
                 ui_cell();
-                panel_number("%.2f", c == 2 ? pin->distance : pin->apart);
+                panel_number("%.1f", c == 2 ? pin->distance : pin->apart);
             }
             if (several) {
                 ui_cell();
@@ -72,7 +82,7 @@ static void draw_ways_out(struct window *window)
     }
     ui_tip("the format of exported files");
     offer(window, "Copy list", "ctrl+c", "copies the hits of the cone as a table (Ctrl+C)");
-    offer(window, "Copy confirmed", "ctrl+shift+c", "copies what was confirmed as a table (Ctrl+Shift+C)");
+    offer(window, "Copy kept", "ctrl+shift+c", "copies what was kept as a table (Ctrl+Shift+C)");
     ui_popup_end();
 }
 
@@ -88,8 +98,7 @@ static void draw_keep(struct window *window, const struct headline *headline, bo
     bool pressed =
         headline->is_of_plan
             ? button("Keep this needle", "keeps it in a list, with both ends; or Enter, or a double click on the brain")
-            : button("Keep answer",
-                     "confirms the first hit: pins it in a list; or Enter, or a double click on the brain");
+            : button("Keep answer", "keeps the first hit in a list; or Enter, or a double click on the brain");
     ui_disable_end();
     if (pressed) {
         inputs_confirm(&window->inputs, viewer, FIRST_TOOL);
@@ -123,28 +132,20 @@ static void draw_title(struct window *window)
     }
 }
 
-void panel_results(struct window *window)
+/* What holds of the answer, above it. */
+static void draw_notices(struct window *window, const struct notice *notice)
 {
     struct viewer *viewer = window->viewer;
     const double *range = viewer->cone.options.range;
     char depths[80];
-    struct notice notice;
-    struct headline headline;
-    if (window->screen.folded[1]) {
-        panel_rail(window, 1);
-        return;
-    }
-    inputs_notice(&notice, &window->inputs, viewer, FIRST_TOOL);
-    headline_find(&headline, viewer);
-    ui_panel("Hits of the cone", window->screen.right, UI_UNTITLED);
-    draw_title(window);
-    if (notice.is_old) {
+    if (notice->is_old) {
         ui_tint(THEME_ORANGE);
         ui_heading("OLD ANSWER");
         ui_tint_end();
     }
-    if (notice.is_old || (notice.is_trouble && !screen_shows_pane(&window->screen, PANE_3D))) { /* which says it, too */
-        ui_text_wrapped(THEME_ORANGE, notice.text);
+    if (notice->is_old ||
+        (notice->is_trouble && !screen_shows_pane(&window->screen, PANE_3D))) { /* which says it, too */
+        ui_text_wrapped(THEME_ORANGE, notice->text);
     }
     if (range[1] > 0) { /* the limits of the lists, whose widgets may be scrolled out of sight below */
         snprintf(depths, sizeof depths, "only depths from %.6g to %.6g mm count", range[0], range[1]);
@@ -155,31 +156,101 @@ void panel_results(struct window *window)
     }
     panel_hidden(window);
     panel_warnings(viewer);
-    ui_dim(notice.is_old ? theme_pale : 1);
-    draw_answer(&headline);
+}
+
+/* The answer has its part of the panel's height, whatever it says: all below it stays where it is. */
+static void draw_all_of_answer(struct window *window, const struct notice *notice, const struct headline *headline)
+{
+    const float rest = (1 - answer_part) * ui_room_below();
+    draw_title(window);
+    draw_notices(window, notice);
+    ui_dim(notice->is_old ? theme_pale : 1);
+    draw_answer(headline);
     panel_plan(window);
-    bool two = viewer->tools[SECOND_TOOL].on; /* then its list stands below the first one's */
-    bool shares_room = two || viewer->study.settings.kind || plans_is_on(viewer);
-    float room = ui_room_below() / ui_list_line();
-    bool is_short = shares_room || viewer->cone.options.layers != CONUS_LAYERS_ALL; /* few areas are hit first */
-    float lines = viewer->atlas_count > 1 ? (two ? 8 : 16) /* else the rest is for what is asked, and the card */
-                  : is_short              ? fmaxf(fminf(8, 0.4F * room), 5)
-                                          : fmaxf(fminf(14, 0.4F * room), room - 30);
-    panel_lists(window, FIRST_TOOL, lines);
+    panel_lists(window, FIRST_TOOL, fmaxf(floorf((ui_room_below() - rest) / ui_list_line()), LEAST_LINES));
     ui_dim_end();
-    draw_buttons(window, &headline, notice.is_old);
-    if (viewer->pin_count) {
-        draw_pins(window);
-    }
+    ui_gap(fmaxf(ui_room_below() - rest, 0));
+}
+
+static void draw_sureness(struct window *window)
+{
+    struct notice notice;
+    inputs_notice(&notice, &window->inputs, window->viewer, FIRST_TOOL);
+    panel_study_kind(window->viewer);
     panel_study(window, notice.is_old);
-    if (two) {
-        panel_second(window);
+}
+
+static unsigned plan_number(const struct viewer *viewer)
+{
+    return plans_is_on(viewer) ? viewer->plan.number : 0;
+}
+
+static unsigned study_number(const struct viewer *viewer)
+{
+    return viewer->study.settings.kind;
+}
+
+static unsigned second_number(const struct viewer *viewer)
+{
+    return viewer->tools[SECOND_TOOL].on;
+}
+
+/* What lies below the question, one at a time. A number that changes, but to 0, brings its tab to the front. */
+static const struct {
+    const char *label, *tip;
+    void (*draw)(struct window *window);
+    unsigned (*number)(const struct viewer *viewer);
+} tabs[PANEL_TABS] = {
+    {"Area", "the chosen area: facts, and what can be done with it", panel_card, NULL},
+    {"Kept", "the answers that were kept", draw_pins, NULL},
+    {"How sure?", "the answer at other openings, or of a pose that is not exactly known (J)", draw_sureness,
+     study_number},
+    {"Plan", "the needles of the plan, the best first", panel_planned, plan_number},
+    {"Look", "how brain, areas and image are drawn", panel_look, NULL},
+    {"Expert", "all other settings of the question", panel_expert, NULL},
+    {"2nd tool", "another cone, of another device, with a list of its own (2)", panel_second, second_number},
+};
+
+static void draw_tabs(struct window *window)
+{
+    struct panel_tabs *shown = &window->screen.tabs;
+    ui_separator();
+    for (size_t i = 0; i < PANEL_TABS; i++) {
+        char label[32];
+        unsigned number = tabs[i].number ? tabs[i].number(window->viewer) : 0;
+        shown->shown = number && number != shown->numbers[i] ? i : shown->shown;
+        shown->numbers[i] = number;
+        snprintf(label, sizeof label, i == 1 && window->viewer->pin_count ? "%s %zu" : "%s", tabs[i].label,
+                 window->viewer->pin_count);
+        if (i) {
+            ui_flow(label);
+        }
+        shown->shown = ui_tab(label, shown->shown == i, tabs[i].tip) ? i : shown->shown;
     }
+    ui_scroll("tab", fmaxf(ui_room_below(), 8 * ui_line()));
+    for (size_t i = PANEL_TABS; i--;) {
+        if (ui_shows_tab(shown->shown == i)) {
+            tabs[i].draw(window);
+        }
+    }
+    ui_scroll_end();
+}
+
+void panel_results(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    struct notice notice;
+    struct headline headline;
+    if (window->screen.folded[1]) {
+        panel_rail(window, 1);
+        return;
+    }
+    inputs_notice(&notice, &window->inputs, viewer, FIRST_TOOL);
+    headline_find(&headline, viewer);
+    ui_panel("Hits of the cone", window->screen.right, UI_UNTITLED);
+    draw_all_of_answer(window, &notice, &headline);
+    draw_buttons(window, &headline, notice.is_old);
     panel_question(window);
-    panel_expert(window);
-    if (!two) {
-        panel_second(window);
-    }
-    panel_card(window); /* below what is pressed: it comes and goes */
+    draw_tabs(window);
     ui_panel_end();
 }

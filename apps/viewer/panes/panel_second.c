@@ -37,7 +37,7 @@ static void choose_settings(struct window *window)
         tool_hold(viewer, SECOND_TOOL);
     }
     ui_same_line();
-    if (ui_button("Confirm its hit", "pins the best hit of the second cone")) {
+    if (ui_button("Keep its hit", "keeps the best hit of the second cone")) {
         inputs_confirm(&window->inputs, viewer, SECOND_TOOL);
     }
 }
@@ -56,7 +56,7 @@ void panel_second(struct window *window)
         tool_update_second(window->viewer); /* the panel of areas may have changed the atlas in this frame */
         inputs_notice(&notice, &window->inputs, window->viewer, SECOND_TOOL);
         ui_same_line();
-        ui_chip("colour of its cone", ((ui_colour){LOOK_RGB(LOOK_SECOND), 255}));
+        ui_chip(((ui_colour){LOOK_RGB(LOOK_SECOND), 255}));
         if (notice.text) {
             snprintf(text, sizeof text, "%s%s", notice.is_old ? "OLD ANSWER: " : "", notice.text);
             ui_text_wrapped(notice.is_trouble ? THEME_ORANGE : THEME_PLAIN, text);
@@ -65,7 +65,6 @@ void panel_second(struct window *window)
         panel_lists(window, SECOND_TOOL, 8);
         ui_dim_end();
         choose_settings(window);
-        ui_separator();
     }
     ui_id_end();
 }

@@ -55,7 +55,7 @@ void panel_status(struct window *window)
     ui_gap(0);
     ui_same_line_at(gap * window->screen.scale);
     if (lamp) {
-        ui_chip("lamp", theme_texts[lamp_colours[state]]);
+        ui_chip(theme_texts[lamp_colours[state]]);
         ui_same_line_at(2.5F * gap * window->screen.scale);
         ui_text("%s", lamp);
         ui_same_line_at(lit);

@@ -169,7 +169,7 @@ static size_t draw_plot(const struct window *window, const struct study_answer *
     ui_draw_box(box, theme_surfaces[THEME_POPUP], 0);
     for (int quarter = 0; quarter <= 4; quarter++) {
         float y = box.y + box.height * (float)quarter / 4;
-        ui_draw_line((float[]){box.x, y}, (float[]){box.x + box.width, y}, theme_line(), 1);
+        ui_draw_line((float[]){box.x, y}, (float[]){box.x + box.width, y}, theme_marks[THEME_LINE], 1);
     }
     float x = box.x + box.width * across(answer, angle);
     ui_draw_line((float[]){x, box.y}, (float[]){x, box.y + box.height}, theme_texts[THEME_HINT], 1);
@@ -189,7 +189,7 @@ static size_t draw_plot(const struct window *window, const struct study_answer *
 static void draw_name(struct viewer *viewer, const struct study_table *table, uint32_t object, const char *tip)
 {
     ui_cell();
-    ui_chip("colour", colour_of(viewer, table, object));
+    ui_chip(colour_of(viewer, table, object));
     ui_same_line();
     if (!object) {
         ui_name_cut("(nothing hit)", ui_room());

@@ -22,19 +22,15 @@ enum { BUTTONS = sizeof buttons / sizeof buttons[0] };
 static const double glass = 0.15; /* opacity */
 static const char as_glass[] = "Areas as glass", why[] = "Areas are left out: they would hide fibres";
 
-/* Whether pictures have pathways or streamlines, and leave out the areas of voxels, which would hide them. */
-static bool leaves_areas_out(const struct view_atlas *view)
+/* Whether pictures have pathways or streamlines, and so leave out the areas of voxels, which would hide them, or draw
+ * them as glass. */
+static bool has_areas_to_leave_out(const struct view_atlas *view)
 {
-    bool has_others = false;
-    bool has_areas = false;
-    size_t number = view->object_count; /* pathways and bundles come last */
-    for (; number && conus_atlas_object(view->atlas, number)->kind != CONUS_KIND_AREA; number--) {
-        has_others = has_others || !view->shown.hidden[number];
+    size_t number = view->object_count;
+    while (number && !conus_atlas_object(view->atlas, number)->voxels) {
+        number--;
     }
-    for (; number && has_others && !has_areas; number--) {
-        has_areas = conus_atlas_object(view->atlas, number)->voxels;
-    }
-    return has_areas && view->appearance.opacity[0] >= 1;
+    return number && view_atlas_shows_tracts(view);
 }
 
 /* Draws areas that are not hit as glass, and pathways as before. */
@@ -74,7 +70,7 @@ static size_t place_rows(bool begins[BUTTONS], struct ui_box *out, const struct 
     size_t rows = find_rows(begins, &out->width, room);
     out->x = box->x + margin;
     out->y = box->y + margin;
-    if (leaves_areas_out(window->viewer->drawn)) {
+    if (has_areas_to_leave_out(window->viewer->drawn)) {
         out->width = fminf(fmaxf(out->width, ui_button_width(as_glass) + ui_text_width(why)), room);
         rows++;
     }
@@ -107,14 +103,19 @@ void panel_views(struct window *window)
             window_press(window, buttons[i].key);
         }
     }
-    if (leaves_areas_out(window->viewer->drawn)) {
-        if (ui_small_button(as_glass,
-                            "draws areas that are not hit, too: pathways and streamlines are seen through them;\n"
-                            "Ctrl+Z, or Not hit under View, takes it back")) {
-            draw_areas_as_glass(window->viewer);
+    if (has_areas_to_leave_out(window->viewer->drawn)) {
+        if (window->viewer->drawn->appearance.opacity[0] < 1) {
+            if (ui_small_button("Leave areas out", "draws pathways and streamlines, and the areas that are hit")) {
+                viewer_set_opacity(window->viewer, 0, 1);
+            }
+        } else {
+            if (ui_small_button(as_glass,
+                                "draws areas that are not hit, too: pathways and streamlines are seen through them")) {
+                draw_areas_as_glass(window->viewer);
+            }
+            ui_same_line();
+            ui_text_cut(why, ui_room());
         }
-        ui_same_line();
-        ui_text_cut(why, ui_room());
     }
     ui_panel_end();
 }

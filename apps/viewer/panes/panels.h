@@ -28,8 +28,9 @@ void panel_rail(struct window *window, size_t side);
  */
 void panel_lists(struct window *window, enum tool_number tool, float lines);
 void panel_second(struct window *window);   /**< The second tool. */
-void panel_question(struct window *window); /**< The four settings that everybody needs, */
+void panel_question(struct window *window); /**< The settings that everybody needs, */
 void panel_expert(struct window *window);   /**< and all others. */
+void panel_look(struct window *window);     /**< How the atlas is drawn. */
 void panel_views(struct window *window);    /**< Buttons over the 3-D pane. */
 /** Their width and height, pixels, from the pane's upper left corner. */
 void panel_views_size(float out[2], const struct window *window);
@@ -42,17 +43,16 @@ static inline enum theme_text panel_verdict_colour(const struct plan_verdict *ve
     static const enum theme_text colours[] = {THEME_HINT, THEME_GREEN, THEME_ORANGE, THEME_ORANGE};
     return colours[verdict->state];
 }
-/** The verdict of a plan's constraints on the first tool, and the planned poses; nothing without a plan. */
+/** The verdict of a plan's constraints on the first tool; nothing without a plan. */
 void panel_plan(struct window *window);
+void panel_planned(struct window *window); /**< The planned poses. */
 void panel_results(struct window *window);
 /** The button that chooses the columns of the lists. */
 void panel_columns(struct window *window);
-void panel_transfer(struct window *window);
-/** Widgets of how the atlas looks, of other panels: the 3-D view, */
-void panel_look_view(struct window *window);
-void panel_look_area(struct viewer *viewer, uint32_t object); /**< an area. */
-void panel_figure(struct window *window);                     /**< Before all others. */
-void panel_added(struct window *window);                      /**< Likewise: what was added to the atlas. */
+/** Widgets of how an area looks. */
+void panel_look_area(struct viewer *viewer, uint32_t object);
+void panel_figure(struct window *window); /**< Before all others. */
+void panel_added(struct window *window);  /**< Likewise: what was added to the atlas. */
 /** How fast a SpaceMouse or a gamepad moves; nothing of another pointer. */
 void panel_speed(struct window *window, enum pointer pointer);
 void panel_status(struct window *window);

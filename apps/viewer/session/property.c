@@ -32,7 +32,7 @@ static const char *const ray_says[] = {"all areas in the cone",
 static const char *const follow_says[] = {"the cuts stay where they are", "the cuts follow the cone's tip",
                                           "the cuts follow the contact of the best hit"};
 static const char *const order_says[] = {"the best first", "the nearest first"};
-static const char *const starts[] = {"at the surface", "off the surface", "at your eye"};
+static const char *const starts[] = {"surface", "in front", "eye"};
 static const char *const followed[] = {"nothing", "the cone's tip", "the best contact"};
 static const char *const bare_says[] = {"panels and cuts are back", "the brain alone; F brings all back"};
 static const char *const measure_says[] = {"clicks set the crosshair again",
@@ -81,11 +81,11 @@ const struct property properties[PROPERTY_COUNT] = {
                            OF_VIEWER(cone.options.sampling), ENUM(sampling_names)},
     [PROPERTY_ENGINE] = {NULL, "engine", "what traces the rays", OF_VIEWER(cone.options.engine), ENUM(engine_names)},
     [PROPERTY_FADE] = {NULL, "fade", "how much the context is thinned in 3-D", OF_VIEWER(display.fade), REALS(1, 0, 1),
-                       .label = "Context", .format = "faded by %.2f",
+                       .label = "Context faded", .format = "%.2f",
                        .tip = "how much the context is thinned in 3-D: 0 as its transfer function says, 1 not at all "
                               "there"},
     [PROPERTY_FILL] = {NULL, "fill", "opacity of the areas in the cuts, 0 to 1", OF_VIEWER(display.fill),
-                       REALS(1, 0, 1), .label = "Areas", .format = "%.2f filled"},
+                       REALS(1, 0, 1), .label = "Areas filled", .format = "%.2f"},
     [PROPERTY_OUTLINES] = {NULL, "outlines", "lines around the areas in the cuts", OF_VIEWER(display.no_outlines),
                            TRUTH, .is_negated = true, .label = "Outlines"},
     [PROPERTY_RADIOLOGICAL] = {NULL, "radiological", "the head's left on the right of the cuts",
@@ -169,12 +169,12 @@ const struct property properties[PROPERTY_COUNT] = {
     [PROPERTY_SAFE_COLOURS] = {NULL, "safe_colours", "colours for any colour vision in place of the atlas's own",
                                OF_VIEWER(display.safe_colours), TRUTH, .presence = PROPERTY_KEPT,
                                .change = CHANGES_COLOURS, .label = "Colours for any colour vision",
-                               .tip = "in place of the atlas's own"},
-    [PROPERTY_OWN_COLOURS] = {NULL, "own_colours", "the atlas's own colours with a cone, too",
+                               .tip = "in place of the atlas's own, where these are shown"},
+    [PROPERTY_OWN_COLOURS] = {NULL, "own_colours", "the atlas's own colours, with a cone and without",
                               OF_VIEWER(display.own_colours), TRUTH, .presence = PROPERTY_KEPT,
                               .label = "Colours of the file",
-                              .tip = "with a cone, too; else what it hits has a colour by its place in the answer,\n"
-                                     "and all else is grey"},
+                              .tip = "in place of grey: else only what the cone hits has a colour, by its place in\n"
+                                     "the answer"},
     [PROPERTY_FIGURE_IN_MM] = {"figure", "in_mm", "whether the size of figures is that on paper",
                                OF_WINDOW(sheet.in_mm), TRUTH},
     [PROPERTY_FIGURE_PIXELS] = {"figure", "pixels", "their width and height; 0 = the default", OF_WINDOW(sheet.pixels),

@@ -476,8 +476,8 @@ static bool lacks(const json_t *kept, const json_t *work, const char *part)
 
 const char *session_lacks(const struct window *window)
 {
-    static const char *const parts[] = {NULL, "what was confirmed", "the transfer function that was drawn",
-                                        "what was confirmed, nor the transfer function that was drawn"};
+    static const char *const parts[] = {NULL, "what was kept", "the transfer function that was drawn",
+                                        "what was kept, nor the transfer function that was drawn"};
     json_t *work = window->viewer ? work_of(window->viewer) : NULL;
     const json_t *kept = window->history.kept;
     const char *lacking = parts[lacks(kept, work, "confirmed") + 2 * lacks(kept, work, "transfer")];

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-static const char not_confirmed[] = "nothing is confirmed: the answer is old, its tool is not seen";
+static const char not_confirmed[] = "nothing is kept: the answer is old, its tool is not seen";
 
 static const double farthest_radii = 3; /* from the brain's middle: a tool cannot be steered farther away */
 

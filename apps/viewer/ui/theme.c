@@ -22,31 +22,22 @@ static const ui_colour surfaces[THEME_COUNT][THEME_SURFACES] = {
     {LOOK_SURFACES(LIGHT)[THEME_SHADE] = {LOOK_RGB(LOOK_BLACK), SHADE_OPACITY}},
 };
 
-static const ui_colour marks[THEME_COUNT] = {{LOOK_RGB(LOOK_DARK_MARK), 255}, {LOOK_RGB(LOOK_LIGHT_MARK), 255}};
-static const ui_colour lines[THEME_COUNT] = {{LOOK_RGB(LOOK_DARK_LINE), 255}, {LOOK_RGB(LOOK_LIGHT_LINE), 255}};
+static const ui_colour marks[THEME_COUNT][THEME_MARKS] = {{LOOK_MARKS(DARK)}, {LOOK_MARKS(LIGHT)}};
 const ui_colour *theme_texts = theme_shaded;
 const ui_colour *theme_surfaces = surfaces[THEME_DARK];
+const ui_colour *theme_marks = marks[THEME_DARK];
 const float theme_pale = 0.8F;
 
 void theme_use(enum theme theme)
 {
     theme_texts = theme == THEME_LIGHT ? light_texts : theme_shaded;
     theme_surfaces = surfaces[theme];
+    theme_marks = marks[theme];
 }
 
 enum theme theme_used(void)
 {
     return theme_texts == light_texts ? THEME_LIGHT : THEME_DARK;
-}
-
-ui_colour theme_mark(void)
-{
-    return marks[theme_used()];
-}
-
-ui_colour theme_line(void)
-{
-    return lines[theme_used()];
 }
 
 /* The XDG Desktop Portal, which GNOME, KDE and others answer: its color-scheme is 0 = no preference, which is how GNOME

@@ -37,26 +37,24 @@ enum theme_surface {
     THEME_ROW, /**< A row that is chosen. */
     THEME_ROW_HOVERED,
     THEME_ROW_HELD,
-    THEME_KNOB, /**< A slider's knob, on which its number may stand. */
-    THEME_KNOB_HELD,
     THEME_MARKED, /**< Text that is marked. */
     THEME_SHADE,  /**< Under texts over pictures, with the opacity that it has over white. */
     THEME_SURFACES
 };
 
+/** What no text stands on (base/look.h). */
+enum theme_mark { THEME_MARK = 0, THEME_EDGE, THEME_KNOB, THEME_KNOB_HELD, THEME_LINE, THEME_MARKS };
+
 enum theme { THEME_DARK = 0, THEME_LIGHT, THEME_COUNT };
 
-/** Colours of the theme in use, [THEME_TEXTS] and [THEME_SURFACES]: one for the program, as Dear ImGui's style is. */
-extern const ui_colour *theme_texts, *theme_surfaces;
+/** Colours of the theme in use, by those enums: one for the program, as Dear ImGui's style is. */
+extern const ui_colour *theme_texts, *theme_surfaces, *theme_marks;
 /** Texts on THEME_SHADE, over pictures, which have no theme. */
 extern const ui_colour theme_shaded[THEME_TEXTS];
 /** The theme in use; dark until theme_use(), whose colours widgets take over with the next ui_create() or
  * ui_set_scale(). */
 enum theme theme_used(void);
 void theme_use(enum theme theme);
-/** The focus of keys, and check marks: no text stands on it; lines between groups of widgets. */
-ui_colour theme_mark(void);
-ui_colour theme_line(void);
 /** Opacity of pale texts: less would be too faint. */
 extern const float theme_pale;
 

@@ -279,12 +279,18 @@ void ui_panel_end(void)
 
 void ui_scroll(const char *id, float height)
 {
-    ImGui::BeginChild(id, ImVec2(0, height), false, ImGuiWindowFlags_NavFlattened);
+    const bool has_bar = ImGui::GetStateStorage()->GetBool(ImGui::GetID(id)); // else its room is free: nothing moves
+    ImGui::BeginChild(id, ImVec2(has_bar ? 0 : -ImGui::GetStyle().ScrollbarSize, height), false,
+                      ImGuiWindowFlags_NavFlattened);
 }
 
 void ui_scroll_end(void)
 {
+    const ImGuiWindow *child = ImGui::GetCurrentWindowRead();
+    const bool has_bar = child->ScrollbarY;
+    const ImGuiID id = child->ChildId;
     ImGui::EndChild();
+    ImGui::GetStateStorage()->SetBool(id, has_bar);
 }
 
 void ui_column(const char *id, float width, float height)
@@ -418,10 +424,24 @@ void ui_text_wrapped(enum theme_text colour, const char *text)
     audit_item(text);
 }
 
+/* A panel's tip stands beside it, where it hides no other widget; over pictures it is at the mouse. */
+static void place_tip()
+{
+    const ImGuiWindow *panel = ImGui::GetCurrentWindowRead()->RootWindow;
+    const ImVec2 screen = ImGui::GetIO().DisplaySize;
+    const float y = ImGui::GetItemRectMin().y;
+    const bool is_at_right = panel->Pos.x + panel->Size.x / 2 > screen.x / 2;
+    if (!(panel->Flags & ImGuiWindowFlags_NoScrollWithMouse)) {
+        ImGui::SetNextWindowPos(ImVec2(is_at_right ? panel->Pos.x : panel->Pos.x + panel->Size.x, y), ImGuiCond_Always,
+                                ImVec2(is_at_right ? 1 : 0, y > screen.y / 2 ? 0.8F : 0));
+    }
+}
+
 void ui_tip(const char *text)
 {
     audit_tip();
     if (ImGui::IsItemHovered()) {
+        place_tip();
         ImGui::BeginTooltip();
         ImGui::TextUnformatted(text);
         ImGui::EndTooltip();
@@ -467,11 +487,21 @@ bool ui_main_button(const char *label, const char *tip)
     return end_labelled(used, label, tip);
 }
 
+/* A button without an edge: of several in a row. */
+static bool press(const char *label, ImVec2 size, enum theme_surface surface, enum theme_text text)
+{
+    ImGui::PushStyleColor(ImGuiCol_Button, packed(theme_surfaces[surface]));
+    ImGui::PushStyleColor(ImGuiCol_Text, packed(theme_texts[text]));
+    ImGui::PushStyleVar(ImGuiStyleVar_FrameBorderSize, 0);
+    const bool used = ImGui::Button(label, size);
+    ImGui::PopStyleVar();
+    ImGui::PopStyleColor(2);
+    return used;
+}
+
 bool ui_icon(const char *id, const char *strokes, float width, float height, bool marked, const char *tip)
 {
-    ImGui::PushStyleColor(ImGuiCol_Button, packed(theme_surfaces[marked ? THEME_BUTTON_HELD : THEME_PANEL]));
-    bool used = ImGui::Button(id, ImVec2(width, height));
-    ImGui::PopStyleColor();
+    bool used = press(id, ImVec2(width, height), marked ? THEME_BUTTON_HELD : THEME_PANEL, THEME_PLAIN);
     ImDrawList *list = ImGui::GetWindowDrawList();
     ImVec2 low = ImGui::GetItemRectMin();
     float unit = ImGui::GetTextLineHeight() / 16;
@@ -496,8 +526,34 @@ bool ui_check(const char *label, bool *value, const char *tip)
     return end_labelled(ImGui::Checkbox(label, value), label, tip);
 }
 
+/* Two or three choices side by side, all seen, in an edge. They are one widget. */
+static bool switch_between(const char *label, size_t *index, const char *const *choices, size_t count, float wide)
+{
+    const size_t before = *index;
+    const ImVec2 low = ImGui::GetCursorScreenPos();
+    const float high = ImGui::GetFrameHeight();
+    ImGui::BeginGroup();
+    for (size_t i = 0; i < count; i++) {
+        const float left = std::floor(static_cast<float>(i) * wide / static_cast<float>(count));
+        const float right = std::floor(static_cast<float>(i + 1) * wide / static_cast<float>(count));
+        const bool is_on = i == before;
+        ImGui::SetCursorScreenPos(ImVec2(low.x + left, low.y));
+        if (press(choices[i], ImVec2(right - left, high), is_on ? THEME_BUTTON_HELD : THEME_FIELD,
+                  is_on ? THEME_PLAIN : THEME_HINT)) {
+            *index = i;
+        }
+    }
+    ImGui::EndGroup();
+    audit_widget(label);
+    ImGui::GetWindowDrawList()->AddRect(low, ImVec2(low.x + wide, low.y + high), packed(theme_marks[THEME_EDGE]),
+                                        ImGui::GetStyle().FrameRounding);
+    end_field();
+    return *index != before;
+}
+
 bool ui_choose(const char *label, size_t *index, const char *const *choices, size_t count)
 {
+    enum { SWITCHED = 3 };
     bool changed = false;
     const char *shown = *index < count ? choices[*index] : "";
     float widest = 0;
@@ -505,6 +561,11 @@ bool ui_choose(const char *label, size_t *index, const char *const *choices, siz
         widest = std::max(widest, ImGui::CalcTextSize(choices[i]).x);
     }
     begin_field(label, widest + ImGui::GetFrameHeight() + 2 * ImGui::GetStyle().FramePadding.x);
+    const float room = ImGui::CalcItemWidth();
+    const float needed = static_cast<float>(count) * (widest + 2 * ImGui::GetStyle().FramePadding.x);
+    if (label[0] != '#' && count > 1 && count <= SWITCHED && *index < count && needed <= room) {
+        return switch_between(label, index, choices, count, room);
+    }
     audit_within(shown, ImGui::CalcItemWidth() - ImGui::GetFrameHeight() - ImGui::GetStyle().FramePadding.x);
     bool open = ImGui::BeginCombo("##field", shown);
     audit_widget(label);
@@ -656,11 +717,14 @@ bool ui_escaped(void)
     return ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
 }
 
-void ui_chip(const char *id, ui_colour colour)
+void ui_chip(ui_colour colour)
 {
-    float edge = 0.8F * ImGui::GetTextLineHeight();
-    ImGui::ColorButton(id, ImGui::ColorConvertU32ToFloat4(packed(colour)),
-                       ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoDragDrop, ImVec2(edge, edge));
+    const float line = ImGui::GetTextLineHeight();
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float edge = 0.8F * line;
+    ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(at.x, at.y + 0.1F * line), ImVec2(at.x + edge, at.y + 0.9F * line),
+                                              ImGui::GetColorU32(packed(colour)), ImGui::GetStyle().FrameRounding / 2);
+    ImGui::Dummy(ImVec2(edge, line));
 }
 
 bool ui_can_write(const char *text)
@@ -681,9 +745,29 @@ bool ui_section(const char *label, bool open)
     }
     ImGui::Separator();
     ImGui::PushStyleColor(ImGuiCol_Header, packed(theme_surfaces[THEME_PANEL]));
+    ImGui::PushStyleVar(ImGuiStyleVar_FrameBorderSize, 0);
     bool is_open = ImGui::CollapsingHeader(label, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+    ImGui::PopStyleVar();
     ImGui::PopStyleColor();
     return is_open;
+}
+
+bool ui_tab(const char *label, bool shown, const char *tip)
+{
+    const bool used = press(label, ImVec2(0, 0), THEME_PANEL, shown ? THEME_PLAIN : THEME_HINT);
+    if (shown) {
+        const ImVec2 low = ImGui::GetItemRectMin();
+        const ImVec2 high = ImGui::GetItemRectMax();
+        const float thick = 2 * ImGui::GetTextLineHeight() / LOOK_TEXT;
+        ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(low.x, high.y - thick), high,
+                                                  packed({LOOK_RGB(LOOK_MAIN), 255}));
+    }
+    return end_labelled(used, label, tip);
+}
+
+bool ui_shows_tab(bool shown)
+{
+    return shown || audit_runs();
 }
 
 bool ui_tree(const char *label, enum ui_opening opening)
@@ -803,6 +887,23 @@ void ui_draw_heading(const float at[2], ui_colour colour, const char *text)
     push_heading(text);
     ui_draw_text(at, colour, text);
     pop_heading();
+}
+
+/* The large letters, but where they lack one. */
+static ImFont *font_of(const char *text)
+{
+    const ImVector<ImFont *> &fonts = ImGui::GetIO().Fonts->Fonts;
+    return fonts[has_letters(*fonts[1], text)];
+}
+
+float ui_large_width(const char *text, float height)
+{
+    return font_of(text)->CalcTextSizeA(height, FLT_MAX, 0, text).x;
+}
+
+void ui_draw_large(const float at[2], ui_colour colour, const char *text, float height)
+{
+    ImGui::GetWindowDrawList()->AddText(font_of(text), height, ImVec2(at[0], at[1]), packed(colour), text);
 }
 
 struct ui_mouse ui_mouse_now(void)

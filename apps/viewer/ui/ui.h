@@ -133,11 +133,14 @@ bool ui_type(const char *label, char *text, size_t size, const char *hint);
  * path that is pasted behind @p folder (ends in '/'; "" = none) takes its place. */
 bool ui_type_path(const char *label, char *text, size_t size, const char *hint, const char *folder, size_t selected,
                   bool *is_set);
-bool ui_escaped(void);                          /**< Escape was pressed. */
-void ui_chip(const char *id, ui_colour colour); /**< A small square. */
-bool ui_can_write(const char *text);            /**< Whether the font has all its letters; others are shown as "?". */
+bool ui_escaped(void);               /**< Escape was pressed. */
+void ui_chip(ui_colour colour);      /**< A small square. */
+bool ui_can_write(const char *text); /**< Whether the font has all its letters; others are shown as "?". */
 bool ui_row(const char *label, bool selected, float height); /**< A line that can be clicked; height 0 = a text's. */
 bool ui_section(const char *label, bool open);               /**< A heading that folds what is below. */
+/** One of several buttons, that which is @p shown with a line below it, over what is drawn where ui_shows_tab(). */
+bool ui_tab(const char *label, bool shown, const char *tip);
+bool ui_shows_tab(bool shown);
 /** A node of a tree; true while it is open, to be ended by ui_tree_end(). */
 bool ui_tree(const char *label, enum ui_opening opening);
 void ui_tree_end(void);
@@ -165,6 +168,9 @@ void ui_shorten_name(char *out, size_t size, const char *name, float width);
 void ui_draw_text(const float at[2], ui_colour colour, const char *text);
 /** Likewise, in large letters. */
 void ui_draw_heading(const float at[2], ui_colour colour, const char *text);
+/** Likewise, in letters so high, without a shade; and how wide that is. */
+void ui_draw_large(const float at[2], ui_colour colour, const char *text, float height);
+float ui_large_width(const char *text, float height);
 /** Text there on a panel, without a shade. */
 void ui_draw_label(const float at[2], ui_colour colour, const char *text);
 

@@ -16,7 +16,8 @@ struct audit {
     std::vector<std::string> cut;
     std::vector<std::string> untold; // and the newest widget, until its tip comes
     std::vector<std::string> texts;
-    ImVec2 at; // of the newest widget
+    std::vector<ImVec2> places; // of those
+    ImVec2 at;                  // of the newest widget
     ImVec2 size;
 };
 
@@ -45,6 +46,7 @@ void audit_item(const char *text)
     ImVec2 high = list->GetClipRectMax();
     bool is_seen = ImGui::GetItemRectMax().y > low.y && ImGui::GetItemRectMin().y < high.y;
     audit->texts.emplace_back(text);
+    audit->places.push_back(ImGui::GetItemRectMin());
     if (is_seen && (ImGui::GetItemRectMin().x < low.x - told || ImGui::GetItemRectMax().x > high.x + told)) {
         audit->cut.emplace_back(text);
     }
@@ -74,6 +76,7 @@ void audit_within(const char *text, float room)
         return;
     }
     audit->texts.emplace_back(text);
+    audit->places.push_back(ImGui::GetCursorScreenPos());
     if (ImGui::CalcTextSize(text, nullptr, true).x > room + told) {
         audit->cut.emplace_back(text);
     }
@@ -87,6 +90,7 @@ void ui_audit_begin(void)
     audit->cut.clear();
     audit->untold.clear();
     audit->texts.clear();
+    audit->places.clear();
     ImGui::GetIO().DisplaySize = audit->size;
     ImGui::NewFrame();
 }
@@ -111,6 +115,16 @@ const char *ui_audit_untold(size_t index)
 size_t ui_audit_count(void)
 {
     return current()->texts.size();
+}
+
+bool ui_audit_at(float at[2], const char *text)
+{
+    const size_t index = ui_audit_place(text);
+    if (index < current()->places.size()) {
+        at[0] = current()->places[index].x;
+        at[1] = current()->places[index].y;
+    }
+    return index < current()->places.size();
 }
 
 size_t ui_audit_place(const char *text)

@@ -24,6 +24,8 @@ const char *ui_audit_untold(size_t index);
 size_t ui_audit_count(void);
 /** Which of them, from 0, this one was first; SIZE_MAX = it was none. */
 size_t ui_audit_place(const char *text);
+/** Where its upper left corner was; false: it was none. */
+bool ui_audit_at(float at[2], const char *text);
 /** A colour of the style, and its name in Dear ImGui; false = no more. */
 bool ui_audit_colour(ui_colour *out, const char **name, size_t index);
 

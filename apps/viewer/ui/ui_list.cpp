@@ -7,6 +7,7 @@
 #include "base/look_sizes.h"
 
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -89,7 +90,10 @@ bool ui_list(const char *id, const float *widths, size_t count, float height)
                             ImGuiTableFlags_NoSavedSettings | (whole ? 0 : ImGuiTableFlags_ScrollX);
     ImGui::PushID(whole ? "fits" : "scrolls"); // a table keeps the flags of its columns
     ImGui::PushID(static_cast<int>(count));
-    if (!ImGui::BeginTable(id, static_cast<int>(count), flags, ImVec2(0, height))) {
+    const ImGuiTable *before = ImGui::TableFindByID(ImGui::GetID(id)); // without a bar its room is free: nothing moves
+    const bool has_bar = before && before->InnerWindow && before->InnerWindow->ScrollbarY;
+    const float width = has_bar ? 0 : -ImGui::GetStyle().ScrollbarSize;
+    if (!ImGui::BeginTable(id, static_cast<int>(count), flags, ImVec2(width, height))) {
         ImGui::PopID();
         ImGui::PopID();
         return false;
@@ -175,6 +179,9 @@ void ui_underline(double part, ui_colour colour)
 
 bool ui_row_cut(const char *label, bool selected, const char *tip)
 {
+    if (selected && ImGui::GetCurrentTable()) { // all of the row
+        ImGui::TableSetBgColor(ImGuiTableBgTarget_RowBg1, ImGui::GetColorU32(ImGuiCol_Header));
+    }
     std::string shown = cut_name(label, ImGui::GetContentRegionAvail().x);
     bool is_cut = shown != label;
     bool pressed = ImGui::Selectable(shown.c_str(), selected);

@@ -52,8 +52,6 @@ static void set_colours(ImGuiStyle &style)
         {ImGuiCol_HeaderHovered, THEME_ROW_HOVERED},
         {ImGuiCol_HeaderActive, THEME_ROW_HELD},
         {ImGuiCol_TableHeaderBg, THEME_PANEL},
-        {ImGuiCol_SliderGrab, THEME_KNOB},
-        {ImGuiCol_SliderGrabActive, THEME_KNOB_HELD},
         {ImGuiCol_TextSelectedBg, THEME_MARKED},
     };
     for (const auto &one : surfaces) {
@@ -61,10 +59,19 @@ static void set_colours(ImGuiStyle &style)
     }
     style.Colors[ImGuiCol_Text] = from_theme(theme_texts[THEME_PLAIN]);
     style.Colors[ImGuiCol_TextDisabled] = from_theme(theme_texts[THEME_HINT]);
-    for (ImGuiCol line : {ImGuiCol_Separator, ImGuiCol_TableBorderLight, ImGuiCol_TableBorderStrong, ImGuiCol_Border}) {
-        style.Colors[line] = from_theme(theme_line());
+    static const struct {
+        ImGuiCol of;
+        enum theme_mark mark;
+    } marks[] = {
+        {ImGuiCol_Separator, THEME_LINE},         {ImGuiCol_TableBorderLight, THEME_LINE},
+        {ImGuiCol_TableBorderStrong, THEME_LINE}, {ImGuiCol_Border, THEME_EDGE},
+        {ImGuiCol_SliderGrab, THEME_KNOB},        {ImGuiCol_SliderGrabActive, THEME_KNOB_HELD},
+        {ImGuiCol_CheckMark, THEME_MARK},         {ImGuiCol_NavHighlight, THEME_MARK},
+        {ImGuiCol_ScrollbarGrab, THEME_EDGE},     {ImGuiCol_ScrollbarGrabHovered, THEME_KNOB},
+    };
+    for (const auto &one : marks) {
+        style.Colors[one.of] = from_theme(theme_marks[one.mark]);
     }
-    style.Colors[ImGuiCol_CheckMark] = style.Colors[ImGuiCol_NavHighlight] = from_theme(theme_mark());
 }
 
 bool ui_style(float scale)
@@ -77,10 +84,12 @@ bool ui_style(float scale)
     }
     style.WindowRounding = style.WindowBorderSize = 0;
     style.FrameRounding = LOOK_ROUNDING;
+    style.FrameBorderSize = 1; /* a control is seen by its edge */
     style.WindowPadding = ImVec2(LOOK_PADDING_X, LOOK_PADDING_Y);
     style.ItemSpacing = ImVec2(LOOK_GAP_X, LOOK_GAP_Y);
     style.CellPadding = ImVec2(LOOK_CELL, LOOK_CELL_Y);
     set_colours(style);
+    style.ScrollbarSize = LOOK_BAR;
     style.ScaleAllSizes(scale);
     ImGui::GetStyle() = style;
     ImGui::GetIO().Fonts->Clear();

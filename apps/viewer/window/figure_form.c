@@ -138,9 +138,10 @@ static conus_status draw_3d(conus_image **out, const char **refusal, const struc
     if (!marks) {
         return CONUS_ERROR_MEMORY;
     }
-    conus_view view = {.selection = viewer_selection(viewer),
+    conus_view view = {.selection = answer_selection(viewer_pictured(viewer)),
+                       .no_cone = !viewer_selection(viewer),
                        .chosen = viewer_full(viewer),
-                       .fade = viewer->display.fade,
+                       .fade = viewer_fade(viewer),
                        .shapes = shapes,
                        .measured = measured(viewer)};
     window_eye(window, &eye);
@@ -150,6 +151,7 @@ static conus_status draw_3d(conus_image **out, const char **refusal, const struc
     view.marks = marks->items;
     view.mark_count = marks->count;
     figure_view(&view, settings);
+    view.legend = view.no_cone ? CONUS_LEGEND_NONE : view.legend; /* of no question */
     appearance_set(&view, &viewer->drawn->appearance);
     view.own_colours = viewer->display.own_colours;
     if (!set_camera(&view, &eye, settings->streamline_colour)) {
@@ -180,6 +182,7 @@ static conus_status draw_cut(conus_image **out, const struct window *window, enu
     memcpy(whole.right, view.right, sizeof whole.right);
     memcpy(whole.up, view.up, sizeof whole.up);
     sheet.selection = view.selection;
+    sheet.legend = view.no_cone ? CONUS_LEGEND_NONE : sheet.legend;
     sheet.own_colours = view.own_colours;
     sheet.frame = &viewer->frame;
     return conus_cuts_image(out, viewer->drawn->atlas, &whole, 1, &view, NULL, &sheet);

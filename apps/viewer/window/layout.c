@@ -7,7 +7,7 @@
 
 static const double first_panels[2] = {250, 480};
 static const double first_parts[2] = {1 / 4.0, 0.3}; /* of the window's width, at most, of these */
-static const double rail = 48, narrow = 1500;        /* below that width the left panel is folded at first */
+static const double narrow = 1500;                   /* below that width the left panel is folded at first */
 static const double first_division[2] = {0.72, 1 / 3.0};
 static const double least_panel = 240, most_panel = 4000;
 static const double most_part = 0.4;      /* of the window's width, of each panel */
@@ -42,7 +42,7 @@ static float panel_width(const struct layout *layout, size_t side, float width, 
     double wanted = (own > 0 ? own : first_panels[side]) * (double)scale;
     double most = own > 0 ? (double)width * most_part : most_at_first(layout, side, width, scale);
     if (is_folded(layout, side, width, scale)) {
-        return floorf((float)rail * scale);
+        return floorf(LAYOUT_RAIL * scale);
     }
     return floorf((float)fmin(wanted, most));
 }

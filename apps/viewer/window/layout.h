@@ -7,6 +7,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+enum { LAYOUT_RAIL = 48 /**< Pixels at scale 1: width of a rail. */ };
+
 /** Whether a panel is folded to its rail: at first the left one is where the window is narrow. */
 enum fold { FOLD_AS_AT_FIRST = 0, FOLD_CLOSED, FOLD_OPEN, FOLD_COUNT };
 

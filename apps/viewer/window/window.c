@@ -2,6 +2,7 @@
 /* Opens the window on its screen, lays it out, notes what is to be opened next, decides when a frame is due. */
 #include "viewer/window/window.h"
 
+#include "base/look_sizes.h"
 #include "base/system/system.h"
 #include "options/messages.h"
 #include "options/output.h"
@@ -139,7 +140,7 @@ bool window_sees_anew(struct seen_view *view, const struct window *window)
                                   .atlas_number = viewer->atlas_number,
                                   .scene_number = viewer->scene_number,
                                   .eye = window->pictures.shown,
-                                  .fade = viewer->display.fade};
+                                  .fade = viewer_fade(viewer)};
     bool is_same = view->of == now.of && view->atlas_number == now.atlas_number &&
                    view->scene_number == now.scene_number && view->fade == now.fade &&
                    eye_is_same(&view->eye, &now.eye);
@@ -162,14 +163,21 @@ bool window_press(struct window *window, const char *key)
     return window->press && window->press(window, key);
 }
 
-/* Sets the size of texts from the next frame on, within limits where they can be read and some fit. */
+static const float least_zoom = PLACE_LEAST_ZOOM / 100.0F, most_zoom = PLACE_MOST_ZOOM / 100.0F;
+
+/* The scale at which texts can be read and some fit; where the brain is alone also from the back of a room. */
+static float find_wanted_scale(const struct screen *screen)
+{
+    enum { LINES = 56 /* that fill the height */ };
+    float far = screen_is_bare(screen) ? (float)screen->height / (LINES * LOOK_TEXT) : 0;
+    return fminf(fmaxf(fmaxf(screen->screen_scale * (float)screen->zoom, far), least_zoom), most_zoom);
+}
+
+/* Sets the size of texts from the next frame on. */
 static void use_zoom(struct window *window, double zoom)
 {
-    double least = PLACE_LEAST_ZOOM / 100.0;
-    double most = PLACE_MOST_ZOOM / 100.0;
-    window->screen.zoom = fmin(fmax(zoom, least), most);
-    window->screen.next_scale =
-        fminf(fmaxf(window->screen.screen_scale * (float)window->screen.zoom, (float)least), (float)most);
+    window->screen.zoom = fmin(fmax(zoom, (double)least_zoom), (double)most_zoom);
+    window->screen.next_scale = find_wanted_scale(&window->screen);
     window->frame.frames_wanted = FRAMES_PER_EVENT;
 }
 
@@ -387,11 +395,10 @@ void window_go_to_start(struct window *window)
     window->dialog.on = false;
     start->why[0] = start->typed[0] = '\0';
     if (pins) {
-        snprintf(
-            start->why, sizeof start->why,
-            "Another atlas in place of this one ends the list of what was confirmed (%zu). Escape goes back, where O "
-            "saves it.",
-            pins);
+        snprintf(start->why, sizeof start->why,
+                 "Another atlas in place of this one ends the list of what was kept (%zu). Escape goes back, where O "
+                 "saves it.",
+                 pins);
     }
     start->on = true;
 }
@@ -411,8 +418,11 @@ void window_say(struct window *window, const char *text)
 
 void window_lay_out(struct window *window)
 {
-    glfwGetFramebufferSize(window->handle, &window->screen.width, &window->screen.height);
-    screen_divide(&window->screen);
+    struct screen *screen = &window->screen;
+    glfwGetFramebufferSize(window->handle, &screen->width, &screen->height);
+    const float wanted = find_wanted_scale(screen);
+    screen->next_scale = fabsf(wanted - screen->scale) > 0.005F ? wanted : screen->next_scale;
+    screen_divide(screen);
 }
 
 void screen_divide(struct screen *screen)

@@ -171,16 +171,25 @@ struct window_files {
     char *saved_last;      /**< The newest file that was saved where the user said; NULL = none. */
 };
 
+enum { PANEL_TABS = 7 };
+
+/** What the panel of the answer shows below the question. */
+struct panel_tabs {
+    size_t shown;                 /**< The tab. */
+    unsigned numbers[PANEL_TABS]; /**< What each was about when it was drawn last. */
+};
+
 /** How the window is divided, and how large its texts are. */
 struct screen {
     int width, height; /**< Pixels. */
     float scale;       /**< Scale of texts and panels. */
     struct ui_box left, right, status, panes[PANE_COUNT];
     struct layout layout;
-    int enlarged;        /**< The pane that fills the middle, or -1. */
-    bool alone;          /**< The 3-D pane fills the whole screen, */
-    bool bare;           /**< or the window: no panels, no cuts. */
-    bool folded[2];      /**< The left and the right panel are rails. */
+    int enlarged;   /**< The pane that fills the middle, or -1. */
+    bool alone;     /**< The 3-D pane fills the whole screen, */
+    bool bare;      /**< or the window: no panels, no cuts. */
+    bool folded[2]; /**< The left and the right panel are rails. */
+    struct panel_tabs tabs;
     struct place before; /**< Where the window was before that. */
     float next_scale;    /**< That the screen asks for; 0 = no other than before. */
     bool scale_given;    /**< By the user: the screen is not asked. */
