@@ -354,6 +354,32 @@ static void load_path(struct load *load, const char *path)
     probe_close(&probe);
 }
 
+/* Warns of surfaces whose coordinates cannot be mm of a brain. */
+static conus_status note_unit(conus_atlas *atlas)
+{
+    static const double most = 1000; /* of a brain in mm, */
+    static const double least = 0.3; /* and of a brain in metres */
+    static const double world[16] = {1, [5] = 1, [10] = 1, [15] = 1};
+    double low[3];
+    double high[3];
+    double farthest = 0;
+    if (!atlas->mesh_count || !atlas_area_bounds(low, high, atlas, world)) {
+        return CONUS_OK;
+    }
+    for (int a = 0; a < 3; a++) {
+        farthest = fmax(farthest, fmax(-low[a], high[a]));
+    }
+    return farthest > most    ? notes_warn(&atlas->notes,
+                                           "areas reach %g mm from the origin: are the coordinates of their "
+                                              "surfaces micrometres? They were taken as millimetres",
+                                           farthest)
+           : farthest < least ? notes_warn(&atlas->notes,
+                                           "areas reach %g mm from the origin: are the coordinates of "
+                                           "their surfaces metres? They were taken as millimetres",
+                                           farthest)
+                              : CONUS_OK;
+}
+
 /* Checks the whole atlas while the log still gets its notes. */
 static conus_status check_whole(struct load *load, const char *path)
 {
@@ -364,6 +390,7 @@ static conus_status check_whole(struct load *load, const char *path)
         return fail(CONUS_ERROR_ARGUMENT, "--probability %g: %s has no areas of probabilities", probability, path);
     }
     conus_status status = swapped_sides_note(atlas);
+    status = status ? status : note_unit(atlas);
     atlas->notes.sink = NULL;
     atlas->path = memory_text(path, strlen(path));
     return status || atlas->path ? status : CONUS_ERROR_MEMORY;
